@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/elasticity/deformation_model.hpp"
+#include "core/shape/feature.hpp"
+
+namespace palpate::control {
+
+/// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the
+/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated.
+class JacobianProvider {
+ public:
+  virtual ~JacobianProvider() = default;
+  /// False where no Jacobian is available yet.
+  virtual bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,
+                      const math::Pose& X_OG, Eigen::Ref<Eigen::MatrixXd> J) noexcept = 0;
+};
+
+struct LawInputs {
+  double dt = 1e-3;
+  const Eigen::VectorXd* value = nullptr;   // value_count() long
+  const Eigen::VectorXd* target = nullptr;
+  const Eigen::VectorXd* error = nullptr;   // dimension() long
+  const Eigen::MatrixXd* jacobian = nullptr;
+};
+
+struct LawOutput {
+  math::Twist V_O_G;              // twist of the origin of G, in O
+  Eigen::VectorXd unreachable;    // dimension() long, preallocated by the caller
+};
+
+class ControlLaw {
+ public:
+  virtual ~ControlLaw() = default;
+  /// Throws std::invalid_argument where the law cannot steer such a feature. Allocates.
+  virtual void configure_for(const shape::Feature& feature) = 0;
+  virtual void compute(const LawInputs& inputs, LawOutput& output) noexcept = 0;
+  virtual void reset() noexcept {}
+};
+
+}  // namespace palpate::control

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::control {
+
+/// Limits of what may leave the daemon, all of the flange E in W.
+struct GateLimits {
+  double linear_speed = 0.10;           // m/s
+  double angular_speed = 0.5;           // rad/s
+  double linear_acceleration = 0.5;     // m/s^2
+  double angular_acceleration = 2.0;    // rad/s^2
+  double force = 10.0;                  // N, contact force above which the hand is stopped
+  double torque = 3.0;                  // N m
+  Eigen::Vector3d workspace_lower{-1, -1, 0};  // m, of the origin of E in W
+  Eigen::Vector3d workspace_upper{1, 1, 1.5};
+};
+
+struct GateInputs {
+  double dt = 1e-3;
+  bool active = false;          // false: the command ramps to zero
+  math::Twist requested_W_E;
+  math::Pose X_WE = math::Pose::Identity();
+  bool wrench_valid = false;
+  math::Wrench contact;         // tared wrench at the wrist
+};
+
+struct GateOutput {
+  math::Twist V_W_E;            // always finite and within limits
+  bool limited = false;         // differs from what was requested
+  bool refused = false;         // the request was not finite, or force or torque is too high
+  const char* reason = "";
+};
+
+/// The last step before the wire: limits, then a check that every number is finite.
+class SafetyGate {
+ public:
+  explicit SafetyGate(const GateLimits& limits);
+  GateOutput apply(const GateInputs& inputs) noexcept;
+  /// Command is zero at once; for start and fault.
+  void stop() noexcept { last_ = math::Twist(); }
+
+ private:
+  GateLimits limits_;
+  math::Twist last_;
+};
+
+}  // namespace palpate::control

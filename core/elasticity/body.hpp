@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "core/math/rigid.hpp"
+#include "core/mesh/element_mesh.hpp"
+
+namespace palpate::elasticity {
+
+/// Isotropic linear material of the co-rotational models.
+struct Material {
+  double young_modulus = 30e3;  // Pa, > 0
+  double poisson_ratio = 0.3;   // in (-1, 0.5)
+  double density = 26;          // kg/m^3, > 0
+};
+
+/// Rayleigh damping D = mass_factor M + stiffness_factor K, of dynamic models.
+struct Damping {
+  double mass_factor = 1.0;         // 1/s
+  double stiffness_factor = 0.01;   // s
+};
+
+/// Nodes that a hand can hold: while held they move with G as one rigid patch.
+struct GraspRegion {
+  std::vector<int> nodes;
+  math::Pose X_OG_rest = math::Pose::Identity();  // pose of G in O while the object is at rest
+};
+
+/// A deformable object, everything in its rest frame O.
+struct Body {
+  mesh::ElementMesh mesh;
+  Material material;
+  Damping damping;
+  std::vector<int> fixed_nodes;            // held by the test rig
+  std::vector<GraspRegion> grasps;         // at most two
+  Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
+
+  /// Throws std::invalid_argument naming what is wrong (empty mesh, node out of range, a node both
+  /// fixed and grasped, material out of range).
+  void check() const;
+};
+
+}  // namespace palpate::elasticity

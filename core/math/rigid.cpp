@@ -1,0 +1,1 @@
+#include "core/math/rigid.hpp"

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <array>
+
+#include "core/mesh/element_mesh.hpp"
+
+namespace palpate::mesh {
+
+/// A material point as a weighted sum of nodal positions: the shape functions of its element.
+struct PointWeights {
+  int count = 0;                   // 4 or 10
+  std::array<int, 10> nodes{};
+  std::array<double, 10> weights{};
+  double outside = 0;              // m, how far the point lies outside the mesh; 0 inside
+
+  Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& positions) const {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    for (int i = 0; i < count; ++i) p += weights[i] * positions.col(nodes[i]);
+    return p;
+  }
+};
+
+/// Finds the element that holds a rest point. A point outside is extrapolated from the element
+/// nearest to it, and `outside` says how far away it is.
+class PointLocator {
+ public:
+  explicit PointLocator(const ElementMesh& mesh);
+  PointWeights locate(const Eigen::Vector3d& p_O) const;
+
+ private:
+  const ElementMesh& mesh_;
+};
+
+}  // namespace palpate::mesh

@@ -1,0 +1,77 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::sensing {
+
+enum class Freshness { kNoData, kOld, kNew };
+
+/// What one channel has brought: every sample since the last tick, oldest first, and the latest one
+/// with its age. Capacity is fixed; the receiver drops and counts what does not fit.
+template <class T, int kCapacity = 32>
+struct Stream {
+  Freshness freshness = Freshness::kNoData;
+  double age = 1e9;  // s since the arrival of `latest`, monotonic clock
+  T latest{};
+  int fresh_count = 0;  // samples of this tick
+  std::array<T, kCapacity> fresh{};
+};
+
+struct ForceTorque {
+  double time = 0;       // s, clock of the sender
+  math::Wrench F_S;      // what the sensor exerts on the hand, at the origin of S, in S
+};
+
+struct Inertial {
+  double time = 0;
+  Eigen::Vector3d acceleration_I = Eigen::Vector3d::Zero();      // specific force, m/s^2
+  Eigen::Vector3d angular_velocity_I = Eigen::Vector3d::Zero();  // rad/s
+};
+
+struct RobotState {
+  double time = 0;
+  int joint_count = 0;
+  Eigen::Matrix<double, 16, 1> q = Eigen::Matrix<double, 16, 1>::Zero();
+  Eigen::Matrix<double, 16, 1> dq = Eigen::Matrix<double, 16, 1>::Zero();
+  math::Pose X_WE = math::Pose::Identity();
+  math::Twist V_W_E;
+};
+
+enum class Grasp { kNone, kHolding, kSlipping };
+
+struct HandState {
+  double time = 0;
+  Grasp grasp = Grasp::kNone;
+  int fingertip_count = 0;
+  std::array<math::Pose, 5> X_ET{};
+};
+
+struct BioTac {
+  double time = 0;
+  Eigen::Matrix<double, 19, 1> electrodes = Eigen::Matrix<double, 19, 1>::Zero();  // counts
+  double pac = 0;  // counts, first valid sample of the slot
+  double pdc = 0;
+  double tac = 0;
+  double tdc = 0;
+};
+
+struct ManualForce {
+  Eigen::Vector3d rest_point_O = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
+};
+
+/// All that the sensing slot may look at in one tick.
+struct Signals {
+  double dt = 1e-3;  // s
+  Stream<ForceTorque> force_torque;
+  Stream<Inertial> inertial;
+  Stream<RobotState> robot;
+  Stream<HandState, 4> hand;
+  std::array<Stream<BioTac, 4>, 5> biotac;
+  Stream<ManualForce, 4> manual;
+};
+
+}  // namespace palpate::sensing

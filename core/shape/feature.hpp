@@ -1,0 +1,40 @@
+#pragma once
+
+#include <vector>
+
+#include "core/math/rigid.hpp"
+#include "core/mesh/point_locator.hpp"
+
+namespace palpate::shape {
+
+/// A function of the shape that can be steered: its value, its error to a target, and how it follows
+/// the nodes. Points are named by rest position, so that a mesh can change beneath it. After
+/// construction nothing allocates.
+class Feature {
+ public:
+  virtual ~Feature() = default;
+  virtual const char* kind() const noexcept = 0;          // "point", "pose", ...
+  virtual int dimension() const noexcept = 0;             // of error and Jacobian rows
+  virtual int value_count() const noexcept = 0;           // of value and target; a pose has 7
+  virtual const std::vector<Eigen::Vector3d>& rest_points() const noexcept = 0;
+
+  /// Current value from nodal positions, 3 x n in O. A pose: p_O, then w, x, y, z.
+  virtual void evaluate(const Eigen::Matrix3Xd& positions, Eigen::Ref<Eigen::VectorXd> value) noexcept = 0;
+
+  /// target minus value as a small motion, dimension() long: m; rad as rotation vector in O.
+  virtual void error(const Eigen::Ref<const Eigen::VectorXd>& value,
+                     const Eigen::Ref<const Eigen::VectorXd>& target,
+                     Eigen::Ref<Eigen::VectorXd> error) const noexcept = 0;
+
+  /// Nodes that the feature depends on.
+  virtual const std::vector<int>& support() const noexcept = 0;
+
+  /// d feature / d positions of the support, dimension() x 3 |support|, in the same small-motion
+  /// coordinates as error(), at the last evaluate().
+  virtual const Eigen::MatrixXd& jacobian() const noexcept = 0;
+
+  /// True where `target` has value_count() finite numbers that make a valid value.
+  virtual bool is_valid_target(const double* target, int count) const noexcept = 0;
+};
+
+}  // namespace palpate::shape

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <limits>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::config {
+
+/// Exit code of a program whose configuration is wrong (sysexits' EX_CONFIG).
+inline constexpr int kExitCode = 78;
+
+/// A wrong configuration: what() reads "file:line: key: what is wrong; allowed: ...".
+class Error : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// Closed range of an allowed number.
+struct Range {
+  double lower = -std::numeric_limits<double>::infinity();
+  double upper = std::numeric_limits<double>::infinity();
+};
+
+/// Strict view of one YAML node. Every getter throws Error with file, line, full key and allowed
+/// range; getters with a default return it where the key is absent. A key that nobody asked for is
+/// an error when check_all_used() is called on the root.
+class Node {
+ public:
+  /// Reads a file, then applies overrides "path.to.key=value" (value is YAML; list items by index:
+  /// "sensing.0.component=ft_tare_only"). The overridden key need not exist.
+  static Node load_file(const std::string& path, const std::vector<std::string>& overrides = {});
+  static Node from_text(const std::string& text, const std::string& name = "<text>");
+
+  bool has(const std::string& key) const;
+  Node child(const std::string& key) const;             // mapping; throws where absent
+  Node child_or_empty(const std::string& key) const;    // an empty mapping where absent
+  std::vector<Node> list(const std::string& key) const; // sequence of mappings; empty where absent
+  std::vector<std::string> keys() const;
+
+  double number(const std::string& key, Range range) const;
+  double number(const std::string& key, Range range, double otherwise) const;
+  int integer(const std::string& key, Range range) const;
+  int integer(const std::string& key, Range range, int otherwise) const;
+  bool flag(const std::string& key, bool otherwise) const;
+  std::string text(const std::string& key) const;
+  std::string text(const std::string& key, const std::string& otherwise) const;
+  /// One of `allowed`.
+  std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
+  std::string choice(const std::string& key, const std::vector<std::string>& allowed,
+                     const std::string& otherwise) const;
+  /// A sequence of `count` numbers (any count where -1).
+  std::vector<double> numbers(const std::string& key, int count, Range range = {}) const;
+  Eigen::Vector3d vector3(const std::string& key, Range range = {}) const;
+  Eigen::Vector3d vector3(const std::string& key, Range range, const Eigen::Vector3d& otherwise) const;
+  std::vector<Eigen::Vector3d> points(const std::string& key) const;  // sequence of [x, y, z]
+  /// {position: [x, y, z], quaternion: [w, x, y, z]} or {position: ..., rpy_deg: [r, p, y]};
+  /// identity where absent.
+  math::Pose pose(const std::string& key) const;
+  /// A path, taken relative to the file's folder.
+  std::string path(const std::string& key) const;
+
+  /// Throws Error naming the first key below this node that no getter has asked for, with the keys
+  /// that are known beside it.
+  void check_all_used() const;
+
+  /// Throws Error at `key` of this node (or at the node itself where it is empty).
+  [[noreturn]] void fail(const std::string& key, const std::string& what) const;
+
+  /// 64-bit hash of the whole document after overrides.
+  std::int64_t hash() const;
+
+ private:
+  struct Impl;
+  explicit Node(std::shared_ptr<Impl> impl);
+  std::shared_ptr<Impl> impl_;
+};
+
+}  // namespace palpate::config

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <thread>
+
+#include <semaphore.h>
+
+namespace palpate::loop {
+
+/// One low-priority thread that runs one job at a time for the loop. The loop's side neither locks
+/// nor allocates: submit() hands over a pointer and posts a semaphore; finished() polls.
+class BackgroundWorker {
+ public:
+  using Job = void (*)(void* argument) noexcept;
+
+  BackgroundWorker();
+  ~BackgroundWorker();
+  BackgroundWorker(const BackgroundWorker&) = delete;
+  BackgroundWorker& operator=(const BackgroundWorker&) = delete;
+
+  /// False while a job is running or its end has not been collected.
+  bool submit(Job job, void* argument) noexcept;
+  /// The argument of the finished job once, then nullptr until another has finished.
+  void* finished() noexcept;
+  bool busy() const noexcept;
+
+ private:
+  void work() noexcept;
+  enum State : int { kIdle, kRunning, kFinished };
+  std::atomic<int> state_{kIdle};
+  std::atomic<bool> stop_{false};
+  Job job_ = nullptr;
+  void* argument_ = nullptr;
+  sem_t wake_;
+  std::thread thread_;
+};
+
+}  // namespace palpate::loop

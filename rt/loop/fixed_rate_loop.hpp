@@ -1,0 +1,71 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+#include "rt/loop/latency_histogram.hpp"
+
+namespace palpate::loop {
+
+/// What the operating system granted, one line each for the log.
+struct RealTimeGrant {
+  bool memory_locked = false;
+  bool fifo = false;
+  bool affinity = false;
+  std::string remarks;  // what was refused, why, and how to get it; empty where all was granted
+};
+
+struct LoopOptions {
+  double period = 1e-3;  // s
+  int fifo_priority = 50;  // 0: stay SCHED_OTHER
+  int cpu = -1;            // -1: any
+  bool lock_memory = true;
+};
+
+struct LoopStatistics {
+  std::int64_t cycles = 0;
+  std::int64_t overruns = 0;      // late wake-ups or cycles past their end, each once
+  std::int64_t overrun_ns = 0;    // their lateness in all
+  LatencyHistogram wake_up;       // lateness of the wake-up
+};
+
+/// Calls `tick(now_ns)` on an absolute CLOCK_MONOTONIC grid in the calling thread until `stop` is
+/// set. After an overrun the grid is re-aligned to the next point in the future; nothing is caught
+/// up. `tick` must be noexcept in spirit: it neither allocates, locks, logs nor throws. It gets the
+/// lateness of this wake-up, so that the caller can apply its own overrun policy.
+class FixedRateLoop {
+ public:
+  explicit FixedRateLoop(const LoopOptions& options);
+
+  /// Locks and prefaults memory, takes FIFO and affinity for the calling thread, as far as granted.
+  RealTimeGrant acquire_real_time();
+
+  struct Tick {
+    std::int64_t now_ns;       // CLOCK_MONOTONIC at wake-up
+    std::int64_t lateness_ns;  // after the grid point
+    std::int64_t missed;       // grid points skipped before this one
+  };
+  template <class F>
+  void run(const std::atomic<bool>& stop, F&& tick);
+
+  const LoopStatistics& statistics() const noexcept { return statistics_; }
+
+ private:
+  Tick wait() noexcept;
+  LoopOptions options_;
+  LoopStatistics statistics_;
+  std::int64_t next_ns_ = 0;
+};
+
+template <class F>
+void FixedRateLoop::run(const std::atomic<bool>& stop, F&& tick) {
+  next_ns_ = 0;
+  while (!stop.load(std::memory_order_relaxed)) tick(wait());
+}
+
+/// CLOCK_MONOTONIC in ns.
+std::int64_t monotonic_ns() noexcept;
+
+}  // namespace palpate::loop

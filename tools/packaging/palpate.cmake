@@ -1,0 +1,72 @@
+# How a folder of palpate becomes a target.
+#
+#   palpate_library(DEPENDS a b)          palpate::<folder> from every .cpp of this folder
+#   palpate_program(NAME DEPENDS a b)     bin/NAME from every .cpp of this folder (or SOURCES)
+#   palpate_test(LABEL KIND TARGET t)     one test program per mirrored folder
+
+add_library(palpate_flags INTERFACE)
+target_compile_options(palpate_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-qual -Werror)
+# gcc 12 reports false positives of these from within Eigen at -O3.
+target_compile_options(palpate_flags INTERFACE
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow>)
+target_include_directories(palpate_flags INTERFACE ${CMAKE_SOURCE_DIR})
+# DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
+target_compile_definitions(palpate_flags INTERFACE
+  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}"
+  $<$<BOOL:${PALPATE_RTCHECK}>:PALPATE_RTCHECK EIGEN_RUNTIME_NO_MALLOC>)
+if(PALPATE_MARCH)
+  target_compile_options(palpate_flags INTERFACE -march=${PALPATE_MARCH})
+endif()
+if(PALPATE_SANITIZE)
+  target_compile_options(palpate_flags INTERFACE -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(palpate_flags INTERFACE -fsanitize=${PALPATE_SANITIZE})
+endif()
+find_program(MOLD_PROGRAM mold)
+if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
+  target_link_options(palpate_flags INTERFACE -fuse-ld=mold)
+endif()
+
+function(palpate_library)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  get_filename_component(name ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
+  if(sources)
+    add_library(palpate_${name} STATIC ${sources})
+    target_link_libraries(palpate_${name} PUBLIC palpate_flags ${ARG_DEPENDS} PRIVATE ${ARG_PRIVATE_DEPENDS})
+  else()
+    add_library(palpate_${name} INTERFACE)
+    target_link_libraries(palpate_${name} INTERFACE palpate_flags ${ARG_DEPENDS})
+  endif()
+  add_library(palpate::${name} ALIAS palpate_${name})
+endfunction()
+
+function(palpate_program name)
+  cmake_parse_arguments(ARG "" "" "DEPENDS;SOURCES" ${ARGN})
+  if(NOT ARG_SOURCES)
+    file(GLOB ARG_SOURCES CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
+  endif()
+  add_executable(${name} ${ARG_SOURCES})
+  target_link_libraries(${name} PRIVATE palpate_flags ${ARG_DEPENDS})
+endfunction()
+
+# Every .cpp of the folder `dir` (below the current one) becomes the test program
+# <label>_<dir with underscores>, linked to `DEPENDS`; each of its tests is a ctest of that label.
+function(palpate_test dir)
+  cmake_parse_arguments(ARG "RUN_SERIAL" "LABEL;TIMEOUT" "DEPENDS" ${ARGN})
+  file(GLOB sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/${dir}/*.cpp)
+  if(NOT sources)
+    return()
+  endif()
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  string(REPLACE "/" "_" flat ${dir})
+  set(name ${ARG_LABEL}_${flat})
+  add_executable(${name} ${sources})
+  target_link_libraries(${name} PRIVATE palpate_flags palpate::support ${ARG_DEPENDS}
+    GTest::gmock GTest::gtest GTest::gtest_main)
+  gtest_discover_tests(${name} TEST_PREFIX "${ARG_LABEL}.${flat}." DISCOVERY_MODE PRE_TEST
+    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+endfunction()
