@@ -33,16 +33,35 @@ struct GateOutput {
 };
 
 /// The last step before the wire: limits, then a check that every number is finite.
+///
+/// - Speed is scaled, the whole twist by one factor.
+/// - The change since the last command keeps the acceleration limits.
+/// - The workspace is a velocity damper on each axis: towards a wall only as fast as the acceleration
+///   limit can still stop, outside only back.
+/// - A refused or inactive command ramps to zero within 100 ms, if need be by more than the
+///   acceleration limit. A force or torque that was too high is refused until it is below 90 % of
+///   its limit.
+/// - A time step that is not positive and finite is refused and counts as 1 ms, one above 0.1 s as
+///   0.1 s.
 class SafetyGate {
  public:
+  /// Throws std::invalid_argument where a limit is not positive and finite or the workspace empty.
   explicit SafetyGate(const GateLimits& limits);
   GateOutput apply(const GateInputs& inputs) noexcept;
   /// Command is zero at once; for start and fault.
-  void stop() noexcept { last_ = math::Twist(); }
+  void stop() noexcept {
+    last_ = math::Twist();
+    overloaded_ = false;
+  }
 
  private:
+  const char* refusal(const GateInputs& inputs) noexcept;
+  math::Twist limited(const GateInputs& inputs, double dt, const char*& reason) const noexcept;
+  math::Twist braked(double dt) const noexcept;
+
   GateLimits limits_;
   math::Twist last_;
+  bool overloaded_ = false;
 };
 
 }  // namespace palpate::control

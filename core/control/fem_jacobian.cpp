@@ -1,0 +1,25 @@
+#include "core/control/fem_jacobian.hpp"
+
+#include <stdexcept>
+
+#include "core/control/support_motion.hpp"
+
+namespace palpate::control {
+
+FemJacobian::FemJacobian(const Options& options) : options_(options) {
+  if (options.grasp < 0 || options.grasp > 1) {
+    throw std::invalid_argument("the grasp that moves must be 0 or 1");
+  }
+}
+
+bool FemJacobian::update(const shape::Feature& feature, const elasticity::DeformationModel& model,
+                         const math::Pose& /*X_OG*/, Eigen::Ref<Eigen::MatrixXd> J) noexcept {
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  const auto& dx_dxi = sensitivity.dx_dxi[options_.grasp];
+  if (!sensitivity.valid || dx_dxi.rows() != 3 * model.positions().cols()) return false;
+  accumulate_support(
+      feature, [&](int node) { return dx_dxi.middleRows<3>(3 * node); }, J);
+  return J.allFinite();
+}
+
+}  // namespace palpate::control

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "core/control/twist_law.hpp"
+
+namespace palpate::control {
+
+/// u = J^+ (gain * error). Steers every feature; on an exact J each component of the error dies
+/// away as exp(-gain t).
+class ProportionalTwist : public TwistLaw {
+ public:
+  explicit ProportionalTwist(const Options& options) : TwistLaw(options) {}
+
+ protected:
+  void motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept override {
+    motion = *inputs.error;
+  }
+};
+
+}  // namespace palpate::control

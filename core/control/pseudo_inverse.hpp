@@ -1,0 +1,54 @@
+#pragma once
+
+#include "core/math/rigid.hpp"
+#include "core/shape/feature.hpp"
+
+namespace palpate::control {
+
+/// The motion of a grasp that moves a feature as wished, in the least-squares sense, and of all such
+/// motions the smallest: u = J^+ s. Metres and radians are made comparable by a length L: |u|^2 =
+/// |v|^2 + L^2 |w|^2, and rotation rows of the feature count L times. Works on the eigenvectors of
+/// the 6 x 6 normal matrix, so after set_up() nothing allocates whatever the feature.
+class PseudoInverse {
+ public:
+  struct Options {
+    double length = 0.25;  // m, > 0, rotation by 1 rad weighs as much as this displacement
+    /// Singular values s below eps = damping * (the largest) act as s / eps^2 in place of 1 / s:
+    /// exact away from singularities, fading to rest in them (numerical filtering, Maciejewski and
+    /// Klein 1988).
+    double damping = 0.02;
+    /// Directions with a singular value below this fraction of the largest cannot be reached.
+    double rank_tolerance = 5e-3;
+  };
+
+  /// Throws std::invalid_argument where an option is out of range.
+  explicit PseudoInverse(const Options& options);
+
+  /// Rows of the feature that are rotations. Allocates.
+  void set_up(const shape::Feature& feature);
+
+  /// Takes J, dimension x 6. False where it is not finite or zero; then nothing can be reached.
+  bool decompose(const Eigen::MatrixXd& J) noexcept;
+
+  /// J^+ s, damped. s: dimension long.
+  math::Twist solve(const Eigen::VectorXd& s) noexcept;
+
+  /// (I - J J^+) e with the rank tolerance: what no motion removes, least squares in scaled rows.
+  void unreachable(const Eigen::VectorXd& e, Eigen::VectorXd& out) noexcept;
+
+  /// 1 on rows in metres, L on rows in radians.
+  const Eigen::VectorXd& row_scale() const noexcept { return row_scale_; }
+
+ private:
+  Options options_;
+  Eigen::VectorXd row_scale_;
+  Eigen::VectorXd scaled_;                     // a vector of the feature in scaled rows
+  Eigen::Matrix<double, Eigen::Dynamic, 6> J_;  // scaled
+  math::Matrix6d V_ = math::Matrix6d::Identity();
+  math::Vector6d lambda_ = math::Vector6d::Zero();  // squares of the singular values, ascending
+};
+
+/// True for each row of the feature's error that is a rotation in rad.
+bool is_rotation_row(const shape::Feature& feature, int row) noexcept;
+
+}  // namespace palpate::control

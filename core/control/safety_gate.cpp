@@ -1,0 +1,151 @@
+#include "core/control/safety_gate.hpp"
+
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+#include "core/control/speed_limit.hpp"
+
+namespace palpate::control {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double kNominalStep = 1e-3;  // s, in place of a step that makes no sense
+constexpr double kLongestStep = 0.1;   // s
+constexpr double kStopTime = 0.1;      // s, from full speed to rest
+constexpr double kRelease = 0.9;       // of force and torque limit
+
+bool is_finite(const math::Twist& V) { return V.linear.allFinite() && V.angular.allFinite(); }
+
+/// `to`, or the point on the way to it at `reach` from `from`.
+Vector3d step_towards(const Vector3d& from, const Vector3d& to, double reach) {
+  const Vector3d way = to - from;
+  const double length = way.norm();
+  return length <= reach ? to : Vector3d(from + way * (reach / length));
+}
+
+/// The last point on the way from `base` to `goal` within `radius` of `centre`. Base is within.
+Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& goal,
+                 double radius) {
+  if ((goal - centre).norm() <= radius) return goal;
+  const Vector3d way = goal - base;
+  const Vector3d offset = base - centre;
+  const double a = way.squaredNorm();
+  const double b = way.dot(offset);
+  const double c = std::min(0.0, offset.squaredNorm() - radius * radius);
+  return base + way * std::max(0.0, (std::sqrt(b * b - a * c) - b) / a);
+}
+
+/// Fastest approach, m/s, to a wall at `distance` from which braking by `deceleration` at each later
+/// step still ends before it: v dt + v^2 / 2a = distance.
+double approach_speed(double distance, double deceleration, double dt) {
+  if (!(distance > 0)) return 0;
+  const double step = deceleration * dt;
+  return std::sqrt(step * step + 2 * deceleration * distance) - step;
+}
+
+}  // namespace
+
+SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
+  const auto check = [](double value, const char* name) {
+    if (!(value > 0 && value < 1e6)) {
+      throw std::invalid_argument("gate limit " + std::string(name) + " must be positive and finite");
+    }
+  };
+  check(limits.linear_speed, "linear_speed");
+  check(limits.angular_speed, "angular_speed");
+  check(limits.linear_acceleration, "linear_acceleration");
+  check(limits.angular_acceleration, "angular_acceleration");
+  check(limits.force, "force");
+  check(limits.torque, "torque");
+  if (!limits.workspace_lower.allFinite() || !limits.workspace_upper.allFinite() ||
+      !(limits.workspace_lower.array() < limits.workspace_upper.array()).all()) {
+    throw std::invalid_argument("workspace of the gate is empty or not finite");
+  }
+}
+
+GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
+  const bool step_known = std::isfinite(inputs.dt) && inputs.dt > 0;
+  const double dt = step_known ? std::min(inputs.dt, kLongestStep) : kNominalStep;
+
+  GateOutput output;
+  const char* refused = refusal(inputs);
+  if (!inputs.active) {
+    output.V_W_E = braked(dt);
+    output.reason = "inactive";
+  } else if (refused != nullptr) {
+    output.V_W_E = braked(dt);
+    output.refused = true;
+    output.reason = refused;
+  } else {
+    output.V_W_E = limited(inputs, dt, output.reason);
+  }
+
+  if (!is_finite(output.V_W_E)) {
+    output = GateOutput();
+    output.refused = true;
+    output.reason = "command is not finite";
+  }
+  output.limited = output.V_W_E.linear != inputs.requested_W_E.linear ||
+                   output.V_W_E.angular != inputs.requested_W_E.angular;
+  last_ = output.V_W_E;
+  return output;
+}
+
+/// Why the request may not be followed, or nullptr.
+const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
+  if (inputs.wrench_valid) {
+    const double force = inputs.contact.force.stableNorm();
+    const double torque = inputs.contact.torque.stableNorm();
+    if (!std::isfinite(force) || !std::isfinite(torque)) return "contact wrench is not finite";
+    const double factor = overloaded_ ? kRelease : 1.0;
+    overloaded_ = force > factor * limits_.force || torque > factor * limits_.torque;
+  }
+  if (overloaded_) return "contact force or torque is above its limit";
+  if (!(std::isfinite(inputs.dt) && inputs.dt > 0)) return "time step is not positive and finite";
+  if (!is_finite(inputs.requested_W_E)) return "requested twist is not finite";
+  if (!inputs.X_WE.matrix().allFinite()) return "pose of the flange is not finite";
+  return nullptr;
+}
+
+/// Speed, then workspace, then acceleration. The last moves from the old command, brought into the
+/// bounds, towards the new one: both lie within the convex bounds, so what is in between does too.
+math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
+                                const char*& reason) const noexcept {
+  math::Twist goal =
+      limit_speed(inputs.requested_W_E, limits_.linear_speed, limits_.angular_speed);
+  if (goal.linear != inputs.requested_W_E.linear || goal.angular != inputs.requested_W_E.angular) {
+    reason = "speed";
+  }
+
+  // All three axes may have to brake at once within one limit of their norm.
+  const double deceleration = limits_.linear_acceleration / std::sqrt(3.0);
+  const Vector3d p = inputs.X_WE.translation();
+  Vector3d lower;
+  Vector3d upper;
+  for (int axis = 0; axis < 3; ++axis) {
+    lower[axis] = -approach_speed(p[axis] - limits_.workspace_lower[axis], deceleration, dt);
+    upper[axis] = approach_speed(limits_.workspace_upper[axis] - p[axis], deceleration, dt);
+  }
+  const Vector3d inside = goal.linear.cwiseMax(lower).cwiseMin(upper);
+  if (inside != goal.linear) reason = "workspace";
+
+  const double reach = limits_.linear_acceleration * dt;
+  const Vector3d base = step_towards(last_.linear, last_.linear.cwiseMax(lower).cwiseMin(upper),
+                                     reach);
+  const math::Twist V{
+      advance(last_.linear, base, inside, reach),
+      step_towards(last_.angular, goal.angular, limits_.angular_acceleration * dt)};
+  if (V.linear != inside || V.angular != goal.angular) reason = "acceleration";
+  return V;
+}
+
+math::Twist SafetyGate::braked(double dt) const noexcept {
+  const double linear = std::max(limits_.linear_acceleration, limits_.linear_speed / kStopTime);
+  const double angular = std::max(limits_.angular_acceleration, limits_.angular_speed / kStopTime);
+  return {step_towards(last_.linear, Vector3d::Zero(), linear * dt),
+          step_towards(last_.angular, Vector3d::Zero(), angular * dt)};
+}
+
+}  // namespace palpate::control

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <algorithm>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::control {
+
+/// limit / |v| where |v| > limit, else 1; exact for numbers whose squares overflow too.
+inline double factor_to_limit(const Eigen::Vector3d& v, double limit) noexcept {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return 1;
+  return std::min(1.0, limit / largest / (v / largest).norm());
+}
+
+/// Scales the whole twist, so that its screw axis stays, until both speeds keep their limits.
+inline math::Twist limit_speed(const math::Twist& V, double linear, double angular) noexcept {
+  const double factor =
+      std::min(factor_to_limit(V.linear, linear), factor_to_limit(V.angular, angular));
+  return {factor * V.linear, factor * V.angular};
+}
+
+}  // namespace palpate::control

@@ -1,0 +1,72 @@
+#include "core/control/twist_law.hpp"
+
+#include <stdexcept>
+
+#include "core/control/speed_limit.hpp"
+
+namespace palpate::control {
+
+TwistLawOptions TwistLawOptions::thesis() noexcept {
+  TwistLawOptions options;
+  options.gain = 0.25;
+  options.linear_speed = 1.0;
+  options.angular_speed = 0.5;
+  options.dead_band.position = 5e-3;
+  options.dead_band.angle = 0.017453292519943295;
+  return options;
+}
+
+TwistLaw::TwistLaw(const Options& options)
+    : options_(options), inverse_(options.inverse), dead_band_(options.dead_band) {
+  const auto check = [](double value, double least, const char* name) {
+    if (!(value >= least && value < 1e6)) {
+      throw std::invalid_argument(std::string(name) + " of the control law is out of range");
+    }
+  };
+  check(options.gain, 1e-6, "gain");
+  check(options.linear_speed, 1e-6, "linear speed");
+  check(options.angular_speed, 1e-6, "angular speed");
+  check(options.dead_band.position, 0, "dead band position");
+  check(options.dead_band.angle, 0, "dead band angle");
+  check(options.dead_band.release, 1, "dead band release");
+}
+
+void TwistLaw::configure_for(const shape::Feature& feature) {
+  inverse_.set_up(feature);
+  motion_.setZero(feature.dimension());
+  position_rows_.setOnes(feature.dimension());
+  for (int row = 0; row < feature.dimension(); ++row) {
+    if (is_rotation_row(feature, row)) position_rows_[row] = 0;
+  }
+  dead_band_.reset();
+}
+
+void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
+  output.V_O_G = math::Twist();
+  const Eigen::VectorXd& error = *inputs.error;
+  if (!error.allFinite()) {
+    output.unreachable.setZero();
+    return;
+  }
+  if (!inverse_.decompose(*inputs.jacobian)) {
+    output.unreachable = error;
+    return;
+  }
+  inverse_.unreachable(error, output.unreachable);
+  motion_ = error - output.unreachable;
+  if (rests(motion_)) return;
+
+  motion_to_target(inputs, motion_);
+  if (!motion_.allFinite()) return;
+  motion_ *= options_.gain;
+  output.V_O_G =
+      limit_speed(inverse_.solve(motion_), options_.linear_speed, options_.angular_speed);
+}
+
+bool TwistLaw::rests(const Eigen::VectorXd& reachable) noexcept {
+  const double position = reachable.cwiseProduct(position_rows_).norm();
+  const double angle = (reachable - reachable.cwiseProduct(position_rows_)).norm();
+  return dead_band_.rests(position, angle);
+}
+
+}  // namespace palpate::control

@@ -1,0 +1,78 @@
+#include "core/shape/pose_feature.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::shape {
+namespace {
+
+/// Sine of the angle at p1 below which the points count as one line.
+constexpr double kFlattest = 1e-3;
+
+bool spans_plane(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+  const double size = a.norm() * b.norm();
+  return size > 1e-12 && a.cross(b).norm() > kFlattest * size;
+}
+
+}  // namespace
+
+PoseFeature::PoseFeature(const mesh::ElementMesh& mesh, const Options& options)
+    : points_(mesh, {options.rest_points.begin(), options.rest_points.end()}) {
+  const std::vector<Eigen::Vector3d>& p = points_.rest_points();
+  if (!spans_plane(p[1] - p[0], p[2] - p[0])) {
+    throw std::invalid_argument("the three points of a pose feature lie on a line");
+  }
+  const Eigen::MatrixXd& weights = points_.weights();
+  jacobian_.setZero(6, 3 * weights.cols());
+  for (int i = 0; i < weights.cols(); ++i) {
+    jacobian_.block<3, 3>(0, 3 * i).diagonal().setConstant(weights.col(i).sum() / 3);
+  }
+  Eigen::VectorXd value(7);
+  evaluate(mesh.nodes, value);
+}
+
+void PoseFeature::evaluate(const Eigen::Matrix3Xd& positions,
+                           Eigen::Ref<Eigen::VectorXd> value) noexcept {
+  const Eigen::Vector3d p1 = points_.position(0, positions);
+  const Eigen::Vector3d p2 = points_.position(1, positions);
+  const Eigen::Vector3d p3 = points_.position(2, positions);
+  if (spans_plane(p2 - p1, p3 - p1)) turn_with(p2 - p1, p3 - p1);
+  value.head<3>() = (p1 + p2 + p3) / 3;
+  math::wxyz_from_rotation(R_OC_, value.data() + 3);
+}
+
+/// Orientation from the edges a = p2 - p1, b = p3 - p1 and how it turns with them. From dx = w x x
+/// and dz = w x z, with n = a x b, the turn is
+///   dw/da = x (y x b)^T / |n| + (z y^T - y z^T) / |a|,   dw/db = -x (y x a)^T / |n|.
+void PoseFeature::turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept {
+  const Eigen::Vector3d n = a.cross(b);
+  const Eigen::Vector3d x = a.normalized();
+  const Eigen::Vector3d z = n.normalized();
+  const Eigen::Vector3d y = z.cross(x);
+  R_OC_ << x, y, z;
+
+  const Eigen::Matrix3d by_a = x * y.cross(b).transpose() / n.norm() +
+                               (z * y.transpose() - y * z.transpose()) / a.norm();
+  const Eigen::Matrix3d by_b = -x * y.cross(a).transpose() / n.norm();
+  const Eigen::MatrixXd& weights = points_.weights();
+  for (int i = 0; i < weights.cols(); ++i) {
+    jacobian_.block<3, 3>(3, 3 * i) =
+        (weights(1, i) - weights(0, i)) * by_a + (weights(2, i) - weights(0, i)) * by_b;
+  }
+}
+
+void PoseFeature::error(const Eigen::Ref<const Eigen::VectorXd>& value,
+                        const Eigen::Ref<const Eigen::VectorXd>& target,
+                        Eigen::Ref<Eigen::VectorXd> error) const noexcept {
+  const Eigen::Matrix3d R = math::rotation_from_wxyz(value.data() + 3);
+  const Eigen::Matrix3d R_target = math::rotation_from_wxyz(target.data() + 3);
+  error.head<3>() = target.head<3>() - value.head<3>();
+  error.tail<3>() = math::log_rotation(R_target * R.transpose());
+}
+
+bool PoseFeature::is_valid_target(const double* target, int count) const noexcept {
+  return count == 7 && std::isfinite(target[0]) && std::isfinite(target[1]) &&
+         std::isfinite(target[2]) && math::is_unit_quaternion(target + 3);
+}
+
+}  // namespace palpate::shape

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+
+#include "core/shape/feature.hpp"
+#include "core/shape/material_points.hpp"
+
+namespace palpate::shape {
+
+/// Frame C of three material points p1, p2, p3: origin at their centroid, x from p1 towards p2, z
+/// along the normal (p2 - p1) x (p3 - p1), y = z x x. Value and target: p_OC (m), then the
+/// quaternion of R_OC as w, x, y, z. Error: p_target - p, then the rotation vector of
+/// R_target R^T, in O; its angle is at most pi.
+class PoseFeature : public Feature {
+ public:
+  struct Options {
+    std::array<Eigen::Vector3d, 3> rest_points{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
+                                               Eigen::Vector3d::Zero()};  // in O, m
+  };
+
+  /// Throws std::invalid_argument where a point is not of the mesh or the three lie on a line.
+  PoseFeature(const mesh::ElementMesh& mesh, const Options& options);
+
+  const char* kind() const noexcept override { return "pose"; }
+  int dimension() const noexcept override { return 6; }
+  int value_count() const noexcept override { return 7; }
+  const std::vector<Eigen::Vector3d>& rest_points() const noexcept override {
+    return points_.rest_points();
+  }
+  /// Keeps the last orientation while the points have collapsed onto a line.
+  void evaluate(const Eigen::Matrix3Xd& positions,
+                Eigen::Ref<Eigen::VectorXd> value) noexcept override;
+  void error(const Eigen::Ref<const Eigen::VectorXd>& value,
+             const Eigen::Ref<const Eigen::VectorXd>& target,
+             Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
+  const std::vector<int>& support() const noexcept override { return points_.support(); }
+  const Eigen::MatrixXd& jacobian() const noexcept override { return jacobian_; }
+  bool is_valid_target(const double* target, int count) const noexcept override;
+
+ private:
+  void turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
+
+  MaterialPoints points_;
+  Eigen::Matrix3d R_OC_ = Eigen::Matrix3d::Identity();
+  Eigen::MatrixXd jacobian_;
+};
+
+}  // namespace palpate::shape
