@@ -16,8 +16,8 @@ struct Material {
 
 /// Rayleigh damping D = mass_factor M + stiffness_factor K, of dynamic models.
 struct Damping {
-  double mass_factor = 1.0;         // 1/s
-  double stiffness_factor = 0.01;   // s
+  double mass_factor = 1.0;        // 1/s
+  double stiffness_factor = 0.01;  // s
 };
 
 /// Nodes that a hand can hold: while held they move with G as one rigid patch.
@@ -31,8 +31,8 @@ struct Body {
   mesh::ElementMesh mesh;
   Material material;
   Damping damping;
-  std::vector<int> fixed_nodes;            // held by the test rig
-  std::vector<GraspRegion> grasps;         // at most two
+  std::vector<int> fixed_nodes;                         // held by the test rig
+  std::vector<GraspRegion> grasps;                      // at most two
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
 
   /// Throws std::invalid_argument naming what is wrong (empty mesh, node out of range, a node both

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace palpate::elasticity {
+
+/// Which nodes of a mesh are unknown, in an order of elimination that keeps factors sparse
+/// (approximate minimum degree), and which 3 x 3 blocks of a stiffness matrix over them are not
+/// zero. Only blocks (i, k) with i <= k are kept, column by column.
+class BlockPattern {
+ public:
+  /// elements: nodes x count. Nodes in `fixed` are left out for good.
+  BlockPattern(const Eigen::MatrixXi& elements, int node_count, const std::vector<int>& fixed);
+
+  int size() const { return static_cast<int>(node_.size()); }
+  int node(int unknown) const { return node_[unknown]; }
+  int unknown(int node) const { return unknown_[node]; }  // -1 where fixed
+  int node_count() const { return static_cast<int>(unknown_.size()); }
+
+  const std::vector<int>& column_start() const { return column_start_; }  // size() + 1
+  const std::vector<int>& row() const { return row_; }
+
+  /// Index of block (a, b) of an element's matrix among the stored ones, -1 where its mirror image
+  /// is the stored one or a node is fixed.
+  int slot(int element, int a, int b) const {
+    return slots_[(element * nodes_per_element_ + a) * nodes_per_element_ + b];
+  }
+
+ private:
+  int nodes_per_element_;
+  std::vector<int> node_, unknown_, column_start_, row_, slots_;
+};
+
+/// Symmetric matrix of 3 x 3 blocks over the unknown nodes of a pattern.
+class BlockMatrix {
+ public:
+  explicit BlockMatrix(const BlockPattern& pattern);
+
+  const BlockPattern& pattern() const { return *pattern_; }
+  const Eigen::Matrix3d& block(int k) const { return blocks_[k]; }
+
+  void set_zero();
+  /// Adds an element's symmetric matrix, 3 N x 3 N.
+  void add(int element, const Eigen::MatrixXd& K);
+  /// Adds `factor` times an element's N x N matrix, the same for each axis.
+  void add_scalar(int element, double factor, const Eigen::MatrixXd& M);
+
+  /// y = A u over all nodes, 3 x n; rows of fixed nodes are zero, columns of fixed nodes ignored.
+  void multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const;
+
+ private:
+  const BlockPattern* pattern_;
+  std::vector<Eigen::Matrix3d> blocks_;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,48 @@
+#include "core/elasticity/body.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace palpate::elasticity {
+namespace {
+
+void require(bool condition, const std::string& message) {
+  if (!condition) throw std::invalid_argument("body: " + message);
+}
+
+}  // namespace
+
+void Body::check() const {
+  const int n = mesh.node_count();
+  require(n > 0 && mesh.element_count() > 0, "the mesh is empty");
+  require(mesh.nodes.allFinite(), "a node position is not finite");
+  require(mesh.nodes_per_element() == (mesh.order == mesh::ElementOrder::kLinear ? 4 : 10),
+          "elements do not have the nodes of their order");
+  require(mesh.elements.minCoeff() >= 0 && mesh.elements.maxCoeff() < n,
+          "an element names a node out of range");
+  require(material.young_modulus > 0 && std::isfinite(material.young_modulus),
+          "Young's modulus must be positive");
+  require(material.poisson_ratio > -1 && material.poisson_ratio < 0.5,
+          "Poisson's ratio must lie between -1 and 0.5");
+  require(material.density > 0 && std::isfinite(material.density), "density must be positive");
+  require(damping.mass_factor >= 0 && damping.stiffness_factor >= 0,
+          "damping factors may not be negative");
+  require(gravity_O.allFinite(), "gravity is not finite");
+  require(grasps.size() <= 2, "at most two grasps");
+
+  std::vector<bool> taken(n, false);
+  for (int node : fixed_nodes) {
+    require(node >= 0 && node < n, "fixed node " + std::to_string(node) + " is out of range");
+    taken[node] = true;
+  }
+  for (const GraspRegion& grasp : grasps) {
+    require(!grasp.nodes.empty(), "a grasp has no nodes");
+    for (int node : grasp.nodes) {
+      require(node >= 0 && node < n, "grasped node " + std::to_string(node) + " is out of range");
+      require(!taken[node], "node " + std::to_string(node) + " is held twice");
+      taken[node] = true;
+    }
+  }
+}
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,127 @@
+#include "core/elasticity/element.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "core/math/polar.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+// Corners of each edge, in the order of the midside nodes 4 .. 9.
+constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+
+/// Gradients of the four barycentric coordinates, columns.
+Eigen::Matrix<double, 3, 4> barycentric_gradients(const Eigen::Matrix<double, 3, 4>& corners) {
+  Eigen::Matrix3d edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = corners.col(k + 1) - corners.col(0);
+  Eigen::Matrix<double, 3, 4> g;
+  g.rightCols<3>() = edges.inverse().transpose();
+  g.col(0) = -g.rightCols<3>().rowwise().sum();
+  return g;
+}
+
+}  // namespace
+
+Lame lame(const Material& material) {
+  const double e = material.young_modulus, nu = material.poisson_ratio;
+  return {e / (2 * (1 + nu)), e * nu / ((1 + nu) * (1 - 2 * nu))};
+}
+
+double tetrahedron_volume(const Eigen::Matrix<double, 3, 4>& corners) {
+  Eigen::Matrix3d edges;
+  for (int k = 0; k < 3; ++k) edges.col(k) = corners.col(k + 1) - corners.col(0);
+  return edges.determinant() / 6;
+}
+
+template <>
+std::array<Eigen::Matrix<double, 3, 4>, 1> Tetrahedron<4>::gradients(
+    const Eigen::Matrix<double, 3, 4>& corners) {
+  return {barycentric_gradients(corners)};
+}
+
+template <>
+std::array<Eigen::Matrix<double, 3, 10>, 4> Tetrahedron<10>::gradients(
+    const Eigen::Matrix<double, 3, 4>& corners) {
+  // The four points of degree 2: barycentric coordinates (near, far, far, far) and permutations.
+  constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;
+  const Eigen::Matrix<double, 3, 4> g = barycentric_gradients(corners);
+  std::array<Gradients, 4> all;
+  for (int p = 0; p < 4; ++p) {
+    Eigen::Vector4d b = Eigen::Vector4d::Constant(kFar);
+    b(p) = kNear;
+    for (int a = 0; a < 4; ++a) all[p].col(a) = (4 * b(a) - 1) * g.col(a);
+    for (int m = 0; m < 6; ++m) {
+      const auto [i, j] = kEdges[m];
+      all[p].col(4 + m) = 4 * (b(i) * g.col(j) + b(j) * g.col(i));
+    }
+  }
+  return all;
+}
+
+template <>
+Eigen::Matrix4d Tetrahedron<4>::mass_shares() {
+  return (Eigen::Matrix4d::Ones() + Eigen::Matrix4d::Identity()) / 20;
+}
+
+template <>
+Eigen::Matrix<double, 10, 10> Tetrahedron<10>::mass_shares() {
+  Eigen::Matrix<double, 10, 10> m;
+  m.topLeftCorner<4, 4>().setOnes();
+  m.diagonal().head<4>().setConstant(6);
+  for (int k = 0; k < 6; ++k) {
+    const auto [i, j] = kEdges[k];
+    for (int corner = 0; corner < 4; ++corner) {
+      m(corner, 4 + k) = m(4 + k, corner) = (corner == i || corner == j) ? -4 : -6;
+    }
+    for (int other = 0; other < 6; ++other) {
+      const auto [p, q] = kEdges[other];
+      const int shared = (p == i || p == j) + (q == i || q == j);
+      m(4 + k, 4 + other) = shared == 2 ? 32 : shared == 1 ? 16 : 8;
+    }
+  }
+  return m / 420;
+}
+
+template <>
+Eigen::Vector4d Tetrahedron<4>::volume_shares() {
+  return Eigen::Vector4d::Constant(0.25);
+}
+
+template <>
+Eigen::Matrix<double, 10, 1> Tetrahedron<10>::volume_shares() {
+  Eigen::Matrix<double, 10, 1> shares;
+  shares << Eigen::Vector4d::Constant(-0.05), Eigen::Matrix<double, 6, 1>::Constant(0.2);
+  return shares;
+}
+
+PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent kind,
+                           double viscous) {
+  PointTangent t;
+  t.rotation = math::polar_rotation(F);
+  t.s = 2 * lame.mu * (1 + viscous);
+  t.l = lame.lambda * (1 + viscous);
+  Eigen::Matrix3d twist = lame.mu * Eigen::Matrix3d::Identity();
+  if (kind != Tangent::kWarped) {
+    // With H = tr(S) I - S and v = vee(R^T dF - dF^T R) the rotation turns by R (H^-1 v); the part
+    // of dP that this causes is -(2 mu - lambda tr(S - I)) times H^-1 on the twists of the point.
+    const Eigen::Matrix3d B = t.rotation.transpose() * F;
+    const Eigen::Matrix3d S = 0.5 * (B + B.transpose());
+    const double factor = 2 * lame.mu - lame.lambda * (S.trace() - 3);
+    const Eigen::Matrix3d H = S.trace() * Eigen::Matrix3d::Identity() - S;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
+    Eigen::Vector3d values;
+    for (int i = 0; i < 3; ++i) {
+      const double h = std::max(eigen.eigenvalues()(i), 1e-9);
+      values(i) = factor / h;
+      if (kind == Tangent::kSemidefinite) values(i) = std::min(values(i), lame.mu);
+    }
+    twist = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+  }
+  twist += viscous * lame.mu * Eigen::Matrix3d::Identity();
+  t.twist = t.rotation * twist * t.rotation.transpose();
+  return t;
+}
+
+}  // namespace palpate::elasticity

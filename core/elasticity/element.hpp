@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+#include "core/elasticity/body.hpp"
+
+namespace palpate::elasticity {
+
+/// Lame's constants, Pa.
+struct Lame {
+  double mu = 0;
+  double lambda = 0;
+};
+Lame lame(const Material& material);
+
+/// Straight-sided tetrahedra: 4 nodes and one quadrature point, or 10 nodes and four points, which
+/// integrate the energy of both exactly where the rotation is constant.
+template <int kNodes>
+struct Tetrahedron {
+  static constexpr int kPoints = kNodes == 4 ? 1 : 4;
+  using Gradients = Eigen::Matrix<double, 3, kNodes>;
+
+  /// d N_a / d X at each quadrature point (column a, 1/m), from the rest corners.
+  static std::array<Gradients, kPoints> gradients(const Eigen::Matrix<double, 3, 4>& corners);
+
+  /// Integral of N_a N_b over the element, divided by its volume.
+  static Eigen::Matrix<double, kNodes, kNodes> mass_shares();
+
+  /// Integral of N_a over the element, divided by its volume.
+  static Eigen::Matrix<double, kNodes, 1> volume_shares();
+};
+
+/// Signed volume of a tetrahedron, m^3.
+double tetrahedron_volume(const Eigen::Matrix<double, 3, 4>& corners);
+
+enum class Tangent {
+  kExact,         // second derivative of the energy
+  kSemidefinite,  // the same with its negative eigenvalues at each point set to zero
+  kWarped,        // R K0 R^T: rotations held, Mueller and Gross 2004
+};
+
+/// How a quadrature point with deformation gradient F answers a small change of its nodes, so that
+///   K_ab = w [ (h_a . h_b) s I + l h_a h_b^T + [h_a]x twist [h_b]x ],  h_a = R grad N_a,
+/// which is the co-rotated tangent with the derivative of R written out.
+struct PointTangent {
+  Eigen::Matrix3d rotation;
+  Eigen::Matrix3d twist;  // Pa, in the turned axes
+  double s = 0;           // 2 mu, Pa
+  double l = 0;           // lambda, Pa
+};
+
+/// `viscous` adds that many times the warped stiffness (Rayleigh damping over one implicit step).
+PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent kind,
+                           double viscous = 0);
+
+}  // namespace palpate::elasticity
