@@ -1,0 +1,182 @@
+#include "core/elasticity/static_solver.hpp"
+
+#include <stdexcept>
+
+#include "core/elasticity/block_ldl.hpp"
+#include "core/elasticity/element_set.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+/// Newton's method on one body.
+class NewtonSolver {
+ public:
+  NewtonSolver(const Body& body, const Matrix3Xd& loads)
+      : elements_(body.mesh, body.material),
+        pattern_(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes),
+        matrix_(pattern_),
+        ldl_(pattern_),
+        state_(elements_.make_state()),
+        held_(pattern_.size(), 0),
+        full_load_(loads + body.gravity_O * elements_.nodal_mass().transpose()),
+        x_(body.mesh.nodes),
+        rhs_(4, pattern_.size()) {
+    set_load(1);
+  }
+
+  void hold(const std::vector<int>& nodes) {
+    for (int node : nodes) held_[pattern_.unknown(node)] = 1;
+  }
+  void set_load(double share) { external_ = share * full_load_; }
+  Matrix3Xd& positions() { return x_; }
+  const Matrix3Xd& forces() const { return forces_; }
+
+  double evaluate() {
+    forces_ = -external_;
+    const Matrix3Xd u = x_ - elements_.mesh().nodes;
+    return elements_.add_forces(x_, 0, state_, forces_) - (external_.array() * u.array()).sum();
+  }
+
+  double residual() const {
+    double largest = 0;
+    for (int k = 0; k < pattern_.size(); ++k) {
+      if (!held_[k]) largest = std::max(largest, forces_.col(pattern_.node(k)).norm());
+    }
+    return largest;
+  }
+
+  bool factorise(Tangent kind, double shift = 0) {
+    matrix_.set_zero();
+    for (int e = 0; e < elements_.element_count(); ++e) {
+      elements_.stiffness(e, x_, kind, 0, element_matrix_);
+      matrix_.add(e, element_matrix_);
+    }
+    return ldl_.factorise(matrix_, held_, shift);
+  }
+
+  /// Solves K dx = -forces over the free nodes.
+  Matrix3Xd correction() {
+    Matrix3Xd dx = Matrix3Xd::Zero(3, x_.cols());
+    rhs_.setZero();
+    for (int k = 0; k < pattern_.size(); ++k) {
+      if (!held_[k]) rhs_.col(k).head<3>() = -forces_.col(pattern_.node(k));
+    }
+    ldl_.solve(rhs_);
+    for (int k = 0; k < pattern_.size(); ++k) dx.col(pattern_.node(k)) = rhs_.col(k).head<3>();
+    return dx;
+  }
+
+  bool solve(const StaticOptions& options, int& iterations) {
+    double energy = evaluate();
+    for (int i = 0; i < options.iterations; ++i) {
+      if (!std::isfinite(energy)) return false;
+      if (residual() <= options.tolerance) return true;
+      if (!factorise(Tangent::kExact) && !factorise(Tangent::kSemidefinite)) return false;
+      const Matrix3Xd dx = correction();
+      const double slope = (forces_.array() * dx.array()).sum();
+      const Matrix3Xd start = x_;
+      const double begin = residual();
+      ++iterations;
+      bool accepted = false;
+      for (double alpha = 1; alpha > 1e-6 && !accepted; alpha /= 2) {
+        x_ = start + alpha * dx;
+        const double next = evaluate();
+        const double rounding = 1e-12 * (std::abs(energy) + std::abs(next));
+        accepted = next <= energy + 1e-4 * alpha * slope ||
+                   (std::abs(next - energy) <= rounding && residual() < begin);
+        if (accepted) energy = next;
+      }
+      if (!accepted) {
+        x_ = start;
+        evaluate();
+        return residual() <= options.tolerance;
+      }
+    }
+    return residual() <= options.tolerance;
+  }
+
+ private:
+  ElementSet elements_;
+  BlockPattern pattern_;
+  BlockMatrix matrix_;
+  BlockLdl ldl_;
+  ElementSet::State state_;
+  std::vector<char> held_;
+  Matrix3Xd full_load_, external_, x_, forces_;
+  Eigen::Matrix4Xd rhs_;
+  Eigen::MatrixXd element_matrix_;
+};
+
+/// Pose a share of the way from one to another.
+math::Pose between(const math::Pose& from, const math::Pose& to, double share) {
+  const Vector3d turn = math::log_rotation(to.linear() * from.linear().transpose());
+  return math::make_pose(math::exp_rotation(share * turn) * from.linear(),
+                         from.translation() + share * (to.translation() - from.translation()));
+}
+
+}  // namespace
+
+Matrix3Xd solve_linear_statics(const Body& body, const Matrix3Xd& loads) {
+  body.check();
+  NewtonSolver solver(body, loads);
+  solver.evaluate();
+  if (!solver.factorise(Tangent::kExact)) {
+    throw std::runtime_error("linear statics: the stiffness matrix is not positive definite");
+  }
+  return solver.correction();
+}
+
+StaticSolution solve_static(const Body& body, const Matrix3Xd& loads, const HeldPoses& held,
+                            const StaticOptions& options, const Matrix3Xd* start) {
+  body.check();
+  NewtonSolver solver(body, loads);
+  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+    if (held[g]) solver.hold(body.grasps[g].nodes);
+  }
+  const Matrix3Xd begin = start ? *start : body.mesh.nodes;
+  StaticSolution solution;
+  for (int steps = 1; steps <= options.load_steps && !solution.converged; steps *= 2) {
+    solution.load_steps = steps;
+    solver.positions() = begin;
+    solution.converged = true;
+    for (int s = 1; s <= steps && solution.converged; ++s) {
+      const double share = static_cast<double>(s) / steps;
+      solver.set_load(share);
+      for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+        if (!held[g]) continue;
+        const GraspRegion& grasp = body.grasps[g];
+        const math::Pose moved =
+            between(grasp.X_OG_rest, *held[g], share) * grasp.X_OG_rest.inverse();
+        for (int node : grasp.nodes) {
+          solver.positions().col(node) = moved * body.mesh.nodes.col(node);
+        }
+      }
+      solution.converged = solver.solve(options, solution.iterations);
+    }
+  }
+  solution.positions = solver.positions();
+  solution.residual = solver.residual();
+  solution.reactions = Matrix3Xd::Zero(3, body.mesh.node_count());
+  for (int node : body.fixed_nodes) solution.reactions.col(node) = solver.forces().col(node);
+  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+    if (!held[g]) continue;
+    for (int node : body.grasps[g].nodes) solution.reactions.col(node) = solver.forces().col(node);
+  }
+  return solution;
+}
+
+math::Wrench patch_wrench(const GraspRegion& grasp, const math::Pose& X_OG,
+                          const Matrix3Xd& positions, const Matrix3Xd& forces) {
+  math::Wrench wrench;
+  for (int node : grasp.nodes) {
+    const Vector3d force = forces.col(node);
+    wrench.force += force;
+    wrench.torque += (positions.col(node) - X_OG.translation()).cross(force);
+  }
+  return wrench;
+}
+
+}  // namespace palpate::elasticity
