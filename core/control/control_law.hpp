@@ -17,15 +17,15 @@ class JacobianProvider {
 
 struct LawInputs {
   double dt = 1e-3;
-  const Eigen::VectorXd* value = nullptr;   // value_count() long
+  const Eigen::VectorXd* value = nullptr;  // value_count() long
   const Eigen::VectorXd* target = nullptr;
-  const Eigen::VectorXd* error = nullptr;   // dimension() long
+  const Eigen::VectorXd* error = nullptr;  // dimension() long
   const Eigen::MatrixXd* jacobian = nullptr;
 };
 
 struct LawOutput {
-  math::Twist V_O_G;              // twist of the origin of G, in O
-  Eigen::VectorXd unreachable;    // dimension() long, preallocated by the caller
+  math::Twist V_O_G;            // twist of the origin of G, in O
+  Eigen::VectorXd unreachable;  // dimension() long, preallocated by the caller
 };
 
 class ControlLaw {

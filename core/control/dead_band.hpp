@@ -15,8 +15,8 @@ class DeadBand {
 
   bool rests(double position_error, double angle_error) noexcept {
     const double factor = resting_ ? options_.release : 1.0;
-    resting_ = position_error <= factor * options_.position &&
-               angle_error <= factor * options_.angle;
+    resting_ =
+        position_error <= factor * options_.position && angle_error <= factor * options_.angle;
     return resting_;
   }
 

@@ -5,10 +5,11 @@
 
 namespace palpate::control {
 
-/// The motion of a grasp that moves a feature as wished, in the least-squares sense, and of all such
-/// motions the smallest: u = J^+ s. Metres and radians are made comparable by a length L: |u|^2 =
-/// |v|^2 + L^2 |w|^2, and rotation rows of the feature count L times. Works on the eigenvectors of
-/// the 6 x 6 normal matrix, so after set_up() nothing allocates whatever the feature.
+/// The motion of a grasp that moves a feature as wished, in the least-squares sense, and of all
+/// such motions the smallest: u = J^+ s. Metres and radians are made comparable by a length L:
+/// |u|^2 = |v|^2 + L^2 |w|^2, and rotation rows of the feature count L times. Works on the
+/// eigenvectors of the 6 x 6 normal matrix, so after set_up() nothing allocates whatever the
+/// feature.
 class PseudoInverse {
  public:
   struct Options {
@@ -42,7 +43,7 @@ class PseudoInverse {
  private:
   Options options_;
   Eigen::VectorXd row_scale_;
-  Eigen::VectorXd scaled_;                     // a vector of the feature in scaled rows
+  Eigen::VectorXd scaled_;                      // a vector of the feature in scaled rows
   Eigen::Matrix<double, Eigen::Dynamic, 6> J_;  // scaled
   math::Matrix6d V_ = math::Matrix6d::Identity();
   math::Vector6d lambda_ = math::Vector6d::Zero();  // squares of the singular values, ascending

@@ -32,13 +32,14 @@ Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& g
   const Vector3d way = goal - base;
   const Vector3d offset = base - centre;
   const double a = way.squaredNorm();
+  if (!(a > 0)) return base;
   const double b = way.dot(offset);
   const double c = std::min(0.0, offset.squaredNorm() - radius * radius);
   return base + way * std::max(0.0, (std::sqrt(b * b - a * c) - b) / a);
 }
 
-/// Fastest approach, m/s, to a wall at `distance` from which braking by `deceleration` at each later
-/// step still ends before it: v dt + v^2 / 2a = distance.
+/// Fastest approach, m/s, to a wall at `distance` from which braking by `deceleration` at each
+/// later step still ends before it: v dt + v^2 / 2a = distance.
 double approach_speed(double distance, double deceleration, double dt) {
   if (!(distance > 0)) return 0;
   const double step = deceleration * dt;
@@ -50,7 +51,8 @@ double approach_speed(double distance, double deceleration, double dt) {
 SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
   const auto check = [](double value, const char* name) {
     if (!(value > 0 && value < 1e6)) {
-      throw std::invalid_argument("gate limit " + std::string(name) + " must be positive and finite");
+      throw std::invalid_argument("gate limit " + std::string(name) +
+                                  " must be positive and finite");
     }
   };
   check(limits.linear_speed, "linear_speed");
@@ -113,8 +115,7 @@ const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
 /// bounds, towards the new one: both lie within the convex bounds, so what is in between does too.
 math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
                                 const char*& reason) const noexcept {
-  math::Twist goal =
-      limit_speed(inputs.requested_W_E, limits_.linear_speed, limits_.angular_speed);
+  math::Twist goal = limit_speed(inputs.requested_W_E, limits_.linear_speed, limits_.angular_speed);
   if (goal.linear != inputs.requested_W_E.linear || goal.angular != inputs.requested_W_E.angular) {
     reason = "speed";
   }
@@ -132,11 +133,10 @@ math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
   if (inside != goal.linear) reason = "workspace";
 
   const double reach = limits_.linear_acceleration * dt;
-  const Vector3d base = step_towards(last_.linear, last_.linear.cwiseMax(lower).cwiseMin(upper),
-                                     reach);
-  const math::Twist V{
-      advance(last_.linear, base, inside, reach),
-      step_towards(last_.angular, goal.angular, limits_.angular_acceleration * dt)};
+  const Vector3d base =
+      step_towards(last_.linear, last_.linear.cwiseMax(lower).cwiseMin(upper), reach);
+  const math::Twist V{advance(last_.linear, base, inside, reach),
+                      step_towards(last_.angular, goal.angular, limits_.angular_acceleration * dt)};
   if (V.linear != inside || V.angular != goal.angular) reason = "acceleration";
   return V;
 }

@@ -6,29 +6,29 @@ namespace palpate::control {
 
 /// Limits of what may leave the daemon, all of the flange E in W.
 struct GateLimits {
-  double linear_speed = 0.10;           // m/s
-  double angular_speed = 0.5;           // rad/s
-  double linear_acceleration = 0.5;     // m/s^2
-  double angular_acceleration = 2.0;    // rad/s^2
-  double force = 10.0;                  // N, contact force above which the hand is stopped
-  double torque = 3.0;                  // N m
+  double linear_speed = 0.10;                  // m/s
+  double angular_speed = 0.5;                  // rad/s
+  double linear_acceleration = 0.5;            // m/s^2
+  double angular_acceleration = 2.0;           // rad/s^2
+  double force = 10.0;                         // N, contact force above which the hand is stopped
+  double torque = 3.0;                         // N m
   Eigen::Vector3d workspace_lower{-1, -1, 0};  // m, of the origin of E in W
   Eigen::Vector3d workspace_upper{1, 1, 1.5};
 };
 
 struct GateInputs {
   double dt = 1e-3;
-  bool active = false;          // false: the command ramps to zero
+  bool active = false;  // false: the command ramps to zero
   math::Twist requested_W_E;
   math::Pose X_WE = math::Pose::Identity();
   bool wrench_valid = false;
-  math::Wrench contact;         // tared wrench at the wrist
+  math::Wrench contact;  // tared wrench at the wrist
 };
 
 struct GateOutput {
-  math::Twist V_W_E;            // always finite and within limits
-  bool limited = false;         // differs from what was requested
-  bool refused = false;         // the request was not finite, or force or torque is too high
+  math::Twist V_W_E;     // always finite and within limits
+  bool limited = false;  // differs from what was requested
+  bool refused = false;  // the request was not finite, or force or torque is too high
   const char* reason = "";
 };
 
@@ -36,7 +36,8 @@ struct GateOutput {
 ///
 /// - Speed is scaled, the whole twist by one factor.
 /// - The change since the last command keeps the acceleration limits.
-/// - The workspace is a velocity damper on each axis: towards a wall only as fast as the acceleration
+/// - The workspace is a velocity damper on each axis: towards a wall only as fast as the
+/// acceleration
 ///   limit can still stop, outside only back.
 /// - A refused or inactive command ramps to zero within 100 ms, if need be by more than the
 ///   acceleration limit. A force or torque that was too high is refused until it is below 90 % of

@@ -17,8 +17,9 @@ struct TwistLawOptions {
   static TwistLawOptions thesis() noexcept;
 };
 
-/// A law of the form u = J^+ (gain * motion): the derived law says by which motion the feature would
-/// come to its target. Rests in the dead band of the reachable error; scales to the speed limits.
+/// A law of the form u = J^+ (gain * motion): the derived law says by which motion the feature
+/// would come to its target. Rests in the dead band of the reachable error; scales to the speed
+/// limits.
 class TwistLaw : public ControlLaw {
  public:
   using Options = TwistLawOptions;
@@ -32,7 +33,8 @@ class TwistLaw : public ControlLaw {
   void reset() noexcept override { dead_band_.reset(); }
 
  protected:
-  /// Small motion of the feature that would bring it to its target, in the coordinates of its error.
+  /// Small motion of the feature that would bring it to its target, in the coordinates of its
+  /// error.
   virtual void motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept = 0;
 
  private:

@@ -7,19 +7,20 @@
 
 namespace palpate::shape {
 
-/// A function of the shape that can be steered: its value, its error to a target, and how it follows
-/// the nodes. Points are named by rest position, so that a mesh can change beneath it. After
-/// construction nothing allocates.
+/// A function of the shape that can be steered: its value, its error to a target, and how it
+/// follows the nodes. Points are named by rest position, so that a mesh can change beneath it.
+/// After construction nothing allocates.
 class Feature {
  public:
   virtual ~Feature() = default;
-  virtual const char* kind() const noexcept = 0;          // "point", "pose", ...
-  virtual int dimension() const noexcept = 0;             // of error and Jacobian rows
-  virtual int value_count() const noexcept = 0;           // of value and target; a pose has 7
+  virtual const char* kind() const noexcept = 0;  // "point", "pose", ...
+  virtual int dimension() const noexcept = 0;     // of error and Jacobian rows
+  virtual int value_count() const noexcept = 0;   // of value and target; a pose has 7
   virtual const std::vector<Eigen::Vector3d>& rest_points() const noexcept = 0;
 
   /// Current value from nodal positions, 3 x n in O. A pose: p_O, then w, x, y, z.
-  virtual void evaluate(const Eigen::Matrix3Xd& positions, Eigen::Ref<Eigen::VectorXd> value) noexcept = 0;
+  virtual void evaluate(const Eigen::Matrix3Xd& positions,
+                        Eigen::Ref<Eigen::VectorXd> value) noexcept = 0;
 
   /// target minus value as a small motion, dimension() long: m; rad as rotation vector in O.
   virtual void error(const Eigen::Ref<const Eigen::VectorXd>& value,

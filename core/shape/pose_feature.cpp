@@ -51,8 +51,8 @@ void PoseFeature::turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   const Eigen::Vector3d y = z.cross(x);
   R_OC_ << x, y, z;
 
-  const Eigen::Matrix3d by_a = x * y.cross(b).transpose() / n.norm() +
-                               (z * y.transpose() - y * z.transpose()) / a.norm();
+  const Eigen::Matrix3d by_a =
+      x * y.cross(b).transpose() / n.norm() + (z * y.transpose() - y * z.transpose()) / a.norm();
   const Eigen::Matrix3d by_b = -x * y.cross(a).transpose() / n.norm();
   const Eigen::MatrixXd& weights = points_.weights();
   for (int i = 0; i < weights.cols(); ++i) {
