@@ -1,0 +1,128 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <stdexcept>
+#include <vector>
+
+namespace palpate::math {
+
+/// Mean of the last `samples` vectors (of all so far while there are fewer).
+template <int kSize>
+class MovingAverage {
+ public:
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+
+  explicit MovingAverage(int samples) {
+    if (samples < 1) throw std::invalid_argument("moving average: samples must be at least 1");
+    ring_.assign(samples, Vector::Zero());
+  }
+
+  const Vector& update(const Vector& x) noexcept {
+    sum_ += x - ring_[next_];
+    since_wrap_ += x;
+    ring_[next_] = x;
+    if (count_ < size()) ++count_;
+    if (++next_ == size()) {
+      // A sum of differences gathers rounding for ever; the sum since the last wrap is the same
+      // sum without its past.
+      next_ = 0;
+      sum_ = since_wrap_;
+      since_wrap_.setZero();
+    }
+    mean_ = sum_ / count_;
+    return mean_;
+  }
+
+  const Vector& value() const noexcept { return mean_; }
+  bool full() const noexcept { return count_ == size(); }
+  int size() const noexcept { return static_cast<int>(ring_.size()); }
+
+  void reset() noexcept {
+    for (Vector& x : ring_) x.setZero();
+    sum_.setZero();
+    since_wrap_.setZero();
+    mean_.setZero();
+    next_ = count_ = 0;
+  }
+
+ private:
+  std::vector<Vector> ring_;
+  Vector sum_ = Vector::Zero();
+  Vector since_wrap_ = Vector::Zero();
+  Vector mean_ = Vector::Zero();
+  int next_ = 0;
+  int count_ = 0;
+};
+
+/// y += alpha (x - y), 0 < alpha <= 1; starts at the first sample.
+template <int kSize>
+class ExponentialAverage {
+ public:
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+
+  explicit ExponentialAverage(double alpha) : alpha_(alpha) {
+    if (!(alpha > 0 && alpha <= 1)) {
+      throw std::invalid_argument("exponential average: alpha must lie in (0, 1]");
+    }
+  }
+
+  const Vector& update(const Vector& x) noexcept {
+    if (started_) {
+      value_ += alpha_ * (x - value_);
+    } else {
+      value_ = x;
+      started_ = true;
+    }
+    return value_;
+  }
+
+  const Vector& value() const noexcept { return value_; }
+
+  void reset() noexcept {
+    started_ = false;
+    value_.setZero();
+  }
+
+ private:
+  double alpha_;
+  bool started_ = false;
+  Vector value_ = Vector::Zero();
+};
+
+/// Gives back what went in `samples` updates ago, 0 or more; the first sample while there is none
+/// so old.
+template <int kSize>
+class DelayLine {
+ public:
+  using Vector = Eigen::Matrix<double, kSize, 1>;
+
+  explicit DelayLine(int samples) {
+    if (samples < 0) throw std::invalid_argument("delay line: samples must not be negative");
+    ring_.assign(samples + 1, Vector::Zero());
+  }
+
+  const Vector& update(const Vector& x) noexcept {
+    if (!started_) {
+      for (Vector& y : ring_) y = x;
+      started_ = true;
+    }
+    ring_[next_] = x;
+    next_ = next_ + 1 == static_cast<int>(ring_.size()) ? 0 : next_ + 1;
+    return ring_[next_];
+  }
+
+  const Vector& value() const noexcept { return ring_[next_]; }
+
+  void reset() noexcept {
+    started_ = false;
+    next_ = 0;
+    for (Vector& y : ring_) y.setZero();
+  }
+
+ private:
+  std::vector<Vector> ring_;
+  int next_ = 0;
+  bool started_ = false;
+};
+
+}  // namespace palpate::math
