@@ -10,16 +10,30 @@ namespace palpate::bus {
 
 /// Counters of one subscription, written by the receiver, read by anyone.
 struct SubscriptionCounters {
-  std::atomic<std::int64_t> received{0};   // accepted into the queue
-  std::atomic<std::int64_t> dropped{0};    // the queue was full: the oldest went
+  std::atomic<std::int64_t> received{0};  // accepted into the queue
+  std::atomic<std::int64_t> dropped{0};   // the queue was full: the oldest went
   std::atomic<std::int64_t> wrong_size{0};
-  std::atomic<std::int64_t> wrong_type{0}; // fingerprint of another type or version
+  std::atomic<std::int64_t> wrong_type{0};  // fingerprint of another type or version
+  std::atomic<std::int64_t> last_wrong_fingerprint{0};
 };
 
-/// A bounded queue of encoded messages of one channel and one fixed size, from the receiver's thread
-/// to one consumer, lock-free. Messages of another size or fingerprint never enter it.
+/// What a receiver saw of whole datagrams, before any subscription; zero on a bus without
+/// datagrams.
+struct DatagramCounters {
+  std::atomic<std::int64_t> received{0};
+  std::atomic<std::int64_t> malformed{0};     // not an LCM message: framing, channel name, size
+  std::atomic<std::int64_t> fragmented{0};    // part of a larger message, which nobody here takes
+  std::atomic<std::int64_t> unsubscribed{0};  // of a channel that is not on the list
+  std::atomic<std::int64_t> overflowed{0};    // lost because the socket's buffer was full
+};
+
+/// A bounded queue of encoded messages of one channel and one fixed size, from the receiver's
+/// thread to one consumer, lock-free. Messages of another size or fingerprint never enter it.
 class Subscription {
  public:
+  /// encoded_size includes the 8 bytes of the fingerprint. Throws std::invalid_argument for a name
+  /// that is not [A-Z0-9_]+ of at most 63 characters, a size below 8 or above 65000, or a depth
+  /// below 1.
   Subscription(std::string channel, int encoded_size, std::int64_t fingerprint, int depth);
   ~Subscription();
 
@@ -31,6 +45,7 @@ class Subscription {
 
   const std::string& channel() const noexcept { return channel_; }
   int encoded_size() const noexcept { return encoded_size_; }
+  std::int64_t fingerprint() const noexcept { return fingerprint_; }
   const SubscriptionCounters& counters() const noexcept { return counters_; }
 
  private:
@@ -52,11 +67,19 @@ class MessageBus {
                                   std::int64_t fingerprint, int depth) = 0;
   virtual void start() = 0;  // receiver's thread, where there is one; throws std::runtime_error
   virtual void stop() noexcept = 0;
+  /// False where the message does not fit one datagram or the system refuses it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
+  const DatagramCounters& datagrams() const noexcept { return datagrams_; }
+
+ protected:
+  DatagramCounters datagrams_;
 };
 
-/// liblcm behind the interface; receives raw and checks size and fingerprint before anyone decodes.
-/// Throws std::runtime_error with the remedy where the URL cannot be opened.
+/// LCM's UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. liblcm publishes; receiving
+/// is our own, since one malformed packet kills a process that receives through liblcm: short
+/// messages of subscribed channels only, size and fingerprint checked before anyone decodes. Throws
+/// std::invalid_argument for a URL that is wrong and std::runtime_error with the remedy for one
+/// that cannot be opened here.
 std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url);
 
 /// In-process bus for tests and stepped runs: publish() offers to every subscription of the channel
@@ -101,6 +124,11 @@ class TypedPublisher {
  public:
   TypedPublisher(MessageBus& bus, std::string channel)
       : bus_(&bus), channel_(std::move(channel)), buffer_(T().getEncodedSize()) {}
+
+  /// Room for messages of `size` encoded bytes, so that publishing them does not allocate.
+  void reserve(int size) {
+    if (size > static_cast<int>(buffer_.size())) buffer_.resize(size);
+  }
 
   bool publish(const T& message) noexcept {
     const int size = message.getEncodedSize();

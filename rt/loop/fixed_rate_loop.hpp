@@ -2,10 +2,10 @@
 
 #include <atomic>
 #include <cstdint>
-#include <functional>
 #include <string>
 
 #include "rt/loop/latency_histogram.hpp"
+#include "rt/loop/time_grid.hpp"
 
 namespace palpate::loop {
 
@@ -18,7 +18,7 @@ struct RealTimeGrant {
 };
 
 struct LoopOptions {
-  double period = 1e-3;  // s
+  double period = 1e-3;    // s
   int fifo_priority = 50;  // 0: stay SCHED_OTHER
   int cpu = -1;            // -1: any
   bool lock_memory = true;
@@ -26,9 +26,9 @@ struct LoopOptions {
 
 struct LoopStatistics {
   std::int64_t cycles = 0;
-  std::int64_t overruns = 0;      // late wake-ups or cycles past their end, each once
-  std::int64_t overrun_ns = 0;    // their lateness in all
-  LatencyHistogram wake_up;       // lateness of the wake-up
+  std::int64_t overruns = 0;    // wake-ups a period late or cycles past their end, each once
+  std::int64_t overrun_ns = 0;  // their lateness in all
+  LatencyHistogram wake_up;     // lateness of the wake-up
 };
 
 /// Calls `tick(now_ns)` on an absolute CLOCK_MONOTONIC grid in the calling thread until `stop` is
@@ -42,11 +42,7 @@ class FixedRateLoop {
   /// Locks and prefaults memory, takes FIFO and affinity for the calling thread, as far as granted.
   RealTimeGrant acquire_real_time();
 
-  struct Tick {
-    std::int64_t now_ns;       // CLOCK_MONOTONIC at wake-up
-    std::int64_t lateness_ns;  // after the grid point
-    std::int64_t missed;       // grid points skipped before this one
-  };
+  using Tick = loop::Tick;
   template <class F>
   void run(const std::atomic<bool>& stop, F&& tick);
 
@@ -56,12 +52,12 @@ class FixedRateLoop {
   Tick wait() noexcept;
   LoopOptions options_;
   LoopStatistics statistics_;
-  std::int64_t next_ns_ = 0;
+  TimeGrid grid_;
 };
 
 template <class F>
 void FixedRateLoop::run(const std::atomic<bool>& stop, F&& tick) {
-  next_ns_ = 0;
+  grid_.restart();
   while (!stop.load(std::memory_order_relaxed)) tick(wait());
 }
 

@@ -6,7 +6,7 @@
 namespace palpate::loop {
 
 /// Durations in buckets of about 3 % width (32 per octave) from 64 ns to 68 s. record() costs a few
-/// instructions and never allocates; quantiles are upper bucket bounds, max is exact.
+/// instructions and never allocates; quantiles are upper bucket bounds (at most max), max is exact.
 class LatencyHistogram {
  public:
   void record(std::int64_t nanoseconds) noexcept;

@@ -1,0 +1,64 @@
+#include <lcm/lcm.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/udpm_receiver.hpp"
+
+namespace palpate::bus {
+namespace {
+
+/// liblcm finds a missing route as well, but says so on stderr and returns nothing to explain.
+void require_route(const UdpmUrl& url) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const sockaddr_in address = url.socket_address();
+  const bool reachable =
+      fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  const int error = errno;
+  if (fd >= 0) close(fd);
+  if (!reachable) throw std::runtime_error(explain_socket_error("open", url, error));
+}
+
+/// liblcm, which starts its own receiver only for a subscription that is never made here,
+/// publishes.
+class LcmBus final : public MessageBus {
+ public:
+  explicit LcmBus(const UdpmUrl& url) : url_(url), receiver_(datagrams_) {
+    require_route(url);
+    lcm_.reset(lcm_create(url.text().c_str()));
+    if (!lcm_)
+      throw std::runtime_error("liblcm cannot open " + url.text() + "; its message is above");
+  }
+
+  Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
+                          int depth) override {
+    return receiver_.subscribe(channel, encoded_size, fingerprint, depth);
+  }
+  void start() override { receiver_.start(url_); }
+  void stop() noexcept override { receiver_.stop(); }
+
+  bool publish(const char* channel, const void* data, int size) noexcept override {
+    if (!fits_one_datagram(channel, size)) return false;
+    return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
+  }
+
+ private:
+  struct Destroy {
+    void operator()(lcm_t* lcm) const noexcept { lcm_destroy(lcm); }
+  };
+  UdpmUrl url_;
+  UdpmReceiver receiver_;
+  std::unique_ptr<lcm_t, Destroy> lcm_;
+};
+
+}  // namespace
+
+std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url) {
+  return std::make_unique<LcmBus>(parse_udpm_url(url));
+}
+
+}  // namespace palpate::bus

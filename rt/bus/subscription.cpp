@@ -1,0 +1,83 @@
+#include <cstring>
+#include <stdexcept>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/udpm_frame.hpp"
+#include "rt/loop/handover_ring.hpp"
+
+namespace palpate::bus {
+namespace {
+
+constexpr int kFingerprintSize = 8;
+constexpr int kLargestEncodedSize = 65000;
+
+struct Slot {
+  std::vector<std::uint8_t> data;
+  std::int64_t arrival_ns = 0;
+};
+
+/// Encoded messages begin with the fingerprint of their type in network order.
+std::int64_t fingerprint_of(const void* data) noexcept {
+  std::uint64_t big_endian = 0;
+  std::memcpy(&big_endian, data, sizeof(big_endian));
+  return static_cast<std::int64_t>(__builtin_bswap64(big_endian));
+}
+
+void require_channel_name(const std::string& channel) {
+  constexpr char kAllowed[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_";
+  if (channel.empty() || channel.size() > static_cast<std::size_t>(kLongestChannel) ||
+      channel.find_first_not_of(kAllowed) != std::string::npos)
+    throw std::invalid_argument("channel \"" + channel +
+                                "\": a name is 1 to 63 of the characters A-Z, 0-9 and _");
+}
+
+Slot empty_slot(int encoded_size) {
+  if (encoded_size < kFingerprintSize || encoded_size > kLargestEncodedSize)
+    throw std::invalid_argument("encoded size must be 8 to 65000 bytes, not " +
+                                std::to_string(encoded_size));
+  return {std::vector<std::uint8_t>(static_cast<std::size_t>(encoded_size)), 0};
+}
+
+void increment(std::atomic<std::int64_t>& counter) noexcept {
+  counter.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+struct Subscription::Queue {
+  loop::HandoverRing<Slot> ring;
+};
+
+Subscription::Subscription(std::string channel, int encoded_size, std::int64_t fingerprint,
+                           int depth)
+    : channel_(std::move(channel)), encoded_size_(encoded_size), fingerprint_(fingerprint) {
+  require_channel_name(channel_);
+  queue_.reset(new Queue{loop::HandoverRing<Slot>(depth, empty_slot(encoded_size))});
+}
+
+Subscription::~Subscription() = default;
+
+void Subscription::offer(const void* data, int size, std::int64_t arrival_ns) noexcept {
+  if (size < kFingerprintSize) return increment(counters_.wrong_size);
+  // The type first: another version of a type differs in size as well, and its name is of more use.
+  if (const std::int64_t fingerprint = fingerprint_of(data); fingerprint != fingerprint_) {
+    counters_.last_wrong_fingerprint.store(fingerprint, std::memory_order_relaxed);
+    return increment(counters_.wrong_type);
+  }
+  if (size != encoded_size_) return increment(counters_.wrong_size);
+  Slot& slot = queue_->ring.back();
+  std::memcpy(slot.data.data(), data, static_cast<std::size_t>(size));
+  slot.arrival_ns = arrival_ns;
+  if (queue_->ring.publish()) increment(counters_.dropped);
+  increment(counters_.received);
+}
+
+bool Subscription::take(void* buffer, std::int64_t& arrival_ns) noexcept {
+  const Slot* slot = queue_->ring.take();
+  if (slot == nullptr) return false;
+  std::memcpy(buffer, slot->data.data(), slot->data.size());
+  arrival_ns = slot->arrival_ns;
+  return true;
+}
+
+}  // namespace palpate::bus

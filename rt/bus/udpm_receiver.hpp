@@ -1,0 +1,68 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/udpm_url.hpp"
+
+namespace palpate::bus {
+
+/// Takes LCM datagrams from the network to subscriptions. Only short messages of subscribed
+/// channels with the exact size and fingerprint get through; all else is counted and forgotten. No
+/// datagram can make it allocate, throw, or read outside what was received.
+class UdpmReceiver {
+ public:
+  explicit UdpmReceiver(DatagramCounters& counters) : counters_(counters) {}
+  ~UdpmReceiver() { stop(); }
+  UdpmReceiver(const UdpmReceiver&) = delete;
+  UdpmReceiver& operator=(const UdpmReceiver&) = delete;
+
+  /// Before start().
+  Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
+                          int depth);
+
+  /// Joins the group and starts the receiver's thread. Throws std::runtime_error with the remedy.
+  void start(const UdpmUrl& url);
+  void stop() noexcept;
+  bool started() const noexcept { return thread_.joinable(); }
+  /// Bytes that the system gave the socket for its queue, as the URL counts them; 0 before start().
+  int receive_buffer_size() const noexcept { return receive_buffer_size_; }
+
+  /// One datagram of `size` bytes, as the thread calls it.
+  void handle(const std::uint8_t* data, int size, std::int64_t arrival_ns) noexcept;
+
+ private:
+  /// Closes what it holds; -1 holds nothing.
+  class Descriptor {
+   public:
+    Descriptor() = default;
+    ~Descriptor() { reset(-1); }
+    Descriptor(const Descriptor&) = delete;
+    Descriptor& operator=(const Descriptor&) = delete;
+    void reset(int value) noexcept;
+    int get() const noexcept { return value_; }
+
+   private:
+    int value_ = -1;
+  };
+
+  void open(const UdpmUrl& url);
+  void receive() noexcept;
+  bool receive_one() noexcept;
+
+  DatagramCounters& counters_;
+  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::vector<std::uint8_t> buffer_;
+  Descriptor socket_;
+  Descriptor wake_;
+  int receive_buffer_size_ = 0;
+  std::uint32_t overflows_seen_ = 0;  // the kernel's running number
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+}  // namespace palpate::bus

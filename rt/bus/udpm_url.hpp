@@ -1,0 +1,30 @@
+#pragma once
+
+#include <netinet/in.h>
+
+#include <string>
+
+namespace palpate::bus {
+
+/// An LCM URL of UDP multicast.
+struct UdpmUrl {
+  std::string address = "239.255.76.67";
+  int port = 7667;
+  int ttl = 0;                  // 0: this machine only
+  int receive_buffer_size = 0;  // bytes; 0: as large as the system allows
+
+  /// Without the options: who says the same hears the same.
+  std::string group() const { return address + ":" + std::to_string(port); }
+  std::string text() const;
+  sockaddr_in socket_address() const;
+};
+
+/// Reads udpm://[ADDRESS[:PORT]][?ttl=N][&recv_buf_size=BYTES], with LCM's defaults for what is
+/// left out. Throws std::invalid_argument that names what is wrong.
+UdpmUrl parse_udpm_url(const std::string& url);
+
+/// "cannot DOING URL: reason", and for errors that a missing multicast route causes, how to add
+/// one.
+std::string explain_socket_error(const std::string& doing, const UdpmUrl& url, int error);
+
+}  // namespace palpate::bus

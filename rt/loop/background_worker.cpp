@@ -1,0 +1,68 @@
+#include "rt/loop/background_worker.hpp"
+
+#include <sys/resource.h>
+#include <sys/syscall.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <stdexcept>
+
+#include "rt/loop/helper_thread.hpp"
+
+namespace palpate::loop {
+namespace {
+
+// Behind the receiver and publisher threads, still ahead of what a person runs with `nice`.
+constexpr int kNice = 5;
+
+}  // namespace
+
+BackgroundWorker::BackgroundWorker() {
+  if (sem_init(&wake_, 0, 0) != 0) throw std::runtime_error("the system has no semaphore left");
+  try {
+    thread_ = start_helper_thread("palpate-worker", [this] { work(); });
+  } catch (...) {
+    sem_destroy(&wake_);
+    throw;
+  }
+}
+
+BackgroundWorker::~BackgroundWorker() {
+  stop_.store(true, std::memory_order_release);
+  sem_post(&wake_);
+  thread_.join();
+  sem_destroy(&wake_);
+}
+
+bool BackgroundWorker::submit(Job job, void* argument) noexcept {
+  if (state_.load(std::memory_order_acquire) != kIdle) return false;
+  job_ = job;
+  argument_ = argument;
+  state_.store(kRunning, std::memory_order_release);
+  sem_post(&wake_);
+  return true;
+}
+
+void* BackgroundWorker::finished() noexcept {
+  if (state_.load(std::memory_order_acquire) != kFinished) return nullptr;
+  void* argument = argument_;
+  state_.store(kIdle, std::memory_order_release);
+  return argument;
+}
+
+bool BackgroundWorker::busy() const noexcept {
+  return state_.load(std::memory_order_acquire) != kIdle;
+}
+
+void BackgroundWorker::work() noexcept {
+  setpriority(PRIO_PROCESS, static_cast<id_t>(syscall(SYS_gettid)), kNice);
+  for (;;) {
+    while (sem_wait(&wake_) != 0 && errno == EINTR) {
+    }
+    if (stop_.load(std::memory_order_acquire)) return;
+    job_(argument_);
+    state_.store(kFinished, std::memory_order_release);
+  }
+}
+
+}  // namespace palpate::loop

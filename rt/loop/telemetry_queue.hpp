@@ -1,0 +1,49 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "rt/loop/handover_ring.hpp"
+
+namespace palpate::loop {
+
+/// Records of varying size from the loop to one publishing thread, without lock or allocation on
+/// either side. A full queue drops the oldest record; a lost record is a number here, never a
+/// fault.
+class TelemetryQueue {
+ public:
+  static constexpr int kLongestChannel = 63;
+  struct Record {
+    char channel[kLongestChannel + 1];  // zero-terminated
+    int size;                           // bytes of data that count
+    std::vector<std::uint8_t> data;     // as long as the largest record
+  };
+
+  /// Throws std::invalid_argument unless depth and largest are positive. Takes
+  /// (depth + 2) * largest bytes.
+  TelemetryQueue(int depth, int largest);
+
+  /// Loop: encode the record here, at most largest() bytes, then commit() it.
+  std::uint8_t* buffer() noexcept { return ring_.back().data.data(); }
+  int largest() const noexcept { return largest_; }
+
+  /// Loop: hands over the first `size` bytes of buffer(). False, and counted as refused, where the
+  /// size is negative or above largest() or the name is empty or too long.
+  bool commit(std::string_view channel, int size) noexcept;
+
+  /// Publishing thread: the oldest record, valid until the next call; nullptr when empty.
+  const Record* take() noexcept { return ring_.take(); }
+
+  std::int64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
+  std::int64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+
+ private:
+  int largest_;
+  HandoverRing<Record> ring_;
+  std::atomic<std::int64_t> dropped_{0};
+  std::atomic<std::int64_t> refused_{0};
+};
+
+}  // namespace palpate::loop
