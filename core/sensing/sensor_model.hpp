@@ -7,8 +7,8 @@ namespace palpate::sensing {
 /// Who measured a contact, and in which frame its location and wrench stand.
 enum class Source { kWrist0, kWrist1, kFinger0, kFinger1, kFinger2, kFinger3, kFinger4, kManual };
 
-/// A wrench on the object. Wrist sources: about the origin of S, in S. Finger sources: at `location`
-/// in T. Manual: at a rest point, in O.
+/// A wrench on the object. Wrist sources: about the origin of S, in S. Finger sources: at
+/// `location` in T. Manual: at a rest point, in O.
 struct Contact {
   Source source = Source::kManual;
   Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m

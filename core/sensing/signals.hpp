@@ -21,8 +21,8 @@ struct Stream {
 };
 
 struct ForceTorque {
-  double time = 0;       // s, clock of the sender
-  math::Wrench F_S;      // what the sensor exerts on the hand, at the origin of S, in S
+  double time = 0;   // s, clock of the sender
+  math::Wrench F_S;  // what the sensor exerts on the hand, at the origin of S, in S
 };
 
 struct Inertial {

@@ -1,0 +1,139 @@
+#include "core/sensing/ft_newton_euler.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::sensing {
+namespace {
+
+double smoothing(double cutoff, double rate) {
+  if (cutoff < 0 || !(rate > 0))
+    throw std::invalid_argument("cutoff must not be negative, sample_rate must be above 0");
+  return cutoff > 0 ? 1 - std::exp(-2 * M_PI * cutoff / rate) : 1.0;
+}
+
+/// Share of a new value in a first-order low-pass.
+double share(double dt, double time_constant) noexcept {
+  return dt >= time_constant ? 1.0 : dt / time_constant;
+}
+
+}  // namespace
+
+FtNewtonEuler::FtNewtonEuler(const Options& options)
+    : options_(options),
+      tare_(options.tare_samples),
+      low_pass_(smoothing(options.cutoff, options.sample_rate)) {
+  if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
+  if (!(options.max_age > 0) || !(options.imu_max_age > 0))
+    throw std::invalid_argument("max_age and imu_max_age must be above 0");
+  if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0)
+    throw std::invalid_argument("time constants must not be negative");
+  if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
+  const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
+  R_SI_ = X_SI.linear();
+  p_SI_ = X_SI.translation();
+  if (options.tare_at_start) tare_.start();
+}
+
+void FtNewtonEuler::reset() noexcept {
+  tare_.reset();
+  if (options_.tare_at_start) tare_.start();
+  low_pass_.reset();
+  has_output_ = has_inertial_ = has_inertial_pair_ = used_imu_ = false;
+  angular_acceleration_I_.setZero();
+  acceleration_offset_S_.setZero();
+  offset_age_ = 0;
+}
+
+void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
+  inertial_step_ = 0;
+  for (int i = 0; i < stream.fresh_count; ++i) {
+    const Inertial& sample = stream.fresh[i];
+    if (!sample.acceleration_I.allFinite() || !sample.angular_velocity_I.allFinite() ||
+        !std::isfinite(sample.time)) {
+      ++skipped_;
+      continue;
+    }
+    const double dt = sample.time - inertial_.time;
+    if (has_inertial_ && dt > 0 && dt < options_.imu_max_age) {
+      const Eigen::Vector3d raw = (sample.angular_velocity_I - inertial_.angular_velocity_I) / dt;
+      angular_acceleration_I_ +=
+          share(dt, options_.angular_acceleration_time) * (raw - angular_acceleration_I_);
+      has_inertial_pair_ = true;
+      inertial_step_ += dt;
+    } else {
+      angular_acceleration_I_.setZero();
+      has_inertial_pair_ = false;
+    }
+    inertial_ = sample;
+    has_inertial_ = true;
+  }
+}
+
+LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
+  const Eigen::Matrix3d R_WS = signals.robot.latest.X_WE.linear() * options_.X_ES.linear();
+  LoadMotion motion = motion_at_rest(R_WS, options_.gravity_W);
+  follow_imu(signals.inertial);
+  used_imu_ = options_.use_imu && has_inertial_pair_ &&
+              signals.inertial.freshness != Freshness::kNoData &&
+              signals.inertial.age <= options_.imu_max_age;
+  if (!used_imu_) return motion;
+
+  motion.angular_velocity = R_SI_ * inertial_.angular_velocity_I;
+  motion.angular_acceleration = R_SI_ * angular_acceleration_I_;
+  // From the origin of I to that of S of the same rigid body.
+  const Eigen::Vector3d offset = -p_SI_;
+  const Eigen::Vector3d specific_force =
+      R_SI_ * inertial_.acceleration_I + motion.angular_acceleration.cross(offset) +
+      motion.angular_velocity.cross(motion.angular_velocity.cross(offset));
+  const Eigen::Vector3d acceleration = specific_force - motion.specific_force;
+  if (options_.imu_offset_time > 0 && inertial_step_ > 0) {
+    // An arm accelerates as often as it brakes: what stays in the mean is an offset. The first
+    // seconds take a plain mean, so that a start at rest is right at once.
+    offset_age_ += inertial_step_;
+    acceleration_offset_S_ +=
+        share(inertial_step_, std::min(offset_age_, options_.imu_offset_time)) *
+        (acceleration - acceleration_offset_S_);
+  }
+  motion.specific_force += acceleration - acceleration_offset_S_;
+  return motion;
+}
+
+UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts) noexcept {
+  const auto& stream = signals.force_torque;
+  const bool robot_known = signals.robot.freshness != Freshness::kNoData &&
+                           signals.robot.age <= options_.max_age &&
+                           signals.robot.latest.X_WE.matrix().allFinite();
+  if (!robot_known) {
+    used_imu_ = false;
+    follow_imu(signals.inertial);
+    return {Status::kDegraded, "robot state is absent or too old"};
+  }
+  const math::Vector6d explained = load_wrench(options_.payload, motion(signals)).vector();
+  for (int i = 0; i < stream.fresh_count; ++i) {
+    const math::Vector6d reading = options_.polarity * stream.fresh[i].F_S.vector();
+    if (!reading.allFinite()) {
+      ++skipped_;
+      continue;
+    }
+    const math::Vector6d rest = reading - explained;
+    tare_.update(rest);
+    low_pass_.update(rest);
+    has_output_ = true;
+  }
+
+  if (stream.freshness == Freshness::kNoData || !has_output_)
+    return {Status::kDegraded, "no force-torque reading yet"};
+  if (stream.age > options_.max_age) return {Status::kDegraded, "force-torque reading is too old"};
+  if (options_.tare_at_start && !tare_.is_known()) return {Status::kDegraded, "taring"};
+
+  Contact contact;
+  contact.source = options_.source;
+  contact.wrench = math::Wrench::from(low_pass_.value() - tare_.offset());
+  contact.force_deviation = options_.force_deviation;
+  if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
+  return {};
+}
+
+}  // namespace palpate::sensing

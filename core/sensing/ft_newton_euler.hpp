@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+
+#include "core/math/filter.hpp"
+#include "core/sensing/payload.hpp"
+#include "core/sensing/sensor_model.hpp"
+#include "core/sensing/tare.hpp"
+
+namespace palpate::sensing {
+
+/// Contact wrench at the wrist = reading minus what a rigid payload explains (load_wrench): gravity
+/// from the robot's orientation and, while an inertial unit delivers, inertial forces from it. What
+/// the sensor exerts on the hand beyond that is what the hand exerts on the object.
+class FtNewtonEuler : public SensorModel {
+ public:
+  struct Options {
+    PayloadParameters payload;
+    Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
+    math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
+    math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
+    bool use_imu = true;
+    /// s: offsets of the accelerometer and of the mounting angles are followed with this time
+    /// constant, as what remains of acceleration in the mean; 0: the accelerometer is trusted as
+    /// is.
+    double imu_offset_time = 5;
+    double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope
+    int tare_samples = 500;
+    bool tare_at_start = false;
+    double cutoff = 0;             // Hz, first-order low-pass of the output; 0: none
+    double sample_rate = 1000;     // Hz, of the readings, for the cutoff
+    double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
+    double max_age = 0.02;         // s, of the latest reading and robot state
+    double imu_max_age = 0.02;     // s; with older inertial data gravity alone is used
+    double force_deviation = 0.1;  // N, standard, of each axis of the output
+    Source source = Source::kWrist0;
+  };
+
+  /// Throws std::invalid_argument naming the option that is wrong.
+  explicit FtNewtonEuler(const Options& options);
+
+  UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
+  void zero() noexcept override { tare_.start(); }
+  void reset() noexcept override;
+
+  /// Samples passed over since construction because a number was not finite.
+  std::int64_t skipped() const noexcept { return skipped_; }
+  /// Whether the last update took inertial forces into account.
+  bool used_imu() const noexcept { return used_imu_; }
+
+ private:
+  void follow_imu(const Stream<Inertial>& stream) noexcept;
+  LoadMotion motion(const Signals& signals) noexcept;
+
+  Options options_;
+  Eigen::Matrix3d R_SI_;
+  Eigen::Vector3d p_SI_;  // origin of I in S
+  Tare<6> tare_;
+  math::ExponentialAverage<6> low_pass_;
+  bool has_output_ = false;
+  bool used_imu_ = false;
+
+  bool has_inertial_ = false;
+  bool has_inertial_pair_ = false;  // two samples, so that the gyroscope can be differentiated
+  Inertial inertial_;
+  double inertial_step_ = 0;  // s of inertial data in this tick
+  Eigen::Vector3d angular_acceleration_I_ = Eigen::Vector3d::Zero();
+  Eigen::Vector3d acceleration_offset_S_ = Eigen::Vector3d::Zero();
+  double offset_age_ = 0;  // s of inertial data that the offset stands on
+  std::int64_t skipped_ = 0;
+};
+
+}  // namespace palpate::sensing

@@ -1,0 +1,142 @@
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/sensing/payload.hpp"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kHuber = 1.345;  // standard deviations; 95 % efficient on normal noise
+constexpr int kPlainPasses = 3;   // force and torque noise settle in two
+constexpr int kRobustPasses = 20;
+constexpr double kUntoldShare = 0.1;  // of a unit vector
+
+double median(std::vector<double>& values) {
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Root mean square, or its robust counterpart, of the residuals of one kind of axis.
+double scale_of(const Eigen::Matrix<double, 6, Eigen::Dynamic>& residuals, int first_row,
+                bool robust) {
+  const auto rows = residuals.middleRows<3>(first_row);
+  if (!robust) return std::sqrt(rows.squaredNorm() / static_cast<double>(rows.size()));
+  std::vector<double> magnitudes;
+  magnitudes.reserve(static_cast<std::size_t>(rows.size()));
+  for (int c = 0; c < rows.cols(); ++c)
+    for (int r = 0; r < 3; ++r) magnitudes.push_back(std::abs(rows(r, c)));
+  return 1.4826 * median(magnitudes);
+}
+
+/// Least squares over `columns` of the regressor, rows weighted by the inverse of the residuals'
+/// scale, found by repeating the solution: force and torque have neither unit nor noise in common.
+PayloadFit identify(const std::vector<MotionSample>& samples, const std::vector<int>& columns,
+                    const IdentificationOptions& options) {
+  const int n = static_cast<int>(samples.size());
+  const int k = static_cast<int>(columns.size());
+  if (n < 4) throw std::invalid_argument("payload identification needs at least four readings");
+
+  Eigen::MatrixXd regressor(6 * n, k);
+  Eigen::VectorXd measured(6 * n);
+  for (int s = 0; s < n; ++s) {
+    const PayloadRegressor full = load_regressor(samples[s].motion);
+    for (int c = 0; c < k; ++c) regressor.block<6, 1>(6 * s, c) = full.col(columns[c]);
+    measured.segment<6>(6 * s) = samples[s].F_S.vector();
+  }
+  if (!regressor.allFinite() || !measured.allFinite())
+    throw std::invalid_argument("payload identification was given a number that is not finite");
+
+  PayloadFit fit;
+  fit.sample_count = n;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> residuals(6, n);
+  Eigen::Matrix<double, 6, Eigen::Dynamic> weights(6, n);
+  // A torque's error is about its force's times a lever of a tenth of a metre, to begin with.
+  weights.topRows<3>().setConstant(1.0);
+  weights.bottomRows<3>().setConstant(10.0);
+  Eigen::VectorXd solution(k), variance(k);
+  const int passes = options.robust ? kRobustPasses : kPlainPasses;
+  for (int pass = 0; pass < passes; ++pass) {
+    const Eigen::Map<const Eigen::VectorXd> row_weights(weights.data(), 6 * n);
+    Eigen::MatrixXd weighted = row_weights.asDiagonal() * regressor;
+    const Eigen::VectorXd column_norms = weighted.colwise().norm().transpose();
+    const double largest_norm = column_norms.maxCoeff();
+    // A column that is not excited at all keeps its scale and shows up as a small singular value.
+    Eigen::VectorXd scale(k);
+    for (int c = 0; c < k; ++c)
+      scale[c] = column_norms[c] > 1e-12 * largest_norm ? 1.0 / column_norms[c] : 1.0;
+    weighted = weighted * scale.asDiagonal();
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(weighted,
+                                                Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::VectorXd& sigma = svd.singularValues();
+
+    fit.condition = sigma[0] / std::max(sigma[k - 1], 1e-300);
+    const Eigen::VectorXd projected =
+        svd.matrixU().transpose() * row_weights.cwiseProduct(measured);
+    solution.setZero();
+    variance.setZero();
+    Eigen::VectorXd lost = Eigen::VectorXd::Zero(k);
+    for (int j = 0; j < k; ++j) {
+      const Eigen::VectorXd direction = svd.matrixV().col(j);
+      if (sigma[j] * options.condition_limit > sigma[0]) {
+        solution += direction * (projected[j] / sigma[j]);
+        variance += direction.cwiseAbs2() / (sigma[j] * sigma[j]);
+      } else {
+        lost += direction.cwiseAbs2();
+      }
+    }
+    solution = solution.cwiseProduct(scale);
+    variance = variance.cwiseProduct(scale.cwiseAbs2());
+    fit.untold.clear();
+    for (int c = 0; c < k; ++c)
+      if (lost[c] > kUntoldShare * kUntoldShare)
+        fit.untold.emplace_back(payload_parameter_name(columns[c]));
+
+    const Eigen::VectorXd error = measured - regressor * solution;
+    residuals = Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>(error.data(), 6, n);
+    for (const int first_row : {0, 3}) {
+      const double deviation = std::max(scale_of(residuals, first_row, options.robust), 1e-12);
+      for (int s = 0; s < n; ++s)
+        for (int r = first_row; r < first_row + 3; ++r) {
+          const double size = std::abs(residuals(r, s)) / deviation;
+          const double trust = options.robust && size > kHuber ? std::sqrt(kHuber / size) : 1.0;
+          weights(r, s) = trust / deviation;
+        }
+    }
+  }
+
+  PayloadVector parameters = PayloadVector::Zero();
+  // Rows are scaled to unit noise, so that the variance needs only the degrees of freedom spent.
+  const double inflation = 6.0 * n > k ? 6.0 * n / (6.0 * n - k) : 1.0;
+  for (int c = 0; c < k; ++c) {
+    parameters[columns[c]] = solution[c];
+    fit.deviation[columns[c]] = std::sqrt(inflation * variance[c]);
+  }
+  fit.parameters = payload_from_vector(parameters);
+  fit.residual_rms = (residuals.rowwise().squaredNorm() / n).cwiseSqrt();
+  fit.force_rms = fit.residual_rms.head<3>().norm();
+  fit.torque_rms = fit.residual_rms.tail<3>().norm();
+  return fit;
+}
+
+}  // namespace
+
+PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Vector3d& gravity_W,
+                           const IdentificationOptions& options) {
+  std::vector<MotionSample> samples;
+  samples.reserve(poses.size());
+  for (const StaticPose& pose : poses)
+    samples.push_back({motion_at_rest(pose.R_WS, gravity_W), pose.F_S});
+  return identify(samples, {0, 1, 2, 3, 10, 11, 12, 13, 14, 15}, options);
+}
+
+PayloadFit identify_motion(const std::vector<MotionSample>& samples,
+                           const IdentificationOptions& options) {
+  std::vector<int> all(kPayloadParameterCount);
+  for (int i = 0; i < kPayloadParameterCount; ++i) all[i] = i;
+  return identify(samples, all, options);
+}
+
+}  // namespace palpate::sensing
