@@ -1,0 +1,55 @@
+#pragma once
+
+#include <yaml-cpp/yaml.h>
+
+#include <cstdint>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace palpate::config {
+
+/// A YAML document with what its readers share: where it came from, what was overridden, and which
+/// keys have been asked for. `path` is the full key of a node, "" the root, "a.0.b" below a list.
+class Document {
+ public:
+  /// Throws Error where `text` is not one YAML mapping with unique plain keys.
+  Document(const std::string& text, const std::string& name, const std::string& folder);
+
+  /// Applies "path.to.key=value".
+  void apply_override(const std::string& text);
+
+  const YAML::Node& root() const { return root_; }
+  const std::string& folder() const { return folder_; }
+
+  /// "file:line", or the override that set the value at `path`; `line` is 0-based, -1 where
+  /// unknown.
+  std::string location(const std::string& path, int line) const;
+
+  void mark_used(const std::string& path, const std::string& key) { used_[path].insert(key); }
+  /// Keys of the mapping at `path` that were asked for, there or not.
+  const std::set<std::string>& used(const std::string& path) const;
+
+  /// 64-bit FNV-1a of the document as a YAML emitter writes it.
+  std::int64_t hash() const;
+
+ private:
+  struct Override {
+    std::string path;
+    std::string text;
+  };
+
+  void check_keys(const YAML::Node& node, const std::string& path, int depth) const;
+
+  YAML::Node root_;
+  std::string name_;
+  std::string folder_;
+  std::vector<Override> overrides_;
+  std::map<std::string, std::set<std::string>> used_;
+};
+
+/// "a.b" from "a" and "b"; "b" below the root.
+std::string join(const std::string& path, const std::string& key);
+
+}  // namespace palpate::config

@@ -1,0 +1,267 @@
+#include "rt/config/node.hpp"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+
+namespace palpate::config {
+namespace {
+
+using ::testing::AllOf;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using ::testing::StartsWith;
+
+/// What the error of `action` says; empty where there is none.
+template <typename Action>
+std::string error_of(Action action) {
+  try {
+    action();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+class ConfigFile : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::path(::testing::TempDir()) /
+              ("palpate_config_" + std::to_string(::getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string write(const std::string& text) {
+    const std::string path = (folder_ / "test.yaml").string();
+    std::ofstream(path) << text;
+    return path;
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST(Node, ReadsEveryKind) {
+  const Node node = Node::from_text(R"(
+rate: 1e3
+count: 7
+on: true
+name: bar
+quoted: "12"
+list: [1, -2.5, +3]
+points: [[0, 0, 0], [1, 2, 3]]
+nested: {deep: {value: -0.5}}
+items: [{a: 1}, {a: 2}]
+)");
+  EXPECT_EQ(node.number("rate", {0, 2000}), 1000);
+  EXPECT_EQ(node.integer("count", {0, 10}), 7);
+  EXPECT_TRUE(node.flag("on", false));
+  EXPECT_EQ(node.text("name"), "bar");
+  EXPECT_EQ(node.text("quoted"), "12");
+  EXPECT_EQ(node.choice("name", {"foo", "bar"}), "bar");
+  EXPECT_THAT(node.numbers("list", 3), ElementsAre(1, -2.5, 3));
+  EXPECT_THAT(node.numbers("list", -1), ElementsAre(1, -2.5, 3));
+  EXPECT_EQ(node.vector3("list"), Eigen::Vector3d(1, -2.5, 3));
+  EXPECT_EQ(node.points("points")[1], Eigen::Vector3d(1, 2, 3));
+  EXPECT_EQ(node.child("nested").child("deep").number("value", {}), -0.5);
+  const std::vector<Node> items = node.list("items");
+  ASSERT_EQ(items.size(), 2u);
+  EXPECT_EQ(items[0].integer("a", {}), 1);
+  EXPECT_EQ(items[1].integer("a", {}), 2);
+  EXPECT_TRUE(node.has("count"));
+  EXPECT_FALSE(node.has("absent"));
+  EXPECT_THAT(node.child("nested").keys(), ElementsAre("deep"));
+  EXPECT_NO_THROW(node.check_all_used());
+}
+
+TEST(Node, DefaultsStandForAbsentKeys) {
+  const Node node = Node::from_text("");
+  EXPECT_EQ(node.number("a", {0, 1}, 0.5), 0.5);
+  EXPECT_EQ(node.integer("b", {0, 1}, 1), 1);
+  EXPECT_FALSE(node.flag("c", false));
+  EXPECT_EQ(node.text("d", "x"), "x");
+  EXPECT_EQ(node.choice("e", {"x", "y"}, "y"), "y");
+  EXPECT_EQ(node.vector3("f", {}, {1, 2, 3}), Eigen::Vector3d(1, 2, 3));
+  EXPECT_TRUE(node.list("g").empty());
+  EXPECT_TRUE(node.child_or_empty("h").keys().empty());
+  EXPECT_EQ(node.child_or_empty("h").child_or_empty("i").number("j", {}, 4), 4);
+  EXPECT_EQ(node.pose("k").matrix(), Eigen::Matrix4d::Identity());
+}
+
+TEST(Node, ErrorsNameFileLineKeyAndWhatIsAllowed) {
+  const Node node = Node::from_text(R"(robot:
+  speed: 3
+  name: bar
+  gains:
+    - 1
+    - fast
+)",
+                                    "my.yaml");
+  const Node robot = node.child("robot");
+  EXPECT_EQ(error_of([&] {
+              robot.number("speed", {0, 1});
+            }),
+            "my.yaml:2: robot.speed: '3' is out of range; allowed: 0 to 1");
+  EXPECT_EQ(error_of([&] {
+              robot.number("name", {0, 1});
+            }),
+            "my.yaml:3: robot.name: 'bar' is not a finite number; allowed: 0 to 1");
+  EXPECT_EQ(error_of([&] {
+              robot.choice("name", {"a", "b"});
+            }),
+            "my.yaml:3: robot.name: 'bar' is unknown; allowed: a, b");
+  EXPECT_EQ(error_of([&] { robot.numbers("gains", 2); }),
+            "my.yaml:6: robot.gains.1: 'fast' is not a finite number; allowed: any finite number");
+  EXPECT_EQ(error_of([&] { robot.number("mass", {0}); }),
+            "my.yaml:1: robot.mass: is missing; allowed: at least 0");
+  EXPECT_EQ(error_of([&] { robot.fail("name", "is odd"); }), "my.yaml:3: robot.name: is odd");
+  EXPECT_EQ(error_of([&] { robot.fail("", "is odd"); }), "my.yaml:1: robot: is odd");
+}
+
+TEST(Node, RefusesWrongTypes) {
+  const Node node = Node::from_text(R"(
+nan: .nan
+inf: .inf
+minus: -.inf
+huge: 1e999
+bare: nan
+quoted: "1"
+text: yes
+half: 1.5
+octal: 0x10
+trailing: 1 2
+wide: 3000000000
+list: [1, 2]
+map: {a: 1}
+nothing:
+)");
+  for (const std::string& key : node.keys()) {
+    if (key == "half" || key == "wide") continue;
+    EXPECT_NE(error_of([&] { node.number(key, {}); }), "") << key;
+  }
+  for (const std::string& key : node.keys()) {
+    EXPECT_NE(error_of([&] { node.integer(key, {}); }), "") << key;
+    EXPECT_NE(error_of([&] { node.flag(key, true); }), "") << key;
+    EXPECT_NE(error_of([&] { node.vector3(key); }), "") << key;
+    if (key != "list") {
+      EXPECT_NE(error_of([&] { node.points(key); }), "") << key;
+    }
+    if (key != "map") {
+      EXPECT_NE(error_of([&] { node.child(key); }), "") << key;
+    }
+    if (key != "nothing") {
+      EXPECT_NE(error_of([&] { node.list(key); }), "") << key;
+    }
+  }
+  for (const char* key : {"list", "map", "nothing"}) {
+    EXPECT_NE(error_of([&] { node.text(key); }), "") << key;
+    EXPECT_NE(error_of([&] { node.choice(key, {"a"}); }), "") << key;
+  }
+}
+
+TEST(Node, ReadsPoses) {
+  const Node node = Node::from_text(R"(
+a: {position: [1, 2, 3], quaternion: [0.7071067811865476, 0, 0, 0.7071067811865476]}
+b: {position: [1, 2, 3], rpy_deg: [0, 0, 90]}
+c: {rpy_deg: [90, 0, 90]}
+wrong: {quaternion: [1, 1, 0, 0]}
+both: {quaternion: [1, 0, 0, 0], rpy_deg: [0, 0, 0]}
+)");
+  EXPECT_LT((node.pose("a").matrix() - node.pose("b").matrix()).norm(), 1e-15);
+  EXPECT_LT((node.pose("a") * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 1e-15);
+  // Roll acts first: y goes to z, which yaw leaves alone.
+  EXPECT_LT((node.pose("c") * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
+  EXPECT_THAT(error_of([&] { node.pose("wrong"); }),
+              AllOf(StartsWith("<text>:5: wrong.quaternion: "), HasSubstr("unit")));
+  EXPECT_THAT(error_of([&] { node.pose("both"); }), HasSubstr("both.rpy_deg"));
+}
+
+TEST(Node, UnknownKeysAreFoundWhereverTheyHide) {
+  const std::string text = R"(
+a: 1
+list:
+  - {b: 2, c: 3}
+map: {d: 4}
+)";
+  const Node node = Node::from_text(text);
+  EXPECT_EQ(error_of([&] { node.check_all_used(); }), "<text>:2: a: unknown key; allowed: nothing");
+  node.number("a", {});
+  const std::vector<Node> items = node.list("list");
+  items[0].number("b", {});
+  items[0].number("e", {}, 0);
+  const Node map = node.child("map");
+  EXPECT_EQ(error_of([&] { node.check_all_used(); }),
+            "<text>:4: list.0.c: unknown key; allowed: b, e");
+  items[0].number("c", {});
+  EXPECT_FALSE(map.has("f"));
+  EXPECT_THAT(error_of([&] { node.check_all_used(); }), HasSubstr("map.d: unknown key"));
+  EXPECT_NO_THROW(items[0].check_all_used());
+  map.number("d", {});
+  EXPECT_NO_THROW(node.check_all_used());
+}
+
+TEST(Node, RefusesTextThatIsNotOneMapping) {
+  EXPECT_THAT(error_of([] { Node::from_text("a: [1\nb: 2", "f"); }),
+              AllOf(StartsWith("f:"), HasSubstr("not valid YAML")));
+  EXPECT_THAT(error_of([] { Node::from_text("- 1\n- 2", "f"); }), StartsWith("f:1: "));
+  EXPECT_THAT(error_of([] { Node::from_text("a: 1\nb: {c: 1,\n c: 2}", "f"); }),
+              AllOf(StartsWith("f:3: b.c: "), HasSubstr("twice")));
+  EXPECT_NE(error_of([] { Node::from_text("a: 1\n---\nb: 2"); }), "");
+  EXPECT_NE(error_of([] { Node::from_text("[1, 2]: 3"); }), "");
+  EXPECT_NE(error_of([] { Node::from_text("a: &x {b: *x}"); }), "");
+  EXPECT_NE(error_of([] { Node::from_text("a: *nowhere"); }), "");
+}
+
+TEST_F(ConfigFile, MissingFilesAreErrors) {
+  const std::string missing = (folder_ / "none.yaml").string();
+  EXPECT_THAT(error_of([&] { Node::load_file(missing); }), StartsWith(missing + ": "));
+  EXPECT_NE(error_of([&] { Node::load_file(folder_.string()); }), "");
+}
+
+TEST_F(ConfigFile, PathsAreRelativeToTheFile) {
+  const Node node = Node::load_file(write("mesh: ../meshes/bar.msh\nabsolute: /a/b"));
+  EXPECT_EQ(node.path("mesh"), (folder_.parent_path() / "meshes" / "bar.msh").lexically_normal());
+  EXPECT_EQ(node.path("absolute"), "/a/b");
+}
+
+TEST_F(ConfigFile, OverridesReplaceAndAddValues) {
+  const std::string path = write("a: {b: 1, c: 2}\nlist:\n  - {x: 1}\n  - {x: 2}\n");
+  const Node node = Node::load_file(
+      path, {"a.b=5", "list.1.x=7", "new.deep.key=[1, 2, 3]", "a={b: 8, c: 9}", "a.c=10"});
+  EXPECT_EQ(node.child("a").integer("b", {}), 8);
+  EXPECT_EQ(node.child("a").integer("c", {}), 10);
+  EXPECT_EQ(node.list("list")[0].integer("x", {}), 1);
+  EXPECT_EQ(node.list("list")[1].integer("x", {}), 7);
+  EXPECT_EQ(node.child("new").child("deep").vector3("key"), Eigen::Vector3d(1, 2, 3));
+  EXPECT_NO_THROW(node.check_all_used());
+}
+
+TEST_F(ConfigFile, ErrorsOfOverriddenValuesNameTheOverride) {
+  const std::string path = write("a: {b: 1}\nlist: [{x: 1}]\n");
+  const Node node = Node::load_file(path, {"a.b=fast", "typo.key=1"});
+  EXPECT_THAT(error_of([&] { node.child("a").number("b", {}); }),
+              StartsWith("override 'a.b=fast': a.b: 'fast'"));
+  node.list("list")[0].number("x", {});
+  EXPECT_THAT(error_of([&] { node.check_all_used(); }),
+              StartsWith("override 'typo.key=1': typo: unknown key"));
+  for (const char* wrong :
+       {"a.b", "=1", "a..b=1", "a.b.c=1", "list.1.x=1", "list.x=1", "a.b=[", "a.b={c: 1, c: 2}"}) {
+    EXPECT_THAT(error_of([&] { Node::load_file(path, {wrong}); }), StartsWith("override '"))
+        << wrong;
+  }
+}
+
+TEST_F(ConfigFile, HashFollowsContentNotComments) {
+  const auto hash = [&](const std::string& text, const std::vector<std::string>& overrides = {}) {
+    return Node::load_file(write(text), overrides).hash();
+  };
+  EXPECT_EQ(hash("a: 1\nb: 2"), hash("# why\na: 1\nb:   2"));
+  EXPECT_NE(hash("a: 1\nb: 2"), hash("a: 1\nb: 3"));
+  EXPECT_EQ(hash("a: 1\nb: 2", {"b=3"}), hash("a: 1\nb: 3"));
+}
+
+}  // namespace
+}  // namespace palpate::config
