@@ -1,0 +1,151 @@
+#include "sim/object/hexahedral_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/object/quadratic_shape.hpp"
+
+namespace palpate::object {
+namespace {
+
+constexpr double kBoxTolerance = 1e-9;  // m
+
+}  // namespace
+
+bool Box::contains(const Eigen::Vector3d& p) const {
+  return (p.array() >= lower.array() - kBoxTolerance).all() &&
+         (p.array() <= upper.array() + kBoxTolerance).all();
+}
+
+HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
+                               const std::array<int, 3>& elements)
+    : origin_(origin), size_(size), counts_(elements), points_{} {
+  if (!origin.allFinite() || !size.allFinite() || (size.array() <= 0).any()) {
+    throw std::invalid_argument("plant: every side of the box must be positive");
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (counts_[axis] < 1) throw std::invalid_argument("plant: at least one element per axis");
+    points_[axis] = 2 * counts_[axis] + 1;
+    element_size_[axis] = size_[axis] / counts_[axis];
+  }
+
+  nodes_.resize(3, points_[0] * points_[1] * points_[2]);
+  for (int k = 0; k < points_[2]; ++k) {
+    for (int j = 0; j < points_[1]; ++j) {
+      for (int i = 0; i < points_[0]; ++i) {
+        nodes_.col(node_index(i, j, k)) =
+            origin_ + Eigen::Vector3d(i, j, k).cwiseProduct(0.5 * element_size_);
+      }
+    }
+  }
+
+  elements_.resize(27, counts_[0] * counts_[1] * counts_[2]);
+  int e = 0;
+  for (int ez = 0; ez < counts_[2]; ++ez) {
+    for (int ey = 0; ey < counts_[1]; ++ey) {
+      for (int ex = 0; ex < counts_[0]; ++ex, ++e) {
+        for (int a = 0; a < 27; ++a) {
+          elements_(a, e) = node_index(2 * ex + a % 3, 2 * ey + a / 3 % 3, 2 * ez + a / 9);
+        }
+      }
+    }
+  }
+  add_surface_triangles();
+}
+
+void HexahedralGrid::add_surface_triangles() {
+  const int face_count =
+      2 * (counts_[0] * counts_[1] + counts_[1] * counts_[2] + counts_[2] * counts_[0]);
+  faces_.resize(9, face_count);
+  face_areas_.resize(face_count);
+  triangles_.resize(3, 8 * face_count);
+  int face = 0;
+  int triangle = 0;
+  for (int normal = 0; normal < 3; ++normal) {
+    const int u = (normal + 1) % 3;
+    const int v = (normal + 2) % 3;
+    for (const bool upper : {false, true}) {
+      for (int q = 0; q < counts_[v]; ++q) {
+        for (int p = 0; p < counts_[u]; ++p, ++face) {
+          for (int b = 0; b < 9; ++b) {
+            std::array<int, 3> at{};
+            at[normal] = upper ? points_[normal] - 1 : 0;
+            at[u] = 2 * p + b % 3;
+            at[v] = 2 * q + b / 3;
+            faces_(b, face) = node_index(at[0], at[1], at[2]);
+          }
+          face_areas_[face] = element_size_[u] * element_size_[v];
+          for (const int corner : {0, 1, 3, 4}) {
+            const Eigen::Vector4i quad(faces_(corner, face), faces_(corner + 1, face),
+                                       faces_(corner + 4, face), faces_(corner + 3, face));
+            // u x v points along +normal: the lower face is listed the other way round.
+            const Eigen::Vector4i ring = upper ? quad : Eigen::Vector4i(quad.reverse());
+            triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[1], ring[2]);
+            triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[2], ring[3]);
+          }
+        }
+      }
+    }
+  }
+}
+
+Eigen::VectorXd HexahedralGrid::nodal_volumes() const {
+  Eigen::VectorXd volumes = Eigen::VectorXd::Zero(node_count());
+  const double element_volume = element_size_.prod();
+  for (int e = 0; e < element_count(); ++e) {
+    for (int a = 0; a < 27; ++a) {
+      volumes[elements_(a, e)] +=
+          element_volume * kLobattoShare[a % 3] * kLobattoShare[a / 3 % 3] * kLobattoShare[a / 9];
+    }
+  }
+  return volumes;
+}
+
+std::vector<int> HexahedralGrid::nodes_in(const Box& box) const {
+  std::vector<int> found;
+  for (int n = 0; n < node_count(); ++n) {
+    if (box.contains(nodes_.col(n))) found.push_back(n);
+  }
+  return found;
+}
+
+Eigen::VectorXd HexahedralGrid::patch_areas(const Box& box) const {
+  const auto inside = [&](int node) { return box.contains(nodes_.col(node)); };
+  const auto whole = [&](int face) {
+    return std::all_of(faces_.col(face).begin(), faces_.col(face).end(), inside);
+  };
+  bool any_whole = false;
+  for (int f = 0; f < faces_.cols(); ++f) any_whole = any_whole || whole(f);
+
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(node_count());
+  for (int f = 0; f < faces_.cols(); ++f) {
+    if (any_whole && !whole(f)) continue;
+    for (int b = 0; b < 9; ++b) {
+      const int node = faces_(b, f);
+      if (inside(node)) areas[node] += face_areas_[f] * kLobattoShare[b % 3] * kLobattoShare[b / 3];
+    }
+  }
+  return areas;
+}
+
+MaterialPoint HexahedralGrid::locate(const Eigen::Vector3d& p_O) const {
+  MaterialPoint point;
+  const Eigen::Vector3d p = p_O - origin_;
+  point.outside = (p - p.cwiseMax(Eigen::Vector3d::Zero()).cwiseMin(size_)).norm();
+  std::array<int, 3> cell{};
+  std::array<std::array<double, 3>, 3> shape{};
+  for (int axis = 0; axis < 3; ++axis) {
+    const double along = p[axis] / element_size_[axis];
+    cell[axis] = std::clamp(static_cast<int>(std::floor(along)), 0, counts_[axis] - 1);
+    shape[axis] = QuadraticShape(2 * (along - cell[axis]) - 1).value;
+  }
+  const int e = cell[0] + counts_[0] * (cell[1] + counts_[1] * cell[2]);
+  for (int a = 0; a < 27; ++a) {
+    point.nodes[a] = elements_(a, e);
+    point.weights[a] = shape[0][a % 3] * shape[1][a / 3 % 3] * shape[2][a / 9];
+  }
+  return point;
+}
+
+}  // namespace palpate::object

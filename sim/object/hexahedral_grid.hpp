@@ -1,0 +1,78 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+namespace palpate::object {
+
+/// Axis-aligned box in O, m; both ends belong to it.
+struct Box {
+  Eigen::Vector3d lower = Eigen::Vector3d::Zero();
+  Eigen::Vector3d upper = Eigen::Vector3d::Zero();
+
+  /// True where `p` lies inside or within 1e-9 m of the box.
+  bool contains(const Eigen::Vector3d& p) const;
+};
+
+/// A point of the rest shape as the weighted sum of the 27 nodes of its element.
+struct MaterialPoint {
+  std::array<int, 27> nodes{};
+  std::array<double, 27> weights{};
+  double outside = 0;  // m, distance of the point from the box at rest; extrapolated where > 0
+
+  /// Weighted sum of the columns of `values` (3 x node count: positions or velocities).
+  Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& values) const {
+    Eigen::Vector3d p = Eigen::Vector3d::Zero();
+    for (int a = 0; a < 27; ++a) p += weights[a] * values.col(nodes[a]);
+    return p;
+  }
+};
+
+/// A box [origin, origin + size] cut into equal triquadratic hexahedra of 27 nodes.
+///
+/// Nodes form a grid of (2 elements + 1) per axis, x fastest. Within an element node i + 3 j + 9 k
+/// lies at parent coordinates (i - 1, j - 1, k - 1), its parent box being [-1, 1]^3.
+class HexahedralGrid {
+ public:
+  /// Throws std::invalid_argument where a side is not positive or an element count is below one.
+  HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
+                 const std::array<int, 3>& elements);
+
+  int node_count() const { return static_cast<int>(nodes_.cols()); }
+  int element_count() const { return static_cast<int>(elements_.cols()); }
+  const Eigen::Matrix3Xd& nodes() const { return nodes_; }          // rest positions in O, m
+  const Eigen::MatrixXi& elements() const { return elements_; }     // 27 x element count
+  const Eigen::Matrix3Xi& triangles() const { return triangles_; }  // surface, outward normals
+  Eigen::Vector3d element_size() const { return element_size_; }
+
+  /// Rest volume that each node stands for, m^3: Gauss-Lobatto (Simpson) weights, all positive.
+  Eigen::VectorXd nodal_volumes() const;
+
+  /// Nodes whose rest position lies in the box, sorted.
+  std::vector<int> nodes_in(const Box& box) const;
+
+  /// Surface area that each node stands for, m^2, of the faces that lie wholly in the box; where
+  /// there is none, of every face, counted for the nodes in the box only. 0 elsewhere.
+  Eigen::VectorXd patch_areas(const Box& box) const;
+
+  /// Element and shape functions of a rest point in O.
+  MaterialPoint locate(const Eigen::Vector3d& p_O) const;
+
+ private:
+  int node_index(int i, int j, int k) const { return i + points_[0] * (j + points_[1] * k); }
+  void add_surface_triangles();
+
+  Eigen::Vector3d origin_;
+  Eigen::Vector3d size_;
+  std::array<int, 3> counts_;
+  std::array<int, 3> points_;
+  Eigen::Vector3d element_size_;
+  Eigen::Matrix3Xd nodes_;
+  Eigen::MatrixXi elements_;
+  Eigen::Matrix3Xi triangles_;
+  Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;  // surface faces, both in-plane axes ascending
+  Eigen::VectorXd face_areas_;
+};
+
+}  // namespace palpate::object
