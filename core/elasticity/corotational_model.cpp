@@ -46,6 +46,9 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       held_(pattern_.size(), 0),
       gravity_(body_.gravity_O),
       rhs_(Eigen::Matrix4Xd::Zero(4, pattern_.size())),
+      step_taken_(rhs_),
+      force_change_(rhs_),
+      secants_(pattern_.size()),
       state_(elements_.make_state()),
       factor_(pattern_, elements_),
       job_(elements_, pattern_, body_.grasps) {
@@ -87,6 +90,7 @@ void CorotationalModel::reset() noexcept {
   std::fill(held_.begin(), held_.end(), 0);
   std::fill(state_.begin(), state_.end(), PointState());
   sensitivity_.valid = false;
+  secants_.clear();
 }
 
 void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
@@ -234,7 +238,7 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
       rhs_.col(k).setZero();
       if (!held_[k]) rhs_.col(k).head<3>() = -forces_.col(pattern_.node(k));
     }
-    factor_.ldl.solve(rhs_);
+    secants_.apply(rhs_, [this](Eigen::Matrix4Xd& b) { factor_.ldl.solve(b); });
     double slope = 0;
     for (int k = 0; k < pattern_.size(); ++k) {
       const int node = pattern_.node(k);
@@ -259,6 +263,7 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
     if (!accepted) {
       x_ = x_trial_;
       evaluate();
+      secants_.clear();
       wanted_ = true;
       break;
     }
@@ -266,11 +271,27 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
         next_residual > options_.contraction * report.residual) {
       wanted_ = true;
     }
+    // Far from equilibrium, where the tangent is indefinite, secants mislead.
+    if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
   }
   report.status =
       report.residual <= options_.tolerance ? StepStatus::kConverged : StepStatus::kNotConverged;
+}
+
+void CorotationalModel::learn() noexcept {
+  for (int k = 0; k < pattern_.size(); ++k) {
+    if (held_[k]) {
+      step_taken_.col(k).setZero();
+      force_change_.col(k).setZero();
+      continue;
+    }
+    const int node = pattern_.node(k);
+    step_taken_.col(k).head<3>() = x_.col(node) - x_trial_.col(node);
+    force_change_.col(k).head<3>() = forces_.col(node) - forces_trial_.col(node);
+  }
+  secants_.add(step_taken_, force_change_);
 }
 
 void CorotationalModel::observe_turn() noexcept {
@@ -320,6 +341,7 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
     return;
   }
   std::swap(factor_, job_.factor);
+  secants_.clear();
   std::swap(sensitivity_, job_.sensitivity);
   sensitivity_.age = job_age_;
 }
@@ -342,6 +364,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   // Stretches and rotations of the new shape, from which the next step starts.
   forces_.setZero();
   elements_.add_forces(x_, 0, state_, forces_);
+  secants_.clear();
   wanted_ = true;
   return true;
 }

@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "core/elasticity/refactor_job.hpp"
+#include "core/elasticity/secant_pairs.hpp"
 
 namespace palpate::elasticity {
 
@@ -74,6 +75,7 @@ class CorotationalModel : public DeformationModel {
   double evaluate() noexcept;
   double residual() const noexcept;
   void correct(StepReport& report, double energy) noexcept;
+  void learn() noexcept;
   void observe_turn() noexcept;
   math::Pose fit_pose(const GraspRegion& region) const noexcept;
 
@@ -89,7 +91,8 @@ class CorotationalModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, external_;
   Eigen::Matrix3Xd x_, v_, x_begin_, x_inertial_, x_trial_, dx_, forces_, forces_trial_;
-  Eigen::Matrix4Xd rhs_;
+  Eigen::Matrix4Xd rhs_, step_taken_, force_change_;  // by unknown
+  SecantPairs secants_;
   StepFactors step_;
   ElementSet::State state_;
 

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+
+namespace palpate::elasticity {
+
+/// What the last corrections taught about the matrix: pairs of a step and the change of force that
+/// it made, wrapped round a factor that is somewhat old (limited-memory BFGS, Nocedal 1980, with
+/// that factor as its first guess). Vectors are 4 x unknowns with a row of padding.
+class SecantPairs {
+ public:
+  explicit SecantPairs(int unknowns);
+
+  void clear() noexcept { count_ = 0; }
+
+  /// Keeps the pair, in place of the oldest; drops one that does not show positive curvature.
+  void add(const Eigen::Matrix4Xd& step, const Eigen::Matrix4Xd& change) noexcept;
+
+  /// Overwrites b with an improved solution of A x = b, `solve(b)` being the factor's.
+  template <class Solve>
+  void apply(Eigen::Matrix4Xd& b, const Solve& solve) noexcept {
+    std::array<double, kPairs> a;
+    for (int k = 0; k < count_; ++k) {
+      const Pair& pair = newest(k);
+      a[k] = pair.scale * dot(pair.step, b);
+      b -= a[k] * pair.change;
+    }
+    solve(b);
+    for (int k = count_ - 1; k >= 0; --k) {
+      const Pair& pair = newest(k);
+      b += (a[k] - pair.scale * dot(pair.change, b)) * pair.step;
+    }
+  }
+
+ private:
+  static constexpr int kPairs = 6;
+  struct Pair {
+    Eigen::Matrix4Xd step, change;
+    double scale = 0;  // 1 / step . change
+  };
+  static double dot(const Eigen::Matrix4Xd& a, const Eigen::Matrix4Xd& b) noexcept {
+    return a.cwiseProduct(b).sum();
+  }
+  const Pair& newest(int k) const noexcept { return pairs_[(next_ + kPairs - 1 - k) % kPairs]; }
+
+  std::array<Pair, kPairs> pairs_;
+  int next_ = 0;
+  int count_ = 0;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,456 @@
+#include "core/elasticity/corotational_model.hpp"
+
+#include <gtest/gtest.h>
+
+#include <thread>
+
+#include "core/elasticity/static_solver.hpp"
+#include "core/math/polar.hpp"
+#include "tests/unit/core/elasticity/bodies.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+using Eigen::Matrix3Xd;
+using Eigen::Vector3d;
+
+constexpr double kDt = 1e-3;
+
+Body bar(mesh::ElementOrder order = mesh::ElementOrder::kQuadratic) {
+  return make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, order);
+}
+
+void refactor(DeformationModel& model) {
+  if (Refactorisation* job = model.wanted_refactorisation()) {
+    job->run();
+    model.install(*job);
+  }
+}
+
+/// Steps until converged; refactors in between where asked to.
+StepReport settle(DeformationModel& model, bool with_refactorisation, int steps = 400) {
+  StepReport report;
+  for (int i = 0; i < steps; ++i) {
+    report = model.step(kDt);
+    if (report.status != StepStatus::kNotConverged) break;
+    if (with_refactorisation) refactor(model);
+  }
+  return report;
+}
+
+math::Pose moved_grasp(const Body& body) {
+  math::Pose X = body.grasps[0].X_OG_rest;
+  X.translation() += Vector3d(-0.005, 0.006, -0.01);
+  X.linear() = rotation(0.4, {0.6, 0.8, 0});
+  return X;
+}
+
+class ModelsOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {};
+INSTANTIATE_TEST_SUITE_P(Order, ModelsOfEveryOrder,
+                         testing::Values(mesh::ElementOrder::kLinear,
+                                         mesh::ElementOrder::kQuadratic));
+
+TEST_P(ModelsOfEveryOrder, FixedPointOfAStaleFactorIsTheNewtonSolution) {
+  const Body body = bar(GetParam());
+  const Matrix3Xd load = face_load(body.mesh, 0.2, Vector3d(0, 0.05, -0.2));
+  const StaticSolution newton = solve_static(body, load);
+  ASSERT_TRUE(newton.converged);
+  SolverOptions options;
+  options.tolerance = 1e-9;
+  for (bool with_refactorisation : {false, true}) {
+    CorotationalQuasistatic model(body, options);
+    model.prepare();
+    model.loads() = load;
+    EXPECT_EQ(settle(model, with_refactorisation).status, StepStatus::kConverged);
+    EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 1e-7);
+  }
+}
+
+TEST_P(ModelsOfEveryOrder, HeldGraspMovesTheBodyAndReactsAsNewtonSays) {
+  const Body body = bar(GetParam());
+  const math::Pose X = moved_grasp(body);
+  const Matrix3Xd none = Matrix3Xd::Zero(3, body.mesh.node_count());
+  const StaticSolution newton = solve_static(body, none, {X, {}});
+  ASSERT_TRUE(newton.converged);
+  const math::Wrench expected = patch_wrench(body.grasps[0], X, newton.positions, newton.reactions);
+
+  SolverOptions options;
+  options.tolerance = 1e-9;
+  CorotationalQuasistatic model(body, options);
+  model.prepare();
+  model.hold(0, X);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed) << "no factor for the new set yet";
+  EXPECT_EQ(model.positions(), body.mesh.nodes);
+  refactor(model);
+  EXPECT_EQ(settle(model, true).status, StepStatus::kConverged);
+  EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 1e-7);
+  const math::Wrench reaction = model.reaction(0);
+  EXPECT_LT((reaction.force - expected.force).norm(), 1e-6 * expected.force.norm());
+  EXPECT_LT((reaction.torque - expected.torque).norm(), 1e-6 * expected.torque.norm());
+
+  model.release(0);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
+  refactor(model);
+  EXPECT_EQ(settle(model, true).status, StepStatus::kConverged);
+  EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 1e-6)
+      << "let go, the bar springs back";
+  EXPECT_EQ(model.reaction(0).force.norm(), 0);
+}
+
+TEST_P(ModelsOfEveryOrder, SensitivityIsThatOfCentralDifferences) {
+  Body body = bar(GetParam());
+  body.gravity_O = Vector3d(0, 2, -9.81);
+  const math::Pose X = moved_grasp(body);
+  Matrix3Xd load = Matrix3Xd::Zero(3, body.mesh.node_count());
+  load(1, body.mesh.node_count() / 2) = 0.05;
+  load(2, body.grasps[0].nodes[0]) = 0.02;  // on a held node: enters the reaction only
+
+  SolverOptions options;
+  options.tolerance = 1e-10;
+  CorotationalQuasistatic model(body, options);
+  model.prepare();
+  model.hold(0, X);
+  refactor(model);
+  model.loads() = load;
+  ASSERT_EQ(settle(model, true).status, StepStatus::kConverged);
+  ASSERT_TRUE(model.restore(model.positions(), model.velocities()));  // asks for a fresh factor
+  model.step(kDt);
+  refactor(model);
+  const Sensitivity& s = model.sensitivity();
+  ASSERT_TRUE(s.valid);
+  EXPECT_EQ(s.age, 0);
+  EXPECT_EQ(s.dx_dxi[1].rows(), 0);
+
+  StaticOptions fine;
+  fine.tolerance = 1e-11;
+  const auto solve = [&](int column, double step) {
+    math::Pose Y = X;
+    if (column < 3) {
+      Y.translation()(column) += step;
+    } else {
+      Y.linear() = math::exp_rotation(step * Vector3d::Unit(column - 3)) * X.linear();
+    }
+    const StaticSolution solution = solve_static(body, load, {Y, {}}, fine, &model.positions());
+    EXPECT_TRUE(solution.converged);
+    return std::make_pair(
+        solution.positions,
+        patch_wrench(body.grasps[0], Y, solution.positions, solution.reactions).vector());
+  };
+  for (int column = 0; column < 6; ++column) {
+    const double h = column < 3 ? 2e-6 : 5e-5;
+    const auto [x_plus, w_plus] = solve(column, h);
+    const auto [x_minus, w_minus] = solve(column, -h);
+    const Matrix3Xd dx = (x_plus - x_minus) / (2 * h);
+    const Eigen::Map<const Matrix3Xd> predicted(s.dx_dxi[0].col(column).data(), 3, dx.cols());
+    EXPECT_LT((dx - predicted).norm(), 1e-5 * dx.norm()) << "column " << column;
+    const math::Vector6d dw = (w_plus - w_minus) / (2 * h);
+    EXPECT_LT((dw - s.dw_dxi[0].col(column)).head<3>().norm(), 1e-5 * dw.head<3>().norm());
+    EXPECT_LT((dw - s.dw_dxi[0].col(column)).tail<3>().norm(), 1e-5 * dw.tail<3>().norm());
+  }
+}
+
+TEST(CorotationalQuasistatic, FollowsAMovingHandWithinTwoIterations) {
+  const Body body = bar();
+  SolverOptions options;
+  options.tolerance = 1e-5;
+  CorotationalQuasistatic model(body, options);
+  model.prepare();
+  math::Pose X = body.grasps[0].X_OG_rest;
+  model.hold(0, X);
+  refactor(model);
+  int not_converged = 0;
+  for (int i = 0; i < 1000; ++i) {
+    const double t = i * kDt;
+    X.translation() =
+        body.grasps[0].X_OG_rest.translation() +
+        Vector3d(-0.01 * (1 - std::cos(t)), 0.02 * std::sin(3 * t), 0.03 * std::sin(t));
+    X.linear() = rotation(0.4 * std::sin(2 * t), {0.6, 0.8, 0});
+    model.hold(0, X);
+    not_converged += model.step(kDt).status != StepStatus::kConverged;
+    // The background worker needs some ticks for a factor.
+    if (i % 20 == 0) refactor(model);
+  }
+  EXPECT_LT(not_converged, 20);
+  const StaticSolution newton = solve_static(body, Matrix3Xd::Zero(3, body.mesh.node_count()),
+                                             {X, {}}, {}, &model.positions());
+  ASSERT_TRUE(newton.converged);
+  EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 2e-5);
+}
+
+TEST(CorotationalQuasistatic, SagsUnderGravityAsTheoryAndNewtonSay) {
+  Body body = make_bar({0.3, 0.05, 0.05}, {8, 1, 1}, mesh::ElementOrder::kQuadratic, {2e5, 0, 50});
+  body.gravity_O = Vector3d(0, 0, -9.81);
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  ASSERT_EQ(settle(model, true).status, StepStatus::kConverged);
+  // Timoshenko: w L^4 / 8 E I + w L^2 / 2 k G A.
+  const double w = 50 * 9.81 * 0.05 * 0.05, inertia = std::pow(0.05, 4) / 12;
+  const double shear = 2e5 / 2 * 0.05 * 0.05 * 5 / 6;
+  const double expected = w * std::pow(0.3, 4) / (8 * 2e5 * inertia) + w * 0.3 * 0.3 / (2 * shear);
+  EXPECT_NEAR(-face_displacement(body.mesh, 0.3, model.positions()).z(), expected, 0.02 * expected);
+  model.set_gravity(Vector3d::Zero());
+  ASSERT_EQ(settle(model, true).status, StepStatus::kConverged);
+  EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 1e-5);
+}
+
+TEST(CorotationalQuasistatic, RefactorisationRunsInAnotherThreadBesideTheLoop) {
+  const Body body = bar();
+  CorotationalQuasistatic model(body), reference(body);
+  for (auto* m : {&model, &reference}) {
+    m->prepare();
+    m->loads() = face_load(body.mesh, 0.2, Vector3d(0, 0, -0.3));
+  }
+  settle(reference, true);
+  model.step(kDt);
+  int installed = 0;
+  for (int i = 0; i < 30; ++i) {
+    Refactorisation* job = model.wanted_refactorisation();
+    if (!job) {
+      model.step(kDt);
+      continue;
+    }
+    EXPECT_EQ(model.wanted_refactorisation(), nullptr) << "one at a time";
+    std::thread worker([job] { job->run(); });
+    for (int k = 0; k < 5; ++k) model.step(kDt);
+    worker.join();
+    model.install(*job);
+    ++installed;
+  }
+  EXPECT_GT(installed, 0);
+  EXPECT_EQ(settle(model, false).status, StepStatus::kConverged);
+  EXPECT_LT((model.positions() - reference.positions()).colwise().norm().maxCoeff(), 1e-5);
+  EXPECT_GE(model.sensitivity().age, kDt);
+}
+
+TEST(CorotationalQuasistatic, AFactorForASetThatHasChangedIsNotUsed) {
+  const Body body = bar();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  model.hold(0, body.grasps[0].X_OG_rest);
+  Refactorisation* job = model.wanted_refactorisation();
+  ASSERT_NE(job, nullptr);
+  job->run();
+  model.release(0);
+  model.install(*job);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged) << "the old factor fits again";
+  model.hold(0, body.grasps[0].X_OG_rest);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
+  refactor(model);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged);
+}
+
+TEST(CorotationalQuasistatic, WithoutSupportTheMatrixIsShiftedAndSaysSo) {
+  Body body = bar();
+  body.fixed_nodes.clear();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  EXPECT_TRUE(model.is_regularised());
+  EXPECT_FALSE(model.sensitivity().valid);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged);
+  // Loads in balance have an answer: pulled at both ends it grows longer by F L / E A, roughly.
+  model.loads() = face_load(body.mesh, 0.2, Vector3d(0.5, 0, 0)) +
+                  face_load(body.mesh, 0.0, Vector3d(-0.5, 0, 0));
+  EXPECT_EQ(settle(model, true, 2000).status, StepStatus::kConverged);
+  const double longer = face_displacement(body.mesh, 0.2, model.positions()).x() -
+                        face_displacement(body.mesh, 0.0, model.positions()).x();
+  EXPECT_NEAR(longer, 0.5 * 0.2 / (1e5 * 0.05 * 0.05), 0.02 * longer);
+  model.hold(0, body.grasps[0].X_OG_rest);
+  refactor(model);
+  EXPECT_FALSE(model.is_regularised());
+  EXPECT_TRUE(model.sensitivity().valid);
+}
+
+TEST(CorotationalQuasistatic, RestoreRefusesWhatDoesNotFit) {
+  const Body body = bar();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  Matrix3Xd x = body.mesh.nodes, v = Matrix3Xd::Zero(3, x.cols());
+  EXPECT_FALSE(model.restore(x.leftCols(3), v.leftCols(3)));
+  x(0, 1) = std::nan("");
+  EXPECT_FALSE(model.restore(x, v));
+  EXPECT_EQ(model.positions(), body.mesh.nodes);
+}
+
+template <class Model>
+void expect_nan_does_no_harm() {
+  const Body body = bar();
+  Model model(body);
+  model.prepare();
+  model.loads() = face_load(body.mesh, 0.2, Vector3d(0, 0, -0.1));
+  for (int i = 0; i < 20; ++i) model.step(kDt);
+  const Matrix3Xd x = model.positions(), v = model.velocities();
+  model.loads()(1, 7) = std::nan("");
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
+  model.loads()(1, 7) = 1e300;  // finite, but nothing else will be
+  EXPECT_NE(model.step(kDt).status, StepStatus::kConverged);
+  EXPECT_TRUE(model.positions().allFinite());
+  model.restore(x, v);
+  model.loads()(1, 7) = 0;
+  EXPECT_EQ(model.positions(), x);
+  EXPECT_EQ(model.velocities(), v);
+  EXPECT_EQ(model.step(std::nan("")).status, StepStatus::kFailed);
+  EXPECT_NE(model.step(kDt).status, StepStatus::kFailed);
+  EXPECT_LT((model.positions() - x).colwise().norm().maxCoeff(), 1e-3);
+
+  model.hold(0, body.grasps[0].X_OG_rest);
+  refactor(model);
+  model.step(kDt);
+  const Matrix3Xd held = model.positions();
+  math::Pose X = body.grasps[0].X_OG_rest;
+  X.translation().x() = std::nan("");
+  model.hold(0, X);
+  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
+  EXPECT_EQ(model.positions(), held);
+}
+
+TEST(Robustness, NanLeavesTheLastGoodState) {
+  expect_nan_does_no_harm<CorotationalQuasistatic>();
+  expect_nan_does_no_harm<CorotationalDynamic>();
+}
+
+TEST_P(ModelsOfEveryOrder, MirroredAndRandomStartsReturnToRest) {
+  const Body body = make_bar({0.2, 0.05, 0.05}, {6, 2, 2}, GetParam());
+  const Matrix3Xd rest = body.mesh.nodes, none = Matrix3Xd::Zero(3, rest.cols());
+  std::srand(11);
+  for (bool mirrored : {true, false}) {
+    Matrix3Xd x = rest;
+    for (int i = 0; i < x.cols(); ++i) {
+      if (mirrored) {
+        x(0, i) = -x(0, i);
+      } else {
+        x.col(i) = 0.1 * Vector3d::Random();
+      }
+    }
+    CorotationalQuasistatic model(body);
+    model.prepare();
+    ASSERT_TRUE(model.restore(x, none));
+    for (int i = 0; i < 3000; ++i) {
+      const StepReport report = model.step(kDt);
+      ASSERT_TRUE(model.positions().allFinite());
+      if (report.status == StepStatus::kConverged) break;
+      refactor(model);
+    }
+    const double away = (model.positions() - rest).colwise().norm().maxCoeff();
+    RecordProperty(mirrored ? "mirrored" : "random", std::to_string(away));
+    EXPECT_LT(away, 1e-5) << (mirrored ? "mirrored" : "random");
+  }
+}
+
+// First bending frequency of a cantilever, (1.8751)^2 / (2 pi) sqrt(E I / rho A L^4), from the zero
+// crossings of its free oscillation without damping.
+TEST(CorotationalDynamic, CantileverOscillatesAtItsBendingFrequency) {
+  const double L = 0.4, a = 0.03, E = 1e6, rho = 100;
+  Body body = make_bar({L, a, a}, {10, 1, 1}, mesh::ElementOrder::kQuadratic, {E, 0, rho});
+  body.damping = {0, 0};
+  SolverOptions options;
+  options.tolerance = 1e-8;
+  CorotationalDynamic model(body, options);
+  model.prepare();
+  Matrix3Xd v = Matrix3Xd::Zero(3, body.mesh.node_count());
+  for (int i = 0; i < v.cols(); ++i) v(2, i) = 0.05 * std::pow(body.mesh.nodes(0, i) / L, 2);
+  ASSERT_TRUE(model.restore(body.mesh.nodes, v));
+  std::vector<double> crossings;
+  double last = 0;
+  for (int i = 1; i <= 2000 && crossings.size() < 5; ++i) {
+    model.step(kDt);
+    refactor(model);
+    const double z = face_displacement(body.mesh, L, model.positions()).z();
+    if (last * z < 0) crossings.push_back((i - z / (z - last)) * kDt);
+    last = z;
+  }
+  ASSERT_EQ(crossings.size(), 5u);
+  const double frequency = 2 / (crossings[4] - crossings[0]);
+  const double expected =
+      1.8751 * 1.8751 / (2 * M_PI) * std::sqrt(E * a * a / 12 / (rho * std::pow(L, 4)));
+  EXPECT_NEAR(frequency, expected, 0.02 * expected);
+}
+
+// In free fall and spinning nothing deforms beyond the centrifugal strain and momentum is that of a
+// rigid body: Rayleigh's stiffness part must not brake a rigid rotation.
+TEST(CorotationalDynamic, FreeBodyFallsAndSpins) {
+  Body body = make_bar({0.1, 0.05, 0.05}, {2, 1, 1}, mesh::ElementOrder::kQuadratic);
+  body.fixed_nodes.clear();
+  body.damping = {0, 0.01};
+  body.gravity_O = Vector3d(0, 0, -9.81);
+  SolverOptions options;
+  options.tolerance = 1e-9;
+  options.iterations = 20;
+  CorotationalDynamic model(body, options);
+  model.prepare();
+  const Vector3d centre(0.05, 0.025, 0.025), spin(0, 0, 1);
+  Matrix3Xd v(3, body.mesh.node_count());
+  for (int i = 0; i < v.cols(); ++i) v.col(i) = spin.cross(body.mesh.nodes.col(i) - centre);
+  ASSERT_TRUE(model.restore(body.mesh.nodes, v));
+  const int steps = 200;
+  for (int i = 0; i < steps; ++i) {
+    model.step(kDt);
+    refactor(model);
+  }
+  const Eigen::VectorXd mass = model.elements().nodal_mass();
+  const Vector3d now = model.positions() * mass / mass.sum();
+  // Backward Euler: sum of k h^2 g.
+  const double fall = 9.81 * kDt * kDt * steps * (steps + 1) / 2;
+  EXPECT_LT((now - centre - Vector3d(0, 0, -fall)).norm(), 1e-6);
+  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < v.cols(); ++i) {
+    covariance += (model.positions().col(i) - now) * (body.mesh.nodes.col(i) - centre).transpose();
+  }
+  const Vector3d turned = math::log_rotation(math::polar_rotation(covariance));
+  EXPECT_LT((turned - spin * steps * kDt).norm(), 1e-3);
+}
+
+TEST(CorotationalDynamic, SettlesToTheStaticSolution) {
+  const Body body = bar();
+  const Matrix3Xd load = face_load(body.mesh, 0.2, Vector3d(0, 0, -0.1));
+  const StaticSolution newton = solve_static(body, load);
+  Body damped = body;
+  damped.damping = {20, 0.01};
+  CorotationalDynamic model(damped);
+  model.prepare();
+  model.loads() = load;
+  for (int i = 0; i < 3000; ++i) {
+    model.step(kDt);
+    refactor(model);
+  }
+  EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 2e-5);
+  EXPECT_LT(model.velocities().colwise().norm().maxCoeff(), 1e-4);
+}
+
+// A hundred thousand times stiffer than foam, where a plain quasi-Newton iteration blows up.
+TEST(CorotationalDynamic, StiffBodyUnderALargeSwingStaysFinite) {
+  Body body =
+      make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, mesh::ElementOrder::kQuadratic, {1e8, 0.35, 300});
+  body.damping = {2, 0};
+  CorotationalDynamic model(body);
+  model.prepare();
+  model.loads() = face_load(body.mesh, 0.2, Vector3d(0, 0, -1000));
+  for (int i = 0; i < 300; ++i) {
+    model.step(kDt);
+    if (i % 10 == 0) refactor(model);
+    ASSERT_TRUE(model.positions().allFinite());
+  }
+  EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 0.4);
+}
+
+TEST(CorotationalDynamic, HeldHandFeelsTheWeightOfWhatItHolds) {
+  Body body = bar();
+  body.fixed_nodes.clear();
+  body.gravity_O = Vector3d(0, 0, -9.81);
+  body.damping = {50, 0.01};
+  CorotationalDynamic model(body);
+  model.prepare();
+  model.hold(0, body.grasps[0].X_OG_rest);
+  refactor(model);
+  for (int i = 0; i < 3000; ++i) {
+    model.step(kDt);
+    refactor(model);
+  }
+  const double weight = 300 * 9.81 * 0.2 * 0.05 * 0.05;
+  const math::Wrench reaction = model.reaction(0);
+  EXPECT_NEAR(reaction.force.z(), weight, 1e-3 * weight);
+  // About the held end the weight acts at half the length, less what the sag takes away.
+  EXPECT_NEAR(reaction.torque.y(), weight * 0.1, 0.1 * weight * 0.1);
+}
+
+}  // namespace
+}  // namespace palpate::elasticity
