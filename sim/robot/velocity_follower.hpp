@@ -1,0 +1,64 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::robot {
+
+/// Limits of the driven joints, one entry a joint.
+struct JointLimits {
+  Eigen::VectorXd lower, upper;  // rad
+  Eigen::VectorXd velocity;      // rad/s
+  Eigen::VectorXd torque;        // N m
+};
+
+struct FollowerOptions {
+  double acceleration = 15;       // rad/s^2, limit of every joint
+  double limit_margin = 0.02;     // rad kept from each position limit
+  double posture_gain = 1;        // 1/s, pull towards the posture in the null space
+  double singularity = 0.05;      // smallest singular value below which rates are damped
+  double damping = 0.05;          // damping at a singularity
+  double command_time_out = 0.1;  // s without a command until the arm stops
+};
+
+/// Turns commanded velocities into a joint trajectory within limits: a flange twist by damped least
+/// squares, the rest of the freedom pulled to a posture (Siciliano et al., Robotics, 3.5), then
+/// limits on speed, on nearness to the joints' ends and on acceleration. A command that is not
+/// renewed for command_time_out is replaced by zero, reached at the acceleration limit.
+class VelocityFollower {
+ public:
+  VelocityFollower(JointLimits limits, const FollowerOptions& options);
+
+  /// Joint positions at rest; they become the posture as well.
+  void reset(const Eigen::VectorXd& q);
+
+  /// Twist of the flange in W, linear first.
+  void command_twist(const math::Twist& V_WE);
+  void command_joints(const Eigen::VectorXd& joint_velocity);
+  void stop();
+
+  /// One step: `jacobian` (6 x n, linear first) of the flange and `q` as measured.
+  void step(double dt, const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian,
+            const Eigen::VectorXd& q);
+
+  const Eigen::VectorXd& position() const { return position_; }          // rad
+  const Eigen::VectorXd& velocity() const { return velocity_; }          // rad/s
+  const Eigen::VectorXd& acceleration() const { return acceleration_; }  // rad/s^2
+  bool stale() const { return age_ > options_.command_time_out + 1e-9; }
+  const JointLimits& limits() const { return limits_; }
+
+ private:
+  enum class Mode { kStop, kTwist, kJoint };
+  Eigen::VectorXd resolved_rates(const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) const;
+  void limit(Eigen::VectorXd& target) const;
+
+  JointLimits limits_;
+  FollowerOptions options_;
+  Mode mode_ = Mode::kStop;
+  double age_ = 0;
+  math::Vector6d twist_ = math::Vector6d::Zero();
+  Eigen::VectorXd joint_velocity_, posture_, position_, velocity_, acceleration_;
+};
+
+}  // namespace palpate::robot
