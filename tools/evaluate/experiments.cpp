@@ -1,0 +1,88 @@
+#include "tools/evaluate/experiments.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <sstream>
+
+#include "rt/config/node.hpp"
+#include "tools/evaluate/feature_on_points.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+[[noreturn]] void fail(const std::filesystem::path& file, const YAML::Node& at,
+                       const std::string& what) {
+  const int line = at.IsDefined() ? at.Mark().line + 1 : 0;
+  throw config::Error(file.string() + ":" + std::to_string(line) + ": " + what);
+}
+
+YAML::Node load(const std::filesystem::path& file) {
+  try {
+    return YAML::LoadFile(file.string());
+  } catch (const YAML::Exception& error) {
+    throw config::Error(file.string() + ": " + error.what());
+  }
+}
+
+std::vector<std::string> overrides(const std::filesystem::path& file, const YAML::Node& list,
+                                   const std::string& level, const std::string& whose) {
+  if (!list.IsSequence()) fail(file, list, level + "." + whose + ": wants a list of key=value");
+  std::vector<std::string> texts;
+  for (const YAML::Node& item : list) {
+    if (!item.IsScalar() || item.Scalar().find('=') == std::string::npos)
+      fail(file, item, level + "." + whose + ": an item is not of the form key=value");
+    texts.push_back(item.Scalar());
+  }
+  return texts;
+}
+
+std::string text_of(const Eigen::Vector3d& p) {
+  std::ostringstream text;
+  text << '[' << p.x() << ", " << p.y() << ", " << p.z() << ']';
+  return text.str();
+}
+
+}  // namespace
+
+Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level) {
+  const YAML::Node root = load(file);
+  std::string known;
+  for (const auto& entry : root) known += (known.empty() ? "" : ", ") + entry.first.Scalar();
+  const YAML::Node node = root[level];
+  if (!node) fail(file, root, "unknown level of mismatch \"" + level + "\"; known: " + known);
+  for (const auto& entry : node) {
+    const std::string key = entry.first.Scalar();
+    if (key != "about" && key != "scene" && key != "daemon")
+      fail(file, entry.first, level + "." + key + ": unknown key; known: about, scene, daemon");
+  }
+  return {level, node["about"].as<std::string>(""), overrides(file, node["scene"], level, "scene"),
+          overrides(file, node["daemon"], level, "daemon")};
+}
+
+std::vector<std::string> ControlTarget::daemon_overrides() const {
+  std::string points;
+  for (const Eigen::Vector3d& point : rest_points)
+    points += (points.empty() ? "" : ", ") + text_of(point);
+  return {"feature.component=" + kind, "feature.rest_points=[" + points + "]"};
+}
+
+std::vector<ControlTarget> read_targets(const std::filesystem::path& file) {
+  const config::Node root = config::Node::load_file(file.string());
+  const config::Node features = root.child("features");
+  std::vector<ControlTarget> targets;
+  for (const config::Node& node : root.list("targets")) {
+    ControlTarget target;
+    target.name = node.text("name");
+    target.kind = node.choice("feature", features.keys());
+    target.rest_points = features.child(target.kind).points("rest_points");
+    target.displacement = node.vector3("displacement", {-1, 1});
+    const FeatureOnPoints feature(target.kind, target.rest_points);
+    target.values = feature.value(feature.rest_points());
+    target.values.head<3>() += target.displacement;
+    targets.push_back(target);
+  }
+  root.check_all_used();
+  return targets;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::evaluate {
+
+/// A level of model error: overrides "path.to.key=value" for --set.
+struct Mismatch {
+  std::string name;
+  std::string about;
+  std::vector<std::string> scene;
+  std::vector<std::string> daemon;
+};
+
+/// Reads mismatch.yaml; throws config::Error, also where the level is unknown.
+Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level);
+
+/// Where a feature of the shape shall go.
+struct ControlTarget {
+  std::string name;
+  std::string kind;                          // of the feature
+  std::vector<Eigen::Vector3d> rest_points;  // in O, m
+  Eigen::Vector3d displacement;              // m, in O, from the rest shape
+  Eigen::VectorXd values;                    // as in shape_target_t
+
+  /// What puts the feature into palpated's slot.
+  std::vector<std::string> daemon_overrides() const;
+};
+
+/// Reads targets.yaml; throws config::Error.
+std::vector<ControlTarget> read_targets(const std::filesystem::path& file);
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,63 @@
+#include "tools/evaluate/feature_on_points.hpp"
+
+#include <stdexcept>
+
+#include "core/shape/point_feature.hpp"
+#include "core/shape/pose_feature.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+/// One tetrahedron with the points as its first corners: the feature then reads nothing but them.
+mesh::ElementMesh tetrahedron_of(const Eigen::Matrix3Xd& points) {
+  Eigen::Matrix3Xd corners(3, 4);
+  if (points.cols() == 1) {
+    corners << points.col(0), points.col(0) + Eigen::Vector3d::UnitX(),
+        points.col(0) + Eigen::Vector3d::UnitY(), points.col(0) + Eigen::Vector3d::UnitZ();
+  } else {
+    const Eigen::Vector3d normal =
+        (points.col(1) - points.col(0)).cross(points.col(2) - points.col(0)).normalized();
+    corners << points, points.col(0) + (points.col(1) - points.col(0)).norm() * normal;
+  }
+  mesh::TetrahedralMesh mesh;
+  mesh.nodes = corners;
+  mesh.tetrahedra = Eigen::Vector4i(0, 1, 2, 3);
+  return mesh::make_element_mesh(mesh, mesh::ElementOrder::kLinear);
+}
+
+}  // namespace
+
+FeatureOnPoints::FeatureOnPoints(const std::string& kind,
+                                 const std::vector<Eigen::Vector3d>& rest_points)
+    : rest_points_(3, rest_points.size()) {
+  for (std::size_t i = 0; i < rest_points.size(); ++i) rest_points_.col(i) = rest_points[i];
+  if (kind == "point" && rest_points.size() == 1) {
+    shape::PointFeature::Options options;
+    options.rest_point = rest_points[0];
+    feature_ = std::make_unique<shape::PointFeature>(tetrahedron_of(rest_points_), options);
+  } else if (kind == "pose" && rest_points.size() == 3) {
+    shape::PoseFeature::Options options;
+    options.rest_points = {rest_points[0], rest_points[1], rest_points[2]};
+    feature_ = std::make_unique<shape::PoseFeature>(tetrahedron_of(rest_points_), options);
+  } else {
+    throw std::invalid_argument("a feature \"" + kind + "\" of " +
+                                std::to_string(rest_points.size()) + " points cannot be scored");
+  }
+}
+
+Eigen::VectorXd FeatureOnPoints::value(const Eigen::Matrix3Xd& points) const {
+  Eigen::Matrix3Xd corners = Eigen::Matrix3Xd::Zero(3, 4);
+  corners.leftCols(points.cols()) = points;
+  Eigen::VectorXd value(feature_->value_count());
+  feature_->evaluate(corners, value);
+  return value;
+}
+
+Eigen::VectorXd FeatureOnPoints::error(const Eigen::VectorXd& value,
+                                       const Eigen::VectorXd& target) const {
+  Eigen::VectorXd error(feature_->dimension());
+  feature_->error(value, target, error);
+  return error;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/shape/feature.hpp"
+
+namespace palpate::evaluate {
+
+/// A feature of core/shape taken directly from the positions of its own rest points, for a plant
+/// whose mesh the feature does not understand.
+class FeatureOnPoints {
+ public:
+  /// kind: `point` with one rest point, `pose` with three; points in O, m. Throws
+  /// std::invalid_argument for anything else.
+  FeatureOnPoints(const std::string& kind, const std::vector<Eigen::Vector3d>& rest_points);
+
+  int value_count() const { return feature_->value_count(); }
+  /// The rest points, 3 x their number.
+  const Eigen::Matrix3Xd& rest_points() const { return rest_points_; }
+  /// From the present positions of the rest points, 3 x their number.
+  Eigen::VectorXd value(const Eigen::Matrix3Xd& points) const;
+  /// Target minus value: m, then rad for a pose.
+  Eigen::VectorXd error(const Eigen::VectorXd& value, const Eigen::VectorXd& target) const;
+
+ private:
+  Eigen::Matrix3Xd rest_points_;
+  std::unique_ptr<shape::Feature> feature_;
+};
+
+}  // namespace palpate::evaluate

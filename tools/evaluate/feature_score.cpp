@@ -1,0 +1,112 @@
+#include "tools/evaluate/feature_score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tools/evaluate/feature_on_points.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+constexpr double kDegree = M_PI / 180;
+constexpr double kRest = 0.5;  // s at the end of a run over which the error at rest is taken
+
+/// The last target of the log, as it was first sent.
+const shape_target_t& first_of_last_revision(const std::vector<shape_target_t>& targets) {
+  const std::int32_t revision = targets.back().revision;
+  return *std::find_if(targets.begin(), targets.end(), [revision](const shape_target_t& target) {
+    return target.revision == revision;
+  });
+}
+
+void score_end(FeatureScore& score) {
+  double distance = 0, angle = 0;
+  int count = 0;
+  for (const FeatureErrorSample& sample : score.samples) {
+    if (sample.time < score.samples.back().time - kRest) continue;
+    distance += sample.distance;
+    angle += sample.angle;
+    ++count;
+  }
+  score.rest_distance = distance / count;
+  score.rest_angle = angle / count;
+}
+
+double path_length(const std::vector<FeatureErrorSample>& samples) {
+  double path = 0;
+  for (std::size_t i = 1; i < samples.size(); ++i)
+    path += (samples[i].position - samples[i - 1].position).norm();
+  return path;
+}
+
+}  // namespace
+
+std::optional<double> time_to_stay_within(const std::vector<FeatureErrorSample>& samples,
+                                          double distance, double angle) {
+  std::optional<double> since;
+  for (const FeatureErrorSample& sample : samples) {
+    const bool within = sample.distance <= distance && sample.angle <= angle;
+    if (!within) since.reset();
+    if (within && !since) since = sample.time;
+  }
+  return since;
+}
+
+double overshoot(const std::vector<FeatureErrorSample>& samples, const Eigen::Vector3d& target) {
+  if (samples.empty()) return 0;
+  const Eigen::Vector3d way = target - samples.front().position;
+  const double length = way.norm();
+  if (length < 1e-9) return 0;
+  double furthest = 0;
+  for (const FeatureErrorSample& sample : samples)
+    furthest = std::max(furthest, (sample.position - target).dot(way) / length);
+  return furthest / length;
+}
+
+std::optional<FeatureScore> score_feature(const RunLog& run) {
+  if (run.targets.empty()) return std::nullopt;
+  const shape_target_t& message = first_of_last_revision(run.targets);
+  if (message.point_count < 1)
+    throw std::runtime_error("the target names no rest points: it cannot be scored");
+  std::vector<Eigen::Vector3d> rest_points;
+  for (int i = 0; i < message.point_count; ++i)
+    rest_points.emplace_back(Eigen::Map<const Eigen::Vector3d>(message.rest_points[i]));
+  FeatureScore score;
+  score.kind = reinterpret_cast<const char*>(message.kind);
+  const FeatureOnPoints feature(score.kind, rest_points);
+  if (message.value_count != feature.value_count())
+    throw std::runtime_error("a target with the wrong number of values");
+  const Eigen::VectorXd target =
+      Eigen::Map<const Eigen::VectorXd>(message.values, message.value_count);
+  score.target = target.head<3>();
+
+  const MeshMessage plant = assemble(run.truth_chunks);
+  const PlantPoints points(plant, feature.rest_points());
+  for (const shape_t& truth : run.truths) {
+    if (truth.utime < message.utime || truth.node_count != plant.nodes.cols()) continue;
+    const Eigen::VectorXd value = feature.value(points.at(positions(truth)));
+    const Eigen::VectorXd error = feature.error(value, target);
+    FeatureErrorSample sample;
+    sample.time = static_cast<double>(truth.utime - message.utime) * 1e-6;
+    sample.position = value.head<3>();
+    sample.distance = error.head<3>().norm();
+    sample.angle = error.size() == 6 ? error.tail<3>().norm() : 0;
+    score.samples.push_back(sample);
+  }
+  if (score.samples.empty()) throw std::runtime_error("no TRUTH_SHAPE after the target was sent");
+  score.start_distance = score.samples.front().distance;
+  score_end(score);
+  score.within_5mm = time_to_stay_within(score.samples, 5e-3, 1 * kDegree);
+  score.within_1mm = time_to_stay_within(score.samples, 1e-3, 0.2 * kDegree);
+  score.overshoot = overshoot(score.samples, score.target);
+  score.path = path_length(score.samples);
+  for (auto last = run.features.rbegin(); last != run.features.rend(); ++last) {
+    if (last->revision != message.revision || last->error_count < 3) continue;
+    score.estimated_distance = Eigen::Map<const Eigen::Vector3d>(last->error).norm();
+    break;
+  }
+  return score;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/log_reader.hpp"
+#include "tools/evaluate/plant_truth.hpp"
+
+namespace palpate::evaluate {
+
+/// The plant's own feature against its target, at one time.
+struct FeatureErrorSample {
+  double time = 0;                                     // s since the target was first sent
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, in O
+  double distance = 0;                                 // m, to the target
+  double angle = 0;                                    // rad, to the target; 0 for a point
+};
+
+/// Into a band and staying there to the end: s since the target; empty where never.
+std::optional<double> time_to_stay_within(const std::vector<FeatureErrorSample>& samples,
+                                          double distance, double angle);
+
+/// How far the feature went beyond its target along the line from where it started, as a fraction
+/// of that line's length; 0 where it never did.
+double overshoot(const std::vector<FeatureErrorSample>& samples, const Eigen::Vector3d& target);
+
+struct FeatureScore {
+  std::string kind;
+  Eigen::Vector3d target = Eigen::Vector3d::Zero();  // m, in O
+  std::vector<FeatureErrorSample> samples;
+  double start_distance = 0;         // m
+  double rest_distance = 0;          // m, mean over the last half second
+  double rest_angle = 0;             // rad
+  double estimated_distance = 0;     // m, what the daemon takes it to be at the end
+  std::optional<double> within_5mm;  // s, and 1 degree where the feature has an angle
+  std::optional<double> within_1mm;  // s, and 0.2 degree
+  double overshoot = 0;              // fraction
+  double path = 0;                   // m, length of the way that the feature took
+};
+
+/// Scores the last target in the log on the plant. Kinds `point` (the mean of its rest points) and
+/// `pose` (the frame of three). Nothing where the log has no target; throws std::runtime_error
+/// where the target names no rest points.
+std::optional<FeatureScore> score_feature(const RunLog& run);
+
+}  // namespace palpate::evaluate

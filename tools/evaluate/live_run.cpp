@@ -1,0 +1,161 @@
+#include "tools/evaluate/live_run.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace palpate::evaluate {
+namespace {
+
+constexpr double kActivationPatience =
+    30;                         // s; the simulator settles the plant under gravity first
+constexpr double kSlice = 0.1;  // s
+constexpr double kDrain = 0.3;  // s for loggers to write what is under way
+constexpr int kTail = 15;       // lines of a failed program's output
+
+std::vector<std::string> with_settings(std::vector<std::string> command,
+                                       const std::vector<std::string>& overrides,
+                                       const Urls& urls) {
+  const auto set = [&command](const std::string& setting) {
+    command.push_back("--set");
+    command.push_back(setting);
+  };
+  for (const std::string& setting : overrides) set(setting);
+  set("bus.control=" + urls.control);
+  set("bus.housekeeping=" + urls.housekeeping);
+  return command;
+}
+
+std::vector<std::string> source_command(const Source& source, const Urls& urls) {
+  if (!source.log.empty())
+    return {"lcm-logplayer", "--lcm-url=" + urls.control, source.log.string()};
+  return with_settings({(program_folder() / "palpate-sim").string(), source.scene.string()},
+                       source.scene_overrides, urls);
+}
+
+}  // namespace
+
+std::string file_name(const std::string& title) {
+  std::string name = title;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+}
+
+LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
+    : plan_(plan), files_{folder / "control.log", folder / "housekeeping.log"} {
+  std::filesystem::create_directories(folder);
+  const Urls urls = private_urls();
+  operator_ = std::make_unique<Operator>(urls);
+  const auto logger = [&](const std::string& name, const std::string& url,
+                          const std::filesystem::path& log) {
+    loggers_.emplace_back(
+        name, std::vector<std::string>{"lcm-logger", "--quiet", "--force", "--lcm-url=" + url, log},
+        folder / (name + ".txt"));
+  };
+  logger("logger_control", urls.control, files_.control);
+  logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
+  const std::string palpated = (program_folder() / "palpated").string();
+  daemon_ = std::make_unique<Process>(
+      "palpated", with_settings({palpated, plan.configuration.string()}, plan.overrides, urls),
+      folder / "palpated.txt");
+  // A recording does not wait: the daemon has to be active before the first message is played.
+  if (!plan.source.log.empty()) activate();
+  source_ = std::make_unique<Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
+                                      source_command(plan.source, urls), folder / "source.txt");
+  if (plan.source.log.empty()) activate();
+}
+
+void LiveRun::fail(const std::string& what, const Process* at_fault) const {
+  std::string text = what;
+  if (at_fault != nullptr) {
+    const std::string words = tail(at_fault->output(), kTail);
+    text += "; " + at_fault->output().string() + (words.empty() ? " is empty" : ":\n" + words);
+  }
+  throw RunFailed(text);
+}
+
+bool LiveRun::check_programs() {
+  const auto check = [this](Process& process) {
+    if (const auto code = process.wait(0))
+      fail(process.name() + " ended with exit code " + std::to_string(*code), &process);
+  };
+  for (Process& logger : loggers_) check(logger);
+  check(*daemon_);
+  if (!source_) return true;
+  const auto code = source_->wait(0);
+  if (code && *code != 0)
+    fail(source_->name() + " ended with exit code " + std::to_string(*code), source_.get());
+  return !code;
+}
+
+void LiveRun::activate() {
+  const std::int64_t begin = wall_clock();
+  std::int64_t sent = 0;
+  while (!operator_->is_active()) {
+    const std::int64_t now = wall_clock();
+    if (static_cast<double>(now - begin) * 1e-6 > kActivationPatience) {
+      const bool health = operator_->heard();
+      const std::string state = health ? reinterpret_cast<const char*>(operator_->health()->reason)
+                                       : "nothing was heard of it";
+      fail("palpated did not become active: " + state +
+               (operator_->refusal().empty() ? "" : "; refused: " + operator_->refusal()),
+           daemon_.get());
+    }
+    if (!check_programs()) fail(source_->name() + " ended at once", source_.get());
+    const bool ready = operator_->heard() && (!source_ || operator_->has_robot_state());
+    if (ready && now - sent > 500000) {
+      operator_->send_event("start");
+      sent = now;
+    }
+    operator_->spin(0.05);
+  }
+}
+
+void LiveRun::complete(Progress& progress) {
+  if (plan_.target) operator_->set_target(*plan_.target);
+  const std::int64_t begin = wall_clock();
+  for (;;) {
+    const double elapsed = static_cast<double>(wall_clock() - begin) * 1e-6;
+    if (elapsed >= plan_.duration || !check_programs()) return;
+    std::string note;
+    if (plan_.target) {
+      if (!operator_->refusal().empty())
+        fail("palpated refused the target: " + operator_->refusal(), nullptr);
+      if (operator_->is_active() && operator_->settled() >= plan_.settled) return;
+      if (operator_->estimated_error() >= 0)
+        note = std::to_string(operator_->estimated_error() * 1e3).substr(0, 5) + " mm";
+    }
+    progress.show(elapsed / plan_.duration, note);
+    operator_->spin(std::min(kSlice, plan_.duration - elapsed));
+  }
+}
+
+RunFiles LiveRun::finish() {
+  const bool healthy = operator_->health() && operator_->health()->state != 4;
+  const std::string reason = operator_->health()
+                                 ? reinterpret_cast<const char*>(operator_->health()->reason)
+                                 : "no HEALTH was heard";
+  const auto stop = [this](Process& process, bool may_have_ended) {
+    const bool ended = !process.running();
+    const int code = process.stop();
+    if (code != 0 || (ended && !may_have_ended))
+      fail(process.name() +
+               (ended ? " ended by itself with exit code " : " ended with exit code ") +
+               std::to_string(code),
+           &process);
+  };
+  stop(*source_, true);
+  stop(*daemon_, false);
+  operator_->spin(kDrain);
+  for (Process& logger : loggers_) logger.stop();
+  if (!healthy) fail("palpated ended faulted: " + reason, daemon_.get());
+  return files_;
+}
+
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, Progress& progress) {
+  LiveRun run(plan, folder);
+  run.complete(progress);
+  return run.finish();
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/experiments.hpp"
+#include "tools/evaluate/operator.hpp"
+#include "tools/evaluate/process.hpp"
+#include "tools/evaluate/progress.hpp"
+
+namespace palpate::evaluate {
+
+/// A run did not come to its end: what() says why, with the last words of the program at fault.
+class RunFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What feeds the daemon: the simulator with a scene, or the player with a log.
+struct Source {
+  std::filesystem::path scene;
+  std::vector<std::string> scene_overrides;
+  std::filesystem::path
+      log;  // of the control URL; where set, it is played in place of the simulator
+};
+
+struct RunPlan {
+  std::string name;  // names the folder of the run
+  Source source;
+  std::filesystem::path configuration;  // of palpated
+  std::vector<std::string> overrides;
+  double duration = 10;  // s from the start of the daemon's activity, at most
+  std::optional<ControlTarget> target;
+  double settled = 3;  // s after which a run with a target ends early, once at rest
+};
+
+struct RunFiles {
+  std::filesystem::path control;       // log of the control URL
+  std::filesystem::path housekeeping;  // log of the housekeeping URL
+};
+
+/// The programs of one run over LCM on private ports: two loggers, the daemon, its source. All of
+/// them end with this object.
+class LiveRun {
+ public:
+  /// Starts everything and activates the daemon; logs go to `folder`. Throws RunFailed.
+  LiveRun(const RunPlan& plan, const std::filesystem::path& folder);
+
+  /// To the end of the plan: its duration, the end of the source, or a target reached and kept.
+  void complete(Progress& progress);
+
+  /// Ends everything in order and checks the exit codes; throws RunFailed.
+  RunFiles finish();
+
+  Operator& user() { return *operator_; }
+  pid_t daemon_pid() const { return daemon_->pid(); }
+  /// Throws RunFailed where a program has ended that should run. False once the source is through.
+  bool check_programs();
+
+ private:
+  void activate();
+  [[noreturn]] void fail(const std::string& what, const Process* at_fault) const;
+
+  const RunPlan& plan_;
+  RunFiles files_;
+  std::unique_ptr<Operator> operator_;
+  std::vector<Process> loggers_;
+  std::unique_ptr<Process> daemon_;
+  std::unique_ptr<Process> source_;
+};
+
+/// Starts, completes and finishes a plan.
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, Progress& progress);
+
+/// Name with everything but letters and digits as '_', for files.
+std::string file_name(const std::string& title);
+
+}  // namespace palpate::evaluate

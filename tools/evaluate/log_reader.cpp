@@ -1,0 +1,39 @@
+#include "tools/evaluate/log_reader.hpp"
+
+#include <stdexcept>
+
+namespace palpate::evaluate {
+
+void LogReader::read(const std::filesystem::path& log) {
+  lcm::LogFile file(log.string(), "r");
+  if (!file.good()) throw std::runtime_error("cannot read the log " + log.string());
+  while (const lcm::LogEvent* event = file.readNextEvent()) {
+    ++events_;
+    const auto handler = handlers_.find(event->channel);
+    if (handler != handlers_.end() && !handler->second(event->data, event->datalen)) ++undecodable_;
+  }
+}
+
+RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping) {
+  RunLog run;
+  LogReader loop;
+  loop.collect("TWIST_COMMAND", run.commands);
+  loop.collect("FEATURE", run.features);
+  loop.collect("SHAPE_TARGET", run.targets);
+  loop.collect("ROBOT_STATE", run.robot);
+  loop.collect("CONTACTS", run.contacts);
+  loop.read(control);
+
+  LogReader slow;
+  slow.collect("SHAPE", run.shapes);
+  slow.collect("SHAPE_MESH", run.shape_chunks);
+  slow.collect("TRUTH_SHAPE", run.truths);
+  slow.collect("TRUTH_MESH", run.truth_chunks);
+  slow.collect("TRUTH_CONTACT", run.truth_contacts);
+  slow.collect("HEALTH", run.health);
+  slow.collect("COMPONENT_EVENT", run.events);
+  slow.read(housekeeping);
+  return run;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
+#include <palpate/component_event_t.hpp>
+#include <palpate/contacts_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <palpate/truth_contact_t.hpp>
+#include <palpate/twist_command_t.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::evaluate {
+
+/// Reads an LCM log once and hands each message to whom asked for its channel. Messages of another
+/// type or length than expected are counted and skipped.
+class LogReader {
+ public:
+  template <class Message>
+  void collect(const std::string& channel, std::vector<Message>& into) {
+    handlers_[channel] = [&into](const void* data, int size) {
+      Message message;
+      if (message.decode(data, 0, size) < 0) return false;
+      into.push_back(std::move(message));
+      return true;
+    };
+  }
+
+  /// Throws std::runtime_error where the file cannot be read.
+  void read(const std::filesystem::path& log);
+
+  long events() const { return events_; }
+  long undecodable() const { return undecodable_; }
+
+ private:
+  std::map<std::string, std::function<bool(const void*, int)>> handlers_;
+  long events_ = 0;
+  long undecodable_ = 0;
+};
+
+/// What scoring needs of one run, in the order received. utime of all senders is the same clock.
+struct RunLog {
+  std::vector<shape_t> shapes;  // the estimate
+  std::vector<shape_mesh_t> shape_chunks;
+  std::vector<shape_t> truths;  // the plant
+  std::vector<shape_mesh_t> truth_chunks;
+  std::vector<truth_contact_t> truth_contacts;
+  std::vector<health_t> health;
+  std::vector<component_event_t> events;
+  std::vector<twist_command_t> commands;
+  std::vector<feature_t> features;
+  std::vector<shape_target_t> targets;
+  std::vector<robot_state_t> robot;
+  std::vector<contacts_t> contacts;
+};
+
+RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping);
+
+}  // namespace palpate::evaluate

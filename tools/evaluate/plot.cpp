@@ -1,0 +1,81 @@
+#include "tools/evaluate/plot.hpp"
+
+#include <algorithm>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "tools/evaluate/process.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+constexpr int kMostPoints = 2000;  // a curve; more cannot be seen
+constexpr int kWidth = 1100, kHeight = 420;
+
+bool is_installed(const std::string& program) {
+  std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (std::filesystem::exists(std::filesystem::path(folder) / program)) return true;
+  return false;
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "'";
+  for (const char c : text) result += c == '\'' ? std::string("''") : std::string(1, c);
+  return result + "'";
+}
+
+void write_data(std::ostream& out, const Curve& curve) {
+  const std::size_t step = std::max<std::size_t>(1, curve.x.size() / kMostPoints);
+  for (std::size_t i = 0; i < curve.x.size(); i += step)
+    out << curve.x[i] << ' ' << curve.y[i] << '\n';
+}
+
+void write_plot(std::ostream& out, const Plot& plot, int& block) {
+  out << "set title " << quoted(plot.title) << "\nset xlabel " << quoted(plot.x_label)
+      << "\nset ylabel " << quoted(plot.y_label) << '\n'
+      << (plot.logarithmic ? "set logscale y\n" : "unset logscale y\n");
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) {
+    out << "$data" << block + static_cast<int>(i) << " << EOD\n";
+    write_data(out, plot.curves[i]);
+    out << "EOD\n";
+  }
+  out << "plot ";
+  for (std::size_t i = 0; i < plot.curves.size(); ++i) {
+    out << (i == 0 ? "" : ", ") << "$data" << block + static_cast<int>(i)
+        << " using 1:2 with lines linewidth 2 linetype " << i + 1
+        << (plot.curves[i].dashed ? " dashtype 2" : "") << " title "
+        << quoted(plot.curves[i].title);
+  }
+  out << '\n';
+  block += static_cast<int>(plot.curves.size());
+}
+
+}  // namespace
+
+bool draw(const std::vector<Plot>& plots, const std::filesystem::path& png) {
+  if (!is_installed("gnuplot")) return false;
+  std::filesystem::path script = png, messages = png;
+  script.replace_extension(".gnuplot");
+  messages.replace_extension(".txt");
+  {
+    std::ofstream out(script);
+    out << "set terminal pngcairo noenhanced size " << kWidth << ','
+        << kHeight * static_cast<int>(plots.size()) << "\nset output " << quoted(png.string())
+        << "\nset grid\nset key outside right top\nset multiplot layout " << plots.size() << ",1\n";
+    int block = 0;
+    for (const Plot& plot : plots) write_plot(out, plot, block);
+    out << "unset multiplot\n";
+    if (!out) throw std::runtime_error("cannot write " + script.string());
+  }
+  const int code = run_to_end({"gnuplot", script.string()}, messages, 60);
+  if (code != 0)
+    throw std::runtime_error("gnuplot failed on " + script.string() + ":\n" + tail(messages, 10));
+  std::filesystem::remove(messages);
+  std::filesystem::remove(script);
+  return true;
+}
+
+}  // namespace palpate::evaluate

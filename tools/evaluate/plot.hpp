@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace palpate::evaluate {
+
+/// One curve: x, y.
+struct Curve {
+  std::string title;
+  std::vector<double> x;
+  std::vector<double> y;
+  bool dashed = false;
+};
+
+struct Plot {
+  std::string title;
+  std::string x_label;
+  std::string y_label;
+  std::vector<Curve> curves;
+  bool logarithmic = false;  // y axis
+};
+
+/// Draws plots, one below the other, to a PNG with the program gnuplot. False, having drawn
+/// nothing, where gnuplot is not installed; throws std::runtime_error where it fails.
+bool draw(const std::vector<Plot>& plots, const std::filesystem::path& png);
+
+}  // namespace palpate::evaluate
