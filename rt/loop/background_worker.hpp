@@ -1,7 +1,6 @@
 #pragma once
 
 #include <atomic>
-#include <functional>
 #include <thread>
 
 #include <semaphore.h>
@@ -14,7 +13,9 @@ class BackgroundWorker {
  public:
   using Job = void (*)(void* argument) noexcept;
 
+  /// To be made before the loop takes an affinity, which the worker would inherit.
   BackgroundWorker();
+  /// Waits for a running job; one that has not begun is not run.
   ~BackgroundWorker();
   BackgroundWorker(const BackgroundWorker&) = delete;
   BackgroundWorker& operator=(const BackgroundWorker&) = delete;

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <cstdint>
+#include <cstring>
+#include <string>
+#include <vector>
+
+namespace palpate::bus::testing {
+
+/// The encoded form of `message`.
+template <class Message>
+std::vector<std::uint8_t> encoded(const Message& message) {
+  std::vector<std::uint8_t> data(static_cast<std::size_t>(message.getEncodedSize()));
+  message.encode(data.data(), 0, static_cast<int>(data.size()));
+  return data;
+}
+
+/// LCM's datagram of a short message, written from the protocol's description.
+inline std::vector<std::uint8_t> datagram(const std::string& channel,
+                                          const std::vector<std::uint8_t>& payload,
+                                          const std::string& magic = "LC02") {
+  std::vector<std::uint8_t> data(magic.begin(), magic.end());
+  data.insert(data.end(), {0, 0, 0, 1});
+  data.insert(data.end(), channel.begin(), channel.end());
+  data.push_back(0);
+  data.insert(data.end(), payload.begin(), payload.end());
+  data.shrink_to_fit();  // so that the address sanitizer sees a read of one byte too many
+  return data;
+}
+
+}  // namespace palpate::bus::testing

@@ -1,0 +1,112 @@
+#include "rt/bus/udpm_receiver.hpp"
+
+#include <gtest/gtest.h>
+
+#include <palpate/ft_wrench_t.hpp>
+#include <random>
+
+#include "rt/loop/allocation_counter.hpp"
+#include "tests/unit/rt/bus/messages.hpp"
+
+namespace palpate::bus {
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+class UdpmReceiverTest : public ::testing::Test {
+ protected:
+  void hand(const Bytes& data) {
+    const Bytes exact(data.begin(), data.end());
+    receiver_.handle(exact.data(), static_cast<int>(exact.size()), 42);
+  }
+  const SubscriptionCounters& seen() const { return wrench_.counters(); }
+  bool holds_nothing() {
+    std::int64_t arrival_ns = 0;
+    Bytes buffer(static_cast<std::size_t>(wrench_.encoded_size()));
+    return !wrench_.take(buffer.data(), arrival_ns);
+  }
+
+  const Bytes good_ = testing::encoded(ft_wrench_t{});
+  DatagramCounters counters_;
+  UdpmReceiver receiver_{counters_};
+  Subscription& wrench_ =
+      receiver_.subscribe("FT_WRENCH", ft_wrench_t().getEncodedSize(), ft_wrench_t::getHash(), 8);
+};
+
+TEST_F(UdpmReceiverTest, PassesAGoodMessageOn) {
+  hand(testing::datagram("FT_WRENCH", good_));
+  Bytes buffer(good_.size());
+  std::int64_t arrival_ns = 0;
+  ASSERT_TRUE(wrench_.take(buffer.data(), arrival_ns));
+  EXPECT_EQ(buffer, good_);
+  EXPECT_EQ(arrival_ns, 42);
+  EXPECT_EQ(counters_.received, 1);
+  EXPECT_EQ(counters_.malformed + counters_.fragmented + counters_.unsubscribed, 0);
+}
+
+TEST_F(UdpmReceiverTest, CountsEachKindOfBadDatagram) {
+  hand({});
+  hand(testing::datagram("FT_WRENCH", good_, "LC99"));
+  EXPECT_EQ(counters_.malformed, 2);
+  hand(testing::datagram("FT_WRENCH", good_, "LC03"));
+  EXPECT_EQ(counters_.fragmented, 1);
+  hand(testing::datagram("FT_WRENCH_1", good_));
+  hand(testing::datagram("FT", good_));
+  EXPECT_EQ(counters_.unsubscribed, 2);
+  Bytes longer = good_;
+  longer.resize(60'000);
+  hand(testing::datagram("FT_WRENCH", longer));
+  hand(testing::datagram("FT_WRENCH", {}));
+  EXPECT_EQ(seen().wrong_size, 2);
+  Bytes other_type = good_;
+  other_type[3] ^= 0xff;
+  hand(testing::datagram("FT_WRENCH", other_type));
+  EXPECT_EQ(seen().wrong_type, 1);
+  EXPECT_EQ(counters_.received, 8);
+  EXPECT_TRUE(holds_nothing());
+}
+
+TEST_F(UdpmReceiverTest, SurvivesRandomAndMutatedDatagramsAndAccountsForEach) {
+  std::mt19937 random(20);
+  const auto below = [&random](std::size_t end) {
+    return std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
+  };
+  const Bytes whole = testing::datagram("FT_WRENCH", good_);
+  constexpr std::int64_t kDatagrams = 200'000;
+  for (std::int64_t i = 0; i < kDatagrams; ++i) {
+    Bytes data = whole;
+    if (i % 4 == 0) {  // nothing but noise
+      data.resize(below(200));
+      for (auto& byte : data) byte = static_cast<std::uint8_t>(random());
+    } else {  // a good one with a few bytes changed, cut short or made longer
+      for (std::size_t change = below(4); change > 0; --change)
+        data[below(data.size())] = static_cast<std::uint8_t>(random());
+      if (i % 4 == 2) data.resize(below(data.size() + 1));
+      if (i % 4 == 3) data.resize(data.size() + below(300));
+    }
+    hand(data);
+  }
+  EXPECT_EQ(counters_.received, kDatagrams);
+  EXPECT_EQ(counters_.malformed + counters_.fragmented + counters_.unsubscribed + seen().received +
+                seen().wrong_size + seen().wrong_type,
+            kDatagrams);
+  EXPECT_GT(counters_.malformed, kDatagrams / 4 - 100);
+  EXPECT_GT(seen().wrong_size, 1000);
+  EXPECT_GT(seen().wrong_type, 1000);
+  EXPECT_GT(seen().received, 1000);
+}
+
+TEST_F(UdpmReceiverTest, NeverAllocates) {
+  const Bytes good = testing::datagram("FT_WRENCH", good_);
+  const Bytes stranger = testing::datagram("IMU", good_);
+  const loop::NoAllocationScope scope;
+  for (int i = 0; i < 100; ++i) {
+    receiver_.handle(good.data(), static_cast<int>(good.size()), i);
+    receiver_.handle(stranger.data(), static_cast<int>(stranger.size()), i);
+    receiver_.handle(good.data(), static_cast<int>(good.size()) - 1, i);
+  }
+  EXPECT_EQ(scope.count(), 0);
+}
+
+}  // namespace
+}  // namespace palpate::bus

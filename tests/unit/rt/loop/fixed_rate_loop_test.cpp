@@ -1,0 +1,101 @@
+#include "rt/loop/fixed_rate_loop.hpp"
+
+#include <gtest/gtest.h>
+#include <sched.h>
+
+#include <thread>
+#include <vector>
+
+#include "rt/loop/sanitizer.hpp"
+
+namespace palpate::loop {
+namespace {
+
+TEST(FixedRateLoop, TicksOnTheGridUntilItIsStopped) {
+  LoopOptions options;
+  options.period = 2e-3;
+  FixedRateLoop loop(options);
+  std::atomic<bool> stop{false};
+  std::vector<Tick> ticks;
+  loop.run(stop, [&](const FixedRateLoop::Tick& tick) {
+    ticks.push_back(tick);
+    if (ticks.size() == 20) stop = true;
+  });
+  ASSERT_EQ(ticks.size(), 20u);
+  const std::int64_t origin = ticks[0].now_ns - ticks[0].lateness_ns;
+  std::int64_t points = 0;
+  for (const Tick& tick : ticks) {
+    ASSERT_GE(tick.lateness_ns, 0);
+    // Whatever was missed, wake-ups belong to points of one grid.
+    EXPECT_EQ((tick.now_ns - tick.lateness_ns - origin) % 2'000'000, 0);
+    points += tick.missed;
+  }
+  EXPECT_EQ(loop.statistics().cycles, 20);
+  EXPECT_EQ(loop.statistics().wake_up.count(), 20);
+  EXPECT_EQ(loop.statistics().overruns > 0, points > 0);
+}
+
+TEST(FixedRateLoop, CountsAnOverrunThatItsTickCauses) {
+  LoopOptions options;
+  options.period = 1e-3;
+  FixedRateLoop loop(options);
+  std::atomic<bool> stop{false};
+  std::int64_t missed = 0;
+  int cycles = 0;
+  loop.run(stop, [&](const FixedRateLoop::Tick& tick) {
+    missed += tick.missed;
+    if (++cycles == 1) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    if (cycles == 3) stop = true;
+  });
+  EXPECT_GE(missed, 4);
+  EXPECT_GE(loop.statistics().overruns, 1);
+  EXPECT_GE(loop.statistics().overrun_ns, 4'000'000);
+}
+
+TEST(FixedRateLoop, SaysOfEachRefusalWhyAndHow) {
+  LoopOptions options;
+  options.cpu = 100000;
+  options.fifo_priority = 1000;
+  options.lock_memory = false;
+  FixedRateLoop loop(options);
+  RealTimeGrant grant;
+  std::thread([&] { grant = loop.acquire_real_time(); }).join();
+  EXPECT_FALSE(grant.memory_locked);
+  EXPECT_FALSE(grant.fifo);
+  EXPECT_FALSE(grant.affinity);
+  EXPECT_NE(grant.remarks.find("no processor has the number 100000"), std::string::npos);
+  EXPECT_NE(grant.remarks.find("LimitRTPRIO"), std::string::npos) << grant.remarks;
+}
+
+TEST(FixedRateLoop, WhatIsGrantedHoldsForTheCallingThread) {
+  LoopOptions options;
+  options.lock_memory = false;
+  options.fifo_priority = 10;
+  cpu_set_t allowed;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(allowed), &allowed), 0);
+  for (int cpu = 0; cpu < CPU_SETSIZE && options.cpu < 0; ++cpu)
+    if (CPU_ISSET(static_cast<unsigned>(cpu), &allowed)) options.cpu = cpu;
+  FixedRateLoop loop(options);
+  std::thread([&] {
+    const RealTimeGrant grant = loop.acquire_real_time();
+    EXPECT_TRUE(grant.affinity) << grant.remarks;
+    EXPECT_EQ(sched_getcpu(), options.cpu);
+    const int policy = sched_getscheduler(0) & ~SCHED_RESET_ON_FORK;
+    EXPECT_EQ(policy == SCHED_FIFO, grant.fifo) << grant.remarks;
+    EXPECT_EQ(grant.remarks.empty(), grant.fifo && grant.affinity);
+    if (!grant.fifo) return;
+    // A thread that a real-time thread starts is an ordinary one.
+    std::thread([] { EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER); }).join();
+  }).join();
+}
+
+TEST(FixedRateLoop, RefusesAPeriodOutOfRange) {
+  LoopOptions options;
+  for (const double period : {0.0, -1.0, 1e-7, 1e3, std::numeric_limits<double>::quiet_NaN()}) {
+    options.period = period;
+    EXPECT_THROW(FixedRateLoop{options}, std::invalid_argument) << period;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::loop
