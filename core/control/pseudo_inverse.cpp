@@ -1,6 +1,7 @@
 #include "core/control/pseudo_inverse.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <cstring>
 #include <stdexcept>
 
@@ -47,12 +48,14 @@ bool PseudoInverse::decompose(const Eigen::MatrixXd& J) noexcept {
 }
 
 math::Twist PseudoInverse::solve(const Eigen::VectorXd& s) noexcept {
-  // Rounding in the normal matrix hides singular values below about 1e-8 of the largest.
-  const double floor = std::max(options_.damping * options_.damping, 1e-14) * lambda_[5];
-  if (!(floor > 0)) return {};
+  const double floor = options_.damping * options_.damping * lambda_[5];
   scaled_ = row_scale_.cwiseProduct(s);
-  const math::Vector6d along = V_.transpose() * math::Vector6d(J_.transpose().lazyProduct(scaled_));
-  math::Vector6d u = V_ * along.cwiseQuotient(lambda_.cwiseMax(floor));
+  math::Vector6d along = V_.transpose() * math::Vector6d(J_.transpose().lazyProduct(scaled_));
+  for (int i = 0; i < 6; ++i) {
+    // Singular values below 1e-6 of the largest drown in the rounding of the normal matrix.
+    along[i] = lambda_[i] > 1e-12 * lambda_[5] ? along[i] / std::max(lambda_[i], floor) : 0.0;
+  }
+  math::Vector6d u = V_ * along;
   u.tail<3>() /= options_.length;
   return math::Twist::from(u);
 }

@@ -141,11 +141,19 @@ math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
   return V;
 }
 
+/// Each axis ramps on its own: along a common line, an axis that is a small part of the speed would
+/// brake more slowly than the damper of the workspace has counted on.
 math::Twist SafetyGate::braked(double dt) const noexcept {
-  const double linear = std::max(limits_.linear_acceleration, limits_.linear_speed / kStopTime);
-  const double angular = std::max(limits_.angular_acceleration, limits_.angular_speed / kStopTime);
-  return {step_towards(last_.linear, Vector3d::Zero(), linear * dt),
-          step_towards(last_.angular, Vector3d::Zero(), angular * dt)};
+  const double root3 = std::sqrt(3.0);
+  const double linear =
+      std::max(limits_.linear_acceleration / root3, limits_.linear_speed / kStopTime);
+  const double angular =
+      std::max(limits_.angular_acceleration / root3, limits_.angular_speed / kStopTime);
+  const auto ramp = [dt](const Vector3d& v, double rate) {
+    const Vector3d bound = Vector3d::Constant(rate * dt);
+    return Vector3d(v - v.cwiseMax(-bound).cwiseMin(bound));
+  };
+  return {ramp(last_.linear, linear), ramp(last_.angular, angular)};
 }
 
 }  // namespace palpate::control

@@ -1,0 +1,190 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+#include "core/math/random.hpp"
+#include "core/shape/point_feature.hpp"
+#include "core/shape/pose_feature.hpp"
+
+namespace palpate::shape {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+
+mesh::ElementMesh bar(mesh::ElementOrder order) {
+  return mesh::make_element_mesh(mesh::make_box({0.5, 0.06, 0.06}, {6, 2, 2}), order);
+}
+
+PoseFeature::Options pose_points() {
+  return {{Vector3d(0.40, 0.01, 0.02), Vector3d(0.47, 0.03, 0.05), Vector3d(0.43, 0.055, 0.01)}};
+}
+
+/// A smooth large deformation with some noise, so that nothing is special about it.
+Eigen::Matrix3Xd deformed(const mesh::ElementMesh& mesh) {
+  math::Random random(7);
+  Eigen::Matrix3Xd x = mesh.nodes;
+  for (int i = 0; i < x.cols(); ++i) {
+    const Vector3d turn(0.5 * x(0, i), -2 * x(0, i), 1.5 * x(0, i));
+    x.col(i) = math::exp_rotation(turn) * x.col(i) + Vector3d(0.01, 0.02, -0.03);
+    for (int k = 0; k < 3; ++k) x(k, i) += random.uniform(-1e-3, 1e-3);
+  }
+  return x;
+}
+
+/// Largest difference between the analytic Jacobian and central differences of error(), relative to
+/// the largest entry. error(value, target) falls as the feature moves, hence the sign.
+double jacobian_error(Feature& feature, Eigen::Matrix3Xd x) {
+  const int dimension = feature.dimension();
+  VectorXd value(feature.value_count()), ahead(feature.value_count()),
+      behind(feature.value_count());
+  feature.evaluate(x, value);
+  const MatrixXd analytic = feature.jacobian();
+  MatrixXd numeric(dimension, analytic.cols());
+  VectorXd difference(dimension);
+  const double h = 1e-6;
+  for (int i = 0; i < static_cast<int>(feature.support().size()); ++i) {
+    for (int k = 0; k < 3; ++k) {
+      double& coordinate = x(k, feature.support()[i]);
+      const double middle = coordinate;
+      coordinate = middle + h;
+      feature.evaluate(x, ahead);
+      coordinate = middle - h;
+      feature.evaluate(x, behind);
+      coordinate = middle;
+      feature.error(behind, ahead, difference);
+      numeric.col(3 * i + k) = difference / (2 * h);
+    }
+  }
+  return (numeric - analytic).cwiseAbs().maxCoeff() / analytic.cwiseAbs().maxCoeff();
+}
+
+class FeatureTest : public ::testing::TestWithParam<mesh::ElementOrder> {};
+INSTANTIATE_TEST_SUITE_P(Orders, FeatureTest,
+                         ::testing::Values(mesh::ElementOrder::kLinear,
+                                           mesh::ElementOrder::kQuadratic));
+
+TEST_P(FeatureTest, PointAtRestIsItsRestPoint) {
+  const mesh::ElementMesh mesh = bar(GetParam());
+  PointFeature feature(mesh, {{0.31, 0.02, 0.04}, {0, 1, 2}});
+  VectorXd value(3);
+  feature.evaluate(mesh.nodes, value);
+  EXPECT_LT((value - Vector3d(0.31, 0.02, 0.04)).norm(), 1e-12);
+}
+
+TEST_P(FeatureTest, JacobiansEqualCentralDifferences) {
+  const mesh::ElementMesh mesh = bar(GetParam());
+  PointFeature point(mesh, {{0.31, 0.02, 0.04}, {2, 0}});
+  PoseFeature pose(mesh, pose_points());
+  EXPECT_LT(jacobian_error(point, deformed(mesh)), 1e-7);
+  EXPECT_LT(jacobian_error(pose, deformed(mesh)), 1e-7);
+}
+
+TEST_P(FeatureTest, PoseMovesWithARigidMotion) {
+  const mesh::ElementMesh mesh = bar(GetParam());
+  PoseFeature feature(mesh, pose_points());
+  VectorXd before(7), after(7);
+  feature.evaluate(mesh.nodes, before);
+  const math::Pose X =
+      math::make_pose(math::exp_rotation({1.1, -0.7, 2.0}), Vector3d(0.3, -0.2, 0.1));
+  feature.evaluate((X.linear() * mesh.nodes).colwise() + X.translation(), after);
+  EXPECT_LT((after.head<3>() - X * Vector3d(before.head<3>())).norm(), 1e-12);
+  const Eigen::Matrix3d R = math::rotation_from_wxyz(before.data() + 3);
+  EXPECT_LT((math::rotation_from_wxyz(after.data() + 3) - X.linear() * R).norm(), 1e-12);
+}
+
+TEST(PointFeature, ControlsOnlyItsComponents) {
+  PointFeature feature(bar(mesh::ElementOrder::kLinear), {{0.3, 0.03, 0.03}, {2}});
+  EXPECT_EQ(feature.dimension(), 1);
+  EXPECT_EQ(feature.value_count(), 3);
+  VectorXd error(1);
+  feature.error(Vector3d(1, 2, 3), Vector3d(7, 8, 3.5), error);
+  EXPECT_DOUBLE_EQ(error[0], 0.5);
+  EXPECT_NEAR(feature.jacobian().sum(), 1, 1e-12);  // shape functions sum to one
+}
+
+TEST(PointFeature, RefusesBadSetUp) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kLinear);
+  EXPECT_THROW(PointFeature(mesh, {{0.502, 0.03, 0.03}, {0, 1, 2}}), std::invalid_argument);
+  EXPECT_NO_THROW(PointFeature(mesh, {{0.5005, 0.03, 0.03}, {0, 1, 2}}));
+  EXPECT_THROW(PointFeature(mesh, {{kNan, 0.03, 0.03}, {0, 1, 2}}), std::invalid_argument);
+  EXPECT_THROW(PointFeature(mesh, {{0.3, 0.03, 0.03}, {}}), std::invalid_argument);
+  EXPECT_THROW(PointFeature(mesh, {{0.3, 0.03, 0.03}, {1, 1}}), std::invalid_argument);
+  EXPECT_THROW(PointFeature(mesh, {{0.3, 0.03, 0.03}, {3}}), std::invalid_argument);
+}
+
+TEST(PointFeature, ChecksTargets) {
+  const PointFeature feature(bar(mesh::ElementOrder::kLinear), {{0.3, 0.03, 0.03}, {2}});
+  const double good[] = {0, 0, 0};
+  const double bad[] = {0, kNan, 0};
+  EXPECT_TRUE(feature.is_valid_target(good, 3));
+  EXPECT_FALSE(feature.is_valid_target(good, 2));
+  EXPECT_FALSE(feature.is_valid_target(bad, 3));
+}
+
+TEST(PoseFeature, FrameIsThatOfItsPoints) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kLinear);
+  const PoseFeature::Options options = pose_points();
+  PoseFeature feature(mesh, options);
+  VectorXd value(7);
+  feature.evaluate(mesh.nodes, value);
+  const auto& p = options.rest_points;
+  EXPECT_LT((value.head<3>() - (p[0] + p[1] + p[2]) / 3).norm(), 1e-12);
+  const Eigen::Matrix3d R = math::rotation_from_wxyz(value.data() + 3);
+  EXPECT_NEAR(R.determinant(), 1, 1e-12);
+  EXPECT_LT((R.col(0) - (p[1] - p[0]).normalized()).norm(), 1e-12);
+  EXPECT_NEAR(R.col(2).dot(p[1] - p[0]), 0, 1e-12);
+  EXPECT_NEAR(R.col(2).dot(p[2] - p[0]), 0, 1e-12);
+  EXPECT_GT(R.col(1).dot(p[2] - p[0]), 0);
+}
+
+TEST(PoseFeature, ErrorIsTheRotationVectorInO) {
+  const PoseFeature feature(bar(mesh::ElementOrder::kLinear), pose_points());
+  const Vector3d turn = Vector3d(0.2, -1, 0.5).normalized() * 2.9;
+  const Eigen::Matrix3d R = math::exp_rotation({0.3, 0.4, -0.5});
+  VectorXd value(7), target(7), error(6);
+  value.head<3>() << 1, 2, 3;
+  target.head<3>() << 1.5, 1, 3;
+  math::wxyz_from_rotation(R, value.data() + 3);
+  math::wxyz_from_rotation(math::exp_rotation(turn) * R, target.data() + 3);
+  feature.error(value, target, error);
+  EXPECT_LT((error.head<3>() - Vector3d(0.5, -1, 0)).norm(), 1e-12);
+  EXPECT_LT((error.tail<3>() - turn).norm(), 1e-9);
+}
+
+TEST(PoseFeature, RefusesBadSetUpAndTargets) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kLinear);
+  EXPECT_THROW(PoseFeature(mesh, {{Vector3d(0.1, 0.03, 0.03), Vector3d(0.2, 0.03, 0.03),
+                                   Vector3d(0.4, 0.03, 0.03)}}),
+               std::invalid_argument);
+  EXPECT_THROW(PoseFeature(mesh, {{Vector3d(0.1, 0.03, 0.03), Vector3d(0.1, 0.03, 0.03),
+                                   Vector3d(0.4, 0.02, 0.03)}}),
+               std::invalid_argument);
+  const PoseFeature feature(mesh, pose_points());
+  const double good[] = {0, 0, 0, 0.6, 0, 0.8, 0};
+  const double long_quaternion[] = {0, 0, 0, 1, 0.1, 0, 0};
+  const double infinite[] = {0, 0, std::numeric_limits<double>::infinity(), 1, 0, 0, 0};
+  EXPECT_TRUE(feature.is_valid_target(good, 7));
+  EXPECT_FALSE(feature.is_valid_target(good, 6));
+  EXPECT_FALSE(feature.is_valid_target(long_quaternion, 7));
+  EXPECT_FALSE(feature.is_valid_target(infinite, 7));
+}
+
+TEST(PoseFeature, KeepsItsOrientationWhenThePointsCollapse) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kLinear);
+  PoseFeature feature(mesh, pose_points());
+  VectorXd before(7), after(7);
+  feature.evaluate(mesh.nodes, before);
+  Eigen::Matrix3Xd line = mesh.nodes;
+  line.bottomRows<2>().setZero();
+  feature.evaluate(line, after);
+  EXPECT_EQ(after.tail<4>(), before.tail<4>());
+  EXPECT_TRUE(feature.jacobian().allFinite());
+}
+
+}  // namespace
+}  // namespace palpate::shape
