@@ -7,9 +7,9 @@
 namespace palpate::elasticity {
 namespace {
 
-constexpr int kMaxNewton = 6;
-// After a turn by w the rest is of order w^3, so this leaves 1e-15.
-constexpr double kSmallTurn2 = 1e-10;
+constexpr int kMaxNewton = 8;
+// After a turn by w what is left is of order w^2 times the strain, here less than 1e-14.
+constexpr double kSmallTurn2 = 1e-14;
 
 struct Inverse {
   LaneSymmetric adjugate;
