@@ -1,0 +1,81 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <deque>
+#include <utility>
+
+#include "core/math/random.hpp"
+#include "sim/sensors/sensor_table.hpp"
+
+namespace palpate::sensors {
+
+/// Takes samples of type T at a rate and hands them on late, in order, some never.
+template <class T>
+class Channel {
+ public:
+  Channel(const Timing& timing, math::Random random) : timing_(timing), random_(random) {}
+
+  /// True once for each sample that is due at `now_us`, the simulated time. Where the rate is no
+  /// divisor of the tick's, samples fall on the first tick not before their time.
+  bool due(std::int64_t now_us) {
+    if (now_us < next_us_) return false;
+    ++count_;
+    next_us_ = static_cast<std::int64_t>(std::ceil(count_ * 1e6 / timing_.rate - 1e-6));
+    return true;
+  }
+
+  void put(std::int64_t now_us, T sample) {
+    const double late = timing_.delay + timing_.jitter * std::abs(random_.normal());
+    const bool lost = random_.uniform() < timing_.drop_out;
+    if (lost) return;
+    const auto arrival = now_us + static_cast<std::int64_t>(std::lround(1e6 * late));
+    last_arrival_us_ = std::max(last_arrival_us_, arrival);
+    queue_.emplace_back(last_arrival_us_, std::move(sample));
+  }
+
+  /// The oldest sample that has arrived by `now_us`; false when there is none.
+  bool take(std::int64_t now_us, T& sample) {
+    if (queue_.empty() || queue_.front().first > now_us) return false;
+    sample = std::move(queue_.front().second);
+    queue_.pop_front();
+    return true;
+  }
+
+  double period() const { return 1 / timing_.rate; }  // s
+
+ private:
+  Timing timing_;
+  math::Random random_;
+  std::int64_t count_ = 0;
+  std::int64_t next_us_ = 0;
+  std::int64_t last_arrival_us_ = 0;
+  std::deque<std::pair<std::int64_t, T>> queue_;
+};
+
+/// Makes a signal as faulty as its sensor: value + bias + drift + noise, then quantised.
+class Signal {
+ public:
+  /// `period`: s between samples. `bias` sets the number of axes.
+  Signal(const Faults& faults, double period, const Eigen::VectorXd& bias, math::Random random)
+      : faults_(faults), walk_(faults.drift * std::sqrt(period)), offset_(bias), random_(random) {}
+
+  Eigen::VectorXd measure(const Eigen::VectorXd& value) {
+    Eigen::VectorXd measured = value;
+    for (Eigen::Index i = 0; i < value.size(); ++i) {
+      offset_(i) += walk_ * random_.normal();
+      measured(i) += offset_(i) + faults_.noise * random_.normal();
+      if (faults_.step > 0) measured(i) = faults_.step * std::round(measured(i) / faults_.step);
+    }
+    return measured;
+  }
+
+ private:
+  Faults faults_;
+  double walk_;
+  Eigen::VectorXd offset_;
+  math::Random random_;
+};
+
+}  // namespace palpate::sensors

@@ -1,0 +1,89 @@
+#include "sim/sensors/sensor_suite.hpp"
+
+#include <stdexcept>
+#include <string>
+
+namespace palpate::sensors {
+namespace {
+constexpr int kMostFingertips = 5;
+}
+
+SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const math::Pose& X_EG,
+                         int joint_count)
+    : force_torque_(table.force_torque.timing, math::Random(seed, "force_torque")),
+      imu_(table.imu.timing, math::Random(seed, "imu")),
+      robot_(table.robot_state.timing, math::Random(seed, "robot_state")),
+      hand_(table.hand_state.timing, math::Random(seed, "hand_state")),
+      force_(table.force_torque.force, force_torque_.period(), table.force_torque.bias.head<3>(),
+             math::Random(seed, "force")),
+      torque_(table.force_torque.torque, force_torque_.period(), table.force_torque.bias.tail<3>(),
+              math::Random(seed, "torque")),
+      acceleration_(table.imu.acceleration, imu_.period(), table.imu.bias.head<3>(),
+                    math::Random(seed, "acceleration")),
+      angular_velocity_(table.imu.angular_velocity, imu_.period(), table.imu.bias.tail<3>(),
+                        math::Random(seed, "angular_velocity")),
+      joint_position_(table.robot_state.position, robot_.period(),
+                      Eigen::VectorXd::Zero(joint_count), math::Random(seed, "joint_position")),
+      joint_velocity_(table.robot_state.velocity, robot_.period(),
+                      Eigen::VectorXd::Zero(joint_count), math::Random(seed, "joint_velocity")),
+      joint_torque_(table.robot_state.torque, robot_.period(), Eigen::VectorXd::Zero(joint_count),
+                    math::Random(seed, "joint_torque")),
+      X_EE_reported_(X_EG * table.kinematics_error * X_EG.inverse()) {
+  const math::Random random(seed, "fingertips");
+  for (int i = 0; i < kMostFingertips; ++i)
+    fingertips_.emplace_back(table.hand_state.fingertip, hand_.period(), Eigen::Vector3d::Zero(),
+                             random.split("fingertip" + std::to_string(i)));
+}
+
+RobotReading SensorSuite::measure_robot(const Truth& truth) {
+  RobotReading r;
+  r.q = joint_position_.measure(truth.robot.q);
+  r.dq = joint_velocity_.measure(truth.robot.dq);
+  r.tau = joint_torque_.measure(truth.robot.tau);
+  // The encoders' errors are so small that the flange moves by J (q_measured - q).
+  const math::Vector6d moved = truth.jacobian * (r.q - truth.robot.q);
+  const math::Pose X_WE =
+      math::make_pose(math::exp_rotation(moved.tail<3>()) * truth.robot.X_WE.linear(),
+                      truth.robot.X_WE.translation() + moved.head<3>());
+  r.X_WE = X_WE * X_EE_reported_;
+  const math::Vector6d faults = truth.jacobian * (r.dq - truth.robot.dq);
+  r.V_W_E = math::move_reference(math::Twist::from(truth.robot.V_W_E.vector() + faults),
+                                 X_WE.linear() * X_EE_reported_.translation());
+  return r;
+}
+
+HandReading SensorSuite::measure_hand(const HandReading& truth) {
+  HandReading r = truth;
+  if (r.X_ET.size() > fingertips_.size())
+    throw std::invalid_argument("a hand has five fingertips at most");
+  for (std::size_t i = 0; i < r.X_ET.size(); ++i)
+    r.X_ET[i].translation() = fingertips_[i].measure(truth.X_ET[i].translation());
+  return r;
+}
+
+void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
+  if (force_torque_.due(now_us)) {
+    ForceTorqueReading r{now_us, {}};
+    r.wrench << force_.measure(truth.force_torque.wrench.head<3>()),
+        torque_.measure(truth.force_torque.wrench.tail<3>());
+    force_torque_.put(now_us, r);
+  }
+  if (imu_.due(now_us)) {
+    InertialReading r{now_us, {}};
+    r.motion << acceleration_.measure(truth.imu.motion.head<3>()),
+        angular_velocity_.measure(truth.imu.motion.tail<3>());
+    imu_.put(now_us, r);
+  }
+  if (robot_.due(now_us)) {
+    RobotReading r = measure_robot(truth);
+    r.time_us = now_us;
+    robot_.put(now_us, std::move(r));
+  }
+  if (hand_.due(now_us)) {
+    HandReading r = measure_hand(truth.hand);
+    r.time_us = now_us;
+    hand_.put(now_us, std::move(r));
+  }
+}
+
+}  // namespace palpate::sensors

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "sim/sensors/channel.hpp"
+
+namespace palpate::sensors {
+
+/// Each reading carries the simulated time (us) at which it was sampled.
+struct ForceTorqueReading {
+  std::int64_t time_us = 0;
+  math::Vector6d wrench;  // N, N m: sensor on hand at the origin of S, in S
+};
+
+struct InertialReading {
+  std::int64_t time_us = 0;
+  math::Vector6d motion;  // specific force m/s^2, then angular velocity rad/s, in I
+};
+
+struct RobotReading {
+  std::int64_t time_us = 0;
+  Eigen::VectorXd q, dq, tau;  // rad, rad/s, N m
+  math::Pose X_WE = math::Pose::Identity();
+  math::Twist V_W_E;  // of the origin of E, in W
+};
+
+struct HandReading {
+  std::int64_t time_us = 0;
+  bool holding = false;
+  std::vector<math::Pose> X_ET;  // fingertips
+};
+
+/// What is true at one instant, without faults; times are filled in by the suite.
+struct Truth {
+  ForceTorqueReading force_torque;
+  InertialReading imu;
+  RobotReading robot;
+  HandReading hand;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // of the flange, linear first
+};
+
+/// Every sensor of the arm and hand. All that is random comes from the one seed; each sensor has a
+/// stream of its own, so that changing one does not change what another measures.
+class SensorSuite {
+ public:
+  /// `X_EG`: where the kinematics error shows.
+  SensorSuite(const SensorTable& table, std::uint64_t seed, const math::Pose& X_EG,
+              int joint_count);
+
+  /// Once a tick, with time rising.
+  void sample(std::int64_t now_us, const Truth& truth);
+
+  /// Readings that have arrived by `now_us`, oldest first; false when there is none left.
+  bool take(std::int64_t now_us, ForceTorqueReading& r) { return force_torque_.take(now_us, r); }
+  bool take(std::int64_t now_us, InertialReading& r) { return imu_.take(now_us, r); }
+  bool take(std::int64_t now_us, RobotReading& r) { return robot_.take(now_us, r); }
+  bool take(std::int64_t now_us, HandReading& r) { return hand_.take(now_us, r); }
+
+ private:
+  RobotReading measure_robot(const Truth& truth);
+  HandReading measure_hand(const HandReading& truth);
+
+  Channel<ForceTorqueReading> force_torque_;
+  Channel<InertialReading> imu_;
+  Channel<RobotReading> robot_;
+  Channel<HandReading> hand_;
+  Signal force_, torque_, acceleration_, angular_velocity_;
+  Signal joint_position_, joint_velocity_, joint_torque_;
+  std::vector<Signal> fingertips_;
+  math::Pose X_EE_reported_;  // reported flange in the true one
+};
+
+}  // namespace palpate::sensors

@@ -1,0 +1,65 @@
+#include "sim/sensors/sensor_table.hpp"
+
+#include <algorithm>
+
+#include "sensors_yaml.hpp"
+
+namespace palpate::sensors {
+namespace {
+
+constexpr config::Range kNotNegative{0, 1e6};
+
+void read(const config::Node& node, Timing& timing) {
+  timing.rate = node.number("rate", {0.1, 1000}, timing.rate);
+  timing.delay = node.number("delay", {0, 1}, timing.delay);
+  timing.jitter = node.number("jitter", {0, 1}, timing.jitter);
+  timing.drop_out = node.number("drop_out", {0, 1}, timing.drop_out);
+}
+
+void read(const config::Node& node, const char* key, Faults& faults) {
+  const config::Node signal = node.child_or_empty(key);
+  faults.step = signal.number("step", kNotNegative, faults.step);
+  faults.noise = signal.number("noise", kNotNegative, faults.noise);
+  faults.drift = signal.number("drift", kNotNegative, faults.drift);
+}
+
+void read(const config::Node& node, math::Vector6d& bias) {
+  if (!node.has("bias")) return;
+  const std::vector<double> values = node.numbers("bias", 6);
+  std::copy(values.begin(), values.end(), bias.data());
+}
+
+void read(const config::Node& node, SensorTable& table) {
+  const config::Node ft = node.child_or_empty("force_torque");
+  read(ft, table.force_torque.timing);
+  read(ft, "force", table.force_torque.force);
+  read(ft, "torque", table.force_torque.torque);
+  read(ft, table.force_torque.bias);
+  const config::Node imu = node.child_or_empty("imu");
+  read(imu, table.imu.timing);
+  read(imu, "acceleration", table.imu.acceleration);
+  read(imu, "angular_velocity", table.imu.angular_velocity);
+  read(imu, table.imu.bias);
+  const config::Node robot = node.child_or_empty("robot_state");
+  read(robot, table.robot_state.timing);
+  read(robot, "position", table.robot_state.position);
+  read(robot, "velocity", table.robot_state.velocity);
+  read(robot, "torque", table.robot_state.torque);
+  const config::Node hand = node.child_or_empty("hand_state");
+  read(hand, table.hand_state.timing);
+  read(hand, "fingertip", table.hand_state.fingertip);
+  table.kinematics_error = node.pose("kinematics_error");
+}
+
+}  // namespace
+
+SensorTable read_sensors(const config::Node& scene) {
+  SensorTable table;
+  const config::Node normative = config::Node::from_text(kSensorsYaml, "sensors.yaml");
+  read(normative, table);
+  normative.check_all_used();
+  read(scene, table);
+  return table;
+}
+
+}  // namespace palpate::sensors

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "core/math/rigid.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::sensors {
+
+/// When samples are taken and when they arrive.
+struct Timing {
+  double rate = 0;      // Hz
+  double delay = 0;     // s
+  double jitter = 0;    // s, scale of a half-normal delay on top
+  double drop_out = 0;  // probability that a sample is lost
+};
+
+/// Faults of one kind of signal, the same for each of its axes, in the signal's unit.
+struct Faults {
+  double step = 0;   // quantisation; 0: none
+  double noise = 0;  // standard deviation of a sample
+  double drift = 0;  // standard deviation of a random walk after 1 s
+};
+
+/// sensors.yaml as a struct, with what a scene changes.
+struct SensorTable {
+  struct {
+    Timing timing;
+    Faults force, torque;                          // N, N m
+    math::Vector6d bias = math::Vector6d::Zero();  // N, N m, in S
+  } force_torque;
+  struct {
+    Timing timing;
+    Faults acceleration, angular_velocity;         // m/s^2, rad/s
+    math::Vector6d bias = math::Vector6d::Zero();  // m/s^2, rad/s, in I
+  } imu;
+  struct {
+    Timing timing;
+    Faults position, velocity, torque;  // rad, rad/s, N m
+  } robot_state;
+  struct {
+    Timing timing;
+    Faults fingertip;  // m
+  } hand_state;
+  /// Error of the arm's kinematics as it shows at the grasp: the reported pose of the flange is
+  /// X_WE X_EG error inverse(X_EG).
+  math::Pose kinematics_error = math::Pose::Identity();
+};
+
+/// The normative table with the entries of `scene` (a scene's node "sensors") put over it. Throws
+/// config::Error.
+SensorTable read_sensors(const config::Node& scene);
+
+}  // namespace palpate::sensors

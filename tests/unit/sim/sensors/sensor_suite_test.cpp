@@ -1,0 +1,163 @@
+#include "sim/sensors/sensor_suite.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace palpate::sensors {
+namespace {
+
+SensorTable table(const std::string& scene = "{}") {
+  const config::Node node = config::Node::from_text(scene);
+  const SensorTable read = read_sensors(node);
+  node.check_all_used();
+  return read;
+}
+
+math::Pose some_pose() {
+  return math::make_pose(math::exp_rotation({0.4, -0.9, 1.2}), {0.3, -0.2, 0.8});
+}
+
+math::Pose grasp() {
+  return math::make_pose(math::exp_rotation({0, 1.5, 0.2}), {0.01, -0.02, 0.3});
+}
+
+Truth some_truth() {
+  Truth truth;
+  truth.force_torque.wrench << 1, -2, 47, 0.1, -0.3, 0.02;
+  truth.imu.motion << 0.1, 9.7, -0.4, 0.3, 0.2, 0.1;
+  truth.robot.q = Eigen::VectorXd::LinSpaced(7, -1, 1);
+  truth.robot.dq = Eigen::VectorXd::LinSpaced(7, 0.5, -0.3);
+  truth.robot.tau = Eigen::VectorXd::LinSpaced(7, 40, 1);
+  truth.robot.X_WE = some_pose();
+  truth.jacobian = Eigen::Matrix<double, 6, 7>::Identity();
+  truth.jacobian.col(6).setConstant(0.3);
+  truth.robot.V_W_E = math::Twist::from(truth.jacobian * truth.robot.dq);
+  truth.hand.holding = true;
+  truth.hand.X_ET = {grasp(), grasp()};
+  return truth;
+}
+
+const std::string kClean =
+    "{force_torque: {force: {step: 0, noise: 0}, torque: {step: 0, noise: 0}},"
+    " imu: {acceleration: {step: 0, noise: 0}, angular_velocity: {step: 0, noise: 0}},"
+    " robot_state: {position: {step: 0, noise: 0}, velocity: {noise: 0}, torque: {noise: 0}},"
+    " hand_state: {fingertip: {noise: 0}}";
+
+TEST(SensorTable, IsTheNormativeOne) {
+  const SensorTable t = table();
+  EXPECT_EQ(t.force_torque.timing.rate, 1000);
+  EXPECT_EQ(t.imu.timing.rate, 300);
+  EXPECT_EQ(t.robot_state.timing.rate, 500);
+  EXPECT_EQ(t.hand_state.timing.rate, 100);
+  EXPECT_EQ(t.force_torque.force.step, 0.0125);
+  EXPECT_EQ(t.force_torque.force.noise, 2 * t.force_torque.force.step);
+  EXPECT_EQ(t.force_torque.torque.step, 0.0005);
+  EXPECT_EQ(t.force_torque.torque.noise, 2 * t.force_torque.torque.step);
+  EXPECT_TRUE(t.kinematics_error.isApprox(math::Pose::Identity()));
+}
+
+TEST(SensorTable, ASceneOverridesSingleEntries) {
+  const SensorTable t = table("{force_torque: {bias: [1, 2, 3, 4, 5, 6]}, imu: {rate: 100}}");
+  EXPECT_EQ(t.force_torque.bias, (math::Vector6d() << 1, 2, 3, 4, 5, 6).finished());
+  EXPECT_EQ(t.force_torque.force.noise, table().force_torque.force.noise);
+  EXPECT_EQ(t.imu.timing.rate, 100);
+  EXPECT_EQ(t.imu.timing.delay, table().imu.timing.delay);
+  EXPECT_THROW(table("{imu: {rate: -1}}"), config::Error);
+  EXPECT_THROW(table("{imu: {range: 1}}"), config::Error);
+}
+
+TEST(SensorSuite, PublishesAtTheRatesOfTheTable) {
+  SensorSuite suite(table(), 1, grasp(), 7);
+  const Truth truth = some_truth();
+  int ft = 0, imu = 0, robot = 0, hand = 0;
+  for (std::int64_t now = 1000; now <= 5'000'000; now += 1000) {
+    suite.sample(now, truth);
+    ForceTorqueReading a;
+    while (suite.take(now, a)) ++ft;
+    InertialReading b;
+    while (suite.take(now, b)) ++imu;
+    RobotReading c;
+    while (suite.take(now, c)) ++robot;
+    HandReading d;
+    while (suite.take(now, d)) ++hand;
+  }
+  EXPECT_NEAR(ft, 5000, 2);
+  EXPECT_NEAR(imu, 1500, 3);
+  EXPECT_NEAR(robot, 2500, 2);
+  EXPECT_NEAR(hand, 500, 2);
+}
+
+TEST(SensorSuite, WithoutFaultsTellsTheTruth) {
+  SensorSuite suite(table(kClean + "}"), 1, grasp(), 7);
+  const Truth truth = some_truth();
+  suite.sample(0, truth);
+  RobotReading robot;
+  ASSERT_TRUE(suite.take(10'000, robot));
+  EXPECT_EQ(robot.q, truth.robot.q);
+  EXPECT_TRUE(robot.X_WE.isApprox(truth.robot.X_WE, 1e-12));
+  EXPECT_TRUE(robot.V_W_E.vector().isApprox(truth.robot.V_W_E.vector(), 1e-12));
+  ForceTorqueReading ft;
+  ASSERT_TRUE(suite.take(10'000, ft));
+  EXPECT_EQ(ft.wrench, truth.force_torque.wrench);
+  HandReading hand;
+  ASSERT_TRUE(suite.take(10'000, hand));
+  EXPECT_TRUE(hand.holding);
+  ASSERT_EQ(hand.X_ET.size(), 2u);
+  EXPECT_TRUE(hand.X_ET[1].isApprox(grasp(), 1e-12));
+}
+
+TEST(SensorSuite, KinematicsErrorShowsAtTheGrasp) {
+  const std::string scene =
+      kClean + ", kinematics_error: {position: [0.001, 0, 0], rpy_deg: [0, 0.5, 0]}}";
+  SensorSuite suite(table(scene), 1, grasp(), 7);
+  const Truth truth = some_truth();
+  suite.sample(0, truth);
+  RobotReading robot;
+  ASSERT_TRUE(suite.take(10'000, robot));
+  const math::Pose X_WG = truth.robot.X_WE * grasp(), reported = robot.X_WE * grasp();
+  const math::Pose error = X_WG.inverse() * reported;
+  EXPECT_LT((error.translation() - Eigen::Vector3d(0.001, 0, 0)).norm(), 1e-12);
+  EXPECT_LT((math::log_rotation(error.linear()) - Eigen::Vector3d(0, 0.5 * M_PI / 180, 0)).norm(),
+            1e-9);
+
+  // The twist is the derivative of the reported pose.
+  Truth later = truth;
+  const double dt = 1e-6;
+  later.robot.X_WE.translation() += dt * truth.robot.V_W_E.linear;
+  later.robot.X_WE.linear() =
+      math::exp_rotation(dt * truth.robot.V_W_E.angular) * truth.robot.X_WE.linear();
+  suite.sample(20'000, later);
+  RobotReading next;
+  ASSERT_TRUE(suite.take(30'000, next));
+  EXPECT_LT(((next.X_WE.translation() - robot.X_WE.translation()) / dt - robot.V_W_E.linear).norm(),
+            1e-5);
+}
+
+TEST(SensorSuite, ReportedPoseBelongsToTheReportedJoints) {
+  SensorSuite suite(table("{robot_state: {position: {step: 0, noise: 0.001}}}"), 1, grasp(), 7);
+  const Truth truth = some_truth();
+  suite.sample(0, truth);
+  RobotReading robot;
+  ASSERT_TRUE(suite.take(10'000, robot));
+  const math::Vector6d moved = truth.jacobian * (robot.q - truth.robot.q);
+  EXPECT_GT(moved.norm(), 1e-4);
+  EXPECT_LT((robot.X_WE.translation() - truth.robot.X_WE.translation() - moved.head<3>()).norm(),
+            1e-12);
+}
+
+TEST(SensorSuite, OneSeedGivesOneRunAndSensorsAreIndependent) {
+  const auto first_wrench = [](const SensorTable& t, std::uint64_t seed) {
+    SensorSuite suite(t, seed, grasp(), 7);
+    suite.sample(0, some_truth());
+    ForceTorqueReading r;
+    EXPECT_TRUE(suite.take(10'000, r));
+    return r.wrench;
+  };
+  EXPECT_EQ(first_wrench(table(), 5), first_wrench(table(), 5));
+  EXPECT_NE(first_wrench(table(), 5), first_wrench(table(), 6));
+  EXPECT_EQ(first_wrench(table(), 5), first_wrench(table("{imu: {rate: 50}}"), 5));
+}
+
+}  // namespace
+}  // namespace palpate::sensors
