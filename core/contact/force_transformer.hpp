@@ -14,7 +14,7 @@ struct NodalLoad {
 /// Loads that stem from one contact. Capacity is reserved at set-up: push beyond it is refused.
 struct ContactLoads {
   sensing::Source source = sensing::Source::kManual;
-  bool accepted = false;          // false: too far from the surface, or loads did not fit
+  bool accepted = false;  // false: too far from the surface, or loads did not fit
   std::vector<NodalLoad> loads;
 
   bool push(int node, const Eigen::Vector3d& force) noexcept {

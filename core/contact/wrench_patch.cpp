@@ -1,0 +1,147 @@
+#include "core/contact/wrench_patch.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <stdexcept>
+
+namespace palpate::contact {
+namespace {
+
+constexpr int kWidenings = 24;      // each doubles the radius
+constexpr double kFlatness = 1e-3;  // least to largest moment of a patch that is not a line
+constexpr int kLeastNodes = 3;
+
+/// Area that uniform pressure on the triangles whose nodes are all `members` loads each node with:
+/// a third of each triangle on its corners, or on its midside nodes where it is quadratic (whose
+/// corner functions have no mean).
+Eigen::VectorXd pressure_shares(const mesh::ElementMesh& mesh, const mesh::Surface& surface,
+                                const std::vector<bool>& members) {
+  Eigen::VectorXd shares = Eigen::VectorXd::Zero(mesh.node_count());
+  for (int t = 0; t < surface.triangles.cols(); ++t) {
+    const std::vector<int>& nodes = surface.triangle_nodes[t];
+    if (!std::all_of(nodes.begin(), nodes.end(), [&](int node) { return members[node]; })) continue;
+    const Eigen::Vector3d a = mesh.nodes.col(surface.triangles(0, t));
+    const Eigen::Vector3d b = mesh.nodes.col(surface.triangles(1, t));
+    const Eigen::Vector3d c = mesh.nodes.col(surface.triangles(2, t));
+    const double third = (b - a).cross(c - a).norm() / 6;
+    const std::size_t first = nodes.size() == 6 ? 3 : 0;
+    for (std::size_t i = first; i < first + 3; ++i) shares[nodes[i]] += third;
+  }
+  return shares;
+}
+
+}  // namespace
+
+WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& surface,
+                         const Options& options)
+    : options_(options),
+      fixed_(!options.fixed_nodes.empty()),
+      rest_positions_(mesh.nodes),
+      triangles_(surface.triangles) {
+  if (!(options.radius > 0)) throw std::invalid_argument("radius must be above 0");
+  if (!(options.collision_distance > 0))
+    throw std::invalid_argument("collision_distance must be above 0");
+  if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
+
+  std::vector<bool> members(mesh.node_count(), !fixed_);
+  for (const int node : options.fixed_nodes) {
+    if (node < 0 || node >= mesh.node_count())
+      throw std::invalid_argument("fixed_nodes names a node that does not exist");
+    members[node] = true;
+  }
+  Eigen::VectorXd shares = pressure_shares(mesh, surface, members);
+  if ((shares.array() > 0).count() < kLeastNodes) {
+    // No whole triangle: every node of the set carries alike.
+    for (int node = 0; node < mesh.node_count(); ++node) shares[node] = members[node];
+  }
+  const double total = shares.sum();
+  for (int node = 0; node < mesh.node_count(); ++node)
+    if (shares[node] > 0) candidates_.push_back({node, shares[node] / total, shares[node] / total});
+  if (static_cast<int>(candidates_.size()) < kLeastNodes)
+    throw std::invalid_argument("fixed_nodes must be three or more");
+  patch_.reserve(candidates_.size());
+}
+
+void WrenchPatch::gather(const Eigen::Vector3d& centre, double radius,
+                         const Eigen::Matrix3Xd& positions) noexcept {
+  patch_.clear();
+  double total = 0;
+  for (Member member : candidates_) {
+    const double ratio_squared =
+        (positions.col(member.node) - centre).squaredNorm() / (radius * radius);
+    if (!(ratio_squared < 1)) continue;
+    const double kernel = 1 - ratio_squared;
+    member.weight = member.share * kernel * kernel;
+    total += member.weight;
+    patch_.push_back(member);
+  }
+  for (Member& member : patch_) member.weight /= total;
+}
+
+bool WrenchPatch::spread(const math::Wrench& wrench, const Eigen::Vector3d& location,
+                         const Eigen::Matrix3Xd& positions, ContactLoads& out) const noexcept {
+  Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+  for (const Member& member : patch_) centroid += member.weight * positions.col(member.node);
+  // J b is the moment about the centroid of the loads w_i (b x y_i).
+  Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
+  for (const Member& member : patch_) {
+    const Eigen::Vector3d y = positions.col(member.node) - centroid;
+    moment += member.weight * (y.squaredNorm() * Eigen::Matrix3d::Identity() - y * y.transpose());
+  }
+  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment);
+  const Eigen::Vector3d& eigenvalues = solver.eigenvalues();
+  if (!(eigenvalues[0] > kFlatness * eigenvalues[2])) return false;
+
+  const Eigen::Vector3d missing = wrench.torque - (centroid - location).cross(wrench.force);
+  const Eigen::Vector3d b =
+      solver.eigenvectors() *
+      (solver.eigenvectors().transpose() * missing).cwiseQuotient(eigenvalues);
+  out.loads.clear();
+  for (const Member& member : patch_) {
+    const Eigen::Vector3d y = positions.col(member.node) - centroid;
+    if (!out.push(member.node, member.weight * (wrench.force + b.cross(y)))) return false;
+  }
+  return true;
+}
+
+void WrenchPatch::distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
+                             ContactLoads& out) noexcept {
+  out.source = contact.source;
+  out.accepted = false;
+  out.loads.clear();
+  if (!contact.wrench.force.allFinite() || !contact.wrench.torque.allFinite() ||
+      !contact.location.allFinite())
+    return;
+
+  const bool at_rest_point = contact.source == sensing::Source::kManual;
+  Eigen::Vector3d location = contact.location;
+  SurfacePoint touched;
+  if (at_rest_point || !fixed_) {
+    touched =
+        closest_point_on_surface(location, triangles_, at_rest_point ? rest_positions_ : positions);
+    if (touched.triangle < 0 || !(touched.distance <= options_.collision_distance)) return;
+  }
+  if (at_rest_point) {
+    // The same material point, where it is now.
+    location.setZero();
+    for (int i = 0; i < 3; ++i)
+      location += touched.weights[i] * positions.col(triangles_(i, touched.triangle));
+  }
+
+  if (fixed_) {
+    patch_.assign(candidates_.begin(), candidates_.end());
+    out.accepted = spread(contact.wrench, location, positions, out);
+  } else {
+    const Eigen::Vector3d centre = at_rest_point ? location : touched.position;
+    double radius = options_.radius;
+    for (int widening = 0; widening <= kWidenings && !out.accepted; ++widening) {
+      gather(centre, radius, positions);
+      out.accepted = static_cast<int>(patch_.size()) >= kLeastNodes &&
+                     spread(contact.wrench, location, positions, out);
+      radius *= 2;
+    }
+  }
+  if (!out.accepted) out.loads.clear();
+}
+
+}  // namespace palpate::contact
