@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "core/math/fnv1a.hpp"
+
 namespace palpate::math {
 namespace {
 
@@ -12,12 +14,6 @@ std::uint64_t split_mix(std::uint64_t& state) {
   z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9u;
   z = (z ^ (z >> 27)) * 0x94d049bb133111ebu;
   return z ^ (z >> 31);
-}
-
-std::uint64_t fnv1a(std::string_view text) {
-  std::uint64_t h = 0xcbf29ce484222325u;
-  for (const char c : text) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return h;
 }
 
 /// Natural logarithm for 0 < x < 1 by arithmetic alone: libm's rounds differently from one
@@ -43,7 +39,7 @@ double portable_log(double x) {
 
 Random::Random(std::uint64_t seed, std::string_view stream) {
   std::uint64_t mixer = seed;
-  seed_ = stream.empty() ? seed : split_mix(mixer) ^ fnv1a(stream);
+  seed_ = stream.empty() ? seed : split_mix(mixer) ^ Fnv1a().add(stream).value();
   mixer = seed_;
   for (std::uint64_t& word : state_) word = split_mix(mixer);
 }

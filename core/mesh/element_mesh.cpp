@@ -14,14 +14,13 @@ ElementMesh make_element_mesh(const TetrahedralMesh& mesh, ElementOrder order) {
   result.elements = mesh.tetrahedra;
   if (order == ElementOrder::kLinear) return result;
 
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
   result.elements.resize(10, mesh.tetrahedron_count());
   result.elements.topRows<4>() = mesh.tetrahedra;
   std::map<std::pair<int, int>, int> midside;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
     for (int e = 0; e < 6; ++e) {
-      const int a = mesh.tetrahedra(kEdges[e][0], t);
-      const int b = mesh.tetrahedra(kEdges[e][1], t);
+      const int a = mesh.tetrahedra(kTetrahedronEdges[e][0], t);
+      const int b = mesh.tetrahedra(kTetrahedronEdges[e][1], t);
       const int next = mesh.node_count() + static_cast<int>(midside.size());
       result.elements(4 + e, t) =
           midside.try_emplace({std::min(a, b), std::max(a, b)}, next).first->second;

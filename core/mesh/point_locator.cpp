@@ -1,63 +1,90 @@
 #include "core/mesh/point_locator.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/LU>
+#include <algorithm>
 #include <limits>
 
 namespace palpate::mesh {
 namespace {
 
-/// Barycentric coordinates of p in the straight-sided element e.
-Eigen::Vector4d barycentric(const ElementMesh& mesh, int e, const Eigen::Vector3d& p) {
+using Corners = std::array<Eigen::Vector3d, 4>;
+
+Corners corners_of(const ElementMesh& mesh, int element) {
+  Corners corners;
+  for (int i = 0; i < 4; ++i) corners[i] = mesh.nodes.col(mesh.elements(i, element));
+  return corners;
+}
+
+/// Barycentric coordinates of p; not finite where the tetrahedron has no volume.
+Eigen::Vector4d barycentric(const Corners& x, const Eigen::Vector3d& p) {
   Eigen::Matrix3d edges;
-  const Eigen::Vector3d p0 = mesh.nodes.col(mesh.elements(0, e));
-  for (int i = 0; i < 3; ++i) edges.col(i) = mesh.nodes.col(mesh.elements(i + 1, e)) - p0;
-  const Eigen::Vector3d b = edges.inverse() * (p - p0);
+  for (int i = 0; i < 3; ++i) edges.col(i) = x[i + 1] - x[0];
+  const Eigen::Vector3d b = edges.inverse() * (p - x[0]);
   return {1 - b.sum(), b[0], b[1], b[2]};
 }
 
-/// Distance from p to the element, from below by its faces' planes: exact enough to tell which
-/// element is nearest and how far outside a point is, to second order in the shape of the element.
-double distance_outside(const ElementMesh& mesh, int e, const Eigen::Vector3d& p,
-                        const Eigen::Vector4d& b) {
+double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                           const Eigen::Vector3d& b) {
+  const Eigen::Vector3d edge = b - a;
+  const double s = std::clamp((p - a).dot(edge) / edge.squaredNorm(), 0.0, 1.0);
+  return (p - a - s * edge).norm();
+}
+
+double distance_to_triangle(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
+                            const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+  const Eigen::Vector3d n = (b - a).cross(c - a);
+  const bool above = n.dot((b - a).cross(p - a)) >= 0 && n.dot((c - b).cross(p - b)) >= 0 &&
+                     n.dot((a - c).cross(p - c)) >= 0;
+  if (above) return std::abs(n.dot(p - a)) / n.norm();
+  return std::min(
+      {distance_to_segment(p, a, b), distance_to_segment(p, b, c), distance_to_segment(p, c, a)});
+}
+
+double distance_outside(const Corners& x, const Eigen::Vector4d& b, const Eigen::Vector3d& p) {
   if (b.minCoeff() >= 0) return 0;
-  Eigen::Vector4d clamped = b.cwiseMax(0);
-  clamped /= clamped.sum();
-  Eigen::Vector3d nearest = Eigen::Vector3d::Zero();
-  for (int i = 0; i < 4; ++i) nearest += clamped[i] * mesh.nodes.col(mesh.elements(i, e));
-  return (p - nearest).norm();
+  return std::min(
+      {distance_to_triangle(p, x[0], x[1], x[2]), distance_to_triangle(p, x[0], x[1], x[3]),
+       distance_to_triangle(p, x[0], x[2], x[3]), distance_to_triangle(p, x[1], x[2], x[3])});
 }
 
 }  // namespace
 
-PointLocator::PointLocator(const ElementMesh& mesh) : mesh_(mesh) {}
+PointLocator::PointLocator(const ElementMesh& mesh) : mesh_(mesh) {
+  boxes_.resize(mesh.element_count());
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    for (const Eigen::Vector3d& corner : corners_of(mesh, e)) boxes_[e].extend(corner);
+  }
+}
 
 PointWeights PointLocator::locate(const Eigen::Vector3d& p_O) const {
   int best = 0;
+  Eigen::Vector4d b = Eigen::Vector4d::Constant(0.25);
   double nearest = std::numeric_limits<double>::infinity();
-  double roundness = -std::numeric_limits<double>::infinity();
   for (int e = 0; e < mesh_.element_count(); ++e) {
-    const Eigen::Vector4d b = barycentric(mesh_, e, p_O);
-    const double outside = distance_outside(mesh_, e, p_O, b);
-    // Inside or on the border of several: the one that holds it most deeply.
-    if (outside < nearest || (outside == nearest && b.minCoeff() > roundness)) {
+    if (boxes_[e].exteriorDistance(p_O) > nearest) continue;
+    const Corners corners = corners_of(mesh_, e);
+    const Eigen::Vector4d candidate = barycentric(corners, p_O);
+    if (!candidate.allFinite()) continue;
+    const double outside = distance_outside(corners, candidate, p_O);
+    // On a face that several share: the one that holds the point most deeply.
+    if (outside < nearest || (outside == nearest && candidate.minCoeff() > b.minCoeff())) {
       nearest = outside;
-      roundness = b.minCoeff();
+      b = candidate;
       best = e;
     }
   }
+
   constexpr double kBorder = 1e-9;  // m, rounding of a point on the border
-  const Eigen::Vector4d b = barycentric(mesh_, best, p_O);
   PointWeights result;
   result.outside = nearest < kBorder ? 0 : nearest;
   result.count = mesh_.nodes_per_element();
   for (int i = 0; i < result.count; ++i) result.nodes[i] = mesh_.elements(i, best);
-  if (mesh_.order == ElementOrder::kLinear) {
-    for (int i = 0; i < 4; ++i) result.weights[i] = b[i];
-    return result;
+  for (int i = 0; i < 4; ++i) {
+    result.weights[i] = mesh_.order == ElementOrder::kLinear ? b[i] : b[i] * (2 * b[i] - 1);
   }
-  constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
-  for (int i = 0; i < 4; ++i) result.weights[i] = b[i] * (2 * b[i] - 1);
-  for (int e = 0; e < 6; ++e) result.weights[4 + e] = 4 * b[kEdges[e][0]] * b[kEdges[e][1]];
+  for (int i = 4; i < result.count; ++i) {
+    result.weights[i] = 4 * b[kTetrahedronEdges[i - 4][0]] * b[kTetrahedronEdges[i - 4][1]];
+  }
   return result;
 }
 

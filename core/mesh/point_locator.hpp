@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
+#include <vector>
 
 #include "core/mesh/element_mesh.hpp"
 
@@ -8,10 +10,10 @@ namespace palpate::mesh {
 
 /// A material point as a weighted sum of nodal positions: the shape functions of its element.
 struct PointWeights {
-  int count = 0;                   // 4 or 10
+  int count = 0;  // 4 or 10
   std::array<int, 10> nodes{};
   std::array<double, 10> weights{};
-  double outside = 0;              // m, how far the point lies outside the mesh; 0 inside
+  double outside = 0;  // m, how far the point lies outside the mesh; 0 inside
 
   Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& positions) const {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -21,14 +23,18 @@ struct PointWeights {
 };
 
 /// Finds the element that holds a rest point. A point outside is extrapolated from the element
-/// nearest to it, and `outside` says how far away it is.
+/// nearest to it, and `outside` says how far away it is. The mesh must outlive the locator and have
+/// at least one element; elements without volume are passed over.
 class PointLocator {
  public:
   explicit PointLocator(const ElementMesh& mesh);
+  explicit PointLocator(ElementMesh&&) = delete;
+
   PointWeights locate(const Eigen::Vector3d& p_O) const;
 
  private:
   const ElementMesh& mesh_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // one per element
 };
 
 }  // namespace palpate::mesh

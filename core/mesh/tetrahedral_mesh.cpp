@@ -2,37 +2,19 @@
 
 #include <Eigen/Geometry>
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
+#include <utility>
+
+#include "core/math/fnv1a.hpp"
 
 namespace palpate::mesh {
-namespace {
-
-class Fnv1a {
- public:
-  void add(const void* data, std::size_t size) {
-    const auto* bytes = static_cast<const unsigned char*>(data);
-    for (std::size_t i = 0; i < size; ++i) hash_ = (hash_ ^ bytes[i]) * 1099511628211ULL;
-  }
-  std::int64_t value() const {
-    std::int64_t result = 0;
-    std::memcpy(&result, &hash_, sizeof result);
-    return result;
-  }
-
- private:
-  std::uint64_t hash_ = 14695981039346656037ULL;
-};
-
-}  // namespace
-
 std::int64_t hash(const TetrahedralMesh& mesh) {
-  Fnv1a fnv;
+  math::Fnv1a fnv;
   const std::int64_t counts[2] = {mesh.node_count(), mesh.tetrahedron_count()};
   fnv.add(counts, sizeof counts);
   fnv.add(mesh.nodes.data(), sizeof(double) * mesh.nodes.size());
   fnv.add(mesh.tetrahedra.data(), sizeof(int) * mesh.tetrahedra.size());
-  return fnv.value();
+  return fnv.signed_value();
 }
 
 double volume(const TetrahedralMesh& mesh, int t) {
@@ -41,6 +23,16 @@ double volume(const TetrahedralMesh& mesh, int t) {
   const Eigen::Vector3d b = mesh.nodes.col(mesh.tetrahedra(2, t)) - p0;
   const Eigen::Vector3d c = mesh.nodes.col(mesh.tetrahedra(3, t)) - p0;
   return a.dot(b.cross(c)) / 6;
+}
+
+int orient(TetrahedralMesh& mesh) {
+  int flipped = 0;
+  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
+    if (volume(mesh, t) >= 0) continue;
+    std::swap(mesh.tetrahedra(2, t), mesh.tetrahedra(3, t));
+    ++flipped;
+  }
+  return flipped;
 }
 
 TetrahedralMesh make_box(const Eigen::Vector3d& size, const std::array<int, 3>& cells) {

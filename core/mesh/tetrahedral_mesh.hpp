@@ -26,4 +26,8 @@ TetrahedralMesh make_box(const Eigen::Vector3d& size, const std::array<int, 3>& 
 /// Volume of tetrahedron `t`, m^3, negative where its orientation is wrong.
 double volume(const TetrahedralMesh& mesh, int t);
 
+/// Exchanges two corners of every negative tetrahedron; how many there were. Files differ in their
+/// convention.
+int orient(TetrahedralMesh& mesh);
+
 }  // namespace palpate::mesh

@@ -2,6 +2,7 @@
 
 #include <charconv>
 
+#include "core/math/fnv1a.hpp"
 #include "rt/config/node.hpp"
 
 namespace palpate::config {
@@ -138,10 +139,6 @@ const std::set<std::string>& Document::used(const std::string& path) const {
   return found == used_.end() ? kNone : found->second;
 }
 
-std::int64_t Document::hash() const {
-  std::uint64_t h = 0xcbf29ce484222325u;
-  for (const char c : YAML::Dump(root_)) h = (h ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
-  return static_cast<std::int64_t>(h);
-}
+std::int64_t Document::hash() const { return math::Fnv1a().add(YAML::Dump(root_)).signed_value(); }
 
 }  // namespace palpate::config

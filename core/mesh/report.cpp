@@ -1,0 +1,167 @@
+#include "core/mesh/report.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "core/mesh/surface.hpp"
+
+namespace palpate::mesh {
+namespace {
+
+double longest_edge(const TetrahedralMesh& mesh, int t) {
+  double longest = 0;
+  for (const auto& edge : kTetrahedronEdges) {
+    const Eigen::Vector3d a = mesh.nodes.col(mesh.tetrahedra(edge[0], t));
+    longest = std::max(longest, (mesh.nodes.col(mesh.tetrahedra(edge[1], t)) - a).norm());
+  }
+  return longest;
+}
+
+/// Nodes that lie on an earlier one, found among neighbours in the order of x.
+std::vector<int> find_duplicates(const Eigen::Matrix3Xd& nodes) {
+  const int count = static_cast<int>(nodes.cols());
+  const double tolerance = 1e-9 * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
+  std::vector<int> order(count);
+  std::iota(order.begin(), order.end(), 0);
+  std::sort(order.begin(), order.end(), [&](int a, int b) {
+    return std::make_pair(nodes(0, a), a) < std::make_pair(nodes(0, b), b);
+  });
+  std::vector<int> duplicates;
+  for (int i = 0; i < count; ++i) {
+    for (int j = i + 1; j < count && nodes(0, order[j]) - nodes(0, order[i]) <= tolerance; ++j) {
+      if ((nodes.col(order[i]) - nodes.col(order[j])).norm() <= tolerance) {
+        duplicates.push_back(std::max(order[i], order[j]));
+      }
+    }
+  }
+  std::sort(duplicates.begin(), duplicates.end());
+  duplicates.erase(std::unique(duplicates.begin(), duplicates.end()), duplicates.end());
+  return duplicates;
+}
+
+int count_parts(const TetrahedralMesh& mesh) {
+  std::vector<int> parent(mesh.node_count());
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto root = [&parent](int n) {
+    while (parent[n] != n) n = parent[n] = parent[parent[n]];
+    return n;
+  };
+  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
+    for (int i = 1; i < 4; ++i) {
+      parent[root(mesh.tetrahedra(i, t))] = root(mesh.tetrahedra(0, t));
+    }
+  }
+  std::vector<bool> used(mesh.node_count(), false);
+  for (int i = 0; i < mesh.tetrahedra.size(); ++i) used[mesh.tetrahedra(i)] = true;
+  int parts = 0;
+  for (int n = 0; n < mesh.node_count(); ++n) parts += used[n] && parent[n] == n;
+  return parts;
+}
+
+int count_non_manifold_edges(const TetrahedralMesh& mesh) {
+  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+  std::map<std::pair<int, int>, int> triangles;
+  for (int t = 0; t < surface.triangles.cols(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      ++triangles[std::minmax({surface.triangles(i, t), surface.triangles((i + 1) % 3, t)})];
+    }
+  }
+  return static_cast<int>(std::count_if(triangles.begin(), triangles.end(),
+                                        [](const auto& edge) { return edge.second != 2; }));
+}
+
+void append(std::ostream& text, const std::vector<int>& indices, const std::string& what) {
+  if (indices.empty()) return;
+  constexpr std::size_t kShown = 5;
+  text << "; " << indices.size() << " " << what << " (";
+  for (std::size_t i = 0; i < std::min(kShown, indices.size()); ++i) {
+    text << (i > 0 ? ", " : "") << indices[i];
+  }
+  text << (indices.size() > kShown ? ", ...)" : ")");
+}
+
+}  // namespace
+
+double radius_ratio(const TetrahedralMesh& mesh, int t) {
+  const double v = std::abs(volume(mesh, t));
+  std::array<Eigen::Vector3d, 4> x;
+  for (int i = 0; i < 4; ++i) x[i] = mesh.nodes.col(mesh.tetrahedra(i, t));
+  const Eigen::Vector3d a = x[1] - x[0], b = x[2] - x[0], c = x[3] - x[0];
+  const double area = 0.5 * (a.cross(b).norm() + b.cross(c).norm() + c.cross(a).norm() +
+                             (b - a).cross(c - a).norm());
+  // r_in = 3 V / area; r_out = |a^2 (b x c) + b^2 (c x a) + c^2 (a x b)| / (12 V).
+  const double twelve_v_r_out =
+      (a.squaredNorm() * b.cross(c) + b.squaredNorm() * c.cross(a) + c.squaredNorm() * a.cross(b))
+          .norm();
+  return area > 0 && twelve_v_r_out > 0 ? 108 * v * v / (area * twelve_v_r_out) : 0;
+}
+
+MeshReport check(const TetrahedralMesh& mesh) {
+  MeshReport report;
+  report.node_count = mesh.node_count();
+  report.tetrahedron_count = mesh.tetrahedron_count();
+  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const auto indices = mesh.tetrahedra.col(t);
+    if (indices.minCoeff() < 0 || indices.maxCoeff() >= mesh.node_count()) {
+      report.index_out_of_range.push_back(t);
+    }
+  }
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if (!mesh.nodes.col(n).allFinite()) report.not_finite.push_back(n);
+  }
+  if (!report.index_out_of_range.empty() || !report.not_finite.empty()) return report;
+  if (mesh.node_count() == 0 || mesh.tetrahedron_count() == 0) return report;
+
+  std::vector<bool> used(mesh.node_count(), false);
+  report.quality_min = 1;
+  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
+    const double v = volume(mesh, t);
+    if (std::abs(v) <= 1e-12 * std::pow(longest_edge(mesh, t), 3)) {
+      report.zero_volume.push_back(t);
+    } else if (v < 0) {
+      report.negative_volume.push_back(t);
+    }
+    report.volume += v;
+    const double quality = radius_ratio(mesh, t);
+    report.quality_min = std::min(report.quality_min, quality);
+    report.quality_mean += quality / mesh.tetrahedron_count();
+    for (int i = 0; i < 4; ++i) used[mesh.tetrahedra(i, t)] = true;
+  }
+  for (int n = 0; n < mesh.node_count(); ++n) {
+    if (!used[n]) report.unused_nodes.push_back(n);
+  }
+  report.duplicate_nodes = find_duplicates(mesh.nodes);
+  report.parts = count_parts(mesh);
+  report.non_manifold_edges = count_non_manifold_edges(mesh);
+  return report;
+}
+
+bool MeshReport::ok() const {
+  return tetrahedron_count > 0 && index_out_of_range.empty() && not_finite.empty() &&
+         zero_volume.empty() && negative_volume.empty() && duplicate_nodes.empty() &&
+         unused_nodes.empty() && parts == 1;
+}
+
+std::string MeshReport::text() const {
+  std::ostringstream text;
+  text.precision(4);
+  text << node_count << " nodes, " << tetrahedron_count << " tetrahedra, volume " << volume
+       << " m^3, quality " << quality_min << " at least, " << quality_mean << " on average";
+  append(text, index_out_of_range, "tetrahedra with an index out of range");
+  append(text, not_finite, "nodes that are not finite");
+  append(text, zero_volume, "tetrahedra without volume");
+  append(text, negative_volume, "tetrahedra turned inside out");
+  append(text, duplicate_nodes, "nodes on top of another");
+  append(text, unused_nodes, "nodes in no tetrahedron");
+  if (parts > 1) text << "; " << parts << " parts that do not touch";
+  if (non_manifold_edges > 0) text << "; " << non_manifold_edges << " non-manifold surface edges";
+  return text.str();
+}
+
+}  // namespace palpate::mesh
