@@ -1,0 +1,103 @@
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+
+#include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/thesis2018.hpp"
+#include "tests/unit/core/elasticity/bodies.hpp"
+
+// Sanitizers bring their own malloc.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define PALPATE_COUNTS_ALLOCATIONS 0
+#else
+#define PALPATE_COUNTS_ALLOCATIONS 1
+
+namespace {
+thread_local bool counting = false;
+thread_local int allocations = 0;
+}  // namespace
+
+// operator new and Eigen both end here.
+extern "C" void* __libc_malloc(std::size_t);
+extern "C" void* malloc(std::size_t size) {
+  if (counting) ++allocations;
+  return __libc_malloc(size);
+}
+#endif
+
+namespace palpate::elasticity {
+namespace {
+
+#if PALPATE_COUNTS_ALLOCATIONS
+template <class Work>
+int count_allocations(Work&& work) {
+  allocations = 0;
+  counting = true;
+  work();
+  counting = false;
+  return allocations;
+}
+#else
+template <class Work>
+int count_allocations(Work&&) {
+  return -1;
+}
+#endif
+
+void expect_no_allocation(DeformationModel& model) {
+  if (count_allocations([] {}) < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+  ASSERT_GT(count_allocations([] { Eigen::VectorXd::Zero(100).eval(); }), 0) << "counter works";
+  model.prepare();
+  const Body& body = model.body();
+  const math::Pose rest = body.grasps[0].X_OG_rest;
+  Refactorisation* job = nullptr;
+  const auto in_loop = [&](auto&& work) { EXPECT_EQ(count_allocations(work), 0); };
+  in_loop([&] {
+    model.loads().setConstant(1e-3);
+    model.set_gravity({0, 0, -9.81});
+    for (int i = 0; i < 5; ++i) model.step(1e-3);
+    model.hold(0, rest);
+    model.step(1e-3);
+    job = model.wanted_refactorisation();
+  });
+  for (int round = 0; round < 3; ++round) {
+    if (job) job->run();
+    in_loop([&] {
+      if (job) model.install(*job);
+      math::Pose X = rest;
+      for (int i = 0; i < 20; ++i) {
+        X.translation().z() += 2e-4;
+        model.hold(0, X);
+        model.step(1e-3);
+        (void)model.reaction(0);
+        (void)model.sensitivity();
+      }
+      model.loads()(0, 3) = std::nan("");
+      model.step(1e-3);
+      model.loads()(0, 3) = 0;
+      job = model.wanted_refactorisation();
+    });
+  }
+  in_loop([&] {
+    model.restore(body.mesh.nodes, model.velocities());
+    model.release(0);
+    model.reset();
+    model.step(1e-3);
+  });
+}
+
+TEST(Allocation, NoneInTheLoop) {
+  const Body quadratic = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const Body linear = make_bar({0.2, 0.05, 0.05}, {4, 2, 2}, mesh::ElementOrder::kLinear);
+  CorotationalQuasistatic quasistatic(quadratic);
+  expect_no_allocation(quasistatic);
+  CorotationalDynamic dynamic(quadratic);
+  expect_no_allocation(dynamic);
+  CorotationalDynamic linear_dynamic(linear);
+  expect_no_allocation(linear_dynamic);
+  Thesis2018 thesis(linear);
+  expect_no_allocation(thesis);
+}
+
+}  // namespace
+}  // namespace palpate::elasticity
