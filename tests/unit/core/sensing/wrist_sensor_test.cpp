@@ -1,0 +1,309 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/math/random.hpp"
+#include "core/sensing/ft_newton_euler.hpp"
+#include "core/sensing/ft_tare_only.hpp"
+
+namespace palpate::sensing {
+namespace {
+
+constexpr double kPeriod = 1e-3;
+const Eigen::Vector3d kGravity(0, 0, -9.81);
+
+template <class T, int kCapacity>
+void feed(Stream<T, kCapacity>& stream, const T& sample) {
+  stream.freshness = Freshness::kNew;
+  stream.age = 0;
+  stream.latest = sample;
+  stream.fresh_count = 1;
+  stream.fresh[0] = sample;
+}
+
+void feed_wrench(Signals& signals, const math::Wrench& wrench) {
+  ForceTorque sample;
+  sample.F_S = wrench;
+  feed(signals.force_torque, sample);
+}
+
+void grow_old(Signals& signals, double age) {
+  signals.force_torque.freshness = Freshness::kOld;
+  signals.force_torque.fresh_count = 0;
+  signals.force_torque.age = age;
+}
+
+TEST(FtTareOnly, SubtractsTheMeanOfTheTareSamples) {
+  FtTareOnly::Options options;
+  options.tare_samples = 4;
+  FtTareOnly sensor(options);
+  Signals signals;
+  ContactSet contacts;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_EQ(contacts.count, 0);
+    feed_wrench(signals, {{1.0 + i, 0, 0}, {0, 0, 0.5}});
+    sensor.update(signals, contacts = {});
+  }
+  feed_wrench(signals, {{5, 2, 0}, {0, 0, 0.5}});
+  ASSERT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_EQ(contacts.contacts[0].source, Source::kWrist0);
+  EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(2.5, 2, 0)).norm(), 1e-14);
+  EXPECT_LT(contacts.contacts[0].wrench.torque.norm(), 1e-14);
+}
+
+TEST(FtTareOnly, KeepsItsOldZeroWhileItTaresAgain) {
+  FtTareOnly::Options options;
+  options.tare_samples = 2;
+  FtTareOnly sensor(options);
+  Signals signals;
+  ContactSet contacts;
+  feed_wrench(signals, {{1, 0, 0}, {0, 0, 0}});
+  sensor.update(signals, contacts = {});
+  sensor.update(signals, contacts = {});
+  sensor.zero();
+  feed_wrench(signals, {{4, 0, 0}, {0, 0, 0}});
+  sensor.update(signals, contacts = {});
+  ASSERT_EQ(contacts.count, 1);
+  EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), 3, 1e-14);
+  sensor.update(signals, contacts = {});
+  EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), 0, 1e-14);
+}
+
+TEST(FtTareOnly, AveragesAndDelays) {
+  FtTareOnly::Options options;
+  options.tare_at_start = false;
+  options.delay = 2;
+  options.moving_average = 3;
+  FtTareOnly sensor(options);
+  Signals signals;
+  ContactSet contacts;
+  for (int i = 0; i <= 10; ++i) {
+    feed_wrench(signals, {{double(i), 0, 0}, {0, 0, 0}});
+    sensor.update(signals, contacts = {});
+  }
+  EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), (8 + 7 + 6) / 3.0, 1e-12);
+}
+
+TEST(FtTareOnly, DegradesWithoutFreshReadingsAndRecovers) {
+  FtTareOnly::Options options;
+  options.tare_at_start = false;
+  FtTareOnly sensor(options);
+  Signals signals;
+  ContactSet contacts;
+  EXPECT_EQ(sensor.update(signals, contacts).status, Status::kDegraded);
+  feed_wrench(signals, {{1, 0, 0}, {0, 0, 0}});
+  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+  grow_old(signals, 0.019);
+  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+  EXPECT_EQ(contacts.count, 1);
+  grow_old(signals, 0.021);
+  const UpdateResult late = sensor.update(signals, contacts = {});
+  EXPECT_EQ(late.status, Status::kDegraded);
+  EXPECT_STRNE(late.reason, "");
+  EXPECT_EQ(contacts.count, 0);
+  feed_wrench(signals, {{1, 0, 0}, {0, 0, 0}});
+  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+}
+
+TEST(FtTareOnly, PassesOverNumbersThatAreNotFiniteAndCountsThem) {
+  FtTareOnly::Options options;
+  options.tare_at_start = false;
+  options.moving_average = 5;
+  FtTareOnly sensor(options);
+  Signals signals;
+  ContactSet contacts;
+  feed_wrench(signals, {{1, 2, 3}, {0, 0, 0}});
+  sensor.update(signals, contacts = {});
+  feed_wrench(signals, {{NAN, 0, 0}, {0, 0, 0}});
+  sensor.update(signals, contacts = {});
+  EXPECT_EQ(sensor.skipped(), 1);
+  EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(1, 2, 3)).norm(), 1e-14);
+}
+
+TEST(FtTareOnly, RefusesOptionsThatMakeNoSense) {
+  FtTareOnly::Options options;
+  options.polarity = 0.5;
+  EXPECT_THROW(FtTareOnly{options}, std::invalid_argument);
+  options = {};
+  options.moving_average = 0;
+  EXPECT_THROW(FtTareOnly{options}, std::invalid_argument);
+}
+
+/// A hand that shakes and turns on known sines, its sensors read without error, while it pushes on
+/// the object with a known wrench.
+struct ShakenHand {
+  ShakenHand() {
+    options.payload.mass = 4.8;
+    options.payload.first_moment = 4.8 * Eigen::Vector3d(0.002, -0.003, 0.1137);
+    options.payload.inertia << 0.09, 0.001, -0.002, 0.085, 0.003, 0.012;
+    options.payload.bias = {{3, -7, 11}, {0.2, -0.4, 0.1}};
+    options.gravity_W = kGravity;
+    options.X_ES = math::make_pose(math::exp_rotation({0.2, 1, -0.4}), {0.01, 0.02, 0.04});
+    options.X_EI = math::make_pose(math::exp_rotation({1, -0.5, 0.3}), {0.05, -0.03, 0.08});
+    options.imu_offset_time = 0;
+    options.angular_acceleration_time = 0;
+  }
+
+  math::Pose X_WE(double t) const {
+    return math::make_pose(
+        math::exp_rotation({0.5 + 0.3 * std::sin(3 * t), 0.2 * std::cos(2 * t), 0.4}),
+        {0.1 * std::sin(4 * t), 0.05 * std::cos(5 * t), 0.3});
+  }
+
+  /// Angular velocity of E in W, by central difference of the rotation.
+  Eigen::Vector3d omega_W(double t) const {
+    constexpr double h = 1e-5;
+    return math::log_rotation(X_WE(t + h).linear() * X_WE(t - h).linear().transpose()) / (2 * h);
+  }
+
+  Eigen::Vector3d acceleration_W(double t, const math::Pose& X_EP) const {
+    constexpr double h = 1e-4;
+    const auto p = [&](double s) { return Eigen::Vector3d((X_WE(s) * X_EP).translation()); };
+    return (p(t + h) - 2 * p(t) + p(t - h)) / (h * h);
+  }
+
+  /// Signals at time t; `push` is what the hand exerts on the object, at S, in S.
+  void feed_all(Signals& signals, double t, const math::Wrench& push) const {
+    const math::Pose X_WS = X_WE(t) * options.X_ES;
+    constexpr double h = 1e-4;
+    const Eigen::Vector3d alpha_W = (omega_W(t + h) - omega_W(t - h)) / (2 * h);
+    const LoadMotion motion = motion_from_world(X_WS.linear(), acceleration_W(t, options.X_ES),
+                                                omega_W(t), alpha_W, kGravity);
+    const math::Wrench load = load_wrench(options.payload, motion);
+    ForceTorque reading;
+    reading.time = t;
+    reading.F_S = {load.force + push.force, load.torque + push.torque};
+    feed(signals.force_torque, reading);
+
+    const Eigen::Matrix3d R_IW = (X_WE(t) * options.X_EI).linear().transpose();
+    Inertial inertial;
+    inertial.time = t;
+    inertial.acceleration_I = R_IW * (acceleration_W(t, options.X_EI) - kGravity);
+    inertial.angular_velocity_I = R_IW * omega_W(t);
+    feed(signals.inertial, inertial);
+
+    RobotState robot;
+    robot.time = t;
+    robot.X_WE = X_WE(t);
+    feed(signals.robot, robot);
+  }
+
+  FtNewtonEuler::Options options;
+};
+
+TEST(FtNewtonEuler, FindsThePushOfAShakenHand) {
+  const ShakenHand hand;
+  FtNewtonEuler with_imu(hand.options);
+  FtNewtonEuler::Options no_imu = hand.options;
+  no_imu.use_imu = false;
+  FtNewtonEuler gravity_only(no_imu);
+  const math::Wrench push{{1, -2, 0.5}, {0.05, 0.02, -0.01}};
+  Signals signals;
+  ContactSet contacts;
+  double worst = 0, worst_gravity_only = 0;
+  for (int tick = 0; tick < 1000; ++tick) {
+    hand.feed_all(signals, tick * kPeriod, push);
+    with_imu.update(signals, contacts = {});
+    if (tick < 3) continue;  // the gyroscope must be differentiated first
+    ASSERT_EQ(contacts.count, 1);
+    EXPECT_TRUE(with_imu.used_imu());
+    worst = std::max(worst, (contacts.contacts[0].wrench.force - push.force).norm());
+    gravity_only.update(signals, contacts = {});
+    worst_gravity_only =
+        std::max(worst_gravity_only, (contacts.contacts[0].wrench.force - push.force).norm());
+  }
+  EXPECT_LT(worst, 0.02);  // the gyroscope is differentiated half a sample late
+  EXPECT_GT(worst_gravity_only, 3);
+}
+
+TEST(FtNewtonEuler, FollowsAnOffsetOfTheAccelerometer) {
+  ShakenHand hand;
+  hand.options.imu_offset_time = 5;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  double sum = 0;
+  int count = 0;
+  for (int tick = 0; tick < 12000; ++tick) {
+    hand.feed_all(signals, tick * kPeriod, {});
+    signals.inertial.fresh[0].acceleration_I.x() += 0.3;  // 1.4 N for this hand
+    sensor.update(signals, contacts = {});
+    if (tick < 6000) continue;
+    sum += contacts.contacts[0].wrench.force.squaredNorm();
+    ++count;
+  }
+  EXPECT_LT(std::sqrt(sum / count), 0.9);
+}
+
+TEST(FtNewtonEuler, FallsBackOnGravityWhenTheInertialUnitIsSilent) {
+  const ShakenHand hand;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  hand.feed_all(signals, 0, {});
+  sensor.update(signals, contacts = {});
+  hand.feed_all(signals, kPeriod, {});
+  sensor.update(signals, contacts = {});
+  EXPECT_TRUE(sensor.used_imu());
+  signals.inertial.freshness = Freshness::kOld;
+  signals.inertial.fresh_count = 0;
+  signals.inertial.age = 0.1;
+  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+  EXPECT_FALSE(sensor.used_imu());
+  EXPECT_EQ(contacts.count, 1);
+}
+
+TEST(FtNewtonEuler, DegradesWithoutRobotState) {
+  const ShakenHand hand;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  hand.feed_all(signals, 0, {});
+  signals.robot.age = 1;
+  const UpdateResult result = sensor.update(signals, contacts);
+  EXPECT_EQ(result.status, Status::kDegraded);
+  EXPECT_EQ(contacts.count, 0);
+}
+
+TEST(FtNewtonEuler, TareRemovesWhatThePayloadDoesNotExplain) {
+  ShakenHand hand;
+  FtNewtonEuler::Options wrong = hand.options;
+  wrong.payload.bias = {};
+  wrong.tare_samples = 10;
+  wrong.use_imu = false;
+  FtNewtonEuler sensor(wrong);
+  sensor.zero();
+  Signals signals;
+  ContactSet contacts;
+  PayloadParameters payload = hand.options.payload;
+  for (const double angle : {0.0, 1.2}) {  // tared in one orientation, used in another
+    RobotState robot;
+    robot.X_WE.linear() = math::exp_rotation({angle, 0, 0});
+    feed(signals.robot, robot);
+    const Eigen::Matrix3d R_WS = robot.X_WE.linear() * hand.options.X_ES.linear();
+    feed_wrench(signals, load_wrench(payload, motion_at_rest(R_WS, kGravity)));
+    for (int i = 0; i < 10; ++i) sensor.update(signals, contacts = {});
+    ASSERT_EQ(contacts.count, 1);
+    EXPECT_LT(contacts.contacts[0].wrench.vector().norm(), 1e-10) << angle;
+  }
+}
+
+TEST(FtNewtonEuler, PolarityTurnsASensorOfTheOtherConvention) {
+  ShakenHand hand;
+  hand.options.polarity = -1;
+  hand.options.use_imu = false;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  RobotState robot;
+  feed(signals.robot, robot);
+  const math::Wrench load =
+      load_wrench(hand.options.payload, motion_at_rest(hand.options.X_ES.linear(), kGravity));
+  feed_wrench(signals, {-(load.force + Eigen::Vector3d(1, 0, 0)), -load.torque});
+  sensor.update(signals, contacts = {});
+  EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
+}
+
+}  // namespace
+}  // namespace palpate::sensing
