@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace palpate::camera {
+
+/// Colour with opacity, each in [0, 1].
+struct Colour {
+  float red = 0;
+  float green = 0;
+  float blue = 0;
+  float alpha = 1;
+};
+
+/// Colour picture: 8-bit red, green, blue, rows from the top, no padding.
+struct Image {
+  Image() = default;
+  Image(int image_width, int image_height)
+      : width(image_width),
+        height(image_height),
+        rgb(std::size_t(3) * image_width * image_height) {}
+
+  std::uint8_t* pixel(int column, int row) { return &rgb[3 * (std::size_t(row) * width + column)]; }
+  const std::uint8_t* pixel(int column, int row) const {
+    return &rgb[3 * (std::size_t(row) * width + column)];
+  }
+
+  int width = 0;
+  int height = 0;
+  std::vector<std::uint8_t> rgb;
+};
+
+/// Distance along the optical axis in m, rows from the top; 0 where nothing was seen.
+struct DepthImage {
+  float at(int column, int row) const { return metres[std::size_t(row) * width + column]; }
+
+  int width = 0;
+  int height = 0;
+  std::vector<float> metres;
+};
+
+}  // namespace palpate::camera
