@@ -37,9 +37,9 @@ class Node {
   static Node from_text(const std::string& text, const std::string& name = "<text>");
 
   bool has(const std::string& key) const;
-  Node child(const std::string& key) const;             // mapping; throws where absent
-  Node child_or_empty(const std::string& key) const;    // an empty mapping where absent
-  std::vector<Node> list(const std::string& key) const; // sequence of mappings; empty where absent
+  Node child(const std::string& key) const;              // mapping; throws where absent
+  Node child_or_empty(const std::string& key) const;     // an empty mapping where absent
+  std::vector<Node> list(const std::string& key) const;  // sequence of mappings; empty where absent
   std::vector<std::string> keys() const;
 
   double number(const std::string& key, Range range) const;
@@ -56,7 +56,8 @@ class Node {
   /// A sequence of `count` numbers (any count where -1).
   std::vector<double> numbers(const std::string& key, int count, Range range = {}) const;
   Eigen::Vector3d vector3(const std::string& key, Range range = {}) const;
-  Eigen::Vector3d vector3(const std::string& key, Range range, const Eigen::Vector3d& otherwise) const;
+  Eigen::Vector3d vector3(const std::string& key, Range range,
+                          const Eigen::Vector3d& otherwise) const;
   std::vector<Eigen::Vector3d> points(const std::string& key) const;  // sequence of [x, y, z]
   /// {position: [x, y, z], quaternion: [w, x, y, z]} or {position: ..., rpy_deg: [r, p, y]};
   /// identity where absent.

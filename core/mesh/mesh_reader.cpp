@@ -1,0 +1,74 @@
+#include "core/mesh/mesh_reader.hpp"
+
+#include <charconv>
+#include <sstream>
+
+namespace palpate::mesh {
+namespace {
+
+/// True where the whole of `text` is a number of this type, whatever the locale.
+template <typename Number>
+bool parse(const std::string& text, Number& number) {
+  const char* begin = text.data();
+  const char* end = begin + text.size();
+  if (begin != end && *begin == '+') ++begin;
+  const auto [rest, error] = std::from_chars(begin, end, number);
+  return error == std::errc() && rest == end;
+}
+
+}  // namespace
+
+bool LineReader::next() {
+  while (std::getline(stream_, line_)) {
+    ++line_number_;
+    if (comment_ != '\0') line_ = line_.substr(0, line_.find(comment_));
+    words_.clear();
+    std::istringstream split(line_);
+    for (std::string word; split >> word;) words_.push_back(word);
+    if (words_.empty()) continue;
+    const char* kSpace = " \t\r\v\f";
+    line_ = line_.substr(line_.find_first_not_of(kSpace));
+    line_.erase(line_.find_last_not_of(kSpace) + 1);
+    return true;
+  }
+  words_.clear();
+  line_.clear();
+  return false;
+}
+
+void LineReader::require(const std::string& expected) {
+  if (!next()) fail("the file ends before " + expected);
+}
+
+const std::string& LineReader::word(int i) const {
+  if (i >= size()) {
+    fail("has " + std::to_string(size()) + " columns, at least " + std::to_string(i + 1) +
+         " are needed");
+  }
+  return words_[i];
+}
+
+double LineReader::number(int i) const {
+  double value = 0;
+  if (!parse(word(i), value)) fail("'" + word(i) + "' is not a number");
+  return value;
+}
+
+long LineReader::integer(int i) const {
+  long value = 0;
+  if (!parse(word(i), value)) fail("'" + word(i) + "' is not a whole number");
+  return value;
+}
+
+int LineReader::count(int i) const {
+  constexpr long kMost = 100'000'000;
+  const long value = integer(i);
+  if (value < 0 || value > kMost) fail("'" + word(i) + "' is no sensible count");
+  return static_cast<int>(value);
+}
+
+void LineReader::fail(const std::string& what) const {
+  throw ParseError(name_ + ":" + std::to_string(line_number_) + ": " + what);
+}
+
+}  // namespace palpate::mesh

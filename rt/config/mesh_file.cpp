@@ -1,0 +1,62 @@
+#include "rt/config/mesh_file.hpp"
+
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+
+#include "core/mesh/gmsh.hpp"
+#include "core/mesh/tetgen.hpp"
+#include "core/mesh/vega.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::config {
+namespace {
+
+using std::filesystem::path;
+
+std::ifstream open(const path& file) {
+  std::ifstream stream(file);
+  if (!stream || std::filesystem::is_directory(file)) {
+    throw Error(file.string() + ": cannot be read");
+  }
+  return stream;
+}
+
+mesh::MeshWithGroups read(const path& file) {
+  const std::string extension = file.extension().string();
+  std::ifstream stream = open(file);
+  if (extension == ".msh") return mesh::read_gmsh(stream, file.string());
+  if (extension == ".veg") {
+    const auto include = [&file](const std::string& name) {
+      std::ostringstream text;
+      text << open(file.parent_path() / name).rdbuf();
+      return text.str();
+    };
+    return mesh::read_vega(stream, file.string(), include);
+  }
+  if (extension == ".node" || extension == ".ele") {
+    const path node = path(file).replace_extension(".node");
+    const path ele = path(file).replace_extension(".ele");
+    std::ifstream nodes = open(node), elements = open(ele);
+    return {mesh::read_tetgen(nodes, node.string(), elements, ele.string()), {}};
+  }
+  throw Error(file.string() + ": unknown kind of mesh; allowed: .node, .ele, .msh, .veg");
+}
+
+}  // namespace
+
+mesh::MeshWithGroups load_mesh_with_groups(const std::string& file) {
+  try {
+    mesh::MeshWithGroups result = read(file);
+    mesh::orient(result.mesh);
+    return result;
+  } catch (const mesh::ParseError& error) {
+    throw Error(error.what());
+  }
+}
+
+mesh::TetrahedralMesh load_mesh(const std::string& file) {
+  return load_mesh_with_groups(file).mesh;
+}
+
+}  // namespace palpate::config
