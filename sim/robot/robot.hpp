@@ -22,7 +22,7 @@ struct RobotOptions {
   FrameNames frames;
   FollowerOptions follower;
   double bandwidth = 15;                      // Hz, of the computed-torque controller
-  Eigen::Vector3d gravity_W{0, 0, -9.80665};  // m/s^2
+  Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
 };
 
 struct ImuReading {

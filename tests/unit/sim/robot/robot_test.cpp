@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 constexpr double kDt = 1e-3;
 constexpr double kHandMass = 4.8;
 const Vector3d kHandCentre(0.0015, -0.00065, 0.1137);  // in S
-constexpr double kGravity = 9.80665;
+constexpr double kGravity = 9.81;
 
 Robot make_arm() { return Robot(load_model(kArmUrdf), RobotOptions()); }
 

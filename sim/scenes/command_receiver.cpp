@@ -1,0 +1,51 @@
+#include "sim/scenes/command_receiver.hpp"
+
+namespace palpate::scenes {
+namespace {
+constexpr int kDepth = 64;
+}
+
+CommandReceiver::CommandReceiver(bus::MessageBus& control)
+    : twists_(control, "TWIST_COMMAND", kDepth),
+      joints_(control, "JOINT_VELOCITY_COMMAND", kDepth) {}
+
+void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot) {
+  const Eigen::Map<const math::Vector6d> twist(message.twist);
+  if (!twist_order_.accept(message.session, message.seq) || message.grasp != 0 ||
+      !twist.allFinite()) {
+    ++rejected_;
+    return;
+  }
+  ++accepted_;
+  if (message.valid == 1) {
+    robot.command_twist(math::Twist::from(twist));
+  } else {
+    robot.stop();
+  }
+}
+
+void CommandReceiver::apply(const joint_velocity_command_t& message, robot::Robot& robot) {
+  const int count = robot.joint_count();
+  const Eigen::Map<const Eigen::VectorXd> velocity(message.dq, count);
+  if (!joint_order_.accept(message.session, message.seq) || message.grasp != 0 ||
+      message.joint_count != count || !velocity.allFinite()) {
+    ++rejected_;
+    return;
+  }
+  ++accepted_;
+  if (message.valid == 1) {
+    robot.command_joints(velocity);
+  } else {
+    robot.stop();
+  }
+}
+
+void CommandReceiver::apply(robot::Robot& robot) {
+  std::int64_t arrival_ns = 0;
+  twist_command_t twist;
+  while (twists_.take(twist, arrival_ns)) apply(twist, robot);
+  joint_velocity_command_t joints;
+  while (joints_.take(joints, arrival_ns)) apply(joints, robot);
+}
+
+}  // namespace palpate::scenes

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <palpate/joint_velocity_command_t.hpp>
+#include <palpate/twist_command_t.hpp>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "sim/robot/robot.hpp"
+
+namespace palpate::scenes {
+
+/// Hands the daemon's commands to the arm as a robot's driver does: the newest counts, one that is
+/// not valid stops the arm, one that is broken is rejected and counted.
+class CommandReceiver {
+ public:
+  /// Before the bus starts.
+  explicit CommandReceiver(bus::MessageBus& control);
+
+  void apply(robot::Robot& robot);
+
+  std::int64_t accepted() const { return accepted_; }
+  std::int64_t rejected() const { return rejected_; }
+
+ private:
+  void apply(const twist_command_t& message, robot::Robot& robot);
+  void apply(const joint_velocity_command_t& message, robot::Robot& robot);
+
+  bus::TypedSubscription<twist_command_t> twists_;
+  bus::TypedSubscription<joint_velocity_command_t> joints_;
+  bus::SequenceTracker twist_order_, joint_order_;
+  std::int64_t accepted_ = 0;
+  std::int64_t rejected_ = 0;
+};
+
+}  // namespace palpate::scenes

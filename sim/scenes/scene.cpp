@@ -1,0 +1,88 @@
+#include "sim/scenes/scene.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace palpate::scenes {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+constexpr double kSmallest = 1e-6;
+
+object::Box read_box(const config::Node& node) {
+  return {node.vector3("lower"), node.vector3("upper")};
+}
+
+void read_bus(const config::Node& node, BusUrls& bus) {
+  bus.control = node.text("control", bus.control);
+  bus.housekeeping = node.text("housekeeping", bus.housekeeping);
+  bus.pictures = node.text("pictures", bus.pictures);
+}
+
+void read_object(const config::Node& node, Scene& scene) {
+  object::PlantOptions& plant = scene.plant;
+  plant.size = node.vector3("size", {kSmallest, 100});
+  const std::vector<double> elements = node.numbers("elements", 3, {1, 200});
+  for (int i = 0; i < 3; ++i) {
+    if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");
+    plant.elements[i] = static_cast<int>(elements[i]);
+  }
+  const config::Node material = node.child("material");
+  plant.young_modulus = material.number("young_modulus", {1, 1e9});
+  plant.poisson_ratio = material.number("poisson_ratio", {0, 0.49});
+  plant.density = material.number("density", {1, 2e4});
+  plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
+  plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
+  scene.X_WO = node.pose("pose");
+  plant.clamp = read_box(node.child("clamp_box"));
+  plant.grasp = read_box(node.child("grasp_box"));
+  const config::Node pads = node.child_or_empty("pads");
+  plant.pad_stiffness = pads.number("stiffness", {1, 1e7}, plant.pad_stiffness);
+  plant.pad_damping = pads.number("damping", {0, 1e4}, plant.pad_damping);
+  scene.object_gravity = node.flag("gravity", true);
+}
+
+void read_robot(const config::Node& node, Scene& scene) {
+  scene.urdf = node.path("urdf");
+  const std::vector<double> joints = node.numbers("initial_joints", -1, {-2 * kPi, 2 * kPi});
+  scene.initial_joints = Eigen::Map<const Eigen::VectorXd>(joints.data(), joints.size());
+  scene.X_EG = node.pose("grasp_in_flange");
+  const config::Node frames = node.child_or_empty("frames");
+  robot::FrameNames& names = scene.robot.frames;
+  names.flange = frames.text("flange", names.flange);
+  names.sensor = frames.text("sensor", names.sensor);
+  names.imu = frames.text("imu", names.imu);
+}
+
+MotionPlan read_motion(const config::Node& node) {
+  std::vector<Leg> legs;
+  for (const config::Node& item : node.list("poses")) {
+    Leg leg;
+    item.text("name", "");
+    leg.move = item.number("move", {0.01, 600});
+    leg.hold = item.number("hold", {0, 3600});
+    leg.translation = item.vector3("translation", {-10, 10}, Eigen::Vector3d::Zero());
+    leg.rotation = kPi / 180 * item.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero());
+    legs.push_back(leg);
+  }
+  if (legs.empty()) node.fail("poses", "at least one pose is needed");
+  return MotionPlan(std::move(legs), node.number("start_delay", {0, 3600}, 1));
+}
+
+}  // namespace
+
+Scene read_scene(const config::Node& node) {
+  Scene scene;
+  constexpr double kMostSeed = std::numeric_limits<int>::max();
+  scene.seed = static_cast<std::uint64_t>(node.integer("seed", {0, kMostSeed}, 1));
+  read_bus(node.child_or_empty("bus"), scene.bus);
+  read_object(node.child("object"), scene);
+  read_robot(node.child("robot"), scene);
+  scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
+  if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
+  node.check_all_used();
+  return scene;
+}
+
+}  // namespace palpate::scenes

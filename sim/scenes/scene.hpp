@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "rt/config/node.hpp"
+#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/robot/robot.hpp"
+#include "sim/scenes/motion_plan.hpp"
+#include "sim/sensors/sensor_table.hpp"
+
+namespace palpate::scenes {
+
+/// LCM URLs of the three buses.
+struct BusUrls {
+  std::string control = "udpm://239.255.76.67:7667?ttl=0";
+  std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
+  std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
+};
+
+/// A scene file as a struct.
+struct Scene {
+  std::uint64_t seed = 1;
+  BusUrls bus;
+
+  object::PlantOptions plant;  // but for the hand's pose at rest and gravity, which the arm decides
+  math::Pose X_WO = math::Pose::Identity();
+  bool object_gravity = true;
+
+  std::string urdf;
+  robot::RobotOptions robot;
+  Eigen::VectorXd initial_joints;  // rad
+  math::Pose X_EG = math::Pose::Identity();
+
+  sensors::SensorTable sensors;
+  std::optional<MotionPlan> motion;  // none: the arm obeys the daemon
+};
+
+/// Throws config::Error, also for keys that nobody knows.
+Scene read_scene(const config::Node& node);
+
+}  // namespace palpate::scenes

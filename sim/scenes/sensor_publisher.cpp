@@ -1,0 +1,68 @@
+#include "sim/scenes/sensor_publisher.hpp"
+
+#include <algorithm>
+
+namespace palpate::scenes {
+
+SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
+                                 std::int64_t start_utime)
+    : start_utime_(start_utime),
+      ft_(control, "FT_WRENCH"),
+      imu_(control, "IMU"),
+      robot_(control, "ROBOT_STATE"),
+      hand_(control, "HAND_STATE"),
+      ft_stamp_(session),
+      imu_stamp_(session),
+      robot_stamp_(session),
+      hand_stamp_(session) {}
+
+void SensorPublisher::publish(const sensors::RobotReading& reading) {
+  robot_state_t message{};
+  robot_stamp_.put(message, start_utime_ + reading.time_us);
+  message.joint_count = static_cast<std::int32_t>(reading.q.size());
+  std::copy_n(reading.q.data(), reading.q.size(), message.q);
+  std::copy_n(reading.dq.data(), reading.dq.size(), message.dq);
+  std::copy_n(reading.tau.data(), reading.tau.size(), message.tau);
+  Eigen::Map<Eigen::Vector3d>(message.position) = reading.X_WE.translation();
+  math::wxyz_from_rotation(reading.X_WE.linear(), message.quaternion);
+  Eigen::Map<math::Vector6d>(message.twist) = reading.V_W_E.vector();
+  robot_.publish(message);
+}
+
+void SensorPublisher::publish(const sensors::HandReading& reading) {
+  hand_state_t message{};
+  hand_stamp_.put(message, start_utime_ + reading.time_us);
+  message.grasp = hand_state_t::GRASP_NONE;
+  if (reading.holding) message.grasp = hand_state_t::GRASP_HOLDING;
+  message.fingertip_count = static_cast<std::int32_t>(reading.X_ET.size());
+  for (auto& quaternion : message.fingertip_quaternion) quaternion[0] = 1;
+  for (std::size_t i = 0; i < reading.X_ET.size(); ++i) {
+    Eigen::Map<Eigen::Vector3d>(message.fingertip_position[i]) = reading.X_ET[i].translation();
+    math::wxyz_from_rotation(reading.X_ET[i].linear(), message.fingertip_quaternion[i]);
+  }
+  hand_.publish(message);
+}
+
+void SensorPublisher::publish(sensors::SensorSuite& suite, std::int64_t now_us) {
+  sensors::RobotReading robot;
+  while (suite.take(now_us, robot)) publish(robot);
+  sensors::HandReading hand;
+  while (suite.take(now_us, hand)) publish(hand);
+  sensors::InertialReading inertial;
+  while (suite.take(now_us, inertial)) {
+    imu_t message{};
+    imu_stamp_.put(message, start_utime_ + inertial.time_us);
+    Eigen::Map<Eigen::Vector3d>(message.acceleration) = inertial.motion.head<3>();
+    Eigen::Map<Eigen::Vector3d>(message.angular_velocity) = inertial.motion.tail<3>();
+    imu_.publish(message);
+  }
+  sensors::ForceTorqueReading wrench;
+  while (suite.take(now_us, wrench)) {
+    ft_wrench_t message{};
+    ft_stamp_.put(message, start_utime_ + wrench.time_us);
+    Eigen::Map<math::Vector6d>(message.wrench) = wrench.wrench;
+    ft_.publish(message);
+  }
+}
+
+}  // namespace palpate::scenes

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/robot_state_t.hpp>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "sim/sensors/sensor_suite.hpp"
+
+namespace palpate::scenes {
+
+/// What has arrived from the sensors, as messages on the control bus. utime is the time of
+/// sampling: start_utime plus simulated time.
+class SensorPublisher {
+ public:
+  SensorPublisher(bus::MessageBus& control, std::int64_t session, std::int64_t start_utime);
+
+  /// Sends all readings that have arrived by `now_us`.
+  void publish(sensors::SensorSuite& suite, std::int64_t now_us);
+
+ private:
+  void publish(const sensors::RobotReading& reading);
+  void publish(const sensors::HandReading& reading);
+
+  std::int64_t start_utime_;
+  bus::TypedPublisher<ft_wrench_t> ft_;
+  bus::TypedPublisher<imu_t> imu_;
+  bus::TypedPublisher<robot_state_t> robot_;
+  bus::TypedPublisher<hand_state_t> hand_;
+  bus::Stamp ft_stamp_, imu_stamp_, robot_stamp_, hand_stamp_;
+};
+
+}  // namespace palpate::scenes

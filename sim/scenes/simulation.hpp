@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/config/node.hpp"
+#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/robot/robot.hpp"
+#include "sim/scenes/command_receiver.hpp"
+#include "sim/scenes/scene.hpp"
+#include "sim/scenes/sensor_publisher.hpp"
+#include "sim/scenes/truth_publisher.hpp"
+#include "sim/sensors/sensor_suite.hpp"
+
+namespace palpate::scenes {
+
+/// What a message says of when and by whom it was sent. The default makes runs alike to the bit.
+struct Origin {
+  std::int64_t session = 1;
+  std::int64_t start_utime = 0;  // us; utime of a message is this plus simulated time
+};
+
+/// Arm, object and sensors, stepped together, on two message buses. Time is counted in ticks of
+/// 1 ms, and nothing depends on the real clock: the same scene and the same commands give the same
+/// messages.
+///
+/// One tick: commands that have arrived (or the scene's own motion) -> arm, with the object's
+/// reaction on the hand -> object, with the hand's new pose -> sensors -> messages. The reaction is
+/// that of the tick before; the object is a hundredth of the hand's mass.
+class Simulation {
+ public:
+  static constexpr std::int64_t kPeriodUs = 1000;
+  static constexpr double kPeriod = 1e-6 * kPeriodUs;  // s
+
+  /// Builds the scene and lets the object come to rest under gravity. Subscribes; the caller starts
+  /// the buses afterwards. Throws config::Error (also where the robot's file cannot be used).
+  Simulation(const config::Node& scene, bus::MessageBus& control, bus::MessageBus& housekeeping,
+             const Origin& origin = {});
+
+  void step();
+
+  std::int64_t tick() const { return tick_; }
+  double time() const { return kPeriod * tick_; }                                 // s
+  std::int64_t utime() const { return origin_.start_utime + kPeriodUs * tick_; }  // us
+
+  const Scene& scene() const { return scene_; }
+  const robot::Robot& robot() const { return *robot_; }
+  const object::HyperelasticPlant& plant() const { return *plant_; }
+  const CommandReceiver& commands() const { return commands_; }
+  math::Pose grasp_in_object() const;  // X_OG
+  /// What the scene's motion asks for now; the first pose where there is none.
+  math::Pose grasp_target() const;
+  std::int64_t mesh_hash() const { return truth_.mesh_hash(); }
+
+ private:
+  void follow_motion();
+  sensors::Truth sense() const;
+  math::Twist grasp_twist() const;  // V_O_G
+
+  Scene scene_;
+  Origin origin_;
+  std::unique_ptr<robot::Robot> robot_;
+  math::Pose X_OG_first_;
+  std::unique_ptr<object::HyperelasticPlant> plant_;
+  std::vector<math::Pose> fingertips_;  // X_ET
+  sensors::SensorSuite sensors_;
+  CommandReceiver commands_;
+  SensorPublisher sensor_publisher_;
+  TruthPublisher truth_;
+  std::int64_t tick_ = 0;
+};
+
+}  // namespace palpate::scenes

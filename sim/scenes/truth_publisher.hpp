@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <palpate/truth_contact_t.hpp>
+#include <vector>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "sim/object/hyperelastic_plant.hpp"
+
+namespace palpate::scenes {
+
+/// TRUTH_SHAPE, TRUTH_CONTACT and TRUTH_MESH on the housekeeping bus, for evaluation only. The
+/// shape holds every node of the plant, in O.
+class TruthPublisher {
+ public:
+  TruthPublisher(bus::MessageBus& housekeeping, const object::HyperelasticPlant& plant,
+                 std::int64_t session);
+
+  void publish_shape(const object::HyperelasticPlant& plant, std::int64_t utime);
+  /// `X_OG`: the hand now.
+  void publish_contact(const object::HyperelasticPlant& plant, const math::Pose& X_OG,
+                       std::int64_t utime);
+  void publish_mesh(std::int64_t utime);
+
+  std::int64_t mesh_hash() const { return shape_.mesh_hash; }
+
+ private:
+  bus::TypedPublisher<shape_t> shapes_;
+  bus::TypedPublisher<truth_contact_t> contacts_;
+  bus::TypedPublisher<shape_mesh_t> meshes_;
+  bus::Stamp shape_stamp_, contact_stamp_, mesh_stamp_;
+  shape_t shape_;
+  std::vector<shape_mesh_t> chunks_;  // of the mesh, which never changes
+};
+
+/// The plant's mesh in chunks that fit a datagram each.
+std::vector<shape_mesh_t> mesh_chunks(const object::HyperelasticPlant& plant);
+
+}  // namespace palpate::scenes
