@@ -1,1 +1,177 @@
-int main() { return 0; }
+// palpated: feels the shape of a soft object and steers it. See README.md and --help.
+
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <csignal>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "rt/bus/instance_lock.hpp"
+#include "rt/daemon/daemon.hpp"
+#include "rt/daemon/stepped_clock.hpp"
+
+namespace {
+
+using palpate::daemon::Daemon;
+using palpate::daemon::Mode;
+using palpate::daemon::Now;
+
+std::int64_t wall_clock_us() {
+  timespec now{};
+  clock_gettime(CLOCK_REALTIME, &now);
+  return static_cast<std::int64_t>(now.tv_sec) * 1000000 + now.tv_nsec / 1000;
+}
+
+/// Blocks the signals that end the program, for all threads; wait_for_end() then receives them.
+sigset_t block_end_signals() {
+  sigset_t set;
+  sigemptyset(&set);
+  sigaddset(&set, SIGINT);
+  sigaddset(&set, SIGTERM);
+  pthread_sigmask(SIG_BLOCK, &set, nullptr);
+  return set;
+}
+
+/// Logs what the loop has to tell until a signal asks to end or the loop has ended.
+void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop) {
+  const timespec interval{0, 50'000'000};
+  while (!stop) {
+    const int signal = sigtimedwait(&signals, nullptr, &interval);
+    palpate::daemon::EventRecord record;
+    while (daemon.take_record(record)) {
+      spdlog::info("{}{}{}", record.event, *record.reason ? ": " : "", record.reason);
+    }
+    if (signal > 0) {
+      spdlog::info("{}: ends", strsignal(signal));
+      return;
+    }
+  }
+}
+
+nlohmann::json statistics(const Daemon& daemon) {
+  const palpate::daemon::Counters& counters = daemon.counters();
+  nlohmann::json json = {{"cycles", counters.cycles},
+                         {"overruns", counters.overruns},
+                         {"overrun_us", counters.overrun_ns / 1000},
+                         {"shapes_not_converged", counters.shapes_not_converged},
+                         {"page_faults", counters.page_faults},
+                         {"allocations", counters.allocations},
+                         {"gate_limited", counters.gate_limited},
+                         {"gate_refused", counters.gate_refused}};
+  for (int i = 0; i < palpate::daemon::kPhases; ++i) {
+    const palpate::loop::LatencyHistogram& latency = counters.latency[i];
+    json["latency_us"][name(static_cast<palpate::daemon::Phase>(i))] = {
+        {"p50", latency.quantile_ns(0.5) * 1e-3},
+        {"p99", latency.quantile_ns(0.99) * 1e-3},
+        {"p99.9", latency.quantile_ns(0.999) * 1e-3},
+        {"max", latency.max_ns() * 1e-3}};
+  }
+  for (int i = 0; i < palpate::daemon::Inputs::kChannels; ++i) {
+    const palpate::daemon::InputReport report = daemon.inputs().report(i);
+    json["inputs"][report.name] = {
+        {"received", report.received}, {"lost", report.lost}, {"rejected", report.rejected}};
+  }
+  return json;
+}
+
+struct Options {
+  std::string configuration;
+  std::vector<std::string> overrides;
+  std::string json;
+  bool stepped = false;
+};
+
+void run_real_time(Daemon& daemon, const sigset_t& signals) {
+  std::atomic<bool> stop{false};
+  std::thread thread([&] {
+    palpate::loop::FixedRateLoop loop(daemon.settings().loop);
+    const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
+    if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
+    loop.run(stop, [&daemon](const palpate::loop::FixedRateLoop::Tick& tick) {
+      daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns});
+    });
+    daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
+  });
+  wait_for_end(signals, daemon, stop);
+  stop = true;
+  thread.join();
+}
+
+void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock, const sigset_t& signals) {
+  std::atomic<bool> stop{false};
+  std::thread thread([&] {
+    while (!stop) {
+      if (!clock.run_pending(daemon)) std::this_thread::sleep_for(std::chrono::microseconds(20));
+    }
+  });
+  wait_for_end(signals, daemon, stop);
+  stop = true;
+  thread.join();
+}
+
+int run(const Options& options) {
+  namespace bus = palpate::bus;
+  const sigset_t signals = block_end_signals();
+  const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
+  const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
+  const bus::InstanceLock lock(settings.control_url);
+  const auto control = bus::make_lcm_bus(settings.control_url);
+  const auto housekeeping = bus::make_lcm_bus(settings.housekeeping_url);
+  const std::int64_t session = bus::random_session();
+  Daemon daemon(root, *control, *housekeeping,
+                options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
+  palpate::daemon::SteppedClock clock(*control, session);
+  control->start();
+  housekeeping->start();
+
+  const palpate::component::Object& object = daemon.pipeline().object();
+  spdlog::info(
+      "palpated {}: {} nodes, {} elements, {} grasped, {} fixed; inactive, waits for start",
+      PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),
+      object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
+      object.body.fixed_nodes.size());
+  options.stepped ? run_stepped(daemon, clock, signals) : run_real_time(daemon, signals);
+  control->stop();
+  housekeeping->stop();
+  if (!options.json.empty()) {
+    std::ofstream file(options.json);
+    file << statistics(daemon).dump(2) << '\n';
+    if (!file) throw std::runtime_error(options.json + ": cannot be written");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "palpated feels the shape of a soft object through force and touch, and steers it.\n"
+      "It reads sensors from the control URL and starts inactive with zero command; it moves the\n"
+      "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
+      "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
+  Options options;
+  app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
+      ->required();
+  app.add_option("--set", options.overrides,
+                 "override a key: path.to.key=value (repeatable), e.g. "
+                 "object.material.young_modulus=39e3")
+      ->allow_extra_args(false);
+  app.add_option("--json", options.json, "write statistics to this file at the end");
+  app.add_flag("--stepped", options.stepped,
+               "run one cycle for each SIM_TICK (palpate-sim --fast) instead of in real time");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  CLI11_PARSE(app, argc, argv);
+
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  try {
+    return run(options);
+  } catch (const palpate::config::Error& error) {
+    spdlog::error("{}", error.what());
+    return palpate::config::kExitCode;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return 1;
+  }
+}

@@ -8,7 +8,8 @@
 
 namespace palpate::support {
 
-/// Folder of the recordings that others made: PALPATE_DATA, else ../shared/data beside the checkout.
+/// Folder of the recordings that others made: PALPATE_DATA, else ../shared/data beside the
+/// checkout.
 inline std::filesystem::path recordings() {
   if (const char* folder = std::getenv("PALPATE_DATA")) return folder;
   return std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "data";

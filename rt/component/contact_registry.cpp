@@ -1,0 +1,43 @@
+#include "core/contact/area_coordinates.hpp"
+#include "core/contact/wrench_patch.hpp"
+#include "rt/component/registry.hpp"
+
+namespace palpate::component {
+namespace {
+
+std::unique_ptr<contact::ForceTransformer> make_area_coordinates(const config::Node& node,
+                                                                 const Object& object) {
+  contact::AreaCoordinates::Options options;
+  options.collision_distance =
+      node.number("collision_distance", {0, 10}, options.collision_distance);
+  options.fixed_rest_points = node.points("fixed_rest_points");
+  return std::make_unique<contact::AreaCoordinates>(object.body.mesh, object.surface, options);
+}
+
+std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node& node,
+                                                             const Object& object) {
+  contact::WrenchPatch::Options options;
+  options.radius = node.number("radius", {1e-4, 10}, options.radius);
+  options.collision_distance =
+      node.number("collision_distance", {0, 10}, options.collision_distance);
+  if (node.flag("on_grasp", false)) {
+    if (object.body.grasps.empty()) node.fail("on_grasp", "the object has no grasp_box");
+    options.fixed_nodes = object.body.grasps[0].nodes;
+  }
+  return std::make_unique<contact::WrenchPatch>(object.body.mesh, object.surface, options);
+}
+
+}  // namespace
+
+std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
+                                                                  const Context& context) {
+  const std::string name = node.choice("component", {"area_coordinates", "wrench_patch"});
+  try {
+    return name == "area_coordinates" ? make_area_coordinates(node, *context.object)
+                                      : make_wrench_patch(node, *context.object);
+  } catch (const std::invalid_argument& error) {
+    node.fail("", error.what());
+  }
+}
+
+}  // namespace palpate::component

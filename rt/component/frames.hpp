@@ -1,0 +1,25 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/math/rigid.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::component {
+
+/// Where things are: constant transforms of one cell, from the section `frames`.
+struct Frames {
+  math::Pose X_WO = math::Pose::Identity();  // object's rest frame in the robot base
+  math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
+  math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
+  math::Pose X_EG = math::Pose::Identity();  // grasp in the flange
+  Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
+  /// Fingertips that do not move in O, for a cell without hand state.
+  std::array<std::optional<math::Pose>, 5> X_OT;
+};
+
+/// Reads `frames`; throws config::Error.
+Frames read_frames(const config::Node& root);
+
+}  // namespace palpate::component

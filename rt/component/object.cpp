@@ -1,0 +1,89 @@
+#include "rt/component/object.hpp"
+
+#include "core/mesh/report.hpp"
+#include "rt/config/mesh_file.hpp"
+
+namespace palpate::component {
+namespace {
+
+mesh::TetrahedralMesh read_mesh(const config::Node& object) {
+  const config::Node node = object.child("mesh");
+  if (node.has("box") == node.has("file")) node.fail("", "give exactly one of box and file");
+  mesh::TetrahedralMesh mesh;
+  if (node.has("box")) {
+    const config::Node box = node.child("box");
+    const Eigen::Vector3d size = box.vector3("size", {1e-3, 10});
+    const std::vector<double> cells = box.numbers("cells", 3, {1, 200});
+    mesh = mesh::make_box(
+        size, {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])});
+  } else {
+    try {
+      mesh = config::load_mesh(node.path("file"));
+    } catch (const std::exception& error) {
+      node.fail("file", error.what());
+    }
+  }
+  const mesh::MeshReport report = mesh::check(mesh);
+  if (!report.ok()) node.fail("", "the mesh is broken: " + report.text());
+  return mesh;
+}
+
+std::vector<int> nodes_in(const config::Node& object, const std::string& key,
+                          const mesh::ElementMesh& mesh) {
+  if (!object.has(key)) return {};
+  const config::Node box = object.child(key);
+  std::vector<int> nodes = mesh::nodes_in_box(mesh, box.vector3("lower"), box.vector3("upper"));
+  if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
+  return nodes;
+}
+
+elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::ElementMesh& mesh) {
+  elasticity::GraspRegion grasp;
+  grasp.nodes = nodes_in(object, "grasp_box", mesh);
+  if (object.has("grasp_at_rest")) {
+    grasp.X_OG_rest = object.pose("grasp_at_rest");
+  } else {
+    Eigen::Vector3d middle = Eigen::Vector3d::Zero();
+    for (int node : grasp.nodes) middle += mesh.nodes.col(node);
+    grasp.X_OG_rest.translation() = middle / static_cast<double>(grasp.nodes.size());
+  }
+  return grasp;
+}
+
+}  // namespace
+
+Object read_object(const config::Node& root, const Frames& frames) {
+  const config::Node node = root.child("object");
+  Object object;
+  object.corners = read_mesh(node);
+  object.hash = mesh::hash(object.corners);
+  elasticity::Body& body = object.body;
+  body.mesh = mesh::make_element_mesh(
+      object.corners, node.choice("order", {"linear", "quadratic"}, "quadratic") == "linear"
+                          ? mesh::ElementOrder::kLinear
+                          : mesh::ElementOrder::kQuadratic);
+  object.surface = mesh::extract_surface(body.mesh);
+
+  const config::Node material = node.child("material");
+  body.material.young_modulus = material.number("young_modulus", {1, 1e10});
+  body.material.poisson_ratio = material.number("poisson_ratio", {-0.9, 0.4999});
+  body.material.density = material.number("density", {0.1, 1e5});
+  const config::Node damping = node.child_or_empty("damping");
+  body.damping.mass_factor = damping.number("mass_factor", {0, 1e4}, body.damping.mass_factor);
+  body.damping.stiffness_factor =
+      damping.number("stiffness_factor", {0, 10}, body.damping.stiffness_factor);
+
+  body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh);
+  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, body.mesh));
+  if (node.flag("gravity", true)) {
+    body.gravity_O = frames.X_WO.linear().transpose() * frames.gravity_W;
+  }
+  try {
+    body.check();
+  } catch (const std::invalid_argument& error) {
+    node.fail("", error.what());
+  }
+  return object;
+}
+
+}  // namespace palpate::component

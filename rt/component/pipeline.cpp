@@ -1,0 +1,311 @@
+#include "rt/component/pipeline.hpp"
+
+#include <cstring>
+
+namespace palpate::component {
+namespace {
+
+using sensing::Source;
+
+bool is_wrist(Source source) { return source == Source::kWrist0 || source == Source::kWrist1; }
+
+/// Which sources a contact instance serves, by the words of its list `sources`.
+std::array<bool, 8> read_sources(const config::Node& node) {
+  std::array<bool, 8> served{};
+  const std::string text = node.choice("sources", {"wrist", "fingers", "manual", "all"}, "all");
+  const bool all = text == "all";
+  if (all || text == "wrist") served[0] = served[1] = true;
+  if (all || text == "fingers") std::fill(served.begin() + 2, served.begin() + 7, true);
+  if (all || text == "manual") served[7] = true;
+  return served;
+}
+
+}  // namespace
+
+Pipeline::Pipeline(const config::Node& root, double period) : gate_(read_gate_limits(root)) {
+  context_.frames = read_frames(root);
+  context_.period = period;
+  object_ = read_object(root, context_.frames);
+  context_.object = &object_;
+
+  build_sensing(root);
+  build_contact(root);
+  model_ = make_deformation_model(root.child("deformation"), context_);
+  estimator_ = make_estimator(root.child("estimation"), context_);
+  feature_ = make_feature(root.child("feature"), context_);
+  provider_ = make_jacobian_provider(root.child("control"), context_);
+  law_ = make_control_law(root.child("control"), context_, *feature_);
+
+  const int dimension = feature_->dimension();
+  feature_state_.value = Eigen::VectorXd::Zero(feature_->value_count());
+  feature_state_.error = Eigen::VectorXd::Zero(dimension);
+  feature_state_.unreachable = Eigen::VectorXd::Zero(dimension);
+  target_.value = Eigen::VectorXd::Zero(feature_->value_count());
+  jacobian_ = Eigen::MatrixXd::Zero(dimension, 6);
+  law_output_.unreachable = Eigen::VectorXd::Zero(dimension);
+  warm_up();
+  whole_ = {LifeCycle::kInactive, "waits for start"};
+}
+
+Pipeline::~Pipeline() = default;
+
+void Pipeline::build_sensing(const config::Node& root) {
+  for (const config::Node& node : root.list("sensing")) {
+    Sensing instance;
+    instance.name = node.text("name", node.text("component"));
+    instance.model = make_sensor_model(node, context_);
+    instance.condition = {LifeCycle::kInactive, ""};
+    sensing_.push_back(std::move(instance));
+  }
+}
+
+void Pipeline::build_contact(const config::Node& root) {
+  int max_nodes = 0;
+  for (const config::Node& node : root.list("contact")) {
+    Contact instance;
+    instance.name = node.text("name", node.text("component"));
+    instance.sources = read_sources(node);
+    instance.transformer = make_force_transformer(node, context_);
+    max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
+    contact_.push_back(std::move(instance));
+  }
+  loads_.resize(contacts_.contacts.size());
+  for (contact::ContactLoads& loads : loads_) loads.loads.reserve(max_nodes);
+}
+
+/// Gives the model the grasps that the estimator holds, factors for them and lets every slot
+/// compute once, so that nothing is done for the first time in the loop.
+void Pipeline::warm_up() {
+  model_->prepare();
+  estimator_->activate(*model_);
+  while (elasticity::Refactorisation* job = model_->wanted_refactorisation()) {
+    job->run();
+    model_->install(*job);
+    if (model_->step(context_.period).status != elasticity::StepStatus::kFailed) break;
+  }
+  feature_->evaluate(model_->positions(), feature_state_.value);
+}
+
+void Pipeline::start() noexcept {
+  if (whole_.state != LifeCycle::kInactive) return;
+  whole_ = {LifeCycle::kActive, ""};
+  estimation_condition_ = control_condition_ = {LifeCycle::kActive, ""};
+  for (Sensing& instance : sensing_) instance.condition = {LifeCycle::kActive, ""};
+  gate_.stop();
+  law_->reset();
+}
+
+void Pipeline::stop() noexcept {
+  if (!is_running()) return;
+  whole_ = {LifeCycle::kInactive, "stopped"};
+}
+
+void Pipeline::reset() noexcept {
+  for (Sensing& instance : sensing_) instance.model->reset();
+  estimator_->reset();
+  model_->reset();
+  estimator_->activate(*model_);
+  law_->reset();
+  gate_.stop();
+  target_.revision = -1;
+  whole_ = {LifeCycle::kInactive, "reset"};
+}
+
+void Pipeline::zero() noexcept {
+  for (Sensing& instance : sensing_) instance.model->zero();
+}
+
+void Pipeline::fault(const char* reason) noexcept { whole_ = {LifeCycle::kFaulted, reason}; }
+
+void Pipeline::set_timing_trouble(const char* reason) noexcept {
+  if (!is_running()) return;
+  whole_ = reason == nullptr ? Condition{LifeCycle::kActive, ""}
+                             : Condition{LifeCycle::kDegraded, reason};
+}
+
+bool Pipeline::is_running() const noexcept {
+  return whole_.state == LifeCycle::kActive || whole_.state == LifeCycle::kDegraded;
+}
+
+bool Pipeline::set_target(int revision, const char* kind, const double (*rest_points)[3],
+                          int point_count, const double* values, int value_count,
+                          const char*& reason) noexcept {
+  if (std::strcmp(kind, feature_->kind()) != 0) {
+    reason = "target is for another kind of feature";
+    return false;
+  }
+  const std::vector<Eigen::Vector3d>& points = feature_->rest_points();
+  if (point_count != 0 && point_count != static_cast<int>(points.size())) {
+    reason = "target names another number of points than the feature has";
+    return false;
+  }
+  for (int i = 0; i < point_count; ++i) {
+    const Eigen::Map<const Eigen::Vector3d> p(rest_points[i]);
+    if (!((p - points[i]).norm() < 1e-6)) {
+      reason = "target names other points than the feature has";
+      return false;
+    }
+  }
+  if (!feature_->is_valid_target(values, value_count)) {
+    reason = "target values are not valid for the feature";
+    return false;
+  }
+  target_.value = Eigen::Map<const Eigen::VectorXd>(values, value_count);
+  target_.revision = revision;
+  return true;
+}
+
+void Pipeline::sense(const sensing::Signals& signals) noexcept {
+  signals_ = &signals;
+  robot_known_ = signals.robot.freshness != sensing::Freshness::kNoData;
+  contacts_.count = 0;
+  for (Sensing& instance : sensing_) {
+    instance.condition.apply(instance.model->update(signals, contacts_));
+  }
+  to_object_frame(contacts_);
+}
+
+void Pipeline::to_object_frame(const sensing::ContactSet& contacts) noexcept {
+  const math::Pose X_OW = context_.frames.X_WO.inverse();
+  const math::Pose X_OE = X_OW * signals_->robot.latest.X_WE;
+  contacts_O_.count = 0;
+  for (int i = 0; i < contacts.count; ++i) {
+    sensing::Contact contact = contacts.contacts[i];
+    if (is_wrist(contact.source)) {
+      if (!robot_known_) continue;
+      const math::Pose X_OG = X_OE * context_.frames.X_EG;
+      const math::Pose X_GS = context_.frames.X_EG.inverse() * context_.frames.X_ES;
+      const math::Wrench F_G = math::transform(X_GS, contact.wrench);
+      contact.wrench = {X_OG.linear() * F_G.force, X_OG.linear() * F_G.torque};
+      contact.location = X_OG.translation();
+    } else if (contact.source != Source::kManual) {
+      const int finger = static_cast<int>(contact.source) - static_cast<int>(Source::kFinger0);
+      const sensing::Stream<sensing::HandState, 4>& hand = signals_->hand;
+      math::Pose X_OT;
+      if (context_.frames.X_OT[finger]) {
+        X_OT = *context_.frames.X_OT[finger];
+      } else if (robot_known_ && hand.freshness != sensing::Freshness::kNoData &&
+                 finger < hand.latest.fingertip_count) {
+        X_OT = X_OE * hand.latest.X_ET[finger];
+      } else {
+        continue;  // where the finger is, nobody knows
+      }
+      contact.location = X_OT * contact.location;
+      contact.wrench = {X_OT.linear() * contact.wrench.force,
+                        X_OT.linear() * contact.wrench.torque};
+    }
+    contacts_O_.push(contact);
+  }
+}
+
+void Pipeline::distribute() noexcept {
+  for (int i = 0; i < contacts_O_.count; ++i) {
+    contact::ContactLoads& loads = loads_[i];
+    const sensing::Contact& contact = contacts_O_.contacts[i];
+    loads.source = contact.source;
+    loads.accepted = false;
+    loads.loads.clear();
+    for (Contact& instance : contact_) {
+      if (!instance.sources[static_cast<int>(contact.source)]) continue;
+      instance.transformer->distribute(contact, model_->positions(), loads);
+      loads.source = contact.source;
+      break;
+    }
+  }
+}
+
+void Pipeline::estimate(double dt) noexcept {
+  if (!is_running()) return;
+  estimation::EstimationInputs& inputs = estimation_inputs_;
+  inputs.dt = dt;
+  inputs.grasp_count = static_cast<int>(object_.body.grasps.size());
+  if (inputs.grasp_count > 0) {
+    estimation::GraspInput& grasp = inputs.grasps[0];
+    grasp.pose_freshness = signals_->robot.freshness;
+    grasp.X_OG =
+        context_.frames.X_WO.inverse() * signals_->robot.latest.X_WE * context_.frames.X_EG;
+    // Without a hand that reports its grasp, a robot that reports its pose is taken to hold.
+    const bool hand_known = signals_->hand.freshness != sensing::Freshness::kNoData;
+    grasp.holding =
+        robot_known_ && (!hand_known || signals_->hand.latest.grasp != sensing::Grasp::kNone);
+    grasp.wrench_valid = false;
+    for (int i = 0; i < contacts_O_.count; ++i) {
+      if (contacts_O_.contacts[i].source != Source::kWrist0) continue;
+      grasp.wrench_valid = true;
+      grasp.F_G_O = contacts_O_.contacts[i].wrench;
+    }
+  }
+  inputs.contact_count = contacts_O_.count;
+  inputs.contacts = loads_.data();
+  estimation_condition_.apply(estimator_->update(inputs, *model_, estimate_));
+}
+
+void Pipeline::evaluate_feature() noexcept {
+  if (!is_running()) return;
+  feature_->evaluate(model_->positions(), feature_state_.value);
+  if (target_.revision >= 0) {
+    feature_->error(feature_state_.value, target_.value, feature_state_.error);
+  } else {
+    feature_state_.error.setZero();
+    feature_state_.unreachable.setZero();
+  }
+}
+
+void Pipeline::control(double dt) noexcept {
+  requested_W_E_ = math::Twist();
+  if (!is_running() || target_.revision < 0 || !robot_known_ || object_.body.grasps.empty()) return;
+  // A shape that is not known well must not move the robot.
+  if (estimation_condition_.state != LifeCycle::kActive) return;
+
+  const math::Pose& X_OG = estimation_inputs_.grasps[0].X_OG;
+  if (!provider_->update(*feature_, *model_, X_OG, jacobian_)) {
+    control_condition_.apply({sensing::Status::kDegraded, "no Jacobian yet"});
+    return;
+  }
+  control::LawInputs inputs;
+  inputs.dt = dt;
+  inputs.value = &feature_state_.value;
+  inputs.target = &target_.value;
+  inputs.error = &feature_state_.error;
+  inputs.jacobian = &jacobian_;
+  law_->compute(inputs, law_output_);
+  control_condition_.apply({sensing::Status::kOk, ""});
+  feature_state_.unreachable = law_output_.unreachable;
+
+  const Eigen::Matrix3d& R_WO = context_.frames.X_WO.linear();
+  const math::Twist V_W_G{R_WO * law_output_.V_O_G.linear, R_WO * law_output_.V_O_G.angular};
+  const Eigen::Vector3d p_G_E_W =
+      -(signals_->robot.latest.X_WE.linear() * context_.frames.X_EG.translation());
+  requested_W_E_ = math::move_reference(V_W_G, p_G_E_W);
+}
+
+const control::GateOutput& Pipeline::gate(double dt) noexcept {
+  control::GateInputs inputs;
+  inputs.dt = dt;
+  const bool fresh =
+      signals_ != nullptr && signals_->robot.freshness != sensing::Freshness::kNoData;
+  inputs.active = is_running() && fresh;
+  inputs.requested_W_E = requested_W_E_;
+  if (fresh) inputs.X_WE = signals_->robot.latest.X_WE;
+  for (int i = 0; i < contacts_.count; ++i) {
+    if (contacts_.contacts[i].source != Source::kWrist0) continue;
+    inputs.wrench_valid = true;
+    inputs.contact = contacts_.contacts[i].wrench;
+  }
+  gate_output_ = gate_.apply(inputs);
+  return gate_output_;
+}
+
+Condition Pipeline::condition() const noexcept {
+  if (!is_running()) return whole_;
+  Condition worst = whole_;
+  const auto consider = [&worst](const Condition& other) {
+    if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
+  };
+  for (const Sensing& instance : sensing_) consider(instance.condition);
+  consider(estimation_condition_);
+  consider(control_condition_);
+  return worst;
+}
+
+}  // namespace palpate::component

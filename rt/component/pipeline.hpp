@@ -1,0 +1,120 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "core/control/safety_gate.hpp"
+#include "rt/component/life_cycle.hpp"
+#include "rt/component/registry.hpp"
+
+namespace palpate::component {
+
+/// Where the feature shall go.
+struct Target {
+  int revision = -1;  // -1: none
+  Eigen::VectorXd value;
+};
+
+/// What the feature and control slots hold after a tick.
+struct FeatureState {
+  Eigen::VectorXd value;
+  Eigen::VectorXd error;        // target minus value; zero without a target
+  Eigen::VectorXd unreachable;  // the part of error that no motion of the grasp removes
+};
+
+/// The six slots: sensing and contact hold lists, the others one component each. Everything is
+/// built and configured by the constructor; the phases of a tick neither allocate, lock, log nor
+/// throw.
+class Pipeline {
+ public:
+  /// Reads frames, object, sensing, contact, estimation, deformation, feature, control, gate.
+  /// Throws config::Error.
+  Pipeline(const config::Node& root, double period);
+  ~Pipeline();
+
+  // Events; each is safe in the loop.
+  void start() noexcept;
+  void stop() noexcept;
+  void reset() noexcept;                    // rest shape, faults cleared, inactive
+  void zero() noexcept;                     // tare of every sensor model
+  void fault(const char* reason) noexcept;  // latched by a supervisor outside
+  /// Said by a supervisor outside each tick; nullptr when nothing is wrong (any more).
+  void set_timing_trouble(const char* reason) noexcept;
+
+  /// False, with the reason, where kind, points or values do not fit the feature in its slot.
+  bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
+                  const double* values, int value_count, const char*& reason) noexcept;
+
+  // Phases of one tick, in this order. While inactive they keep estimating nothing and the gate
+  // gives zero.
+  void sense(const sensing::Signals& signals) noexcept;
+  void distribute() noexcept;
+  void estimate(double dt) noexcept;
+  void evaluate_feature() noexcept;
+  void control(double dt) noexcept;
+  const control::GateOutput& gate(double dt) noexcept;
+
+  Condition condition() const noexcept;  // the worst of all slots
+  bool is_running() const noexcept;
+
+  const Object& object() const noexcept { return object_; }
+  const Frames& frames() const noexcept { return context_.frames; }
+  elasticity::DeformationModel& model() noexcept { return *model_; }
+  const estimation::Estimate& estimate() const noexcept { return estimate_; }
+  const shape::Feature& feature() const noexcept { return *feature_; }
+  const FeatureState& feature_state() const noexcept { return feature_state_; }
+  const Target& target() const noexcept { return target_; }
+  /// In O, for display and estimation.
+  const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
+  bool has_robot() const noexcept { return signals_ != nullptr && robot_known_; }
+
+ private:
+  struct Sensing {
+    std::string name;
+    std::unique_ptr<sensing::SensorModel> model;
+    Condition condition;
+  };
+  struct Contact {
+    std::string name;
+    std::unique_ptr<contact::ForceTransformer> transformer;
+    std::array<bool, 8> sources{};  // by sensing::Source
+  };
+
+  void build_sensing(const config::Node& root);
+  void build_contact(const config::Node& root);
+  void warm_up();
+  void to_object_frame(const sensing::ContactSet& contacts) noexcept;
+
+  Context context_;
+  Object object_;
+  std::vector<Sensing> sensing_;
+  std::vector<Contact> contact_;
+  std::unique_ptr<elasticity::DeformationModel> model_;
+  std::unique_ptr<estimation::Estimator> estimator_;
+  std::unique_ptr<shape::Feature> feature_;
+  std::unique_ptr<control::JacobianProvider> provider_;
+  std::unique_ptr<control::ControlLaw> law_;
+  control::SafetyGate gate_;
+
+  Condition estimation_condition_;
+  Condition control_condition_;
+  Condition whole_;
+
+  const sensing::Signals* signals_ = nullptr;  // of this tick
+  bool robot_known_ = false;
+  sensing::ContactSet contacts_;    // in the sensors' frames
+  sensing::ContactSet contacts_O_;  // in O
+  std::vector<contact::ContactLoads> loads_;
+  estimation::EstimationInputs estimation_inputs_;
+  estimation::Estimate estimate_;
+  Target target_;
+  FeatureState feature_state_;
+  Eigen::MatrixXd jacobian_;
+  control::LawOutput law_output_;
+  math::Twist requested_W_E_;
+  control::GateOutput gate_output_;
+};
+
+}  // namespace palpate::component

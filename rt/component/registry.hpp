@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+
+#include "core/contact/force_transformer.hpp"
+#include "core/control/control_law.hpp"
+#include "core/control/safety_gate.hpp"
+#include "core/estimation/estimator.hpp"
+#include "core/sensing/sensor_model.hpp"
+#include "core/shape/feature.hpp"
+#include "rt/component/frames.hpp"
+#include "rt/component/object.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::component {
+
+/// What a component may need to know of the cell beside its own parameters.
+struct Context {
+  Frames frames;
+  const Object* object = nullptr;  // outlives the component
+  double period = 1e-3;            // s, of the loop
+};
+
+/// One function a slot: builds the component that `node` names under the key "component" (the
+/// controller: "provider" and "law") from the other keys of `node`. Throws config::Error, also for
+/// an unknown name, with the names that exist. To add a component: add it to its slot's .cpp.
+std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
+                                                        const Context& context);
+std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
+                                                                  const Context& context);
+std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
+                                                      const Context& context);
+std::unique_ptr<elasticity::DeformationModel> make_deformation_model(const config::Node& node,
+                                                                     const Context& context);
+std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context);
+std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
+                                                                  const Context& context);
+/// Configured for `feature`.
+std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
+                                                      const Context& context,
+                                                      const shape::Feature& feature);
+
+/// Limits from the section `gate`.
+control::GateLimits read_gate_limits(const config::Node& root);
+
+}  // namespace palpate::component

@@ -1,0 +1,118 @@
+#include "core/sensing/biotac_linear.hpp"
+#include "core/sensing/ft_newton_euler.hpp"
+#include "core/sensing/ft_tare_only.hpp"
+#include "core/sensing/manual.hpp"
+#include "rt/component/registry.hpp"
+
+namespace palpate::component {
+namespace {
+
+/// Keys `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
+/// torque).
+sensing::PayloadParameters read_payload(const config::Node& node) {
+  const config::Node payload = node.child("payload");
+  sensing::PayloadParameters parameters;
+  parameters.mass = payload.number("mass", {0, 1000});
+  parameters.first_moment =
+      parameters.mass * payload.vector3("center_of_mass", {-2, 2}, Eigen::Vector3d::Zero());
+  if (payload.has("inertia")) {
+    const std::vector<double> inertia = payload.numbers("inertia", 6, {-100, 100});
+    parameters.inertia = Eigen::Map<const math::Vector6d>(inertia.data());
+  }
+  if (payload.has("bias")) {
+    const std::vector<double> bias = payload.numbers("bias", 6, {-1000, 1000});
+    parameters.bias = math::Wrench::from(Eigen::Map<const math::Vector6d>(bias.data()));
+  }
+  return parameters;
+}
+
+std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node,
+                                                        const Context& context) {
+  sensing::FtNewtonEuler::Options options;
+  options.payload = read_payload(node);
+  options.gravity_W = context.frames.gravity_W;
+  options.X_ES = context.frames.X_ES;
+  options.X_EI = context.frames.X_EI;
+  options.use_imu = node.flag("use_imu", options.use_imu);
+  options.imu_offset_time = node.number("imu_offset_time", {0, 1000}, options.imu_offset_time);
+  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
+  options.tare_at_start = node.flag("tare_at_start", options.tare_at_start);
+  options.cutoff = node.number("cutoff_hz", {0, 500}, options.cutoff);
+  options.sample_rate = node.number("sample_rate", {1, 1e5}, options.sample_rate);
+  options.polarity = node.integer("polarity", {-1, 1}, 1);
+  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
+  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  return std::make_unique<sensing::FtNewtonEuler>(options);
+}
+
+std::unique_ptr<sensing::SensorModel> make_tare_only(const config::Node& node) {
+  sensing::FtTareOnly::Options options;
+  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
+  options.tare_at_start = node.flag("tare_at_start", options.tare_at_start);
+  options.moving_average = node.integer("moving_average", {1, 100000}, options.moving_average);
+  options.delay = node.integer("delay", {0, 100000}, options.delay);
+  options.polarity = node.integer("polarity", {-1, 1}, 1);
+  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
+  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  return std::make_unique<sensing::FtTareOnly>(options);
+}
+
+/// Section `model`, of this file or of `model_file` as written by palpate-evaluate tactile:
+/// force_x, force_y, force_z (21 numbers each: E1 to E19, PAC, PDC; N per count) and offset (N).
+sensing::LinearTactileModel read_tactile_model(const config::Node& node) {
+  const config::Node holder =
+      node.has("model_file") ? config::Node::load_file(node.path("model_file")) : node;
+  const config::Node model = holder.child("model");
+  sensing::LinearTactileModel result;
+  const char* keys[] = {"force_x", "force_y", "force_z"};
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> row = model.numbers(keys[axis], sensing::kTactileInputCount);
+    result.matrix.row(axis) = Eigen::Map<const sensing::TactileInputs>(row.data()).transpose();
+  }
+  result.offset = model.vector3("offset", {-100, 100}, Eigen::Vector3d::Zero());
+  return result;
+}
+
+std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node) {
+  sensing::BiotacLinear::Options options;
+  options.finger = node.integer("finger", {0, 4}, options.finger);
+  options.model = read_tactile_model(node);
+  sensing::LocalizationOptions& localization = options.localization;
+  localization.polarity = node.integer("polarity", {-1, 1}, 1);
+  localization.threshold = node.number("threshold", {0, 4095}, localization.threshold);
+  localization.saturation = node.number("saturation", {1, 4095}, localization.saturation);
+  if (node.choice("weighting", {"centroid", "published"}, "centroid") == "published") {
+    localization.weighting = sensing::Weighting::kPublished;
+  }
+  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
+  options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
+  options.release_force = node.number("release_force", {0, 100}, options.release_force);
+  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
+  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  return std::make_unique<sensing::BiotacLinear>(options);
+}
+
+std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
+  sensing::Manual::Options options;
+  options.expires_after = node.number("expires_after_ms", {1, 1e4}, 100) * 1e-3;
+  options.max_force = node.number("max_force", {0, 1e4}, options.max_force);
+  return std::make_unique<sensing::Manual>(options);
+}
+
+}  // namespace
+
+std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
+                                                        const Context& context) {
+  const std::string name =
+      node.choice("component", {"ft_newton_euler", "ft_tare_only", "biotac_linear", "manual"});
+  try {
+    if (name == "ft_newton_euler") return make_newton_euler(node, context);
+    if (name == "ft_tare_only") return make_tare_only(node);
+    if (name == "biotac_linear") return make_biotac_linear(node);
+    return make_manual(node);
+  } catch (const std::invalid_argument& error) {
+    node.fail("", error.what());
+  }
+}
+
+}  // namespace palpate::component

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <boost/lockfree/spsc_queue.hpp>
+#include <palpate/component_command_t.hpp>
+#include <palpate/component_event_t.hpp>
+#include <palpate/shape_target_t.hpp>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "rt/component/pipeline.hpp"
+
+namespace palpate::daemon {
+
+/// What happened, for the log; texts are literals.
+struct EventRecord {
+  const char* event = "";
+  const char* reason = "";
+};
+
+/// Commands and targets of users: checked, carried out once however often they are sent, answered
+/// by COMPONENT_EVENT.
+class Commands {
+ public:
+  Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session);
+
+  /// Carries out what has arrived since the last cycle.
+  void handle(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+
+  /// Announces a change of the whole's condition that nobody asked for.
+  void announce(const component::Condition& condition, std::int64_t utime) noexcept;
+
+  /// For the thread that writes the log.
+  bool take_record(EventRecord& record) noexcept { return log_.pop(record); }
+
+ private:
+  void handle_command(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
+              std::int64_t utime) noexcept;
+
+  bus::TypedSubscription<component_command_t> commands_;
+  bus::TypedSubscription<shape_target_t> targets_;
+  component_command_t command_{};
+  shape_target_t target_{};
+  std::int64_t last_session_ = 0;
+  std::int64_t last_counter_ = -1;
+  std::int64_t target_session_ = 0;
+  std::int32_t target_revision_ = -1;
+
+  bus::Stamp stamp_;
+  bus::TypedPublisher<component_event_t> events_;
+  component_event_t event_{};
+  boost::lockfree::spsc_queue<EventRecord, boost::lockfree::capacity<256>> log_;
+};
+
+}  // namespace palpate::daemon

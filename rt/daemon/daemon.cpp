@@ -1,0 +1,128 @@
+#include "rt/daemon/daemon.hpp"
+
+#include <optional>
+
+#include "rt/loop/allocation_counter.hpp"
+
+namespace palpate::daemon {
+
+Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
+               Mode mode, std::int64_t session)
+    : mode_(mode),
+      settings_(read_settings(root)),
+      pipeline_(root, settings_.loop.period),
+      inputs_(control),
+      commands_(control, housekeeping, session),
+      telemetry_(control, housekeeping, pipeline_, session),
+      health_(housekeeping, session, root.hash(), pipeline_.object().hash),
+      refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
+      overruns_(settings_.overruns) {
+  root.check_all_used();
+}
+
+void Daemon::mark(Phase phase) noexcept {
+  if (mode_ != Mode::kRealTime) return;
+  const std::int64_t now_ns = loop::monotonic_ns();
+  counters_.latency[static_cast<int>(phase)].record(now_ns - phase_began_ns_);
+  phase_began_ns_ = now_ns;
+}
+
+void Daemon::supervise(const Now& now) noexcept {
+  if (mode_ != Mode::kRealTime) return;
+  counters_.latency[static_cast<int>(Phase::kWakeUp)].record(now.lateness_ns);
+  const auto period_ns = static_cast<std::int64_t>(settings_.loop.period * 1e9);
+  if (now.lateness_ns >= period_ns) {
+    ++counters_.overruns;
+    counters_.overrun_ns += now.lateness_ns;
+  }
+  const OverrunMonitor::Verdict verdict =
+      overruns_.record(now.monotonic_ns, now.lateness_ns, settings_.loop.period);
+  if (verdict == OverrunMonitor::Verdict::kSafeStop && pipeline_.is_running()) {
+    pipeline_.fault("no command for too long: safe stop");
+  } else {
+    pipeline_.set_timing_trouble(
+        verdict == OverrunMonitor::Verdict::kDegraded ? "the loop runs late" : nullptr);
+  }
+}
+
+void Daemon::tick(const Now& now) noexcept {
+  const double dt = settings_.loop.period;
+  std::optional<loop::NoAllocationScope> no_allocation;
+  if (pipeline_.is_running()) no_allocation.emplace();
+  const std::int64_t began_ns = mode_ == Mode::kRealTime ? loop::monotonic_ns() : 0;
+  phase_began_ns_ = began_ns;
+  ++counters_.cycles;
+  supervise(now);
+
+  inputs_.read(now.monotonic_ns, dt);
+  commands_.handle(pipeline_, now.utime);
+  mark(Phase::kRead);
+  pipeline_.sense(inputs_.signals());
+  mark(Phase::kSensing);
+  pipeline_.distribute();
+  mark(Phase::kContact);
+  refactoring_.service(pipeline_.model(), counters_.cycles);
+  pipeline_.estimate(dt);
+  mark(Phase::kEstimation);
+  pipeline_.evaluate_feature();
+  mark(Phase::kFeature);
+  pipeline_.control(dt);
+  mark(Phase::kControl);
+  const control::GateOutput& gate = pipeline_.gate(dt);
+  telemetry_.publish_command(gate, pipeline_.is_running(), now.utime);
+  if (gate.limited) ++counters_.gate_limited;
+  if (gate.refused) ++counters_.gate_refused;
+  mark(Phase::kGate);
+  publish(now);
+  mark(Phase::kPublish);
+  if (mode_ == Mode::kRealTime) {
+    counters_.latency[static_cast<int>(Phase::kAll)].record(loop::monotonic_ns() - began_ns);
+  }
+}
+
+void Daemon::publish(const Now& now) noexcept {
+  const component::Condition condition = pipeline_.condition();
+  if (condition.state != announced_) {
+    if (announced_ == component::LifeCycle::kInactive) {
+      faults_at_start_ = loop::page_faults_of_this_thread();
+      allocations_at_start_ = loop::allocations_of_this_thread();
+    }
+    announced_ = condition.state;
+    commands_.announce(condition, now.utime);
+  }
+  telemetry_.publish_state(pipeline_, now.utime);
+
+  const elasticity::StepStatus status = pipeline_.estimate().step.status;
+  if (pipeline_.is_running()) {
+    if (status == elasticity::StepStatus::kConverged) shape_ns_ = now.monotonic_ns;
+    if (status != elasticity::StepStatus::kConverged) ++counters_.shapes_not_converged;
+  }
+  const std::int64_t cycle = counters_.cycles;
+  if (cycle % settings_.shape_every == 0 && pipeline_.is_running()) {
+    const std::int64_t age_us = shape_ns_ == 0 ? 0 : (now.monotonic_ns - shape_ns_) / 1000;
+    telemetry_.publish_shape(pipeline_, age_us, now.utime);
+  }
+  const auto every = [this, cycle](double seconds, std::int64_t offset) {
+    const auto cycles =
+        std::max<std::int64_t>(1, static_cast<std::int64_t>(seconds / settings_.loop.period + 0.5));
+    return cycle % cycles == offset % cycles;
+  };
+  if (every(0.1, 3)) {
+    if (mode_ == Mode::kRealTime && pipeline_.is_running()) {
+      counters_.page_faults = loop::page_faults_of_this_thread() - faults_at_start_;
+      const std::int64_t allocations = loop::allocations_of_this_thread();
+      counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
+    }
+    health_.publish(counters_, condition, inputs_, now.utime);
+  }
+  if (every(1.0, 7)) health_.publish_config(now.utime);
+  for (int chunk = 0; chunk < telemetry_.mesh_chunks(); ++chunk) {
+    if (every(1.0, 11 + 2 * chunk)) telemetry_.publish_mesh_chunk(now.utime);
+  }
+}
+
+void Daemon::finish(const Now& now) noexcept {
+  telemetry_.publish_command(control::GateOutput(), false, now.utime);
+}
+
+}  // namespace palpate::daemon

@@ -1,0 +1,68 @@
+#pragma once
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/component/pipeline.hpp"
+#include "rt/daemon/commands.hpp"
+#include "rt/daemon/health.hpp"
+#include "rt/daemon/inputs.hpp"
+#include "rt/daemon/overrun_monitor.hpp"
+#include "rt/daemon/refactoring.hpp"
+#include "rt/daemon/settings.hpp"
+#include "rt/daemon/telemetry.hpp"
+
+namespace palpate::daemon {
+
+/// Real time: wall-clock message times, latencies measured, factors made by a background thread.
+/// Deterministic: all of these follow from the cycle count and the inputs alone.
+enum class Mode { kRealTime, kDeterministic };
+
+/// One moment of the clock that drives the daemon.
+struct Now {
+  std::int64_t monotonic_ns = 0;  // CLOCK_MONOTONIC, or virtual
+  std::int64_t utime = 0;         // us, for messages
+  std::int64_t lateness_ns = 0;   // of this wake-up
+};
+
+/// All of palpated but its threads and its clock: messages in, pipeline, messages out. The same
+/// object runs in palpated, in palpate-replay and in tests.
+class Daemon {
+ public:
+  /// Subscribes; call start() of both buses afterwards. Throws config::Error.
+  Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
+         Mode mode, std::int64_t session);
+
+  /// One cycle. Neither allocates, locks, logs nor throws.
+  void tick(const Now& now) noexcept;
+
+  /// Zero command, once more, before the process ends.
+  void finish(const Now& now) noexcept;
+
+  const Settings& settings() const noexcept { return settings_; }
+  component::Pipeline& pipeline() noexcept { return pipeline_; }
+  const Counters& counters() const noexcept { return counters_; }
+  const Inputs& inputs() const noexcept { return inputs_; }
+  bool take_record(EventRecord& record) noexcept { return commands_.take_record(record); }
+
+ private:
+  void supervise(const Now& now) noexcept;
+  void mark(Phase phase) noexcept;
+  void publish(const Now& now) noexcept;
+
+  Mode mode_;
+  Settings settings_;
+  component::Pipeline pipeline_;
+  Inputs inputs_;
+  Commands commands_;
+  Telemetry telemetry_;
+  Health health_;
+  Refactoring refactoring_;
+  OverrunMonitor overruns_;
+  Counters counters_;
+  component::LifeCycle announced_ = component::LifeCycle::kUnconfigured;
+  std::int64_t phase_began_ns_ = 0;
+  std::int64_t shape_ns_ = 0;  // when the shape was last brought up to date
+  std::int64_t faults_at_start_ = 0;
+  std::int64_t allocations_at_start_ = 0;
+};
+
+}  // namespace palpate::daemon

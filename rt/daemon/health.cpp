@@ -1,0 +1,67 @@
+#include "rt/daemon/health.hpp"
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::daemon {
+
+const char* name(Phase phase) noexcept {
+  constexpr std::array<const char*, kPhases> kNames = {
+      "all",     "read",    "sensing", "contact", "estimation",
+      "feature", "control", "gate",    "publish", "wake-up"};
+  return kNames[static_cast<int>(phase)];
+}
+
+Health::Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t configuration_hash,
+               std::int64_t mesh_hash)
+    : health_stamp_(session),
+      config_stamp_(session),
+      health_(housekeeping, "HEALTH"),
+      config_(housekeeping, "CONFIG") {
+  put_text(config_message_.version, PALPATE_VERSION);
+  config_message_.configuration_hash = configuration_hash;
+  config_message_.mesh_hash = mesh_hash;
+}
+
+void Health::publish(const Counters& counters, const component::Condition& condition,
+                     const Inputs& inputs, std::int64_t utime) noexcept {
+  health_stamp_.put(message_, utime);
+  message_.state = static_cast<int>(condition.state);
+  put_text(message_.reason, condition.reason);
+  message_.cycles = counters.cycles;
+  message_.overruns = counters.overruns;
+  message_.overrun_us = counters.overrun_ns / 1000;
+  message_.shapes_not_converged = counters.shapes_not_converged;
+  message_.page_faults = counters.page_faults;
+  message_.allocations = counters.allocations;
+  message_.telemetry_dropped = counters.telemetry_dropped;
+  message_.gate_limited = counters.gate_limited;
+  message_.gate_refused = counters.gate_refused;
+
+  const auto microseconds = [](std::int64_t ns) { return static_cast<float>(ns) * 1e-3F; };
+  message_.phase_count = kPhases;
+  for (int i = 0; i < kPhases; ++i) {
+    const loop::LatencyHistogram& latency = counters.latency[i];
+    message_.p50_us[i] = microseconds(latency.quantile_ns(0.5));
+    message_.p99_us[i] = microseconds(latency.quantile_ns(0.99));
+    message_.p999_us[i] = microseconds(latency.quantile_ns(0.999));
+    message_.max_us[i] = microseconds(latency.max_ns());
+  }
+
+  message_.input_count = Inputs::kChannels;
+  for (int i = 0; i < Inputs::kChannels; ++i) {
+    const InputReport report = inputs.report(i);
+    put_text(message_.input_name[i], report.name);
+    message_.received[i] = report.received;
+    message_.lost[i] = report.lost;
+    message_.rejected[i] = report.rejected;
+    message_.age_ms[i] = report.age < 0 ? -1.0F : static_cast<float>(report.age * 1e3);
+  }
+  health_.publish(message_);
+}
+
+void Health::publish_config(std::int64_t utime) noexcept {
+  config_stamp_.put(config_message_, utime);
+  config_.publish(config_message_);
+}
+
+}  // namespace palpate::daemon

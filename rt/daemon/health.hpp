@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <palpate/config_t.hpp>
+#include <palpate/health_t.hpp>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "rt/component/life_cycle.hpp"
+#include "rt/daemon/inputs.hpp"
+#include "rt/loop/latency_histogram.hpp"
+
+namespace palpate::daemon {
+
+/// Phases of a cycle in the order of health_t; kAll is the whole cycle, kWakeUp the lateness.
+enum class Phase {
+  kAll,
+  kRead,
+  kSensing,
+  kContact,
+  kEstimation,
+  kFeature,
+  kControl,
+  kGate,
+  kPublish,
+  kWakeUp,
+};
+inline constexpr int kPhases = 10;
+const char* name(Phase phase) noexcept;
+
+/// Everything that HEALTH counts.
+struct Counters {
+  std::int64_t cycles = 0;
+  std::int64_t overruns = 0;
+  std::int64_t overrun_ns = 0;
+  std::int64_t shapes_not_converged = 0;
+  std::int64_t page_faults = 0;
+  std::int64_t allocations = -1;
+  std::int64_t telemetry_dropped = 0;
+  std::int64_t gate_limited = 0;
+  std::int64_t gate_refused = 0;
+  std::array<loop::LatencyHistogram, kPhases> latency;
+};
+
+/// HEALTH (10 Hz) and CONFIG (1 Hz) on the housekeeping bus.
+class Health {
+ public:
+  Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t configuration_hash,
+         std::int64_t mesh_hash);
+  void publish(const Counters& counters, const component::Condition& condition,
+               const Inputs& inputs, std::int64_t utime) noexcept;
+  void publish_config(std::int64_t utime) noexcept;
+
+ private:
+  bus::Stamp health_stamp_, config_stamp_;
+  bus::TypedPublisher<health_t> health_;
+  bus::TypedPublisher<config_t> config_;
+  health_t message_{};
+  config_t config_message_{};
+};
+
+}  // namespace palpate::daemon

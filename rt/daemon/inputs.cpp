@@ -1,0 +1,175 @@
+#include "rt/daemon/inputs.hpp"
+
+#include <cmath>
+
+namespace palpate::daemon {
+namespace {
+
+constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
+                                                        "BIOTAC_3", "BIOTAC_4"};
+
+bool all_finite(const double* numbers, int count) noexcept {
+  for (int i = 0; i < count; ++i) {
+    if (!std::isfinite(numbers[i])) return false;
+  }
+  return true;
+}
+
+double seconds(std::int64_t utime) noexcept { return static_cast<double>(utime) * 1e-6; }
+
+bool convert(const ft_wrench_t& m, sensing::ForceTorque& out) noexcept {
+  if (!all_finite(m.wrench, 6)) return false;
+  out.time = seconds(m.utime);
+  out.F_S = math::Wrench::from(Eigen::Map<const math::Vector6d>(m.wrench));
+  return true;
+}
+
+bool convert(const imu_t& m, sensing::Inertial& out) noexcept {
+  if (!all_finite(m.acceleration, 3) || !all_finite(m.angular_velocity, 3)) return false;
+  out.time = seconds(m.utime);
+  out.acceleration_I = Eigen::Map<const Eigen::Vector3d>(m.acceleration);
+  out.angular_velocity_I = Eigen::Map<const Eigen::Vector3d>(m.angular_velocity);
+  return true;
+}
+
+bool convert(const robot_state_t& m, sensing::RobotState& out) noexcept {
+  if (m.joint_count < 0 || m.joint_count > 16 || !all_finite(m.q, m.joint_count) ||
+      !all_finite(m.dq, m.joint_count) || !all_finite(m.position, 3) || !all_finite(m.twist, 6) ||
+      !math::is_unit_quaternion(m.quaternion)) {
+    return false;
+  }
+  out.time = seconds(m.utime);
+  out.joint_count = m.joint_count;
+  out.q = Eigen::Map<const Eigen::Matrix<double, 16, 1>>(m.q);
+  out.dq = Eigen::Map<const Eigen::Matrix<double, 16, 1>>(m.dq);
+  out.X_WE.linear() = math::rotation_from_wxyz(m.quaternion);
+  out.X_WE.translation() = Eigen::Map<const Eigen::Vector3d>(m.position);
+  out.V_W_E = math::Twist::from(Eigen::Map<const math::Vector6d>(m.twist));
+  return true;
+}
+
+bool convert(const hand_state_t& m, sensing::HandState& out) noexcept {
+  if (m.fingertip_count < 0 || m.fingertip_count > 5 || m.grasp < hand_state_t::GRASP_NONE ||
+      m.grasp > hand_state_t::GRASP_SLIPPING) {
+    return false;
+  }
+  for (int i = 0; i < m.fingertip_count; ++i) {
+    if (!all_finite(m.fingertip_position[i], 3) ||
+        !math::is_unit_quaternion(m.fingertip_quaternion[i])) {
+      return false;
+    }
+    out.X_ET[i].linear() = math::rotation_from_wxyz(m.fingertip_quaternion[i]);
+    out.X_ET[i].translation() = Eigen::Map<const Eigen::Vector3d>(m.fingertip_position[i]);
+  }
+  out.time = seconds(m.utime);
+  out.grasp = static_cast<sensing::Grasp>(m.grasp);
+  out.fingertip_count = m.fingertip_count;
+  return true;
+}
+
+bool convert(const manual_force_t& m, sensing::ManualForce& out) noexcept {
+  if (!all_finite(m.rest_point, 3) || !all_finite(m.force, 3)) return false;
+  out.rest_point_O = Eigen::Map<const Eigen::Vector3d>(m.rest_point);
+  out.force_O = Eigen::Map<const Eigen::Vector3d>(m.force);
+  return true;
+}
+
+bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
+  constexpr int kNeeded = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
+  if ((m.valid & kNeeded) != kNeeded || m.pac_count < 1 || m.pac_count > 22) return false;
+  out.time = seconds(m.utime);
+  for (int i = 0; i < 19; ++i) out.electrodes[i] = m.electrodes[i];
+  out.pac = m.pac[0];
+  out.pdc = m.pdc;
+  out.tac = m.tac;
+  out.tdc = m.tdc;
+  return true;
+}
+
+}  // namespace
+
+Inputs::Inputs(bus::MessageBus& control)
+    : force_torque_(control, "FT_WRENCH", 64),
+      inertial_(control, "IMU", 32),
+      robot_(control, "ROBOT_STATE", 32),
+      hand_(control, "HAND_STATE", 8),
+      manual_(control, "MANUAL_FORCE", 8) {
+  for (std::size_t i = 0; i < biotac_.size(); ++i) {
+    biotac_[i] = std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8);
+  }
+}
+
+template <class Message, class Stream, class Convert>
+void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns,
+                   Convert to_signal) noexcept {
+  stream.fresh_count = 0;
+  std::int64_t arrival_ns = 0;
+  while (channel.queue.take(channel.message, arrival_ns)) {
+    if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
+    auto candidate = stream.latest;
+    if (!to_signal(channel.message, candidate)) {
+      ++channel.invalid;
+      continue;
+    }
+    stream.latest = candidate;
+    channel.arrival_ns = arrival_ns;
+    if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
+      stream.fresh[stream.fresh_count++] = stream.latest;
+    } else {  // keep the newest ones
+      std::move(stream.fresh.begin() + 1, stream.fresh.end(), stream.fresh.begin());
+      stream.fresh.back() = stream.latest;
+    }
+    stream.freshness = sensing::Freshness::kNew;
+  }
+  if (stream.freshness == sensing::Freshness::kNoData) return;
+  if (stream.fresh_count == 0) stream.freshness = sensing::Freshness::kOld;
+  stream.age = static_cast<double>(now_ns - channel.arrival_ns) * 1e-9;
+  channel.age = stream.age;
+}
+
+void Inputs::read(std::int64_t now_ns, double dt) noexcept {
+  const auto to_signal = [](const auto& message, auto& out) noexcept {
+    return convert(message, out);
+  };
+  signals_.dt = dt;
+  drain(force_torque_, signals_.force_torque, now_ns, to_signal);
+  drain(inertial_, signals_.inertial, now_ns, to_signal);
+  drain(robot_, signals_.robot, now_ns, to_signal);
+  drain(hand_, signals_.hand, now_ns, to_signal);
+  drain(manual_, signals_.manual, now_ns, to_signal);
+  for (std::size_t i = 0; i < biotac_.size(); ++i) {
+    drain(*biotac_[i], signals_.biotac[i], now_ns, to_signal);
+  }
+}
+
+template <class Message>
+InputReport Inputs::report_of(const Channel<Message>& channel) noexcept {
+  const bus::SubscriptionCounters& queue = channel.queue.counters();
+  InputReport report;
+  report.name = channel.name;
+  report.received = queue.received;
+  report.lost = channel.sequence.lost() + queue.dropped;
+  report.rejected =
+      queue.wrong_size + queue.wrong_type + channel.sequence.rejected() + channel.invalid;
+  report.age = channel.age;
+  return report;
+}
+
+InputReport Inputs::report(int channel) const noexcept {
+  switch (channel) {
+    case 0:
+      return report_of(force_torque_);
+    case 1:
+      return report_of(inertial_);
+    case 2:
+      return report_of(robot_);
+    case 3:
+      return report_of(hand_);
+    case 4:
+      return report_of(manual_);
+    default:
+      return report_of(*biotac_[channel - 5]);
+  }
+}
+
+}  // namespace palpate::daemon

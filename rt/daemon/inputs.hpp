@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <palpate/biotac_t.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <string>
+#include <vector>
+
+#include "core/sensing/signals.hpp"
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+
+namespace palpate::daemon {
+
+/// What HEALTH says of one input channel.
+struct InputReport {
+  const char* name = "";
+  std::int64_t received = 0;
+  std::int64_t lost = 0;      // gaps in the sequence, and what a full queue dropped
+  std::int64_t rejected = 0;  // wrong size, type or order, or numbers that are not valid
+  double age = -1;            // s; below zero: nothing was ever received
+};
+
+/// Sensor channels of the control bus as Signals: checks every message (finite numbers, unit
+/// quaternions, counts in range, sequence) before anybody sees it.
+class Inputs {
+ public:
+  explicit Inputs(bus::MessageBus& control);
+
+  /// Drains all queues into the streams, as seen at `now_ns` (CLOCK_MONOTONIC or virtual).
+  void read(std::int64_t now_ns, double dt) noexcept;
+
+  const sensing::Signals& signals() const noexcept { return signals_; }
+  static constexpr int kChannels = 10;
+  InputReport report(int channel) const noexcept;
+
+ private:
+  template <class Message>
+  struct Channel {
+    Channel(bus::MessageBus& bus, const char* channel, int depth)
+        : name(channel), queue(bus, channel, depth) {}
+    const char* name;
+    bus::TypedSubscription<Message> queue;
+    bus::SequenceTracker sequence;
+    std::int64_t invalid = 0;
+    std::int64_t arrival_ns = 0;
+    double age = -1;
+    Message message;
+  };
+
+  template <class Message, class Stream, class Convert>
+  void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns,
+             Convert convert) noexcept;
+  template <class Message>
+  static InputReport report_of(const Channel<Message>& channel) noexcept;
+
+  sensing::Signals signals_;
+  Channel<ft_wrench_t> force_torque_;
+  Channel<imu_t> inertial_;
+  Channel<robot_state_t> robot_;
+  Channel<hand_state_t> hand_;
+  Channel<manual_force_t> manual_;
+  std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
+};
+
+}  // namespace palpate::daemon

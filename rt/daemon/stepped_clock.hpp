@@ -1,0 +1,53 @@
+#pragma once
+
+#include <atomic>
+#include <palpate/sim_tick_t.hpp>
+#include <palpate/tick_done_t.hpp>
+
+#include "rt/daemon/daemon.hpp"
+
+namespace palpate::daemon {
+
+/// Lock-step with a simulator: one cycle for each SIM_TICK, answered by TICK_DONE. A repeated tick
+/// is answered again but not run again. Create before the bus starts.
+class SteppedClock {
+ public:
+  SteppedClock(bus::MessageBus& control, std::int64_t session)
+      : ticks_(control, "SIM_TICK", 8), done_(control, "TICK_DONE"), stamp_(session) {}
+
+  /// Runs what has arrived; false where nothing had.
+  bool run_pending(Daemon& daemon) noexcept {
+    std::int64_t arrival_ns = 0;
+    bool any = false;
+    while (ticks_.take(tick_, arrival_ns)) {
+      any = true;
+      if (tick_.session != sim_session_) {
+        sim_session_ = tick_.session;
+        last_tick_ = tick_.tick - 1;
+      }
+      if (tick_.tick > last_tick_) {
+        last_tick_ = tick_.tick;
+        Now now;
+        // Messages of this tick are as old as their queueing: the clock of arrival stays real.
+        now.monotonic_ns = loop::monotonic_ns();
+        now.utime = tick_.utime;
+        daemon.tick(now);
+      }
+      stamp_.put(answer_, tick_.utime);
+      answer_.tick = tick_.tick;
+      done_.publish(answer_);
+    }
+    return any;
+  }
+
+ private:
+  bus::TypedSubscription<sim_tick_t> ticks_;
+  bus::TypedPublisher<tick_done_t> done_;
+  bus::Stamp stamp_;
+  sim_tick_t tick_{};
+  tick_done_t answer_{};
+  std::int64_t sim_session_ = 0;
+  std::int64_t last_tick_ = -1;
+};
+
+}  // namespace palpate::daemon

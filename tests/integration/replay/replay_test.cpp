@@ -1,0 +1,93 @@
+#include "tools/replay/replay.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <filesystem>
+#include <palpate/robot_state_t.hpp>
+
+#include "rt/component/pipeline.hpp"
+#include "tests/support/recordings.hpp"
+
+namespace palpate::replay {
+namespace {
+
+const std::string kExample =
+    std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
+
+/// A log in which the hand moves sideways for `seconds`; `gap`: every how many messages one is
+/// lost.
+class Recording {
+ public:
+  explicit Recording(double seconds, double amplitude = 0.03)
+      : path_(std::filesystem::temp_directory_path() /
+              ("palpate_replay_" + std::to_string(getpid()) + ".lcmlog")) {
+    const component::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
+    const math::Pose X_WE0 = pipeline.frames().X_WO * pipeline.object().body.grasps[0].X_OG_rest *
+                             pipeline.frames().X_EG.inverse();
+    lcm::LogFile log(path_.string(), "w");
+    robot_state_t state{};
+    state.session = 5;
+    state.joint_count = 7;
+    std::vector<std::uint8_t> buffer(state.getEncodedSize());
+    for (int i = 0; i < static_cast<int>(seconds * 500); ++i) {
+      const double t = i * 2e-3;
+      state.seq = i;
+      state.utime = 1'700'000'000'000'000 + i * 2000;
+      const Eigen::Vector3d p =
+          X_WE0.translation() + Eigen::Vector3d(0, amplitude * std::sin(t), 0);
+      for (int axis = 0; axis < 3; ++axis) state.position[axis] = p[axis];
+      math::wxyz_from_rotation(X_WE0.linear(), state.quaternion);
+      state.encode(buffer.data(), 0, static_cast<int>(buffer.size()));
+      lcm::LogEvent event{};
+      event.timestamp = state.utime;
+      event.channel = "ROBOT_STATE";
+      event.datalen = static_cast<int>(buffer.size());
+      event.data = buffer.data();
+      log.writeEvent(&event);
+    }
+  }
+  ~Recording() { std::filesystem::remove(path_); }
+  std::string path() const { return path_.string(); }
+
+ private:
+  std::filesystem::path path_;
+};
+
+ReplayResult run(const Recording& recording) {
+  ReplayOptions options;
+  options.log = recording.path();
+  options.start = true;
+  return replay(config::Node::load_file(kExample), options);
+}
+
+TEST(Replay, TwoRunsOverOneLogAreBitIdentical) {
+  const Recording recording(2.0);
+  const ReplayResult first = run(recording);
+  const ReplayResult second = run(recording);
+  EXPECT_GT(first.shapes, 150);
+  EXPECT_EQ(first.shapes, second.shapes);
+  EXPECT_EQ(first.shape_hash, second.shape_hash);
+}
+
+TEST(Replay, AnotherMotionGivesAnotherHash) {
+  const ReplayResult first = run(Recording(0.5, 0.03));
+  const ReplayResult second = run(Recording(0.5, 0.02));
+  EXPECT_EQ(first.shapes, second.shapes);
+  EXPECT_NE(first.shape_hash, second.shape_hash);
+}
+
+TEST(Replay, MissingLogIsNamed) {
+  ReplayOptions options;
+  options.log = "nowhere.lcmlog";
+  try {
+    replay(config::Node::load_file(kExample), options);
+    FAIL() << "a missing log must be an error";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("nowhere.lcmlog"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::replay

@@ -1,0 +1,177 @@
+#include "rt/component/pipeline.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+
+#include "tests/support/recordings.hpp"
+
+namespace palpate::component {
+namespace {
+
+const std::string kExample =
+    std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
+
+config::Node example(const std::vector<std::string>& overrides = {}) {
+  return config::Node::load_file(kExample, overrides);
+}
+
+std::string error_of(const std::vector<std::string>& overrides) {
+  try {
+    const config::Node root = example(overrides);
+    const Pipeline pipeline(root, 1e-3);
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+sensing::Signals at_rest(const Frames& frames, const Object& object) {
+  sensing::Signals signals;
+  signals.robot.freshness = sensing::Freshness::kNew;
+  signals.robot.age = 0;
+  signals.robot.latest.X_WE = frames.X_WO * object.body.grasps[0].X_OG_rest * frames.X_EG.inverse();
+  signals.hand.freshness = sensing::Freshness::kNew;
+  signals.hand.age = 0;
+  signals.hand.latest.grasp = sensing::Grasp::kHolding;
+  signals.force_torque.freshness = sensing::Freshness::kNew;
+  signals.force_torque.age = 0;
+  signals.force_torque.fresh_count = 1;
+  return signals;
+}
+
+void run(Pipeline& pipeline, const sensing::Signals& signals, int cycles) {
+  for (int i = 0; i < cycles; ++i) {
+    pipeline.sense(signals);
+    pipeline.distribute();
+    while (elasticity::Refactorisation* job = pipeline.model().wanted_refactorisation()) {
+      job->run();
+      pipeline.model().install(*job);
+    }
+    pipeline.estimate(1e-3);
+    pipeline.evaluate_feature();
+    pipeline.control(1e-3);
+    pipeline.gate(1e-3);
+  }
+}
+
+TEST(Pipeline, ExampleIsBuiltAndStartsInactive) {
+  Pipeline pipeline(example(), 1e-3);
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive);
+  EXPECT_FALSE(pipeline.is_running());
+}
+
+TEST(Pipeline, UnknownComponentsAreNamedWithTheKnownOnes) {
+  for (const char* key :
+       {"sensing.0.component", "contact.0.component", "estimation.component",
+        "deformation.component", "feature.component", "control.provider", "control.law"}) {
+    const std::string error = error_of({std::string(key) + "=no_such_thing"});
+    EXPECT_NE(error.find("no_such_thing"), std::string::npos) << key << ": " << error;
+    EXPECT_NE(error.find(key), std::string::npos) << key << ": " << error;
+    EXPECT_NE(error.find("allowed"), std::string::npos) << key << ": " << error;
+  }
+}
+
+TEST(Pipeline, MissingMeshIsNamed) {
+  const std::string error = error_of({"object.mesh={file: nowhere.msh}"});
+  EXPECT_NE(error.find("nowhere.msh"), std::string::npos) << error;
+}
+
+TEST(Pipeline, OutOfRangeMaterialIsNamedWithItsRange) {
+  const std::string error = error_of({"object.material.poisson_ratio=0.5"});
+  EXPECT_NE(error.find("poisson_ratio"), std::string::npos) << error;
+  EXPECT_NE(error.find("0.4999"), std::string::npos) << error;
+}
+
+TEST(Pipeline, GraspBoxWithoutNodesIsRefused) {
+  EXPECT_NE(error_of({"object.grasp_box={lower: [9, 9, 9], upper: [10, 10, 10]}"}), "");
+}
+
+TEST(Pipeline, ShapeFollowsTheHand) {
+  Pipeline pipeline(example({"object.gravity=false"}), 1e-3);
+  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 20);
+  const Eigen::Matrix3Xd rest = pipeline.model().positions();
+  signals.robot.latest.X_WE.translation().z() += 0.02;
+  run(pipeline, signals, 200);
+  for (int node : pipeline.object().body.grasps[0].nodes) {
+    EXPECT_NEAR(pipeline.model().positions()(2, node) - rest(2, node), 0.02, 1e-9);
+  }
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
+}
+
+TEST(Pipeline, NothingMovesBeforeStartOrWithoutTarget) {
+  Pipeline pipeline(example(), 1e-3);
+  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  run(pipeline, signals, 50);
+  EXPECT_EQ(pipeline.gate(1e-3).V_W_E.vector().norm(), 0);
+  pipeline.start();
+  run(pipeline, signals, 50);
+  EXPECT_EQ(pipeline.gate(1e-3).V_W_E.vector().norm(), 0);
+}
+
+TEST(Pipeline, TargetMovesTheHandTowardsIt) {
+  Pipeline pipeline(example({"sensing=[]"}), 1e-3);
+  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 100);
+  Eigen::VectorXd target = pipeline.feature_state().value;
+  target[2] += 0.03;
+  const char* reason = "";
+  ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
+  run(pipeline, signals, 300);
+  const Eigen::Vector3d v_O =
+      pipeline.frames().X_WO.linear().transpose() * pipeline.gate(1e-3).V_W_E.linear;
+  EXPECT_GT(v_O.z(), 0.005);
+}
+
+TEST(Pipeline, TooMuchForceAtTheWristStopsTheHand) {
+  Pipeline pipeline(example(), 1e-3);
+  // The sensor reads nothing where the hand's own weight should be: 47 N of contact.
+  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 100);
+  Eigen::VectorXd target = pipeline.feature_state().value;
+  target[2] += 0.03;
+  const char* reason = "";
+  ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
+  run(pipeline, signals, 300);
+  const control::GateOutput output = pipeline.gate(1e-3);
+  EXPECT_TRUE(output.refused);
+  EXPECT_EQ(output.V_W_E.vector().norm(), 0);
+}
+
+TEST(Pipeline, TargetsThatDoNotFitAreRefusedWithAReason) {
+  Pipeline pipeline(example(), 1e-3);
+  const double good[3] = {0.25, 0.03, 0.06};
+  const double bad[3] = {0.25, std::nan(""), 0.06};
+  const double other_point[1][3] = {{0.1, 0, 0}};
+  const char* reason = "";
+  EXPECT_FALSE(pipeline.set_target(1, "pose", nullptr, 0, good, 3, reason));
+  EXPECT_STRNE(reason, "");
+  EXPECT_FALSE(pipeline.set_target(1, "point", nullptr, 0, good, 2, reason));
+  EXPECT_FALSE(pipeline.set_target(1, "point", nullptr, 0, bad, 3, reason));
+  EXPECT_FALSE(pipeline.set_target(1, "point", other_point, 1, good, 3, reason));
+  EXPECT_EQ(pipeline.target().revision, -1);
+  EXPECT_TRUE(pipeline.set_target(1, "point", nullptr, 0, good, 3, reason));
+}
+
+TEST(Pipeline, FaultIsLatchedUntilReset) {
+  Pipeline pipeline(example(), 1e-3);
+  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 10);
+  pipeline.fault("test");
+  pipeline.start();
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kFaulted);
+  run(pipeline, signals, 200);
+  EXPECT_EQ(pipeline.gate(1e-3).V_W_E.vector().norm(), 0);
+  pipeline.reset();
+  pipeline.start();
+  EXPECT_TRUE(pipeline.is_running());
+}
+
+}  // namespace
+}  // namespace palpate::component

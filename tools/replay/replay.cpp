@@ -1,0 +1,110 @@
+#include "tools/replay/replay.hpp"
+
+#include <unistd.h>
+#include <array>
+#include <cstring>
+#include <palpate/component_command_t.hpp>
+#include <stdexcept>
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::replay {
+namespace {
+
+constexpr std::int64_t kSession = 1;  // of a deterministic run
+
+/// What the daemon itself said on the control URL when the log was made; it says it anew.
+constexpr std::array<const char*, 4> kOwnChannels = {"CONTACTS", "ESTIMATE", "FEATURE",
+                                                     "TWIST_COMMAND"};
+
+bool is_own(const std::string& channel) {
+  for (const char* own : kOwnChannels) {
+    if (channel == own) return true;
+  }
+  return false;
+}
+
+std::uint64_t fnv1a(std::uint64_t hash, const std::vector<std::uint8_t>& data) {
+  for (const std::uint8_t byte : data) hash = (hash ^ byte) * 1099511628211ULL;
+  return hash;
+}
+
+void send_start(bus::MessageBus& bus) {
+  component_command_t command{};
+  command.session = kSession;
+  command.counter = 1;
+  daemon::put_text(command.slot, "all");
+  daemon::put_text(command.event, "start");
+  bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
+}
+
+/// Takes what was published since the last cycle into hash and output log.
+void collect(std::vector<bus::Published>& published, lcm::LogFile* output, ReplayResult& result) {
+  for (bus::Published& message : published) {
+    if (message.channel == "SHAPE") {
+      ++result.shapes;
+      result.shape_hash = fnv1a(result.shape_hash, message.data);
+    }
+    if (output == nullptr) continue;
+    lcm::LogEvent event{};
+    event.timestamp = message.time_ns / 1000;
+    event.channel = message.channel;
+    event.datalen = static_cast<int>(message.data.size());
+    event.data = message.data.data();
+    output->writeEvent(&event);
+  }
+  published.clear();
+}
+
+}  // namespace
+
+ReplayResult replay(const config::Node& configuration, const ReplayOptions& options) {
+  if (access(options.log.c_str(), R_OK) != 0) {
+    throw std::runtime_error(options.log + ": cannot be read");
+  }
+  lcm::LogFile log(options.log, "r");
+  if (!log.good()) throw std::runtime_error(options.log + ": is no LCM log");
+  const lcm::LogEvent* event = log.readNextEvent();
+  if (event == nullptr) throw std::runtime_error(options.log + ": holds no message");
+
+  const auto hub = bus::make_memory_hub();
+  const auto input = bus::make_memory_bus(hub);
+  const auto control = bus::make_memory_bus(hub);
+  // The daemon's housekeeping goes to the same hub: nobody subscribes to it there.
+  daemon::Daemon daemon(configuration, *control, *control, daemon::Mode::kDeterministic, kSession);
+  control->start();
+
+  std::unique_ptr<lcm::LogFile> output;
+  if (!options.output.empty()) {
+    output = std::make_unique<lcm::LogFile>(options.output, "w");
+    if (!output->good()) throw std::runtime_error(options.output + ": cannot be written");
+  }
+  ReplayResult result;
+  result.shape_hash = 14695981039346656037ULL;
+  std::vector<bus::Published> published;
+  const auto period_ns = static_cast<std::int64_t>(daemon.settings().loop.period * 1e9 + 0.5);
+  const std::int64_t first_us = event->timestamp;
+  std::int64_t now_ns = first_us * 1000;
+  bus::set_time(*hub, now_ns);
+  if (options.start) send_start(*input);
+
+  while (event != nullptr) {
+    bus::record(*hub, nullptr);
+    for (; event != nullptr && event->timestamp * 1000 <= now_ns; event = log.readNextEvent()) {
+      if (is_own(event->channel)) continue;
+      bus::set_time(*hub, event->timestamp * 1000);
+      input->publish(event->channel.c_str(), event->data, event->datalen);
+      ++result.messages;
+    }
+    bus::set_time(*hub, now_ns);
+    bus::record(*hub, &published);
+    daemon.tick({now_ns, now_ns / 1000, 0});
+    collect(published, output.get(), result);
+    ++result.cycles;
+    now_ns += period_ns;
+  }
+  result.duration = static_cast<double>(now_ns / 1000 - first_us) * 1e-6;
+  return result;
+}
+
+}  // namespace palpate::replay
