@@ -1,0 +1,66 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "tools/import/csv_reader.hpp"
+
+namespace palpate::import {
+
+/// Kinds of number that a field holds; each has units that a column may come in.
+enum class Dimension {
+  kForce,
+  kTorque,
+  kLength,
+  kAngle,
+  kSpeed,
+  kAngularSpeed,
+  kAcceleration,
+  kNone
+};
+
+/// Factor from `unit` to SI; throws std::invalid_argument with the units that exist.
+double unit_factor(Dimension dimension, const std::string& unit);
+
+/// One number of a message.
+struct Field {
+  std::string name;
+  Dimension dimension = Dimension::kNone;
+  bool required = false;
+};
+
+/// Message types that can be imported: force_torque, imu, robot_state, biotac.
+const std::vector<std::string>& format_names();
+/// Fields of a format; throws std::invalid_argument with the formats that exist.
+const std::vector<Field>& fields_of(const std::string& format);
+
+/// Where the fields of one format come from in one file. A field is described by "[-]column[:unit]"
+/// or "=constant" (in SI); one that is not described takes the column of its own name, in SI, if
+/// there is one.
+class FieldMapping {
+ public:
+  /// Throws CsvError or std::invalid_argument: unknown field, column or unit, or a required field
+  /// without a column.
+  FieldMapping(const std::string& format, const std::map<std::string, std::string>& described,
+               const CsvReader& csv);
+
+  /// Whether field `i` of fields_of(format) is there.
+  bool has(int i) const { return sources_[i].known; }
+  bool has_any(int first, int count) const;
+  /// Value of the current row in SI; 0 where the field is absent.
+  double value(const CsvReader& csv, int i) const;
+  /// Column of field `i`, -1 for a constant or an absent field.
+  int column(int i) const { return sources_[i].column; }
+
+ private:
+  struct Source {
+    bool known = false;
+    int column = -1;
+    double factor = 1;
+    double constant = 0;
+  };
+  std::vector<Source> sources_;
+};
+
+}  // namespace palpate::import

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rt/config/node.hpp"
+
+namespace palpate::import {
+
+/// One channel of the log to be written.
+struct Stream {
+  std::string channel;                         // [A-Z0-9_]+
+  std::string format;                          // see format_names()
+  std::map<std::string, std::string> columns;  // field -> "[-]column[:unit]" or "=constant"
+};
+
+struct ImportOptions {
+  std::string input;   // .csv, or the same compressed by gzip
+  std::string output;  // LCM log; written whole or not at all
+  std::vector<Stream> streams;
+  std::string time_column = "t";
+  std::string time_unit = "s";  // s, ms, us or ns
+  double rate = 0;              // Hz: above 0, rows are this far apart and time_column is not read
+  double start = 0;             // s, added to every time
+  std::int64_t session = 0;
+  /// Only rows whose text in a column equals this; empty: all.
+  std::map<std::string, std::string> where;
+};
+
+struct ImportSummary {
+  std::int64_t rows = 0;
+  std::int64_t first_utime = 0;
+  std::int64_t last_utime = 0;
+  std::map<std::string, std::int64_t> messages;  // by channel
+};
+
+/// One message a row and stream, with the row's time as utime and as time of the log's event.
+/// Throws CsvError, std::invalid_argument or std::runtime_error, and then leaves no file behind.
+ImportSummary import_csv(const ImportOptions& options);
+
+/// Streams of a recording whose columns are known: biotac_foam_bar (BIOTAC_0, and the force-torque
+/// truth as recorded on FT_TRUTH). Throws std::invalid_argument with the presets that exist.
+std::vector<Stream> preset_streams(const std::string& name);
+const std::vector<std::string>& preset_names();
+
+/// Reads keys time_column, time_unit, rate, start, where {column: text} and streams, a list of
+/// {channel, format, columns: {field: description}}, into `options`. Throws config::Error.
+void read_map(const config::Node& root, ImportOptions& options);
+
+}  // namespace palpate::import
