@@ -60,8 +60,8 @@ void abort_on_allocation(bool abort) noexcept {
 
 #if !PALPATE_SANITIZED
 
-// The C library's own entry points under their other names. Memory from them is freed by the C
-// library's free(), which is therefore left alone.
+// The C library's own entry points under their other names. free() is here only so that all memory
+// goes back to where it came from, even where a preloaded library has a free() of its own.
 extern "C" {
 
 void* __libc_malloc(std::size_t size);
@@ -69,6 +69,9 @@ void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void* __libc_valloc(std::size_t size);
+void __libc_free(void* block);
+
+void free(void* block) noexcept { __libc_free(block); }
 
 void* malloc(std::size_t size) noexcept {
   palpate::loop::count_allocation();
