@@ -1,0 +1,65 @@
+#pragma once
+
+#include <palpate/biotac_t.hpp>
+#include <palpate/component_command_t.hpp>
+#include <palpate/component_event_t.hpp>
+#include <palpate/config_t.hpp>
+#include <palpate/contacts_t.hpp>
+#include <palpate/estimate_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/hand_command_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/joint_velocity_command_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/picture_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_observation_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <palpate/sim_tick_t.hpp>
+#include <palpate/tick_done_t.hpp>
+#include <palpate/truth_contact_t.hpp>
+#include <palpate/twist_command_t.hpp>
+
+namespace palpate {
+
+/// Runs `visit` on a fresh message of every type without variable-length parts, in alphabetical
+/// order.
+template <typename Visit>
+void for_each_fixed_size_type(Visit visit) {
+  visit(biotac_t{});
+  visit(component_command_t{});
+  visit(component_event_t{});
+  visit(config_t{});
+  visit(contacts_t{});
+  visit(estimate_t{});
+  visit(feature_t{});
+  visit(ft_wrench_t{});
+  visit(hand_command_t{});
+  visit(hand_state_t{});
+  visit(health_t{});
+  visit(imu_t{});
+  visit(joint_velocity_command_t{});
+  visit(manual_force_t{});
+  visit(robot_state_t{});
+  visit(shape_observation_t{});
+  visit(shape_target_t{});
+  visit(sim_tick_t{});
+  visit(tick_done_t{});
+  visit(truth_contact_t{});
+  visit(twist_command_t{});
+}
+
+/// Same for the types that hold variable-length arrays, which only the daemon sends.
+template <typename Visit>
+void for_each_variable_size_type(Visit visit) {
+  visit(picture_t{});
+  visit(shape_mesh_t{});
+  visit(shape_t{});
+}
+
+}  // namespace palpate
