@@ -59,6 +59,16 @@ Mismatch read_mismatch(const std::filesystem::path& file, const std::string& lev
           overrides(file, node["daemon"], level, "daemon")};
 }
 
+std::vector<Method> read_methods(const std::filesystem::path& file) {
+  std::vector<Method> methods;
+  for (const auto& entry : load(file)) {
+    const std::string name = entry.first.Scalar();
+    methods.push_back({name, overrides(file, entry.second, name, "overrides")});
+  }
+  if (methods.empty()) throw config::Error(file.string() + ": names no method");
+  return methods;
+}
+
 std::vector<std::string> ControlTarget::daemon_overrides() const {
   std::string points;
   for (const Eigen::Vector3d& point : rest_points)

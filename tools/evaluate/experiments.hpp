@@ -18,6 +18,15 @@ struct Mismatch {
 /// Reads mismatch.yaml; throws config::Error, also where the level is unknown.
 Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level);
 
+/// A way of shape sensing: overrides for palpated.
+struct Method {
+  std::string name;
+  std::vector<std::string> overrides;
+};
+
+/// Reads methods.yaml, in its order; throws config::Error.
+std::vector<Method> read_methods(const std::filesystem::path& file);
+
 /// Where a feature of the shape shall go.
 struct ControlTarget {
   std::string name;

@@ -33,6 +33,26 @@ void score_end(FeatureScore& score) {
   score.rest_angle = angle / count;
 }
 
+/// The daemon's own view, of which the loop tells far more often than a plot can show.
+void add_estimate(FeatureScore& score, const std::vector<feature_t>& features,
+                  const shape_target_t& target) {
+  constexpr std::int64_t kPeriod = 10000;  // us
+  std::int64_t next = 0;
+  for (const feature_t& feature : features) {
+    if (feature.revision != target.revision || feature.error_count < 3) continue;
+    const Eigen::Map<const Eigen::VectorXd> error(feature.error, feature.error_count);
+    score.estimated_distance = error.head<3>().norm();
+    if (feature.utime < next) continue;
+    next = feature.utime + kPeriod;
+    FeatureErrorSample sample;
+    sample.time = static_cast<double>(feature.utime - target.utime) * 1e-6;
+    sample.position = Eigen::Map<const Eigen::Vector3d>(feature.value);
+    sample.distance = score.estimated_distance;
+    sample.angle = error.size() == 6 ? error.tail<3>().norm() : 0;
+    score.estimated.push_back(sample);
+  }
+}
+
 double path_length(const std::vector<FeatureErrorSample>& samples) {
   double path = 0;
   for (std::size_t i = 1; i < samples.size(); ++i)
@@ -101,11 +121,7 @@ std::optional<FeatureScore> score_feature(const RunLog& run) {
   score.within_1mm = time_to_stay_within(score.samples, 1e-3, 0.2 * kDegree);
   score.overshoot = overshoot(score.samples, score.target);
   score.path = path_length(score.samples);
-  for (auto last = run.features.rbegin(); last != run.features.rend(); ++last) {
-    if (last->revision != message.revision || last->error_count < 3) continue;
-    score.estimated_distance = Eigen::Map<const Eigen::Vector3d>(last->error).norm();
-    break;
-  }
+  add_estimate(score, run.features, message);
   return score;
 }
 

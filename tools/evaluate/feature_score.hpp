@@ -29,14 +29,15 @@ struct FeatureScore {
   std::string kind;
   Eigen::Vector3d target = Eigen::Vector3d::Zero();  // m, in O
   std::vector<FeatureErrorSample> samples;
-  double start_distance = 0;         // m
-  double rest_distance = 0;          // m, mean over the last half second
-  double rest_angle = 0;             // rad
-  double estimated_distance = 0;     // m, what the daemon takes it to be at the end
-  std::optional<double> within_5mm;  // s, and 1 degree where the feature has an angle
-  std::optional<double> within_1mm;  // s, and 0.2 degree
-  double overshoot = 0;              // fraction
-  double path = 0;                   // m, length of the way that the feature took
+  std::vector<FeatureErrorSample> estimated;  // the same as the daemon saw it, 100 Hz
+  double start_distance = 0;                  // m
+  double rest_distance = 0;                   // m, mean over the last half second
+  double rest_angle = 0;                      // rad
+  double estimated_distance = 0;              // m, what the daemon took it to be at the end
+  std::optional<double> within_5mm;           // s, and 1 degree where the feature has an angle
+  std::optional<double> within_1mm;           // s, and 0.2 degree
+  double overshoot = 0;                       // fraction
+  double path = 0;                            // m, length of the way that the feature took
 };
 
 /// Scores the last target in the log on the plant. Kinds `point` (the mean of its rest points) and

@@ -52,8 +52,10 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
         name, std::vector<std::string>{"lcm-logger", "--quiet", "--force", "--lcm-url=" + url, log},
         folder / (name + ".txt"));
   };
-  logger("logger_control", urls.control, files_.control);
-  logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
+  if (plan.recorded) {
+    logger("logger_control", urls.control, files_.control);
+    logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
+  }
   const std::string palpated = (program_folder() / "palpated").string();
   daemon_ = std::make_unique<Process>(
       "palpated", with_settings({palpated, plan.configuration.string()}, plan.overrides, urls),

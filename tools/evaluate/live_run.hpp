@@ -35,7 +35,8 @@ struct RunPlan {
   std::vector<std::string> overrides;
   double duration = 10;  // s from the start of the daemon's activity, at most
   std::optional<ControlTarget> target;
-  double settled = 3;  // s after which a run with a target ends early, once at rest
+  double settled = 3;    // s after which a run with a target ends early, once at rest
+  bool recorded = true;  // by one logger a URL
 };
 
 struct RunFiles {

@@ -1,1 +1,120 @@
-int main() { return 0; }
+// palpate-evaluate: runs, records and scores palpate. See --help.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
+#include "rt/config/node.hpp"
+#include "tools/evaluate/demo.hpp"
+#include "tools/evaluate/interruption.hpp"
+#include "tools/evaluate/payload.hpp"
+#include "tools/evaluate/score.hpp"
+#include "tools/evaluate/soak.hpp"
+
+namespace {
+
+using namespace palpate::evaluate;
+
+constexpr int kInterrupted = 130;
+
+std::string default_data(const std::string& root) {
+  if (const char* folder = std::getenv("PALPATE_DATA")) return folder;
+  return root + "/../shared/data";
+}
+
+int run(CLI::App& app, int argc, char** argv) {
+  std::string root = PALPATE_SOURCE_DIR;
+  std::string json;
+  app.require_subcommand(1);
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.add_option("--root", root, "source tree with scenes and configurations")
+      ->capture_default_str();
+  app.fallthrough();
+
+  DemoOptions demo;
+  std::string data;
+  CLI::App* demo_command = app.add_subcommand(
+      "demo",
+      "simulator and daemon through the applications of the thesis; table, plots, pictures");
+  demo_command->add_option("--output", demo.output, "folder for everything that it writes")
+      ->required();
+  demo_command->add_option("--data", data, "recordings (default: PALPATE_DATA or ../shared/data)");
+  demo_command->add_option("--stages", demo.stages, "which stages")
+      ->check(CLI::IsMember({"sensing", "control", "recording"}))
+      ->capture_default_str();
+  demo_command->add_option("--json", json, "write the summary to this file too");
+
+  SoakOptions soak;
+  soak.output = "out/soak";
+  CLI::App* soak_command =
+      app.add_subcommand("soak", "daemon beside simulator for long: memory, overruns, latency");
+  soak_command->add_option("--minutes", soak.minutes)
+      ->check(CLI::Range(0.5, 1e4))
+      ->capture_default_str();
+  soak_command->add_option("--output", soak.output, "folder for what the programs print")
+      ->capture_default_str();
+  soak_command->add_option("--json", json, "write the result to this file");
+
+  ScoreOptions score;
+  CLI::App* score_command = app.add_subcommand("score", "scores recorded logs of a simulated run");
+  score_command->add_option("--control", score.control, "log of the control URL")
+      ->required()
+      ->check(CLI::ExistingFile);
+  score_command->add_option("--housekeeping", score.housekeeping, "log of the housekeeping URL")
+      ->required()
+      ->check(CLI::ExistingFile);
+  score_command
+      ->add_option("--config", score.configuration,
+                   "configuration of palpated: commands are checked against its gate")
+      ->check(CLI::ExistingFile);
+  score_command->add_option("--json", json, "write the result to this file");
+
+  PayloadOptions payload;
+  CLI::App* payload_command =
+      app.add_subcommand("payload", "identifies the payload of recorded arms; residual forces");
+  payload_command->add_option("--data", data, "recordings (default as for demo)");
+  payload_command->add_option("--json", json, "write the result to this file");
+
+  CLI11_PARSE(app, argc, argv);
+  if (data.empty()) data = default_data(root);
+  if (demo_command->parsed()) {
+    demo.root = root;
+    demo.data = data;
+    demo.json = json;
+    return run_demo(demo);
+  }
+  if (soak_command->parsed()) {
+    soak.root = root;
+    soak.json = json;
+    return run_soak(soak);
+  }
+  if (payload_command->parsed()) {
+    payload.data = data;
+    payload.json = json;
+    return run_payload(payload, std::cout);
+  }
+  score.json = json;
+  return run_score(score);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "palpate-evaluate runs palpated against the simulator or a recording and scores it on the "
+      "truth.\nExit codes: 0 all passed, 1 a run failed or missed its figure, 78 wrong "
+      "configuration, 130 interrupted.");
+  try {
+    return run(app, argc, argv);
+  } catch (const Interrupted&) {
+    std::fprintf(stderr, "\ninterrupted; every program has been stopped\n");
+    return kInterrupted;
+  } catch (const palpate::config::Error& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return palpate::config::kExitCode;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

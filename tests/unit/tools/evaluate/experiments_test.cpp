@@ -1,0 +1,82 @@
+#include "tools/evaluate/experiments.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "core/math/rigid.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+const std::filesystem::path kFolder = std::filesystem::path(PALPATE_SOURCE_DIR) / "tools/evaluate";
+
+/// The value that an override gives to a key, as palpated would read it.
+config::Node settings(const std::vector<std::string>& overrides) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "palpate_empty.yaml";
+  std::fclose(std::fopen(file.c_str(), "w"));
+  return config::Node::load_file(file, overrides);
+}
+
+TEST(Mismatch, NoneChangesNothing) {
+  const Mismatch none = read_mismatch(kFolder / "mismatch.yaml", "none");
+  EXPECT_TRUE(none.scene.empty());
+  EXPECT_TRUE(none.daemon.empty());
+}
+
+TEST(Mismatch, AllIsAsLargeAsItSays) {
+  const Mismatch all = read_mismatch(kFolder / "mismatch.yaml", "all");
+  const config::Node scene = settings(all.scene);
+  const config::Node sensors = scene.child("sensors");
+  const math::Pose error = sensors.pose("kinematics_error");
+  EXPECT_NEAR(error.translation().norm(), 1e-3, 1e-5);
+  EXPECT_NEAR(math::log_rotation(error.linear()).norm() * 180 / M_PI, 0.5, 5e-3);
+  const std::vector<double> bias = sensors.child("force_torque").numbers("bias", 6);
+  EXPECT_NEAR(std::hypot(bias[0], bias[1], bias[2]), 0.05, 1e-4);
+  const config::Node material = settings(all.daemon).child("object").child("material");
+  const config::Node exact = config::Node::load_file(std::string(PALPATE_SOURCE_DIR) +
+                                                     "/rt/config/examples/bar_long_soft.yaml")
+                                 .child("object")
+                                 .child("material");
+  EXPECT_NEAR(material.number("young_modulus", {}) / exact.number("young_modulus", {}), 1.3, 1e-9);
+  EXPECT_NEAR(std::abs(material.number("poisson_ratio", {}) - exact.number("poisson_ratio", {})),
+              0.15, 1e-9);
+}
+
+TEST(Mismatch, UnknownLevelNamesTheKnownOnes) {
+  try {
+    read_mismatch(kFolder / "mismatch.yaml", "some");
+    FAIL();
+  } catch (const config::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("none, all"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Targets, AreTheRestFeatureDisplaced) {
+  const std::vector<ControlTarget> targets = read_targets(kFolder / "targets.yaml");
+  ASSERT_FALSE(targets.empty());
+  for (const ControlTarget& target : targets) {
+    Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& point : target.rest_points)
+      centre += point / static_cast<double>(target.rest_points.size());
+    EXPECT_LT((target.values.head<3>() - centre - target.displacement).norm(), 1e-12)
+        << target.name;
+    ASSERT_EQ(target.values.size(), target.kind == "pose" ? 7 : 3);
+    if (target.kind != "pose") continue;
+    EXPECT_TRUE(math::is_unit_quaternion(target.values.data() + 3));
+  }
+}
+
+TEST(Targets, OverridesPutTheFeatureIntoItsSlot) {
+  ControlTarget target;
+  target.kind = "point";
+  target.rest_points = {{0.25, 0.03, 0.06}};
+  const config::Node feature = settings(target.daemon_overrides()).child("feature");
+  EXPECT_EQ(feature.text("component"), "point");
+  EXPECT_EQ(feature.points("rest_points").at(0), target.rest_points[0]);
+}
+
+}  // namespace
+}  // namespace palpate::evaluate

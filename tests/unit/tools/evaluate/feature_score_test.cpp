@@ -1,0 +1,98 @@
+#include "tools/evaluate/feature_score.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "core/math/rigid.hpp"
+#include "tests/unit/tools/evaluate/synthetic_run.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+FeatureErrorSample at(double time, double x) {
+  FeatureErrorSample sample;
+  sample.time = time;
+  sample.position = {x, 0, 0};
+  sample.distance = std::abs(0.1 - x);
+  return sample;
+}
+
+TEST(FeatureScore, TimeIsThatOfTheLastEntryIntoTheBand) {
+  const std::vector<FeatureErrorSample> samples{at(0, 0), at(1, 0.098), at(2, 0.11), at(3, 0.102),
+                                                at(4, 0.099)};
+  EXPECT_EQ(time_to_stay_within(samples, 5e-3, 1), 3.0);
+  EXPECT_EQ(time_to_stay_within(samples, 1.5e-3, 1), 4.0);
+  EXPECT_EQ(time_to_stay_within(samples, 0.5e-3, 1), std::nullopt);
+}
+
+TEST(FeatureScore, AnAngleOutsideItsBandCountsToo) {
+  std::vector<FeatureErrorSample> samples{at(0, 0.1), at(1, 0.1), at(2, 0.1)};
+  samples[1].angle = 0.1;
+  EXPECT_EQ(time_to_stay_within(samples, 5e-3, 0.05), 2.0);
+}
+
+TEST(FeatureScore, OvershootIsAPartOfTheWay) {
+  const std::vector<FeatureErrorSample> samples{at(0, 0), at(1, 0.12), at(2, 0.1)};
+  EXPECT_NEAR(overshoot(samples, {0.1, 0, 0}), 0.2, 1e-12);
+  EXPECT_EQ(overshoot({at(0, 0), at(1, 0.09)}, {0.1, 0, 0}), 0.0);
+}
+
+shape_target_t target_of(const char* kind, const std::vector<Eigen::Vector3d>& points,
+                         const std::vector<double>& values, double time) {
+  shape_target_t target = {};
+  target.utime = static_cast<std::int64_t>(time * 1e6);
+  target.revision = 1;
+  std::strcpy(reinterpret_cast<char*>(target.kind), kind);
+  target.point_count = static_cast<int>(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) target.rest_points[i][axis] = points[i][axis];
+  target.value_count = static_cast<int>(values.size());
+  for (std::size_t i = 0; i < values.size(); ++i) target.values[i] = values[i];
+  return target;
+}
+
+TEST(FeatureScore, PointFollowsThePlantAndNotTheEstimate) {
+  // The plant approaches 0.1 m with a time constant of 1 s from t = 1 s on; the estimate stands
+  // still.
+  const auto truth = [](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
+    return p + Eigen::Vector3d(0, 0, t < 1 ? 0 : 0.1 * (1 - std::exp(1 - t)));
+  };
+  const auto estimate = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d { return p; };
+  RunLog run = synthetic_run(truth, estimate, 9);
+  const Eigen::Vector3d point(0.13, 0.04, 0.2);
+  run.targets.push_back(target_of("point", {point}, {0.13, 0.04, 0.3}, 1));
+  run.targets.push_back(target_of("point", {point}, {0.13, 0.04, 0.3}, 1.5));
+  const auto score = score_feature(run);
+  ASSERT_TRUE(score);
+  EXPECT_NEAR(score->start_distance, 0.1, 1e-6);
+  ASSERT_TRUE(score->within_5mm && score->within_1mm);
+  EXPECT_NEAR(*score->within_5mm, std::log(20.0), 0.011);
+  EXPECT_NEAR(*score->within_1mm, std::log(100.0), 0.011);
+  EXPECT_NEAR(score->path, 0.1, 1e-3);
+  EXPECT_EQ(score->overshoot, 0);
+}
+
+TEST(FeatureScore, PoseErrorHasItsAngle) {
+  const double angle = 0.03;
+  const auto truth = [angle](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
+    return math::exp_rotation(Eigen::Vector3d(0, 0, angle)) * p;
+  };
+  RunLog run = synthetic_run(truth, truth, 1);
+  const std::vector<Eigen::Vector3d> points{{0.1, 0, 0}, {0.3, 0, 0}, {0.1, 0.1, 0}};
+  // At rest: x along the bar, z up.
+  run.targets.push_back(target_of("pose", points, {0.5 / 3, 0.1 / 3, 0, 1, 0, 0, 0}, 0));
+  const auto score = score_feature(run);
+  ASSERT_TRUE(score);
+  EXPECT_NEAR(score->rest_angle, angle, 1e-6);
+  EXPECT_NEAR(score->rest_distance, 2 * std::sin(angle / 2) * std::hypot(0.5 / 3, 0.1 / 3), 1e-6);
+  EXPECT_FALSE(score->within_5mm);
+}
+
+TEST(FeatureScore, NoTargetNoScore) {
+  const auto rest = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d { return p; };
+  EXPECT_FALSE(score_feature(synthetic_run(rest, rest, 1)));
+}
+
+}  // namespace
+}  // namespace palpate::evaluate

@@ -1,0 +1,55 @@
+#include "tools/evaluate/score.hpp"
+
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "rt/component/registry.hpp"
+#include "rt/config/node.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+void check_limits(ScoredRun& scored, const RunLog& log, const Gate& gate) {
+  scored.commands = check_commands(log, gate.limits, gate.period);
+  const CommandScore& commands = *scored.commands;
+  if (commands.violations > 0)
+    scored.missed.push_back(std::to_string(commands.violations) + " of " +
+                            std::to_string(commands.commands) +
+                            " commands are beyond the gate's limits");
+  if (commands.outside_workspace > 0) scored.missed.push_back("the hand left the workspace");
+}
+
+}  // namespace
+
+Gate gate_of(const std::filesystem::path& configuration,
+             const std::vector<std::string>& overrides) {
+  const config::Node root = config::Node::load_file(configuration.string(), overrides);
+  const double period_ms = root.child_or_empty("loop").number("period_ms", {0.25, 100}, 1.0);
+  return {component::read_gate_limits(root), period_ms * 1e-3};
+}
+
+Gate gate_of(const RunPlan& plan) { return gate_of(plan.configuration, plan.overrides); }
+
+void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate) {
+  scored.shape = score_shape(log);
+  scored.feature = score_feature(log);
+  scored.loop = score_loop(log);
+  if (scored.loop->faulted) scored.missed.push_back("palpated was faulted: " + scored.loop->reason);
+  check_limits(scored, log, gate);
+}
+
+int run_score(const ScoreOptions& options) {
+  const RunLog log = read_run(options.control, options.housekeeping);
+  ScoredRun scored;
+  scored.stage = "score";
+  scored.name = options.control.filename().string();
+  scored.shape = score_shape(log);
+  scored.feature = score_feature(log);
+  scored.loop = score_loop(log);
+  if (!options.configuration.empty()) check_limits(scored, log, gate_of(options.configuration, {}));
+  print_report({scored}, std::cout);
+  if (!options.json.empty()) write_json(to_json(scored), options.json);
+  return scored.missed.empty() ? 0 : 1;
+}
+
+}  // namespace palpate::evaluate

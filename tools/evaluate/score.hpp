@@ -1,0 +1,32 @@
+#pragma once
+
+#include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/report.hpp"
+
+namespace palpate::evaluate {
+
+/// What a run's commands are held against.
+struct Gate {
+  control::GateLimits limits;
+  double period = 1e-3;  // s, of the daemon's loop
+};
+
+/// From the configuration with its overrides, as palpated reads it. Throws config::Error.
+Gate gate_of(const RunPlan& plan);
+Gate gate_of(const std::filesystem::path& configuration, const std::vector<std::string>& overrides);
+
+/// Adds every score that the log gives: shape, feature, loop, commands. Commands beyond the gate's
+/// limits and a fault are entered as missed. Throws std::runtime_error where something lacks.
+void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate);
+
+struct ScoreOptions {
+  std::filesystem::path control;
+  std::filesystem::path housekeeping;
+  std::filesystem::path configuration;  // of palpated; empty: commands are not checked
+  std::filesystem::path json;           // empty: none
+};
+
+/// Scores recorded logs and prints the table; the exit code.
+int run_score(const ScoreOptions& options);
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,66 @@
+// Shape control of the long soft bar: one live run a target and level of model error.
+
+#include "tools/evaluate/demo.hpp"
+#include "tools/evaluate/interruption.hpp"
+#include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/score.hpp"
+#include "tools/evaluate/shape_drawing.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
+constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kLevels[] = {"none", "all"};
+constexpr double kLongest = 20;  // s, in which a target has to be reached
+
+ScoredRun run_target(Demo& demo, const ControlTarget& target, const Mismatch& mismatch) {
+  ScoredRun scored;
+  scored.stage = "shape control, bar_long soft";
+  scored.name = target.name;
+  scored.mismatch = mismatch.name;
+  RunPlan plan;
+  plan.name = "control " + target.name + " " + mismatch.name;
+  plan.source = {demo.file(kScene), mismatch.scene, {}};
+  plan.configuration = demo.file(kConfiguration);
+  plan.overrides = mismatch.daemon;
+  for (const std::string& setting : target.daemon_overrides()) plan.overrides.push_back(setting);
+  plan.duration = kLongest;
+  plan.target = target;
+  Progress progress(++demo.begun, demo.runs, target.name + ", model error " + mismatch.name);
+  try {
+    const RunFiles files = run_live(plan, demo.log_folder(plan.name), progress);
+    const RunLog log = read_run(files.control, files.housekeeping);
+    score_into(scored, log, gate_of(plan));
+    // Under model error the figure is reported, not judged.
+    if (!scored.feature) throw RunFailed("the log holds no target");
+    if (mismatch.name == "none" && !scored.feature->within_5mm)
+      scored.missed.push_back(
+          "the plant's feature did not come to stay within 5 mm (and 1 degree)");
+    draw_control(demo, scored, log, target);
+    progress.finish(scored.missed.empty());
+  } catch (const Interrupted&) {
+    throw;
+  } catch (const std::exception& error) {
+    scored.failure = error.what();
+  }
+  return scored;
+}
+
+}  // namespace
+
+int count_control(const Demo& demo) {
+  const auto targets = read_targets(demo.file("tools/evaluate/targets.yaml"));
+  return static_cast<int>(targets.size() * std::size(kLevels));
+}
+
+void run_control(Demo& demo) {
+  const auto targets = read_targets(demo.file("tools/evaluate/targets.yaml"));
+  for (const char* level : kLevels) {
+    const Mismatch mismatch = read_mismatch(demo.file("tools/evaluate/mismatch.yaml"), level);
+    for (const ControlTarget& target : targets)
+      demo.scored.push_back(run_target(demo, target, mismatch));
+  }
+}
+
+}  // namespace palpate::evaluate
