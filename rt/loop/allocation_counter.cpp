@@ -64,12 +64,14 @@ void abort_on_allocation(bool abort) noexcept {
 // goes back to where it came from, even where a preloaded library has a free() of its own.
 extern "C" {
 
+// NOLINTBEGIN(bugprone-reserved-identifier): these are the C library's names.
 void* __libc_malloc(std::size_t size);
 void* __libc_calloc(std::size_t count, std::size_t size);
 void* __libc_realloc(void* block, std::size_t size);
 void* __libc_memalign(std::size_t alignment, std::size_t size);
 void* __libc_valloc(std::size_t size);
 void __libc_free(void* block);
+// NOLINTEND(bugprone-reserved-identifier)
 
 void free(void* block) noexcept { __libc_free(block); }
 

@@ -2,10 +2,17 @@
 
 #include <gtest/gtest.h>
 #include <sched.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
+#include <chrono>
+#include <cstdlib>
+#include <limits>
 #include <thread>
 #include <vector>
 
+#include "rt/loop/allocation_counter.hpp"
+#include "rt/loop/real_time.hpp"
 #include "rt/loop/sanitizer.hpp"
 
 namespace palpate::loop {
@@ -87,6 +94,28 @@ TEST(FixedRateLoop, WhatIsGrantedHoldsForTheCallingThread) {
     // A thread that a real-time thread starts is an ordinary one.
     std::thread([] { EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER); }).join();
   }).join();
+}
+
+TEST(FixedRateLoop, LockedAndPrefaultedMemoryFaultsNoMore) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer maps more than can be locked";
+  // In a child, since what is locked stays locked.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (!lock_and_prefault_memory().empty()) _exit(77);
+    const std::int64_t before = page_faults_of_this_thread();
+    volatile char stack[100'000];
+    stack[0] = stack[sizeof(stack) - 1] = 1;
+    constexpr std::size_t kSize = 4 << 20;
+    auto* heap = static_cast<volatile char*>(std::malloc(kSize));
+    for (std::size_t i = 0; i < kSize; i += 1024) heap[i] = 1;
+    _exit(page_faults_of_this_thread() == before ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
+    GTEST_SKIP() << "locking memory is not granted here";
+  EXPECT_EQ(status, 0);
 }
 
 TEST(FixedRateLoop, RefusesAPeriodOutOfRange) {
