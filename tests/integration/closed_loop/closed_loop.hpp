@@ -1,0 +1,106 @@
+#pragma once
+
+#include <gtest/gtest.h>
+
+#include <cstring>
+#include <memory>
+#include <palpate/component_command_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <palpate/twist_command_t.hpp>
+
+#include "rt/daemon/daemon.hpp"
+#include "rt/daemon/text.hpp"
+#include "sim/scenes/simulation.hpp"
+#include "tests/support/recordings.hpp"
+
+namespace palpate {
+
+/// Simulator and daemon in one process over the in-memory bus, in virtual time: the same classes as
+/// in palpate-sim and palpated.
+class ClosedLoop {
+ public:
+  ClosedLoop(const std::string& scene, const std::string& configuration,
+             const std::vector<std::string>& scene_overrides = {},
+             const std::vector<std::string>& daemon_overrides = {})
+      : hub_(bus::make_memory_hub()),
+        sim_bus_(bus::make_memory_bus(hub_)),
+        daemon_bus_(bus::make_memory_bus(hub_)),
+        user_bus_(bus::make_memory_bus(hub_)),
+        simulation_(config::Node::load_file(source(scene), scene_overrides), *sim_bus_, *sim_bus_),
+        daemon_(config::Node::load_file(source(configuration), daemon_overrides), *daemon_bus_,
+                *daemon_bus_, daemon::Mode::kDeterministic, 1),
+        commands_(*user_bus_, "COMPONENT_COMMAND"),
+        targets_(*user_bus_, "SHAPE_TARGET"),
+        twists_(*user_bus_, "TWIST_COMMAND", 16) {}
+
+  /// Advances both; `each` is called after every millisecond.
+  template <class F>
+  void run(double seconds, F&& each) {
+    for (int i = 0; i < static_cast<int>(seconds * 1000); ++i) {
+      const std::int64_t now_ns = simulation_.tick() * 1'000'000;
+      bus::set_time(*hub_, now_ns);
+      simulation_.step();
+      daemon_.tick({now_ns, now_ns / 1000, 0});
+      each();
+    }
+  }
+  void run(double seconds) {
+    run(seconds, [] {});
+  }
+
+  void send_event(const char* event) {
+    component_command_t message{};
+    message.session = 1;
+    message.counter = ++counter_;
+    daemon::put_text(message.slot, "all");
+    daemon::put_text(message.event, event);
+    commands_.publish(message);
+  }
+
+  void send_target(const char* kind, const Eigen::VectorXd& value) {
+    shape_target_t message{};
+    message.session = 1;
+    message.revision = ++revision_;
+    message.chunks = 1;
+    daemon::put_text(message.kind, kind);
+    message.value_count = static_cast<int>(value.size());
+    std::copy_n(value.data(), value.size(), message.values);
+    targets_.publish(message);
+  }
+
+  /// True positions of the estimator's corner nodes: 3 x n in O.
+  Eigen::Matrix3Xd truth() {
+    const Eigen::Matrix3Xd& rest = daemon_.pipeline().object().corners.nodes;
+    Eigen::Matrix3Xd positions(3, rest.cols());
+    for (int i = 0; i < rest.cols(); ++i) {
+      positions.col(i) = simulation_.plant().position_at(rest.col(i));
+    }
+    return positions;
+  }
+  /// Distance of estimate and truth at every corner node, m.
+  Eigen::VectorXd shape_error() {
+    const Eigen::Matrix3Xd x = truth();
+    return (daemon_.pipeline().model().positions().leftCols(x.cols()) - x).colwise().norm();
+  }
+
+  scenes::Simulation& simulation() { return simulation_; }
+  daemon::Daemon& daemon() { return daemon_; }
+  bus::TypedSubscription<twist_command_t>& twists() { return twists_; }
+
+ private:
+  static std::string source(const std::string& path) {
+    return std::string(PALPATE_SOURCE_DIR) + "/" + path;
+  }
+
+  std::shared_ptr<bus::MemoryHub> hub_;
+  std::unique_ptr<bus::MessageBus> sim_bus_, daemon_bus_, user_bus_;
+  scenes::Simulation simulation_;
+  daemon::Daemon daemon_;
+  bus::TypedPublisher<component_command_t> commands_;
+  bus::TypedPublisher<shape_target_t> targets_;
+  bus::TypedSubscription<twist_command_t> twists_;
+  std::int64_t counter_ = 0;
+  std::int32_t revision_ = 0;
+};
+
+}  // namespace palpate
