@@ -29,13 +29,13 @@ void append(std::vector<float>& values, const Colour& c) {
 /// Key light from the upper left, fill light from the right, both fixed to the camera, so that
 /// whatever is looked at is well lit. Eye frame of OpenGL: y up, z towards the viewer.
 void set_lights(const OsMesa& gl) {
-  const float key_direction[4] = {-0.4F, 0.7F, 0.8F, 0};
-  const float key[4] = {0.62F, 0.61F, 0.59F, 1};
+  const float key_direction[4] = {-0.35F, 0.45F, 1, 0};
+  const float key[4] = {0.6F, 0.59F, 0.57F, 1};
   const float shine[4] = {0.18F, 0.18F, 0.18F, 1};
   const float fill_direction[4] = {0.9F, 0.1F, 0.5F, 0};
   const float fill[4] = {0.24F, 0.25F, 0.28F, 1};
   const float none[4] = {0, 0, 0, 1};
-  const float ambient[4] = {0.3F, 0.3F, 0.31F, 1};
+  const float ambient[4] = {0.36F, 0.36F, 0.37F, 1};
   gl.light(GL_LIGHT0, GL_POSITION, key_direction);
   gl.light(GL_LIGHT0, GL_DIFFUSE, key);
   gl.light(GL_LIGHT0, GL_SPECULAR, shine);
