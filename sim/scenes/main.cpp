@@ -1,1 +1,166 @@
-int main() { return 0; }
+// palpate-sim: arm, hand, soft object and sensors, on the channels of real hardware.
+
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "rt/bus/instance_lock.hpp"
+#include "sim/scenes/lock_step.hpp"
+#include "sim/scenes/real_time_pacer.hpp"
+#include "sim/scenes/simulation.hpp"
+
+namespace {
+
+namespace bus = palpate::bus;
+using palpate::scenes::LockStep;
+using palpate::scenes::RealTimePacer;
+using palpate::scenes::Simulation;
+using Clock = std::chrono::steady_clock;
+
+std::atomic<bool> stop{false};
+static_assert(std::atomic<bool>::is_always_lock_free);
+
+struct Options {
+  std::string scene;
+  std::vector<std::string> overrides;
+  std::string json;
+  double duration = 0;  // s, 0: until a signal
+  bool fast = false;
+};
+
+std::int64_t wall_clock_us() {
+  using namespace std::chrono;
+  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
+}
+
+nlohmann::json run_real_time(Simulation& simulation, std::int64_t ticks) {
+  RealTimePacer pacer(1000 * Simulation::kPeriodUs);
+  while (!stop && simulation.tick() < ticks) {
+    pacer.wait();
+    simulation.step();
+  }
+  return {{"mode", "real time"},
+          {"overruns", pacer.overruns()},
+          {"worst_lateness_ms", 1e-6 * pacer.worst_lateness_ns()},
+          {"time_lost_ms", 1e-6 * pacer.lost_ns()}};
+}
+
+nlohmann::json run_fast(Simulation& simulation, LockStep& lock_step, std::int64_t ticks) {
+  while (!stop && simulation.tick() < ticks) {
+    simulation.step();
+    const LockStep::Answer answer =
+        lock_step.exchange(simulation.tick(), Simulation::kPeriodUs, simulation.utime(), stop);
+    if (answer == LockStep::Answer::kNone)
+      throw std::runtime_error("no answer to SIM_TICK " + std::to_string(simulation.tick()) +
+                               " for 5 s: is palpated running with --stepped on " +
+                               simulation.scene().bus.control + "?");
+  }
+  return {{"mode", "lock-step"}, {"ticks_sent_again", lock_step.repeats()}};
+}
+
+void report(const Simulation& simulation, const nlohmann::json& result) {
+  std::printf("simulated %.3f s in %.3f s, real-time factor %.3f",
+              result["simulated_s"].get<double>(), result["wall_s"].get<double>(),
+              result["real_time_factor"].get<double>());
+  if (result.contains("overruns"))
+    std::printf(", %lld overruns, at most %.1f ms late, %.1f ms lost",
+                result["overruns"].get<long long>(), result["worst_lateness_ms"].get<double>(),
+                result["time_lost_ms"].get<double>());
+  std::printf("\ncommands: %lld accepted, %lld rejected\n",
+              static_cast<long long>(simulation.commands().accepted()),
+              static_cast<long long>(simulation.commands().rejected()));
+}
+
+int run(const Options& options) {
+  const auto node = palpate::config::Node::load_file(options.scene, options.overrides);
+  const palpate::scenes::BusUrls urls = palpate::scenes::read_scene(node).bus;
+  const bus::InstanceLock lock(urls.control, "palpate-sim");
+  const auto control = bus::make_lcm_bus(urls.control);
+  const auto housekeeping = bus::make_lcm_bus(urls.housekeeping);
+  const palpate::scenes::Origin origin{bus::random_session(), wall_clock_us()};
+  Simulation simulation(node, *control, *housekeeping, origin);
+  LockStep lock_step(*control, origin.session);
+  control->start();
+  housekeeping->start();
+  spdlog::info("palpate-sim {}: {} nodes, {} substeps at rest, {}", PALPATE_VERSION,
+               simulation.plant().positions().cols(),
+               std::ceil(Simulation::kPeriod / simulation.plant().critical_step()),
+               simulation.scene().motion ? "moves by itself" : "obeys commands");
+  if (simulation.scene().motion)
+    spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
+
+  const auto begin = Clock::now();
+  const std::int64_t ticks = options.duration > 0
+                                 ? std::llround(options.duration / Simulation::kPeriod)
+                                 : std::numeric_limits<std::int64_t>::max();
+  nlohmann::json result =
+      options.fast ? run_fast(simulation, lock_step, ticks) : run_real_time(simulation, ticks);
+  const double wall = std::chrono::duration<double>(Clock::now() - begin).count();
+  control->stop();
+  housekeeping->stop();
+
+  result["version"] = PALPATE_VERSION;
+  result["scene"] = options.scene;
+  result["ticks"] = simulation.tick();
+  result["simulated_s"] = simulation.time();
+  result["wall_s"] = wall;
+  result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
+  result["commands_accepted"] = simulation.commands().accepted();
+  result["commands_rejected"] = simulation.commands().rejected();
+  report(simulation, result);
+  if (!options.json.empty()) {
+    std::ofstream file(options.json);
+    file << result.dump(2) << '\n';
+    if (!file) throw std::runtime_error(options.json + ": cannot be written");
+  }
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "palpate-sim simulates arm, hand, soft object and sensors, and speaks the channels that "
+      "real\n"
+      "hardware would.\n"
+      "Exit codes: 0 ended by a signal or after --duration, 1 run-time error, 78 wrong scene.");
+  Options options;
+  app.add_option("scene", options.scene, "YAML file, see sim/scenes")->required();
+  app.add_option("--set", options.overrides,
+                 "override a key: path.to.key=value (repeatable), e.g. "
+                 "object.material.young_modulus=60e3")
+      ->allow_extra_args(false);
+  app.add_flag("--fast", options.fast,
+               "as fast as it goes, tick by tick with a daemon that runs with --stepped");
+  app.add_option("--duration", options.duration, "simulated seconds; without it until a signal")
+      ->check(CLI::PositiveNumber);
+  app.add_option("--json", options.json, "write the summary to this file at the end");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  CLI11_PARSE(app, argc, argv);
+
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop = true; };
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  try {
+    return run(options);
+  } catch (const palpate::config::Error& error) {
+    spdlog::error("{}", error.what());
+    return palpate::config::kExitCode;
+  } catch (const std::exception& error) {
+    spdlog::error("{}", error.what());
+    return 1;
+  }
+}
