@@ -51,21 +51,25 @@ PayloadParameters payload_from_vector(const PayloadVector& vector) noexcept;
 /// Names of the entries of PayloadVector, for messages.
 const char* payload_parameter_name(int index) noexcept;
 
-/// A reading at rest.
+/// A reading at rest. `time` (any unit) matters only where the bias drifts.
 struct StaticPose {
   Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();
   math::Wrench F_S;
+  double time = 0;
 };
 
 /// A reading in motion.
 struct MotionSample {
   LoadMotion motion;
   math::Wrench F_S;
+  double time = 0;
 };
 
 struct IdentificationOptions {
   /// Down-weights outlying readings (Huber, 1.345 robust standard deviations).
   bool robust = false;
+  /// Lets the bias change in proportion to time, as that of a sensor that warms up does.
+  bool bias_drifts = false;
   /// Combinations of parameters that the data excite less than the best one by more than this
   /// factor (unit columns) are not told apart: they are left at the smallest value and named.
   double condition_limit = 1e4;
@@ -73,7 +77,8 @@ struct IdentificationOptions {
 
 struct PayloadFit {
   PayloadParameters parameters;
-  PayloadVector deviation = PayloadVector::Zero();       // standard; readings taken as independent
+  PayloadVector deviation = PayloadVector::Zero();  // standard; readings taken as independent
+  math::Wrench bias_drift;  // per unit of time; parameters.bias is that at time 0
   math::Vector6d residual_rms = math::Vector6d::Zero();  // per axis, N and N m
   double force_rms = 0;                                  // N, of the norm of the residual force
   double torque_rms = 0;                                 // N m
@@ -86,6 +91,12 @@ struct PayloadFit {
 /// std::invalid_argument for fewer than four poses or numbers that are not finite.
 PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Vector3d& gravity_W,
                            const IdentificationOptions& options = {});
+
+/// Direction of gravity in W, of unit length, from readings at rest: for an arm on a wall, or a
+/// base that is not level. Readings alone cannot tell gravity from its opposite under a sensor of
+/// the other polarity: they are taken as what the sensor exerts on the load. Throws as
+/// identify_static, and where the poses do not tell the load's weight from the bias.
+Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses);
 
 /// All ten inertial parameters and the bias. Throws as identify_static.
 PayloadFit identify_motion(const std::vector<MotionSample>& samples,

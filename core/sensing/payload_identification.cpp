@@ -31,10 +31,27 @@ double scale_of(const Eigen::Matrix<double, 6, Eigen::Dynamic>& residuals, int f
   return 1.4826 * median(magnitudes);
 }
 
+constexpr int kColumnCount = kPayloadParameterCount + 6;  // and six of drift
+
+Eigen::Matrix<double, 6, kColumnCount> columns_of(const MotionSample& sample) {
+  Eigen::Matrix<double, 6, kColumnCount> columns;
+  columns.leftCols<kPayloadParameterCount>() = load_regressor(sample.motion);
+  columns.rightCols<6>() = sample.time * math::Matrix6d::Identity();
+  return columns;
+}
+
+std::string column_name(int column) {
+  if (column < kPayloadParameterCount) return payload_parameter_name(column);
+  // A drift is named after its bias, "bias_fx".
+  return std::string("drift_of_") + payload_parameter_name(column - 6);
+}
+
 /// Least squares over `columns` of the regressor, rows weighted by the inverse of the residuals'
 /// scale, found by repeating the solution: force and torque have neither unit nor noise in common.
-PayloadFit identify(const std::vector<MotionSample>& samples, const std::vector<int>& columns,
+PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> columns,
                     const IdentificationOptions& options) {
+  if (options.bias_drifts)
+    for (int c = kPayloadParameterCount; c < kColumnCount; ++c) columns.push_back(c);
   const int n = static_cast<int>(samples.size());
   const int k = static_cast<int>(columns.size());
   if (n < 4) throw std::invalid_argument("payload identification needs at least four readings");
@@ -42,7 +59,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, const std::vector<
   Eigen::MatrixXd regressor(6 * n, k);
   Eigen::VectorXd measured(6 * n);
   for (int s = 0; s < n; ++s) {
-    const PayloadRegressor full = load_regressor(samples[s].motion);
+    const Eigen::Matrix<double, 6, kColumnCount> full = columns_of(samples[s]);
     for (int c = 0; c < k; ++c) regressor.block<6, 1>(6 * s, c) = full.col(columns[c]);
     measured.segment<6>(6 * s) = samples[s].F_S.vector();
   }
@@ -91,8 +108,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, const std::vector<
     variance = variance.cwiseProduct(scale.cwiseAbs2());
     fit.untold.clear();
     for (int c = 0; c < k; ++c)
-      if (lost[c] > kUntoldShare * kUntoldShare)
-        fit.untold.emplace_back(payload_parameter_name(columns[c]));
+      if (lost[c] > kUntoldShare * kUntoldShare) fit.untold.push_back(column_name(columns[c]));
 
     const Eigen::VectorXd error = measured - regressor * solution;
     residuals = Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>(error.data(), 6, n);
@@ -107,14 +123,18 @@ PayloadFit identify(const std::vector<MotionSample>& samples, const std::vector<
     }
   }
 
-  PayloadVector parameters = PayloadVector::Zero();
+  Eigen::Matrix<double, kColumnCount, 1> parameters, deviations;
+  parameters.setZero();
+  deviations.setZero();
   // Rows are scaled to unit noise, so that the variance needs only the degrees of freedom spent.
   const double inflation = 6.0 * n > k ? 6.0 * n / (6.0 * n - k) : 1.0;
   for (int c = 0; c < k; ++c) {
     parameters[columns[c]] = solution[c];
-    fit.deviation[columns[c]] = std::sqrt(inflation * variance[c]);
+    deviations[columns[c]] = std::sqrt(inflation * variance[c]);
   }
-  fit.parameters = payload_from_vector(parameters);
+  fit.parameters = payload_from_vector(parameters.head<kPayloadParameterCount>());
+  fit.bias_drift = math::Wrench::from(parameters.tail<6>());
+  fit.deviation = deviations.head<kPayloadParameterCount>();
   fit.residual_rms = (residuals.rowwise().squaredNorm() / n).cwiseSqrt();
   fit.force_rms = fit.residual_rms.head<3>().norm();
   fit.torque_rms = fit.residual_rms.tail<3>().norm();
@@ -128,8 +148,28 @@ PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Ve
   std::vector<MotionSample> samples;
   samples.reserve(poses.size());
   for (const StaticPose& pose : poses)
-    samples.push_back({motion_at_rest(pose.R_WS, gravity_W), pose.F_S});
+    samples.push_back({motion_at_rest(pose.R_WS, gravity_W), pose.F_S, pose.time});
   return identify(samples, {0, 1, 2, 3, 10, 11, 12, 13, 14, 15}, options);
+}
+
+Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses) {
+  const int n = static_cast<int>(poses.size());
+  if (n < 4) throw std::invalid_argument("gravity's direction needs at least four poses");
+  // F = bias - R_SW (m g): linear in the weight in W and the bias in S.
+  Eigen::MatrixXd regressor(3 * n, 6);
+  Eigen::VectorXd measured(3 * n);
+  for (int i = 0; i < n; ++i) {
+    regressor.block<3, 3>(3 * i, 0) = -poses[i].R_WS.transpose();
+    regressor.block<3, 3>(3 * i, 3).setIdentity();
+    measured.segment<3>(3 * i) = poses[i].F_S.force;
+  }
+  if (!regressor.allFinite() || !measured.allFinite())
+    throw std::invalid_argument("gravity's direction was asked of numbers that are not finite");
+  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(regressor, Eigen::ComputeThinU | Eigen::ComputeThinV);
+  const Eigen::Vector3d weight = svd.solve(measured).head<3>();
+  if (svd.singularValues()[5] < 1e-3 * svd.singularValues()[0] || weight.norm() == 0)
+    throw std::invalid_argument("the poses do not tell the load's weight from the bias");
+  return weight.normalized();
 }
 
 PayloadFit identify_motion(const std::vector<MotionSample>& samples,
