@@ -34,7 +34,7 @@ Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& F) {
 bool rotation_by_newton(const Eigen::Matrix3d& F, Eigen::Quaterniond& q) {
   constexpr int kMaxSteps = 12;
   // Convergence is cubic, so what remains after a step this small is below rounding.
-  constexpr double kSmallStep = 1e-7;
+  constexpr double kSmallStep = 1e-5;
   // Least determinant of the curvature in units of its mean eigenvalue cubed.
   constexpr double kLeastCurvature = 1e-4;
   for (int k = 0; k < kMaxSteps; ++k) {
