@@ -8,10 +8,12 @@ namespace palpate::scenes {
 using Clock = std::chrono::steady_clock;
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
-using std::chrono::seconds;
 
-LockStep::LockStep(bus::MessageBus& control, std::int64_t session)
-    : ticks_(control, "SIM_TICK"), done_(control, "TICK_DONE", 64), stamp_(session) {}
+LockStep::LockStep(bus::MessageBus& control, std::int64_t session, double patience)
+    : ticks_(control, "SIM_TICK"),
+      done_(control, "TICK_DONE", 64),
+      stamp_(session),
+      patience_(patience) {}
 
 bool LockStep::answered(std::int64_t tick) {
   tick_done_t message{};
@@ -26,7 +28,7 @@ LockStep::Answer LockStep::exchange(std::int64_t tick, std::int64_t period_us, s
   sim_tick_t message{};
   message.tick = tick;
   message.period_us = period_us;
-  const auto give_up = Clock::now() + seconds(5);
+  const auto give_up = Clock::now() + std::chrono::duration<double>(patience_);
   for (bool first = true; Clock::now() < give_up; first = false) {
     if (!first) ++repeats_;
     stamp_.put(message, utime);

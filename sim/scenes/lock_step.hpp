@@ -16,10 +16,10 @@ class LockStep {
  public:
   enum class Answer { kDone, kNone, kStopped };
 
-  /// Before the bus starts.
-  LockStep(bus::MessageBus& control, std::int64_t session);
+  /// Before the bus starts. `patience`: s to wait for an answer.
+  LockStep(bus::MessageBus& control, std::int64_t session, double patience = 5);
 
-  /// Waits for the answer to `tick`, 5 s at most, or until `stop` is set.
+  /// Waits for the answer to `tick`, or until `stop` is set.
   Answer exchange(std::int64_t tick, std::int64_t period_us, std::int64_t utime,
                   const std::atomic<bool>& stop);
 
@@ -31,6 +31,7 @@ class LockStep {
   bus::TypedPublisher<sim_tick_t> ticks_;
   bus::TypedSubscription<tick_done_t> done_;
   bus::Stamp stamp_;
+  double patience_;
   std::int64_t repeats_ = 0;
 };
 

@@ -1,0 +1,74 @@
+#include "sim/scenes/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tests/unit/sim/scenes/stage.hpp"
+
+namespace palpate::scenes {
+namespace {
+
+Scene read(const std::string& file, const std::vector<std::string>& overrides = {}) {
+  return read_scene(config::Node::load_file(file, overrides));
+}
+
+std::string refusal(const std::vector<std::string>& overrides) {
+  try {
+    read(kSixPoses, overrides);
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Scene, SixPosesAndControlShareArmAndObject) {
+  const Scene poses = read(kSixPoses), control = read(kControl);
+  ASSERT_TRUE(poses.motion);
+  EXPECT_EQ(poses.motion->legs().size(), 6u);
+  EXPECT_EQ(poses.motion->start_delay(), 1);
+  EXPECT_FALSE(control.motion);
+  EXPECT_EQ(poses.initial_joints, control.initial_joints);
+  EXPECT_TRUE(poses.X_WO.isApprox(control.X_WO));
+  EXPECT_TRUE(poses.X_EG.isApprox(control.X_EG));
+  EXPECT_EQ(poses.plant.size, control.plant.size);
+  EXPECT_EQ(poses.plant.young_modulus, 30e3);
+  EXPECT_EQ(poses.plant.pad_stiffness, control.plant.pad_stiffness);
+  EXPECT_TRUE(poses.object_gravity);
+  EXPECT_EQ(poses.bus.control, BusUrls().control);
+  EXPECT_EQ(poses.bus.housekeeping, BusUrls().housekeeping);
+  EXPECT_EQ(poses.bus.pictures, BusUrls().pictures);
+}
+
+TEST(Scene, OverridesReachTheModel) {
+  const Scene s = read(kSixPoses, {"object.pads.stiffness=3e3", "seed=7",
+                                   "sensors.force_torque.bias=[0.05, 0, 0, 0, 0, 0]",
+                                   "motion.poses.5.move=4", "object.gravity=false"});
+  EXPECT_EQ(s.plant.pad_stiffness, 3e3);
+  EXPECT_EQ(s.seed, 7u);
+  EXPECT_EQ(s.sensors.force_torque.bias(0), 0.05);
+  EXPECT_EQ(s.motion->legs()[5].move, 4);
+  EXPECT_FALSE(s.object_gravity);
+}
+
+TEST(Scene, WrongScenesAreRefusedWithTheirKey) {
+  for (const char* wrong :
+       {"object.sizes=3", "object.size=[0.5, 0, 0.06]", "object.elements=[1.5, 1, 1]",
+        "object.material.poisson_ratio=0.5", "object.pads.stiffness=-1", "robot.speed=1",
+        "sensors.force_torque.rate=0", "sensors.force_torque.bias=[1]", "motion.poses.0.move=0",
+        "motion.poses=[]", "object.pose={position: [0, 0, 0], quaternion: [1, 1, 0, 0]}"}) {
+    const std::string key = std::string(wrong).substr(0, std::string(wrong).find('='));
+    const std::string last = key.substr(key.rfind('.') + 1);
+    EXPECT_NE(refusal({wrong}).find(last), std::string::npos) << wrong << ": " << refusal({wrong});
+  }
+  EXPECT_EQ(refusal({}), "");
+}
+
+TEST(Scene, RobotThatCannotBeLoadedIsAConfigurationError) {
+  EXPECT_THROW(Stage(kControl, {"robot.urdf=no_such.urdf"}), config::Error);
+  EXPECT_THROW(Stage(kControl, {"robot.frames.imu=no_such_link"}), config::Error);
+  EXPECT_THROW(Stage(kControl, {"robot.initial_joints=[0, 0, 0]"}), config::Error);
+  EXPECT_THROW(Stage(kControl, {"robot.initial_joints=[0, 2.5, 0, 0, 0, 0, 0]"}), config::Error);
+  EXPECT_THROW(Stage(kControl, {"object.grasp_box.lower=[0.6, 0, 0]"}), config::Error);
+}
+
+}  // namespace
+}  // namespace palpate::scenes
