@@ -17,7 +17,7 @@ ForceDriven::Options ForceDriven::Options::sensing_launch() noexcept {
 
 ForceDriven::ForceDriven(const elasticity::Body& body, const Options& options)
     : options_(options), step_watch_(options.step) {
-  if (!(options.fade > 0) || !(options.period > 0) || !(options.average > 0) ||
+  if (!(options.fade > 0) || !(options.period > 0) || !(options.average >= 0) ||
       !(options.delay >= 0) || !(options.average + options.delay < 1e5 * options.period)) {
     throw std::invalid_argument("times of the force-driven estimator are out of range");
   }

@@ -28,7 +28,9 @@ class RigidModel : public elasticity::DeformationModel {
     last_dt = dt;
     if (held_[0]) {
       const math::Pose motion = X_OG_[0] * body_.grasps[0].X_OG_rest.inverse();
-      positions_ = (motion.linear() * body_.mesh.nodes).colwise() + motion.translation();
+      for (int i = 0; i < positions_.cols(); ++i) {
+        positions_.col(i) = motion * Eigen::Vector3d(body_.mesh.nodes.col(i));
+      }
     }
     return report;
   }
