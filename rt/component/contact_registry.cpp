@@ -10,7 +10,7 @@ std::unique_ptr<contact::ForceTransformer> make_area_coordinates(const config::N
   contact::AreaCoordinates::Options options;
   options.collision_distance =
       node.number("collision_distance", {0, 10}, options.collision_distance);
-  options.fixed_rest_points = node.points("fixed_rest_points");
+  if (node.has("fixed_rest_points")) options.fixed_rest_points = node.points("fixed_rest_points");
   return std::make_unique<contact::AreaCoordinates>(object.body.mesh, object.surface, options);
 }
 
