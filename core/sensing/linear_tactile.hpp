@@ -26,8 +26,8 @@ struct LinearTactileModel {
 };
 
 struct LinearTactileFitOptions {
-  std::vector<double> penalties{1e-5, 1e-4, 1e-3,
-                                1e-2, 1e-1, 1};  // of standardised weights, per row
+  std::vector<double> penalties{1e-7, 1e-6, 1e-5, 1e-4,
+                                1e-3, 1e-2, 1e-1, 1};  // of standardised weights, per row
   int blocks = 5;              // of consecutive rows, each left out once: neighbours are alike
   double deviation_floor = 1;  // counts: a channel that hardly moves must not be blown up
   bool with_offset = true;     // false: no counts give no force

@@ -96,7 +96,7 @@ TEST(FitLinearTactile, RecoversAKnownMap) {
     EXPECT_NEAR(fit.training_rms[axis], 0.01, 0.001);
     EXPECT_NEAR(fit.cross_validated_rms[axis], 0.01, 0.002);
   }
-  EXPECT_EQ(fit.penalty, LinearTactileFitOptions().penalties.front());
+  EXPECT_LE(fit.penalty, 1e-4);  // plenty of data, hardly any noise
 }
 
 TEST(FitLinearTactile, DoesNotBlowUpAChannelThatStandsStill) {

@@ -165,6 +165,36 @@ TEST(IdentifyStatic, RobustFitShrugsOffABumpedPose) {
   EXPECT_LT(robust, plain);
 }
 
+TEST(IdentifyStatic, FollowsABiasThatDrifts) {
+  math::Random random(8);
+  const PayloadParameters truth = hand();
+  std::vector<StaticPose> poses = static_poses(truth, 30, 0.025, random);
+  const Eigen::Vector3d drift(0.02, 0, -0.1);  // N a pose
+  for (std::size_t i = 0; i < poses.size(); ++i) {
+    poses[i].time = static_cast<double>(i);
+    poses[i].F_S.force += poses[i].time * drift;
+  }
+  EXPECT_GT(identify_static(poses, kGravity).force_rms, 0.5);
+  IdentificationOptions options;
+  options.bias_drifts = true;
+  const PayloadFit fit = identify_static(poses, kGravity, options);
+  EXPECT_NEAR(fit.force_rms, 0.025 * std::sqrt(3), 0.01);
+  EXPECT_LT((fit.bias_drift.force - drift).norm(), 0.005);
+  EXPECT_LT((fit.parameters.bias.force - truth.bias.force).norm(), 0.05);
+  EXPECT_NEAR(fit.parameters.mass, truth.mass, 0.01 * truth.mass);
+}
+
+TEST(EstimateGravityDirection, FindsTheWallThatAnArmHangsOn) {
+  math::Random random(9);
+  const Eigen::Vector3d gravity_W = math::exp_rotation({1.2, -0.7, 0.4}) * kGravity;
+  std::vector<StaticPose> poses = static_poses(hand(), 15, 0, random);
+  for (StaticPose& pose : poses)
+    pose.F_S = load_wrench(hand(), motion_at_rest(pose.R_WS, gravity_W));
+  EXPECT_LT((estimate_gravity_direction(poses) - gravity_W.normalized()).norm(), 1e-10);
+  for (StaticPose& pose : poses) pose.R_WS.setIdentity();
+  EXPECT_THROW(estimate_gravity_direction(poses), std::invalid_argument);
+}
+
 TEST(IdentifyStatic, NamesWhatOneOrientationCannotTell) {
   math::Random random(5);
   std::vector<StaticPose> poses = static_poses(hand(), 1, 0, random);
