@@ -28,8 +28,13 @@ std::vector<std::string> with_settings(std::vector<std::string> command,
 std::vector<std::string> source_command(const Source& source, const Urls& urls) {
   if (!source.log.empty())
     return {"lcm-logplayer", "--lcm-url=" + urls.control, source.log.string()};
-  return with_settings({(program_folder() / "palpate-sim").string(), source.scene.string()},
-                       source.scene_overrides, urls);
+  std::vector<std::string> command{(program_folder() / "palpate-sim").string(),
+                                   source.scene.string()};
+  if (source.duration > 0) {
+    command.push_back("--duration");
+    command.push_back(std::to_string(source.duration));
+  }
+  return with_settings(command, source.scene_overrides, urls);
 }
 
 }  // namespace
@@ -93,7 +98,7 @@ bool LiveRun::check_programs() {
 void LiveRun::activate() {
   const std::int64_t begin = wall_clock();
   std::int64_t sent = 0;
-  while (!operator_->is_active()) {
+  while (!operator_->is_running()) {
     const std::int64_t now = wall_clock();
     if (static_cast<double>(now - begin) * 1e-6 > kActivationPatience) {
       const bool health = operator_->heard();

@@ -24,8 +24,8 @@ class RunFailed : public std::runtime_error {
 struct Source {
   std::filesystem::path scene;
   std::vector<std::string> scene_overrides;
-  std::filesystem::path
-      log;  // of the control URL; where set, it is played in place of the simulator
+  double duration = 0;        // s, simulated, after which the simulator ends; 0: never
+  std::filesystem::path log;  // of the control URL; where set, it is played and nothing simulated
 };
 
 struct RunPlan {

@@ -10,7 +10,7 @@ void LogReader::read(const std::filesystem::path& log) {
   while (const lcm::LogEvent* event = file.readNextEvent()) {
     ++events_;
     const auto handler = handlers_.find(event->channel);
-    if (handler != handlers_.end() && !handler->second(event->data, event->datalen)) ++undecodable_;
+    if (handler != handlers_.end() && !handler->second(*event)) ++undecodable_;
   }
 }
 

@@ -20,14 +20,16 @@
 namespace palpate::evaluate {
 
 /// Reads an LCM log once and hands each message to whom asked for its channel. Messages of another
-/// type or length than expected are counted and skipped.
+/// type or length than expected are counted and skipped. utime becomes the time at which the log
+/// received the message (us): the clocks of the senders need not agree.
 class LogReader {
  public:
   template <class Message>
   void collect(const std::string& channel, std::vector<Message>& into) {
-    handlers_[channel] = [&into](const void* data, int size) {
+    handlers_[channel] = [&into](const lcm::LogEvent& event) {
       Message message;
-      if (message.decode(data, 0, size) < 0) return false;
+      if (message.decode(event.data, 0, event.datalen) < 0) return false;
+      message.utime = event.timestamp;
       into.push_back(std::move(message));
       return true;
     };
@@ -40,12 +42,12 @@ class LogReader {
   long undecodable() const { return undecodable_; }
 
  private:
-  std::map<std::string, std::function<bool(const void*, int)>> handlers_;
+  std::map<std::string, std::function<bool(const lcm::LogEvent&)>> handlers_;
   long events_ = 0;
   long undecodable_ = 0;
 };
 
-/// What scoring needs of one run, in the order received. utime of all senders is the same clock.
+/// What scoring needs of one run, in the order received.
 struct RunLog {
   std::vector<shape_t> shapes;  // the estimate
   std::vector<shape_mesh_t> shape_chunks;

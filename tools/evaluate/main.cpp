@@ -11,6 +11,7 @@
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/soak.hpp"
+#include "tools/evaluate/tactile.hpp"
 
 namespace {
 
@@ -76,6 +77,13 @@ int run(CLI::App& app, int argc, char** argv) {
   payload_command->add_option("--data", data, "recordings (default as for demo)");
   payload_command->add_option("--json", json, "write the result to this file");
 
+  TactileOptions tactile;
+  CLI::App* tactile_command = app.add_subcommand(
+      "tactile", "fits the linear force map of a BioTac; force and place errors");
+  tactile_command->add_option("--data", data, "recordings (default as for demo)");
+  tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
+  tactile_command->add_option("--json", json, "write the result to this file");
+
   CLI11_PARSE(app, argc, argv);
   if (data.empty()) data = default_data(root);
   if (demo_command->parsed()) {
@@ -93,6 +101,11 @@ int run(CLI::App& app, int argc, char** argv) {
     payload.data = data;
     payload.json = json;
     return run_payload(payload, std::cout);
+  }
+  if (tactile_command->parsed()) {
+    tactile.data = data;
+    tactile.json = json;
+    return run_tactile(tactile, std::cout);
   }
   score.json = json;
   return run_score(score);

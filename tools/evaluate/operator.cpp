@@ -19,7 +19,7 @@
 namespace palpate::evaluate {
 namespace {
 
-constexpr int kActive = 2;
+constexpr int kActive = 2, kDegraded = 3;       // health_t.state
 constexpr std::int64_t kTargetPeriod = 500000;  // us
 
 template <std::size_t N>
@@ -151,6 +151,10 @@ void Operator::set_target(const ControlTarget& wanted) {
   target_sent_ = 0;
   following_ = false;
   still_since_ = 0;
+}
+
+bool Operator::is_running() const {
+  return health_ && (health_->state == kActive || health_->state == kDegraded);
 }
 
 bool Operator::is_active() const { return health_ && health_->state == kActive; }

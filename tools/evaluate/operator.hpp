@@ -37,6 +37,7 @@ class Operator {
 
   bool heard() const { return health_.has_value(); }
   const std::optional<health_t>& health() const { return health_; }
+  bool is_running() const;  // active or degraded
   bool is_active() const;
   bool has_robot_state() const;
   /// Why the daemon refused the last command or target; empty where it did not.

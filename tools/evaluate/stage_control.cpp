@@ -21,7 +21,8 @@ ScoredRun run_target(Demo& demo, const ControlTarget& target, const Mismatch& mi
   scored.mismatch = mismatch.name;
   RunPlan plan;
   plan.name = "control " + target.name + " " + mismatch.name;
-  plan.source = {demo.file(kScene), mismatch.scene, {}};
+  plan.source.scene = demo.file(kScene);
+  plan.source.scene_overrides = mismatch.scene;
   plan.configuration = demo.file(kConfiguration);
   plan.overrides = mismatch.daemon;
   for (const std::string& setting : target.daemon_overrides()) plan.overrides.push_back(setting);

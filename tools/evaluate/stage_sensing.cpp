@@ -3,6 +3,7 @@
 #include <map>
 #include <thread>
 
+#include "sim/scenes/scene.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
@@ -16,10 +17,16 @@ constexpr const char* kScene = "sim/scenes/bar_long_soft_six_poses.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 constexpr const char* kLevels[] = {"none", "all"};
 constexpr int kPoses = 6;
-constexpr double kLongest = 60;          // s; the scene ends the run
+constexpr double kSlack = 10;            // s; the scene ends the run
 constexpr double kReplayPatience = 240;  // s
 // Whole-shape error of pose-driven sensing under "all", of the object's length.
 constexpr double kMean = 0.01, kMaximum = 0.02;
+
+double motion_duration(const std::filesystem::path& scene) {
+  const auto motion = scenes::read_scene(config::Node::load_file(scene.string())).motion;
+  if (!motion) throw config::Error(scene.string() + ": has no motion");
+  return motion->duration();
+}
 
 struct SensingRun {
   ScoredRun scored;
@@ -51,10 +58,12 @@ SensingRun run_live_method(Demo& demo, const Method& method, const Mismatch& mis
   run.scored.mismatch = mismatch.name;
   RunPlan plan;
   plan.name = "sensing " + method.name + " " + mismatch.name;
-  plan.source = {demo.file(kScene), mismatch.scene, {}};
+  plan.source.scene = demo.file(kScene);
+  plan.source.scene_overrides = mismatch.scene;
+  plan.source.duration = motion_duration(plan.source.scene);
   plan.configuration = demo.file(kConfiguration);
   plan.overrides = joined(mismatch.daemon, method.overrides);
-  plan.duration = kLongest;
+  plan.duration = plan.source.duration + kSlack;
   Progress progress(++demo.begun, demo.runs,
                     "six poses, " + method.name + ", model error " + mismatch.name);
   try {
