@@ -80,26 +80,40 @@ void WrenchPatch::gather(const Eigen::Vector3d& centre, double radius,
 
 bool WrenchPatch::spread(const math::Wrench& wrench, const Eigen::Vector3d& location,
                          const Eigen::Matrix3Xd& positions, ContactLoads& out) const noexcept {
+  // Everything about the location: far from the origin of O differences keep their digits.
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-  for (const Member& member : patch_) centroid += member.weight * positions.col(member.node);
+  for (const Member& member : patch_) {
+    centroid += member.weight * (positions.col(member.node) - location);
+  }
   // J b is the moment about the centroid of the loads w_i (b x y_i).
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   for (const Member& member : patch_) {
-    const Eigen::Vector3d y = positions.col(member.node) - centroid;
+    const Eigen::Vector3d y = positions.col(member.node) - location - centroid;
     moment += member.weight * (y.squaredNorm() * Eigen::Matrix3d::Identity() - y * y.transpose());
   }
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(moment);
   const Eigen::Vector3d& eigenvalues = solver.eigenvalues();
   if (!(eigenvalues[0] > kFlatness * eigenvalues[2])) return false;
 
-  const Eigen::Vector3d missing = wrench.torque - (centroid - location).cross(wrench.force);
-  const Eigen::Vector3d b =
-      solver.eigenvectors() *
-      (solver.eigenvectors().transpose() * missing).cwiseQuotient(eigenvalues);
   out.loads.clear();
   for (const Member& member : patch_) {
-    const Eigen::Vector3d y = positions.col(member.node) - centroid;
-    if (!out.push(member.node, member.weight * (wrench.force + b.cross(y)))) return false;
+    if (!out.push(member.node, Eigen::Vector3d::Zero())) return false;
+  }
+  // The second pass spreads what rounding left of the first: a torque on a nearly straight patch
+  // makes loads far larger than the force that they sum to.
+  math::Wrench left = wrench;
+  for (int pass = 0; pass < 2; ++pass) {
+    const Eigen::Vector3d b = solver.eigenvectors() * (solver.eigenvectors().transpose() *
+                                                       (left.torque - centroid.cross(left.force)))
+                                                          .cwiseQuotient(eigenvalues);
+    const Eigen::Vector3d force = left.force;
+    left = wrench;
+    for (std::size_t i = 0; i < patch_.size(); ++i) {
+      const Eigen::Vector3d r = positions.col(patch_[i].node) - location;
+      out.loads[i].force += patch_[i].weight * (force + b.cross(r - centroid));
+      left.force -= out.loads[i].force;
+      left.torque -= r.cross(out.loads[i].force);
+    }
   }
   return true;
 }

@@ -21,7 +21,7 @@ struct FrameNames {
 struct RobotOptions {
   FrameNames frames;
   FollowerOptions follower;
-  double bandwidth = 15;                      // Hz, of the computed-torque controller
+  double bandwidth = 15;                   // Hz, of the computed-torque controller
   Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
 };
 

@@ -13,8 +13,8 @@ TEST(ClosedLoop, ConfigurationRepeatsTheScenesFrames) {
     ClosedLoop loop(scene, kConfiguration);
     loop.run(0.1);
     const component::Frames& frames = loop.daemon().pipeline().frames();
-    const math::Pose X_OG = frames.X_WO.inverse() *
-                            loop.daemon().inputs().signals().robot.latest.X_WE * frames.X_EG;
+    const math::Pose X_OG =
+        frames.X_WO.inverse() * loop.daemon().inputs().signals().robot.latest.X_WE * frames.X_EG;
     const math::Pose truth = loop.simulation().grasp_in_object();
     EXPECT_LT((X_OG.translation() - truth.translation()).norm(), 1e-3) << scene;
     EXPECT_LT((X_OG.linear() - truth.linear()).norm(), 1e-3) << scene;
