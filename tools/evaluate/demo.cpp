@@ -38,6 +38,16 @@ std::filesystem::path Demo::log_folder(const std::string& run) const {
   return options.output / "logs" / file_name(run);
 }
 
+Mismatch Demo::mismatch(const std::string& level) const {
+  Mismatch mismatch = read_mismatch(file("tools/evaluate/mismatch.yaml"), level);
+  const auto prepend = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.begin(), from.begin(), from.end());
+  };
+  prepend(mismatch.scene, options.scene_overrides);
+  prepend(mismatch.daemon, options.daemon_overrides);
+  return mismatch;
+}
+
 int run_demo(const DemoOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();

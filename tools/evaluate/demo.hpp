@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "tools/evaluate/experiments.hpp"
 #include "tools/evaluate/report.hpp"
 
 namespace palpate::evaluate {
@@ -13,7 +14,9 @@ struct DemoOptions {
   std::filesystem::path root;    // source tree: scenes, configurations, tools/evaluate/*.yaml
   std::filesystem::path data;    // recordings; may be absent
   std::vector<std::string> stages{"sensing", "control", "recording"};
-  std::filesystem::path json;  // a copy of summary.json; empty: none
+  std::vector<std::string> scene_overrides;   // of every scene, before those of a model error
+  std::vector<std::string> daemon_overrides;  // of palpated beside the simulator, likewise
+  std::filesystem::path json;                 // a copy of summary.json; empty: none
 };
 
 /// The applications of the thesis, one after the other, each as simulator (or player) and daemon
@@ -32,6 +35,8 @@ struct Demo {
     return options.root / in_source_tree;
   }
   std::filesystem::path log_folder(const std::string& run) const;
+  /// A level of mismatch.yaml on top of the overrides that the user gave.
+  Mismatch mismatch(const std::string& level) const;
 };
 
 /// Each stage appends one ScoredRun a run; a failure is kept in it, Interrupted passes through.

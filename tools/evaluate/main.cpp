@@ -44,6 +44,14 @@ int run(CLI::App& app, int argc, char** argv) {
   demo_command->add_option("--stages", demo.stages, "which stages")
       ->check(CLI::IsMember({"sensing", "control", "recording"}))
       ->capture_default_str();
+  demo_command
+      ->add_option("--scene-set", demo.scene_overrides,
+                   "override a key of every scene: path.to.key=value (repeatable)")
+      ->allow_extra_args(false);
+  demo_command
+      ->add_option("--daemon-set", demo.daemon_overrides,
+                   "override a key of palpated beside the simulator (repeatable)")
+      ->allow_extra_args(false);
   demo_command->add_option("--json", json, "write the summary to this file too");
 
   SoakOptions soak;
@@ -64,6 +72,8 @@ int run(CLI::App& app, int argc, char** argv) {
       ->check(CLI::ExistingFile);
   score_command->add_option("--housekeeping", score.housekeeping, "log of the housekeeping URL")
       ->required()
+      ->check(CLI::ExistingFile);
+  score_command->add_option("--scene", score.scene, "scene: its poses must all have been held")
       ->check(CLI::ExistingFile);
   score_command
       ->add_option("--config", score.configuration,

@@ -14,7 +14,7 @@ namespace palpate::evaluate {
 namespace {
 
 constexpr int kWidth = 1280, kHeight = 800, kSupersampling = 2;
-constexpr double kFieldOfView = 0.55;  // rad
+constexpr double kFieldOfView = 0.40;  // rad
 
 const camera::Colour kTruth{0.95F, 0.72F, 0.30F, 1};
 const camera::Colour kEstimate{0.10F, 0.30F, 0.85F, 0.28F};
@@ -94,7 +94,7 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   const Eigen::Matrix3Xd truth = positions(latest(log.truths, scene.utime));
   const Eigen::Matrix3Xd truth_W = in_world(X_WO, truth);
 
-  const Eigen::Vector3d middle = truth_W.rowwise().mean() + Eigen::Vector3d(-0.10, 0, 0.05);
+  const Eigen::Vector3d middle = truth_W.rowwise().mean() + Eigen::Vector3d(-0.12, 0, 0.02);
   const Eigen::Vector3d eye = middle + Eigen::Vector3d(-0.35, -1.45, 0.55);
   renderer.begin(
       camera::make_view(eye, middle, Eigen::Vector3d::UnitZ(), kFieldOfView, kWidth, kHeight));

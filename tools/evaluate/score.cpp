@@ -5,6 +5,7 @@
 
 #include "rt/component/registry.hpp"
 #include "rt/config/node.hpp"
+#include "sim/scenes/scene.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -38,6 +39,14 @@ void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate) {
   check_limits(scored, log, gate);
 }
 
+void check_poses(ScoredRun& scored, const std::filesystem::path& scene) {
+  const auto motion = scenes::read_scene(config::Node::load_file(scene.string())).motion;
+  const std::size_t poses = motion ? motion->legs().size() : 0;
+  if (scored.shape->holds.size() < poses)
+    scored.missed.push_back("only " + std::to_string(scored.shape->holds.size()) + " of " +
+                            std::to_string(poses) + " poses were held");
+}
+
 int run_score(const ScoreOptions& options) {
   const RunLog log = read_run(options.control, options.housekeeping);
   ScoredRun scored;
@@ -46,6 +55,7 @@ int run_score(const ScoreOptions& options) {
   scored.shape = score_shape(log);
   scored.feature = score_feature(log);
   scored.loop = score_loop(log);
+  if (!options.scene.empty()) check_poses(scored, options.scene);
   if (!options.configuration.empty()) check_limits(scored, log, gate_of(options.configuration, {}));
   print_report({scored}, std::cout);
   if (!options.json.empty()) write_json(to_json(scored), options.json);

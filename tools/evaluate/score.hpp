@@ -19,9 +19,13 @@ Gate gate_of(const std::filesystem::path& configuration, const std::vector<std::
 /// limits and a fault are entered as missed. Throws std::runtime_error where something lacks.
 void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate);
 
+/// Enters as missed where fewer poses were held than `scene` goes through.
+void check_poses(ScoredRun& scored, const std::filesystem::path& scene);
+
 struct ScoreOptions {
   std::filesystem::path control;
   std::filesystem::path housekeeping;
+  std::filesystem::path scene;          // of palpate-sim; empty: the poses held are not counted
   std::filesystem::path configuration;  // of palpated; empty: commands are not checked
   std::filesystem::path json;           // empty: none
 };

@@ -54,6 +54,16 @@ TEST(Mismatch, UnknownLevelNamesTheKnownOnes) {
   }
 }
 
+TEST(Methods, TheFirstIsTheConfigurationAsItStands) {
+  const std::vector<Method> methods = read_methods(kFolder / "methods.yaml");
+  ASSERT_GE(methods.size(), 2u);
+  EXPECT_TRUE(methods[0].overrides.empty());
+  for (std::size_t i = 1; i < methods.size(); ++i) {
+    const config::Node estimation = settings(methods[i].overrides).child("estimation");
+    EXPECT_EQ(estimation.text("component"), "force_driven") << methods[i].name;
+  }
+}
+
 TEST(Targets, AreTheRestFeatureDisplaced) {
   const std::vector<ControlTarget> targets = read_targets(kFolder / "targets.yaml");
   ASSERT_FALSE(targets.empty());

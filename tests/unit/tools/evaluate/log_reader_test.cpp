@@ -1,0 +1,52 @@
+#include "tools/evaluate/log_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+namespace palpate::evaluate {
+namespace {
+
+template <class Message>
+void write(lcm::LogFile& log, const std::string& channel, std::int64_t timestamp,
+           const Message& message) {
+  std::vector<std::uint8_t> data(message.getEncodedSize());
+  message.encode(data.data(), 0, static_cast<int>(data.size()));
+  lcm::LogEvent event = {};
+  event.timestamp = timestamp;
+  event.channel = channel;
+  event.datalen = static_cast<int>(data.size());
+  event.data = data.data();
+  log.writeEvent(&event);
+}
+
+TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "palpate_log_reader_test.log";
+  {
+    lcm::LogFile log(file.string(), "w");
+    twist_command_t command = {};
+    command.utime = 5;  // a clock of its own
+    command.twist[2] = 0.25;
+    write(log, "TWIST_COMMAND", 1000, command);
+    write(log, "TWIST_COMMAND", 2000, shape_t{});
+    write(log, "HEALTH", 3000, health_t{});
+  }
+  LogReader reader;
+  std::vector<twist_command_t> commands;
+  reader.collect("TWIST_COMMAND", commands);
+  reader.read(file);
+  std::filesystem::remove(file);
+  ASSERT_EQ(commands.size(), 1u);
+  EXPECT_EQ(commands[0].utime, 1000);
+  EXPECT_EQ(commands[0].twist[2], 0.25);
+  EXPECT_EQ(reader.undecodable(), 1);
+  EXPECT_EQ(reader.events(), 3);
+}
+
+TEST(LogReader, AFileThatIsAbsentIsAnError) {
+  EXPECT_THROW(LogReader().read("/nonexistent/run.log"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace palpate::evaluate
