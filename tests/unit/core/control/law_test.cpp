@@ -90,7 +90,7 @@ class LawTest : public ::testing::Test {
   template <class Size>
   void expect_exponential(ControlLaw& law, double gain, const Size& size) {
     math::Random random(11);
-    for (int trial = 0; trial < 20; ++trial) {
+    for (int trial = 0; trial < 6; ++trial) {
       Loop loop(law, pose_, model_);
       const Vector3d axis(random.normal(), random.normal(), random.normal());
       const double angle = (trial == 0 ? 170 : random.uniform(5, 170)) * kDegree;
