@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "core/math/polar.hpp"
+#include "core/elasticity/grasp_pose.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -99,7 +99,7 @@ void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
   if (g.held) return;
   const GraspRegion& region = body_.grasps[grasp];
   g.held = true;
-  g.applied = fit_pose(region);
+  g.applied = grasp_pose(body_, grasp, x_);
   for (int node : region.nodes) held_[pattern_.unknown(node)] = 1;
   sensitivity_.valid = false;
 }
@@ -109,25 +109,6 @@ void CorotationalModel::release(int grasp) noexcept {
   grasps_[grasp].held = false;
   for (int node : body_.grasps[grasp].nodes) held_[pattern_.unknown(node)] = 0;
   sensitivity_.valid = false;
-}
-
-math::Pose CorotationalModel::fit_pose(const GraspRegion& region) const noexcept {
-  Vector3d rest = Vector3d::Zero(), now = Vector3d::Zero();
-  for (int node : region.nodes) {
-    rest += body_.mesh.nodes.col(node);
-    now += x_.col(node);
-  }
-  rest /= static_cast<double>(region.nodes.size());
-  now /= static_cast<double>(region.nodes.size());
-  Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
-  for (int node : region.nodes) {
-    covariance += (x_.col(node) - now) * (body_.mesh.nodes.col(node) - rest).transpose();
-  }
-  math::Pose moved = math::Pose::Identity();
-  // Fewer than three nodes say nothing of the rotation.
-  if (region.nodes.size() >= 3) moved.linear() = math::polar_rotation(covariance);
-  moved.translation() = now - moved.linear() * rest;
-  return moved * region.X_OG_rest;
 }
 
 bool CorotationalModel::inputs_are_finite() const noexcept {
@@ -359,7 +340,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
     v_.col(node).setZero();
   }
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    if (grasps_[g].held) grasps_[g].applied = fit_pose(body_.grasps[g]);
+    if (grasps_[g].held) grasps_[g].applied = grasp_pose(body_, static_cast<int>(g), x_);
   }
   // Stretches and rotations of the new shape, from which the next step starts.
   forces_.setZero();

@@ -77,7 +77,6 @@ class CorotationalModel : public DeformationModel {
   void correct(StepReport& report, double energy) noexcept;
   void learn() noexcept;
   void observe_turn() noexcept;
-  math::Pose fit_pose(const GraspRegion& region) const noexcept;
 
   Body body_;
   SolverOptions options_;

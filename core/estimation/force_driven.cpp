@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/estimation/grasp_pose.hpp"
+#include "core/elasticity/grasp_pose.hpp"
 #include "core/estimation/nodal_loads.hpp"
 
 namespace palpate::estimation {
@@ -77,7 +77,7 @@ sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
   estimate.step = model.step(dt);
   const int grasps = std::min(inputs.grasp_count, static_cast<int>(model.body().grasps.size()));
   for (int i = 0; i < grasps; ++i) {
-    estimate.X_OG[i] = grasp_pose(model, i);
+    estimate.X_OG[i] = elasticity::grasp_pose(model.body(), i, model.positions());
     estimate.reaction[i] = wrist_wrench(i, model.positions(), estimate.X_OG[i].translation());
   }
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);

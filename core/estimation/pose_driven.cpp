@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/estimation/grasp_pose.hpp"
+#include "core/elasticity/grasp_pose.hpp"
 #include "core/estimation/nodal_loads.hpp"
 
 namespace palpate::estimation {
@@ -92,7 +92,8 @@ const char* PoseDriven::follow(int grasp, const GraspInput& input, double dt,
     hand.held = hand.hand;
   } else {
     // What was let go has moved on its own: take it up where it is.
-    if (!model.is_held(grasp)) hand.held = grasp_pose(model, grasp);
+    if (!model.is_held(grasp))
+      hand.held = elasticity::grasp_pose(model.body(), grasp, model.positions());
     if (!approach(hand, dt)) trouble = "model has not reached the hand's pose";
     model.hold(grasp, hand.held);
   }

@@ -2,8 +2,8 @@
 
 #include <limits>
 
+#include "core/elasticity/grasp_pose.hpp"
 #include "core/estimation/force_driven.hpp"
-#include "core/estimation/grasp_pose.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
@@ -57,7 +57,7 @@ TEST_F(EstimatorTest, GraspPoseFitsARigidMotion) {
   const math::Pose X = math::make_pose(math::exp_rotation({1, -2, 0.5}), Vector3d(0.1, 0.2, 0.3));
   model_.hold(0, X);
   model_.step(1e-3);
-  EXPECT_TRUE(grasp_pose(model_, 0).isApprox(X, 1e-9));
+  EXPECT_TRUE(elasticity::grasp_pose(model_.body(), 0, model_.positions()).isApprox(X, 1e-9));
 }
 
 class PoseDrivenTest : public EstimatorTest {

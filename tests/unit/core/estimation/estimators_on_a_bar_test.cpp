@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/grasp_pose.hpp"
 #include "core/estimation/force_driven.hpp"
-#include "core/estimation/grasp_pose.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
@@ -90,7 +90,8 @@ TEST_F(BarTest, ForceDrivenReturnsToThePoseThatMadeTheForce) {
     if (i < 400) inputs_.grasps[0].X_OG.translation() += Vector3d(0, 0, 1e-4);
     tick(pose_driven);
   }
-  const double held_z = grasp_pose(*model_, 0).translation().z();
+  const double held_z =
+      elasticity::grasp_pose(model_->body(), 0, model_->positions()).translation().z();
   const math::Wrench reaction = estimate_.reaction[0];
 
   // The same wrench as nodal loads on the grasp: force in equal parts, and the couple about y by

@@ -1,13 +1,13 @@
-#include "core/estimation/grasp_pose.hpp"
+#include "core/elasticity/grasp_pose.hpp"
 
 #include "core/math/polar.hpp"
 
-namespace palpate::estimation {
+namespace palpate::elasticity {
 
-math::Pose grasp_pose(const elasticity::DeformationModel& model, int grasp) noexcept {
-  const elasticity::GraspRegion& region = model.body().grasps[grasp];
-  const Eigen::Matrix3Xd& rest = model.body().mesh.nodes;
-  const Eigen::Matrix3Xd& now = model.positions();
+math::Pose grasp_pose(const Body& body, int grasp, const Eigen::Matrix3Xd& positions) noexcept {
+  const GraspRegion& region = body.grasps[grasp];
+  const Eigen::Matrix3Xd& rest = body.mesh.nodes;
+  const Eigen::Matrix3Xd& now = positions;
   if (region.nodes.empty()) return region.X_OG_rest;
 
   Eigen::Vector3d rest_centre = Eigen::Vector3d::Zero();
@@ -29,4 +29,4 @@ math::Pose grasp_pose(const elasticity::DeformationModel& model, int grasp) noex
   return motion * region.X_OG_rest;
 }
 
-}  // namespace palpate::estimation
+}  // namespace palpate::elasticity
