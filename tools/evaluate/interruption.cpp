@@ -20,8 +20,10 @@ void catch_interruptions() {
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
 }
 
+bool is_interrupted() { return raised != 0; }
+
 void throw_if_interrupted() {
-  if (raised) throw Interrupted();
+  if (is_interrupted()) throw Interrupted();
 }
 
 void sleep_for(double seconds) {

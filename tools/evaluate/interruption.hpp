@@ -13,6 +13,8 @@ class Interrupted : public std::exception {
 /// From now on SIGINT, SIGTERM and SIGHUP only raise a flag.
 void catch_interruptions();
 
+bool is_interrupted();
+
 /// Throws Interrupted once the flag is up.
 void throw_if_interrupted();
 

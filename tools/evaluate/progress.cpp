@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cstdio>
 
+#include "tools/evaluate/interruption.hpp"
+
 namespace palpate::evaluate {
 namespace {
 
@@ -42,7 +44,10 @@ void Progress::show(double fraction, const std::string& note) {
 void Progress::finish(bool good, const std::string& note) {
   finished_ = true;
   std::fprintf(stderr, "%s%s %s %5.1f s  %s\n", terminal_ ? "\r\033[K" : "", prefix_.c_str(),
-               good ? "done  " : "FAILED", elapsed(), note.c_str());
+               good               ? "done   "
+               : is_interrupted() ? "stopped"
+                                  : "FAILED ",
+               elapsed(), note.c_str());
 }
 
 }  // namespace palpate::evaluate
