@@ -1,5 +1,6 @@
 #include "rt/daemon/daemon.hpp"
 
+#include <cmath>
 #include <optional>
 
 #include "rt/loop/allocation_counter.hpp"
@@ -103,8 +104,7 @@ void Daemon::publish(const Now& now) noexcept {
     telemetry_.publish_shape(pipeline_, age_us, now.utime);
   }
   const auto every = [this, cycle](double seconds, std::int64_t offset) {
-    const auto cycles =
-        std::max<std::int64_t>(1, static_cast<std::int64_t>(seconds / settings_.loop.period + 0.5));
+    const auto cycles = std::max<std::int64_t>(1, std::llround(seconds / settings_.loop.period));
     return cycle % cycles == offset % cycles;
   };
   if (every(0.1, 3)) {

@@ -88,7 +88,7 @@ int run(const Options& options) {
   const bus::InstanceLock lock(urls.control, "palpate-sim");
   const auto control = bus::make_lcm_bus(urls.control);
   const auto housekeeping = bus::make_lcm_bus(urls.housekeeping);
-  const palpate::scenes::Origin origin{bus::random_session(), wall_clock_us()};
+  const palpate::scenes::Origin origin{bus::random_session(), 0};
   Simulation simulation(node, *control, *housekeeping, origin);
   LockStep lock_step(*control, origin.session);
   control->start();
@@ -101,6 +101,7 @@ int run(const Options& options) {
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
 
   const auto begin = Clock::now();
+  simulation.start_clock(wall_clock_us());
   const std::int64_t ticks = options.duration > 0
                                  ? std::llround(options.duration / Simulation::kPeriod)
                                  : std::numeric_limits<std::int64_t>::max();

@@ -17,6 +17,7 @@ namespace palpate::scenes {
 class SensorPublisher {
  public:
   SensorPublisher(bus::MessageBus& control, std::int64_t session, std::int64_t start_utime);
+  void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
   /// Sends all readings that have arrived by `now_us`.
   void publish(sensors::SensorSuite& suite, std::int64_t now_us);

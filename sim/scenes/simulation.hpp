@@ -39,6 +39,12 @@ class Simulation {
   Simulation(const config::Node& scene, bus::MessageBus& control, bus::MessageBus& housekeeping,
              const Origin& origin = {});
 
+  /// utime of tick 0 from now on, us: the wall clock once the object has settled. Before step().
+  void start_clock(std::int64_t start_utime) {
+    origin_.start_utime = start_utime;
+    sensor_publisher_.start_clock(start_utime);
+  }
+
   void step();
 
   std::int64_t tick() const { return tick_; }

@@ -2,6 +2,7 @@
 
 #include <unistd.h>
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <palpate/component_command_t.hpp>
 #include <stdexcept>
@@ -82,7 +83,7 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
   ReplayResult result;
   result.shape_hash = 14695981039346656037ULL;
   std::vector<bus::Published> published;
-  const auto period_ns = static_cast<std::int64_t>(daemon.settings().loop.period * 1e9 + 0.5);
+  const std::int64_t period_ns = std::llround(daemon.settings().loop.period * 1e9);
   const std::int64_t first_us = event->timestamp;
   std::int64_t now_ns = first_us * 1000;
   bus::set_time(*hub, now_ns);
@@ -103,7 +104,7 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
     ++result.cycles;
     now_ns += period_ns;
   }
-  result.duration = static_cast<double>(now_ns / 1000 - first_us) * 1e-6;
+  result.duration = static_cast<double>(now_ns - first_us * 1000) * 1e-9;
   return result;
 }
 
