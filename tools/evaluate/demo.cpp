@@ -54,6 +54,8 @@ int run_demo(const DemoOptions& options) {
   catch_interruptions();
   Demo demo;
   demo.options = options;
+  // Programs that read what others wrote there take paths relative to their own files.
+  demo.options.output = std::filesystem::absolute(options.output);
   std::filesystem::create_directories(options.output);
   std::filesystem::remove_all(options.output / "logs");
   for (const Stage& stage : kStages)
