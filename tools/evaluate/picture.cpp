@@ -5,6 +5,7 @@
 #include "core/mesh/surface.hpp"
 #include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "sim/camera/annotate.hpp"
 #include "sim/camera/png_file.hpp"
 #include "sim/camera/renderer.hpp"
 #include "sim/robot/robot.hpp"
@@ -115,13 +116,23 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   if (scene.target != nullptr) draw_target(renderer, X_WO, plant, truth, *scene.target);
 }
 
+void annotate(camera::Image& image, const Scene& scene) {
+  std::vector<camera::LegendEntry> legend{
+      {"true shape", kTruth}, {"estimated shape", kEstimateEdge}, {"shape at the start", kStart}};
+  if (scene.target != nullptr) legend.push_back({"target of the feature", kTarget});
+  camera::draw_title(image, scene.title);
+  camera::draw_legend(image, legend);
+}
+
 }  // namespace
 
 bool draw_picture(const Demo& demo, const Scene& scene, const std::filesystem::path& png) {
   try {
     camera::Renderer renderer(kWidth, kHeight, kSupersampling);
     draw_scene(renderer, demo, scene);
-    camera::write_png(png.string(), renderer.end());
+    camera::Image image = renderer.end();
+    annotate(image, scene);
+    camera::write_png(png.string(), image);
     return true;
   } catch (const std::exception& error) {
     std::cerr << "no picture " << png.filename().string() << ": " << error.what() << '\n';

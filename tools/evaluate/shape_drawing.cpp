@@ -76,7 +76,8 @@ void draw_sensing(const Demo& demo, const RunLog* pictured) {
   if (furthest == score.holds.end()) return;
   const std::int64_t start = pictured->shapes.front().utime;
   const auto end = start + static_cast<std::int64_t>(furthest->end * 1e6);
-  draw_picture(demo, {pictured, start, end, nullptr}, demo.options.output / "sensing.png");
+  draw_picture(demo, {pictured, start, end, nullptr, "Shape sensing, the pose farthest from rest"},
+               demo.options.output / "sensing.png");
 }
 
 void draw_control(const Demo& demo, const ScoredRun& scored, const RunLog& log,
@@ -100,7 +101,7 @@ void draw_control(const Demo& demo, const ScoredRun& scored, const RunLog& log,
   const std::string name = "control_" + file_name(target.name) + "_" + scored.mismatch;
   draw_or_say({way, error}, demo.options.output / (name + "_plot.png"));
   const std::int64_t start = log.targets.front().utime;
-  draw_picture(demo, {&log, start, log.shapes.back().utime, &target},
+  draw_picture(demo, {&log, start, log.shapes.back().utime, &target, "Shape control, " + title},
                demo.options.output / (name + ".png"));
 }
 

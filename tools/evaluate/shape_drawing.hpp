@@ -1,5 +1,7 @@
 #pragma once
 
+#include <string>
+
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/experiments.hpp"
 
@@ -20,10 +22,12 @@ struct Scene {
   std::int64_t start_utime = 0;  // of the shape that is drawn pale
   std::int64_t utime = 0;        // of the true and the estimated shape, and of the arm
   const ControlTarget* target = nullptr;
+  std::string title;
 };
 
 /// Draws arm and hand, true shape (solid), estimate (mesh lines over it), shape at the start (pale)
-/// and target (ball). False, with one line on standard error, where no picture can be made.
+/// and target (ball), with title and legend. False, with one line on standard error, where no
+/// picture can be made.
 bool draw_picture(const Demo& demo, const Scene& scene, const std::filesystem::path& png);
 
 }  // namespace palpate::evaluate
