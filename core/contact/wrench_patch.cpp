@@ -43,6 +43,8 @@ WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& sur
     throw std::invalid_argument("collision_distance must be above 0");
   if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
 
+  if (fixed_) reference_ = mesh::PointLocator(mesh).locate(options.fixed_reference);
+
   std::vector<bool> members(mesh.node_count(), !fixed_);
   for (const int node : options.fixed_nodes) {
     if (node < 0 || node >= mesh.node_count())
@@ -143,6 +145,7 @@ void WrenchPatch::distribute(const sensing::Contact& contact, const Eigen::Matri
   }
 
   if (fixed_) {
+    location = reference_.interpolate(positions);
     patch_.assign(candidates_.begin(), candidates_.end());
     out.accepted = spread(contact.wrench, location, positions, out);
   } else {

@@ -4,6 +4,7 @@
 
 #include "core/contact/force_transformer.hpp"
 #include "core/contact/surface_search.hpp"
+#include "core/mesh/point_locator.hpp"
 
 namespace palpate::contact {
 
@@ -21,6 +22,10 @@ class WrenchPatch : public ForceTransformer {
     /// Nodes that always carry the load: a grasp that does not slide. Empty: the patch follows the
     /// contact.
     std::vector<int> fixed_nodes;
+    /// With fixed nodes: the rest point (m, in O) that the wrench is about. It moves with the mesh;
+    /// where the contact is said to be does not count, since a mesh that is not where the hand is
+    /// would turn their distance into a torque.
+    Eigen::Vector3d fixed_reference = Eigen::Vector3d::Zero();
   };
 
   /// Throws std::invalid_argument naming the option that is wrong, or for a mesh without surface.
@@ -47,6 +52,7 @@ class WrenchPatch : public ForceTransformer {
 
   Options options_;
   bool fixed_;
+  mesh::PointWeights reference_;  // of a fixed patch
   Eigen::Matrix3Xd rest_positions_;
   Eigen::Matrix3Xi triangles_;
   std::vector<Member> candidates_;  // nodes that may carry load

@@ -23,6 +23,7 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node&
   if (node.flag("on_grasp", false)) {
     if (object.body.grasps.empty()) node.fail("on_grasp", "the object has no grasp_box");
     options.fixed_nodes = object.body.grasps[0].nodes;
+    options.fixed_reference = object.body.grasps[0].X_OG_rest.translation();
   }
   return std::make_unique<contact::WrenchPatch>(object.body.mesh, object.surface, options);
 }

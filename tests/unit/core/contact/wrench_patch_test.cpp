@@ -70,17 +70,38 @@ TEST_P(WrenchPatchOnBox, LoadsFixedNodesForAContactInsideTheObject) {
   Box box(GetParam());
   WrenchPatch::Options options;
   options.fixed_nodes = mesh::nodes_in_box(box.mesh, {0.1, 0, 0}, {0.1, 0.1, 0.1});
+  options.fixed_reference = {0.05, 0.05, 0.05};  // 50 mm below the surface
   WrenchPatch transformer(box.mesh, box.surface, options);
   sensing::Contact contact;
   contact.source = sensing::Source::kWrist0;
-  contact.location = {0.05, 0.05, 0.05};  // 50 mm below the surface
+  contact.location = {0.3, -0.1, 0.2};  // where the hand says it is does not count
   contact.wrench = {{1, 2, 3}, {0.1, -0.2, 0.3}};
   ContactLoads loads;
   loads.loads.reserve(transformer.max_nodes());
   transformer.distribute(contact, box.mesh.nodes, loads);
   ASSERT_TRUE(loads.accepted);
   for (const NodalLoad& load : loads.loads) EXPECT_NEAR(box.mesh.nodes(0, load.node), 0.1, 1e-12);
-  const math::Wrench total = sum(loads, box.mesh.nodes, contact.location);
+  const math::Wrench total = sum(loads, box.mesh.nodes, options.fixed_reference);
+  EXPECT_LT((total.vector() - contact.wrench.vector()).norm(), 1e-12);
+}
+
+/// The reference point of a fixed patch is a material one: it moves with the mesh.
+TEST_P(WrenchPatchOnBox, ReferenceOfFixedNodesMovesWithTheMesh) {
+  Box box(GetParam());
+  WrenchPatch::Options options;
+  options.fixed_nodes = mesh::nodes_in_box(box.mesh, {0.1, 0, 0}, {0.1, 0.1, 0.1});
+  options.fixed_reference = {0.09, 0.05, 0.05};
+  WrenchPatch transformer(box.mesh, box.surface, options);
+  const math::Pose X = math::make_pose(math::exp_rotation({0.3, -0.2, 0.5}), {0.2, 0.1, -0.3});
+  const Eigen::Matrix3Xd positions = X * box.mesh.nodes;
+  sensing::Contact contact;
+  contact.source = sensing::Source::kWrist0;
+  contact.wrench = {{1, 2, 3}, {0.1, -0.2, 0.3}};
+  ContactLoads loads;
+  loads.loads.reserve(transformer.max_nodes());
+  transformer.distribute(contact, positions, loads);
+  ASSERT_TRUE(loads.accepted);
+  const math::Wrench total = sum(loads, positions, X * options.fixed_reference);
   EXPECT_LT((total.vector() - contact.wrench.vector()).norm(), 1e-12);
 }
 
@@ -91,6 +112,7 @@ TEST_P(WrenchPatchOnBox, EqualsUniformPressureOnAFace) {
   WrenchPatch::Options options;
   for (const int node : mesh::nodes_in_box(box.mesh, {0, 0, 0.1}, {0.1, 0.1, 0.1}))
     options.fixed_nodes.push_back(node);
+  options.fixed_reference = {0.05, 0.05, 0.1};
   WrenchPatch transformer(box.mesh, box.surface, options);
   sensing::Contact contact;
   contact.source = sensing::Source::kFinger0;
