@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
@@ -70,8 +71,7 @@ int run_demo(const DemoOptions& options) {
   const nlohmann::json json = summary(demo, seconds, good);
   write_json(json, options.output / "summary.json");
   if (!options.json.empty()) write_json(json, options.json);
-  std::cout << (good ? "Every stage passed" : "A STAGE FAILED") << " in "
-            << static_cast<int>(seconds + 0.5)
+  std::cout << (good ? "Every stage passed" : "A STAGE FAILED") << " in " << std::lround(seconds)
             << " s; pictures, plots, logs and summary.json are in " << options.output.string()
             << '\n';
   return good ? 0 : 1;
