@@ -38,6 +38,8 @@ LoopScore score_loop(const RunLog& run) {
   LoopScore score;
   score.cycles = last.cycles;
   score.overruns = last.overruns;
+  score.allocations = last.allocations;
+  score.page_faults = last.page_faults;
   score.overrun_ms = static_cast<double>(last.overrun_us) * 1e-3;
   if (last.phase_count > 0) {
     score.p50_us = last.p50_us[0];

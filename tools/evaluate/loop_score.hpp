@@ -13,6 +13,8 @@ struct LoopScore {
   double p50_us = 0, p99_us = 0, p999_us = 0, max_us = 0;  // of a whole cycle
   double wake_up_max_us = 0;
   std::int64_t shapes_not_converged = 0;
+  std::int64_t allocations = 0;  // of the loop's thread since activation; -1: not counted
+  std::int64_t page_faults = 0;  // likewise
   std::int64_t gate_limited = 0;
   std::int64_t gate_refused = 0;
   int state = 0;         // health_t.state

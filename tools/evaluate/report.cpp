@@ -93,6 +93,8 @@ Json to_json(const LoopScore& loop) {
   return {
       {"cycles", loop.cycles},
       {"overruns", loop.overruns},
+      {"allocations", loop.allocations},
+      {"page_faults", loop.page_faults},
       {"overrun_ms", loop.overrun_ms},
       {"latency_us",
        {{"p50", loop.p50_us}, {"p99", loop.p99_us}, {"p99.9", loop.p999_us}, {"max", loop.max_us}}},

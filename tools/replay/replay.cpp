@@ -7,6 +7,7 @@
 #include <palpate/component_command_t.hpp>
 #include <stdexcept>
 
+#include "core/math/fnv1a.hpp"
 #include "rt/daemon/text.hpp"
 
 namespace palpate::replay {
@@ -25,11 +26,6 @@ bool is_own(const std::string& channel) {
   return false;
 }
 
-std::uint64_t fnv1a(std::uint64_t hash, const std::vector<std::uint8_t>& data) {
-  for (const std::uint8_t byte : data) hash = (hash ^ byte) * 1099511628211ULL;
-  return hash;
-}
-
 void send_start(bus::MessageBus& bus) {
   component_command_t command{};
   command.session = kSession;
@@ -40,11 +36,12 @@ void send_start(bus::MessageBus& bus) {
 }
 
 /// Takes what was published since the last cycle into hash and output log.
-void collect(std::vector<bus::Published>& published, lcm::LogFile* output, ReplayResult& result) {
+void collect(std::vector<bus::Published>& published, lcm::LogFile* output, math::Fnv1a& shapes,
+             ReplayResult& result) {
   for (bus::Published& message : published) {
     if (message.channel == "SHAPE") {
       ++result.shapes;
-      result.shape_hash = fnv1a(result.shape_hash, message.data);
+      shapes.add(message.data.data(), message.data.size());
     }
     if (output == nullptr) continue;
     lcm::LogEvent event{};
@@ -81,7 +78,7 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
     if (!output->good()) throw std::runtime_error(options.output + ": cannot be written");
   }
   ReplayResult result;
-  result.shape_hash = 14695981039346656037ULL;
+  math::Fnv1a shapes;
   std::vector<bus::Published> published;
   const std::int64_t period_ns = std::llround(daemon.settings().loop.period * 1e9);
   const std::int64_t first_us = event->timestamp;
@@ -100,10 +97,11 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
     bus::set_time(*hub, now_ns);
     bus::record(*hub, &published);
     daemon.tick({now_ns, now_ns / 1000, 0});
-    collect(published, output.get(), result);
+    collect(published, output.get(), shapes, result);
     ++result.cycles;
     now_ns += period_ns;
   }
+  result.shape_hash = shapes.value();
   result.duration = static_cast<double>(now_ns - first_us * 1000) * 1e-9;
   return result;
 }
