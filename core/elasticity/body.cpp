@@ -10,6 +10,15 @@ void require(bool condition, const std::string& message) {
   if (!condition) throw std::invalid_argument("body: " + message);
 }
 
+void check_material(const Material& material, const std::string& where) {
+  require(material.young_modulus > 0 && std::isfinite(material.young_modulus),
+          "Young's modulus" + where + " must be positive");
+  require(material.poisson_ratio > -1 && material.poisson_ratio < 0.5,
+          "Poisson's ratio" + where + " must lie between -1 and 0.5");
+  require(material.density > 0 && std::isfinite(material.density),
+          "density" + where + " must be positive");
+}
+
 }  // namespace
 
 void Body::check() const {
@@ -20,11 +29,13 @@ void Body::check() const {
           "elements do not have the nodes of their order");
   require(mesh.elements.minCoeff() >= 0 && mesh.elements.maxCoeff() < n,
           "an element names a node out of range");
-  require(material.young_modulus > 0 && std::isfinite(material.young_modulus),
-          "Young's modulus must be positive");
-  require(material.poisson_ratio > -1 && material.poisson_ratio < 0.5,
-          "Poisson's ratio must lie between -1 and 0.5");
-  require(material.density > 0 && std::isfinite(material.density), "density must be positive");
+  check_material(material, "");
+  require(element_materials.empty() ||
+              static_cast<int>(element_materials.size()) == mesh.element_count(),
+          "there must be one material per element, or none");
+  for (std::size_t e = 0; e < element_materials.size(); ++e) {
+    check_material(element_materials[e], " of element " + std::to_string(e));
+  }
   require(damping.mass_factor >= 0 && damping.stiffness_factor >= 0,
           "damping factors may not be negative");
   require(gravity_O.allFinite(), "gravity is not finite");

@@ -30,10 +30,15 @@ struct GraspRegion {
 struct Body {
   mesh::ElementMesh mesh;
   Material material;
+  std::vector<Material> element_materials;  // one per element, or empty: `material` everywhere
   Damping damping;
   std::vector<int> fixed_nodes;                         // held by the test rig
   std::vector<GraspRegion> grasps;                      // at most two
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
+
+  const Material& material_of(int element) const {
+    return element_materials.empty() ? material : element_materials[element];
+  }
 
   /// Throws std::invalid_argument naming what is wrong (empty mesh, node out of range, a node both
   /// fixed and grasped, material out of range).
