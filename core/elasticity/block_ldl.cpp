@@ -36,10 +36,16 @@ BlockLdl::BlockLdl(const BlockPattern& pattern)
       y_(pattern.size(), Padded::Zero()) {
   const int n = pattern.size();
   std::vector<int> count(n, 0);
+  upper_.resize(n);
+  for (int k = 0; k < n; ++k) {
+    for (int s = pattern.column_start()[k]; s < pattern.column_start()[k + 1]; ++s) {
+      upper_[pattern.row()[s]].emplace_back(k, s);
+    }
+  }
   for (int k = 0; k < n; ++k) {
     flag_[k] = k;
-    for (int s = pattern.column_start()[k]; s < pattern.column_start()[k + 1]; ++s) {
-      for (int i = pattern.row()[s]; flag_[i] != k; i = parent_[i]) {
+    for (const auto& [first, s] : upper_[k]) {
+      for (int i = first; flag_[i] != k; i = parent_[i]) {
         if (parent_[i] < 0) parent_[i] = k;
         ++count[i];
         flag_[i] = k;
@@ -54,7 +60,6 @@ BlockLdl::BlockLdl(const BlockPattern& pattern)
 bool BlockLdl::factorise(const BlockMatrix& A, const std::vector<char>& held,
                          double shift) noexcept {
   const int n = size();
-  const BlockPattern& pattern = A.pattern();
   std::fill(flag_.begin(), flag_.end(), -1);
   std::fill(filled_.begin(), filled_.end(), 0);
   for (int k = 0; k < n; ++k) {
@@ -63,8 +68,8 @@ bool BlockLdl::factorise(const BlockMatrix& A, const std::vector<char>& held,
     flag_[k] = k;
     y_[k].setZero();
     double scale = 1;
-    for (int s = pattern.column_start()[k]; s < pattern.column_start()[k + 1]; ++s) {
-      int i = pattern.row()[s];
+    for (const auto& [first, s] : upper_[k]) {
+      int i = first;
       if (i == k) {
         if (held[k]) {
           y_[k].topRows<3>().setIdentity();
@@ -78,7 +83,7 @@ bool BlockLdl::factorise(const BlockMatrix& A, const std::vector<char>& held,
       if (held[k] || held[i]) {
         y_[i].setZero();
       } else {
-        y_[i].topRows<3>() = A.block(s);
+        y_[i].topRows<3>() = A.block(s).transpose();
       }
       int length = 0;
       for (; flag_[i] != k; i = parent_[i]) {

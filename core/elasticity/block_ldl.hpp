@@ -28,8 +28,9 @@ class BlockLdl {
   // Three columns of four rows, the last of them zero, for full-width vector instructions.
   using Padded = Eigen::Matrix<double, 4, 3>;
 
-  std::vector<int> parent_;        // elimination tree
-  std::vector<int> column_start_;  // of L, strictly below the diagonal
+  std::vector<std::vector<std::pair<int, int>>> upper_;  // (i, slot) of column k, i <= k
+  std::vector<int> parent_;                              // elimination tree
+  std::vector<int> column_start_;                        // of L, strictly below the diagonal
   std::vector<int> row_;
   std::vector<Padded> lower_;
   std::vector<Eigen::Matrix3d> inverse_pivots_;

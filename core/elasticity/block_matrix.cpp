@@ -1,48 +1,81 @@
 #include "core/elasticity/block_matrix.hpp"
 
-#include <Eigen/OrderingMethods>
-#include <Eigen/SparseCore>
 #include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "core/elasticity/elimination_order.hpp"
 
 namespace palpate::elasticity {
 
-BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
-                           const std::vector<int>& fixed)
-    : nodes_per_element_(static_cast<int>(elements.rows())), unknown_(node_count, 0) {
-  for (int node : fixed) unknown_[node] = -1;
-  std::vector<int> natural;
-  for (int node = 0; node < node_count; ++node) {
-    if (unknown_[node] < 0) continue;
-    unknown_[node] = static_cast<int>(natural.size());
-    natural.push_back(node);
-  }
-  const int n = static_cast<int>(natural.size());
+namespace {
 
-  std::vector<Eigen::Triplet<double>> entries;
+/// Which unknowns share an element.
+Graph mesh_graph(const Eigen::MatrixXi& elements, const std::vector<int>& unknown, int size) {
+  std::vector<std::vector<int>> neighbours(size);
   for (int e = 0; e < elements.cols(); ++e) {
     for (int a : elements.col(e)) {
       for (int b : elements.col(e)) {
-        if (unknown_[a] >= 0 && unknown_[b] >= 0) entries.emplace_back(unknown_[a], unknown_[b], 1);
+        if (a != b && unknown[a] >= 0 && unknown[b] >= 0) {
+          neighbours[unknown[a]].push_back(unknown[b]);
+        }
       }
     }
   }
-  for (int i = 0; i < n; ++i) entries.emplace_back(i, i, 1);
-  Eigen::SparseMatrix<double> graph(n, n);
-  graph.setFromTriplets(entries.begin(), entries.end());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> permutation(n);
-  if (n > 0) Eigen::AMDOrdering<int>()(graph, permutation);
+  Graph graph;
+  for (std::vector<int>& list : neighbours) {
+    std::sort(list.begin(), list.end());
+    list.erase(std::unique(list.begin(), list.end()), list.end());
+    graph.neighbours.insert(graph.neighbours.end(), list.begin(), list.end());
+    graph.start.push_back(static_cast<int>(graph.neighbours.size()));
+  }
+  return graph;
+}
 
+}  // namespace
+
+BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
+                           const std::vector<int>& fixed,
+                           const std::vector<std::vector<int>>& border)
+    : nodes_per_element_(static_cast<int>(elements.rows())), unknown_(node_count, 0) {
+  if (border.size() > 2) throw std::invalid_argument("at most two grasp patches");
+  for (int node : fixed) unknown_.at(node) = -1;
+  // A natural order first: the interior, then the groups.
+  for (const std::vector<int>& group : border) {
+    for (int node : group) {
+      if (node < 0 || node >= node_count || unknown_[node] != 0) {
+        throw std::invalid_argument("grasped node " + std::to_string(node) +
+                                    " is out of range, fixed or grasped twice");
+      }
+      unknown_[node] = 1;
+    }
+  }
+  std::vector<int> natural;
+  for (int node = 0; node < node_count; ++node) {
+    if (unknown_[node] == 0) natural.push_back(node);
+  }
+  for (int g = 0; g < 2; ++g) {
+    border_begin_[g] = static_cast<int>(natural.size());
+    if (g < static_cast<int>(border.size())) {
+      natural.insert(natural.end(), border[g].begin(), border[g].end());
+    }
+  }
+  const int n = border_begin_[2] = static_cast<int>(natural.size());
+  for (int i = 0; i < n; ++i) unknown_[natural[i]] = i;
+
+  const Graph graph = mesh_graph(elements, unknown_, n);
+  const std::vector<int> order = elimination_order(graph, n - interior_size());
   node_.resize(n);
-  for (int i = 0; i < n; ++i) node_[i] = natural[permutation.indices()(i)];
-  for (int i = 0; i < n; ++i) unknown_[node_[i]] = i;
+  for (int k = 0; k < n; ++k) node_[k] = natural[order[k]];
+  for (int k = 0; k < n; ++k) unknown_[node_[k]] = k;
 
   column_start_.assign(n + 1, 0);
   for (int k = 0; k < n; ++k) {
-    const int column = permutation.indices()(k);
     const std::size_t begin = row_.size();
-    for (Eigen::SparseMatrix<double>::InnerIterator it(graph, column); it; ++it) {
-      const int i = unknown_[natural[it.row()]];
-      if (i <= k) row_.push_back(i);
+    row_.push_back(k);
+    for (int s = graph.start[order[k]]; s < graph.start[order[k] + 1]; ++s) {
+      const int i = unknown_[natural[graph.neighbours[s]]];
+      if (i > k) row_.push_back(i);
     }
     std::sort(row_.begin() + static_cast<std::ptrdiff_t>(begin), row_.end());
     column_start_[k + 1] = static_cast<int>(row_.size());
@@ -53,7 +86,7 @@ BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
     for (int a = 0; a < nodes_per_element_; ++a) {
       for (int b = 0; b < nodes_per_element_; ++b) {
         const int i = unknown_[elements(a, e)], k = unknown_[elements(b, e)];
-        if (i < 0 || k < 0 || i > k) continue;
+        if (i < k || k < 0) continue;
         const auto found = std::lower_bound(row_.begin() + column_start_[k],
                                             row_.begin() + column_start_[k + 1], i);
         slots_[(e * nodes_per_element_ + a) * nodes_per_element_ + b] =

@@ -1,25 +1,42 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <vector>
 
 namespace palpate::elasticity {
 
-/// Which nodes of a mesh are unknown, in an order of elimination that keeps factors sparse
-/// (approximate minimum degree), and which 3 x 3 blocks of a stiffness matrix over them are not
-/// zero. Only blocks (i, k) with i <= k are kept, column by column.
+/// Which grasp patches are kept at zero in a solution.
+using Held = std::array<bool, 2>;
+
+/// Which nodes of a mesh are unknown, in an order of elimination that keeps factors sparse, and
+/// which 3 x 3 blocks of a stiffness matrix over them are not zero. Only blocks (i, k) with i >= k
+/// are kept, column by column, the diagonal one first. Grasp patches ("border" groups) are ordered
+/// after all other unknowns, group after group, so that the factor of the interior is the same
+/// whether they are held or not.
 class BlockPattern {
  public:
-  /// elements: nodes x count. Nodes in `fixed` are left out for good.
-  BlockPattern(const Eigen::MatrixXi& elements, int node_count, const std::vector<int>& fixed);
+  /// elements: nodes x count. Nodes in `fixed` are left out for good. Throws std::invalid_argument
+  /// for more than two border groups, a border node that is fixed or stands in two groups, or a
+  /// node out of range.
+  BlockPattern(const Eigen::MatrixXi& elements, int node_count, const std::vector<int>& fixed,
+               const std::vector<std::vector<int>>& border = {});
 
   int size() const { return static_cast<int>(node_.size()); }
+  int interior_size() const { return border_begin_[0]; }  // unknowns in no border group
+  /// Unknowns of a group, 0 or 1, in the order of its node list; empty where there is no such
+  /// group.
+  int border_begin(int group) const { return border_begin_[group]; }
+  int border_end(int group) const { return border_begin_[group + 1]; }
+  bool is_free(int unknown, Held held) const {
+    return unknown < border_begin_[0] || !held[unknown >= border_begin_[1]];
+  }
   int node(int unknown) const { return node_[unknown]; }
   int unknown(int node) const { return unknown_[node]; }  // -1 where fixed
   int node_count() const { return static_cast<int>(unknown_.size()); }
 
   const std::vector<int>& column_start() const { return column_start_; }  // size() + 1
-  const std::vector<int>& row() const { return row_; }
+  const std::vector<int>& row() const { return row_; }                    // rising in each column
 
   /// Index of block (a, b) of an element's matrix among the stored ones, -1 where its mirror image
   /// is the stored one or a node is fixed.
@@ -29,6 +46,7 @@ class BlockPattern {
 
  private:
   int nodes_per_element_;
+  std::array<int, 3> border_begin_{};
   std::vector<int> node_, unknown_, column_start_, row_, slots_;
 };
 

@@ -56,4 +56,10 @@ void Body::check() const {
   }
 }
 
+std::vector<std::vector<int>> patches(const Body& body) {
+  std::vector<std::vector<int>> nodes;
+  for (const GraspRegion& grasp : body.grasps) nodes.push_back(grasp.nodes);
+  return nodes;
+}
+
 }  // namespace palpate::elasticity

@@ -45,4 +45,7 @@ struct Body {
   void check() const;
 };
 
+/// Nodes of each grasp: the border groups of a pattern.
+std::vector<std::vector<int>> patches(const Body& body);
+
 }  // namespace palpate::elasticity

@@ -55,7 +55,7 @@ void RefactorJob::run() noexcept {
     // Nothing holds the body: a weak spring at every node takes the place of the missing support.
     double largest = 0;
     for (int k = 0; k < pattern_.size(); ++k) {
-      largest = std::max(largest, matrix_.block(pattern_.column_start()[k + 1] - 1).trace() / 3);
+      largest = std::max(largest, matrix_.block(pattern_.column_start()[k]).trace() / 3);
     }
     factor.usable = factor.ldl.factorise(matrix_, factor.held, 1e-4 * largest);
     factor.regularised = true;

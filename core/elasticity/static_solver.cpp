@@ -2,8 +2,8 @@
 
 #include <stdexcept>
 
-#include "core/elasticity/block_ldl.hpp"
 #include "core/elasticity/element_set.hpp"
+#include "core/elasticity/supernodal_factor.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -16,20 +16,18 @@ class NewtonSolver {
  public:
   NewtonSolver(const Body& body, const Matrix3Xd& loads)
       : elements_(body.mesh, body.material),
-        pattern_(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes),
+        pattern_(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body)),
+        supernodes_(pattern_),
         matrix_(pattern_),
-        ldl_(pattern_),
+        factor_(supernodes_),
         state_(elements_.make_state()),
-        held_(pattern_.size(), 0),
         full_load_(loads + body.gravity_O * elements_.nodal_mass().transpose()),
         x_(body.mesh.nodes),
-        rhs_(4, pattern_.size()) {
+        rhs_(3 * pattern_.size(), 1) {
     set_load(1);
   }
 
-  void hold(const std::vector<int>& nodes) {
-    for (int node : nodes) held_[pattern_.unknown(node)] = 1;
-  }
+  void hold(Held held) { held_ = held; }
   void set_load(double share) { external_ = share * full_load_; }
   Matrix3Xd& positions() { return x_; }
   const Matrix3Xd& forces() const { return forces_; }
@@ -43,29 +41,31 @@ class NewtonSolver {
   double residual() const {
     double largest = 0;
     for (int k = 0; k < pattern_.size(); ++k) {
-      if (!held_[k]) largest = std::max(largest, forces_.col(pattern_.node(k)).norm());
+      if (pattern_.is_free(k, held_))
+        largest = std::max(largest, forces_.col(pattern_.node(k)).norm());
     }
     return largest;
   }
 
-  bool factorise(Tangent kind, double shift = 0) {
+  bool factorise(Tangent kind) {
     matrix_.set_zero();
     for (int e = 0; e < elements_.element_count(); ++e) {
       elements_.stiffness(e, x_, kind, 0, element_matrix_);
       matrix_.add(e, element_matrix_);
     }
-    return ldl_.factorise(matrix_, held_, shift);
+    return factor_.factorise(matrix_) && factor_.is_positive(held_);
   }
 
   /// Solves K dx = -forces over the free nodes.
   Matrix3Xd correction() {
     Matrix3Xd dx = Matrix3Xd::Zero(3, x_.cols());
-    rhs_.setZero();
     for (int k = 0; k < pattern_.size(); ++k) {
-      if (!held_[k]) rhs_.col(k).head<3>() = -forces_.col(pattern_.node(k));
+      rhs_.block<3, 1>(3 * k, 0) = -forces_.col(pattern_.node(k));
     }
-    ldl_.solve(rhs_);
-    for (int k = 0; k < pattern_.size(); ++k) dx.col(pattern_.node(k)) = rhs_.col(k).head<3>();
+    factor_.solve(rhs_, held_);
+    for (int k = 0; k < pattern_.size(); ++k) {
+      dx.col(pattern_.node(k)) = rhs_.block<3, 1>(3 * k, 0);
+    }
     return dx;
   }
 
@@ -101,13 +101,13 @@ class NewtonSolver {
  private:
   ElementSet elements_;
   BlockPattern pattern_;
+  Supernodes supernodes_;
   BlockMatrix matrix_;
-  BlockLdl ldl_;
+  SupernodalFactor factor_;
   ElementSet::State state_;
-  std::vector<char> held_;
+  Held held_{false, false};
   Matrix3Xd full_load_, external_, x_, forces_;
-  Eigen::Matrix4Xd rhs_;
-  Eigen::MatrixXd element_matrix_;
+  Eigen::MatrixXd rhs_, element_matrix_;
 };
 
 /// Pose a share of the way from one to another.
@@ -133,9 +133,7 @@ StaticSolution solve_static(const Body& body, const Matrix3Xd& loads, const Held
                             const StaticOptions& options, const Matrix3Xd* start) {
   body.check();
   NewtonSolver solver(body, loads);
-  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
-    if (held[g]) solver.hold(body.grasps[g].nodes);
-  }
+  solver.hold({held[0].has_value(), held[1].has_value()});
   const Matrix3Xd begin = start ? *start : body.mesh.nodes;
   StaticSolution solution;
   for (int steps = 1; steps <= options.load_steps && !solution.converged; steps *= 2) {

@@ -24,14 +24,14 @@ Thesis2018::Thesis2018(Body body, const Thesis2018Options& options)
     : body_(linear_body(std::move(body))),
       options_(options),
       elements_(body_.mesh, body_.material),
-      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes),
+      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
+      supernodes_(pattern_),
       matrix_(pattern_),
-      ldl_(pattern_),
+      factor_(supernodes_),
       state_(elements_.make_state()),
-      held_(pattern_.size(), 0),
       gravity_(body_.gravity_O),
       x_(body_.mesh.nodes),
-      rhs_(Eigen::Matrix4Xd::Zero(4, pattern_.size())),
+      rhs_(Eigen::MatrixXd::Zero(3 * pattern_.size(), 1)),
       element_matrix_(12, 12),
       element_mass_(4, 4) {
   if (!(options.time_step > 0)) throw std::invalid_argument("thesis2018: time step must be > 0");
@@ -51,21 +51,15 @@ void Thesis2018::reset() noexcept {
   loads_.setZero();
   reactions_.setZero();
   is_held_ = {false, false};
-  std::fill(held_.begin(), held_.end(), 0);
   std::fill(state_.begin(), state_.end(), PointState());
 }
 
 void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
   X_OG_[grasp] = X_OG;
   is_held_[grasp] = true;
-  for (int node : body_.grasps[grasp].nodes) held_[pattern_.unknown(node)] = 1;
 }
 
-void Thesis2018::release(int grasp) noexcept {
-  if (!is_held_[grasp]) return;
-  is_held_[grasp] = false;
-  for (int node : body_.grasps[grasp].nodes) held_[pattern_.unknown(node)] = 0;
-}
+void Thesis2018::release(int grasp) noexcept { is_held_[grasp] = false; }
 
 /// M + h D + h^2 K into matrix_, and h times the force on the right into impulse_.
 void Thesis2018::assemble() noexcept {
@@ -115,15 +109,14 @@ StepReport Thesis2018::step(double) noexcept {
   }
   matrix_.multiply(dv_, product_);
   for (int k = 0; k < pattern_.size(); ++k) {
-    rhs_.col(k).setZero();
     const int node = pattern_.node(k);
-    if (!held_[k]) rhs_.col(k).head<3>() = impulse_.col(node) - product_.col(node);
+    rhs_.block<3, 1>(3 * k, 0) = impulse_.col(node) - product_.col(node);
   }
-  if (!ldl_.factorise(matrix_, held_, 0)) return report;
-  ldl_.solve(rhs_);
+  if (!factor_.factorise(matrix_) || !factor_.is_positive(is_held_)) return report;
+  factor_.solve(rhs_, is_held_);
   if (!rhs_.allFinite()) return report;
   for (int k = 0; k < pattern_.size(); ++k) {
-    if (!held_[k]) dv_.col(pattern_.node(k)) = rhs_.col(k).head<3>();
+    if (pattern_.is_free(k, is_held_)) dv_.col(pattern_.node(k)) = rhs_.block<3, 1>(3 * k, 0);
   }
   matrix_.multiply(dv_, product_);
   reactions_ = (product_ - impulse_) / h;

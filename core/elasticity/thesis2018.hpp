@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/elasticity/block_ldl.hpp"
 #include "core/elasticity/deformation_model.hpp"
 #include "core/elasticity/element_set.hpp"
+#include "core/elasticity/supernodal_factor.hpp"
 
 namespace palpate::elasticity {
 
@@ -49,16 +49,15 @@ class Thesis2018 final : public DeformationModel {
   Thesis2018Options options_;
   ElementSet elements_;
   BlockPattern pattern_;
+  Supernodes supernodes_;
   BlockMatrix matrix_;
-  BlockLdl ldl_;
+  SupernodalFactor factor_;
   ElementSet::State state_;
-  std::array<bool, 2> is_held_{false, false};
+  Held is_held_{false, false};
   std::array<math::Pose, 2> X_OG_{math::Pose::Identity(), math::Pose::Identity()};
-  std::vector<char> held_;
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, x_, v_, impulse_, dv_, product_, reactions_;
-  Eigen::Matrix4Xd rhs_;
-  Eigen::MatrixXd element_matrix_, element_mass_;
+  Eigen::MatrixXd rhs_, element_matrix_, element_mass_;
   Sensitivity sensitivity_;
 };
 

@@ -1,0 +1,334 @@
+#include "core/elasticity/solve_panels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+
+#include "core/elasticity/panel_kernel.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+using panel_kernel::kTile;
+constexpr int kGroup = 4;  // tiles interleaved at most
+constexpr std::align_val_t kAlignment{64};
+
+int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
+int padded(int rows) { return (rows + kGroup * kTile - 1) / (kGroup * kTile) * kGroup * kTile; }
+
+/// The level up to which the rows of panels are needed: 0 interior, 1 and group 0, 2 and group 1.
+int level_of(Held held) { return !held[1] ? 2 : !held[0] ? 1 : 0; }
+
+template <class Stored>
+void multiply(int height, const Stored* a, const float* b, int columns, bool first, float* y) {
+  switch (height) {
+    case 1:
+      return panel_kernel::multiply<1>(a, b, columns, first, y);
+    case 2:
+      return panel_kernel::multiply<2>(a, b, columns, first, y);
+    case 3:
+      return panel_kernel::multiply<3>(a, b, columns, first, y);
+    default:
+      return panel_kernel::multiply<4>(a, b, columns, first, y);
+  }
+}
+
+template <class Stored>
+void multiply_transposed(int height, const Stored* a, const float* x, int columns, float* sums) {
+  switch (height) {
+    case 1:
+      return panel_kernel::multiply_transposed<1>(a, x, columns, sums);
+    case 2:
+      return panel_kernel::multiply_transposed<2>(a, x, columns, sums);
+    case 3:
+      return panel_kernel::multiply_transposed<3>(a, x, columns, sums);
+    default:
+      return panel_kernel::multiply_transposed<4>(a, x, columns, sums);
+  }
+}
+
+}  // namespace
+
+void SolvePanels::Free::operator()(std::byte* memory) const noexcept {
+  ::operator delete[](memory, kAlignment);
+}
+
+SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
+    : half_(precision == PanelPrecision::kHalf && panel_kernel::kHasHalf),
+      size_of_b_(3 * supernodes.pattern().size()),
+      interior_(3 * supernodes.pattern().interior_size()),
+      scaling_(size_of_b_) {
+  lay_out(supernodes);
+  memory_.reset(new (kAlignment) std::byte[size_ + 64]);
+
+  const BlockPattern& pattern = supernodes.pattern();
+  for (int set = 0; set < 4; ++set) {
+    const Held held{(set & 1) != 0, (set & 2) != 0};
+    const int begin = held[0] ? pattern.border_begin(1) : pattern.border_begin(0);
+    const int end = held[1] ? pattern.border_end(0) : pattern.border_end(1);
+    Border& b = border(held);
+    b.offset = 3 * begin;
+    b.size = 3 * std::max(0, end - begin);
+    b.inverse.resize(static_cast<std::size_t>(padded(b.size)) * b.size);
+  }
+  const int border_size = size_of_b_ - interior_;
+  int rows = border_size, columns = 0;
+  std::size_t entries = static_cast<std::size_t>(border_size) * border_size, square = 0;
+  for (const Panel& panel : panels_) {
+    rows = std::max(rows, panel.rows.back());
+    columns = std::max(columns, panel.columns);
+    entries =
+        std::max(entries, static_cast<std::size_t>(padded(panel.rows.back())) * panel.columns);
+    square =
+        std::max(square, static_cast<std::size_t>(panel.columns) * (panel.columns + kTileColumns));
+  }
+  rows_.resize(padded(rows));
+  sums_.resize((columns + kTile) * kTile);
+  dense_.resize(entries);
+  left_.resize(entries);
+  inverse_.resize(square);
+  right_.resize(square);
+}
+
+void SolvePanels::lay_out(const Supernodes& nodes) {
+  const BlockPattern& pattern = nodes.pattern();
+  const std::size_t stored = half_ ? sizeof(std::uint16_t) : sizeof(float);
+  for (int s = 0; s < nodes.count(); ++s) {
+    Panel panel{};
+    panel.first = 3 * nodes.begin(s);
+    panel.columns = 3 * nodes.columns(s);
+    panel.rectangles = static_cast<int>(rectangles_.size());
+    panel.runs = static_cast<int>(runs_.size());
+    const int* row = nodes.rows_begin(s);
+    int tile = 0, rows = panel.columns;
+    for (int level = 0; level < kLevels; ++level) {
+      // Which rows?
+      const int end = level == 0 ? pattern.interior_size() : pattern.border_end(level - 1);
+      for (bool first = true; row != nodes.rows_end(s) && *row < end; ++row, first = false) {
+        rows += 3;
+        if (!first && row[-1] + 1 == *row) {
+          runs_.back().count += 3;
+        } else {
+          runs_.push_back({3 * *row, 3});
+        }
+      }
+      panel.rows[level] = rows;
+      panel.runs_end[level] = static_cast<int>(runs_.size());
+      // Their tiles, without those above the diagonal: stairs of rectangles.
+      const int tiles = tiles_of(rows);
+      while (tile < tiles) {
+        const int height = std::min(kGroup, tiles - tile);
+        for (int h = 0, begin = 0; h < height && begin < panel.columns; ++h) {
+          const int last = (tile + h + 1) * kTile;
+          const int columns_end = std::min(panel.columns, last);
+          rectangles_.push_back({tile + h, height - h, begin, columns_end, size_});
+          size_ += stored * (height - h) * kTile * (columns_end - begin);
+          begin = columns_end;
+        }
+        tile += height;
+      }
+      panel.rectangles_end[level] = static_cast<int>(rectangles_.size());
+    }
+    panels_.push_back(panel);
+  }
+}
+
+bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
+  for (Border& border : borders_) border.usable = false;
+  if (!factor.is_interior_positive()) return false;
+  for (int i = 0; i < size_of_b_; ++i) {
+    const double a = factor.diagonal()[i];
+    scaling_[i] = a > 0 ? static_cast<float>(1 / std::sqrt(a)) : 1.0f;
+  }
+  for (std::size_t s = 0; s < panels_.size(); ++s) {
+    invert(factor, static_cast<int>(s), panels_[s]);
+#if PALPATE_HAS_HALF
+    if (!(half_ ? store<std::uint16_t>(panels_[s]) : store<float>(panels_[s]))) return false;
+#else
+    if (!store<float>(panels_[s])) return false;
+#endif
+  }
+  bool any = false;
+  for (int set = 0; set < 4; ++set) {
+    const Held held{(set & 1) != 0, (set & 2) != 0};
+    if (!factor.is_positive(held)) continue;
+    assign_border(factor, held);
+    any = border(held).usable = true;
+  }
+  return any;
+}
+
+/// A panel in double, scaled, into dense_.
+void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept {
+  const int columns = panel.columns, rows = panel.rows.back(), below = rows - columns;
+  const std::ptrdiff_t stride = padded(rows);
+  const double* lower = factor.panel(s);
+  // inv(L11), column by column.
+  std::fill(inverse_.begin(), inverse_.begin() + columns * columns, 0.0);
+  for (int c = 0; c < columns; ++c) {
+    double* x = inverse_.data() + c * columns;
+    x[c] = 1;
+    for (int k = c; k < columns; ++k) {
+      const double* l = lower + static_cast<std::ptrdiff_t>(k) * rows;
+      const double factor_k = x[k];
+      for (int i = k + 1; i < columns; ++i) x[i] -= l[i] * factor_k;
+    }
+  }
+  std::fill(dense_.begin(), dense_.begin() + stride * columns, 0.0);
+  const float* scaling = scaling_.data();
+  for (int c = 0; c < columns; ++c) {
+    const double own = 1 / static_cast<double>(scaling[panel.first + c]);
+    for (int r = c; r < columns; ++r) {
+      dense_[c * stride + r] =
+          inverse_[c * columns + r] * own / std::sqrt(factor.d()[panel.first + r]);
+    }
+  }
+
+  // -L21 inv(L11) in tiles.
+  const int tiles = tiles_of(below);
+  for (int t = 0; t < tiles; ++t) {
+    for (int k = 0; k < columns; ++k) {
+      const double* l = lower + static_cast<std::ptrdiff_t>(k) * rows + columns + t * kTileRows;
+      double* target = &left_[(static_cast<std::ptrdiff_t>(t) * columns + k) * kTileRows];
+      for (int r = 0; r < kTileRows; ++r) target[r] = t * kTileRows + r < below ? l[r] : 0;
+    }
+  }
+  const int groups = (columns + kTileColumns - 1) / kTileColumns;
+  for (int g = 0; g < groups; ++g) {
+    for (int k = 0; k < columns; ++k) {
+      for (int c = 0; c < kTileColumns; ++c) {
+        const int column = g * kTileColumns + c;
+        right_[(g * columns + k) * kTileColumns + c] =
+            column < columns ? inverse_[column * columns + k] : 0;
+      }
+    }
+  }
+  // Rows' factors of D, in the order of the rows.
+  int row = 0;
+  for (int r = panel.runs; r < panel.runs_end.back(); ++r) {
+    for (int k = 0; k < runs_[r].count; ++k) rows_[row++] = scaling[runs_[r].target + k];
+  }
+  for (int t = 0; t < tiles; ++t) {
+    for (int g = 0; g < groups; ++g) {
+      const int from = g * kTileColumns;  // inv(L11) is zero above
+      double product[kTileRows * kTileColumns];
+      tile_product(&left_[(static_cast<std::ptrdiff_t>(t) * columns + from) * kTileRows],
+                   &right_[(g * columns + from) * kTileColumns], columns - from, product);
+      for (int c = from; c < std::min(from + kTileColumns, columns); ++c) {
+        const double own = -1 / static_cast<double>(scaling[panel.first + c]);
+        double* target = &dense_[c * stride + columns + t * kTileRows];
+        const double* p = product + (c - from) * kTileRows;
+        for (int r = 0; r < std::min(kTileRows, below - t * kTileRows); ++r) {
+          target[r] = p[r] * own * rows_[t * kTileRows + r];
+        }
+      }
+    }
+  }
+}
+
+/// dense_ into the layout of the sweeps; false where a number is too large.
+template <class Stored>
+bool SolvePanels::store(const Panel& panel) noexcept {
+  const double limit = sizeof(Stored) == sizeof(float) ? 1e30 : 6e4;
+  const std::ptrdiff_t stride = padded(panel.rows.back());
+  double largest = 0;
+  for (int k = panel.rectangles; k < panel.rectangles_end.back(); ++k) {
+    const Rectangle& rectangle = rectangles_[k];
+    Stored* target = reinterpret_cast<Stored*>(memory_.get() + rectangle.offset);
+    for (int c = rectangle.begin; c < rectangle.end; ++c) {
+      const double* source = &dense_[c * stride + rectangle.tile * kTile];
+      for (int h = 0; h < rectangle.height; ++h, target += kTile, source += kTile) {
+        panel_kernel::Lanes lanes;
+        for (int r = 0; r < kTile; ++r) {
+          lanes[r] = static_cast<float>(source[r]);
+          largest = std::max(largest, std::abs(source[r]));
+        }
+        panel_kernel::encode(lanes, target);
+      }
+    }
+  }
+  return largest < limit;
+}
+
+void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexcept {
+  Border& b = border(held);
+  factor.invert_border(held, dense_.data());
+  // Groups of tiles, row i of a group's column c at c * kGroup * kTile + i.
+  std::fill(b.inverse.begin(), b.inverse.end(), 0.0f);
+  for (int c = 0; c < b.size; ++c) {
+    for (int i = 0; i < b.size; ++i) {
+      const double scale =
+          static_cast<double>(scaling_[b.offset + i]) * static_cast<double>(scaling_[b.offset + c]);
+      const int group = i / (kGroup * kTile), within = i % (kGroup * kTile);
+      b.inverse[(static_cast<std::size_t>(group) * b.size + c) * kGroup * kTile + within] =
+          static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i] / scale);
+    }
+  }
+}
+
+void SolvePanels::solve_border(float* b, const Border& border) noexcept {
+  float* own = b + border.offset;
+  for (int i = 0; i < border.size; i += kGroup * kTile) {
+    multiply(kGroup, &border.inverse[static_cast<std::size_t>(i) * border.size], own, border.size,
+             true, &rows_[i]);
+  }
+  std::fill(b + interior_, b + size_of_b_, 0.0f);
+  std::copy(rows_.begin(), rows_.begin() + border.size, own);
+}
+
+template <class Stored>
+void SolvePanels::sweep(float* b, Held held) noexcept {
+  const int level = level_of(held);
+  const auto stored = [this](const Rectangle& r) {
+    return reinterpret_cast<const Stored*>(memory_.get() + r.offset);
+  };
+  float *rows = rows_.data(), *sums = sums_.data();
+  for (const Panel& panel : panels_) {
+    float* own = b + panel.first;
+    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
+      const Rectangle& r = rectangles_[k];
+      multiply(r.height, stored(r), own + r.begin, r.end - r.begin, r.begin == 0,
+               rows + r.tile * kTile);
+    }
+    for (int i = 0; i < panel.columns; ++i) own[i] = rows[i];
+    const float* delta = rows + panel.columns;
+    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
+      float* target = b + runs_[k].target;
+      for (int i = 0; i < runs_[k].count; ++i) target[i] += *delta++;
+    }
+  }
+  solve_border(b, border(held));
+  for (std::size_t s = panels_.size(); s-- > 0;) {
+    const Panel& panel = panels_[s];
+    float *own = b + panel.first, *x = rows;
+    for (int i = 0; i < panel.columns; ++i) *x++ = own[i];
+    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
+      const float* source = b + runs_[k].target;
+      for (int i = 0; i < runs_[k].count; ++i) *x++ = source[i];
+    }
+    std::fill(x, rows + tiles_of(panel.rows[level]) * kTile, 0.0f);
+    std::fill(sums, sums + panel.columns * kTile, 0.0f);
+    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
+      const Rectangle& r = rectangles_[k];
+      multiply_transposed(r.height, stored(r), rows + r.tile * kTile, r.end - r.begin,
+                          sums + r.begin * kTile);
+    }
+    float totals[kTile];
+    for (int c = 0; c < panel.columns; c += kTile) {
+      panel_kernel::add_lanes(sums + c * kTile, totals);
+      std::copy(totals, totals + std::min(kTile, panel.columns - c), own + c);
+    }
+  }
+}
+
+void SolvePanels::solve(float* b, Held held) noexcept {
+  for (int i = 0; i < size_of_b_; ++i) b[i] *= scaling_[i];
+#if PALPATE_HAS_HALF
+  half_ ? sweep<std::uint16_t>(b, held) : sweep<float>(b, held);
+#else
+  sweep<float>(b, held);
+#endif
+  for (int i = 0; i < size_of_b_; ++i) b[i] *= scaling_[i];
+}
+
+}  // namespace palpate::elasticity

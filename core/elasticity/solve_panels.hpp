@@ -1,0 +1,92 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "core/elasticity/supernodal_factor.hpp"
+
+namespace palpate::elasticity {
+
+/// How panels are stored; arithmetic is single precision. Half precision (where the processor
+/// converts it, else it is the same as single) reads half the memory, which is what a solve's time
+/// goes into, for a relative error of some 1e-4.
+enum class PanelPrecision { kSingle, kHalf };
+
+/// What a 1 kHz loop solves with: the partitioned inverse of a positive definite factor. With
+/// C C^T = D A D, D_ii = 1 / sqrt(A_ii), each supernode has one panel
+///   P = [inv(C11); -C21 inv(C11)],
+/// so that both substitutions are products of matrix and vector that read memory once, in order:
+/// forward (z1; delta) = P b1, backward x1 = P^T (z1; x_rows). The free part of the border is
+/// solved with the explicit inverse of its Schur complement.
+class SolvePanels {
+ public:
+  SolvePanels(const Supernodes& supernodes, PanelPrecision precision);
+
+  /// From a factor of these supernodes; allocates nothing. False where it can be used for no set of
+  /// held groups: the interior is not positive definite, or too close to singular for the
+  /// precision.
+  bool assign(const SupernodalFactor& factor) noexcept;
+
+  /// Whether solutions with these groups held may be had.
+  bool usable(Held held) const noexcept { return border(held).usable; }
+
+  /// b: 3 size() numbers in order of elimination, the axes of an unknown together; overwritten with
+  /// A^-1 b. Rows of held groups are not read and become zero. Needs usable(held).
+  void solve(float* b, Held held) noexcept;
+
+  std::size_t bytes() const { return size_; }  // of all panels
+
+ private:
+  /// Dense part of a panel: tiles of 8 rows, `height` of them interleaved, column by column.
+  struct Rectangle {
+    int tile, height, begin, end;
+    std::size_t offset;  // bytes
+  };
+  /// Consecutive unknowns among a panel's rows, in scalars.
+  struct Run {
+    int target, count;
+  };
+  /// A panel's rows end where the interior, group 0 and group 1 do.
+  static constexpr int kLevels = 3;
+  struct Panel {
+    int first, columns, rectangles, runs;
+    std::array<int, kLevels> rows, rectangles_end, runs_end;
+  };
+  struct Border {
+    bool usable = false;
+    int offset = 0, size = 0;    // scalars
+    std::vector<float> inverse;  // scaled as the panels are, in tiles
+  };
+  struct Free {
+    void operator()(std::byte* memory) const noexcept;
+  };
+
+  Border& border(Held held) { return borders_[held[0] + 2 * held[1]]; }
+  const Border& border(Held held) const { return borders_[held[0] + 2 * held[1]]; }
+  void lay_out(const Supernodes& supernodes);
+  template <class Stored>
+  bool store(const Panel& panel) noexcept;
+  void invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept;
+  void assign_border(const SupernodalFactor& factor, Held held) noexcept;
+  template <class Stored>
+  void sweep(float* b, Held held) noexcept;
+  void solve_border(float* b, const Border& border) noexcept;
+
+  bool half_;
+  int size_of_b_, interior_;  // scalars
+  std::vector<Panel> panels_;
+  std::vector<Rectangle> rectangles_;
+  std::vector<Run> runs_;
+  std::size_t size_ = 0;
+  std::unique_ptr<std::byte[], Free> memory_;
+  std::vector<float> scaling_;  // D
+  std::array<Border, 4> borders_;
+  // Work space of solve and of assign.
+  std::vector<float> rows_, sums_;
+  std::vector<double> dense_, inverse_, left_, right_;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,269 @@
+#include "core/elasticity/supernodal_factor.hpp"
+
+#include <cmath>
+
+namespace palpate::elasticity {
+namespace {
+
+constexpr int kLanes = 8;  // right-hand sides solved at once
+
+int largest_front(const Supernodes& nodes) {
+  int rows = nodes.pattern().size() - nodes.pattern().interior_size();
+  for (int s = 0; s < nodes.count(); ++s) rows = std::max(rows, nodes.columns(s) + nodes.rows(s));
+  return 3 * rows;
+}
+
+std::ptrdiff_t square(int rows) { return 9 * static_cast<std::ptrdiff_t>(rows) * rows; }
+
+/// target -= factor * source, over the lanes.
+void subtract(double* target, const double* source, double factor) {
+  for (int l = 0; l < kLanes; ++l) target[l] -= factor * source[l];
+}
+
+/// Substitutes the columns of a panel with L at its top: x are its own rows, row(i) the others.
+template <class Row>
+void forward(const double* panel, int columns, int rows, double* x, Row&& row) {
+  for (int j = 0; j < columns; ++j, panel += rows) {
+    const double* source = x + j * kLanes;
+    for (int i = j + 1; i < columns; ++i) subtract(x + i * kLanes, source, panel[i]);
+    for (int i = columns; i < rows; ++i) subtract(row(i - columns), source, panel[i]);
+  }
+}
+
+template <class Row>
+void backward(const double* panel, int columns, int rows, double* x, Row&& row) {
+  for (int j = columns - 1; j >= 0; --j) {
+    const double* column = panel + static_cast<std::ptrdiff_t>(j) * rows;
+    double sums[kLanes] = {};
+    for (int i = j + 1; i < columns; ++i) subtract(sums, x + i * kLanes, column[i]);
+    for (int i = columns; i < rows; ++i) subtract(sums, row(i - columns), column[i]);
+    for (int l = 0; l < kLanes; ++l) x[j * kLanes + l] += sums[l];
+  }
+}
+
+void divide(double* x, const double* d, int rows) {
+  for (int i = 0; i < rows; ++i) {
+    for (int l = 0; l < kLanes; ++l) x[i * kLanes + l] /= d[i];
+  }
+}
+
+double* no_rows(int) { return nullptr; }
+
+}  // namespace
+
+SupernodalFactor::SupernodalFactor(const Supernodes& supernodes)
+    : supernodes_(&supernodes),
+      d_(3 * supernodes.pattern().interior_size()),
+      diagonal_(3 * supernodes.pattern().size()),
+      scale_(diagonal_.size()),
+      dense_(largest_front(supernodes)),
+      depth_(supernodes.count()),
+      children_(supernodes.count() + 1),
+      local_(supernodes.pattern().size(), 0),
+      targets_(supernodes.pattern().size()),
+      lanes_(kLanes * diagonal_.size()) {
+  const BlockPattern& pattern = supernodes.pattern();
+  const int count = supernodes.count();
+  std::ptrdiff_t size = 0;
+  for (int s = 0; s < count; ++s) {
+    panel_start_.push_back(size);
+    size += 9 * static_cast<std::ptrdiff_t>(supernodes.columns(s)) *
+            (supernodes.columns(s) + supernodes.rows(s));
+    children_[supernodes.parent(s)].push_back(s);
+  }
+  panels_.resize(size);
+  for (int s = count - 1; s >= 0; --s) {
+    const int parent = supernodes.parent(s);
+    depth_[s] = parent < count ? depth_[parent] + 1 : 1;
+  }
+  std::array<std::ptrdiff_t, 2> top{0, 0}, highest{0, 0};
+  for (int s = 0; s < count; ++s) {
+    std::ptrdiff_t& own = top[depth_[s] % 2];
+    own += square(supernodes.rows(s));
+    highest[depth_[s] % 2] = std::max(highest[depth_[s] % 2], own);
+    for (int child : children_[s]) top[depth_[child] % 2] -= square(supernodes.rows(child));
+  }
+  for (int k = 0; k < 2; ++k) stacks_[k].resize(highest[k]);
+
+  const int first = pattern.interior_size();
+  schur_.resize(square(pattern.size() - first));
+  for (int set = 0; set < 4; ++set) {
+    const Held held{(set & 1) != 0, (set & 2) != 0};
+    Border& b = border(held);
+    const int begin = held[0] ? pattern.border_begin(1) : first;
+    const int end = held[1] ? pattern.border_end(0) : pattern.size();
+    b.offset = 3 * (begin - first);
+    b.size = 3 * std::max(0, end - begin);
+    b.lower.resize(static_cast<std::size_t>(b.size) * b.size);
+    b.d.resize(b.size);
+  }
+}
+
+Pivots SupernodalFactor::pivots(Held held) const {
+  Pivots sum = interior_;
+  sum.add(border(held).pivots);
+  return sum;
+}
+
+bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
+  const Supernodes& nodes = *supernodes_;
+  const BlockPattern& pattern = nodes.pattern();
+  for (int k = 0; k < pattern.size(); ++k) {
+    const Eigen::Matrix3d& block = A.block(pattern.column_start()[k]);
+    for (int axis = 0; axis < 3; ++axis) {
+      diagonal_[3 * k + axis] = block(axis, axis) + shift;
+      scale_[3 * k + axis] = block.diagonal().cwiseAbs().maxCoeff() + std::abs(shift);
+    }
+  }
+  interior_regular_ = false;
+  interior_ = {};
+  std::fill(panels_.begin(), panels_.end(), 0.0);
+  std::array<double*, 2> top{stacks_[0].data(), stacks_[1].data()};
+  for (int s = 0; s < nodes.count(); ++s) {
+    double*& own = top[depth_[s] % 2];
+    const Front front{panels_.data() + panel_start_[s], own, nodes.columns(s), nodes.rows(s)};
+    own += square(front.rows);
+    std::fill(front.update, own, 0.0);
+    int next = 0;
+    for (int k = nodes.begin(s); k < nodes.end(s); ++k) local_[k] = next++;
+    for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i) local_[*i] = next++;
+    assemble(A, nodes.begin(s), front);
+    gather(children_[s], top[1 - depth_[s] % 2], front);
+    const int begin = 3 * nodes.begin(s);
+    if (!dense_.eliminate(front.panel, 3 * (front.columns + front.rows), 3 * front.columns,
+                          front.update, &scale_[begin], &d_[begin], interior_)) {
+      return false;
+    }
+  }
+
+  const int first = pattern.interior_size(), rows = pattern.size() - first;
+  const Front front{schur_.data(), nullptr, rows, 0};
+  std::fill(schur_.begin(), schur_.end(), 0.0);
+  for (int i = 0; i < rows; ++i) local_[first + i] = i;
+  assemble(A, first, front);
+  gather(children_.back(), top[1], front);
+  for (Border& border : borders_) factorise_border(border);
+  interior_regular_ = true;
+  return true;
+}
+
+/// Adds the columns of A from `first` on to a front's, whose rows local_ knows.
+void SupernodalFactor::assemble(const BlockMatrix& A, int first, const Front& front) noexcept {
+  const BlockPattern& pattern = A.pattern();
+  const std::ptrdiff_t height = 3 * (front.columns + front.rows);
+  for (int c = 0; c < front.columns; ++c) {
+    const int k = first + c;
+    double* column = front.panel + 3 * c * height;
+    for (int s = pattern.column_start()[k]; s < pattern.column_start()[k + 1]; ++s) {
+      double* target = column + 3 * local_[pattern.row()[s]];
+      for (int axis = 0; axis < 3; ++axis, target += height) {
+        for (int r = 0; r < 3; ++r) target[r] += A.block(s)(r, axis);
+      }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      column[axis * height + 3 * c + axis] = diagonal_[3 * k + axis];
+    }
+  }
+}
+
+/// Takes the children's updates off their stack and adds them to a front.
+void SupernodalFactor::gather(const std::vector<int>& children, double*& top,
+                              const Front& front) noexcept {
+  const Supernodes& nodes = *supernodes_;
+  const std::ptrdiff_t height = 3 * (front.columns + front.rows), below = 3 * front.rows;
+  for (std::size_t c = children.size(); c-- > 0;) {
+    const int* unknowns = nodes.rows_begin(children[c]);
+    const int rows = nodes.rows(children[c]);
+    top -= square(rows);
+    const double* source = top;
+    for (int i = 0; i < rows; ++i) targets_[i] = 3 * local_[unknowns[i]];
+    for (int k = 0; k < 3 * rows; ++k, source += 3 * rows) {
+      const int column = targets_[k / 3] + k % 3 - 3 * front.columns;
+      double* target = column < 0 ? front.panel + (column + 3 * front.columns) * height
+                                  : front.update + column * below - 3 * front.columns;
+      for (int i = k / 3; i < rows; ++i) {
+        for (int r = 0; r < 3; ++r) target[targets_[i] + r] += source[3 * i + r];
+      }
+    }
+  }
+}
+
+void SupernodalFactor::factorise_border(Border& border) noexcept {
+  const BlockPattern& pattern = supernodes_->pattern();
+  const int first = 3 * pattern.interior_size();
+  const std::ptrdiff_t all = 3 * pattern.size() - first;
+  for (int k = 0; k < border.size; ++k) {
+    const double* source = schur_.data() + (border.offset + k) * all + border.offset;
+    std::copy(source, source + border.size,
+              &border.lower[static_cast<std::ptrdiff_t>(k) * border.size]);
+  }
+  border.pivots = {};
+  border.regular =
+      dense_.eliminate(border.lower.data(), border.size, border.size, nullptr,
+                       scale_.data() + first + border.offset, border.d.data(), border.pivots);
+}
+
+void SupernodalFactor::solve(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept {
+  const int n = static_cast<int>(B.rows()), first = 3 * supernodes_->pattern().interior_size();
+  const int free_begin = first + border(held).offset, free_end = free_begin + border(held).size;
+  for (int begin = 0; begin < B.cols(); begin += kLanes) {
+    const int count = std::min<int>(kLanes, static_cast<int>(B.cols()) - begin);
+    std::fill(lanes_.begin(), lanes_.end(), 0.0);
+    for (int l = 0; l < count; ++l) {
+      const auto b = B.col(begin + l);
+      for (int i = 0; i < n; ++i) lanes_[i * kLanes + l] = b(i);
+    }
+    solve_lanes(held);
+    for (int l = 0; l < count; ++l) {
+      auto b = B.col(begin + l);
+      for (int i = 0; i < n; ++i) {
+        const bool is_free = i < first || (i >= free_begin && i < free_end);
+        b(i) = is_free ? lanes_[i * kLanes + l] : 0;
+      }
+    }
+  }
+}
+
+void SupernodalFactor::solve_lanes(Held held) const noexcept {
+  const Supernodes& nodes = *supernodes_;
+  const Border& free = border(held);
+  double* lanes = lanes_.data();
+  const auto sweep = [&](int s, auto&& substitute) {
+    const int* unknowns = nodes.rows_begin(s);
+    substitute(panel(s), 3 * nodes.columns(s), 3 * (nodes.columns(s) + nodes.rows(s)),
+               lanes + 3 * nodes.begin(s) * kLanes,
+               [=](int i) { return lanes + (3 * unknowns[i / 3] + i % 3) * kLanes; });
+  };
+  for (int s = 0; s < nodes.count(); ++s) {
+    sweep(s, [](auto... a) { forward(a...); });
+  }
+  divide(lanes, d_.data(), static_cast<int>(d_.size()));
+  double* border_lanes = lanes + d_.size() * kLanes;
+  double* free_lanes = border_lanes + free.offset * kLanes;
+  std::fill(border_lanes, free_lanes, 0.0);
+  std::fill(free_lanes + free.size * kLanes, lanes + lanes_.size(), 0.0);
+  forward(free.lower.data(), free.size, free.size, free_lanes, no_rows);
+  divide(free_lanes, free.d.data(), free.size);
+  backward(free.lower.data(), free.size, free.size, free_lanes, no_rows);
+  for (int s = nodes.count() - 1; s >= 0; --s) {
+    sweep(s, [](auto... a) { backward(a...); });
+  }
+}
+
+void SupernodalFactor::invert_border(Held held, double* inverse) const noexcept {
+  const Border& free = border(held);
+  const int n = free.size;
+  for (int begin = 0; begin < n; begin += kLanes) {
+    const int count = std::min(kLanes, n - begin);
+    std::fill(lanes_.begin(), lanes_.begin() + n * kLanes, 0.0);
+    for (int l = 0; l < count; ++l) lanes_[(begin + l) * kLanes + l] = 1;
+    forward(free.lower.data(), n, n, lanes_.data(), no_rows);
+    divide(lanes_.data(), free.d.data(), n);
+    backward(free.lower.data(), n, n, lanes_.data(), no_rows);
+    for (int l = 0; l < count; ++l) {
+      for (int i = 0; i < n; ++i) inverse[(begin + l) * n + i] = lanes_[i * kLanes + l];
+    }
+  }
+}
+
+}  // namespace palpate::elasticity
