@@ -66,6 +66,7 @@ struct BlockSystem {
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B, Held held) const {
     const std::vector<int> rows = free_rows(held);
     Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols());
+    if (rows.empty()) return X;
     X(rows, Eigen::all) =
         Eigen::MatrixXd(free_part(held).ldlt().solve(Eigen::MatrixXd(B(rows, Eigen::all))));
     return X;

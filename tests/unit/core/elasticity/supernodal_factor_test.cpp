@@ -26,6 +26,8 @@ void expect_solves(const BlockSystem& system, double tolerance, double shift = 0
   const int n = 3 * system.pattern.size();
   for (Held held : kHeldSets) {
     ASSERT_TRUE(factor.is_regular(held));
+    const std::vector<int> rows = system.free_rows(held);
+    if (rows.empty()) continue;
     Eigen::MatrixXd A = system.free_part(held);
     A.diagonal().array() += shift;
     EXPECT_EQ(factor.pivots(held).negative, negative_eigenvalues(A));
@@ -33,7 +35,6 @@ void expect_solves(const BlockSystem& system, double tolerance, double shift = 0
     const Eigen::MatrixXd B = Eigen::MatrixXd::Random(n, 11);
     Eigen::MatrixXd X = B, again = B;
     factor.solve(X, held);
-    const std::vector<int> rows = system.free_rows(held);
     const Eigen::MatrixXd expected = A.partialPivLu().solve(Eigen::MatrixXd(B(rows, Eigen::all)));
     EXPECT_LT((X(rows, Eigen::all) - expected).norm(), tolerance * expected.norm());
     EXPECT_NEAR(X.squaredNorm(), X(rows, Eigen::all).squaredNorm(), 1e-12 * X.squaredNorm());
