@@ -31,6 +31,12 @@ class BlockPattern {
   bool is_free(int unknown, Held held) const {
     return unknown < border_begin_[0] || !held[unknown >= border_begin_[1]];
   }
+  /// Number from 0 to 3 of a set of held groups; one that does not exist counts as held.
+  int held_set(Held held) const {
+    const bool first = held[0] || border_begin_[0] == border_begin_[1];
+    const bool second = held[1] || border_begin_[1] == border_begin_[2];
+    return first + 2 * second;
+  }
   int node(int unknown) const { return node_[unknown]; }
   int unknown(int node) const { return unknown_[node]; }  // -1 where fixed
   int node_count() const { return static_cast<int>(unknown_.size()); }

@@ -54,7 +54,8 @@ void SolvePanels::Free::operator()(std::byte* memory) const noexcept {
 }
 
 SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
-    : half_(precision == PanelPrecision::kHalf && panel_kernel::kHasHalf),
+    : pattern_(&supernodes.pattern()),
+      half_(precision == PanelPrecision::kHalf && panel_kernel::kHasHalf),
       size_of_b_(3 * supernodes.pattern().size()),
       interior_(3 * supernodes.pattern().interior_size()),
       scaling_(size_of_b_) {
@@ -64,6 +65,7 @@ SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
   const BlockPattern& pattern = supernodes.pattern();
   for (int set = 0; set < 4; ++set) {
     const Held held{(set & 1) != 0, (set & 2) != 0};
+    if (pattern.held_set(held) != set) continue;
     const int begin = held[0] ? pattern.border_begin(1) : pattern.border_begin(0);
     const int end = held[1] ? pattern.border_end(0) : pattern.border_end(1);
     Border& b = border(held);
@@ -151,7 +153,7 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
   bool any = false;
   for (int set = 0; set < 4; ++set) {
     const Held held{(set & 1) != 0, (set & 2) != 0};
-    if (!factor.is_positive(held)) continue;
+    if (pattern_->held_set(held) != set || !factor.is_positive(held)) continue;
     assign_border(factor, held);
     any = border(held).usable = true;
   }
@@ -255,13 +257,13 @@ void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexc
   factor.invert_border(held, dense_.data());
   // Groups of tiles, row i of a group's column c at c * kGroup * kTile + i.
   std::fill(b.inverse.begin(), b.inverse.end(), 0.0f);
+  for (int i = 0; i < b.size; ++i) left_[i] = 1 / static_cast<double>(scaling_[b.offset + i]);
   for (int c = 0; c < b.size; ++c) {
     for (int i = 0; i < b.size; ++i) {
-      const double scale =
-          static_cast<double>(scaling_[b.offset + i]) * static_cast<double>(scaling_[b.offset + c]);
       const int group = i / (kGroup * kTile), within = i % (kGroup * kTile);
       b.inverse[(static_cast<std::size_t>(group) * b.size + c) * kGroup * kTile + within] =
-          static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i] / scale);
+          static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i] * left_[i] *
+                             left_[c]);
     }
   }
 }

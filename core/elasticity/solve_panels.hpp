@@ -64,8 +64,8 @@ class SolvePanels {
     void operator()(std::byte* memory) const noexcept;
   };
 
-  Border& border(Held held) { return borders_[held[0] + 2 * held[1]]; }
-  const Border& border(Held held) const { return borders_[held[0] + 2 * held[1]]; }
+  Border& border(Held held) { return borders_[pattern_->held_set(held)]; }
+  const Border& border(Held held) const { return borders_[pattern_->held_set(held)]; }
   void lay_out(const Supernodes& supernodes);
   template <class Stored>
   bool store(const Panel& panel) noexcept;
@@ -75,6 +75,7 @@ class SolvePanels {
   void sweep(float* b, Held held) noexcept;
   void solve_border(float* b, const Border& border) noexcept;
 
+  const BlockPattern* pattern_;
   bool half_;
   int size_of_b_, interior_;  // scalars
   std::vector<Panel> panels_;

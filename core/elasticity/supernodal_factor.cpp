@@ -1,6 +1,7 @@
 #include "core/elasticity/supernodal_factor.hpp"
 
 #include <cmath>
+#include <cstring>
 
 namespace palpate::elasticity {
 namespace {
@@ -15,29 +16,67 @@ int largest_front(const Supernodes& nodes) {
 
 std::ptrdiff_t square(int rows) { return 9 * static_cast<std::ptrdiff_t>(rows) * rows; }
 
-/// target -= factor * source, over the lanes.
-void subtract(double* target, const double* source, double factor) {
-  for (int l = 0; l < kLanes; ++l) target[l] -= factor * source[l];
-}
+// Half of the lanes: a register where there are such.
+using Half = double __attribute__((vector_size(4 * sizeof(double))));
 
-/// Substitutes the columns of a panel with L at its top: x are its own rows, row(i) the others.
-template <class Row>
-void forward(const double* panel, int columns, int rows, double* x, Row&& row) {
-  for (int j = 0; j < columns; ++j, panel += rows) {
-    const double* source = x + j * kLanes;
-    for (int i = j + 1; i < columns; ++i) subtract(x + i * kLanes, source, panel[i]);
-    for (int i = columns; i < rows; ++i) subtract(row(i - columns), source, panel[i]);
+struct Lanes {
+  Half low, high;
+
+  explicit Lanes(const double* source) {
+    std::memcpy(&low, source, sizeof low);
+    std::memcpy(&high, source + 4, sizeof high);
+  }
+  void store(double* target) const {
+    std::memcpy(target, &low, sizeof low);
+    std::memcpy(target + 4, &high, sizeof high);
+  }
+  void subtract(double factor, const Lanes& other) {
+    low -= factor * other.low;
+    high -= factor * other.high;
+  }
+};
+
+/// Lanes of the rows below a panel.
+struct Rows {
+  double* lanes;
+  const int* offsets;
+  double* operator()(int i) const { return lanes + offsets[i]; }
+};
+
+/// Substitutes the columns of a panel with L at its top; x are its own rows.
+void forward(const double* panel, int stride, int columns, int rows, double* x, Rows below) {
+  for (int j = 0; j < columns; ++j, panel += stride) {
+    const Lanes source(x + j * kLanes);
+    const auto subtract_from = [&](double* row, double factor) {
+      Lanes target(row);
+      target.subtract(factor, source);
+      target.store(row);
+    };
+    for (int i = j + 1; i < columns; ++i) subtract_from(x + i * kLanes, panel[i]);
+    for (int i = columns; i < rows; ++i) subtract_from(below(i - columns), panel[i]);
   }
 }
 
-template <class Row>
-void backward(const double* panel, int columns, int rows, double* x, Row&& row) {
+void backward(const double* panel, int stride, int columns, int rows, double* x, Rows below) {
   for (int j = columns - 1; j >= 0; --j) {
-    const double* column = panel + static_cast<std::ptrdiff_t>(j) * rows;
-    double sums[kLanes] = {};
-    for (int i = j + 1; i < columns; ++i) subtract(sums, x + i * kLanes, column[i]);
-    for (int i = columns; i < rows; ++i) subtract(sums, row(i - columns), column[i]);
-    for (int l = 0; l < kLanes; ++l) x[j * kLanes + l] += sums[l];
+    const double* column = panel + static_cast<std::ptrdiff_t>(j) * stride;
+    // Two sums, to wait less for one addition after the other.
+    Lanes sum(x + j * kLanes), other(x + j * kLanes);
+    other.low = other.high = Half{};
+    int i = j + 1;
+    for (; i + 1 < columns; i += 2) {
+      sum.subtract(column[i], Lanes(x + i * kLanes));
+      other.subtract(column[i + 1], Lanes(x + (i + 1) * kLanes));
+    }
+    if (i < columns) sum.subtract(column[i], Lanes(x + i * kLanes));
+    for (i = columns; i + 1 < rows; i += 2) {
+      sum.subtract(column[i], Lanes(below(i - columns)));
+      other.subtract(column[i + 1], Lanes(below(i + 1 - columns)));
+    }
+    if (i < rows) sum.subtract(column[i], Lanes(below(i - columns)));
+    sum.low += other.low;
+    sum.high += other.high;
+    sum.store(x + j * kLanes);
   }
 }
 
@@ -46,8 +85,6 @@ void divide(double* x, const double* d, int rows) {
     for (int l = 0; l < kLanes; ++l) x[i * kLanes + l] /= d[i];
   }
 }
-
-double* no_rows(int) { return nullptr; }
 
 }  // namespace
 
@@ -60,7 +97,7 @@ SupernodalFactor::SupernodalFactor(const Supernodes& supernodes)
       depth_(supernodes.count()),
       children_(supernodes.count() + 1),
       local_(supernodes.pattern().size(), 0),
-      targets_(supernodes.pattern().size()),
+      targets_(3 * supernodes.pattern().size()),
       lanes_(kLanes * diagonal_.size()) {
   const BlockPattern& pattern = supernodes.pattern();
   const int count = supernodes.count();
@@ -89,6 +126,7 @@ SupernodalFactor::SupernodalFactor(const Supernodes& supernodes)
   schur_.resize(square(pattern.size() - first));
   for (int set = 0; set < 4; ++set) {
     const Held held{(set & 1) != 0, (set & 2) != 0};
+    if (pattern.held_set(held) != set) continue;
     Border& b = border(held);
     const int begin = held[0] ? pattern.border_begin(1) : first;
     const int end = held[1] ? pattern.border_end(0) : pattern.size();
@@ -229,10 +267,14 @@ void SupernodalFactor::solve_lanes(Held held) const noexcept {
   const Border& free = border(held);
   double* lanes = lanes_.data();
   const auto sweep = [&](int s, auto&& substitute) {
-    const int* unknowns = nodes.rows_begin(s);
-    substitute(panel(s), 3 * nodes.columns(s), 3 * (nodes.columns(s) + nodes.rows(s)),
-               lanes + 3 * nodes.begin(s) * kLanes,
-               [=](int i) { return lanes + (3 * unknowns[i / 3] + i % 3) * kLanes; });
+    int* offsets = targets_.data();
+    for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i, offsets += 3) {
+      for (int axis = 0; axis < 3; ++axis) offsets[axis] = (3 * *i + axis) * kLanes;
+    }
+    offsets = targets_.data();
+    const int rows = 3 * (nodes.columns(s) + nodes.rows(s));
+    substitute(panel(s), rows, 3 * nodes.columns(s), rows, lanes + 3 * nodes.begin(s) * kLanes,
+               Rows{lanes, offsets});
   };
   for (int s = 0; s < nodes.count(); ++s) {
     sweep(s, [](auto... a) { forward(a...); });
@@ -242,9 +284,11 @@ void SupernodalFactor::solve_lanes(Held held) const noexcept {
   double* free_lanes = border_lanes + free.offset * kLanes;
   std::fill(border_lanes, free_lanes, 0.0);
   std::fill(free_lanes + free.size * kLanes, lanes + lanes_.size(), 0.0);
-  forward(free.lower.data(), free.size, free.size, free_lanes, no_rows);
+  forward(free.lower.data(), free.size, free.size, free.size, free_lanes,
+          Rows{lanes_.data(), nullptr});
   divide(free_lanes, free.d.data(), free.size);
-  backward(free.lower.data(), free.size, free.size, free_lanes, no_rows);
+  backward(free.lower.data(), free.size, free.size, free.size, free_lanes,
+           Rows{lanes_.data(), nullptr});
   for (int s = nodes.count() - 1; s >= 0; --s) {
     sweep(s, [](auto... a) { backward(a...); });
   }
@@ -257,9 +301,12 @@ void SupernodalFactor::invert_border(Held held, double* inverse) const noexcept 
     const int count = std::min(kLanes, n - begin);
     std::fill(lanes_.begin(), lanes_.begin() + n * kLanes, 0.0);
     for (int l = 0; l < count; ++l) lanes_[(begin + l) * kLanes + l] = 1;
-    forward(free.lower.data(), n, n, lanes_.data(), no_rows);
+    // What comes before is zero in every lane.
+    const double* lower = free.lower.data() + static_cast<std::ptrdiff_t>(begin) * (n + 1);
+    forward(lower, n, n - begin, n - begin, lanes_.data() + begin * kLanes,
+            Rows{lanes_.data(), nullptr});
     divide(lanes_.data(), free.d.data(), n);
-    backward(free.lower.data(), n, n, lanes_.data(), no_rows);
+    backward(free.lower.data(), n, n, n, lanes_.data(), Rows{lanes_.data(), nullptr});
     for (int l = 0; l < count; ++l) {
       for (int i = 0; i < n; ++i) inverse[(begin + l) * n + i] = lanes_[i * kLanes + l];
     }

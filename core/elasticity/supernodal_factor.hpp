@@ -63,8 +63,8 @@ class SupernodalFactor {
     int columns, rows;
   };
 
-  Border& border(Held held) { return borders_[held[0] + 2 * held[1]]; }
-  const Border& border(Held held) const { return borders_[held[0] + 2 * held[1]]; }
+  Border& border(Held held) { return borders_[supernodes_->pattern().held_set(held)]; }
+  const Border& border(Held held) const { return borders_[supernodes_->pattern().held_set(held)]; }
   void assemble(const BlockMatrix& A, int first, const Front& front) noexcept;
   void gather(const std::vector<int>& children, double*& top, const Front& front) noexcept;
   void factorise_border(Border& border) noexcept;
@@ -85,8 +85,9 @@ class SupernodalFactor {
   std::array<std::vector<double>, 2> stacks_;
   std::vector<std::vector<int>> children_;  // of each supernode, and of the border
   std::vector<int> local_;                  // by unknown: its place in the present front
-  std::vector<int> targets_;                // scalar row in the front of each row of a child
-  mutable std::vector<double> lanes_;       // right-hand sides, several together row by row
+  // Work space: where the rows of a child or a panel are; right-hand sides, row by row.
+  mutable std::vector<int> targets_;
+  mutable std::vector<double> lanes_;
 };
 
 }  // namespace palpate::elasticity
