@@ -1,7 +1,6 @@
 #include "core/elasticity/dense_ldl.hpp"
 
 #include <cmath>
-#include <cstring>
 
 namespace palpate::elasticity {
 namespace {
@@ -11,21 +10,27 @@ constexpr double kZero = 1e-11;  // of the scale: rounding leaves less of a pivo
 
 // Four doubles in a register where there are such, in two or four where not.
 using Lanes = double __attribute__((vector_size(32)));
+using Unaligned = Lanes __attribute__((aligned(8), may_alias));
+
+Unaligned& lanes(double* p) { return *reinterpret_cast<Unaligned*>(p); }
+const Unaligned& lanes(const double* p) { return *reinterpret_cast<const Unaligned*>(p); }
 
 }  // namespace
 
 void tile_product(const double* a, const double* b, int depth, double* product) noexcept {
-  Lanes sums[kTileColumns][2] = {};
+  Lanes sums[kTileColumns][2];
+  for (int c = 0; c < kTileColumns; ++c) sums[c][0] = sums[c][1] = Lanes{};
   for (int k = 0; k < depth; ++k, a += kTileRows, b += kTileColumns) {
-    Lanes low, high;
-    std::memcpy(&low, a, sizeof low);
-    std::memcpy(&high, a + 4, sizeof high);
+    const Lanes low = lanes(a), high = lanes(a + 4);
     for (int c = 0; c < kTileColumns; ++c) {
       sums[c][0] += low * b[c];
       sums[c][1] += high * b[c];
     }
   }
-  std::memcpy(product, sums, sizeof sums);
+  for (int c = 0; c < kTileColumns; ++c, product += kTileRows) {
+    lanes(product) = sums[c][0];
+    lanes(product + 4) = sums[c][1];
+  }
 }
 
 DenseLdl::DenseLdl(int size) {
@@ -112,19 +117,12 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
       for (int r = height; r < kTileRows; ++r) target[r] = 0;
     }
     for (int k = 0; k < width; ++k) {
-      Lanes low, high;
-      std::memcpy(&low, strip + k * kTileRows, sizeof low);
-      std::memcpy(&high, strip + k * kTileRows + 4, sizeof high);
+      const Lanes low = lanes(strip + k * kTileRows), high = lanes(strip + k * kTileRows + 4);
       const double* below = square + static_cast<std::ptrdiff_t>(k) * rows;
       for (int j = k + 1; j < width; ++j) {
         double* target = strip + j * kTileRows;
-        Lanes a, b;
-        std::memcpy(&a, target, sizeof a);
-        std::memcpy(&b, target + 4, sizeof b);
-        a -= low * below[j];
-        b -= high * below[j];
-        std::memcpy(target, &a, sizeof a);
-        std::memcpy(target + 4, &b, sizeof b);
+        lanes(target) -= low * below[j];
+        lanes(target + 4) -= high * below[j];
       }
     }
     double* right = &right_[count * kTileRows * kBlock];

@@ -40,7 +40,10 @@ inline void encode(const Lanes& lanes, std::uint16_t* target) {
 template <int kHeight, class Stored>
 inline void multiply(const Stored* a, const float* b, int columns, bool first, float* y) {
   constexpr int kUnroll = 8 / kHeight;  // enough sums to hide the latency of an addition
-  Lanes sums[kUnroll][kHeight] = {}, column;
+  Lanes sums[kUnroll][kHeight], column;
+  for (int u = 0; u < kUnroll; ++u) {
+    for (int h = 0; h < kHeight; ++h) sums[u][h] = Lanes{};
+  }
   int c = 0;
   for (; c + kUnroll <= columns; c += kUnroll) {
     for (int u = 0; u < kUnroll; ++u) {
