@@ -5,6 +5,7 @@
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <cstdlib>
 #include <numeric>
 
 namespace palpate::elasticity {
@@ -92,6 +93,18 @@ std::vector<int> minimum_degree(const Graph& graph) {
   return {permutation.indices().data(), permutation.indices().data() + n};
 }
 
+/// METIS seeds and draws from rand(): while this lives, from a state of its own.
+class OwnRandomState {
+ public:
+  OwnRandomState() : previous_(initstate(1, state_, sizeof state_)) {}
+  ~OwnRandomState() { setstate(previous_); }
+  OwnRandomState(const OwnRandomState&) = delete;
+
+ private:
+  char state_[128];
+  char* previous_;
+};
+
 /// Empty where METIS refuses.
 std::vector<int> nested_dissection(const Graph& graph, int seed) {
   std::vector<idx_t> start(graph.start.begin(), graph.start.end());
@@ -100,6 +113,7 @@ std::vector<int> nested_dissection(const Graph& graph, int seed) {
   METIS_SetDefaultOptions(options);
   options[METIS_OPTION_SEED] = seed;
   std::vector<idx_t> order(n), place(n);
+  const OwnRandomState own_random_state;
   if (METIS_NodeND(&n, start.data(), neighbours.data(), nullptr, options, order.data(),
                    place.data()) != METIS_OK) {
     return {};

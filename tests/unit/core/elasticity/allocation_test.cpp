@@ -3,7 +3,9 @@
 #include <cstdlib>
 
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/thesis2018.hpp"
+#include "tests/unit/core/elasticity/block_systems.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
 // Sanitizers bring their own malloc.
@@ -84,6 +86,29 @@ void expect_no_allocation(DeformationModel& model) {
     model.reset();
     model.step(1e-3);
   });
+}
+
+TEST(Allocation, NoneInFactorsAndTheirSolves) {
+  if (count_allocations([] {}) < 0) GTEST_SKIP() << "a sanitizer owns malloc";
+  const TwoHandedBar bar(mesh::ElementOrder::kQuadratic);
+  BlockSystem system(bar.body.mesh, bar.middle, bar.ends);
+  system.add_stiffness(bar.set, bar.body.mesh.nodes);
+  const Supernodes nodes(system.pattern);
+  SupernodalFactor factor(nodes);
+  SolvePanels single(nodes, PanelPrecision::kSingle), half(nodes, PanelPrecision::kHalf);
+  Eigen::MatrixXd B = Eigen::MatrixXd::Random(3 * system.pattern.size(), 9);
+  Eigen::VectorXf b = Eigen::VectorXf::Random(B.rows());
+  bool ready = false;
+  const int allocated = count_allocations([&] {
+    ready = factor.factorise(system.matrix) && single.assign(factor) && half.assign(factor);
+    for (Held held : kHeldSets) {
+      factor.solve(B, held);
+      single.solve(b.data(), held);
+      half.solve(b.data(), held);
+    }
+  });
+  EXPECT_TRUE(ready);
+  EXPECT_EQ(allocated, 0);
 }
 
 TEST(Allocation, NoneInTheLoop) {
