@@ -16,7 +16,10 @@ bool FemJacobian::update(const shape::Feature& feature, const elasticity::Deform
                          const math::Pose& /*X_OG*/, Eigen::Ref<Eigen::MatrixXd> J) noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   const auto& dx_dxi = sensitivity.dx_dxi[options_.grasp];
-  if (!sensitivity.valid || dx_dxi.rows() != 3 * model.positions().cols()) return false;
+  if (!sensitivity.valid || !model.is_held(options_.grasp) ||
+      dx_dxi.rows() != 3 * model.positions().cols()) {
+    return false;
+  }
   accumulate_support(
       feature, [&](int node) { return dx_dxi.middleRows<3>(3 * node); }, J);
   return J.allFinite();

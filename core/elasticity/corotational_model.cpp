@@ -13,26 +13,22 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
+// Rotations of nodes are looked at once in so many steps, in which they change by some hundredths
+// of a radian; the sensitivity is turned with them piece by piece in between.
+constexpr int kLookPeriod = 8;
+
 const Body& checked(const Body& body) {
   body.check();
   return body;
 }
 
-Eigen::SparseMatrix<double, Eigen::RowMajor> mass_matrix(const ElementSet& elements) {
-  const mesh::ElementMesh& mesh = elements.mesh();
-  std::vector<Eigen::Triplet<double>> entries;
-  Eigen::MatrixXd m;
-  for (int e = 0; e < elements.element_count(); ++e) {
-    elements.mass(e, m);
-    for (int a = 0; a < m.rows(); ++a) {
-      for (int b = 0; b < m.cols(); ++b) {
-        entries.emplace_back(mesh.elements(a, e), mesh.elements(b, e), m(a, b));
-      }
-    }
+std::vector<int> elimination_numbering(const BlockPattern& pattern) {
+  std::vector<int> numbering(pattern.node_count());
+  int next = pattern.size();
+  for (int node = 0; node < pattern.node_count(); ++node) {
+    numbering[node] = pattern.unknown(node) >= 0 ? pattern.unknown(node) : next++;
   }
-  Eigen::SparseMatrix<double, Eigen::RowMajor> mass(mesh.node_count(), mesh.node_count());
-  mass.setFromTriplets(entries.begin(), entries.end());
-  return mass;
+  return numbering;
 }
 
 }  // namespace
@@ -41,28 +37,45 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
     : body_(checked(body)),
       options_(options),
       dynamic_(mechanics == Mechanics::kDynamic),
-      elements_(body_.mesh, body_.material),
-      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes),
-      held_(pattern_.size(), 0),
+      elements_(body_),
+      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
+      supernodes_(pattern_),
+      numbering_(elimination_numbering(pattern_)),
+      element_forces_(
+          make_element_forces(body_.mesh, elements_.materials(), numbering_, options.precision)),
+      rounding_(options.precision == Precision::kSingle ? 1e-6 : 1e-12),
       gravity_(body_.gravity_O),
-      rhs_(Eigen::Matrix4Xd::Zero(4, pattern_.size())),
-      step_taken_(rhs_),
-      force_change_(rhs_),
-      secants_(pattern_.size()),
-      state_(elements_.make_state()),
-      factor_(pattern_, elements_),
-      job_(elements_, pattern_, body_.grasps) {
+      positions_(body_.mesh.nodes),
+      correction_(Eigen::VectorXf::Zero(3 * pattern_.size())),
+      step_taken_(correction_),
+      force_change_(correction_),
+      secants_(3 * pattern_.size()),
+      warp_(pattern_.size()),
+      factor_(supernodes_, options.panels),
+      job_(body_, elements_, supernodes_, options.panels) {
   if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
-      !(options.time_step > 0) || !(options.turned > 0) || !(options.contraction > 0)) {
+      !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
+      !(options.contraction > 0) || !(options.budget >= 0)) {
     throw std::invalid_argument("solver options: a value is out of range");
   }
-  if (dynamic_) mass_ = mass_matrix(elements_);
-  const Matrix3Xd zero = Matrix3Xd::Zero(3, body_.mesh.node_count());
-  for (Matrix3Xd* m :
-       {&loads_, &external_, &v_, &x_inertial_, &x_trial_, &dx_, &forces_, &forces_trial_}) {
-    *m = zero;
+  if (dynamic_) inertia_.emplace(elements_, numbering_);
+  const int n = body_.mesh.node_count();
+  loads_ = velocities_ = Matrix3Xd::Zero(3, n);
+  for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &x_inertial_, &x_trial_,
+                        &forces_, &forces_trial_}) {
+    m->setZero(4, n);
   }
-  x_ = x_begin_ = body_.mesh.nodes;
+  for (int node = 0; node < n; ++node) {
+    rest_.col(numbering_[node]).head<3>() = body_.mesh.nodes.col(node);
+    weight_per_gravity_.col(numbering_[node]).setConstant(elements_.nodal_mass()(node));
+  }
+  weight_per_gravity_.row(3).setZero();
+  x_ = x_begin_ = rest_;
+  rotations_.setZero(4, n);
+  rotations_.row(0).setOnes();
+  factor_.rotations = job_.factor.rotations = rotations_;
+  sensitivity_.resize(n);
+  at_snapshot_.resize(n);
 }
 
 StepFactors CorotationalModel::step_factors(double dt) const noexcept {
@@ -82,46 +95,61 @@ void CorotationalModel::prepare() {
 }
 
 void CorotationalModel::reset() noexcept {
-  x_ = body_.mesh.nodes;
+  x_ = rest_;
   v_.setZero();
   loads_.setZero();
   forces_.setZero();
-  for (Grasp& grasp : grasps_) grasp.held = false;
-  std::fill(held_.begin(), held_.end(), 0);
-  std::fill(state_.begin(), state_.end(), PointState());
-  sensitivity_.valid = false;
+  held_ = {false, false};
+  element_forces_->reset();
+  rotations_.setZero();
+  rotations_.row(0).setOnes();
+  warp_.update(rotations_, factor_.rotations);
+  sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
+  wanted_ = true;
+  publish();
 }
 
 void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
   Grasp& g = grasps_[grasp];
   g.target = X_OG;
-  if (g.held) return;
-  const GraspRegion& region = body_.grasps[grasp];
-  g.held = true;
-  g.applied = grasp_pose(body_, grasp, x_);
-  for (int node : region.nodes) held_[pattern_.unknown(node)] = 1;
-  sensitivity_.valid = false;
+  if (held_[grasp]) return;
+  held_[grasp] = true;
+  g.applied = grasp_pose(body_, grasp, positions_);
+  sensitivity_.valid = at_snapshot_.valid = false;
+  secants_.clear();
+  wanted_ = true;
 }
 
 void CorotationalModel::release(int grasp) noexcept {
-  if (!grasps_[grasp].held) return;
-  grasps_[grasp].held = false;
-  for (int node : body_.grasps[grasp].nodes) held_[pattern_.unknown(node)] = 0;
-  sensitivity_.valid = false;
+  if (!held_[grasp]) return;
+  held_[grasp] = false;
+  sensitivity_.valid = at_snapshot_.valid = false;
+  secants_.clear();
+  wanted_ = true;
+}
+
+void CorotationalModel::watch_contact(int slot, const mesh::PointWeights& point) noexcept {
+  contacts_[slot] = point;
+  wanted_ = true;
 }
 
 bool CorotationalModel::inputs_are_finite() const noexcept {
   if (!loads_.allFinite() || !gravity_.allFinite()) return false;
-  for (const Grasp& g : grasps_) {
-    if (g.held && !g.target.matrix().allFinite()) return false;
+  for (int g = 0; g < 2; ++g) {
+    if (held_[g] && !grasps_[g].target.matrix().allFinite()) return false;
   }
   return true;
 }
 
+bool CorotationalModel::out_of_time(double start) const noexcept {
+  return options_.clock != nullptr && options_.clock() - start > options_.budget;
+}
+
 StepReport CorotationalModel::step(double dt) noexcept {
   StepReport report;
-  if (!(dt > 0) || !factor_.usable || factor_.held != held_ || !inputs_are_finite()) {
+  const double start = options_.clock != nullptr ? options_.clock() : 0;
+  if (!(dt > 0) || !factor_.usable || !factor_.panels.usable(held_) || !inputs_are_finite()) {
     report.residual = residual();
     return report;
   }
@@ -129,10 +157,12 @@ StepReport CorotationalModel::step(double dt) noexcept {
   step_ = step_factors(dt);
   // A factor made for a quite different step would contract slowly.
   if (dynamic_ && std::abs(step_.inertia / factor_.step.inertia - 1) > 0.3) wanted_ = true;
-  external_ = loads_;
-  external_.noalias() += gravity_ * elements_.nodal_mass().transpose();
+  for (int node = 0; node < loads_.cols(); ++node) {
+    external_.col(numbering_[node]).head<3>() = loads_.col(node);
+  }
+  external_.topRows<3>() += gravity_.asDiagonal() * weight_per_gravity_.topRows<3>();
   x_begin_ = x_;
-  ElementSet::begin_step(state_);
+  element_forces_->begin_step();
 
   predict(dt, true);
   double energy = evaluate();
@@ -141,7 +171,8 @@ StepReport CorotationalModel::step(double dt) noexcept {
     energy = evaluate();
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
-    correct(report, energy);
+    if (++ticks_ % kLookPeriod == 0) follow_rotations();
+    correct(report, energy, start);
   } else {
     x_ = x_begin_;
     grasps_ = grasps_begin;
@@ -150,9 +181,13 @@ StepReport CorotationalModel::step(double dt) noexcept {
     wanted_ = true;
   }
   if (report.status != StepStatus::kFailed && dynamic_) v_ = (x_ - x_begin_) / dt;
+  publish();
   sensitivity_.age += dt;
+  factor_age_ += dt;
   job_age_ += dt;
-  observe_turn();
+  const auto n = static_cast<int>(positions_.cols());
+  const int part = ticks_ % kLookPeriod;
+  turn_sensitivity(n * part / kLookPeriod, n * (part + 1) / kLookPeriod);
   return report;
 }
 
@@ -162,70 +197,77 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
     x_inertial_ = x_begin_ + v_ * (1 / (dt * step_.inertia));
     if (follow) x_ += dt * v_;
   }
-  for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    Grasp& grasp = grasps_[g];
-    if (!grasp.held) continue;
-    if (follow && !dynamic_ && sensitivity_.valid && sensitivity_.dx_dxi[g].rows() == x_.size()) {
-      math::Vector6d motion;
-      motion.head<3>() = grasp.target.translation() - grasp.applied.translation();
-      motion.tail<3>() =
-          math::log_rotation(grasp.target.linear() * grasp.applied.linear().transpose());
-      if (!motion.isZero(0)) {
-        Eigen::Map<Eigen::VectorXd>(x_.data(), x_.size()).noalias() +=
-            sensitivity_.dx_dxi[g].lazyProduct(motion);
-      }
+  const auto grasps = static_cast<int>(body_.grasps.size());
+  for (int g = 0; g < grasps && follow && !dynamic_ && sensitivity_.valid; ++g) {
+    if (!held_[g]) continue;
+    const Grasp& grasp = grasps_[g];
+    math::Vector6d motion;
+    motion << grasp.target.translation() - grasp.applied.translation(),
+        math::log_rotation(grasp.target.linear() * grasp.applied.linear().transpose());
+    if (motion.isZero(0)) continue;
+    for (int node = 0; node < positions_.cols(); ++node) {
+      x_.col(numbering_[node]).head<3>() +=
+          sensitivity_.dx_dxi[g].middleRows<3>(3 * node).lazyProduct(motion);
     }
   }
-  for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    Grasp& grasp = grasps_[g];
-    if (!grasp.held) continue;
-    grasp.applied = grasp.target;
-    const math::Pose moved = grasp.target * body_.grasps[g].X_OG_rest.inverse();
-    for (int node : body_.grasps[g].nodes) x_.col(node) = moved * body_.mesh.nodes.col(node);
+  for (int g = 0; g < grasps; ++g) {
+    if (!held_[g]) continue;
+    grasps_[g].applied = grasps_[g].target;
+    const math::Pose moved = grasps_[g].target * body_.grasps[g].X_OG_rest.inverse();
+    for (int node : body_.grasps[g].nodes) {
+      x_.col(numbering_[node]).head<3>() = moved * body_.mesh.nodes.col(node);
+    }
   }
 }
 
 /// Potential at x_ in J; leaves its derivative, the forces out of balance, in forces_.
 double CorotationalModel::evaluate() noexcept {
   forces_ = -external_;
-  double energy = -(external_.array() * (x_ - body_.mesh.nodes).array()).sum();
-  energy += elements_.add_forces(x_, step_.viscous, state_, forces_);
-  if (dynamic_) {
-    for (int i = 0; i < mass_.rows(); ++i) {
-      Vector3d inertia = Vector3d::Zero();
-      for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(mass_, i); it; ++it) {
-        inertia += it.value() * (x_.col(it.col()) - x_inertial_.col(it.col()));
-      }
-      inertia *= step_.inertia;
-      forces_.col(i) += inertia;
-      energy += 0.5 * inertia.dot(x_.col(i) - x_inertial_.col(i));
-    }
-  }
+  double energy = -external_.cwiseProduct(x_ - rest_).sum();
+  energy += element_forces_->add(x_, step_.viscous, forces_);
+  if (dynamic_) energy += inertia_->add(x_, x_inertial_, step_.inertia, forces_);
   return energy;
 }
 
+/// Largest force out of balance at a free node, N.
 double CorotationalModel::residual() const noexcept {
-  double largest = 0;
-  for (int k = 0; k < pattern_.size(); ++k) {
-    if (!held_[k]) largest = std::max(largest, forces_.col(pattern_.node(k)).squaredNorm());
+  double largest = forces_.leftCols(pattern_.interior_size()).colwise().squaredNorm().maxCoeff();
+  for (int g = 0; g < 2; ++g) {
+    for (int k = pattern_.border_begin(g); k < pattern_.border_end(g) && !held_[g]; ++k) {
+      largest = std::max(largest, forces_.col(k).squaredNorm());
+    }
   }
   return std::sqrt(largest);
 }
 
-void CorotationalModel::correct(StepReport& report, double energy) noexcept {
+/// Into correction_; returns the slope of the potential along it, J.
+double CorotationalModel::find_correction() noexcept {
+  const int unknowns = pattern_.size();
+  for (int k = 0; k < unknowns; ++k) {
+    correction_.segment<3>(3 * k) = -forces_.col(k).head<3>().cast<float>();
+  }
+  for (int g = 0; g < 2; ++g) {
+    const int begin = pattern_.border_begin(g);
+    if (held_[g]) correction_.segment(3 * begin, 3 * (pattern_.border_end(g) - begin)).setZero();
+  }
+  secants_.apply(correction_, [this](Eigen::VectorXf& b) {
+    warp_.turn_back(b);
+    factor_.panels.solve(b.data(), held_);
+    warp_.turn(b);
+  });
+  double slope = 0;
+  for (int k = 0; k < unknowns; ++k) {
+    slope += forces_.col(k).head<3>().dot(correction_.segment<3>(3 * k).cast<double>());
+  }
+  return slope;
+}
+
+void CorotationalModel::correct(StepReport& report, double energy, double start) noexcept {
   report.residual = residual();
-  while (report.residual > options_.tolerance && report.iterations < options_.iterations) {
-    for (int k = 0; k < pattern_.size(); ++k) {
-      rhs_.col(k).setZero();
-      if (!held_[k]) rhs_.col(k).head<3>() = -forces_.col(pattern_.node(k));
-    }
-    secants_.apply(rhs_, [this](Eigen::Matrix4Xd& b) { factor_.ldl.solve(b); });
-    double slope = 0;
-    for (int k = 0; k < pattern_.size(); ++k) {
-      const int node = pattern_.node(k);
-      dx_.col(node) = rhs_.col(k).head<3>();
-      if (!held_[k]) slope += forces_.col(node).dot(dx_.col(node));
-    }
+  const int unknowns = pattern_.size();
+  while (report.residual > options_.tolerance && report.iterations < options_.iterations &&
+         !out_of_time(start)) {
+    const double slope = find_correction();
     x_trial_ = x_;
     forces_trial_ = forces_;
     ++report.iterations;
@@ -233,11 +275,14 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
     bool accepted = false;
     double alpha = 1, next = energy, next_residual = report.residual;
     for (int halving = 0; halving <= options_.halvings && !accepted; ++halving, alpha *= 0.5) {
-      x_ = x_trial_ + alpha * dx_;
+      for (int k = 0; k < unknowns; ++k) {
+        x_.col(k).head<3>() =
+            x_trial_.col(k).head<3>() + alpha * correction_.segment<3>(3 * k).cast<double>();
+      }
       next = evaluate();
       next_residual = residual();
       // Near the minimum the energy's own rounding hides its fall: there the residual decides.
-      const double rounding = 1e-12 * (std::abs(energy) + std::abs(next));
+      const double rounding = rounding_ * (std::abs(energy) + std::abs(next));
       accepted = next <= energy + 1e-4 * alpha * slope ||
                  (std::abs(next - energy) <= rounding && next_residual < report.residual);
     }
@@ -248,14 +293,16 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
       wanted_ = true;
       break;
     }
-    if (next_residual > options_.tolerance &&
-        next_residual > options_.contraction * report.residual) {
-      wanted_ = true;
-    }
+    const double contraction = next_residual / report.residual;
+    if (next_residual > options_.tolerance && contraction > options_.contraction) wanted_ = true;
     // Far from equilibrium, where the tangent is indefinite, secants mislead.
     if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
+    if (contraction * static_cast<double>(correction_.lpNorm<Eigen::Infinity>()) <
+        options_.accuracy) {
+      break;
+    }
   }
   report.status =
       report.residual <= options_.tolerance ? StepStatus::kConverged : StepStatus::kNotConverged;
@@ -263,50 +310,77 @@ void CorotationalModel::correct(StepReport& report, double energy) noexcept {
 
 void CorotationalModel::learn() noexcept {
   for (int k = 0; k < pattern_.size(); ++k) {
-    if (held_[k]) {
-      step_taken_.col(k).setZero();
-      force_change_.col(k).setZero();
-      continue;
-    }
-    const int node = pattern_.node(k);
-    step_taken_.col(k).head<3>() = x_.col(node) - x_trial_.col(node);
-    force_change_.col(k).head<3>() = forces_.col(node) - forces_trial_.col(node);
+    step_taken_.segment<3>(3 * k) = (x_.col(k) - x_trial_.col(k)).head<3>().cast<float>();
+    force_change_.segment<3>(3 * k) =
+        (forces_.col(k) - forces_trial_.col(k)).head<3>().cast<float>();
+  }
+  for (int g = 0; g < 2; ++g) {
+    const int begin = pattern_.border_begin(g);
+    if (!held_[g]) continue;
+    force_change_.segment(3 * begin, 3 * (pattern_.border_end(g) - begin)).setZero();
   }
   secants_.add(step_taken_, force_change_);
 }
 
-void CorotationalModel::observe_turn() noexcept {
-  const double limit = std::cos(options_.turned / 2);
-  for (std::size_t b = 0; b < state_.size() && !wanted_; ++b) {
-    const auto& q = state_[b].rotation;
-    const auto& p = factor_.state[b].rotation;
-    const Lanes cosine = q[0] * p[0] + q[1] * p[1] + q[2] * p[2] + q[3] * p[3];
-    if ((cosine.abs() < limit).any()) wanted_ = true;
+void CorotationalModel::follow_rotations() noexcept {
+  element_forces_->node_rotations(rotations_);
+  warp_.update(rotations_, factor_.rotations);
+  if (warp_.spread() > options_.turned) wanted_ = true;
+}
+
+void CorotationalModel::turn_sensitivity(int begin, int end) noexcept {
+  if (!at_snapshot_.valid) return;
+  Turned turned{warp_, numbering_};
+  for (int g = 0; g < 2; ++g) {
+    turned.is_held[g] = held_[g];
+    turned.grasps[g] = grasps_[g].applied.linear() * grasps_[g].snapshot.linear().transpose();
+  }
+  for (int c = 0; c < kContactSlots; ++c) {
+    // The node that bears most of a contact says how its place has turned.
+    const mesh::PointWeights& point = contacts_[c];
+    const auto* largest =
+        std::max_element(point.weights.begin(), point.weights.begin() + point.count);
+    const int k = point.count > 0 ? numbering_[point.nodes[largest - point.weights.begin()]] : -1;
+    turned.is_watched[c] = point.count > 0;
+    turned.contacts[c].setIdentity();
+    if (k >= 0 && k < warp_.size()) turned.contacts[c] = warp_.matrix(k).cast<double>();
+  }
+  turn(at_snapshot_, turned, begin, end, sensitivity_);
+}
+
+void CorotationalModel::publish() noexcept {
+  for (int node = 0; node < positions_.cols(); ++node) {
+    positions_.col(node) = x_.col(numbering_[node]).head<3>();
+    velocities_.col(node) = v_.col(numbering_[node]).head<3>();
   }
 }
 
 math::Wrench CorotationalModel::reaction(int grasp) const noexcept {
   math::Wrench wrench;
-  if (!grasps_[grasp].held) return wrench;
+  if (!held_[grasp]) return wrench;
   const Vector3d origin = grasps_[grasp].applied.translation();
   for (int node : body_.grasps[grasp].nodes) {
-    wrench.force += forces_.col(node);
-    wrench.torque += (x_.col(node) - origin).cross(forces_.col(node));
+    const Vector3d force = forces_.col(numbering_[node]).head<3>();
+    wrench.force += force;
+    wrench.torque += (positions_.col(node) - origin).cross(force);
   }
   return wrench;
 }
 
 Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
-  if (outstanding_ || (!wanted_ && factor_.usable && factor_.held == held_)) return nullptr;
-  job_.positions = x_;
-  job_.external = loads_;
-  job_.external.noalias() += gravity_ * elements_.nodal_mass().transpose();
-  for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    job_.is_held[g] = grasps_[g].held;
-    job_.origins[g] = grasps_[g].applied.translation();
+  if (outstanding_ || (!wanted_ && factor_.usable)) return nullptr;
+  Snapshot& snapshot = job_.snapshot;
+  snapshot.positions = positions_;
+  snapshot.loads = loads_;
+  snapshot.gravity_O = gravity_;
+  snapshot.held = held_;
+  snapshot.contacts = contacts_;
+  for (int g = 0; g < 2; ++g) {
+    snapshot.origins[g] = grasps_[g].applied.translation();
+    job_grasps_[g] = grasps_[g].applied;
   }
-  job_.factor.held = held_;
-  job_.factor.state = state_;
+  element_forces_->node_rotations(rotations_);
+  job_.factor.rotations = rotations_;
   job_.factor.step = step_;
   job_age_ = 0;
   outstanding_ = true;
@@ -317,14 +391,20 @@ Refactorisation* CorotationalModel::wanted_refactorisation() noexcept {
 void CorotationalModel::install(Refactorisation& done) noexcept {
   if (&done != &job_ || !outstanding_) return;
   outstanding_ = false;
-  if (!job_.factor.usable || job_.factor.held != held_) {
+  if (!job_.factor.usable || !job_.factor.panels.usable(held_)) {
     wanted_ = true;
     return;
   }
   std::swap(factor_, job_.factor);
+  factor_age_ = job_age_;
   secants_.clear();
-  std::swap(sensitivity_, job_.sensitivity);
+  follow_rotations();
+  if (job_.snapshot.held != held_) return;
+  std::swap(at_snapshot_, job_.sensitivity);
+  for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
+  sensitivity_.valid = at_snapshot_.valid;
   sensitivity_.age = job_age_;
+  turn_sensitivity(0, static_cast<int>(positions_.cols()));
 }
 
 bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& velocities) noexcept {
@@ -332,21 +412,23 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
       !velocities.allFinite()) {
     return false;
   }
-  x_ = positions;
-  v_ = velocities;
-  if (!dynamic_) v_.setZero();
-  for (int node : body_.fixed_nodes) {
-    x_.col(node) = body_.mesh.nodes.col(node);
-    v_.col(node).setZero();
+  for (int node = 0; node < positions.cols(); ++node) {
+    const int k = numbering_[node];
+    const bool fixed = k >= pattern_.size();
+    x_.col(k).head<3>() =
+        fixed ? Vector3d(body_.mesh.nodes.col(node)) : Vector3d(positions.col(node));
+    v_.col(k).head<3>() = fixed || !dynamic_ ? Vector3d::Zero() : Vector3d(velocities.col(node));
   }
-  for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    if (grasps_[g].held) grasps_[g].applied = grasp_pose(body_, static_cast<int>(g), x_);
+  publish();
+  for (int g = 0; g < 2; ++g) {
+    if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
   }
-  // Stretches and rotations of the new shape, from which the next step starts.
+  // Strains and rotations of the new shape, from which the next step starts.
   forces_.setZero();
-  elements_.add_forces(x_, 0, state_, forces_);
+  element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
+  follow_rotations();
   return true;
 }
 

@@ -1,8 +1,11 @@
 #pragma once
 
-#include <Eigen/SparseCore>
 #include <memory>
+#include <optional>
 
+#include "core/elasticity/element_forces.hpp"
+#include "core/elasticity/inertia.hpp"
+#include "core/elasticity/node_warp.hpp"
 #include "core/elasticity/refactor_job.hpp"
 #include "core/elasticity/secant_pairs.hpp"
 
@@ -11,20 +14,29 @@ namespace palpate::elasticity {
 struct SolverOptions {
   int iterations = 2;       // quasi-Newton corrections per step at most, >= 1
   double tolerance = 1e-6;  // N, largest nodal force out of balance at which a step ends early
-  int halvings = 4;         // of one correction, at most
-  double time_step = 1e-3;  // s, of the factor that prepare() makes
+  double accuracy =
+      1e-7;          // m, a step also ends where the next correction would move no node further
+  int halvings = 4;  // of one correction, at most
+  double time_step = 1e-3;                          // s, of the factor that prepare() makes
+  Precision precision = Precision::kDouble;         // of the arithmetic inside elements
+  PanelPrecision panels = PanelPrecision::kSingle;  // of the factor
   // When a new factor is asked for:
-  double turned = 0.02;      // rad, an element has turned by that much since the snapshot
+  double turned =
+      0.02;  // rad, a node has turned by that much other than the body since the snapshot
   double contraction = 0.3;  // a correction left more than this share of the residual
+  // A step stops correcting after `budget` seconds of `clock` (s, monotonic), where it is given.
+  double budget = 0;
+  double (*clock)() = nullptr;
 };
 
 /// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the last
 /// one's answer and makes a few quasi-Newton corrections with a factor that may be old but with the
-/// nonlinear residual, so that what it converges to does not depend on the factor's age. A
+/// nonlinear residual, so that what it converges to does not depend on the factor's age. The factor
+/// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
 /// correction that raises the potential is halved. Shared by the quasi-static and the dynamic
 /// model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
-/// over the free nodes.
+/// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
 class CorotationalModel : public DeformationModel {
  public:
   // The job refers to members.
@@ -35,18 +47,19 @@ class CorotationalModel : public DeformationModel {
   void prepare() override;
   void hold(int grasp, const math::Pose& X_OG) noexcept override;
   void release(int grasp) noexcept override;
-  bool is_held(int grasp) const noexcept override { return grasps_[grasp].held; }
+  bool is_held(int grasp) const noexcept override { return held_[grasp]; }
   void set_gravity(const Eigen::Vector3d& gravity_O) noexcept override { gravity_ = gravity_O; }
   Eigen::Matrix3Xd& loads() noexcept override { return loads_; }
 
-  /// Fails, with the state as it was, until a factor for the present set of held grasps is
-  /// installed.
+  /// Grasps made and released count from the next step on. Fails, with the state as it was, where
+  /// the factor cannot serve them (nothing would hold the object) until a new one is installed.
   StepReport step(double dt) noexcept override;
   void reset() noexcept override;
-  const Eigen::Matrix3Xd& positions() const noexcept override { return x_; }
-  const Eigen::Matrix3Xd& velocities() const noexcept override { return v_; }
+  const Eigen::Matrix3Xd& positions() const noexcept override { return positions_; }
+  const Eigen::Matrix3Xd& velocities() const noexcept override { return velocities_; }
   math::Wrench reaction(int grasp) const noexcept override;
   const Sensitivity& sensitivity() const noexcept override { return sensitivity_; }
+  void watch_contact(int slot, const mesh::PointWeights& point) noexcept override;
   Refactorisation* wanted_refactorisation() noexcept override;
   void install(Refactorisation& done) noexcept override;
   bool restore(const Eigen::Matrix3Xd& positions,
@@ -57,6 +70,7 @@ class CorotationalModel : public DeformationModel {
   bool is_regularised() const noexcept { return factor_.regularised; }
 
   const ElementSet& elements() const noexcept { return elements_; }
+  double factor_age() const noexcept { return factor_age_; }  // s since its snapshot
 
  protected:
   enum class Mechanics { kQuasistatic, kDynamic };
@@ -64,41 +78,55 @@ class CorotationalModel : public DeformationModel {
 
  private:
   struct Grasp {
-    bool held = false;
     math::Pose target = math::Pose::Identity();
-    math::Pose applied = math::Pose::Identity();  // that the present positions stand for
+    math::Pose applied = math::Pose::Identity();   // that the present positions stand for
+    math::Pose snapshot = math::Pose::Identity();  // that the sensitivity was computed at
   };
 
   StepFactors step_factors(double dt) const noexcept;
   bool inputs_are_finite() const noexcept;
+  bool out_of_time(double start) const noexcept;
   void predict(double dt, bool follow) noexcept;
   double evaluate() noexcept;
   double residual() const noexcept;
-  void correct(StepReport& report, double energy) noexcept;
+  double find_correction() noexcept;
+  void correct(StepReport& report, double energy, double start) noexcept;
   void learn() noexcept;
-  void observe_turn() noexcept;
+  void follow_rotations() noexcept;
+  void turn_sensitivity(int begin, int end) noexcept;
+  void publish() noexcept;
 
   Body body_;
   SolverOptions options_;
   bool dynamic_;
   ElementSet elements_;
   BlockPattern pattern_;
-  Eigen::SparseMatrix<double, Eigen::RowMajor> mass_;  // n x n, kg; dynamic only
+  Supernodes supernodes_;
+  std::vector<int> numbering_;  // of mesh nodes in nodal fields
+  std::unique_ptr<ElementForces> element_forces_;
+  std::optional<Inertia> inertia_;  // dynamic only
+  double rounding_;                 // relative, of the energy
 
+  Held held_{false, false};
   std::array<Grasp, 2> grasps_;
-  std::vector<char> held_;  // by unknown
+  std::array<mesh::PointWeights, kContactSlots> contacts_;
   Eigen::Vector3d gravity_;
-  Eigen::Matrix3Xd loads_, external_;
-  Eigen::Matrix3Xd x_, v_, x_begin_, x_inertial_, x_trial_, dx_, forces_, forces_trial_;
-  Eigen::Matrix4Xd rhs_, step_taken_, force_change_;  // by unknown
+  Eigen::Matrix3Xd loads_, positions_, velocities_;  // in the order of the mesh
+  NodalField weight_per_gravity_, rest_;
+  NodalField external_, x_, v_, x_begin_, x_inertial_, x_trial_, forces_, forces_trial_;
+  Eigen::VectorXf correction_, step_taken_, force_change_;  // three a node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
-  ElementSet::State state_;
 
+  Eigen::Matrix4Xf rotations_;  // of nodes, at the last look
+  NodeWarp warp_;
   LoopFactor factor_;
+  double factor_age_ = 0;
   RefactorJob job_;
-  Sensitivity sensitivity_;
-  double job_age_ = 0;  // s since the snapshot
+  std::array<math::Pose, 2> job_grasps_;
+  double job_age_ = 0;                     // s since the snapshot
+  Sensitivity sensitivity_, at_snapshot_;  // as published, and as computed
+  int ticks_ = 0;
   bool outstanding_ = false;
   bool wanted_ = false;
 };

@@ -3,6 +3,8 @@
 #include <memory>
 
 #include "core/elasticity/body.hpp"
+#include "core/elasticity/sensitivity.hpp"
+#include "core/mesh/point_locator.hpp"
 
 namespace palpate::elasticity {
 
@@ -16,17 +18,6 @@ struct StepReport {
   StepStatus status = StepStatus::kFailed;
   int iterations = 0;
   double residual = 0;  // N, largest nodal force out of balance at the last evaluation
-};
-
-/// How the static equilibrium follows the pose of each held grasp. xi = (displacement of the origin
-/// of G in m, rotation about it in rad), both in O. From the factor of some ticks ago.
-struct Sensitivity {
-  bool valid = false;
-  double age = 0;  // s since the snapshot that it was computed from
-  /// dx/dxi, (3 n) x 6, node by node (x, y, z), zero rows for fixed nodes; empty where not held.
-  std::array<Eigen::Matrix<double, Eigen::Dynamic, 6>, 2> dx_dxi;
-  /// dw/dxi, reaction wrench of the hand on the object at the origin of G, in O.
-  std::array<math::Matrix6d, 2> dw_dxi;
 };
 
 /// A factorisation that runs outside the loop. The model fills it with a snapshot; somebody calls
@@ -72,6 +63,12 @@ class DeformationModel {
   virtual math::Wrench reaction(int grasp) const noexcept = 0;
 
   virtual const Sensitivity& sensitivity() const noexcept = 0;
+
+  /// From the next factorisation on, the response to a force at `point` stands in slot `slot` of
+  /// the sensitivity; a point with count 0 takes it out. Models without a sensitivity ignore it.
+  virtual void watch_contact(int slot, const mesh::PointWeights& point) noexcept {
+    static_cast<void>(slot), static_cast<void>(point);
+  }
 
   /// A snapshot to be run elsewhere when the factor has grown old, else nullptr. Until install()
   /// has been called with it, no other is given.

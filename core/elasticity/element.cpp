@@ -7,12 +7,9 @@
 #include "core/math/polar.hpp"
 
 namespace palpate::elasticity {
-namespace {
 
-// Corners of each edge, in the order of the midside nodes 4 .. 9.
-constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {0, 2}, {0, 3}, {1, 3}, {2, 3}};
+using mesh::kTetrahedronEdges;
 
-/// Gradients of the four barycentric coordinates, columns.
 Eigen::Matrix<double, 3, 4> barycentric_gradients(const Eigen::Matrix<double, 3, 4>& corners) {
   Eigen::Matrix3d edges;
   for (int k = 0; k < 3; ++k) edges.col(k) = corners.col(k + 1) - corners.col(0);
@@ -21,8 +18,6 @@ Eigen::Matrix<double, 3, 4> barycentric_gradients(const Eigen::Matrix<double, 3,
   g.col(0) = -g.rightCols<3>().rowwise().sum();
   return g;
 }
-
-}  // namespace
 
 Lame lame(const Material& material) {
   const double e = material.young_modulus, nu = material.poisson_ratio;
@@ -44,8 +39,6 @@ std::array<Eigen::Matrix<double, 3, 4>, 1> Tetrahedron<4>::gradients(
 template <>
 std::array<Eigen::Matrix<double, 3, 10>, 4> Tetrahedron<10>::gradients(
     const Eigen::Matrix<double, 3, 4>& corners) {
-  // The four points of degree 2: barycentric coordinates (near, far, far, far) and permutations.
-  constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;
   const Eigen::Matrix<double, 3, 4> g = barycentric_gradients(corners);
   std::array<Gradients, 4> all;
   for (int p = 0; p < 4; ++p) {
@@ -53,7 +46,7 @@ std::array<Eigen::Matrix<double, 3, 10>, 4> Tetrahedron<10>::gradients(
     b(p) = kNear;
     for (int a = 0; a < 4; ++a) all[p].col(a) = (4 * b(a) - 1) * g.col(a);
     for (int m = 0; m < 6; ++m) {
-      const auto [i, j] = kEdges[m];
+      const auto [i, j] = kTetrahedronEdges[m];
       all[p].col(4 + m) = 4 * (b(i) * g.col(j) + b(j) * g.col(i));
     }
   }
@@ -71,12 +64,12 @@ Eigen::Matrix<double, 10, 10> Tetrahedron<10>::mass_shares() {
   m.topLeftCorner<4, 4>().setOnes();
   m.diagonal().head<4>().setConstant(6);
   for (int k = 0; k < 6; ++k) {
-    const auto [i, j] = kEdges[k];
+    const auto [i, j] = kTetrahedronEdges[k];
     for (int corner = 0; corner < 4; ++corner) {
       m(corner, 4 + k) = m(4 + k, corner) = (corner == i || corner == j) ? -4 : -6;
     }
     for (int other = 0; other < 6; ++other) {
-      const auto [p, q] = kEdges[other];
+      const auto [p, q] = kTetrahedronEdges[other];
       const int shared = (p == i || p == j) + (q == i || q == j);
       m(4 + k, 4 + other) = shared == 2 ? 32 : shared == 1 ? 16 : 8;
     }
@@ -110,14 +103,19 @@ PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent k
     const Eigen::Matrix3d S = 0.5 * (B + B.transpose());
     const double factor = 2 * lame.mu - lame.lambda * (S.trace() - 3);
     const Eigen::Matrix3d H = S.trace() * Eigen::Matrix3d::Identity() - S;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
-    Eigen::Vector3d values;
-    for (int i = 0; i < 3; ++i) {
-      const double h = std::max(eigen.eigenvalues()(i), 1e-9);
-      values(i) = factor / h;
-      if (kind == Tangent::kSemidefinite) values(i) = std::min(values(i), lame.mu);
+    const double determinant = H.determinant();
+    if (kind == Tangent::kExact && H(0, 0) > 0 && determinant > 1e-3 &&
+        H(0, 0) * H(1, 1) > H(0, 1) * H(0, 1)) {
+      twist = factor * H.inverse();
+    } else {
+      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
+      Eigen::Vector3d values;
+      for (int i = 0; i < 3; ++i) {
+        values(i) = factor / std::max(eigen.eigenvalues()(i), 1e-9);
+        if (kind == Tangent::kSemidefinite) values(i) = std::min(values(i), lame.mu);
+      }
+      twist = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
     }
-    twist = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
   }
   twist += viscous * lame.mu * Eigen::Matrix3d::Identity();
   t.twist = t.rotation * twist * t.rotation.transpose();

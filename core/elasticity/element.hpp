@@ -31,6 +31,13 @@ struct Tetrahedron {
   static Eigen::Matrix<double, kNodes, 1> volume_shares();
 };
 
+/// Barycentric coordinates of the four quadrature points of a quadratic element (degree 2): kNear
+/// for one corner, kFar for the others.
+inline constexpr double kNear = 0.58541019662496845446, kFar = 0.13819660112501051518;
+
+/// Gradients of the four barycentric coordinates, columns, 1/m.
+Eigen::Matrix<double, 3, 4> barycentric_gradients(const Eigen::Matrix<double, 3, 4>& corners);
+
 /// Signed volume of a tetrahedron, m^3.
 double tetrahedron_volume(const Eigen::Matrix<double, 3, 4>& corners);
 

@@ -5,45 +5,22 @@
 
 namespace palpate::elasticity {
 
-ElementSet::ElementSet(const mesh::ElementMesh& mesh, const Material& material)
-    : mesh_(mesh),
-      lame_(lame(material)),
-      density_(material.density),
-      nodal_mass_(Eigen::VectorXd::Zero(mesh.node_count())) {
-  const bool is_linear = mesh.order == mesh::ElementOrder::kLinear;
-  for (int e = 0; e < mesh.element_count(); ++e) {
-    const Eigen::Matrix<double, 3, 4> corners = rest_corners(e);
-    const double v = tetrahedron_volume(corners);
-    if (!(v > 0)) {
+ElementSet::ElementSet(const Body& body)
+    : mesh_(body.mesh), nodal_mass_(Eigen::VectorXd::Zero(body.mesh.node_count())) {
+  const bool is_linear = mesh_.order == mesh::ElementOrder::kLinear;
+  for (int e = 0; e < mesh_.element_count(); ++e) {
+    const double volume = tetrahedron_volume(rest_corners(e));
+    if (!(volume > 0)) {
       throw std::invalid_argument("element " + std::to_string(e) + " has no positive volume");
     }
-    volume_ += v;
-    if (is_linear) {
-      const int lane = e % 4;
-      if (lane == 0) {
-        // Lanes beyond the last element repeat it with no weight.
-        linear_.emplace_back();
-        linear_.back().weight.setZero();
-      }
-      LinearBlock& block = linear_.back();
-      const auto g = Tetrahedron<4>::gradients(corners)[0];
-      block.weight(lane) = v;
-      for (int l = lane; l < 4; ++l) {
-        for (int a = 0; a < 4; ++a) block.nodes[l][a] = mesh.elements(a, e);
-        for (int k = 0; k < 9; ++k) block.gradients[k](l) = g(k % 3, 1 + k / 3);
-      }
-      const auto shares = Tetrahedron<4>::volume_shares();
-      for (int a = 0; a < 4; ++a) nodal_mass_(mesh.elements(a, e)) += density_ * v * shares(a);
-    } else {
-      QuadraticBlock& block = quadratic_.emplace_back();
-      const auto g = Tetrahedron<10>::gradients(corners);
-      block.weight = Lanes::Constant(v / 4);
-      for (int a = 0; a < 10; ++a) block.nodes[a] = mesh.elements(a, e);
-      for (int p = 0; p < 4; ++p) {
-        for (int k = 0; k < 27; ++k) block.gradients[k](p) = g[p](k % 3, 1 + k / 3);
-      }
-      const auto shares = Tetrahedron<10>::volume_shares();
-      for (int a = 0; a < 10; ++a) nodal_mass_(mesh.elements(a, e)) += density_ * v * shares(a);
+    const Material& material = body.material_of(e);
+    lame_.push_back(lame(material));
+    density_.push_back(material.density);
+    volume_ += volume;
+    for (int a = 0; a < nodes_per_element(); ++a) {
+      const double share =
+          is_linear ? Tetrahedron<4>::volume_shares()(a) : Tetrahedron<10>::volume_shares()(a);
+      nodal_mass_(mesh_.elements(a, e)) += material.density * volume * share;
     }
   }
 }
@@ -52,85 +29,6 @@ Eigen::Matrix<double, 3, 4> ElementSet::rest_corners(int element) const {
   Eigen::Matrix<double, 3, 4> corners;
   for (int a = 0; a < 4; ++a) corners.col(a) = mesh_.nodes.col(mesh_.elements(a, element));
   return corners;
-}
-
-// Differences are taken within the element, not from the rest positions, so that nothing is lost
-// when the body has moved far.
-void ElementSet::deformation(const QuadraticBlock& b, const Eigen::Matrix3Xd& x, LaneMatrix& F) {
-  const Eigen::Vector3d x0 = x.col(b.nodes[0]);
-  for (Lanes& component : F) component.setZero();
-  for (int a = 0; a < 9; ++a) {
-    const Eigen::Vector3d d = x.col(b.nodes[a + 1]) - x0;
-    for (int i = 0; i < 3; ++i) {
-      for (int j = 0; j < 3; ++j) F[3 * i + j] += d(i) * b.gradients[3 * a + j];
-    }
-  }
-}
-
-void ElementSet::deformation(const LinearBlock& b, const Eigen::Matrix3Xd& x, LaneMatrix& F) {
-  for (Lanes& component : F) component.setZero();
-  for (int a = 0; a < 3; ++a) {
-    for (int i = 0; i < 3; ++i) {
-      Lanes d;
-      for (int l = 0; l < 4; ++l) d(l) = x(i, b.nodes[l][a + 1]) - x(i, b.nodes[l][0]);
-      for (int j = 0; j < 3; ++j) F[3 * i + j] += d * b.gradients[3 * a + j];
-    }
-  }
-}
-
-void ElementSet::scatter(const QuadraticBlock& b, const LaneMatrix& P, Eigen::Matrix3Xd& forces) {
-  Eigen::Vector3d rest = Eigen::Vector3d::Zero();
-  for (int a = 0; a < 9; ++a) {
-    Eigen::Vector3d f;
-    for (int i = 0; i < 3; ++i) {
-      f(i) = (P[3 * i] * b.gradients[3 * a] + P[3 * i + 1] * b.gradients[3 * a + 1] +
-              P[3 * i + 2] * b.gradients[3 * a + 2])
-                 .sum();
-    }
-    forces.col(b.nodes[a + 1]) += f;
-    rest += f;
-  }
-  forces.col(b.nodes[0]) -= rest;
-}
-
-void ElementSet::scatter(const LinearBlock& b, const LaneMatrix& P, Eigen::Matrix3Xd& forces) {
-  for (int i = 0; i < 3; ++i) {
-    Lanes rest = Lanes::Zero();
-    for (int a = 0; a < 3; ++a) {
-      const Lanes f = P[3 * i] * b.gradients[3 * a] + P[3 * i + 1] * b.gradients[3 * a + 1] +
-                      P[3 * i + 2] * b.gradients[3 * a + 2];
-      for (int l = 0; l < 4; ++l) forces(i, b.nodes[l][a + 1]) += f(l);
-      rest += f;
-    }
-    for (int l = 0; l < 4; ++l) forces(i, b.nodes[l][0]) -= rest(l);
-  }
-}
-
-template <class Block>
-double ElementSet::add_block_forces(const std::vector<Block>& blocks, const Eigen::Matrix3Xd& x,
-                                    double viscous, State& state,
-                                    Eigen::Matrix3Xd& forces) const noexcept {
-  Lanes energy = Lanes::Zero();
-  LaneMatrix F, R, P;
-  for (std::size_t k = 0; k < blocks.size(); ++k) {
-    const Block& block = blocks[k];
-    deformation(block, x, F);
-    update_rotation(F, state[k], R);
-    energy += block.weight * add_stress(lame_, viscous, state[k], R, P);
-    for (Lanes& component : P) component *= block.weight;
-    scatter(block, P, forces);
-  }
-  return energy.sum();
-}
-
-double ElementSet::add_forces(const Eigen::Matrix3Xd& x, double viscous, State& state,
-                              Eigen::Matrix3Xd& forces) const noexcept {
-  return linear_.empty() ? add_block_forces(quadratic_, x, viscous, state, forces)
-                         : add_block_forces(linear_, x, viscous, state, forces);
-}
-
-void ElementSet::begin_step(State& state) noexcept {
-  for (PointState& points : state) points.previous_stretch = points.stretch;
 }
 
 template <int kNodes>
@@ -146,7 +44,7 @@ void ElementSet::element_stiffness(int element, const Eigen::Matrix3Xd& x, Tange
   }
   K.setZero(3 * kNodes, 3 * kNodes);
   for (const auto& g : gradients) {
-    const PointTangent t = point_tangent(d * g.transpose(), lame_, kind, viscous);
+    const PointTangent t = point_tangent(d * g.transpose(), lame_[element], kind, viscous);
     const Eigen::Matrix<double, 3, kNodes> h = t.rotation * g;
     for (int a = 0; a < kNodes; ++a) {
       const Eigen::Matrix3d left = math::cross_matrix(h.col(a)) * t.twist;
@@ -167,7 +65,7 @@ void ElementSet::element_stiffness(int element, const Eigen::Matrix3Xd& x, Tange
 
 void ElementSet::stiffness(int element, const Eigen::Matrix3Xd& x, Tangent kind, double viscous,
                            Eigen::MatrixXd& K) const {
-  if (linear_.empty()) {
+  if (mesh_.order == mesh::ElementOrder::kQuadratic) {
     element_stiffness<10>(element, x, kind, viscous, K);
   } else {
     element_stiffness<4>(element, x, kind, viscous, K);
@@ -175,12 +73,12 @@ void ElementSet::stiffness(int element, const Eigen::Matrix3Xd& x, Tangent kind,
 }
 
 void ElementSet::mass(int element, Eigen::MatrixXd& M) const {
-  if (linear_.empty()) {
+  if (mesh_.order == mesh::ElementOrder::kQuadratic) {
     M = Tetrahedron<10>::mass_shares();
   } else {
     M = Tetrahedron<4>::mass_shares();
   }
-  M *= density_ * tetrahedron_volume(rest_corners(element));
+  M *= density_[element] * tetrahedron_volume(rest_corners(element));
 }
 
 }  // namespace palpate::elasticity

@@ -1,37 +1,219 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <array>
 
-#include "core/elasticity/element.hpp"
+#include "core/math/pack.hpp"
+#include "core/math/polar.hpp"
 
+// What happens at a quadrature point, for as many points side by side as a pack has lanes: polar
+// decomposition, energy and stress of the co-rotated material.
 namespace palpate::elasticity {
 
-/// Four quadrature points side by side: those of one quadratic element, or of four linear ones.
-using Lanes = Eigen::Array<double, 4, 1>;
-using LaneMatrix = std::array<Lanes, 9>;     // row by row
-using LaneSymmetric = std::array<Lanes, 6>;  // xx yy zz xy xz yz
+template <class Pack>
+using PackMatrix = std::array<Pack, 9>;  // row by row
+template <class Pack>
+using PackSymmetric = std::array<Pack, 6>;  // xx yy zz xy xz yz
+template <class Pack>
+using PackVector = std::array<Pack, 3>;
 
-/// What four points remember between evaluations: their rotations, from which the next search
-/// starts, and their stretch S = R^T F, now and at the beginning of the time step.
+/// What points remember between evaluations: their rotations R as unit quaternions (w x y z), from
+/// which the next search starts, and their strain E = R^T F - I, now and at the beginning of the
+/// time step.
+template <class Pack>
 struct PointState {
-  std::array<Lanes, 4> rotation{Lanes::Ones(), Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
-  LaneSymmetric stretch{Lanes::Ones(), Lanes::Ones(), Lanes::Ones(),
-                        Lanes::Zero(), Lanes::Zero(), Lanes::Zero()};
-  LaneSymmetric previous_stretch = stretch;
+  std::array<Pack, 4> rotation{Pack{} + 1, Pack{}, Pack{}, Pack{}};
+  PackSymmetric<Pack> strain{};
+  PackSymmetric<Pack> previous_strain{};
 };
 
-/// Rotation R of the polar decomposition of F by Newton's method on the unit quaternion
-/// (Kugelstadt, Koschier and Bender 2018), from the rotation of last time; where that finds no
-/// maximum of tr(R^T F), by a singular value decomposition. Leaves S = R^T F in `state` and R in
-/// `R`.
-void update_rotation(const LaneMatrix& F, PointState& state, LaneMatrix& R) noexcept;
+namespace detail {
+
+template <class Pack>
+struct Inverse {
+  PackSymmetric<Pack> adjugate;
+  Pack determinant;
+  decltype(Pack{} < Pack{}) positive;
+};
+
+/// Of H = tr(S) I - S with S = I + E: the negative second derivative of tr(R^T F) by a turn of R.
+template <class Pack>
+inline Inverse<Pack> invert_turn_stiffness(const PackSymmetric<Pack>& E) {
+  const Pack xx = 2 + E[1] + E[2], yy = 2 + E[0] + E[2], zz = 2 + E[0] + E[1];
+  const Pack xy = -E[3], xz = -E[4], yz = -E[5];
+  Inverse<Pack> out;
+  out.adjugate = {yy * zz - yz * yz, xx * zz - xz * xz, xx * yy - xy * xy,
+                  xz * yz - xy * zz, xy * yz - xz * yy, xy * xz - xx * yz};
+  out.determinant = xx * out.adjugate[0] + xy * out.adjugate[3] + xz * out.adjugate[4];
+  out.positive = (xx > 0) & (out.adjugate[2] > 0) &
+                 (out.determinant > math::splat<Pack>(sizeof(xx[0]) == 4 ? 1e-4 : 1e-9));
+  return out;
+}
+
+template <class Pack>
+inline PackVector<Pack> times(const PackSymmetric<Pack>& A, const PackVector<Pack>& v) {
+  return {A[0] * v[0] + A[3] * v[1] + A[4] * v[2], A[3] * v[0] + A[1] * v[1] + A[5] * v[2],
+          A[4] * v[0] + A[5] * v[1] + A[2] * v[2]};
+}
+
+template <class Pack>
+inline void rotation_matrix(const std::array<Pack, 4>& q, PackMatrix<Pack>& R) {
+  const Pack x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
+  const Pack xx = q[1] * x2, yy = q[2] * y2, zz = q[3] * z2;
+  const Pack xy = q[1] * y2, xz = q[1] * z2, yz = q[2] * z2;
+  const Pack wx = q[0] * x2, wy = q[0] * y2, wz = q[0] * z2;
+  R = {1 - (yy + zz), xy - wz, xz + wy, xy + wz,      1 - (xx + zz),
+       yz - wx,       xz - wy, yz + wx, 1 - (xx + yy)};
+}
+
+/// E = sym(R^T F) - I, g = vee(R^T F - F^T R).
+template <class Pack>
+inline void stretch(const PackMatrix<Pack>& R, const PackMatrix<Pack>& F, PackSymmetric<Pack>& E,
+                    PackVector<Pack>& g) {
+  const auto dot = [&](int i, int j) -> Pack {
+    return R[i] * F[j] + R[3 + i] * F[3 + j] + R[6 + i] * F[6 + j];
+  };
+  const Pack b01 = dot(0, 1), b10 = dot(1, 0), b02 = dot(0, 2), b20 = dot(2, 0);
+  const Pack b12 = dot(1, 2), b21 = dot(2, 1);
+  const Pack half = math::splat<Pack>(0.5);
+  E = {dot(0, 0) - 1,      dot(1, 1) - 1,      dot(2, 2) - 1,
+       half * (b01 + b10), half * (b02 + b20), half * (b12 + b21)};
+  g = {b21 - b12, b02 - b20, b10 - b01};
+}
+
+/// q <- q * (1, w/2), normalised: a turn by |w| in the frame of the point, to third order.
+template <class Pack>
+inline void turn(const PackVector<Pack>& w, std::array<Pack, 4>& q) {
+  const Pack half = math::splat<Pack>(0.5);
+  const Pack a = half * w[0], b = half * w[1], c = half * w[2];
+  const std::array<Pack, 4> r{
+      q[0] - q[1] * a - q[2] * b - q[3] * c, q[1] + q[0] * a + q[2] * c - q[3] * b,
+      q[2] + q[0] * b + q[3] * a - q[1] * c, q[3] + q[0] * c + q[1] * b - q[2] * a};
+  const Pack scale = 1 / math::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
+  for (int k = 0; k < 4; ++k) q[k] = r[k] * scale;
+}
+
+/// One lane by a singular value decomposition, which also knows what to do with inverted points.
+template <class Pack>
+inline void rescue(const PackMatrix<Pack>& F, int lane, std::array<Pack, 4>& q) {
+  Eigen::Matrix3d f;
+  for (int k = 0; k < 9; ++k) f(k / 3, k % 3) = static_cast<double>(F[k][lane]);
+  Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
+  if (f.allFinite()) rotation = Eigen::Quaterniond(math::polar_rotation(f)).normalized();
+  using Real = typename math::PackTraits<Pack>::Real;
+  q[0][lane] = static_cast<Real>(rotation.w());
+  q[1][lane] = static_cast<Real>(rotation.x());
+  q[2][lane] = static_cast<Real>(rotation.y());
+  q[3][lane] = static_cast<Real>(rotation.z());
+}
+
+}  // namespace detail
+
+/// Rotations R of the polar decompositions of F at `kCount` points by Newton's method on the unit
+/// quaternion (Kugelstadt, Koschier and Bender 2018), from the rotations of last time; where that
+/// finds no maximum of tr(R^T F), by a singular value decomposition. Leaves E = R^T F - I in
+/// `state` and R in `R`. Points go through each stage one after the other, since a processor
+/// overlaps their long chains of dependent operations only when they stand close together.
+template <class Pack, std::size_t kCount>
+inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
+                             std::array<PointState<Pack>, kCount>& state,
+                             std::array<PackMatrix<Pack>, kCount>& R) noexcept {
+  constexpr int kMaxNewton = 8;
+  // After a turn by w what is left is of order w^2 (strain + w), and stress feels that times the
+  // strain only: below rounding.
+  const Pack small_turn2 = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-5 : 1e-11);
+  PackVector<Pack> g;
+  for (std::size_t p = 0; p < kCount; ++p) {
+    detail::rotation_matrix(state[p].rotation, R[p]);
+  }
+  bool settled = false;
+  for (int i = 0; !settled; ++i) {
+    settled = true;
+    for (std::size_t p = 0; p < kCount; ++p) {
+      PointState<Pack>& point = state[p];
+      detail::stretch(R[p], F[p], point.strain, g);
+      const detail::Inverse<Pack> h = detail::invert_turn_stiffness(point.strain);
+      PackVector<Pack> w = detail::times(h.adjugate, g);
+      const Pack scale = 1 / h.determinant;
+      for (Pack& component : w) component *= scale;
+      const Pack turn2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
+      const auto near = h.positive & (turn2 < small_turn2);
+      detail::turn(w, point.rotation);
+      if (!math::all(near)) {
+        settled = false;
+        if (i == kMaxNewton || !math::all(h.positive)) {
+          for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+            if (!near[lane]) detail::rescue(F[p], lane, point.rotation);
+          }
+        }
+      }
+      detail::rotation_matrix(point.rotation, R[p]);
+    }
+    if (i == kMaxNewton) break;
+  }
+  for (std::size_t p = 0; p < kCount; ++p) detail::stretch(R[p], F[p], state[p].strain, g);
+}
 
 /// Energy density and first Piola-Kirchhoff stress P of
-///   mu |S - I|^2 + lambda/2 tr^2(S - I) + viscous (mu |S - S0|^2 + lambda/2 tr^2(S - S0)),
-/// S0 being the stretch at the beginning of the step: Rayleigh damping in the turned frame, which
+///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
+/// E0 being the strain at the beginning of the step: Rayleigh damping in the turned frame, which
 /// no rigid motion feels, and an exact derivative of its potential.
-Lanes add_stress(const Lame& lame, double viscous, const PointState& state, const LaneMatrix& R,
-                 LaneMatrix& P) noexcept;
+template <class Pack>
+inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<Pack>& state,
+                       const PackMatrix<Pack>& R, PackMatrix<Pack>& P) noexcept {
+  const PackSymmetric<Pack>& E = state.strain;
+  const Pack mu2 = mu + mu;
+  const Pack half = math::splat<Pack>(0.5);
+  const Pack trace = E[0] + E[1] + E[2];
+  const auto square = [](const PackSymmetric<Pack>& A) -> Pack {
+    return A[0] * A[0] + A[1] * A[1] + A[2] * A[2] + 2 * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
+  };
+  Pack energy = mu * square(E) + half * lambda * trace * trace;
+  PackMatrix<Pack> T;  // R^T P
+  const Pack pressure = lambda * trace;
+  T[0] = mu2 * E[0] + pressure;
+  T[4] = mu2 * E[1] + pressure;
+  T[8] = mu2 * E[2] + pressure;
+  T[1] = T[3] = mu2 * E[3];
+  T[2] = T[6] = mu2 * E[4];
+  T[5] = T[7] = mu2 * E[5];
+
+  if (viscosity > 0) {
+    const Pack viscous = math::splat<Pack>(viscosity);
+    const PackSymmetric<Pack>& Z = state.previous_strain;
+    const PackSymmetric<Pack> D{E[0] - Z[0], E[1] - Z[1], E[2] - Z[2],
+                                E[3] - Z[3], E[4] - Z[4], E[5] - Z[5]};
+    const Pack rate = D[0] + D[1] + D[2];
+    energy += viscous * (mu * square(D) + half * lambda * rate * rate);
+    // E0 does not turn with the point, so the turn that dF causes works against the commutator of
+    // E0 and E: c = vee(Z E - E Z).
+    const PackVector<Pack> c{
+        Z[4] * E[3] + Z[5] * E[1] + Z[2] * E[5] - (Z[3] * E[4] + Z[1] * E[5] + Z[5] * E[2]),
+        Z[0] * E[4] + Z[3] * E[5] + Z[4] * E[2] - (Z[4] * E[0] + Z[5] * E[3] + Z[2] * E[4]),
+        Z[3] * E[0] + Z[1] * E[3] + Z[5] * E[4] - (Z[0] * E[3] + Z[3] * E[1] + Z[4] * E[5])};
+    const detail::Inverse<Pack> h = detail::invert_turn_stiffness(E);
+    const Pack scale = h.positive ? viscous * mu2 / h.determinant : Pack{};
+    PackVector<Pack> w = detail::times(h.adjugate, c);
+    for (Pack& component : w) component *= scale;
+    const Pack viscous_pressure = viscous * lambda * rate;
+    const Pack m = viscous * mu2;
+    T[0] += m * D[0] + viscous_pressure;
+    T[4] += m * D[1] + viscous_pressure;
+    T[8] += m * D[2] + viscous_pressure;
+    T[1] += m * D[3] - w[2];
+    T[3] += m * D[3] + w[2];
+    T[2] += m * D[4] + w[1];
+    T[6] += m * D[4] - w[1];
+    T[5] += m * D[5] - w[0];
+    T[7] += m * D[5] + w[0];
+  }
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      P[3 * i + j] = R[3 * i] * T[j] + R[3 * i + 1] * T[3 + j] + R[3 * i + 2] * T[6 + j];
+    }
+  }
+  return energy;
+}
 
 }  // namespace palpate::elasticity

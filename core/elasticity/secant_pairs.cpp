@@ -1,20 +1,19 @@
 #include "core/elasticity/secant_pairs.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 namespace palpate::elasticity {
 
-SecantPairs::SecantPairs(int unknowns) {
+SecantPairs::SecantPairs(int size) {
   for (Pair& pair : pairs_) {
-    pair.step.setZero(4, unknowns);
-    pair.change.setZero(4, unknowns);
+    pair.step.setZero(size);
+    pair.change.setZero(size);
   }
 }
 
-void SecantPairs::add(const Eigen::Matrix4Xd& step, const Eigen::Matrix4Xd& change) noexcept {
-  const double curvature = dot(step, change);
-  if (!(curvature > 1e-6 * std::sqrt(step.squaredNorm() * change.squaredNorm()))) return;
+void SecantPairs::add(const Eigen::VectorXf& step, const Eigen::VectorXf& change) noexcept {
+  const float curvature = dot(step, change);
+  if (!(curvature > 1e-5F * step.norm() * change.norm())) return;
   Pair& pair = pairs_[next_];
   pair.step = step;
   pair.change = change;

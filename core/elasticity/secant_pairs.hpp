@@ -7,20 +7,21 @@ namespace palpate::elasticity {
 
 /// What the last corrections taught about the matrix: pairs of a step and the change of force that
 /// it made, wrapped round a factor that is somewhat old (limited-memory BFGS, Nocedal 1980, with
-/// that factor as its first guess). Vectors are 4 x unknowns with a row of padding.
+/// that factor as its first guess). Vectors are as long as there are unknown
+/// coordinates.
 class SecantPairs {
  public:
-  explicit SecantPairs(int unknowns);
+  explicit SecantPairs(int size);
 
   void clear() noexcept { count_ = 0; }
 
   /// Keeps the pair, in place of the oldest; drops one that does not show positive curvature.
-  void add(const Eigen::Matrix4Xd& step, const Eigen::Matrix4Xd& change) noexcept;
+  void add(const Eigen::VectorXf& step, const Eigen::VectorXf& change) noexcept;
 
   /// Overwrites b with an improved solution of A x = b, `solve(b)` being the factor's.
   template <class Solve>
-  void apply(Eigen::Matrix4Xd& b, const Solve& solve) noexcept {
-    std::array<double, kPairs> a;
+  void apply(Eigen::VectorXf& b, const Solve& solve) noexcept {
+    std::array<float, kPairs> a;
     for (int k = 0; k < count_; ++k) {
       const Pair& pair = newest(k);
       a[k] = pair.scale * dot(pair.step, b);
@@ -36,12 +37,10 @@ class SecantPairs {
  private:
   static constexpr int kPairs = 6;
   struct Pair {
-    Eigen::Matrix4Xd step, change;
-    double scale = 0;  // 1 / step . change
+    Eigen::VectorXf step, change;
+    float scale = 0;  // 1 / step . change
   };
-  static double dot(const Eigen::Matrix4Xd& a, const Eigen::Matrix4Xd& b) noexcept {
-    return a.cwiseProduct(b).sum();
-  }
+  static float dot(const Eigen::VectorXf& a, const Eigen::VectorXf& b) noexcept { return a.dot(b); }
   const Pair& newest(int k) const noexcept { return pairs_[(next_ + kPairs - 1 - k) % kPairs]; }
 
   std::array<Pair, kPairs> pairs_;

@@ -1,5 +1,6 @@
 #include "core/elasticity/solve_panels.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <new>
@@ -15,6 +16,18 @@ constexpr std::align_val_t kAlignment{64};
 
 int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
 int padded(int rows) { return (rows + kGroup * kTile - 1) / (kGroup * kTile) * kGroup * kTile; }
+
+/// A symmetric matrix gets the absolute values of its eigenvalues, none above the largest that was
+/// positive: a grasp that is let go of leaves a stressed, unstable object, and corrections must go
+/// downhill from there until a factor of its own exists.
+void make_positive(double* a, int size) {
+  Eigen::Map<Eigen::MatrixXd> A(a, size, size);
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
+  const Eigen::VectorXd& values = eigen.eigenvalues();
+  const double largest = std::max(values(size - 1), 1.0);  // of a scaled matrix
+  A = eigen.eigenvectors() * values.cwiseAbs().cwiseMin(largest).asDiagonal() *
+      eigen.eigenvectors().transpose();
+}
 
 /// The level up to which the rows of panels are needed: 0 interior, 1 and group 0, 2 and group 1.
 int level_of(Held held) { return !held[1] ? 2 : !held[0] ? 1 : 0; }
@@ -153,7 +166,7 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
   bool any = false;
   for (int set = 0; set < 4; ++set) {
     const Held held{(set & 1) != 0, (set & 2) != 0};
-    if (pattern_->held_set(held) != set || !factor.is_positive(held)) continue;
+    if (pattern_->held_set(held) != set || !factor.is_regular(held)) continue;
     assign_border(factor, held);
     any = border(held).usable = true;
   }
@@ -260,10 +273,15 @@ void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexc
   for (int i = 0; i < b.size; ++i) left_[i] = 1 / static_cast<double>(scaling_[b.offset + i]);
   for (int c = 0; c < b.size; ++c) {
     for (int i = 0; i < b.size; ++i) {
+      dense_[static_cast<std::size_t>(c) * b.size + i] *= left_[i] * left_[c];
+    }
+  }
+  if (!factor.is_positive(held)) make_positive(dense_.data(), b.size);
+  for (int c = 0; c < b.size; ++c) {
+    for (int i = 0; i < b.size; ++i) {
       const int group = i / (kGroup * kTile), within = i % (kGroup * kTile);
       b.inverse[(static_cast<std::size_t>(group) * b.size + c) * kGroup * kTile + within] =
-          static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i] * left_[i] *
-                             left_[c]);
+          static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i]);
     }
   }
 }

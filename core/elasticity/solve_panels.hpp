@@ -25,9 +25,10 @@ class SolvePanels {
  public:
   SolvePanels(const Supernodes& supernodes, PanelPrecision precision);
 
-  /// From a factor of these supernodes; allocates nothing. False where it can be used for no set of
-  /// held groups: the interior is not positive definite, or too close to singular for the
-  /// precision.
+  /// From a factor of these supernodes. False where it can be used for no set of held groups: the
+  /// interior is not positive definite, or too close to singular for the precision. Where only the
+  /// free part of the border is indefinite it is made positive, so that the panels lead downhill;
+  /// this alone allocates.
   bool assign(const SupernodalFactor& factor) noexcept;
 
   /// Whether solutions with these groups held may be had.

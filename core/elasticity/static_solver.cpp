@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/element_set.hpp"
 #include "core/elasticity/supernodal_factor.hpp"
 
@@ -15,12 +16,16 @@ using Eigen::Vector3d;
 class NewtonSolver {
  public:
   NewtonSolver(const Body& body, const Matrix3Xd& loads)
-      : elements_(body.mesh, body.material),
+      : elements_(body),
         pattern_(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body)),
         supernodes_(pattern_),
         matrix_(pattern_),
         factor_(supernodes_),
-        state_(elements_.make_state()),
+        forces_of_elements_(make_element_forces(elements_.mesh(), elements_.materials(),
+                                                mesh_numbering(elements_.mesh()),
+                                                Precision::kDouble)),
+        padded_x_(NodalField::Zero(4, elements_.mesh().node_count())),
+        padded_forces_(padded_x_),
         full_load_(loads + body.gravity_O * elements_.nodal_mass().transpose()),
         x_(body.mesh.nodes),
         rhs_(3 * pattern_.size(), 1) {
@@ -33,9 +38,12 @@ class NewtonSolver {
   const Matrix3Xd& forces() const { return forces_; }
 
   double evaluate() {
-    forces_ = -external_;
+    padded_x_.topRows<3>() = x_;
+    padded_forces_.setZero();
+    const double energy = forces_of_elements_->add(padded_x_, 0, padded_forces_);
+    forces_ = padded_forces_.topRows<3>() - external_;
     const Matrix3Xd u = x_ - elements_.mesh().nodes;
-    return elements_.add_forces(x_, 0, state_, forces_) - (external_.array() * u.array()).sum();
+    return energy - (external_.array() * u.array()).sum();
   }
 
   double residual() const {
@@ -104,7 +112,8 @@ class NewtonSolver {
   Supernodes supernodes_;
   BlockMatrix matrix_;
   SupernodalFactor factor_;
-  ElementSet::State state_;
+  std::unique_ptr<ElementForces> forces_of_elements_;
+  NodalField padded_x_, padded_forces_;
   Held held_{false, false};
   Matrix3Xd full_load_, external_, x_, forces_;
   Eigen::MatrixXd rhs_, element_matrix_;

@@ -23,12 +23,16 @@ Body linear_body(Body body) {
 Thesis2018::Thesis2018(Body body, const Thesis2018Options& options)
     : body_(linear_body(std::move(body))),
       options_(options),
-      elements_(body_.mesh, body_.material),
+      elements_(body_),
       pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
       supernodes_(pattern_),
       matrix_(pattern_),
       factor_(supernodes_),
-      state_(elements_.make_state()),
+      forces_of_elements_(make_element_forces(elements_.mesh(), elements_.materials(),
+                                              mesh_numbering(elements_.mesh()),
+                                              Precision::kDouble)),
+      padded_x_(NodalField::Zero(4, elements_.mesh().node_count())),
+      padded_forces_(padded_x_),
       gravity_(body_.gravity_O),
       x_(body_.mesh.nodes),
       rhs_(Eigen::MatrixXd::Zero(3 * pattern_.size(), 1)),
@@ -51,7 +55,7 @@ void Thesis2018::reset() noexcept {
   loads_.setZero();
   reactions_.setZero();
   is_held_ = {false, false};
-  std::fill(state_.begin(), state_.end(), PointState());
+  forces_of_elements_->reset();
 }
 
 void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
@@ -67,8 +71,10 @@ void Thesis2018::assemble() noexcept {
   const Damping& damping = body_.damping;
   const double mass_share = 1 + h * damping.mass_factor;
   const double stiffness_share = h * damping.stiffness_factor + h * h;
-  product_.setZero();  // f_int + (D + h K) v
-  elements_.add_forces(x_, 0, state_, product_);
+  padded_x_.topRows<3>() = x_;
+  padded_forces_.setZero();
+  forces_of_elements_->add(padded_x_, 0, padded_forces_);
+  product_ = padded_forces_.topRows<3>();  // f_int + (D + h K) v
   matrix_.set_zero();
   for (int e = 0; e < elements_.element_count(); ++e) {
     elements_.stiffness(e, x_, Tangent::kWarped, 0, element_matrix_);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/elasticity/deformation_model.hpp"
+#include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/element_set.hpp"
 #include "core/elasticity/supernodal_factor.hpp"
 
@@ -52,7 +53,8 @@ class Thesis2018 final : public DeformationModel {
   Supernodes supernodes_;
   BlockMatrix matrix_;
   SupernodalFactor factor_;
-  ElementSet::State state_;
+  std::unique_ptr<ElementForces> forces_of_elements_;
+  NodalField padded_x_, padded_forces_;
   Held is_held_{false, false};
   std::array<math::Pose, 2> X_OG_{math::Pose::Identity(), math::Pose::Identity()};
   Eigen::Vector3d gravity_;

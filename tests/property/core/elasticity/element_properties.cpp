@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <numeric>
 
-#include "core/elasticity/element_set.hpp"
 #include "core/elasticity/static_solver.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
+#include "tests/unit/core/elasticity/elements.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -47,18 +47,6 @@ Matrix3Xd random_shape(const Body& body) {
   return random_rotation() * strained;
 }
 
-struct Answer {
-  double energy;
-  Matrix3Xd forces;
-};
-
-Answer evaluate(const ElementSet& elements, const Matrix3Xd& x, double viscous,
-                ElementSet::State state) {
-  Answer answer{0, Matrix3Xd::Zero(3, x.cols())};
-  answer.energy = elements.add_forces(x, viscous, state, answer.forces);
-  return answer;
-}
-
 template <class Property>
 void check(const std::string& what, Property&& property) {
   EXPECT_TRUE(rc::check(what, std::forward<Property>(property)));
@@ -67,9 +55,9 @@ void check(const std::string& what, Property&& property) {
 TEST(Elements, RigidMotionGivesNoForce) {
   check("rigid motion gives no force", [] {
     const Body body = random_body();
-    const ElementSet elements(body.mesh, body.material);
+    Elements elements(body);
     const Matrix3Xd x = (random_rotation() * body.mesh.nodes).colwise() + vector(10);
-    const Answer a = evaluate(elements, x, 0, elements.make_state());
+    const Answer a = elements.evaluate(x);
     const double scale = body.material.young_modulus * 0.01;
     RC_ASSERT(a.forces.cwiseAbs().maxCoeff() < 1e-12 * scale);
     RC_ASSERT(std::abs(a.energy) < 1e-20 * scale);
@@ -79,14 +67,12 @@ TEST(Elements, RigidMotionGivesNoForce) {
 TEST(Elements, ARigidMotionWithinAStepIsNotDamped) {
   check("the viscous potential does not feel rigid motion", [] {
     const Body body = random_body();
-    const ElementSet elements(body.mesh, body.material);
-    ElementSet::State state = elements.make_state();
+    Elements elements(body);
     const Matrix3Xd x = random_shape(body);
-    Matrix3Xd before = Matrix3Xd::Zero(3, x.cols());
-    const double energy = elements.add_forces(x, 0, state, before);
-    ElementSet::begin_step(state);
+    const auto [energy, before] = elements.evaluate(x);
+    elements.begin_step();
     const Matrix3d R = math::exp_rotation(vector(0.5));
-    const Answer a = evaluate(elements, R * x, 10, state);
+    const Answer a = elements.evaluate(R * x, 10);
     const double scale = before.norm() + 1e-3 * body.material.young_modulus * 0.01;
     RC_ASSERT((a.forces - R * before).norm() < 1e-9 * scale);
     RC_ASSERT(std::abs(a.energy - energy) < 1e-10 * (energy + 0.01 * scale));
@@ -96,13 +82,12 @@ TEST(Elements, ARigidMotionWithinAStepIsNotDamped) {
 TEST(Elements, ForcesAndTorquesSumToZero) {
   check("forces and torques sum to zero", [] {
     const Body body = random_body();
-    const ElementSet elements(body.mesh, body.material);
-    ElementSet::State state = elements.make_state();
-    Matrix3Xd x = random_shape(body), f = x;
-    elements.add_forces(x, 0, state, f);
-    ElementSet::begin_step(state);
+    Elements elements(body);
+    Matrix3Xd x = random_shape(body);
+    elements.evaluate(x);
+    elements.begin_step();
     x += vectors(static_cast<int>(x.cols()), 0.001);
-    const Answer a = evaluate(elements, x, *rc::gen::element(0.0, 5.0), state);
+    const Answer a = elements.evaluate(x, *rc::gen::element(0.0, 5.0));
     Vector3d torque = Vector3d::Zero();
     for (int i = 0; i < x.cols(); ++i) torque += x.col(i).cross(Vector3d(a.forces.col(i)));
     const double scale = a.forces.norm();
@@ -114,19 +99,18 @@ TEST(Elements, ForcesAndTorquesSumToZero) {
 TEST(Elements, ForceIsTheDerivativeOfEnergy) {
   check("force = dEnergy/dx, with and without damping", [] {
     const Body body = random_body();
-    const ElementSet elements(body.mesh, body.material);
-    ElementSet::State state = elements.make_state();
-    Matrix3Xd x = random_shape(body), f = x;
-    elements.add_forces(x, 0, state, f);
-    ElementSet::begin_step(state);
+    Elements elements(body);
+    Matrix3Xd x = random_shape(body);
+    elements.evaluate(x);
+    elements.begin_step();
     const int n = static_cast<int>(x.cols());
     x += vectors(n, 0.002);
     const double viscous = *rc::gen::element(0.0, 5.0);
     const Matrix3Xd direction = vectors(n, 1);
     const double h = 1e-6;
-    const double plus = evaluate(elements, x + h * direction, viscous, state).energy;
-    const double minus = evaluate(elements, x - h * direction, viscous, state).energy;
-    const Matrix3Xd forces = evaluate(elements, x, viscous, state).forces;
+    const double plus = elements.evaluate(x + h * direction, viscous).energy;
+    const double minus = elements.evaluate(x - h * direction, viscous).energy;
+    const Matrix3Xd forces = elements.evaluate(x, viscous).forces;
     const double slope = (forces.array() * direction.array()).sum();
     RC_ASSERT(std::abs((plus - minus) / (2 * h) - slope) < 1e-6 * forces.norm() * direction.norm());
   });
@@ -135,15 +119,15 @@ TEST(Elements, ForceIsTheDerivativeOfEnergy) {
 TEST(Elements, StiffnessIsSymmetricAndTheDerivativeOfForce) {
   check("stiffness is symmetric and the derivative of force", [] {
     const Body body = random_body();
-    const ElementSet elements(body.mesh, body.material);
+    Elements elements(body);
     const Matrix3Xd x = random_shape(body);
     const int n = static_cast<int>(x.cols());
     const Matrix3Xd direction = vectors(n, 1);
     Matrix3Xd product = Matrix3Xd::Zero(3, n);
     Eigen::MatrixXd K;
     double scale = 0;
-    for (int e = 0; e < elements.element_count(); ++e) {
-      elements.stiffness(e, x, Tangent::kExact, 0, K);
+    for (int e = 0; e < elements.matrices.element_count(); ++e) {
+      elements.matrices.stiffness(e, x, Tangent::kExact, 0, K);
       scale = std::max(scale, K.norm());
       RC_ASSERT((K - K.transpose()).norm() <= 1e-12 * K.norm());
       const Eigen::VectorXi nodes = body.mesh.elements.col(e);
@@ -154,9 +138,8 @@ TEST(Elements, StiffnessIsSymmetricAndTheDerivativeOfForce) {
       }
     }
     const double h = 1e-7;
-    const ElementSet::State state = elements.make_state();
-    const Matrix3Xd difference = (evaluate(elements, x + h * direction, 0, state).forces -
-                                  evaluate(elements, x - h * direction, 0, state).forces) /
+    const Matrix3Xd difference = (elements.evaluate(x + h * direction).forces -
+                                  elements.evaluate(x - h * direction).forces) /
                                  (2 * h);
     RC_ASSERT((difference - product).norm() < 1e-5 * scale * direction.norm());
   });

@@ -84,7 +84,7 @@ struct TwoHandedBar {
       : body(make_bar({0.2, 0.05, 0.05}, cells, order)),
         ends{nodes_at(body.mesh, 0, 0), nodes_at(body.mesh, 0, 0.2)},
         middle(nodes_at(body.mesh, 0, 0.1)),
-        set(body.mesh, body.material) {}
+        set(body) {}
 
   Body body;
   std::vector<std::vector<int>> ends;

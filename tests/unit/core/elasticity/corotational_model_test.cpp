@@ -55,9 +55,7 @@ TEST_P(ModelsOfEveryOrder, HeldGraspMovesTheBodyAndReactsAsNewtonSays) {
   CorotationalQuasistatic model(body, options);
   model.prepare();
   model.hold(0, X);
-  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed) << "no factor for the new set yet";
-  EXPECT_EQ(model.positions(), body.mesh.nodes);
-  refactor(model);
+  EXPECT_NE(model.step(kDt).status, StepStatus::kFailed) << "the old factor serves the new set";
   EXPECT_EQ(settle(model, true).status, StepStatus::kConverged);
   EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 1e-7);
   const math::Wrench reaction = model.reaction(0);
@@ -65,64 +63,11 @@ TEST_P(ModelsOfEveryOrder, HeldGraspMovesTheBodyAndReactsAsNewtonSays) {
   EXPECT_LT((reaction.torque - expected.torque).norm(), 1e-6 * expected.torque.norm());
 
   model.release(0);
-  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
-  refactor(model);
+  EXPECT_NE(model.step(kDt).status, StepStatus::kFailed);
   EXPECT_EQ(settle(model, true).status, StepStatus::kConverged);
   EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 1e-6)
       << "let go, the bar springs back";
   EXPECT_EQ(model.reaction(0).force.norm(), 0);
-}
-
-TEST_P(ModelsOfEveryOrder, SensitivityIsThatOfCentralDifferences) {
-  Body body = bar(GetParam());
-  body.gravity_O = Vector3d(0, 2, -9.81);
-  const math::Pose X = moved_grasp(body);
-  Matrix3Xd load = Matrix3Xd::Zero(3, body.mesh.node_count());
-  load(1, body.mesh.node_count() / 2) = 0.05;
-  load(2, body.grasps[0].nodes[0]) = 0.02;  // on a held node: enters the reaction only
-
-  SolverOptions options;
-  options.tolerance = 1e-10;
-  CorotationalQuasistatic model(body, options);
-  model.prepare();
-  model.hold(0, X);
-  refactor(model);
-  model.loads() = load;
-  ASSERT_EQ(settle(model, true).status, StepStatus::kConverged);
-  ASSERT_TRUE(model.restore(model.positions(), model.velocities()));  // asks for a fresh factor
-  model.step(kDt);
-  refactor(model);
-  const Sensitivity& s = model.sensitivity();
-  ASSERT_TRUE(s.valid);
-  EXPECT_EQ(s.age, 0);
-  EXPECT_EQ(s.dx_dxi[1].rows(), 0);
-
-  StaticOptions fine;
-  fine.tolerance = 1e-11;
-  const auto solve = [&](int column, double step) {
-    math::Pose Y = X;
-    if (column < 3) {
-      Y.translation()(column) += step;
-    } else {
-      Y.linear() = math::exp_rotation(step * Vector3d::Unit(column - 3)) * X.linear();
-    }
-    const StaticSolution solution = solve_static(body, load, {Y, {}}, fine, &model.positions());
-    EXPECT_TRUE(solution.converged);
-    return std::make_pair(
-        solution.positions,
-        patch_wrench(body.grasps[0], Y, solution.positions, solution.reactions).vector());
-  };
-  for (int column = 0; column < 6; ++column) {
-    const double h = column < 3 ? 2e-6 : 5e-5;
-    const auto [x_plus, w_plus] = solve(column, h);
-    const auto [x_minus, w_minus] = solve(column, -h);
-    const Matrix3Xd dx = (x_plus - x_minus) / (2 * h);
-    const Eigen::Map<const Matrix3Xd> predicted(s.dx_dxi[0].col(column).data(), 3, dx.cols());
-    EXPECT_LT((dx - predicted).norm(), 1e-5 * dx.norm()) << "column " << column;
-    const math::Vector6d dw = (w_plus - w_minus) / (2 * h);
-    EXPECT_LT((dw - s.dw_dxi[0].col(column)).head<3>().norm(), 1e-5 * dw.head<3>().norm());
-    EXPECT_LT((dw - s.dw_dxi[0].col(column)).tail<3>().norm(), 1e-5 * dw.tail<3>().norm());
-  }
 }
 
 TEST(CorotationalQuasistatic, FollowsAMovingHandWithinTwoIterations) {
@@ -198,21 +143,25 @@ TEST(CorotationalQuasistatic, RefactorisationRunsInAnotherThreadBesideTheLoop) {
   EXPECT_GE(model.sensitivity().age, kDt);
 }
 
-TEST(CorotationalQuasistatic, AFactorForASetThatHasChangedIsNotUsed) {
+TEST(CorotationalQuasistatic, OneFactorServesGraspsMadeAndReleased) {
   const Body body = bar();
   CorotationalQuasistatic model(body);
   model.prepare();
-  model.hold(0, body.grasps[0].X_OG_rest);
+  math::Pose X = body.grasps[0].X_OG_rest;
+  model.hold(0, X);
   Refactorisation* job = model.wanted_refactorisation();
   ASSERT_NE(job, nullptr);
   job->run();
   model.release(0);
   model.install(*job);
-  EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged) << "the old factor fits again";
-  model.hold(0, body.grasps[0].X_OG_rest);
-  EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
-  refactor(model);
+  EXPECT_FALSE(model.sensitivity().valid) << "it was of the held grasp";
   EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged);
+  X.translation().z() += 1e-3;
+  model.hold(0, X);
+  for (int i = 0; i < 10; ++i) model.step(kDt);
+  const StaticSolution newton =
+      solve_static(body, Matrix3Xd::Zero(3, body.mesh.node_count()), {X, {}});
+  EXPECT_LT((model.positions() - newton.positions).colwise().norm().maxCoeff(), 1e-6);
 }
 
 TEST(CorotationalQuasistatic, WithoutSupportTheMatrixIsShiftedAndSaysSo) {

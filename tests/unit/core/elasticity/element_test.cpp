@@ -3,9 +3,10 @@
 #include <Eigen/Eigenvalues>
 
 #include "core/elasticity/block_matrix.hpp"
-#include "core/elasticity/element_set.hpp"
+#include "core/elasticity/point_kernel.hpp"
 #include "core/math/polar.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
+#include "tests/unit/core/elasticity/elements.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -20,7 +21,7 @@ constexpr mesh::ElementOrder kOrders[] = {mesh::ElementOrder::kLinear,
 class ElementsOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {
  protected:
   const Body body_ = make_bar({0.2, 0.05, 0.04}, {3, 3, 3}, GetParam());
-  const ElementSet elements_{body_.mesh, body_.material};
+  const ElementSet elements_{body_};
 };
 
 TEST_P(ElementsOfEveryOrder, VolumeAndMassAreThoseOfTheBox) {
@@ -52,9 +53,7 @@ TEST_P(ElementsOfEveryOrder, PatchTest) {
   F << 1.05, 0.03, -0.02, 0.01, 0.94, 0.04, 0.02, -0.05, 1.02;
   F = rotation(0.7, {1, -2, 0.5}) * F;
   const Matrix3Xd x = (F * body_.mesh.nodes).colwise() + Vector3d(0.1, 0.2, 0.3);
-  ElementSet::State state = elements_.make_state();
-  Matrix3Xd f = Matrix3Xd::Zero(3, x.cols());
-  const double energy = elements_.add_forces(x, 0, state, f);
+  const auto [energy, f] = Elements(body_).evaluate(x);
 
   const Lame law = lame(body_.material);
   const Matrix3d R = math::polar_rotation(F);
@@ -104,27 +103,96 @@ INSTANTIATE_TEST_SUITE_P(Order, ElementsOfEveryOrder, testing::ValuesIn(kOrders)
 TEST(ElementSet, RefusesAnElementWithoutVolume) {
   Body body = make_bar({1, 1, 1}, {1, 1, 1}, mesh::ElementOrder::kLinear);
   std::swap(body.mesh.elements(0, 2), body.mesh.elements(1, 2));
-  EXPECT_THROW(ElementSet(body.mesh, body.material), std::invalid_argument);
+  EXPECT_THROW(ElementSet{body}, std::invalid_argument);
+  EXPECT_THROW(make_element_forces(body.mesh, std::vector<Lame>(body.mesh.element_count()),
+                                   mesh_numbering(body.mesh), Precision::kDouble),
+               std::invalid_argument);
 }
 
-TEST(PointKernel, FindsTheRotationFromAnyStartAndForInvertedPoints) {
+template <class Pack>
+class PointKernel : public testing::Test {};
+using Packs = testing::Types<math::Pack4d, math::Pack8f>;
+TYPED_TEST_SUITE(PointKernel, Packs);
+
+TYPED_TEST(PointKernel, FindsTheRotationFromAnyStartAndForInvertedPoints) {
+  using Pack = TypeParam;
+  using Real = typename math::PackTraits<Pack>::Real;
+  const double rounding = sizeof(Real) == 4 ? 3e-5 : 1e-11;
   std::srand(5);
-  PointState state;
+  std::array<PointState<Pack>, 2> state;
   for (int trial = 0; trial < 200; ++trial) {
-    LaneMatrix F, R;
-    for (Lanes& component : F) component = Lanes::Random();
-    update_rotation(F, state, R);
-    for (int lane = 0; lane < 4; ++lane) {
+    std::array<PackMatrix<Pack>, 2> F, R;
+    for (auto& point : F) {
+      for (Pack& component : point) {
+        for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+          component[lane] = static_cast<Real>(Eigen::internal::random<double>(-1, 1));
+        }
+      }
+    }
+    update_rotations(F, state, R);
+    for (int lane = 0; lane < 2 * math::kLanes<Pack>; ++lane) {
       Matrix3d f, r;
       for (int k = 0; k < 9; ++k) {
-        f(k / 3, k % 3) = F[k](lane);
-        r(k / 3, k % 3) = R[k](lane);
+        f(k / 3, k % 3) = static_cast<double>(F[lane % 2][k][lane / 2]);
+        r(k / 3, k % 3) = static_cast<double>(R[lane % 2][k][lane / 2]);
       }
-      EXPECT_NEAR(r.determinant(), 1, 1e-12);
+      EXPECT_NEAR(r.determinant(), 1, rounding);
       // The maximum of tr(R^T F); its value is unique where R is not.
       EXPECT_NEAR((r.transpose() * f).trace(), (math::polar_rotation(f).transpose() * f).trace(),
-                  1e-12);
+                  rounding);
     }
+  }
+}
+
+TEST_P(ElementsOfEveryOrder, SinglePrecisionKeepsSevenDigitsOfStrainFarFromTheOrigin) {
+  std::srand(7);
+  const Matrix3d R = rotation(0.7, {1, -2, 0.5});
+  const Matrix3Xd strained =
+      body_.mesh.nodes + 3e-4 * Matrix3Xd::Random(3, body_.mesh.node_count());
+  const Matrix3Xd x = (R * strained).colwise() + Vector3d(5, -3, 2);
+  const Answer exact = Elements(body_).evaluate(x);
+  const Answer single = Elements(body_, Precision::kSingle).evaluate(x);
+  EXPECT_NEAR(single.energy, exact.energy, 1e-5 * exact.energy);
+  // Forces of rounded strains are those of stresses E times 1e-7 or so.
+  const double largest = exact.forces.colwise().norm().maxCoeff();
+  EXPECT_LT((single.forces - exact.forces).colwise().norm().maxCoeff(), 3e-5 * largest);
+}
+
+TEST_P(ElementsOfEveryOrder, EachElementHasItsOwnMaterial) {
+  Body body = body_;
+  for (int e = 0; e < body.mesh.element_count(); ++e) {
+    body.element_materials.push_back({1e4 * (1 + e % 7), 0.1 * (e % 5), 100.0 + e});
+  }
+  std::srand(9);
+  const Matrix3Xd x = body.mesh.nodes + 1e-3 * Matrix3Xd::Random(3, body.mesh.node_count());
+  const Answer all = Elements(body).evaluate(x);
+  double energy = 0, mass = 0;
+  Matrix3Xd forces = Matrix3Xd::Zero(3, x.cols());
+  for (int e = 0; e < body.mesh.element_count(); ++e) {
+    Body one = body;
+    one.mesh.elements = body.mesh.elements.col(e).eval();
+    one.element_materials = {body.element_materials[e]};
+    Elements element(one);
+    const Answer a = element.evaluate(x);
+    energy += a.energy;
+    forces += a.forces;
+    mass += element.matrices.nodal_mass().sum();
+  }
+  EXPECT_NEAR(all.energy, energy, 1e-12 * energy);
+  EXPECT_LT((all.forces - forces).norm(), 1e-12 * forces.norm());
+  EXPECT_NEAR(ElementSet(body).nodal_mass().sum(), mass, 1e-12 * mass);
+}
+
+TEST_P(ElementsOfEveryOrder, RotationsOfNodesAreThoseOfARigidMotion) {
+  Elements elements(body_);
+  const Matrix3d R = rotation(2.5, {1, -2, 0.5});
+  elements.evaluate(R * body_.mesh.nodes);
+  Eigen::Matrix4Xf q = Eigen::Matrix4Xf::Zero(4, body_.mesh.node_count());
+  q.row(0).setOnes();
+  elements.forces().node_rotations(q);
+  for (int i = 0; i < q.cols(); ++i) {
+    const Eigen::Quaternionf rotation_of_node(q(0, i), q(1, i), q(2, i), q(3, i));
+    EXPECT_LT((rotation_of_node.toRotationMatrix().cast<double>() - R).norm(), 1e-6);
   }
 }
 

@@ -1,0 +1,175 @@
+#pragma once
+
+#include <array>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "core/elasticity/element.hpp"
+#include "core/elasticity/node_transfer.hpp"
+#include "core/elasticity/point_kernel.hpp"
+
+namespace palpate::elasticity {
+
+/// As many straight-sided tetrahedra as a pack has lanes, with 4 or 10 nodes. Only the gradients of
+/// the barycentric coordinates are stored: those of quadratic shape functions are linear in them,
+///   grad N_i = (4 b_i - 1) g_i,  grad N_ij = 4 (b_i g_j + b_j g_i),
+/// so that F = sum_i c_i x g_i at each point and a block streams 22 numbers per element.
+template <class Pack, int kNodes>
+class alignas(64) ElementBlock {
+ public:
+  static constexpr int kPoints = Tetrahedron<kNodes>::kPoints;
+  static constexpr int kWidth = math::kLanes<Pack>;
+  using State = std::array<PointState<Pack>, kPoints>;
+  using Real = typename math::PackTraits<Pack>::Real;
+
+  int node(int a, int lane) const { return offsets_[a][lane] / 4; }
+  bool has_element(int lane) const { return mu_[lane] != 0; }
+
+  void set(int lane, const mesh::ElementMesh& mesh, int element, const std::vector<Lame>& materials,
+           const std::vector<int>& numbering, bool weighted) {
+    Eigen::Matrix<double, 3, 4> corners;
+    for (int a = 0; a < 4; ++a) corners.col(a) = mesh.nodes.col(mesh.elements(a, element));
+    const double volume = tetrahedron_volume(corners);
+    if (!(volume > 0)) {
+      throw std::invalid_argument("element " + std::to_string(element) + " has no positive volume");
+    }
+    for (int a = 0; a < kNodes; ++a) offsets_[a][lane] = 4 * numbering[mesh.elements(a, element)];
+    const Eigen::Matrix<double, 3, 4> g = barycentric_gradients(corners);
+    for (int i = 0; i < 3; ++i) {
+      for (int c = 0; c < 3; ++c) gradients_[i][c][lane] = static_cast<Real>(g(c, i + 1));
+    }
+    const double weight = weighted ? volume / kPoints : 0;
+    mu_[lane] = static_cast<Real>(weight * materials[element].mu);
+    lambda_[lane] = static_cast<Real>(weight * materials[element].lambda);
+  }
+
+  /// Energy in J; adds the forces of the nodes to a field of four numbers each.
+  Pack add(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+    if constexpr (kNodes == 4) {
+      return add_linear(x, viscosity, state, forces);
+    } else {
+      return add_quadratic(x, viscosity, state, forces);
+    }
+  }
+
+ private:
+  using Vector = PackVector<Pack>;
+
+  Vector difference(const double* x, int a) const {
+    Vector d;
+    gather_difference(x, offsets_[a].data(), offsets_[0].data(), d);
+    return d;
+  }
+  void scatter(const Vector& f, int a, Real* forces) const {
+    scatter_add(f, offsets_[a].data(), forces);
+  }
+
+  /// F = sum_i c_i x g_i.
+  PackMatrix<Pack> gradient_of(const std::array<Vector, 3>& c) const {
+    PackMatrix<Pack> F;
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) {
+        F[3 * i + j] =
+            c[0][i] * gradients_[0][j] + c[1][i] * gradients_[1][j] + c[2][i] * gradients_[2][j];
+      }
+    }
+    return F;
+  }
+
+  /// P g_i.
+  Vector traction(const PackMatrix<Pack>& P, int i) const {
+    const Vector& g = gradients_[i];
+    return {P[0] * g[0] + P[1] * g[1] + P[2] * g[2], P[3] * g[0] + P[4] * g[1] + P[5] * g[2],
+            P[6] * g[0] + P[7] * g[1] + P[8] * g[2]};
+  }
+
+  Pack add_linear(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+    std::array<PackMatrix<Pack>, 1> R;
+    PackMatrix<Pack> P;
+    update_rotations({gradient_of({difference(x, 1), difference(x, 2), difference(x, 3)})}, state,
+                     R);
+    const Pack energy = add_stress(mu_, lambda_, viscosity, state[0], R[0], P);
+    Vector rest{};
+    for (int i = 0; i < 3; ++i) {
+      const Vector t = traction(P, i);
+      for (int c = 0; c < 3; ++c) rest[c] -= t[c];
+      scatter(t, i + 1, forces);
+    }
+    scatter(rest, 0, forces);
+    return energy;
+  }
+
+  Pack add_quadratic(const double* x, double viscosity, State& state, Real* forces) const noexcept {
+    // Barycentric coordinates of point p are kFar, and kNear for the p-th.
+    const Pack low = math::splat<Pack>(4 * kFar - 1), far4 = math::splat<Pack>(4 * kFar);
+    const Pack rise = math::splat<Pack>(4 * (kNear - kFar));
+    std::array<Vector, 10> d;
+    d[0] = Vector{};
+    for (int a = 1; a < 10; ++a) d[a] = difference(x, a);
+    std::array<Vector, 4> base;  // c_i without the part of the near corner
+    for (int i = 0; i < 4; ++i) {
+      const Vector &p = d[kMidside[i][(i + 1) % 4]], &q = d[kMidside[i][(i + 2) % 4]],
+                   &r = d[kMidside[i][(i + 3) % 4]];
+      for (int c = 0; c < 3; ++c) base[i][c] = low * d[i][c] + far4 * (p[c] + q[c] + r[c]);
+    }
+    std::array<PackMatrix<Pack>, 4> F, R;
+    for (int p = 0; p < 4; ++p) {
+      const Vector& d0 = d[kMidside[0][p]];  // of corner 0 itself for p = 0
+      std::array<Vector, 3> c;
+      for (int i = 1; i < 4; ++i) {
+        const Vector& di = d[kMidside[i][p]];
+        for (int k = 0; k < 3; ++k) {
+          c[i - 1][k] = (base[i][k] - base[0][k]) + rise * (di[k] - d0[k]);
+        }
+      }
+      F[p] = gradient_of(c);
+    }
+    update_rotations(F, state, R);
+    Pack energy{};
+    std::array<Vector, 4> sum{};       // over the points, of the traction of each corner
+    std::array<Vector, 10> special{};  // what the near corner adds
+    for (int p = 0; p < 4; ++p) {
+      PackMatrix<Pack> P;
+      energy += add_stress(mu_, lambda_, viscosity, state[p], R[p], P);
+      Vector rest{};
+      for (int i = 1; i < 4; ++i) {
+        const Vector t = traction(P, i - 1);
+        Vector& to = special[kMidside[i][p]];
+        for (int k = 0; k < 3; ++k) {
+          rest[k] -= t[k];
+          sum[i][k] += t[k];
+          to[k] += t[k];
+        }
+      }
+      Vector& to = special[kMidside[0][p]];
+      for (int k = 0; k < 3; ++k) {
+        sum[0][k] += rest[k];
+        to[k] += rest[k];
+      }
+    }
+    for (int i = 0; i < 4; ++i) {
+      Vector f;
+      for (int k = 0; k < 3; ++k) f[k] = low * sum[i][k] + rise * special[i][k];
+      scatter(f, i, forces);
+    }
+    for (int m = 4; m < 10; ++m) {
+      const int* edge = mesh::kTetrahedronEdges[m - 4];
+      Vector f;
+      for (int k = 0; k < 3; ++k) {
+        f[k] = far4 * (sum[edge[0]][k] + sum[edge[1]][k]) + rise * special[m][k];
+      }
+      scatter(f, m, forces);
+    }
+    return energy;
+  }
+
+  // Node between corners i and j; the corner itself where they are the same.
+  static constexpr int kMidside[4][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
+
+  std::array<std::array<int, kWidth>, kNodes> offsets_{};  // in nodal fields
+  std::array<Vector, 3> gradients_{};  // of the barycentric coordinates 1, 2, 3; 1/m
+  Pack mu_{}, lambda_{};               // times the volume of a point, J
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,127 @@
+#include "core/elasticity/element_forces.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <stdexcept>
+#include <string>
+
+#include "core/elasticity/element_block.hpp"
+
+namespace palpate::elasticity {
+namespace {
+
+using math::kLanes;
+
+template <class Pack, int kNodes>
+class BlockForces final : public ElementForces {
+ public:
+  BlockForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials,
+              const std::vector<int>& numbering)
+      : sums_(Field::Zero(4, static_cast<int>(numbering.size()))),
+        rotation_sums_(Eigen::Matrix4Xf::Zero(4, static_cast<int>(numbering.size()))) {
+    const int count = mesh.element_count();
+    constexpr int kWidth = kLanes<Pack>;
+    blocks_.resize((count + kWidth - 1) / kWidth);
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      for (int lane = 0; lane < kWidth; ++lane) {
+        const int e = static_cast<int>(b) * kWidth + lane;
+        // Lanes without an element of their own repeat the last one, without weight.
+        blocks_[b].set(lane, mesh, std::min(e, count - 1), materials, numbering, e < count);
+      }
+    }
+    state_.resize(blocks_.size());
+  }
+
+  double add(const NodalField& x, double viscosity, NodalField& forces) noexcept override {
+    Pack energy{};
+    sums_.setZero();
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums_.data());
+    }
+    forces += sums_.template cast<double>();
+    return math::sum(energy);
+  }
+
+  void begin_step() noexcept override {
+    for (auto& block : state_) {
+      for (auto& point : block) point.previous_strain = point.strain;
+    }
+  }
+
+  void reset() noexcept override { std::fill(state_.begin(), state_.end(), BlockState()); }
+
+  void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
+    rotation_sums_.setZero();
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      for (int lane = 0; lane < kLanes<Pack> && blocks_[b].has_element(lane); ++lane) {
+        Eigen::Vector4f q = Eigen::Vector4f::Zero();
+        for (const auto& point : state_[b]) {
+          Eigen::Vector4f p;
+          for (int k = 0; k < 4; ++k) p(k) = static_cast<float>(point.rotation[k][lane]);
+          q += p.dot(q) < 0 ? Eigen::Vector4f(-p) : p;
+        }
+        for (int a = 0; a < 4; ++a) {
+          const int node = blocks_[b].node(a, lane);
+          if (q.dot(rotations.col(node)) < 0) {
+            rotation_sums_.col(node) -= q;
+          } else {
+            rotation_sums_.col(node) += q;
+          }
+        }
+      }
+    }
+    for (std::size_t b = 0; b < blocks_.size() && kNodes == 10; ++b) {
+      for (int lane = 0; lane < kLanes<Pack>; ++lane) {
+        for (int m = 4; m < kNodes; ++m) {
+          const int* edge = mesh::kTetrahedronEdges[m - 4];
+          const auto i = rotation_sums_.col(blocks_[b].node(edge[0], lane));
+          const auto j = rotation_sums_.col(blocks_[b].node(edge[1], lane));
+          const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
+          rotation_sums_.col(blocks_[b].node(m, lane)) = i + sign * j;
+        }
+      }
+    }
+    for (int node = 0; node < rotations.cols(); ++node) {
+      const float length = rotation_sums_.col(node).norm();
+      if (length > 0) rotations.col(node) = rotation_sums_.col(node) / length;
+    }
+  }
+
+ private:
+  using Block = ElementBlock<Pack, kNodes>;
+  using Field = Eigen::Matrix<typename Block::Real, 4, Eigen::Dynamic>;
+  using BlockState = typename Block::State;
+  std::vector<Block> blocks_;
+  std::vector<BlockState> state_;
+  Field sums_;
+  Eigen::Matrix4Xf rotation_sums_;
+};
+
+}  // namespace
+
+std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
+                                                   const std::vector<Lame>& materials,
+                                                   const std::vector<int>& numbering,
+                                                   Precision precision) {
+  using math::Pack4d;
+  using math::Pack8f;
+  if (mesh.order == mesh::ElementOrder::kLinear) {
+    if (precision == Precision::kDouble) {
+      return std::make_unique<BlockForces<Pack4d, 4>>(mesh, materials, numbering);
+    }
+    return std::make_unique<BlockForces<Pack8f, 4>>(mesh, materials, numbering);
+  }
+  if (precision == Precision::kDouble) {
+    return std::make_unique<BlockForces<Pack4d, 10>>(mesh, materials, numbering);
+  }
+  return std::make_unique<BlockForces<Pack8f, 10>>(mesh, materials, numbering);
+}
+
+std::vector<int> mesh_numbering(const mesh::ElementMesh& mesh) {
+  std::vector<int> numbering(mesh.node_count());
+  std::iota(numbering.begin(), numbering.end(), 0);
+  return numbering;
+}
+
+}  // namespace palpate::elasticity

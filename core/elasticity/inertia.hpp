@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "core/elasticity/element_forces.hpp"
+#include "core/elasticity/element_set.hpp"
+
+namespace palpate::elasticity {
+
+/// Consistent mass matrix in a solver's numbering, rows side by side.
+class Inertia {
+ public:
+  Inertia(const ElementSet& elements, const std::vector<int>& numbering);
+
+  /// Adds factor M (x - y) to `forces`; returns factor/2 |x - y|^2_M.
+  double add(const NodalField& x, const NodalField& y, double factor, NodalField& forces) noexcept;
+
+ private:
+  std::vector<int> row_start_, column_;
+  std::vector<double> mass_;
+  NodalField difference_;
+};
+
+}  // namespace palpate::elasticity

@@ -1,0 +1,68 @@
+#include "core/elasticity/node_warp.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::elasticity {
+
+NodeWarp::NodeWarp(int nodes)
+    : matrices_(Eigen::VectorXf::Zero(9 * nodes)), relative_(Eigen::Matrix4Xf::Zero(4, nodes)) {
+  relative_.row(0).setOnes();
+  update(relative_, Eigen::Matrix4Xf(relative_));
+}
+
+void NodeWarp::update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snapshot) noexcept {
+  Eigen::Vector4f mean = Eigen::Vector4f::Zero();
+  for (int i = 0; i < relative_.cols(); ++i) {
+    // now * conjugate(snapshot)
+    const Eigen::Vector4f p = now.col(i), q = snapshot.col(i);
+    Eigen::Vector4f r(p(0) * q(0) + p(1) * q(1) + p(2) * q(2) + p(3) * q(3),
+                      p(1) * q(0) - p(0) * q(1) - p(2) * q(3) + p(3) * q(2),
+                      p(2) * q(0) - p(0) * q(2) - p(3) * q(1) + p(1) * q(3),
+                      p(3) * q(0) - p(0) * q(3) - p(1) * q(2) + p(2) * q(1));
+    if (r.dot(mean) < 0) r = -r;
+    mean += r;
+    relative_.col(i) = r;
+    const float w = r(0), x = r(1), y = r(2), z = r(3);
+    float* m = matrices_.data() + 9 * i;
+    m[0] = 1 - 2 * (y * y + z * z);
+    m[1] = 2 * (x * y + w * z);
+    m[2] = 2 * (x * z - w * y);
+    m[3] = 2 * (x * y - w * z);
+    m[4] = 1 - 2 * (x * x + z * z);
+    m[5] = 2 * (y * z + w * x);
+    m[6] = 2 * (x * z + w * y);
+    m[7] = 2 * (y * z - w * x);
+    m[8] = 1 - 2 * (x * x + y * y);
+  }
+  mean.normalize();
+  float least = 1;
+  for (int i = 0; i < relative_.cols(); ++i) {
+    least = std::min(least, std::abs(relative_.col(i).dot(mean)));
+  }
+  spread_ = 2 * std::acos(static_cast<double>(least));
+}
+
+void NodeWarp::turn(Eigen::VectorXf& v) const noexcept {
+  for (int i = 0; i < relative_.cols(); ++i) {
+    const float* m = matrices_.data() + 9 * i;
+    float* p = v.data() + 3 * i;
+    const float x = p[0], y = p[1], z = p[2];
+    p[0] = m[0] * x + m[3] * y + m[6] * z;
+    p[1] = m[1] * x + m[4] * y + m[7] * z;
+    p[2] = m[2] * x + m[5] * y + m[8] * z;
+  }
+}
+
+void NodeWarp::turn_back(Eigen::VectorXf& v) const noexcept {
+  for (int i = 0; i < relative_.cols(); ++i) {
+    const float* m = matrices_.data() + 9 * i;
+    float* p = v.data() + 3 * i;
+    const float x = p[0], y = p[1], z = p[2];
+    p[0] = m[0] * x + m[1] * y + m[2] * z;
+    p[1] = m[3] * x + m[4] * y + m[5] * z;
+    p[2] = m[6] * x + m[7] * y + m[8] * z;
+  }
+}
+
+}  // namespace palpate::elasticity
