@@ -1,10 +1,15 @@
 #include "tools/evaluate/case_commands.hpp"
 
+#include <algorithm>
+#include <iterator>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "tools/evaluate/case_mesh.hpp"
 #include "tools/evaluate/case_report.hpp"
+#include "tools/evaluate/case_sweep.hpp"
 #include "tools/evaluate/report.hpp"
+#include "tools/evaluate/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -24,7 +29,10 @@ struct CaseCommands::Options {
   std::string mesh = "coarse";
   std::vector<int> own_mesh;
   std::string cut = "five";
+  double grading = 1;
   bool all = false;
+  bool sweep = false;
+  std::string plot;
   std::string json;
   ScoreCaseOptions score;
   DynamicOptions dynamic;
@@ -44,6 +52,11 @@ struct CaseCommands::Options {
     command.add_option("--cut", cut, "tetrahedra of a cell of our own mesh: five or six")
         ->check(CLI::IsMember({"five", "six"}))
         ->capture_default_str();
+    command
+        .add_option("--grading", grading,
+                    "own mesh: distances from the clamp go by this power; above 1: finer there")
+        ->check(CLI::Range(0.5, 4.0))
+        ->capture_default_str();
     command.add_flag("--all", all, "every mesh of the case with both elements");
     command.add_option("--json", json, "write one object, or a list of several, to this file");
   }
@@ -51,9 +64,9 @@ struct CaseCommands::Options {
   std::vector<CaseScore> score_folder(const CaseFile& c) const {
     std::vector<CaseScore> scores;
     if (!own_mesh.empty()) {
-      const mesh::MeshWithGroups grid =
-          make_case_mesh(c, {own_mesh[0], own_mesh[1], own_mesh[2]}, kCuts.at(cut));
-      scores.push_back(score_case(c, "own", grid, kElements.at(element), score));
+      const CaseGrid grid{{own_mesh[0], own_mesh[1], own_mesh[2]}, kCuts.at(cut), grading};
+      scores.push_back(
+          score_case(c, grid.text(), make_case_mesh(c, grid), kElements.at(element), score));
       return scores;
     }
     for (const auto& [name, file] : c.meshes) {
@@ -69,10 +82,15 @@ struct CaseCommands::Options {
   int run(std::ostream& out) const {
     std::vector<CaseFile> cases;
     for (const std::string& folder : folders) cases.push_back(read_case(folder));
+    if (sweep) return run_sweep(cases, out);
     std::vector<CaseScore> scores;
     for (const CaseFile& c : cases)
       for (CaseScore& s : score_folder(c)) scores.push_back(std::move(s));
     print_cases(scores, out);
+    return write(scores);
+  }
+
+  int write(const std::vector<CaseScore>& scores) const {
     nlohmann::json results = nlohmann::json::array();
     bool converged = true;
     for (const CaseScore& s : scores) {
@@ -82,12 +100,54 @@ struct CaseCommands::Options {
     if (!json.empty()) write_json(results.size() == 1 ? results[0] : results, json);
     return converged ? 0 : 1;
   }
+
+  int run_sweep(const std::vector<CaseFile>& cases, std::ostream& out) const {
+    const SweepOptions options;
+    std::vector<CaseScore> all_scores;
+    std::vector<Plot> plots;
+    std::ostringstream goals;
+    bool met = true;
+    for (const CaseFile& c : cases) {
+      std::vector<CaseScore> scores = evaluate::sweep(c, ElementOrder::kLinear, options);
+      for (CaseScore& s : evaluate::sweep(c, ElementOrder::kQuadratic, options))
+        scores.push_back(std::move(s));
+      plots.push_back(error_against_time(c.name, scores));
+      met = print_goal(c, scores, options, goals) && met;
+      std::move(scores.begin(), scores.end(), std::back_inserter(all_scores));
+    }
+    print_cases(all_scores, out);
+    out << goals.str();
+    if (!plot.empty() && !draw(plots, plot)) out << "no plot: gnuplot is not installed\n";
+    return std::max(write(all_scores), met ? 0 : 1);
+  }
+
+  static bool print_goal(const CaseFile& c, const std::vector<CaseScore>& scores,
+                         const SweepOptions& options, std::ostream& out) {
+    const auto describe = [](const CaseScore& s) {
+      return s.mesh + ", " + std::to_string(s.nodes) + " nodes, RMS " +
+             number(100 * s.figures.rms_share(), 2) + " %, p99 " +
+             number(s.incremental->times.p99, 0) + " us";
+    };
+    const CaseScore* smallest = smallest_within_goal(scores, options);
+    const CaseScore* best = most_accurate(scores, options);
+    out << c.name << ": quadratic within " << number(100 * options.goal_rms_share, 0) << " %: "
+        << (smallest ? describe(*smallest)
+                     : "none of at most " + std::to_string(options.goal_nodes) + " nodes");
+    if (best && best != smallest) out << "; most accurate: " << describe(*best);
+    out << '\n';
+    return smallest != nullptr;
+  }
 };
 
 CaseCommands::CaseCommands(CLI::App& app) : options_(std::make_unique<Options>()) {
   static_command_ = app.add_subcommand(
       "static", "solves reference cases of nonlinear statics; errors, wrenches, time per step");
   options_->add_to(*static_command_);
+  static_command_->add_flag("--sweep", options_->sweep,
+                            "a ladder of our own meshes with both elements; exit 1 where no "
+                            "quadratic one of at most 600 nodes is within 2 %");
+  static_command_->add_option("--plot", options_->plot,
+                              "sweep: draw error against time per tick to this PNG");
   static_command_
       ->add_option("--ticks", options_->score.ticks,
                    "steps of 1 ms over which the incremental model takes the load; 0: not run")

@@ -1,7 +1,6 @@
 #include "tools/evaluate/case_face.hpp"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -90,51 +89,44 @@ void SurfacePatch::integrate(const Visit& visit) const {
   }
 }
 
-Vector3d SurfacePatch::interpolate(const Matrix3Xd& values, const VectorXd& n, int face) const {
-  Vector3d value = Vector3d::Zero();
-  for (int a = 0; a < faces_.rows(); ++a) value += n[a] * values.col(faces_(a, face));
-  return value;
+Eigen::VectorXd SurfacePatch::nodal_areas() const {
+  VectorXd areas = VectorXd::Zero(mesh_.node_count());
+  integrate([&](double weight, const VectorXd& n, int f) {
+    for (int a = 0; a < faces_.rows(); ++a) areas[faces_(a, f)] += n[a] * weight;
+  });
+  return areas;
 }
 
-double SurfacePatch::area() const {
-  double total = 0;
-  integrate([&](double weight, const VectorXd&, int) { total += weight; });
-  return total;
-}
+double SurfacePatch::area() const { return nodal_areas().sum(); }
+
+Vector3d SurfacePatch::mean(const Matrix3Xd& u) const { return u * nodal_areas() / area(); }
 
 Matrix3Xd SurfacePatch::nodal_forces(
     const std::function<Vector3d(const Vector3d&)>& traction) const {
   Matrix3Xd forces = Matrix3Xd::Zero(3, mesh_.node_count());
   integrate([&](double weight, const VectorXd& n, int f) {
-    const Vector3d force = weight * traction(interpolate(mesh_.nodes, n, f));
+    Vector3d place = Vector3d::Zero();
+    for (int a = 0; a < faces_.rows(); ++a) place += n[a] * mesh_.nodes.col(faces_(a, f));
+    const Vector3d force = weight * traction(place);
     for (int a = 0; a < faces_.rows(); ++a) forces.col(faces_(a, f)) += n[a] * force;
   });
   return forces;
 }
 
-Vector3d SurfacePatch::mean(const Matrix3Xd& u) const {
-  Vector3d sum = Vector3d::Zero();
-  integrate([&](double weight, const VectorXd& n, int f) { sum += weight * interpolate(u, n, f); });
-  return sum / area();
-}
-
 double SurfacePatch::twist(const Matrix3Xd& positions) const {
+  const VectorXd areas = nodal_areas();
   const Vector3d rest_centre = mean(mesh_.nodes), centre = mean(positions);
   Eigen::Matrix3d moved = Eigen::Matrix3d::Zero(), rest = moved;
-  integrate([&](double weight, const VectorXd& n, int f) {
-    const Vector3d from = interpolate(mesh_.nodes, n, f) - rest_centre;
-    moved += weight * (interpolate(positions, n, f) - centre) * from.transpose();
-    rest += weight * from * from.transpose();
-  });
+  for (const int node : nodes()) {
+    const Vector3d from = mesh_.nodes.col(node) - rest_centre;
+    moved += areas[node] * (positions.col(node) - centre) * from.transpose();
+    rest += areas[node] * from * from.transpose();
+  }
   // The patch is thinnest along its normal.
   int axis = 0;
   rest.diagonal().minCoeff(&axis);
   const int p = (axis + 1) % 3, q = (axis + 2) % 3;
-  Eigen::Matrix2d A, B;
-  A << moved(p, p), moved(p, q), moved(q, p), moved(q, q);
-  B << rest(p, p), rest(p, q), rest(q, p), rest(q, q);
-  const Eigen::Matrix2d map = A * B.inverse();
-  return std::atan2(map(1, 0) - map(0, 1), map(0, 0) + map(1, 1));
+  return std::atan2(moved(q, p) - moved(p, q), moved(p, p) + moved(q, q));
 }
 
 }  // namespace palpate::evaluate

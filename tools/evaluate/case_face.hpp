@@ -25,16 +25,16 @@ class SurfacePatch {
   /// Mean over the area of the displacements u (3 x n).
   Eigen::Vector3d mean(const Eigen::Matrix3Xd& u) const;
 
-  /// Angle (rad, about the coordinate axis nearest to the normal) by which the patch turns: that of
-  /// the rotation nearest to the in-plane linear map that fits its positions best.
+  /// Angle (rad, about the coordinate axis nearest to the normal) by which the patch turns in its
+  /// plane: the rotation that carries its nodes, weighted by their areas, nearest to where they
+  /// are.
   double twist(const Eigen::Matrix3Xd& positions) const;
 
  private:
   /// visit(area weight in m^2, shape functions of the face's nodes, face).
   using Visit = std::function<void(double, const Eigen::VectorXd&, int)>;
   void integrate(const Visit& visit) const;
-  Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& values, const Eigen::VectorXd& shapes,
-                              int face) const;
+  Eigen::VectorXd nodal_areas() const;  // integrals of the shape functions, m^2
 
   const mesh::ElementMesh& mesh_;
   Eigen::MatrixXi faces_;  // (3 or 6) x m: corners, then midside nodes of edges 01, 12, 20

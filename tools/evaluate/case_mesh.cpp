@@ -1,11 +1,13 @@
 #include "tools/evaluate/case_mesh.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
 
 #include "core/mesh/gmsh.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/config/node.hpp"
+#include "tools/evaluate/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -56,6 +58,22 @@ std::vector<double> divide(const std::vector<double>& planes, int cells) {
   return divided;
 }
 
+/// The same with cells that are even in s, where a plane's distance from the clamp goes by
+/// s^grading.
+std::vector<double> divide_graded(std::vector<double> planes, int cells, double clamp,
+                                  double grading) {
+  const double from =
+      clamp - planes.front() < planes.back() - clamp ? planes.front() : planes.back();
+  const double length = (planes.front() + planes.back() - 2 * from);
+  const auto map = [&](double power) {
+    return [=](double x) { return from + length * std::pow((x - from) / length, power); };
+  };
+  std::transform(planes.begin(), planes.end(), planes.begin(), map(1 / grading));
+  std::vector<double> divided = divide(planes, cells);
+  std::transform(divided.begin(), divided.end(), divided.begin(), map(grading));
+  return divided;
+}
+
 mesh::MeshGroup surface_in(const AlignedBox3d& box, const mesh::TetrahedralMesh& mesh,
                            const Eigen::Matrix3Xi& surface) {
   const auto inside = [&](int node) {
@@ -94,13 +112,27 @@ mesh::MeshWithGroups read_case_mesh(const CaseFile& c, const std::string& name) 
   }
 }
 
-mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const std::array<int, 3>& cells,
-                                    mesh::CellCut cut) {
+std::string CaseGrid::text() const {
+  std::string text;
+  for (const int n : cells) text += (text.empty() ? "" : "x") + std::to_string(n);
+  if (cut == mesh::CellCut::kSix) text += "k";
+  return grading == 1 ? text : text + "^" + number(grading, 1);
+}
+
+mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const CaseGrid& grid) {
   if (c.boxes.empty()) c.fail("geometry.boxes", "is missing: own meshes are made of boxes");
   mesh::GridPlanes planes;
-  for (int axis = 0; axis < 3; ++axis) planes[axis] = divide(forced_planes(c, axis), cells[axis]);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> forced = forced_planes(c, axis);
+    // A clamped face is flat along the axis that leads away from it.
+    const bool away = grid.grading != 1 && c.fixed && !c.fixed->box.isEmpty() &&
+                      c.fixed->box.sizes()[axis] < kTolerance;
+    planes[axis] =
+        away ? divide_graded(forced, grid.cells[axis], c.fixed->box.min()[axis], grid.grading)
+             : divide(forced, grid.cells[axis]);
+  }
   mesh::MeshWithGroups result;
-  result.mesh = mesh::make_grid(planes, cut, [&c](const Vector3d& centre) {
+  result.mesh = mesh::make_grid(planes, grid.cut, [&c](const Vector3d& centre) {
     return std::any_of(c.boxes.begin(), c.boxes.end(),
                        [&centre](const AlignedBox3d& box) { return box.contains(centre); });
   });

@@ -12,10 +12,18 @@ namespace palpate::evaluate {
 /// none or it cannot be read.
 mesh::MeshWithGroups read_case_mesh(const CaseFile& c, const std::string& name);
 
-/// A mesh of our own over a union of boxes, with some `cells` along each axis (at least one between
-/// two planes where a box of the case begins or ends), and the case's groups on its surface. Throws
-/// config::Error for a body that is not made of boxes, or a region without a box.
-mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const std::array<int, 3>& cells,
-                                    mesh::CellCut cut);
+/// How to mesh a union of boxes.
+struct CaseGrid {
+  std::array<int, 3> cells{1, 1, 1};  // along each axis; at least one between two planes where a
+                                      // box of the case begins or ends
+  mesh::CellCut cut = mesh::CellCut::kFive;
+  double grading = 1;  // distances from the clamp go by this power: above 1 cells are narrow there
+
+  std::string text() const;  // such as "9x2x2" or "9x2x2^1.5"
+};
+
+/// A mesh of our own, with the case's groups on its surface. Throws config::Error for a body that
+/// is not made of boxes, or a region without a box.
+mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const CaseGrid& grid);
 
 }  // namespace palpate::evaluate
