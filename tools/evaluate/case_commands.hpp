@@ -1,6 +1,7 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <ostream>
@@ -22,6 +23,7 @@ class CaseCommands {
   std::unique_ptr<Options> options_;
   CLI::App* static_command_;
   CLI::App* dynamic_command_;
+  CLI::App* beam_command_;
 };
 
 }  // namespace palpate::evaluate

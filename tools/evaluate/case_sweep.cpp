@@ -29,7 +29,7 @@ std::vector<CaseGrid> grid_ladder(const CaseFile& c, ElementOrder order, int mos
   const int points = order == ElementOrder::kLinear ? 1 : 2;  // of a cell along each axis
   std::set<std::array<int, 3>> ladder;
   for (int across = 1; across <= 8; ++across) {
-    for (const double stretch : {1.0, 1.5, 2.0}) {
+    for (const double stretch : {1.0, 2.0}) {
       std::array<int, 3> cells{};
       long nodes = 1;
       for (int axis = 0; axis < 3; ++axis) {

@@ -8,8 +8,8 @@ namespace palpate::evaluate {
 
 /// One case over a ladder of mesh sizes with one element: error against time per tick.
 struct SweepOptions {
-  int ticks = 300;               // of the rise of the load, for the times
-  int most_linear = 3000;        // nodes
+  int ticks = 200;               // of the rise of the load, for the times
+  int most_linear = 2000;        // nodes
   int most_quadratic = 1300;     // nodes
   int goal_nodes = 600;          // one quadratic mesh of at most so many ...
   double goal_rms_share = 0.02;  // ... should stay within this
