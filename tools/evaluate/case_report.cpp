@@ -123,7 +123,9 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
   for (const CaseScore& score : scores) {
     if (score.converged()) continue;
     out << "NOT CONVERGED: " << score.name << ' ' << score.mesh << ' ' << name_of(score.order)
-        << (score.equilibrium.converged ? ": the incremental model" : ": Newton's method")
+        << (!score.equilibrium.converged ? ": Newton's method"
+            : score.dynamic              ? ": the dynamic model is not at rest"
+                                         : ": the incremental model")
         << " (residual " << scientific(score.equilibrium.residual) << " N)\n";
   }
 }
