@@ -24,7 +24,8 @@ Eigen::AlignedBox3d read_box(const Node& node) {
 CaseRegion read_region(const Node& node, const std::string& group) {
   CaseRegion region;
   region.group = node.text("group", group);
-  if (node.has("box")) region.box = read_box(node.child("box"));
+  const Node box = node.child_or_empty("box");
+  if (!box.keys().empty()) region.box = read_box(box);
   return region;
 }
 
@@ -111,8 +112,10 @@ void replace_missing_density(CaseFile& c) {
 
 void read_definition(const Node& root, CaseFile& c) {
   c.name = root.text("name", c.folder.filename().string());
-  for (const Node& box : root.child_or_empty("geometry").list("boxes"))
-    c.boxes.push_back(read_box(box));
+  const Node geometry = root.child_or_empty("geometry");
+  if (geometry.text("type", "") == "box" && geometry.has("min"))
+    c.boxes.push_back(read_box(geometry));
+  for (const Node& box : geometry.list("boxes")) c.boxes.push_back(read_box(box));
   const Node material = root.child("material");
   material.number("E", {});
   material.number("nu", {});

@@ -123,10 +123,11 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
   for (const CaseScore& score : scores) {
     if (score.converged()) continue;
     out << "NOT CONVERGED: " << score.name << ' ' << score.mesh << ' ' << name_of(score.order)
-        << (!score.equilibrium.converged ? ": Newton's method"
-            : score.dynamic              ? ": the dynamic model is not at rest"
-                                         : ": the incremental model")
-        << " (residual " << scientific(score.equilibrium.residual) << " N)\n";
+        << ": ";
+    if (!score.equilibrium.converged)
+      out << "Newton's method, residual " << scientific(score.equilibrium.residual) << " N\n";
+    else
+      out << (score.dynamic ? "the dynamic model is not at rest\n" : "the incremental model\n");
   }
 }
 

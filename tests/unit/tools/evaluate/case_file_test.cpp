@@ -49,6 +49,17 @@ TEST(CaseFile, NeedsLittle) {
   EXPECT_EQ(c.meshes.at("coarse"), folder.path() / "mesh_coarse.msh");
 }
 
+TEST(CaseFile, KnowsASingleBoxAndRegionsWithoutOne) {
+  const CaseFolder folder;
+  write_pulled_bar(folder,
+                   "geometry: {type: box, min: [0, 0, 0], max: [0.2, 0.04, 0.04]}\n"
+                   "material: {E: 1e5, nu: 0.3}\nfixed: {box: null}\n");
+  const CaseFile c = read_case(folder.path());
+  ASSERT_EQ(c.boxes.size(), 1u);
+  EXPECT_EQ(c.boxes[0].sizes(), Vector3d(0.2, 0.04, 0.04));
+  EXPECT_TRUE(c.fixed->box.isEmpty());
+}
+
 TEST(CaseFile, KeepsTheWeightOfAPartWhenTheRestHasNone) {
   const CaseFolder folder;
   write_pulled_bar(folder, std::string(kPulledBar) +
