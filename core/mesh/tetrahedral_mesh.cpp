@@ -6,6 +6,7 @@
 #include <utility>
 
 #include "core/math/fnv1a.hpp"
+#include "core/mesh/grid_mesh.hpp"
 
 namespace palpate::mesh {
 std::int64_t hash(const TetrahedralMesh& mesh) {
@@ -39,42 +40,11 @@ TetrahedralMesh make_box(const Eigen::Vector3d& size, const std::array<int, 3>& 
   if (!(size.array() > 0).all() || *std::min_element(cells.begin(), cells.end()) < 1) {
     throw std::invalid_argument("a box needs positive size and at least one cell per axis");
   }
-  const auto index = [&cells](int i, int j, int k) {
-    return i + (cells[0] + 1) * (j + (cells[1] + 1) * k);
-  };
-  TetrahedralMesh mesh;
-  mesh.nodes.resize(3, (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
-  for (int k = 0; k <= cells[2]; ++k) {
-    for (int j = 0; j <= cells[1]; ++j) {
-      for (int i = 0; i <= cells[0]; ++i) {
-        mesh.nodes.col(index(i, j, k)) << size[0] * i / cells[0], size[1] * j / cells[1],
-            size[2] * k / cells[2];
-      }
-    }
+  GridPlanes planes;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (int i = 0; i <= cells[axis]; ++i) planes[axis].push_back(size[axis] * i / cells[axis]);
   }
-  // Kuhn: one tetrahedron for each order in which a path from corner 000 to 111 takes the axes; odd
-  // orders have two corners exchanged to stay positively oriented.
-  constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
-  mesh.tetrahedra.resize(4, 6 * cells[0] * cells[1] * cells[2]);
-  int t = 0;
-  for (int k = 0; k < cells[2]; ++k) {
-    for (int j = 0; j < cells[1]; ++j) {
-      for (int i = 0; i < cells[0]; ++i) {
-        for (int order = 0; order < 6; ++order) {
-          int step[3] = {i, j, k};
-          Eigen::Vector4i corners;
-          corners[0] = index(i, j, k);
-          for (int s = 0; s < 3; ++s) {
-            ++step[kOrders[order][s]];
-            corners[s + 1] = index(step[0], step[1], step[2]);
-          }
-          if (order >= 3) std::swap(corners[1], corners[2]);
-          mesh.tetrahedra.col(t++) = corners;
-        }
-      }
-    }
-  }
-  return mesh;
+  return make_grid(planes, CellCut::kSix);
 }
 
 }  // namespace palpate::mesh

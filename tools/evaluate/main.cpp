@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "rt/config/node.hpp"
+#include "tools/evaluate/case_commands.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/payload.hpp"
@@ -94,8 +95,11 @@ int run(CLI::App& app, int argc, char** argv) {
   tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
   tactile_command->add_option("--json", json, "write the result to this file");
 
+  CaseCommands cases(app);
+
   CLI11_PARSE(app, argc, argv);
   if (data.empty()) data = default_data(root);
+  if (const auto code = cases.run(data, std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;
     demo.data = data;

@@ -3,7 +3,6 @@
 #include <fstream>
 #include <string>
 
-#include "core/mesh/gmsh.hpp"
 #include "core/mesh/tetgen.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -14,14 +13,6 @@ inline mesh::TetrahedralMesh thesis_mesh(const std::string& name) {
   const std::filesystem::path folder = support::recordings() / "thesis_meshes";
   std::ifstream node(folder / (name + ".node")), ele(folder / (name + ".ele"));
   mesh::TetrahedralMesh mesh = mesh::read_tetgen(node, name + ".node", ele, name + ".ele");
-  mesh::orient(mesh);
-  return mesh;
-}
-
-/// The coarse or mid mesh of a reference case.
-inline mesh::TetrahedralMesh case_mesh(const std::string& name, const std::string& size) {
-  std::ifstream in(support::recordings() / "fem_cases" / name / ("mesh_" + size + ".msh"));
-  mesh::TetrahedralMesh mesh = mesh::read_gmsh(in, name).mesh;
   mesh::orient(mesh);
   return mesh;
 }
