@@ -3,9 +3,8 @@
 #include <malloc.h>
 
 #include <algorithm>
-#include <cmath>
+#include <cstdio>
 #include <fstream>
-#include <map>
 
 #include "core/math/random.hpp"
 #include "rt/loop/allocation_counter.hpp"
@@ -104,11 +103,13 @@ class Segment {
 
  private:
   std::unique_ptr<elasticity::CorotationalModel> make_free(Mechanics mechanics) const {
+    elasticity::SolverOptions solver = options_.solver;
+    solver.tolerance *= body_.material.young_modulus / 1e5;  // as the loads
     std::unique_ptr<elasticity::CorotationalModel> model;
     if (mechanics == Mechanics::kDynamic) {
-      model = std::make_unique<elasticity::CorotationalDynamic>(body_, options_.solver);
+      model = std::make_unique<elasticity::CorotationalDynamic>(body_, solver);
     } else {
-      model = std::make_unique<elasticity::CorotationalQuasistatic>(body_, options_.solver);
+      model = std::make_unique<elasticity::CorotationalQuasistatic>(body_, solver);
     }
     model->prepare();
     return model;

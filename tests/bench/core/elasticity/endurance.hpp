@@ -10,9 +10,9 @@ namespace palpate::bench {
 struct EnduranceOptions {
   long steps = 1000000;
   long segment_steps = 5000;
-  double budget = 1e-3;    // s of thread time
-  double most_load = 100;  // times a sensible one
-  elasticity::SolverOptions solver;
+  double budget = 1e-3;              // s of thread time
+  double most_load = 100;            // times a sensible one
+  elasticity::SolverOptions solver;  // tolerance at E = 1e5 Pa, in proportion to E elsewhere
   RefactorPolicy refactor{RefactorPolicy::kDelayed, 10};
   std::uint64_t seed = 1;
 };

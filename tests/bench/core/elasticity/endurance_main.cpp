@@ -26,6 +26,10 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--seconds", recovery.seconds, "simulated, of --robustness, at most")
       ->capture_default_str();
+  app.add_option("--damping", recovery.mass_damping, "1/s, by mass, of --robustness")
+      ->capture_default_str();
+  app.add_option("--only", recovery.only,
+                 "of --robustness: lines whose name holds this, e.g. '475 dynamic random'");
   app.add_option("--iterations", solver.iterations, "corrections per step at most")
       ->capture_default_str();
   app.add_option("--refactor", refactor, "background, every-N or never")->capture_default_str();

@@ -22,7 +22,7 @@ struct RecoveryOptions {
   RefactorPolicy refactor{RefactorPolicy::kDelayed, 10};
   double seconds = 20;  // simulated, at most; in statics a thousand steps each
   std::uint64_t seed = 1;
-  std::string only;  // of run_recoveries: lines whose beginning holds this text
+  std::string only;  // of run_recoveries: lines whose name holds this text
 };
 
 struct RecoveryResult {
