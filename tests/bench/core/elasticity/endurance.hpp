@@ -10,6 +10,7 @@ namespace palpate::bench {
 struct EnduranceOptions {
   long steps = 1000000;
   long segment_steps = 5000;
+  long first_segment = 0;            // to repeat one: each has its own stream of the seed
   double budget = 1e-3;              // s of thread time
   double most_load = 100;            // times a sensible one
   elasticity::SolverOptions solver;  // tolerance at E = 1e5 Pa, in proportion to E elsewhere

@@ -19,6 +19,8 @@ int main(int argc, char** argv) {
   app.add_option("--steps", endurance.steps, "under load, in all")->capture_default_str();
   app.add_option("--segment", endurance.segment_steps, "steps before the next model and modulus")
       ->capture_default_str();
+  app.add_option("--first-segment", endurance.first_segment, "to repeat one of an earlier run")
+      ->capture_default_str();
   app.add_option("--budget", endurance.budget, "s of thread time that a step may take")
       ->capture_default_str();
   app.add_option("--most-load", endurance.most_load, "times a sensible one")->capture_default_str();
