@@ -1,28 +1,57 @@
 #include "tests/bench/core/elasticity/baseline_system.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <set>
 #include <stdexcept>
 
 #include "core/elasticity/element.hpp"
-#include "core/math/polar.hpp"
-#include "core/math/rigid.hpp"
 
 namespace palpate::bench {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// A [b]x.
-Matrix3d times_cross(const Matrix3d& A, const Vector3d& b) {
-  Matrix3d C;
-  C.col(0) = A.col(1) * b.z() - A.col(2) * b.y();
-  C.col(1) = A.col(2) * b.x() - A.col(0) * b.z();
-  C.col(2) = A.col(0) * b.y() - A.col(1) * b.x();
-  return C;
+constexpr int kLanes = 4;
+
+LaneVector cross(const LaneVector& a, const LaneVector& b) {
+  return {a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+}
+
+Lanes dot(const LaneVector& a, const LaneVector& b) {
+  return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+LaneVector times(const LaneMatrix& A, const LaneVector& b) {
+  return {dot(A[0], b), dot(A[1], b), dot(A[2], b)};
+}
+
+/// Nodes of four elements relative to their first one. Behind the last element it stands again.
+template <int kNodes>
+std::array<LaneVector, kNodes> gather(const Eigen::MatrixXi& elements, int first,
+                                      const Matrix3Xd& x) {
+  std::array<LaneVector, kNodes> local;
+  for (int l = 0; l < kLanes; ++l) {
+    const int e = std::min(first + l, static_cast<int>(elements.cols()) - 1);
+    const Vector3d origin = x.col(elements(0, e));
+    for (int a = 0; a < kNodes; ++a) {
+      const Vector3d p = x.col(elements(a, e)) - origin;
+      for (int i = 0; i < 3; ++i) local[a][i][l] = p(i);
+    }
+  }
+  return local;
+}
+
+template <int kNodes>
+LaneMatrix deformation(const std::array<LaneVector, kNodes>& local,
+                       const std::array<LaneVector, kNodes>& gradients) {
+  LaneMatrix F{};
+  for (int a = 1; a < kNodes; ++a) {
+    for (int i = 0; i < 3; ++i) {
+      for (int j = 0; j < 3; ++j) F[i][j] += local[a][i] * gradients[a][j];
+    }
+  }
+  return F;
 }
 
 }  // namespace
@@ -54,28 +83,37 @@ BaselineSystem::BaselineSystem(const elasticity::Body& body)
   }
   residual_ = Eigen::Matrix4Xd::Zero(4, size());
   if (body.mesh.nodes_per_element() == 4) {
-    add_rest_points<4>(body);
+    add_rest_points<4>(body, linear_);
   } else {
-    add_rest_points<10>(body);
+    add_rest_points<10>(body, quadratic_);
   }
   find_pattern();
   add_mass(body);
 }
 
 template <int kNodes>
-void BaselineSystem::add_rest_points(const elasticity::Body& body) {
+void BaselineSystem::add_rest_points(const elasticity::Body& body, Points<kNodes>& points) {
   using Element = elasticity::Tetrahedron<kNodes>;
-  points_per_element_ = Element::kPoints;
-  gradients_.resize(3, elements_.cols() * Element::kPoints * kNodes);
-  for (int e = 0; e < elements_.cols(); ++e) {
-    Eigen::Matrix<double, 3, 4> corners;
-    for (int a = 0; a < 4; ++a) corners.col(a) = body.mesh.nodes.col(elements_(a, e));
-    const double volume = elasticity::tetrahedron_volume(corners);
-    const elasticity::Lame lame = elasticity::lame(body.material_of(e));
-    for (const auto& g : Element::gradients(corners)) {
-      gradients_.middleCols<kNodes>(static_cast<int>(points_.size()) * kNodes) = g;
-      points_.push_back({volume / Element::kPoints, lame.mu, lame.lambda});
+  const auto count = static_cast<int>(elements_.cols());
+  for (int first = 0; first < count; first += kLanes) {
+    std::array<LanePoint<kNodes>, Element::kPoints> group;
+    for (int l = 0; l < kLanes; ++l) {
+      const int e = std::min(first + l, count - 1);
+      Eigen::Matrix<double, 3, 4> corners;
+      for (int a = 0; a < 4; ++a) corners.col(a) = body.mesh.nodes.col(elements_(a, e));
+      const double weight = elasticity::tetrahedron_volume(corners) / Element::kPoints;
+      const elasticity::Lame lame = elasticity::lame(body.material_of(e));
+      const auto gradients = Element::gradients(corners);
+      for (int q = 0; q < Element::kPoints; ++q) {
+        for (int a = 0; a < kNodes; ++a) {
+          for (int i = 0; i < 3; ++i) group[q].gradients[a][i][l] = gradients[q](i, a);
+        }
+        group[q].mu[l] = weight * lame.mu;
+        group[q].lambda[l] = weight * lame.lambda;
+        group[q].rotation[0][l] = 1;
+      }
     }
+    points.insert(points.end(), group.begin(), group.end());
   }
 }
 
@@ -122,8 +160,9 @@ void BaselineSystem::add_mass(const elasticity::Body& body) {
   // Prescribed nodes move too, and drag their neighbours' mass along.
   std::vector<std::vector<std::pair<int, double>>> rows(size());
   for (int e = 0; e < elements_.cols(); ++e) {
-    const double mass =
-        body.material_of(e).density * points_[e * points_per_element_].weight * points_per_element_;
+    Eigen::Matrix<double, 3, 4> corners;
+    for (int a = 0; a < 4; ++a) corners.col(a) = body.mesh.nodes.col(elements_(a, e));
+    const double mass = body.material_of(e).density * elasticity::tetrahedron_volume(corners);
     for (int a = 0; a < n; ++a) {
       const int i = unknown_[elements_(a, e)];
       for (int b = 0; b < n; ++b) {
@@ -149,49 +188,55 @@ void BaselineSystem::add_mass(const elasticity::Body& body) {
 }
 
 template <int kNodes>
-void BaselineSystem::add_elements(const Matrix3Xd& x) {
-  for (int e = 0, p = 0; e < elements_.cols(); ++e) {
-    Eigen::Matrix<double, 3, kNodes> local, forces;
-    for (int a = 0; a < kNodes; ++a) {
-      local.col(a) = x.col(elements_(a, e)) - x.col(elements_(0, e));
-    }
-    forces.setZero();
-    std::array<Matrix3d, kNodes*(kNodes + 1) / 2> upper;
-    for (Matrix3d& block : upper) block.setZero();
-    for (int q = 0; q < points_per_element_; ++q, ++p) {
-      Point& point = points_[p];
-      const auto g = gradients_.middleCols<kNodes>(p * kNodes);
-      Matrix3d F = local.col(1) * g.col(1).transpose();
-      for (int a = 2; a < kNodes; ++a) F.noalias() += local.col(a) * g.col(a).transpose();
-      const Matrix3d R = math::polar_rotation(F, point.rotation);
-      const double stretch = R.cwiseProduct(F).sum() - 3;
-      const double mu = point.weight * point.mu, lambda = point.weight * point.lambda;
-      const Matrix3d P = 2 * mu * (F - R) + lambda * stretch * R;
-      const Matrix3d twist = (2 * mu - lambda * stretch) * R *
-                             math::polar_spin(R, F).selfadjointView<Eigen::Upper>() * R.transpose();
-      Eigen::Matrix<double, 3, kNodes> h;
-      h.noalias() = R * g;
-      forces.noalias() += P * g;
+void BaselineSystem::add_elements(const Matrix3Xd& x, Points<kNodes>& points) {
+  constexpr int kPoints = elasticity::Tetrahedron<kNodes>::kPoints;
+  const auto count = static_cast<int>(elements_.cols());
+  auto point = points.begin();
+  for (int first = 0; first < count; first += kLanes) {
+    const auto local = gather<kNodes>(elements_, first, x);
+    std::array<LaneVector, kNodes> forces{};
+    std::array<LaneMatrix, kNodes*(kNodes + 1) / 2> upper{};
+    for (int q = 0; q < kPoints; ++q, ++point) {
+      const auto& g = point->gradients;
+      const LaneResponse r =
+          respond(deformation<kNodes>(local, g), point->mu, point->lambda, point->rotation);
+      std::array<LaneVector, kNodes> h;
+      for (int a = 0; a < kNodes; ++a) {
+        h[a] = times(r.rotation, g[a]);
+        for (int i = 0; i < 3; ++i) forces[a][i] += dot(r.stress[i], g[a]);
+      }
+      // K_ab = (g_a . g_b) 2 mu I + lambda h_a h_b^T + [h_a]x twist [h_b]x
       for (int a = 0, k = 0; a < kNodes; ++a) {
-        const Matrix3d turned = math::cross_matrix(h.col(a)) * twist;
+        LaneMatrix turned;  // columns of twist [.]x turned by [h_a]x; twist is symmetric
+        for (int j = 0; j < 3; ++j) turned[j] = cross(h[a], r.twist[j]);
         for (int b = a; b < kNodes; ++b, ++k) {
-          Matrix3d& block = upper[k];
-          block += times_cross(turned, h.col(b));
-          block.noalias() += (lambda * h.col(a)) * h.col(b).transpose();
-          block.diagonal().array() += 2 * mu * g.col(a).dot(g.col(b));
+          const Lanes direct = 2 * point->mu * dot(g[a], g[b]);
+          for (int i = 0; i < 3; ++i) {
+            // Row i of ([h_a]x twist) times [h_b]x is -(h_b x row) turned round: row x h_b.
+            const LaneVector row = cross({turned[0][i], turned[1][i], turned[2][i]}, h[b]);
+            const Lanes along = point->lambda * h[a][i];
+            for (int j = 0; j < 3; ++j) upper[k][i][j] += along * h[b][j] + row[j];
+            upper[k][i][i] += direct;
+          }
         }
       }
     }
-    for (int a = 0, k = 0; a < kNodes; ++a) {
-      const int i = unknown_[elements_(a, e)];
-      if (i >= 0) residual_.col(i).template head<3>() += forces.col(a);
-      for (int b = a; b < kNodes; ++b, ++k) {
-        const int slot = slots_[(e * kNodes + a) * kNodes + b];
-        if (slot < 0) continue;
-        matrix_.blocks[slot].template topRows<3>() += upper[k];
-        if (a != b) {
-          matrix_.blocks[slots_[(e * kNodes + b) * kNodes + a]].template topRows<3>() +=
-              upper[k].transpose();
+    for (int l = 0; l < std::min(kLanes, count - first); ++l) {
+      const int e = first + l;
+      const int* slots = &slots_[static_cast<std::size_t>(e) * kNodes * kNodes];
+      for (int a = 0, k = 0; a < kNodes; ++a) {
+        const int u = unknown_[elements_(a, e)];
+        for (int i = 0; u >= 0 && i < 3; ++i) residual_(i, u) += forces[a][i][l];
+        for (int b = a; b < kNodes; ++b, ++k) {
+          if (slots[a * kNodes + b] < 0) continue;
+          BlockRows::Block& block = matrix_.blocks[slots[a * kNodes + b]];
+          BlockRows::Block& mirrored = matrix_.blocks[slots[b * kNodes + a]];
+          for (int i = 0; i < 3; ++i) {
+            for (int j = 0; j < 3; ++j) {
+              block(i, j) += upper[k][i][j][l];
+              if (a != b) mirrored(j, i) += upper[k][i][j][l];
+            }
+          }
         }
       }
     }
@@ -216,24 +261,31 @@ void BaselineSystem::assemble(const Matrix3Xd& x, const Matrix3Xd& x_inertial,
     residual_.col(i) << force, 0;
   }
   if (elements_.rows() == 4) {
-    add_elements<4>(x);
+    add_elements<4>(x, linear_);
   } else {
-    add_elements<10>(x);
+    add_elements<10>(x, quadratic_);
   }
 }
 
-int BaselineSystem::inverted(const Matrix3Xd& x) const {
-  const int n = static_cast<int>(elements_.rows());
+template <int kNodes>
+int BaselineSystem::count_inverted(const Matrix3Xd& x, const Points<kNodes>& points) const {
+  constexpr int kPoints = elasticity::Tetrahedron<kNodes>::kPoints;
+  const auto elements = static_cast<int>(elements_.cols());
   int count = 0;
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    const int e = static_cast<int>(p) / points_per_element_;
-    Matrix3d F = Matrix3d::Zero();
-    for (int a = 0; a < n; ++a) {
-      F += x.col(elements_(a, e)) * gradients_.col(static_cast<int>(p) * n + a).transpose();
+  auto point = points.begin();
+  for (int first = 0; first < elements; first += kLanes) {
+    const auto local = gather<kNodes>(elements_, first, x);
+    for (int q = 0; q < kPoints; ++q, ++point) {
+      const LaneMatrix F = deformation<kNodes>(local, point->gradients);
+      const Lanes determinant = dot(F[0], cross(F[1], F[2]));
+      for (int l = 0; l < std::min(kLanes, elements - first); ++l) count += !(determinant[l] > 0);
     }
-    count += !(F.determinant() > 0);
   }
   return count;
+}
+
+int BaselineSystem::inverted(const Matrix3Xd& x) const {
+  return elements_.rows() == 4 ? count_inverted<4>(x, linear_) : count_inverted<10>(x, quadratic_);
 }
 
 }  // namespace palpate::bench

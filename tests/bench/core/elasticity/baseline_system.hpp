@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/elasticity/body.hpp"
+#include "tests/bench/core/elasticity/baseline_lanes.hpp"
 
 namespace palpate::bench {
 
@@ -24,8 +25,8 @@ struct BlockRows {
 /// Co-rotated elasticity written once more, plainly and apart from the model under test: forces out
 /// of balance and exact tangent of
 ///   E(x) - f.x + |x - x*|^2_M inertia / 2
-/// over the nodes that are not prescribed. Scalar double precision, pattern and masses found once,
-/// rotations by Newton's method from those of last time.
+/// over the nodes that are not prescribed. Double precision, four elements side by side; pattern
+/// and masses are found once.
 class BaselineSystem {
  public:
   /// Prescribed: fixed nodes and those of grasp 0. Stiffness damping is not known here; throws
@@ -47,21 +48,19 @@ class BaselineSystem {
 
  private:
   template <int kNodes>
-  void add_rest_points(const elasticity::Body& body);
+  using Points = std::vector<LanePoint<kNodes>>;
   template <int kNodes>
-  void add_elements(const Eigen::Matrix3Xd& x);
+  void add_rest_points(const elasticity::Body& body, Points<kNodes>& points);
+  template <int kNodes>
+  void add_elements(const Eigen::Matrix3Xd& x, Points<kNodes>& points);
+  template <int kNodes>
+  int count_inverted(const Eigen::Matrix3Xd& x, const Points<kNodes>& points) const;
   void find_pattern();
   void add_mass(const elasticity::Body& body);
 
-  struct Point {
-    double weight, mu, lambda;  // m^3, Pa
-    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
-  };
-
   Eigen::MatrixXi elements_;
-  int points_per_element_ = 0;
-  std::vector<Point> points_;
-  Eigen::Matrix3Xd gradients_;  // 1/m, node by node of point by point
+  Points<4> linear_;  // points of elements 0 to 3, then of 4 to 7, ...
+  Points<10> quadratic_;
   std::vector<int> node_, unknown_;
   std::vector<int> slots_;      // of each element's N x N blocks, -1 where prescribed
   std::vector<double> masses_;  // kg, by block of the matrix
