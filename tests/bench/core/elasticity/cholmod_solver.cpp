@@ -1,10 +1,27 @@
 #include "tests/bench/core/elasticity/cholmod_solver.hpp"
 
 #include <cholmod.h>
+#include <dlfcn.h>
+#include <omp.h>
 
 #include <stdexcept>
 
 namespace palpate::bench {
+namespace {
+
+/// CHOLMOD's supernodal kernel opens four OpenMP threads whatever OMP_NUM_THREADS says; on a busy
+/// machine that makes milliseconds of a factorisation seconds. Only this, in the calling thread,
+/// and a limit in the environment stop it. The BLAS beneath it has threads of its own: of OpenBLAS
+/// the instance counts that is loaded as libblas, which has to be asked by name.
+void stay_in_this_thread() {
+  omp_set_max_active_levels(0);
+  using SetThreads = void (*)(int);
+  static const auto set_threads =
+      reinterpret_cast<SetThreads>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"));
+  if (set_threads != nullptr) set_threads(1);
+}
+
+}  // namespace
 
 struct CholmodSolver::Parts {
   cholmod_common common{};
@@ -87,6 +104,7 @@ CholmodSolver::CholmodSolver(const BlockRows& pattern) : parts_(std::make_unique
 CholmodSolver::~CholmodSolver() = default;
 
 bool CholmodSolver::factorise(const BlockRows& A) {
+  stay_in_this_thread();
   auto* value = static_cast<double*>(parts_->matrix->x);
   for (int j = 0; j < A.size(); ++j) {
     for (int c = 0; c < 3; ++c) {

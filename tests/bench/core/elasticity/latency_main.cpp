@@ -6,7 +6,6 @@
 #include "rt/loop/real_time.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
-#include "tests/bench/core/elasticity/single_thread.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -49,6 +48,9 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
   app.add_option("--steps", a.options.steps, "steps to sample")
       ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--warm-up", a.options.warm_up, "steps before the first sample")
+      ->check(CLI::NonNegativeNumber)
       ->capture_default_str();
   app.add_option("--seconds", a.options.seconds, "wall time at most, per configuration");
   app.add_option("--checks", a.options.checks,
@@ -120,7 +122,6 @@ int run(Arguments& a) {
 }  // namespace palpate::bench
 
 int main(int argc, char** argv) {
-  palpate::bench::run_libraries_in_one_thread(argv);
   CLI::App app{
       "Time per step of the deformation model in the long run, its error against a converged solve "
       "of the same steps, and, as ratios, what a full refactorisation per step and Jacobi-PCG take "
