@@ -25,6 +25,11 @@ class BaselineModel {
   /// False where the tangent is not positive definite.
   bool step(double dt, const math::Pose& clamp, const Eigen::Matrix3Xd& loads);
 
+  /// The same step by Newton's method until no nodal force out of balance exceeds `tolerance` (N);
+  /// false where it does not get there.
+  bool converge(double dt, const math::Pose& clamp, const Eigen::Matrix3Xd& loads,
+                double tolerance);
+
   const Eigen::Matrix3Xd& positions() const { return x_; }
   const Eigen::Matrix3Xd& velocities() const { return v_; }
   int iterations() const { return iterations_; }              // of the last solve
@@ -32,6 +37,9 @@ class BaselineModel {
   const BaselineSystem& system() const { return system_; }
 
  private:
+  void predict(double dt, const math::Pose& clamp);
+  bool correct();
+
   const elasticity::Body body_;
   bool dynamic_;
   BaselineSystem system_;
@@ -39,6 +47,7 @@ class BaselineModel {
   std::optional<JacobiPcg> pcg_;
   Eigen::Matrix3Xd x_, v_, x_begin_, x_inertial_, no_loads_;
   Eigen::Matrix4Xd dx_;
+  double inertia_ = 0;  // 1/s^2
   int iterations_ = 0;
   double assembly_time_ = 0;
 };

@@ -18,6 +18,13 @@ std::string scientific(double value) {
   return text;
 }
 
+/// With a mark where there were steps that it could not be found for.
+std::string error_text(const LatencyResult& r) {
+  if (r.checks == 0) return "";
+  return r.unknown == 0 ? scientific(r.error)
+                        : scientific(r.error) + " -" + std::to_string(r.unknown);
+}
+
 std::string ms(double seconds) { return number(1e3 * seconds, seconds < 0.01 ? 3 : 1); }
 std::string ratio(double a, double b) { return b > 0 ? number(a / b, 1) : ""; }
 
@@ -61,7 +68,7 @@ void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
         {row.options.mesh.text(), letter_of(row.options.motion) + (dynamic ? " dyn" : " stat"),
          number(r.iterations.mean(), 2), ms(r.step.wall.quantile(0.5)),
          ms(r.step.wall.quantile(0.99)), ms(r.step.wall.quantile(0.999)), ms(r.step.wall.max()),
-         ms(r.step.cpu.quantile(0.5)), ms(r.step.cpu.quantile(0.99)), scientific(r.error),
+         ms(r.step.cpu.quantile(0.5)), ms(r.step.cpu.quantile(0.99)), error_text(r),
          std::to_string(r.failed), std::to_string(r.refactorisations),
          ms(r.refactor_wall.quantile(0.5)), number(1e3 * r.factor_age.quantile(0.5), 0), "", ""});
     add_baseline(table, "full CHOLMOD", r.cholmod, r);
@@ -92,7 +99,8 @@ nlohmann::json to_json(const LatencyRow& row) {
       {"failed", r.failed},
       {"error", r.error},
       {"amplitude", r.amplitude},
-      {"converged_residual", r.largest_residual},
+      {"checks", r.checks},
+      {"checks_without_converged_solve", r.unknown},
       {"refactorisations", r.refactorisations},
       {"refactor_wall_s", quantiles(r.refactor_wall)},
       {"refactor_thread_s", quantiles(r.refactor_cpu)},

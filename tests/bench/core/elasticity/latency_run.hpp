@@ -41,11 +41,13 @@ struct LatencyResult {
   StepTimes step;
   Samples iterations;
   long not_converged = 0, failed = 0;
-  /// Largest distance of a node from where the converged solve of the same step puts it, over all
-  /// checks, by `amplitude`, the largest displacement of the run.
+  /// Largest distance of a node from where the converged solve of the same step puts it (Newton's
+  /// method of the baselines, from the state before the step), over all checks but `unknown` ones,
+  /// by `amplitude`, the largest displacement of the run.
   double error = 0;
-  double amplitude = 0;         // m
-  double largest_residual = 0;  // N, of the converged solves: what "converged" means
+  double amplitude = 0;  // m
+  int checks = 0;
+  int unknown = 0;  // checks whose solve did not converge: the state has come to grief before
   long refactorisations = 0;
   Samples refactor_wall, refactor_cpu;
   Samples factor_age, sensitivity_age;  // s, at each step; the second where it is valid

@@ -38,10 +38,17 @@ TEST_P(BaselineAgrees, WithTheConvergedModelAlongMotionL) {
   EXPECT_LT(difference, (solver == Solver::kCholmod ? 1e-4 : 1e-3) * amplitude);
 }
 
+std::string name_of(const testing::TestParamInfo<BaselineAgrees::ParamType>& test) {
+  const auto [order, solver] = test.param;
+  return std::string(order == mesh::ElementOrder::kLinear ? "Linear" : "Quadratic") +
+         (solver == Solver::kCholmod ? "Cholmod" : "JacobiPcg");
+}
+
 INSTANTIATE_TEST_SUITE_P(Baselines, BaselineAgrees,
                          testing::Combine(testing::Values(mesh::ElementOrder::kLinear,
                                                           mesh::ElementOrder::kQuadratic),
-                                          testing::Values(Solver::kCholmod, Solver::kJacobiPcg)));
+                                          testing::Values(Solver::kCholmod, Solver::kJacobiPcg)),
+                         name_of);
 
 TEST(Inverted, CountsEveryPointOfAMirroredBarAndNoneAtRest) {
   const Scenario scenario({mesh::ElementOrder::kQuadratic, {4, 2, 2}}, Motion::kStep);
