@@ -24,6 +24,7 @@ std::vector<LatencyOptions> suite_of_goals(LatencyOptions common) {
 
 std::vector<LatencyOptions> suite_of_sizes(LatencyOptions common) {
   common.baselines = true;
+  common.seconds = std::min(common.seconds, 30.0);
   std::vector<LatencyOptions> suite;
   for (const auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
     for (const BarMesh& mesh : bar_meshes(order)) {

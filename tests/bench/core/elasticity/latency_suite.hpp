@@ -8,7 +8,8 @@ namespace palpate::bench {
 /// motion L, two iterations, with baselines. The rest as in `common`.
 std::vector<LatencyOptions> suite_of_goals(LatencyOptions common);
 
-/// Every size of both elements, with baselines. The rest as in `common`.
+/// Every size of both elements, with baselines, at most half a minute each. The rest as in
+/// `common`.
 std::vector<LatencyOptions> suite_of_sizes(LatencyOptions common);
 
 /// Time per step against nodes, p50 and p99 of the model and p50 of the baselines, to a PNG. False
