@@ -109,11 +109,12 @@ LatencyResult run_latency(const LatencyOptions& options) {
   // An odd stride, so that checks do not meet a motion at the same phase again and again.
   const long stride = std::max(1L, options.steps / std::max(1, options.checks)) | 1;
   bool is_disturbed = false;
-  const double end = wall_time() + options.seconds;
+  double end = 0;
 
   for (long k = 0; k < options.warm_up + options.steps; ++k) {
     const bool is_sampled = k >= options.warm_up;
     const bool is_checked = options.checks > 0 && is_sampled && (k - options.warm_up) % stride == 0;
+    if (k == options.warm_up) end = wall_time() + options.seconds;
     const double t = options.dt * static_cast<double>(k + 1);
     scenario.apply(t, *model);
     if (is_checked) {

@@ -17,7 +17,7 @@ struct LatencyOptions {
   double dt = 1e-3;      // s
   long warm_up = 200;    // steps before the first sample
   long steps = 10000;    // sampled at most
-  double seconds = 1e9;  // of wall time at most
+  double seconds = 1e9;  // of wall time at most, from the first sample on
   int checks = 200;      // steps compared with a converged solve and the baselines
   bool baselines = false;
   bool paced = false;              // a step begins every dt, as in the daemon, not at once
