@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <fstream>
+#include <iostream>
 
 #include "core/math/random.hpp"
 #include "rt/loop/allocation_counter.hpp"
@@ -20,6 +21,8 @@ using elasticity::StepStatus;
 using evaluate::number;
 
 constexpr double kDt = 1e-3;  // s
+// Steps that a background factorisation may well take, beside a delay that is asked for.
+constexpr long kWaiting = 20;
 
 struct Configuration {
   BarMesh mesh;
@@ -132,7 +135,7 @@ class Segment {
     tally_.overruns += taken > options_.budget;
     tally_.slowest = std::max(tally_.slowest, taken);
     if (report.status == StepStatus::kFailed) {
-      const bool is_waiting = handling_.since_change() <= 2 * options_.refactor.delay + 1;
+      const bool is_waiting = handling_.since_change() <= kWaiting + 2 * options_.refactor.delay;
       ++(is_waiting ? tally_.waiting : tally_.failed);
     }
     tally_.not_converged += report.status == StepStatus::kNotConverged;
@@ -207,20 +210,18 @@ bool run_endurance(const EnduranceOptions& options, std::ostream& out) {
     tallies[which].add(tally);
     not_finite += tally.not_finite;
     if (tally.restless > 0 || tally.not_finite > 0) {
-      out << "\rsegment " << index << ", " << all[which].text() << ", "
+      out << "segment " << index << ", " << all[which].text() << ", "
           << (tally.not_finite > 0 ? "is not finite" : "did not come to rest") << '\n';
     }
-    if ((s + 1) % cycle == 0 || s + 1 == segments) {
-      out << "\r" << (s + 1) * options.segment_steps << " steps, " << not_finite << " not finite, "
-          << number(wall_time() - begin, 0) << " s   " << std::flush;
-    }
+    std::cerr << '\r' << (s + 1) * options.segment_steps << " steps, " << not_finite
+              << " not finite, " << number(wall_time() - begin, 0) << " s   " << std::flush;
     if (s + 1 == cycle) {
       heap_first = heap_bytes();
       resident_first = resident_bytes();
     }
     if ((s + 1) % cycle == 0) heap_last = heap_bytes();
   }
-  out << '\n';
+  std::cerr << '\n';
   print(all, tallies, out);
   const bool leaks = segments >= 2 * cycle && heap_last > heap_first + kLeak;
   if (segments >= 2 * cycle) {
