@@ -1,0 +1,138 @@
+#include <CLI/CLI.hpp>
+#include <future>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "rt/loop/real_time.hpp"
+#include "tests/bench/core/elasticity/latency_report.hpp"
+#include "tests/bench/core/elasticity/latency_suite.hpp"
+
+namespace palpate::bench {
+namespace {
+
+struct Arguments {
+  LatencyOptions options;
+  std::string element = "quadratic", motion = "L", mechanics = "dynamic", refactor = "background";
+  std::string json, plot = "scaling.png";
+  int nodes = 475;
+  std::vector<int> cells;
+  bool suite = false, scaling = false;
+  int fifo = 0, cpu = -1;
+};
+
+void add_options(CLI::App& app, Arguments& a) {
+  app.add_option("--element", a.element, "linear or quadratic")
+      ->check(CLI::IsMember({"linear", "quadratic"}))
+      ->capture_default_str();
+  app.add_option("--nodes", a.nodes,
+                 "one of linear 304 500 1008 2048 2997 9996, quadratic 225 475 625 725 1225 2673")
+      ->capture_default_str();
+  app.add_option("--cells", a.cells, "instead of --nodes: cells along x,y,z, each six tetrahedra")
+      ->expected(3)
+      ->delimiter(',');
+  app.add_option("--motion", a.motion, "S: 0.1 N at the tip; L: 1 N turning, clamp swings; B: 2 N")
+      ->check(CLI::IsMember({"S", "L", "B"}))
+      ->capture_default_str();
+  app.add_option("--mechanics", a.mechanics, "dynamic or quasistatic")
+      ->check(CLI::IsMember({"dynamic", "quasistatic"}))
+      ->capture_default_str();
+  app.add_option("--young-modulus", a.options.young_modulus, "Pa; forces scale with it")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--iterations", a.options.solver.iterations, "corrections per step at most")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--tolerance", a.options.solver.tolerance,
+                 "N, residual at which a step ends early")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--steps", a.options.steps, "steps to sample")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  app.add_option("--warm-up", a.options.warm_up, "steps before the first sample")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--seconds", a.options.seconds, "wall time at most, per configuration");
+  app.add_option("--checks", a.options.checks,
+                 "steps compared with a converged solve (and timed baselines); 0: none")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  app.add_option("--refactor", a.refactor,
+                 "background (the daemon's thread), every-N (installed N steps after its snapshot; "
+                 "repeatable), never")
+      ->capture_default_str();
+  app.add_flag("--baseline", a.options.baselines,
+               "time full CHOLMOD refactorisation and Jacobi-PCG beside it, from the same states");
+  app.add_flag("--paced", a.options.paced, "a step every millisecond, as in the daemon");
+  app.add_option("--fifo", a.fifo, "SCHED_FIFO priority of the stepping thread")
+      ->check(CLI::Range(1, 99));
+  app.add_option("--cpu", a.cpu, "processor of the stepping thread")->check(CLI::NonNegativeNumber);
+  app.add_option("--json", a.json, "write the results to this file");
+  app.add_flag("--suite", a.suite,
+               "the configurations that goals are set for, in motion L with two iterations, "
+               "baselines beside them");
+  app.add_flag("--scaling", a.scaling, "every mesh size, baselines beside them, and a plot");
+  app.add_option("--plot", a.plot, "picture of --scaling and --suite: time against nodes")
+      ->capture_default_str();
+}
+
+/// In a thread of its own, so that helpers do not inherit an affinity taken for an earlier run.
+LatencyResult run_in_thread(const LatencyOptions& options) {
+  return std::async(std::launch::async, run_latency, std::cref(options)).get();
+}
+
+int run(Arguments& a) {
+  LatencyOptions& o = a.options;
+  const auto order =
+      a.element == "linear" ? mesh::ElementOrder::kLinear : mesh::ElementOrder::kQuadratic;
+  o.mesh = a.cells.empty() ? bar_of(order, a.nodes)
+                           : BarMesh{order, {a.cells[0], a.cells[1], a.cells[2]}};
+  o.motion = motion_of(a.motion);
+  o.mechanics = a.mechanics == "dynamic" ? Mechanics::kDynamic : Mechanics::kQuasistatic;
+  o.refactor = RefactorPolicy::parse(a.refactor);
+  o.solver.time_step = o.dt;
+  o.schedule = [&a] {
+    for (const std::string& refusal :
+         {a.cpu >= 0 ? loop::take_cpu(a.cpu) : "", a.fifo > 0 ? loop::take_fifo(a.fifo) : ""}) {
+      if (!refusal.empty()) std::cerr << refusal << '\n';
+    }
+  };
+
+  std::vector<LatencyOptions> wanted{o};
+  if (a.suite) wanted = suite_of_goals(o);
+  if (a.scaling) wanted = suite_of_sizes(o);
+  std::vector<LatencyRow> rows;
+  for (const LatencyOptions& options : wanted) {
+    rows.push_back({options, run_in_thread(options)});
+    if (wanted.size() > 1) std::cerr << options.mesh.text() << " done\n";
+  }
+  print_latency(rows, std::cout);
+  if (!a.json.empty()) {
+    nlohmann::json json = nlohmann::json::array();
+    for (const LatencyRow& row : rows) json.push_back(to_json(row));
+    write_json(json, a.json);
+  }
+  if ((a.suite || a.scaling) && !draw_scaling(rows, a.plot)) {
+    std::cerr << "gnuplot is not installed: no picture\n";
+  }
+  return 0;
+}
+
+}  // namespace
+}  // namespace palpate::bench
+
+int main(int argc, char** argv) {
+  CLI::App app{
+      "Time per step of the deformation model in the long run, its error against a converged solve "
+      "of the same steps, and, as ratios, what a full refactorisation per step and Jacobi-PCG take "
+      "beside it. Times in ms; error relative to the largest displacement."};
+  palpate::bench::Arguments arguments;
+  palpate::bench::add_options(app, arguments);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return palpate::bench::run(arguments);
+  } catch (const std::exception& error) {
+    std::cerr << "bench_latency: " << error.what() << '\n';
+    return 2;
+  }
+}
