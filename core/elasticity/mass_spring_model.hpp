@@ -7,15 +7,14 @@ namespace palpate::elasticity {
 
 struct MassSpringOptions {
   int iterations = 6;       // Newton corrections per step at most, >= 1
-  double tolerance = 1e-6;  // N, largest nodal force out of balance at which a step ends early
+  double tolerance = 1e-7;  // N, largest nodal force out of balance at which a step ends early
   int cg_iterations = 200;  // conjugate gradients per correction at most, >= 1
   int halvings = 6;         // of one correction, at most
 };
 
-/// Sum over the edges of a tetrahedron of the least-squares match of a spring network to an
-/// isotropic material of nu = 1/4: its springs have stiffness s E V / l^2 (l their length, V the
-/// volume of the tetrahedron), and s makes the network's elasticity tensor nearest to the
-/// material's in the Frobenius norm,
+/// Stiffness of the springs along the edges of a tetrahedron as a share of E V / l^2 (V its volume,
+/// l the length of the edge): the share at which the network's elasticity tensor is nearest, in the
+/// Frobenius norm, to that of an isotropic material of nu = 1/4,
 ///   s = 6 * 1.2 / sum over pairs of edges of cos^4 of the angle between them.
 /// On a regular tetrahedron s = 24/25, which is k = (2 sqrt(2) / 25) l E of Lloyd, Szekely and
 /// Harders (IEEE Trans. Vis. Comp. Graph. 13(5), 2007); this extends their criterion to others.

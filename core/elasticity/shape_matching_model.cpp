@@ -1,5 +1,6 @@
 #include "core/elasticity/shape_matching_model.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -32,6 +33,18 @@ std::vector<std::set<int>> neighbourhoods(const std::vector<LinearPiece>& pieces
     reached = std::move(next);
   }
   return reached;
+}
+
+/// Twice the energy that a region of k = 1 and this moment (kg m^2) stores, summed over six
+/// orthonormal strains, each with the rotation that fits it best. 2 J where all axes are alike.
+double resistance(const Matrix3d& moment) {
+  const Vector3d a = Eigen::SelfAdjointEigenSolver<Matrix3d>(moment).eigenvalues();
+  double sum = a.sum();
+  for (int i = 0; i < 3; ++i) {
+    const double p = a(i), q = a((i + 1) % 3);
+    sum += 2 * p * q / (p + q);
+  }
+  return sum;
 }
 
 }  // namespace
@@ -69,13 +82,14 @@ ShapeMatchingModel::ShapeMatchingModel(Body body, const ShapeMatchingOptions& op
     }
     centre /= region.mass;
     region.end = static_cast<int>(members_.size());
-    double moment = 0;
+    Matrix3d moment = Matrix3d::Zero();
     for (int m = region.begin; m < region.end; ++m) {
-      members_[m].rest -= centre;
-      moment += members_[m].mass * members_[m].rest.squaredNorm();
+      Member& member = members_[m];
+      member.rest -= centre;
+      moment += member.mass * member.rest * member.rest.transpose();
     }
-    region.scale = 3 / moment;
-    region.stiffness = 3 * stiffness_volume / moment;
+    region.scale = 3 / moment.trace();
+    region.stiffness = 6 * stiffness_volume / resistance(moment);
     stiffest_ = std::max(stiffest_, region.stiffness);
     regions_.push_back(region);
   }

@@ -18,10 +18,11 @@ struct ShapeMatchingOptions {
 /// (weights w = 1 / number of its regions). Grasped and fixed nodes are prescribed, loads are
 /// accelerations. Linear and angular momentum of each correction are zero.
 ///
-/// Stiffness: a region drawn by alpha = k h^2 stores the energy k/2 sum w m |x - goal|^2, which for
-/// a uniform F is k/6 J |F - R|^2 where J = sum w m |r|^2 (equal moments along all axes). Equated
-/// with the co-rotated energy mu V |F - R|^2 of a material with nu = 0, E = 2 mu, it gives
-///   k = 3 E V / J,  V the region's share of the volume.
+/// Stiffness: a region drawn by alpha = k h^2 stores the energy k/2 sum w m |x - goal|^2. Equated,
+/// in the mean over all small uniform strains, with mu V |F - R|^2, the co-rotated energy of a
+/// material with nu = 0 and E = 2 mu, it gives k; where the region's moments are alike along all
+/// axes,
+///   k = 3 E V / J,  J = sum w m |r|^2,  V the region's share of the volume.
 /// alpha may not exceed 1, so nothing stiffer than J / (3 V h^2) can be had from a step h; hence
 /// the substeps, and modulus_share() where they do not suffice.
 ///
