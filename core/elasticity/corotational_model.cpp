@@ -16,6 +16,8 @@ using Eigen::Vector3d;
 // Rotations of nodes are looked at once in so many steps, in which they change by some hundredths
 // of a radian; the sensitivity is turned with them piece by piece in between.
 constexpr int kLookPeriod = 8;
+// So many looks in a row that find inverted elements and the shape is given up.
+constexpr int kPatience = 25;
 
 const Body& checked(const Body& body) {
   body.check();
@@ -52,7 +54,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       secants_(3 * pattern_.size()),
       warp_(pattern_.size()),
       factor_(supernodes_, options.panels),
-      job_(body_, elements_, supernodes_, options.panels) {
+      job_(body_, elements_, supernodes_, options.panels),
+      blend_(body_) {
   if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
       !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
       !(options.contraction > 0) || !(options.budget >= 0)) {
@@ -106,6 +109,8 @@ void CorotationalModel::reset() noexcept {
   warp_.update(rotations_, factor_.rotations);
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
+  tangled_ = 0;
+  untangled_ = false;
   wanted_ = true;
   publish();
 }
@@ -171,8 +176,14 @@ StepReport CorotationalModel::step(double dt) noexcept {
     energy = evaluate();
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
-    if (++ticks_ % kLookPeriod == 0) follow_rotations();
+    if (++ticks_ % kLookPeriod == 0) {
+      follow_rotations();
+      if (untangle()) energy = evaluate();
+    }
     correct(report, energy, start);
+    if (tangled_ > 0 && report.status == StepStatus::kConverged) {
+      report.status = StepStatus::kNotConverged;
+    }
   } else {
     x_ = x_begin_;
     grasps_ = grasps_begin;
@@ -326,6 +337,30 @@ void CorotationalModel::follow_rotations() noexcept {
   element_forces_->node_rotations(rotations_);
   warp_.update(rotations_, factor_.rotations);
   if (warp_.spread() > options_.turned) wanted_ = true;
+}
+
+/// Counts entanglement; true where it has put the nodes to a new start.
+bool CorotationalModel::untangle() noexcept {
+  if (element_forces_->inverted(x_) == 0) {
+    tangled_ = 0;
+    untangled_ = false;
+    return false;
+  }
+  if (untangled_ || ++tangled_ < kPatience) return false;
+  std::array<math::Pose, 2> motions{math::Pose::Identity(), math::Pose::Identity()};
+  for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
+    if (held_[g]) motions[g] = grasps_[g].applied * body_.grasps[g].X_OG_rest.inverse();
+  }
+  for (int node = 0; node < positions_.cols(); ++node) {
+    x_.col(numbering_[node]).head<3>() = blend_.position(node, held_, motions);
+  }
+  x_begin_ = x_inertial_ = x_;
+  v_.setZero();
+  element_forces_->reset();
+  secants_.clear();
+  tangled_ = 0;
+  untangled_ = wanted_ = true;
+  return true;
 }
 
 void CorotationalModel::turn_sensitivity(int begin, int end) noexcept {

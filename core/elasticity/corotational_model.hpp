@@ -7,6 +7,7 @@
 #include "core/elasticity/inertia.hpp"
 #include "core/elasticity/node_warp.hpp"
 #include "core/elasticity/refactor_job.hpp"
+#include "core/elasticity/rigid_blend.hpp"
 #include "core/elasticity/secant_pairs.hpp"
 
 namespace palpate::elasticity {
@@ -33,8 +34,10 @@ struct SolverOptions {
 /// one's answer and makes a few quasi-Newton corrections with a factor that may be old but with the
 /// nonlinear residual, so that what it converges to does not depend on the factor's age. The factor
 /// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
-/// correction that raises the potential is halved. Shared by the quasi-static and the dynamic
-/// model, which minimise
+/// correction that raises the potential is halved. Elements that stay inside out for a fifth of a
+/// second (the energy has equilibria there) are not waited for: the model starts again from an
+/// unstressed shape that fits its boundary, once for each entanglement. Shared by the quasi-static
+/// and the dynamic model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
 /// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
 class CorotationalModel : public DeformationModel {
@@ -93,6 +96,7 @@ class CorotationalModel : public DeformationModel {
   void correct(StepReport& report, double energy, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
+  bool untangle() noexcept;
   void turn_sensitivity(int begin, int end) noexcept;
   void publish() noexcept;
 
@@ -126,7 +130,10 @@ class CorotationalModel : public DeformationModel {
   std::array<math::Pose, 2> job_grasps_;
   double job_age_ = 0;                     // s since the snapshot
   Sensitivity sensitivity_, at_snapshot_;  // as published, and as computed
+  RigidBlend blend_;
   int ticks_ = 0;
+  int tangled_ = 0;         // looks in a row that found inverted points
+  bool untangled_ = false;  // started again since the last look that found none
   bool outstanding_ = false;
   bool wanted_ = false;
 };

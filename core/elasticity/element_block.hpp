@@ -44,6 +44,33 @@ class alignas(64) ElementBlock {
     lambda_[lane] = static_cast<Real>(weight * materials[element].lambda);
   }
 
+  /// Lanes whose element is inside out: at a quadrature point, or, where its sides are bent, at a
+  /// corner.
+  int inverted(const double* x, const State& state) const noexcept {
+    auto bad = Pack{} != Pack{};
+    for (const PointState<Pack>& point : state) {
+      const PackSymmetric<Pack>& E = point.strain;
+      bad |= determinant({1 + E[0], E[3], E[4], E[3], 1 + E[1], E[5], E[4], E[5], 1 + E[2]}) <= 0;
+    }
+    if constexpr (kNodes == 10) {
+      for (int p = 0; p < 4; ++p) {
+        // Only the p-th barycentric coordinate is not zero: c_p = 3 x_p, c_i = 4 x_ip - x_i.
+        std::array<Vector, 4> c;
+        for (int i = 0; i < 4; ++i) {
+          const Vector middle = difference(x, kMidside[i][p]), own = difference(x, i);
+          for (int k = 0; k < 3; ++k) c[i][k] = i == p ? 3 * own[k] : 4 * middle[k] - own[k];
+        }
+        for (int i = 1; i < 4; ++i) {
+          for (int k = 0; k < 3; ++k) c[i][k] -= c[0][k];
+        }
+        bad |= determinant(gradient_of({c[1], c[2], c[3]})) <= 0;
+      }
+    }
+    int count = 0;
+    for (int lane = 0; lane < kWidth; ++lane) count += bad[lane] && has_element(lane);
+    return count;
+  }
+
   /// Energy in J; adds the forces of the nodes to a field of four numbers each.
   Pack add(const double* x, double viscosity, State& state, Real* forces) const noexcept {
     if constexpr (kNodes == 4) {
@@ -63,6 +90,11 @@ class alignas(64) ElementBlock {
   }
   void scatter(const Vector& f, int a, Real* forces) const {
     scatter_add(f, offsets_[a].data(), forces);
+  }
+
+  static Pack determinant(const PackMatrix<Pack>& m) {
+    return m[0] * (m[4] * m[8] - m[5] * m[7]) - m[1] * (m[3] * m[8] - m[5] * m[6]) +
+           m[2] * (m[3] * m[7] - m[4] * m[6]);
   }
 
   /// F = sum_i c_i x g_i.

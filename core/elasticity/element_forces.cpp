@@ -88,6 +88,14 @@ class BlockForces final : public ElementForces {
     }
   }
 
+  int inverted(const NodalField& x) const noexcept override {
+    int count = 0;
+    for (std::size_t b = 0; b < blocks_.size(); ++b) {
+      count += blocks_[b].inverted(x.data(), state_[b]);
+    }
+    return count;
+  }
+
  private:
   using Block = ElementBlock<Pack, kNodes>;
   using Field = Eigen::Matrix<typename Block::Real, 4, Eigen::Dynamic>;

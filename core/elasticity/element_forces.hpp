@@ -38,6 +38,10 @@ class ElementForces {
   /// w x y z; `rotations` holds a recent answer (4 x n) that fixes their signs. Midside nodes take
   /// the mean of their corners. Nodes without elements keep what they had.
   virtual void node_rotations(Eigen::Matrix4Xf& rotations) noexcept = 0;
+
+  /// How many elements are inside out somewhere (det F <= 0 at a quadrature point, or at a corner
+  /// of a quadratic element) at `x`, the positions of the last evaluation.
+  virtual int inverted(const NodalField& x) const noexcept = 0;
 };
 
 /// `numbering[node]` is the column of a mesh node in nodal fields. `materials`: Lame's constants of

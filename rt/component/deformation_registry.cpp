@@ -1,31 +1,61 @@
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/linear_model.hpp"
+#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/shape_matching_model.hpp"
 #include "core/elasticity/thesis2018.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
+namespace {
 
-std::unique_ptr<elasticity::DeformationModel> make_deformation_model(const config::Node& node,
-                                                                     const Context& context) {
-  const std::string name =
-      node.choice("component", {"corotational_quasistatic", "corotational_dynamic"});
+using Model = std::unique_ptr<elasticity::DeformationModel>;
+
+Model make_corotational(const config::Node& node, const std::string& name, const Context& context) {
   const std::string integrator =
       node.choice("integrator", {"backward_euler", "thesis2018"}, "backward_euler");
   const elasticity::Body& body = context.object->body;
+  if (integrator == "thesis2018") {
+    if (name != "corotational_dynamic") {
+      node.fail("integrator", "thesis2018 needs component corotational_dynamic");
+    }
+    return std::make_unique<elasticity::Thesis2018>(body);
+  }
+  elasticity::SolverOptions options;
+  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
+  options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
+  options.time_step = context.period;
+  if (name == "corotational_dynamic") {
+    return std::make_unique<elasticity::CorotationalDynamic>(body, options);
+  }
+  return std::make_unique<elasticity::CorotationalQuasistatic>(body, options);
+}
+
+Model make_mass_spring(const config::Node& node, const Context& context) {
+  elasticity::MassSpringOptions options;
+  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
+  options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
+  options.cg_iterations = node.integer("cg_iterations", {1, 10000}, options.cg_iterations);
+  return std::make_unique<elasticity::MassSpringModel>(context.object->body, options);
+}
+
+Model make_shape_matching(const config::Node& node, const Context& context) {
+  elasticity::ShapeMatchingOptions options;
+  options.rings = node.integer("rings", {1, 5}, options.rings);
+  options.max_substeps = node.integer("max_substeps", {1, 100}, options.max_substeps);
+  return std::make_unique<elasticity::ShapeMatchingModel>(context.object->body, options);
+}
+
+}  // namespace
+
+Model make_deformation_model(const config::Node& node, const Context& context) {
+  const std::string name =
+      node.choice("component", {"corotational_quasistatic", "corotational_dynamic", "linear",
+                                "mass_spring", "shape_matching"});
   try {
-    if (integrator == "thesis2018") {
-      if (name != "corotational_dynamic") {
-        node.fail("integrator", "thesis2018 needs component corotational_dynamic");
-      }
-      return std::make_unique<elasticity::Thesis2018>(body);
-    }
-    elasticity::SolverOptions options;
-    options.iterations = node.integer("iterations", {1, 50}, options.iterations);
-    options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
-    options.time_step = context.period;
-    if (name == "corotational_dynamic") {
-      return std::make_unique<elasticity::CorotationalDynamic>(body, options);
-    }
-    return std::make_unique<elasticity::CorotationalQuasistatic>(body, options);
+    if (name == "linear") return std::make_unique<elasticity::LinearModel>(context.object->body);
+    if (name == "mass_spring") return make_mass_spring(node, context);
+    if (name == "shape_matching") return make_shape_matching(node, context);
+    return make_corotational(node, name, context);
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());
   }

@@ -1,7 +1,8 @@
 #include <benchmark/benchmark.h>
 
-#include "core/elasticity/block_ldl.hpp"
+#include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/element_set.hpp"
+#include "core/elasticity/solve_panels.hpp"
 #include "tests/bench/core/elasticity/benchmarks.hpp"
 
 namespace palpate::bench {
@@ -19,45 +20,51 @@ Eigen::Matrix3Xd moved(const Scenario& scenario) {
 }
 
 /// One pass over all elements: energy and forces.
+template <elasticity::Precision kPrecision>
 void element_pass(benchmark::State& state, const BarMesh& mesh) {
   const Scenario scenario(mesh, Motion::kLarge);
-  const elasticity::ElementSet elements(scenario.body().mesh, scenario.body().material);
-  auto memory = elements.make_state();
-  const Eigen::Matrix3Xd x = moved(scenario);
-  Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, x.cols());
+  const mesh::ElementMesh& elements = scenario.body().mesh;
+  const auto pass =
+      elasticity::make_element_forces(elements, elasticity::ElementSet(scenario.body()).materials(),
+                                      elasticity::mesh_numbering(elements), kPrecision);
+  elasticity::NodalField x = elasticity::NodalField::Zero(4, elements.node_count()), forces = x;
+  x.topRows<3>() = moved(scenario);
   for (auto _ : state) {
-    benchmark::DoNotOptimize(elements.add_forces(x, 0, memory, forces));
+    benchmark::DoNotOptimize(pass->add(x, 0, forces));
     benchmark::ClobberMemory();
   }
   state.SetItemsProcessed(state.iterations() * elements.element_count());
 }
 
-/// One solve with the loop's factor.
+/// One solve with the loop's factor, the clamp held.
+template <elasticity::PanelPrecision kPrecision>
 void solve(benchmark::State& state, const BarMesh& mesh) {
   const Scenario scenario(mesh, Motion::kLarge);
   const elasticity::Body& body = scenario.body();
-  const elasticity::ElementSet elements(body.mesh, body.material);
-  const elasticity::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(),
-                                         body.grasps[0].nodes);
+  const elasticity::ElementSet elements(body);
+  const elasticity::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {},
+                                         elasticity::patches(body));
+  const elasticity::Supernodes supernodes(pattern);
   elasticity::BlockMatrix matrix(pattern);
-  matrix.set_zero();
   Eigen::MatrixXd K;
   for (int e = 0; e < elements.element_count(); ++e) {
     elements.stiffness(e, body.mesh.nodes, elasticity::Tangent::kExact, 0, K);
     matrix.add(e, K);
   }
-  elasticity::BlockLdl ldl(pattern);
-  if (!ldl.factorise(matrix, std::vector<char>(pattern.size(), 0), 0)) {
+  elasticity::SupernodalFactor factor(supernodes);
+  elasticity::SolvePanels panels(supernodes, kPrecision);
+  if (!factor.factorise(matrix) || !panels.assign(factor)) {
     state.SkipWithError("the stiffness is not positive definite");
+    return;
   }
-  const Eigen::Matrix4Xd right = Eigen::Matrix4Xd::Random(4, pattern.size());
-  Eigen::Matrix4Xd b = right;
+  const Eigen::VectorXf right = Eigen::VectorXf::Random(3 * pattern.size());
+  Eigen::VectorXf b = right;
   for (auto _ : state) {
     b = right;
-    ldl.solve(b);
+    panels.solve(b.data(), {true, true});
     benchmark::ClobberMemory();
   }
-  state.counters["blocks"] = static_cast<double>(ldl.block_count());
+  state.counters["bytes"] = static_cast<double>(panels.bytes());
 }
 
 /// One run of the job that the background thread has, sensitivities included.
@@ -88,9 +95,12 @@ void register_parts(const std::vector<BarMesh>& meshes) {
     const std::string size =
         (mesh.order == mesh::ElementOrder::kLinear ? "/linear/" : "/quadratic/") +
         std::to_string(mesh.node_count());
-    for (const auto& [what, function] : {std::pair{"element_pass", element_pass},
-                                         {"solve", solve},
-                                         {"refactorisation", refactorisation}}) {
+    for (const auto& [what, function] :
+         {std::pair{"element_pass/single", element_pass<elasticity::Precision::kSingle>},
+          {"element_pass/double", element_pass<elasticity::Precision::kDouble>},
+          {"solve/single", solve<elasticity::PanelPrecision::kSingle>},
+          {"solve/half", solve<elasticity::PanelPrecision::kHalf>},
+          {"refactorisation", refactorisation}}) {
       benchmark::RegisterBenchmark((what + size).c_str(), function, mesh)
           ->Unit(benchmark::kMicrosecond);
     }

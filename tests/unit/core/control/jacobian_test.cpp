@@ -62,6 +62,8 @@ TEST(FemJacobian, IsRefusedWithoutASensitivity) {
   sensitivity.valid = true;  // but of another size
   EXPECT_FALSE(provider.update(feature, model, kDisplaced, J));
   sensitivity.dx_dxi[0].setZero(3 * model.body().mesh.node_count(), 6);
+  EXPECT_FALSE(provider.update(feature, model, kDisplaced, J)) << "nothing is held";
+  model.hold(0, kDisplaced);
   EXPECT_TRUE(provider.update(feature, model, kDisplaced, J));
   sensitivity.dx_dxi[0].setConstant(std::numeric_limits<double>::quiet_NaN());
   EXPECT_FALSE(provider.update(feature, model, kDisplaced, J));

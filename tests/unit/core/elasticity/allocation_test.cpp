@@ -3,6 +3,9 @@
 #include <cstdlib>
 
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/linear_model.hpp"
+#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/shape_matching_model.hpp"
 #include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/thesis2018.hpp"
 #include "tests/unit/core/elasticity/block_systems.hpp"
@@ -122,6 +125,18 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(linear_dynamic);
   Thesis2018 thesis(linear);
   expect_no_allocation(thesis);
+}
+
+TEST(Allocation, NoneInTheModelsForComparison) {
+  for (auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
+    const Body body = make_bar({0.2, 0.05, 0.05}, {4, 2, 1}, order);
+    LinearModel linear(body);
+    expect_no_allocation(linear);
+    MassSpringModel mass_spring(body);
+    expect_no_allocation(mass_spring);
+    ShapeMatchingModel shape_matching(body);
+    expect_no_allocation(shape_matching);
+  }
 }
 
 }  // namespace

@@ -249,15 +249,17 @@ TEST_P(ModelsOfEveryOrder, MirroredAndRandomStartsReturnToRest) {
     CorotationalQuasistatic model(body);
     model.prepare();
     ASSERT_TRUE(model.restore(x, none));
-    for (int i = 0; i < 3000; ++i) {
+    // Long enough in equilibrium for elements that are inside out there to be noticed.
+    int at_rest = 0;
+    for (int i = 0; i < 5000 && at_rest < 300; ++i) {
       const StepReport report = model.step(kDt);
       ASSERT_TRUE(model.positions().allFinite());
-      if (report.status == StepStatus::kConverged) break;
+      at_rest = report.status == StepStatus::kConverged ? at_rest + 1 : 0;
       refactor(model);
     }
     const double away = (model.positions() - rest).colwise().norm().maxCoeff();
     RecordProperty(mirrored ? "mirrored" : "random", std::to_string(away));
-    EXPECT_LT(away, 1e-5) << (mirrored ? "mirrored" : "random");
+    EXPECT_LT(away, 1e-6) << (mirrored ? "mirrored" : "random");
   }
 }
 

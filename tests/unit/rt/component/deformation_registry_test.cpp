@@ -1,0 +1,73 @@
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "core/elasticity/linear_model.hpp"
+#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/shape_matching_model.hpp"
+#include "rt/component/registry.hpp"
+
+namespace palpate::component {
+namespace {
+
+/// Builds the model that `deformation` asks for, on the example's bar.
+std::unique_ptr<elasticity::DeformationModel> build(const std::string& deformation) {
+  const config::Node root = config::Node::load_file(
+      std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml",
+      {"deformation=" + deformation});
+  Context context;
+  context.frames = read_frames(root);
+  const Object object = read_object(root, context.frames);
+  context.object = &object;
+  const config::Node node = root.child("deformation");
+  auto model = make_deformation_model(node, context);
+  node.check_all_used();
+  return model;
+}
+
+std::string error_of(const std::string& deformation) {
+  try {
+    build(deformation);
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(DeformationRegistry, ModelsForComparisonAreMadeByName) {
+  using elasticity::LinearModel;
+  using elasticity::MassSpringModel;
+  using elasticity::ShapeMatchingModel;
+  EXPECT_NE(dynamic_cast<LinearModel*>(build("{component: linear}").get()), nullptr);
+  EXPECT_NE(dynamic_cast<MassSpringModel*>(build("{component: mass_spring}").get()), nullptr);
+  EXPECT_NE(dynamic_cast<ShapeMatchingModel*>(build("{component: shape_matching}").get()), nullptr);
+}
+
+TEST(DeformationRegistry, TheirKeysReachThem) {
+  const auto few = build("{component: shape_matching, rings: 2, max_substeps: 1}");
+  const auto many = build("{component: shape_matching, rings: 2, max_substeps: 100}");
+  EXPECT_EQ(dynamic_cast<elasticity::ShapeMatchingModel&>(*few).substeps(0.01), 1);
+  EXPECT_GT(dynamic_cast<elasticity::ShapeMatchingModel&>(*many).substeps(0.01), 2);
+
+  const auto model = build("{component: mass_spring, iterations: 1, tolerance: 1e-12}");
+  model->prepare();
+  model->loads().setConstant(0.01);
+  EXPECT_EQ(model->step(1e-3).iterations, 1);
+}
+
+TEST(DeformationRegistry, KeysOfOtherModelsAndValuesOutOfRangeAreNamed) {
+  for (const auto& [deformation, key] :
+       {std::pair("{component: linear, iterations: 2}", "iterations"),
+        std::pair("{component: mass_spring, rings: 1}", "rings"),
+        std::pair("{component: shape_matching, tolerance: 1e-6}", "tolerance"),
+        std::pair("{component: mass_spring, integrator: thesis2018}", "integrator"),
+        std::pair("{component: mass_spring, cg_iterations: 0}", "cg_iterations"),
+        std::pair("{component: shape_matching, rings: 6}", "rings"),
+        std::pair("{component: shape_matching, max_substeps: 0}", "max_substeps")}) {
+    const std::string error = error_of(deformation);
+    EXPECT_NE(error.find(key), std::string::npos) << deformation << ": " << error;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::component
