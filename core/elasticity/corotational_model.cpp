@@ -242,7 +242,10 @@ double CorotationalModel::evaluate() noexcept {
 
 /// Largest force out of balance at a free node, N.
 double CorotationalModel::residual() const noexcept {
-  double largest = forces_.leftCols(pattern_.interior_size()).colwise().squaredNorm().maxCoeff();
+  double largest = 0;
+  for (int k = 0; k < pattern_.interior_size(); ++k) {
+    largest = std::max(largest, forces_.col(k).squaredNorm());
+  }
   for (int g = 0; g < 2; ++g) {
     for (int k = pattern_.border_begin(g); k < pattern_.border_end(g) && !held_[g]; ++k) {
       largest = std::max(largest, forces_.col(k).squaredNorm());

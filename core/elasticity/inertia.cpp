@@ -2,6 +2,8 @@
 
 #include <Eigen/SparseCore>
 
+#include "core/math/pack.hpp"
+
 namespace palpate::elasticity {
 
 Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering)
@@ -21,28 +23,32 @@ Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering)
   Eigen::SparseMatrix<double, Eigen::RowMajor> mass(n, n);
   mass.setFromTriplets(entries.begin(), entries.end());
   row_start_.assign(mass.outerIndexPtr(), mass.outerIndexPtr() + n + 1);
-  column_.assign(mass.innerIndexPtr(), mass.innerIndexPtr() + mass.nonZeros());
+  for (int k = 0; k < mass.nonZeros(); ++k) column_.push_back(4 * mass.innerIndexPtr()[k]);
   mass_.assign(mass.valuePtr(), mass.valuePtr() + mass.nonZeros());
 }
 
 double Inertia::add(const NodalField& x, const NodalField& y, double factor,
                     NodalField& forces) noexcept {
+  using math::Pack4d;
   difference_ = x - y;
-  double energy = 0;
+  const double* d = difference_.data();
+  Pack4d energy{};
   for (int i = 0; i < difference_.cols(); ++i) {
-    Eigen::Vector4d sum = Eigen::Vector4d::Zero(), odd = sum;
+    // Two sums, so that one addition need not wait for the other.
+    Pack4d sum{}, odd{};
     int k = row_start_[i];
     const int end = row_start_[i + 1];
     for (; k + 1 < end; k += 2) {
-      sum += mass_[k] * difference_.col(column_[k]);
-      odd += mass_[k + 1] * difference_.col(column_[k + 1]);
+      sum += mass_[k] * math::load(d + column_[k]);
+      odd += mass_[k + 1] * math::load(d + column_[k + 1]);
     }
-    if (k < end) sum += mass_[k] * difference_.col(column_[k]);
+    if (k < end) sum += mass_[k] * math::load(d + column_[k]);
     sum = factor * (sum + odd);
-    forces.col(i) += sum;
-    energy += 0.5 * sum.head<3>().dot(difference_.col(i).head<3>());
+    double* f = forces.data() + 4 * i;
+    math::store(math::load(f) + sum, f);
+    energy += sum * math::load(d + 4 * i);
   }
-  return energy;
+  return 0.5 * (energy[0] + energy[1] + energy[2]);
 }
 
 }  // namespace palpate::elasticity

@@ -16,8 +16,8 @@ class Inertia {
   double add(const NodalField& x, const NodalField& y, double factor, NodalField& forces) noexcept;
 
  private:
-  std::vector<int> row_start_, column_;
-  std::vector<double> mass_;
+  std::vector<int> row_start_, column_;  // columns as offsets in a nodal field
+  std::vector<double> mass_;             // kg
   NodalField difference_;
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <cstring>
 #if defined(__AVX__)
 #include <immintrin.h>
 #endif
@@ -34,6 +35,14 @@ template <class Pack>
 inline Pack splat(double value) {
   return Pack{} + static_cast<typename PackTraits<Pack>::Real>(value);
 }
+
+/// Four doubles from and to memory of any alignment.
+inline Pack4d load(const double* from) {
+  Pack4d x;
+  std::memcpy(&x, from, sizeof(x));
+  return x;
+}
+inline void store(Pack4d x, double* to) { std::memcpy(to, &x, sizeof(x)); }
 
 inline Pack4d sqrt(Pack4d x) {
 #if defined(__AVX__)

@@ -23,6 +23,13 @@ Model make_corotational(const config::Node& node, const std::string& name, const
   elasticity::SolverOptions options;
   options.iterations = node.integer("iterations", {1, 50}, options.iterations);
   options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
+  options.accuracy = node.number("accuracy", {0, 1e-3}, options.accuracy);
+  options.precision = node.choice("precision", {"double", "single"}, "double") == "single"
+                          ? elasticity::Precision::kSingle
+                          : elasticity::Precision::kDouble;
+  options.panels = node.choice("panels", {"single", "half"}, "single") == "half"
+                       ? elasticity::PanelPrecision::kHalf
+                       : elasticity::PanelPrecision::kSingle;
   options.time_step = context.period;
   if (name == "corotational_dynamic") {
     return std::make_unique<elasticity::CorotationalDynamic>(body, options);

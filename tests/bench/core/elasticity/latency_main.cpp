@@ -42,6 +42,18 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--iterations", a.options.solver.iterations, "corrections per step at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--accuracy", a.options.solver.accuracy,
+                 "m, a step ends early where the next correction would move no node further")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
+  const std::map<std::string, elasticity::Precision> precisions{
+      {"single", elasticity::Precision::kSingle}, {"double", elasticity::Precision::kDouble}};
+  app.add_option("--precision", a.options.solver.precision, "of the arithmetic inside elements")
+      ->transform(CLI::CheckedTransformer(precisions));
+  const std::map<std::string, elasticity::PanelPrecision> panels{
+      {"single", elasticity::PanelPrecision::kSingle}, {"half", elasticity::PanelPrecision::kHalf}};
+  app.add_option("--panels", a.options.solver.panels, "of the factor")
+      ->transform(CLI::CheckedTransformer(panels));
   app.add_option("--tolerance", a.options.solver.tolerance,
                  "N, residual at which a step ends early")
       ->check(CLI::PositiveNumber)
