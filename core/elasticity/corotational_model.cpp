@@ -65,7 +65,7 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
   for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &x_inertial_, &x_trial_,
-                        &forces_, &forces_trial_}) {
+                        &x_kept_, &forces_, &forces_trial_}) {
     m->setZero(4, n);
   }
   for (int node = 0; node < n; ++node) {
@@ -102,6 +102,7 @@ void CorotationalModel::reset() noexcept {
   v_.setZero();
   loads_.setZero();
   forces_.setZero();
+  elastic_ = 0;
   held_ = {false, false};
   element_forces_->reset();
   rotations_.setZero();
@@ -168,6 +169,8 @@ StepReport CorotationalModel::step(double dt) noexcept {
   external_.topRows<3>() += gravity_.asDiagonal() * weight_per_gravity_.topRows<3>();
   x_begin_ = x_;
   element_forces_->begin_step();
+  elastic_begin_ = elastic_;
+  dt_ = dt;
 
   predict(dt, true);
   double energy = evaluate();
@@ -180,7 +183,11 @@ StepReport CorotationalModel::step(double dt) noexcept {
       follow_rotations();
       if (untangle()) energy = evaluate();
     }
+    const double initial = residual();
     correct(report, energy, start);
+    if (dynamic_ && report.residual > 0.05 * initial && energy > potential_of_staying()) {
+      stay_if_better(report, energy, dt, start);
+    }
     if (tangled_ > 0 && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
@@ -235,7 +242,8 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
 double CorotationalModel::evaluate() noexcept {
   forces_ = -external_;
   double energy = -external_.cwiseProduct(x_ - rest_).sum();
-  energy += element_forces_->add(x_, step_.viscous, forces_);
+  elastic_ = element_forces_->add(x_, step_.viscous, forces_);
+  energy += elastic_;
   if (dynamic_) energy += inertia_->add(x_, x_inertial_, step_.inertia, forces_);
   return energy;
 }
@@ -276,7 +284,35 @@ double CorotationalModel::find_correction() noexcept {
   return slope;
 }
 
-void CorotationalModel::correct(StepReport& report, double energy, double start) noexcept {
+/// Potential in J of x_begin_, as last evaluated, were the nodes to stay there through this step.
+/// No minimum lies above it, and a step that ends above it has made energy out of nothing.
+double CorotationalModel::potential_of_staying() const noexcept {
+  return elastic_begin_ - external_.cwiseProduct(x_begin_ - rest_).sum() +
+         inertia_->energy(v_, 1 / (step_.inertia * dt_ * dt_));
+}
+
+/// Corrections from where the velocities lead can be too few where a stiff body is struck hard.
+/// Then they start from where the nodes are, which can only lose energy.
+void CorotationalModel::stay_if_better(StepReport& report, double& energy, double dt,
+                                       double start) noexcept {
+  x_kept_ = x_;
+  predict(dt, false);
+  const double stay = evaluate();
+  if (!std::isfinite(stay) || stay >= energy) {
+    x_ = x_kept_;
+    energy = evaluate();
+    return;
+  }
+  energy = stay;
+  secants_.clear();
+  wanted_ = true;
+  const int spent = report.iterations;
+  report.iterations = 0;
+  correct(report, energy, start);
+  report.iterations += spent;
+}
+
+void CorotationalModel::correct(StepReport& report, double& energy, double start) noexcept {
   report.residual = residual();
   const int unknowns = pattern_.size();
   while (report.residual > options_.tolerance && report.iterations < options_.iterations &&
@@ -463,7 +499,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   }
   // Strains and rotations of the new shape, from which the next step starts.
   forces_.setZero();
-  element_forces_->add(x_, 0, forces_);
+  elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
   follow_rotations();

@@ -93,7 +93,9 @@ class CorotationalModel : public DeformationModel {
   double evaluate() noexcept;
   double residual() const noexcept;
   double find_correction() noexcept;
-  void correct(StepReport& report, double energy, double start) noexcept;
+  void correct(StepReport& report, double& energy, double start) noexcept;
+  double potential_of_staying() const noexcept;
+  void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
   bool untangle() noexcept;
@@ -117,10 +119,12 @@ class CorotationalModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, positions_, velocities_;  // in the order of the mesh
   NodalField weight_per_gravity_, rest_;
-  NodalField external_, x_, v_, x_begin_, x_inertial_, x_trial_, forces_, forces_trial_;
+  NodalField external_, x_, v_, x_begin_, x_inertial_, x_trial_, x_kept_, forces_, forces_trial_;
   Eigen::VectorXf correction_, step_taken_, force_change_;  // three a node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
+  double dt_ = 0;
+  double elastic_ = 0, elastic_begin_ = 0;  // J, of elements: last evaluated, and as the step began
 
   Eigen::Matrix4Xf rotations_;  // of nodes, at the last look
   NodeWarp warp_;

@@ -27,6 +27,19 @@ Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering)
   mass_.assign(mass.valuePtr(), mass.valuePtr() + mass.nonZeros());
 }
 
+double Inertia::energy(const NodalField& v, double factor) const noexcept {
+  using math::Pack4d;
+  Pack4d energy{};
+  for (int i = 0; i < v.cols(); ++i) {
+    Pack4d sum{};
+    for (int k = row_start_[i]; k < row_start_[i + 1]; ++k) {
+      sum += mass_[k] * math::load(v.data() + column_[k]);
+    }
+    energy += sum * math::load(v.data() + 4 * i);
+  }
+  return 0.5 * factor * (energy[0] + energy[1] + energy[2]);
+}
+
 double Inertia::add(const NodalField& x, const NodalField& y, double factor,
                     NodalField& forces) noexcept {
   using math::Pack4d;

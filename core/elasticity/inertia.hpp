@@ -15,6 +15,9 @@ class Inertia {
   /// Adds factor M (x - y) to `forces`; returns factor/2 |x - y|^2_M.
   double add(const NodalField& x, const NodalField& y, double factor, NodalField& forces) noexcept;
 
+  /// factor/2 |v|^2_M.
+  double energy(const NodalField& v, double factor) const noexcept;
+
  private:
   std::vector<int> row_start_, column_;  // columns as offsets in a nodal field
   std::vector<double> mass_;             // kg
