@@ -15,9 +15,12 @@ using Eigen::Vector3d;
 
 // Rotations of nodes are looked at once in so many steps, in which they change by some hundredths
 // of a radian; the sensitivity is turned with them piece by piece in between.
-constexpr int kLookPeriod = 8;
-// So many looks in a row that find inverted elements and the shape is given up.
-constexpr int kPatience = 25;
+constexpr int kLookPeriod = 4;
+// Inside-out elements are looked for once in so many steps; after so many looks in a row that find
+// some, or one that finds a tenth of the body like that, the shape is given up.
+constexpr int kTanglePeriod = 16;
+constexpr int kPatience = 12;
+constexpr int kHopelessShare = 10;
 
 const Body& checked(const Body& body) {
   body.check();
@@ -179,10 +182,8 @@ StepReport CorotationalModel::step(double dt) noexcept {
     energy = evaluate();
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
-    if (++ticks_ % kLookPeriod == 0) {
-      follow_rotations();
-      if (untangle()) energy = evaluate();
-    }
+    if (++ticks_ % kLookPeriod == 0) follow_rotations();
+    if (ticks_ % kTanglePeriod == 0 && untangle()) energy = evaluate();
     const double initial = residual();
     correct(report, energy, start);
     if (dynamic_ && report.residual > 0.05 * initial && energy > potential_of_staying()) {
@@ -375,17 +376,20 @@ void CorotationalModel::learn() noexcept {
 void CorotationalModel::follow_rotations() noexcept {
   element_forces_->node_rotations(rotations_);
   warp_.update(rotations_, factor_.rotations);
-  if (warp_.spread() > options_.turned) wanted_ = true;
+  if (warp_.largest() > options_.turned) wanted_ = true;
 }
 
 /// Counts entanglement; true where it has put the nodes to a new start.
 bool CorotationalModel::untangle() noexcept {
-  if (element_forces_->inverted(x_) == 0) {
+  const int inverted = element_forces_->inverted(x_);
+  if (inverted == 0) {
     tangled_ = 0;
     untangled_ = false;
     return false;
   }
-  if (untangled_ || ++tangled_ < kPatience) return false;
+  ++tangled_;
+  const bool hopeless = inverted * kHopelessShare > elements_.element_count();
+  if (untangled_ || (tangled_ < kPatience && !hopeless)) return false;
   std::array<math::Pose, 2> motions{math::Pose::Identity(), math::Pose::Identity()};
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
     if (held_[g]) motions[g] = grasps_[g].applied * body_.grasps[g].X_OG_rest.inverse();
@@ -502,6 +506,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
+  ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
   follow_rotations();
   return true;
 }

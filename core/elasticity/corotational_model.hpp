@@ -22,8 +22,7 @@ struct SolverOptions {
   Precision precision = Precision::kDouble;         // of the arithmetic inside elements
   PanelPrecision panels = PanelPrecision::kSingle;  // of the factor
   // When a new factor is asked for:
-  double turned =
-      0.02;  // rad, a node has turned by that much other than the body since the snapshot
+  double turned = 0.02;      // rad, a node has turned by that much since the snapshot
   double contraction = 0.3;  // a correction left more than this share of the residual
   // A step stops correcting after `budget` seconds of `clock` (s, monotonic), where it is given.
   double budget = 0;
@@ -35,9 +34,9 @@ struct SolverOptions {
 /// nonlinear residual, so that what it converges to does not depend on the factor's age. The factor
 /// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
 /// correction that raises the potential is halved. Elements that stay inside out for a fifth of a
-/// second (the energy has equilibria there) are not waited for: the model starts again from an
-/// unstressed shape that fits its boundary, once for each entanglement. Shared by the quasi-static
-/// and the dynamic model, which minimise
+/// second (the energy has equilibria there), or a tenth of all, which no body can be, are not
+/// waited for: the model starts again from an unstressed shape that fits its boundary, once for
+/// each entanglement. Shared by the quasi-static and the dynamic model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
 /// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
 class CorotationalModel : public DeformationModel {

@@ -5,24 +5,21 @@
 
 namespace palpate::elasticity {
 
-NodeWarp::NodeWarp(int nodes)
-    : matrices_(Eigen::VectorXf::Zero(9 * nodes)), relative_(Eigen::Matrix4Xf::Zero(4, nodes)) {
-  relative_.row(0).setOnes();
-  update(relative_, Eigen::Matrix4Xf(relative_));
+NodeWarp::NodeWarp(int nodes) : nodes_(nodes), matrices_(Eigen::VectorXf::Zero(9 * nodes)) {
+  for (int i = 0; i < nodes; ++i)
+    matrices_[9 * i] = matrices_[9 * i + 4] = matrices_[9 * i + 8] = 1;
 }
 
 void NodeWarp::update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snapshot) noexcept {
-  Eigen::Vector4f mean = Eigen::Vector4f::Zero();
-  for (int i = 0; i < relative_.cols(); ++i) {
+  float least = 1;
+  for (int i = 0; i < nodes_; ++i) {
     // now * conjugate(snapshot)
     const Eigen::Vector4f p = now.col(i), q = snapshot.col(i);
-    Eigen::Vector4f r(p(0) * q(0) + p(1) * q(1) + p(2) * q(2) + p(3) * q(3),
-                      p(1) * q(0) - p(0) * q(1) - p(2) * q(3) + p(3) * q(2),
-                      p(2) * q(0) - p(0) * q(2) - p(3) * q(1) + p(1) * q(3),
-                      p(3) * q(0) - p(0) * q(3) - p(1) * q(2) + p(2) * q(1));
-    if (r.dot(mean) < 0) r = -r;
-    mean += r;
-    relative_.col(i) = r;
+    const Eigen::Vector4f r(p(0) * q(0) + p(1) * q(1) + p(2) * q(2) + p(3) * q(3),
+                            p(1) * q(0) - p(0) * q(1) - p(2) * q(3) + p(3) * q(2),
+                            p(2) * q(0) - p(0) * q(2) - p(3) * q(1) + p(1) * q(3),
+                            p(3) * q(0) - p(0) * q(3) - p(1) * q(2) + p(2) * q(1));
+    least = std::min(least, std::abs(r(0)));
     const float w = r(0), x = r(1), y = r(2), z = r(3);
     float* m = matrices_.data() + 9 * i;
     m[0] = 1 - 2 * (y * y + z * z);
@@ -35,16 +32,11 @@ void NodeWarp::update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snaps
     m[7] = 2 * (y * z - w * x);
     m[8] = 1 - 2 * (x * x + y * y);
   }
-  mean.normalize();
-  float least = 1;
-  for (int i = 0; i < relative_.cols(); ++i) {
-    least = std::min(least, std::abs(relative_.col(i).dot(mean)));
-  }
-  spread_ = 2 * std::acos(static_cast<double>(least));
+  largest_ = 2 * std::acos(static_cast<double>(least));
 }
 
 void NodeWarp::turn(Eigen::VectorXf& v) const noexcept {
-  for (int i = 0; i < relative_.cols(); ++i) {
+  for (int i = 0; i < nodes_; ++i) {
     const float* m = matrices_.data() + 9 * i;
     float* p = v.data() + 3 * i;
     const float x = p[0], y = p[1], z = p[2];
@@ -55,7 +47,7 @@ void NodeWarp::turn(Eigen::VectorXf& v) const noexcept {
 }
 
 void NodeWarp::turn_back(Eigen::VectorXf& v) const noexcept {
-  for (int i = 0; i < relative_.cols(); ++i) {
+  for (int i = 0; i < nodes_; ++i) {
     const float* m = matrices_.data() + 9 * i;
     float* p = v.data() + 3 * i;
     const float x = p[0], y = p[1], z = p[2];

@@ -15,7 +15,7 @@ class NodeWarp {
   /// warp's nodes are not used.
   void update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snapshot) noexcept;
 
-  int size() const noexcept { return static_cast<int>(relative_.cols()); }
+  int size() const noexcept { return nodes_; }
   Eigen::Matrix3f matrix(int node) const noexcept {
     return Eigen::Map<const Eigen::Matrix3f>(matrices_.data() + 9 * node);
   }
@@ -24,13 +24,13 @@ class NodeWarp {
   void turn(Eigen::VectorXf& v) const noexcept;
   void turn_back(Eigen::VectorXf& v) const noexcept;
 
-  /// Largest angle in rad by which a node has turned other than the mean of all.
-  double spread() const noexcept { return spread_; }
+  /// Largest angle in rad by which a node has turned.
+  double largest() const noexcept { return largest_; }
 
  private:
-  Eigen::VectorXf matrices_;
-  Eigen::Matrix4Xf relative_;
-  double spread_ = 0;
+  int nodes_;
+  Eigen::VectorXf matrices_;  // 9 a node
+  double largest_ = 0;
 };
 
 }  // namespace palpate::elasticity
