@@ -79,6 +79,8 @@ class CorotationalModel : public DeformationModel {
   CorotationalModel(Body body, const SolverOptions& options, Mechanics mechanics);
 
  private:
+  static constexpr int kTanglePeriod = 16;  // steps between looks for inside-out elements
+
   struct Grasp {
     math::Pose target = math::Pose::Identity();
     math::Pose applied = math::Pose::Identity();   // that the present positions stand for
