@@ -16,8 +16,12 @@ struct SolverOptions {
   int iterations = 2;       // quasi-Newton corrections per step at most, >= 1
   double tolerance = 1e-6;  // N, largest nodal force out of balance at which a step ends early
   double accuracy =
-      1e-7;          // m, a step also ends where the next correction would move no node further
-  int halvings = 4;  // of one correction, at most
+      1e-7;  // m, a step also ends where the next correction would move no node further
+  // Whether forces are evaluated once more after a correction that is expected to end a step.
+  // Without that, a step costs one evaluation less, and forces (reactions among them) and energy
+  // are those before its last correction.
+  bool confirm = true;
+  int halvings = 4;                                 // of one correction, at most
   double time_step = 1e-3;                          // s, of the factor that prepare() makes
   Precision precision = Precision::kDouble;         // of the arithmetic inside elements
   PanelPrecision panels = PanelPrecision::kSingle;  // of the factor
@@ -89,13 +93,16 @@ class CorotationalModel : public DeformationModel {
 
   StepFactors step_factors(double dt) const noexcept;
   bool inputs_are_finite() const noexcept;
+  bool may_trust_correction(double size) const noexcept;
   bool out_of_time(double start) const noexcept;
   void predict(double dt, bool follow) noexcept;
   double evaluate() noexcept;
   double residual() const noexcept;
   double find_correction() noexcept;
+  void add_correction(const NodalField& from, double share) noexcept;
   void correct(StepReport& report, double& energy, double start) noexcept;
   double potential_of_staying() const noexcept;
+  void remember_motion(double dt) noexcept;
   void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
@@ -120,11 +127,14 @@ class CorotationalModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, positions_, velocities_;  // in the order of the mesh
   NodalField weight_per_gravity_, rest_;
-  NodalField external_, x_, v_, x_begin_, x_inertial_, x_trial_, x_kept_, forces_, forces_trial_;
+  NodalField external_, x_, v_, v_change_, x_begin_, x_inertial_, x_trial_, x_kept_, forces_,
+      forces_trial_;
   Eigen::VectorXf correction_, step_taken_, force_change_;  // three a node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
   double dt_ = 0;
+  double persistence_ = 0;  // share of a change of velocity that the next step repeats, 0 to 1
+  double contraction_ = 1;  // of the residual by a correction, as last measured
   double elastic_ = 0, elastic_begin_ = 0;  // J, of elements: last evaluated, and as the step began
 
   Eigen::Matrix4Xf rotations_;  // of nodes, at the last look

@@ -48,7 +48,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
   }
   external_.topRows<3>() += gravity_.asDiagonal() * weight_per_gravity_.topRows<3>();
   x_begin_ = x_;
-  element_forces_->begin_step();
+  if (step_.viscous > 0) element_forces_->begin_step();
   elastic_begin_ = elastic_;
   dt_ = dt;
 
@@ -63,7 +63,8 @@ StepReport CorotationalModel::step(double dt) noexcept {
     if (ticks_ % kTanglePeriod == 0 && untangle()) energy = evaluate();
     const double initial = residual();
     correct(report, energy, start);
-    if (dynamic_ && report.residual > 0.05 * initial && energy > potential_of_staying()) {
+    if (dynamic_ && report.status != StepStatus::kConverged && report.residual > 0.05 * initial &&
+        energy > potential_of_staying()) {
       stay_if_better(report, energy, dt, start);
     }
     if (tangled_ > 0 && report.status == StepStatus::kConverged) {
@@ -76,7 +77,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
     if (!forces_.allFinite()) forces_.setZero();
     wanted_ = true;
   }
-  if (report.status != StepStatus::kFailed && dynamic_) v_ = (x_ - x_begin_) / dt;
+  if (report.status != StepStatus::kFailed && dynamic_) remember_motion(dt);
   publish();
   sensitivity_.age += dt;
   factor_age_ += dt;
@@ -91,7 +92,7 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
   x_ = x_begin_;
   if (dynamic_) {
     x_inertial_ = x_begin_ + v_ * (1 / (dt * step_.inertia));
-    if (follow) x_ += dt * v_;
+    if (follow) x_ += dt * v_ + (dt * persistence_) * v_change_;
   }
   const auto grasps = static_cast<int>(body_.grasps.size());
   for (int g = 0; g < grasps && follow && !dynamic_ && sensitivity_.valid; ++g) {
@@ -162,11 +163,33 @@ double CorotationalModel::find_correction() noexcept {
   return slope;
 }
 
+void CorotationalModel::add_correction(const NodalField& from, double share) noexcept {
+  for (int k = 0; k < pattern_.size(); ++k) {
+    x_.col(k).head<3>() =
+        from.col(k).head<3>() + share * correction_.segment<3>(3 * k).cast<double>();
+  }
+}
+
 /// Potential in J of x_begin_, as last evaluated, were the nodes to stay there through this step.
 /// No minimum lies above it, and a step that ends above it has made energy out of nothing.
 double CorotationalModel::potential_of_staying() const noexcept {
   return elastic_begin_ - external_.cwiseProduct(x_begin_ - rest_).sum() +
          inertia_->energy(v_, 1 / (step_.inertia * dt_ * dt_));
+}
+
+/// Velocities, and how far their change persists: the factor by which the last change, were it
+/// repeated, would have come closest to this one.
+void CorotationalModel::remember_motion(double dt) noexcept {
+  double alike = 0, before = 0;
+  for (int k = 0; k < pattern_.size(); ++k) {
+    const Vector3d velocity = (x_.col(k) - x_begin_.col(k)).head<3>() / dt;
+    const Vector3d change = velocity - v_.col(k).head<3>();
+    alike += change.dot(v_change_.col(k).head<3>());
+    before += v_change_.col(k).head<3>().squaredNorm();
+    v_change_.col(k).head<3>() = change;
+    v_.col(k).head<3>() = velocity;
+  }
+  persistence_ = before > 0 ? std::clamp(alike / before, 0.0, 1.0) : 0;
 }
 
 /// Corrections from where the velocities lead can be too few where a stiff body is struck hard.
@@ -192,21 +215,24 @@ void CorotationalModel::stay_if_better(StepReport& report, double& energy, doubl
 
 void CorotationalModel::correct(StepReport& report, double& energy, double start) noexcept {
   report.residual = residual();
-  const int unknowns = pattern_.size();
-  while (report.residual > options_.tolerance && report.iterations < options_.iterations &&
-         !out_of_time(start)) {
+  bool settled = report.residual <= options_.tolerance;
+  while (!settled && report.iterations < options_.iterations && !out_of_time(start)) {
     const double slope = find_correction();
+    ++report.iterations;
+    const auto size = static_cast<double>(correction_.lpNorm<Eigen::Infinity>());
+    if (may_trust_correction(size) && slope < 0) {
+      add_correction(x_, 1);
+      report.residual *= contraction_;
+      settled = true;
+      break;
+    }
     x_trial_ = x_;
     forces_trial_ = forces_;
-    ++report.iterations;
 
     bool accepted = false;
     double alpha = 1, next = energy, next_residual = report.residual;
     for (int halving = 0; halving <= options_.halvings && !accepted; ++halving, alpha *= 0.5) {
-      for (int k = 0; k < unknowns; ++k) {
-        x_.col(k).head<3>() =
-            x_trial_.col(k).head<3>() + alpha * correction_.segment<3>(3 * k).cast<double>();
-      }
+      add_correction(x_trial_, alpha);
       next = evaluate();
       next_residual = residual();
       // Near the minimum the energy's own rounding hides its fall: there the residual decides.
@@ -221,19 +247,23 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
       wanted_ = true;
       break;
     }
-    const double contraction = next_residual / report.residual;
-    if (next_residual > options_.tolerance && contraction > options_.contraction) wanted_ = true;
+    contraction_ = next_residual / report.residual;
+    if (next_residual > options_.tolerance && contraction_ > options_.contraction) wanted_ = true;
     // Far from equilibrium, where the tangent is indefinite, secants mislead.
     if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
-    if (contraction * static_cast<double>(correction_.lpNorm<Eigen::Infinity>()) <
-        options_.accuracy) {
-      break;
-    }
+    settled = next_residual <= options_.tolerance || contraction_ * size < options_.accuracy;
   }
-  report.status =
-      report.residual <= options_.tolerance ? StepStatus::kConverged : StepStatus::kNotConverged;
+  report.status = settled ? StepStatus::kConverged : StepStatus::kNotConverged;
+}
+
+/// Whether a correction that moves no node further than `size` m ends the step without a look at
+/// where it has led. Some steps look all the same, to measure how well corrections do.
+bool CorotationalModel::may_trust_correction(double size) const noexcept {
+  constexpr double kGood = 0.5;  // of the residual left by a correction, at most
+  return !options_.confirm && ticks_ % kLookPeriod != 0 && step_.viscous == 0 && factor_.exact &&
+         contraction_ < kGood && contraction_ * size < options_.accuracy;
 }
 
 void CorotationalModel::learn() noexcept {
@@ -270,6 +300,7 @@ bool CorotationalModel::untangle() noexcept {
   }
   x_begin_ = x_inertial_ = x_;
   v_.setZero();
+  v_change_.setZero();
   element_forces_->reset();
   secants_.clear();
   tangled_ = 0;

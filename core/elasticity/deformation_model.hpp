@@ -9,7 +9,7 @@
 namespace palpate::elasticity {
 
 enum class StepStatus {
-  kConverged,     // residual below tolerance
+  kConverged,     // within tolerance or accuracy
   kNotConverged,  // iterations spent; the state is the best so far, or the last good one
   kFailed,        // no usable factor, or numbers not finite; the state is the last good one
 };

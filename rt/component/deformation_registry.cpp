@@ -4,6 +4,7 @@
 #include "core/elasticity/shape_matching_model.hpp"
 #include "core/elasticity/thesis2018.hpp"
 #include "rt/component/registry.hpp"
+#include "rt/loop/fixed_rate_loop.hpp"
 
 namespace palpate::component {
 namespace {
@@ -30,6 +31,12 @@ Model make_corotational(const config::Node& node, const std::string& name, const
   options.panels = node.choice("panels", {"single", "half"}, "single") == "half"
                        ? elasticity::PanelPrecision::kHalf
                        : elasticity::PanelPrecision::kSingle;
+  options.confirm = node.flag("confirm", options.confirm);
+  // A tick that runs out of time keeps its last good shape, and says so. What is dropped depends on
+  // the machine: runs with a budget are not alike to the bit.
+  options.budget = node.number("budget", {0, 1}, options.budget);
+  if (options.budget > 0)
+    options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
   if (name == "corotational_dynamic") {
     return std::make_unique<elasticity::CorotationalDynamic>(body, options);

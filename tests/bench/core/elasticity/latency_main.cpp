@@ -42,6 +42,8 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--iterations", a.options.solver.iterations, "corrections per step at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_flag("!--no-confirm", a.options.solver.confirm,
+               "No evaluation after the last correction");
   app.add_option("--accuracy", a.options.solver.accuracy,
                  "m, a step ends early where the next correction would move no node further")
       ->check(CLI::NonNegativeNumber)

@@ -108,6 +108,51 @@ TEST(CorotationalDynamic, StiffBodyUnderALargeSwingStaysFinite) {
   EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 0.4);
 }
 
+// Every step against the converged one from the same state.
+TEST(CorotationalDynamic, StepsEndWithinTheirAccuracyWithAndWithoutAnotherLook) {
+  Body body = bar();
+  body.fixed_nodes.clear();
+  body.grasps[0].nodes = nodes_at(body.mesh, 0, 0);
+  body.grasps[0].X_OG_rest.translation().x() = 0;
+  SolverOptions exact;
+  exact.tolerance = 1e-10;
+  exact.accuracy = 0;
+  exact.iterations = 60;
+  for (const bool confirm : {true, false}) {
+    SolverOptions options;
+    options.accuracy = 2e-6;
+    options.confirm = confirm;
+    CorotationalDynamic model(body, options), reference(body, exact);
+    math::Pose X = body.grasps[0].X_OG_rest;
+    for (auto* m : {&model, &reference}) {
+      m->prepare();
+      m->hold(0, X);
+      refactor(*m);
+    }
+    int corrections = 0;
+    double error = 0;
+    for (int i = 1; i <= 400; ++i) {
+      const double t = i * kDt, start = std::min(1.0, t / 0.1);
+      X.linear() = rotation(0.8 * start * std::sin(6 * t), {0, 0.6, 0.8});
+      reference.release(0);
+      ASSERT_TRUE(reference.restore(model.positions(), model.velocities()));
+      for (auto* m : {&model, &reference}) {
+        m->hold(0, X);
+        m->loads() = face_load(body.mesh, 0.2, Vector3d(0, 0, -0.5 * start));
+      }
+      reference.step(kDt);
+      corrections += model.step(kDt).iterations;
+      if (i % 10 == 0) {
+        refactor(model);
+        refactor(reference);
+      }
+      error = std::max(error, (model.positions() - reference.positions()).cwiseAbs().maxCoeff());
+    }
+    EXPECT_LT(error, options.accuracy) << confirm;
+    EXPECT_LT(corrections, 600) << confirm;
+  }
+}
+
 TEST(CorotationalDynamic, HeldHandFeelsTheWeightOfWhatItHolds) {
   Body body = bar();
   body.fixed_nodes.clear();

@@ -55,12 +55,24 @@ TEST(DeformationRegistry, TheirKeysReachThem) {
   EXPECT_EQ(model->step(1e-3).iterations, 1);
 }
 
+TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
+  const auto model = build("{component: corotational_quasistatic, budget: 1e-9, accuracy: 0}");
+  model->prepare();
+  model->loads().setConstant(0.01);
+  const elasticity::StepReport report = model->step(1e-3);
+  EXPECT_EQ(report.status, elasticity::StepStatus::kNotConverged);
+  EXPECT_EQ(report.iterations, 0);
+  EXPECT_EQ(model->positions(), model->body().mesh.nodes);
+}
+
 TEST(DeformationRegistry, KeysOfOtherModelsAndValuesOutOfRangeAreNamed) {
   for (const auto& [deformation, key] :
        {std::pair("{component: linear, iterations: 2}", "iterations"),
         std::pair("{component: mass_spring, rings: 1}", "rings"),
         std::pair("{component: shape_matching, tolerance: 1e-6}", "tolerance"),
         std::pair("{component: mass_spring, integrator: thesis2018}", "integrator"),
+        std::pair("{component: linear, confirm: false}", "confirm"),
+        std::pair("{component: corotational_dynamic, budget: -1}", "budget"),
         std::pair("{component: mass_spring, cg_iterations: 0}", "cg_iterations"),
         std::pair("{component: shape_matching, rings: 6}", "rings"),
         std::pair("{component: shape_matching, max_substeps: 0}", "max_substeps")}) {
