@@ -58,8 +58,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   if (dynamic_) inertia_.emplace(elements_, numbering_);
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
-  for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &v_change_, &x_inertial_,
-                        &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
+  for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &surprise_, &x_inertial_,
+                        &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
     m->setZero(4, n);
   }
   for (int node = 0; node < n; ++node) {
@@ -94,7 +94,7 @@ void CorotationalModel::prepare() {
 void CorotationalModel::reset() noexcept {
   x_ = rest_;
   v_.setZero();
-  v_change_.setZero();
+  surprise_.setZero();
   loads_.setZero();
   forces_.setZero();
   elastic_ = 0;
@@ -211,12 +211,14 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
   std::swap(factor_, job_.factor);
   factor_age_ = job_age_;
   secants_.clear();
+  contraction_ = 1;
   follow_rotations();
   if (job_.snapshot.held != held_) return;
   std::swap(at_snapshot_, job_.sensitivity);
   for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
   sensitivity_.valid = at_snapshot_.valid;
   sensitivity_.age = job_age_;
+  if (!dynamic_) persistence_ = 0;  // surprises of the old one say nothing of the new one's
   turn_sensitivity(0, static_cast<int>(positions_.cols()));
 }
 
@@ -236,7 +238,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   for (int g = 0; g < 2; ++g) {
     if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
   }
-  v_change_.setZero();
+  surprise_.setZero();
   // Strains and rotations of the new shape, from which the next step starts.
   forces_.setZero();
   elastic_ = element_forces_->add(x_, 0, forces_);

@@ -93,16 +93,17 @@ class CorotationalModel : public DeformationModel {
 
   StepFactors step_factors(double dt) const noexcept;
   bool inputs_are_finite() const noexcept;
-  bool may_trust_correction(double size) const noexcept;
+  bool is_last_correction(double size, int iteration) const noexcept;
   bool out_of_time(double start) const noexcept;
   void predict(double dt, bool follow) noexcept;
   double evaluate() noexcept;
   double residual() const noexcept;
   double find_correction() noexcept;
+  double slope() const noexcept;
   void add_correction(const NodalField& from, double share) noexcept;
   void correct(StepReport& report, double& energy, double start) noexcept;
   double potential_of_staying() const noexcept;
-  void remember_motion(double dt) noexcept;
+  void remember_surprise() noexcept;
   void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
@@ -127,14 +128,14 @@ class CorotationalModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, positions_, velocities_;  // in the order of the mesh
   NodalField weight_per_gravity_, rest_;
-  NodalField external_, x_, v_, v_change_, x_begin_, x_inertial_, x_trial_, x_kept_, forces_,
-      forces_trial_;
+  NodalField external_, x_, v_, surprise_, x_begin_, x_inertial_, x_expected_, x_trial_, x_kept_,
+      forces_, forces_trial_;
   Eigen::VectorXf correction_, step_taken_, force_change_;  // three a node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
   double dt_ = 0;
-  double persistence_ = 0;  // share of a change of velocity that the next step repeats, 0 to 1
-  double contraction_ = 1;  // of the residual by a correction, as last measured
+  double persistence_ = 0;  // share of a step's surprise that the next one repeats, 0 to 1
+  double contraction_ = 1;  // of a step's second correction against its first, last time
   double elastic_ = 0, elastic_begin_ = 0;  // J, of elements: last evaluated, and as the step began
 
   Eigen::Matrix4Xf rotations_;  // of nodes, at the last look

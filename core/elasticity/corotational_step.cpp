@@ -17,6 +17,8 @@ constexpr int kLookPeriod = 4;
 // body like that, and the shape is given up.
 constexpr int kPatience = 12;
 constexpr int kHopelessShare = 10;
+// Steps between those that measure how fast corrections shrink.
+constexpr int kMeasurePeriod = 10;
 
 }  // namespace
 
@@ -77,7 +79,10 @@ StepReport CorotationalModel::step(double dt) noexcept {
     if (!forces_.allFinite()) forces_.setZero();
     wanted_ = true;
   }
-  if (report.status != StepStatus::kFailed && dynamic_) remember_motion(dt);
+  if (report.status != StepStatus::kFailed) {
+    if (dynamic_) v_ = (x_ - x_begin_) / dt;
+    remember_surprise();
+  }
   publish();
   sensitivity_.age += dt;
   factor_age_ += dt;
@@ -92,7 +97,7 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
   x_ = x_begin_;
   if (dynamic_) {
     x_inertial_ = x_begin_ + v_ * (1 / (dt * step_.inertia));
-    if (follow) x_ += dt * v_ + (dt * persistence_) * v_change_;
+    if (follow) x_ += dt * v_;
   }
   const auto grasps = static_cast<int>(body_.grasps.size());
   for (int g = 0; g < grasps && follow && !dynamic_ && sensitivity_.valid; ++g) {
@@ -107,6 +112,8 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
           sensitivity_.dx_dxi[g].middleRows<3>(3 * node).lazyProduct(motion);
     }
   }
+  x_expected_ = x_;
+  if (follow) x_ += persistence_ * surprise_;
   for (int g = 0; g < grasps; ++g) {
     if (!held_[g]) continue;
     grasps_[g].applied = grasps_[g].target;
@@ -156,11 +163,16 @@ double CorotationalModel::find_correction() noexcept {
     factor_.panels.solve(b.data(), held_);
     warp_.turn(b);
   });
-  double slope = 0;
-  for (int k = 0; k < unknowns; ++k) {
-    slope += forces_.col(k).head<3>().dot(correction_.segment<3>(3 * k).cast<double>());
+  return slope();
+}
+
+/// Of the potential along correction_ at x_, J.
+double CorotationalModel::slope() const noexcept {
+  double sum = 0;
+  for (int k = 0; k < pattern_.size(); ++k) {
+    sum += forces_.col(k).head<3>().dot(correction_.segment<3>(3 * k).cast<double>());
   }
-  return slope;
+  return sum;
 }
 
 void CorotationalModel::add_correction(const NodalField& from, double share) noexcept {
@@ -177,17 +189,19 @@ double CorotationalModel::potential_of_staying() const noexcept {
          inertia_->energy(v_, 1 / (step_.inertia * dt_ * dt_));
 }
 
-/// Velocities, and how far their change persists: the factor by which the last change, were it
-/// repeated, would have come closest to this one.
-void CorotationalModel::remember_motion(double dt) noexcept {
+/// What the velocities or the sensitivity did not foresee (changes of velocity, or what changing
+/// loads do), and how far that persists: the factor by which the last surprise, were it repeated,
+/// would have come closest to this one.
+void CorotationalModel::remember_surprise() noexcept {
   double alike = 0, before = 0;
   for (int k = 0; k < pattern_.size(); ++k) {
-    const Vector3d velocity = (x_.col(k) - x_begin_.col(k)).head<3>() / dt;
-    const Vector3d change = velocity - v_.col(k).head<3>();
-    alike += change.dot(v_change_.col(k).head<3>());
-    before += v_change_.col(k).head<3>().squaredNorm();
-    v_change_.col(k).head<3>() = change;
-    v_.col(k).head<3>() = velocity;
+    const Vector3d surprise = (x_.col(k) - x_expected_.col(k)).head<3>();
+    auto last = surprise_.col(k).head<3>();
+    if (k < pattern_.interior_size()) {
+      alike += surprise.dot(last);
+      before += last.squaredNorm();
+    }
+    last = surprise;
   }
   persistence_ = before > 0 ? std::clamp(alike / before, 0.0, 1.0) : 0;
 }
@@ -216,11 +230,14 @@ void CorotationalModel::stay_if_better(StepReport& report, double& energy, doubl
 void CorotationalModel::correct(StepReport& report, double& energy, double start) noexcept {
   report.residual = residual();
   bool settled = report.residual <= options_.tolerance;
+  double last_size = 0;
   while (!settled && report.iterations < options_.iterations && !out_of_time(start)) {
-    const double slope = find_correction();
-    ++report.iterations;
+    const double slope_begin = find_correction();
     const auto size = static_cast<double>(correction_.lpNorm<Eigen::Infinity>());
-    if (may_trust_correction(size) && slope < 0) {
+    if (last_size > 0) contraction_ = size / last_size;
+    ++report.iterations;
+    const bool is_last = is_last_correction(size, report.iterations);
+    if (is_last && !options_.confirm && step_.viscous == 0 && factor_.exact && slope_begin < 0) {
       add_correction(x_, 1);
       report.residual *= contraction_;
       settled = true;
@@ -235,10 +252,11 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
       add_correction(x_trial_, alpha);
       next = evaluate();
       next_residual = residual();
-      // Near the minimum the energy's own rounding hides its fall: there the residual decides.
+      // Near the minimum rounding hides the energy's fall, and slopes tell it: along a parabola it
+      // is their mean (the approximate Wolfe condition of Hager and Zhang 2005).
       const double rounding = rounding_ * (std::abs(energy) + std::abs(next));
-      accepted = next <= energy + 1e-4 * alpha * slope ||
-                 (std::abs(next - energy) <= rounding && next_residual < report.residual);
+      accepted = next <= energy + 1e-4 * alpha * slope_begin ||
+                 (std::abs(next - energy) <= rounding && slope() < -0.9 * slope_begin);
     }
     if (!accepted) {
       x_ = x_trial_;
@@ -247,23 +265,26 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
       wanted_ = true;
       break;
     }
-    contraction_ = next_residual / report.residual;
-    if (next_residual > options_.tolerance && contraction_ > options_.contraction) wanted_ = true;
+    if (next_residual > options_.tolerance &&
+        next_residual > options_.contraction * report.residual) {
+      wanted_ = true;
+    }
     // Far from equilibrium, where the tangent is indefinite, secants mislead.
     if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
-    settled = next_residual <= options_.tolerance || contraction_ * size < options_.accuracy;
+    last_size = alpha == 0.5 ? size : 0;  // halved once more after success
+    settled = is_last || next_residual <= options_.tolerance;
   }
   report.status = settled ? StepStatus::kConverged : StepStatus::kNotConverged;
 }
 
-/// Whether a correction that moves no node further than `size` m ends the step without a look at
-/// where it has led. Some steps look all the same, to measure how well corrections do.
-bool CorotationalModel::may_trust_correction(double size) const noexcept {
-  constexpr double kGood = 0.5;  // of the residual left by a correction, at most
-  return !options_.confirm && ticks_ % kLookPeriod != 0 && step_.viscous == 0 && factor_.exact &&
-         contraction_ < kGood && contraction_ * size < options_.accuracy;
+/// Whether the next correction can be expected to stay below the accuracy after one that moves no
+/// node further than `size` m. By what share corrections shrink is measured in some steps, which
+/// make two for that: what forces are left says little of soft motions that are still wrong.
+bool CorotationalModel::is_last_correction(double size, int iteration) const noexcept {
+  const bool measures = ticks_ % kMeasurePeriod == 0 && iteration == 1;
+  return !measures && contraction_ < 1 && contraction_ * size < options_.accuracy;
 }
 
 void CorotationalModel::learn() noexcept {
@@ -300,7 +321,7 @@ bool CorotationalModel::untangle() noexcept {
   }
   x_begin_ = x_inertial_ = x_;
   v_.setZero();
-  v_change_.setZero();
+  surprise_.setZero();
   element_forces_->reset();
   secants_.clear();
   tangled_ = 0;
