@@ -14,7 +14,12 @@ SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
       ft_stamp_(session),
       imu_stamp_(session),
       robot_stamp_(session),
-      hand_stamp_(session) {}
+      hand_stamp_(session) {
+  for (int i = 0; i < sensors::kMostFingertips; ++i) {
+    biotacs_.emplace_back(control, "BIOTAC_" + std::to_string(i));
+    biotac_stamps_.emplace_back(session);
+  }
+}
 
 void SensorPublisher::publish(const sensors::RobotReading& reading) {
   robot_state_t message{};
@@ -43,11 +48,29 @@ void SensorPublisher::publish(const sensors::HandReading& reading) {
   hand_.publish(message);
 }
 
+void SensorPublisher::publish(int finger, const sensors::BiotacReading& reading) {
+  biotac_t message{};
+  biotac_stamps_[finger].put(message, start_utime_ + reading.time_us);
+  message.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC |
+                  biotac_t::VALID_TEMPERATURE;
+  std::copy(reading.electrodes.begin(), reading.electrodes.end(), message.electrodes);
+  message.pac_count = sensors::kVibrationSamples;
+  std::copy(reading.pac.begin(), reading.pac.end(), message.pac);
+  message.pdc = reading.pdc;
+  message.tac = reading.tac;
+  message.tdc = reading.tdc;
+  biotacs_[finger].publish(message);
+}
+
 void SensorPublisher::publish(sensors::SensorSuite& suite, std::int64_t now_us) {
   sensors::RobotReading robot;
   while (suite.take(now_us, robot)) publish(robot);
   sensors::HandReading hand;
   while (suite.take(now_us, hand)) publish(hand);
+  sensors::BiotacReading biotac;
+  for (int i = 0; i < sensors::kMostFingertips; ++i) {
+    while (suite.take(now_us, i, biotac)) publish(i, biotac);
+  }
   sensors::InertialReading inertial;
   while (suite.take(now_us, inertial)) {
     imu_t message{};

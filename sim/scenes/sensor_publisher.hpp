@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <palpate/biotac_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -25,12 +26,15 @@ class SensorPublisher {
  private:
   void publish(const sensors::RobotReading& reading);
   void publish(const sensors::HandReading& reading);
+  void publish(int finger, const sensors::BiotacReading& reading);
 
   std::int64_t start_utime_;
   bus::TypedPublisher<ft_wrench_t> ft_;
   bus::TypedPublisher<imu_t> imu_;
   bus::TypedPublisher<robot_state_t> robot_;
   bus::TypedPublisher<hand_state_t> hand_;
+  std::vector<bus::TypedPublisher<biotac_t>> biotacs_;
+  std::vector<bus::Stamp> biotac_stamps_;
   bus::Stamp ft_stamp_, imu_stamp_, robot_stamp_, hand_stamp_;
 };
 

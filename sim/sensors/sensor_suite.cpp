@@ -4,10 +4,6 @@
 #include <string>
 
 namespace palpate::sensors {
-namespace {
-constexpr int kMostFingertips = 5;
-}
-
 SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const math::Pose& X_EG,
                          int joint_count)
     : force_torque_(table.force_torque.timing, math::Random(seed, "force_torque")),
@@ -30,9 +26,14 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
                     math::Random(seed, "joint_torque")),
       X_EE_reported_(X_EG * table.kinematics_error * X_EG.inverse()) {
   const math::Random random(seed, "fingertips");
-  for (int i = 0; i < kMostFingertips; ++i)
+  for (int i = 0; i < kMostFingertips; ++i) {
+    const std::string finger = std::to_string(i);
     fingertips_.emplace_back(table.hand_state.fingertip, hand_.period(), Eigen::Vector3d::Zero(),
-                             random.split("fingertip" + std::to_string(i)));
+                             random.split("fingertip" + finger));
+    biotac_channels_.emplace_back(table.biotac.timing, math::Random(seed, "biotac_time" + finger));
+    biotacs_.emplace_back(table.biotac, biotac_channels_.back().period(),
+                          math::Random(seed, "biotac" + finger));
+  }
 }
 
 RobotReading SensorSuite::measure_robot(const Truth& truth) {
@@ -61,6 +62,20 @@ HandReading SensorSuite::measure_hand(const HandReading& truth) {
   return r;
 }
 
+void SensorSuite::sample_biotacs(std::int64_t now_us,
+                                 const std::vector<std::vector<Touch>>& touches) {
+  if (touches.size() > biotacs_.size())
+    throw std::invalid_argument("a hand has five fingertips at most");
+  for (std::size_t i = 0; i < touches.size(); ++i) {
+    biotacs_[i].step(1e-6 * static_cast<double>(now_us - last_us_), touches[i]);
+    if (!biotac_channels_[i].due(now_us)) continue;
+    BiotacReading r = biotacs_[i].read();
+    r.time_us = now_us;
+    biotac_channels_[i].put(now_us, r);
+  }
+  last_us_ = now_us;
+}
+
 void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
   if (force_torque_.due(now_us)) {
     ForceTorqueReading r{now_us, {}};
@@ -84,6 +99,7 @@ void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
     r.time_us = now_us;
     hand_.put(now_us, std::move(r));
   }
+  sample_biotacs(now_us, truth.touches);
 }
 
 }  // namespace palpate::sensors

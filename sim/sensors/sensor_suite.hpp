@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/sensors/biotac.hpp"
 #include "sim/sensors/channel.hpp"
 
 namespace palpate::sensors {
@@ -37,8 +38,11 @@ struct Truth {
   InertialReading imu;
   RobotReading robot;
   HandReading hand;
+  std::vector<std::vector<Touch>> touches;            // by fingertip; none: no BioTac is sampled
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // of the flange, linear first
 };
+
+inline constexpr int kMostFingertips = 5;
 
 /// Every sensor of the arm and hand. All that is random comes from the one seed; each sensor has a
 /// stream of its own, so that changing one does not change what another measures.
@@ -56,10 +60,14 @@ class SensorSuite {
   bool take(std::int64_t now_us, InertialReading& r) { return imu_.take(now_us, r); }
   bool take(std::int64_t now_us, RobotReading& r) { return robot_.take(now_us, r); }
   bool take(std::int64_t now_us, HandReading& r) { return hand_.take(now_us, r); }
+  bool take(std::int64_t now_us, int finger, BiotacReading& r) {
+    return biotac_channels_[finger].take(now_us, r);
+  }
 
  private:
   RobotReading measure_robot(const Truth& truth);
   HandReading measure_hand(const HandReading& truth);
+  void sample_biotacs(std::int64_t now_us, const std::vector<std::vector<Touch>>& touches);
 
   Channel<ForceTorqueReading> force_torque_;
   Channel<InertialReading> imu_;
@@ -68,6 +76,9 @@ class SensorSuite {
   Signal force_, torque_, acceleration_, angular_velocity_;
   Signal joint_position_, joint_velocity_, joint_torque_;
   std::vector<Signal> fingertips_;
+  std::vector<Channel<BiotacReading>> biotac_channels_;
+  std::vector<Biotac> biotacs_;
+  std::int64_t last_us_ = 0;
   math::Pose X_EE_reported_;  // reported flange in the true one
 };
 

@@ -1,6 +1,7 @@
 #include "sim/sensors/sensor_table.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "sensors_yaml.hpp"
 
@@ -29,6 +30,22 @@ void read(const config::Node& node, math::Vector6d& bias) {
   std::copy(values.begin(), values.end(), bias.data());
 }
 
+void read(const config::Node& node, BiotacTable& table) {
+  constexpr config::Range kCounts{-4095, 4095};
+  read(node, table.timing);
+  table.polarity = node.number("polarity", {-1, 1}, table.polarity);
+  if (std::abs(table.polarity) != 1) node.fail("polarity", "wants 1 or -1");
+  read(node, "electrode", table.electrode);
+  read(node, "pressure", table.pressure);
+  read(node, "vibration", table.vibration);
+  read(node, "temperature", table.temperature);
+  const config::Node warm_up = node.child_or_empty("warm_up");
+  table.warm_up = warm_up.number("time", {1, 1e5}, table.warm_up);
+  table.warm_up_electrode = warm_up.number("electrode", kCounts, table.warm_up_electrode);
+  table.warm_up_pressure = warm_up.number("pressure", kCounts, table.warm_up_pressure);
+  table.warm_up_temperature = warm_up.number("temperature", kCounts, table.warm_up_temperature);
+}
+
 void read(const config::Node& node, SensorTable& table) {
   const config::Node ft = node.child_or_empty("force_torque");
   read(ft, table.force_torque.timing);
@@ -48,6 +65,7 @@ void read(const config::Node& node, SensorTable& table) {
   const config::Node hand = node.child_or_empty("hand_state");
   read(hand, table.hand_state.timing);
   read(hand, "fingertip", table.hand_state.fingertip);
+  read(node.child_or_empty("biotac"), table.biotac);
   table.kinematics_error = node.pose("kinematics_error");
 }
 

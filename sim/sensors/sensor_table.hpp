@@ -20,6 +20,15 @@ struct Faults {
   double drift = 0;  // standard deviation of a random walk after 1 s
 };
 
+/// Of every BioTac; signals in counts.
+struct BiotacTable {
+  Timing timing;
+  double polarity = 1;  // 1: electrodes rise under pressure, -1: they fall; both kinds exist
+  Faults electrode, pressure, vibration, temperature;
+  double warm_up = 300;  // s, time constant after switching on
+  double warm_up_electrode = 0, warm_up_pressure = 0, warm_up_temperature = 0;  // counts in all
+};
+
 /// sensors.yaml as a struct, with what a scene changes.
 struct SensorTable {
   struct {
@@ -40,6 +49,7 @@ struct SensorTable {
     Timing timing;
     Faults fingertip;  // m
   } hand_state;
+  BiotacTable biotac;
   /// Error of the arm's kinematics as it shows at the grasp: the reported pose of the flange is
   /// X_WE X_EG error inverse(X_EG).
   math::Pose kinematics_error = math::Pose::Identity();

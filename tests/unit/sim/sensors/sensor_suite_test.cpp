@@ -159,5 +159,29 @@ TEST(SensorSuite, OneSeedGivesOneRunAndSensorsAreIndependent) {
   EXPECT_EQ(first_wrench(table(), 5), first_wrench(table("{imu: {rate: 50}}"), 5));
 }
 
+TEST(SensorSuite, FingertipsThatTouchHaveBiotacs) {
+  SensorSuite suite(table(), 1, grasp(), 7);
+  Truth truth = some_truth();
+  BiotacReading reading;
+  suite.sample(1000, truth);
+  EXPECT_FALSE(suite.take(100'000, 0, reading)) << "no fingertips in the scene";
+  truth.touches.resize(2);
+  truth.touches[1] = {{{-7e-3, 0, -7e-3}, {0, 0, 1}, 3e-3}};
+  int count = 0, idle = 0, pressed = 0;
+  for (std::int64_t now = 2000; now <= 1'001'000; now += 1000) {
+    suite.sample(now, truth);
+    while (suite.take(now, 0, reading)) {
+      ++count;
+      idle = reading.pdc;
+    }
+    while (suite.take(now, 1, reading)) pressed = reading.pdc;
+  }
+  EXPECT_NEAR(count, 100, 1);
+  EXPECT_NEAR(pressed - idle, 128, 210) << "two sensors rest at unlike counts";
+  EXPECT_FALSE(suite.take(2'000'000, 2, reading));
+  truth.touches.resize(6);
+  EXPECT_THROW(suite.sample(1'002'000, truth), std::invalid_argument);
+}
+
 }  // namespace
 }  // namespace palpate::sensors
