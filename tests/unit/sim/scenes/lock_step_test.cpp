@@ -2,7 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <thread>
 #include <vector>
+
+#include "core/math/random.hpp"
 
 namespace palpate::scenes {
 namespace {
@@ -48,6 +52,40 @@ TEST(LockStep, SendsAgainUntilItGivesUp) {
   const std::atomic<bool> stop{false};
   EXPECT_EQ(e.lock_step.exchange(1, 1000, 0, stop), LockStep::Answer::kNone);
   EXPECT_GT(e.lock_step.repeats(), 1);
+}
+
+// One message in twenty is lost, either way: every tick is still done, in order, and none twice.
+TEST(LockStep, LossesDelayTicksButLoseNone) {
+  Exchange e;
+  LockStep patient(*e.ours, 9, 5);
+  std::atomic<bool> over{false};
+  std::vector<std::int64_t> run;
+  std::thread daemon([&] {
+    math::Random random(6);
+    sim_tick_t tick{};
+    std::int64_t arrival_ns = 0, last = 0;
+    while (!over) {
+      if (!e.ticks.take(tick, arrival_ns)) {
+        std::this_thread::yield();
+        continue;
+      }
+      if (random.uniform() < 0.05) continue;  // SIM_TICK lost
+      if (tick.tick > last) run.push_back(last = tick.tick);
+      if (random.uniform() >= 0.05) e.answer(tick.tick);  // else TICK_DONE lost
+    }
+  });
+  constexpr std::int64_t kTicks = 1000;
+  const std::atomic<bool> stop{false};
+  int done = 0;
+  for (std::int64_t tick = 1; tick <= kTicks; ++tick) {
+    done += patient.exchange(tick, 1000, 1000 * tick, stop) == LockStep::Answer::kDone;
+  }
+  over = true;
+  daemon.join();
+  EXPECT_EQ(done, kTicks);
+  EXPECT_GT(patient.repeats(), kTicks / 20);
+  ASSERT_EQ(run.size(), static_cast<std::size_t>(kTicks));
+  EXPECT_TRUE(std::is_sorted(run.begin(), run.end()));
 }
 
 }  // namespace
