@@ -52,14 +52,18 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       blend_(body_) {
   if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
       !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
-      !(options.contraction > 0) || !(options.budget >= 0)) {
+      !(options.contraction > 0) || !(options.budget >= 0) || options.refine < 0) {
     throw std::invalid_argument("solver options: a value is out of range");
+  }
+  if (!dynamic_ && options.refine > 0) {
+    tangent_.emplace(body_, elements_.materials(), numbering_, options.precision);
   }
   if (dynamic_) inertia_.emplace(elements_, numbering_);
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
-  for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &surprise_, &x_inertial_,
-                        &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
+  for (NodalField* m :
+       {&weight_per_gravity_, &rest_, &external_, &v_, &surprise_, &column_, &x_inertial_,
+        &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
     m->setZero(4, n);
   }
   for (int node = 0; node < n; ++node) {

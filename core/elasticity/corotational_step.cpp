@@ -90,6 +90,9 @@ StepReport CorotationalModel::step(double dt) noexcept {
   const auto n = static_cast<int>(positions_.cols());
   const int part = ticks_ % kLookPeriod;
   turn_sensitivity(n * part / kLookPeriod, n * (part + 1) / kLookPeriod);
+  for (int column = 0; column < options_.refine && !out_of_time(start); ++column) {
+    if (report.status != StepStatus::kFailed) refine_column();
+  }
   return report;
 }
 
@@ -150,20 +153,25 @@ double CorotationalModel::residual() const noexcept {
 
 /// Into correction_; returns the slope of the potential along it, J.
 double CorotationalModel::find_correction() noexcept {
-  const int unknowns = pattern_.size();
-  for (int k = 0; k < unknowns; ++k) {
+  for (int k = 0; k < pattern_.size(); ++k) {
     correction_.segment<3>(3 * k) = -forces_.col(k).head<3>().cast<float>();
   }
+  solve_for(correction_);
+  return slope();
+}
+
+/// Overwrites b, the axes of an unknown node together, with what the tangent of now makes of it:
+/// the old factor, turned and sharpened. Held nodes get none.
+void CorotationalModel::solve_for(Eigen::VectorXf& b) noexcept {
   for (int g = 0; g < 2; ++g) {
     const int begin = pattern_.border_begin(g);
-    if (held_[g]) correction_.segment(3 * begin, 3 * (pattern_.border_end(g) - begin)).setZero();
+    if (held_[g]) b.segment(3 * begin, 3 * (pattern_.border_end(g) - begin)).setZero();
   }
-  secants_.apply(correction_, [this](Eigen::VectorXf& b) {
-    warp_.turn_back(b);
-    factor_.panels.solve(b.data(), held_);
-    warp_.turn(b);
+  secants_.apply(b, [this](Eigen::VectorXf& v) {
+    warp_.turn_back(v);
+    factor_.panels.solve(v.data(), held_);
+    warp_.turn(v);
   });
-  return slope();
 }
 
 /// Of the potential along correction_ at x_, J.

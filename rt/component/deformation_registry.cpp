@@ -31,6 +31,7 @@ Model make_corotational(const config::Node& node, const std::string& name, const
   options.panels = node.choice("panels", {"single", "half"}, "single") == "half"
                        ? elasticity::PanelPrecision::kHalf
                        : elasticity::PanelPrecision::kSingle;
+  options.refine = node.integer("refine", {0, 12}, options.refine);
   options.confirm = node.flag("confirm", options.confirm);
   // A tick that runs out of time keeps its last good shape, and says so. What is dropped depends on
   // the machine: runs with a budget are not alike to the bit.

@@ -42,6 +42,10 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--iterations", a.options.solver.iterations, "corrections per step at most")
       ->check(CLI::PositiveNumber)
       ->capture_default_str();
+  app.add_option("--refine", a.options.solver.refine,
+                 "quasistatic: columns of the sensitivity corrected in each step")
+      ->check(CLI::NonNegativeNumber)
+      ->capture_default_str();
   app.add_flag("!--no-confirm", a.options.solver.confirm,
                "No evaluation after the last correction");
   app.add_option("--accuracy", a.options.solver.accuracy,

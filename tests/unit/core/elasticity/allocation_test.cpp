@@ -119,6 +119,11 @@ TEST(Allocation, NoneInTheLoop) {
   const Body linear = make_bar({0.2, 0.05, 0.05}, {4, 2, 2}, mesh::ElementOrder::kLinear);
   CorotationalQuasistatic quasistatic(quadratic);
   expect_no_allocation(quasistatic);
+  SolverOptions options;
+  options.refine = 2;
+  options.confirm = false;
+  CorotationalQuasistatic refining(quadratic, options);
+  expect_no_allocation(refining);
   CorotationalDynamic dynamic(quadratic);
   expect_no_allocation(dynamic);
   CorotationalDynamic linear_dynamic(linear);
