@@ -1,38 +1,53 @@
 #include "sim/camera/point_cloud.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
+#include <cstdint>
 #include <stdexcept>
 #include <vector>
 
 namespace palpate::camera {
 namespace {
 
-using Cell = std::array<int, 3>;
+/// A point with the number of the cell it lies in, which is packed so that sorting is quick.
+struct Binned {
+  std::uint64_t cell;
+  Eigen::Index point;
+  bool operator<(const Binned& other) const {
+    return cell != other.cell ? cell < other.cell : point < other.point;
+  }
+};
+
+std::uint64_t cell_of(const Eigen::Vector3d& p, double voxel) {
+  constexpr int kBits = 21;
+  constexpr std::int64_t kMiddle = std::int64_t{1} << (kBits - 1);  // cells to either side of 0
+  std::uint64_t cell = 0;
+  for (const double x : p) {
+    const auto index = static_cast<std::int64_t>(std::floor(x / voxel));
+    cell = cell << kBits | static_cast<std::uint64_t>(
+                               std::clamp<std::int64_t>(index + kMiddle, 0, 2 * kMiddle - 1));
+  }
+  return cell;
+}
 
 /// The column of each cell's point.
 std::vector<Eigen::Index> one_of_each_cell(const Eigen::Matrix3Xd& points, double voxel) {
-  std::vector<Cell> cells(points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    for (int axis = 0; axis < 3; ++axis)
-      cells[i][axis] = static_cast<int>(std::floor(points(axis, i) / voxel));
-  std::vector<Eigen::Index> order(points.cols());
-  std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](Eigen::Index a, Eigen::Index b) { return cells[a] < cells[b]; });
+  std::vector<Binned> binned(points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) binned[i] = {cell_of(points.col(i), voxel), i};
+  std::sort(binned.begin(), binned.end());
 
   std::vector<Eigen::Index> chosen;
-  for (std::size_t first = 0, last = 0; first < order.size(); first = last) {
+  for (auto first = binned.begin(), last = first; first != binned.end(); first = last) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (last = first; last < order.size() && cells[order[last]] == cells[order[first]]; ++last)
-      sum += points.col(order[last]);
+    for (last = first; last != binned.end() && last->cell == first->cell; ++last)
+      sum += points.col(last->point);
     const Eigen::Vector3d mean = sum / static_cast<double>(last - first);
-    chosen.push_back(*std::min_element(
-        order.begin() + first, order.begin() + last, [&](Eigen::Index a, Eigen::Index b) {
-          return (points.col(a) - mean).squaredNorm() < (points.col(b) - mean).squaredNorm();
-        }));
+    const auto distance = [&](const Binned& b) {
+      return (points.col(b.point) - mean).squaredNorm();
+    };
+    chosen.push_back(std::min_element(first, last, [&](const Binned& a, const Binned& b) {
+                       return distance(a) < distance(b);
+                     })->point);
   }
   return chosen;
 }
