@@ -15,8 +15,8 @@ ShapeReading ShapeCamera::look(const std::vector<Body>& bodies, math::Random ran
 
   const Eigen::Matrix3Xd seen_C = back_project(frame.depth, camera_.intrinsics(), mask);
   ShapeReading reading;
-  const Eigen::Matrix3Xd seen_W =
-      (options_.X_WC.linear() * seen_C).colwise() + options_.X_WC.translation();
+  const math::Pose X_WC = options_.X_WC * options_.calibration_error;
+  const Eigen::Matrix3Xd seen_W = (X_WC.linear() * seen_C).colwise() + X_WC.translation();
   reading.points_W = thin_by_voxels(seen_W, options_.voxel, most);
   if (seen_C.cols() > 0) reading.deviation = noise_.deviation(seen_C.row(2).mean());
   return reading;

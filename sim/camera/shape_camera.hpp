@@ -13,6 +13,8 @@ enum class Segmentation {
 
 struct ShapeCameraOptions {
   math::Pose X_WC = math::Pose::Identity();
+  /// By which the pose that is believed differs: points are reported as X_WC error p_C.
+  math::Pose calibration_error = math::Pose::Identity();
   DepthNoiseOptions noise;
   Segmentation segmentation = Segmentation::kColour;
   ObjectFilter filter;  // for kColour

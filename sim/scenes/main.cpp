@@ -45,6 +45,7 @@ std::int64_t wall_clock_us() {
 }
 
 nlohmann::json run_real_time(Simulation& simulation, std::int64_t ticks) {
+  simulation.let_camera_lag();
   RealTimePacer pacer(1000 * Simulation::kPeriodUs);
   while (!stop && simulation.tick() < ticks) {
     pacer.wait();
@@ -119,6 +120,8 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  if (simulation.camera() != nullptr)
+    result["camera_pictures_left_out"] = simulation.camera()->left_out();
   report(simulation, result);
   if (!options.json.empty()) {
     std::ofstream file(options.json);
