@@ -105,7 +105,7 @@ TEST(CameraPublisher, RunsAreEqualToTheBitAndSeedsMatter) {
 
 TEST(CameraPublisher, WhereItMayLagPicturesAreTheSameOrLeftOut) {
   std::map<std::int64_t, shape_observation_t> waited;
-  for (const auto& m : observe(1)) waited[m.utime] = m;
+  for (const auto& m : observe(1.1)) waited[m.utime] = m;
   Stage stage(kSixPoses, with_camera());
   stage.simulation.let_camera_lag();
   for (int i = 0; i < 1000; ++i) {
