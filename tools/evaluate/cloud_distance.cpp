@@ -5,6 +5,7 @@
 #include <cmath>
 #include <nanoflann.hpp>
 #include <stdexcept>
+#include <vector>
 
 #include "core/contact/surface_search.hpp"
 

@@ -7,8 +7,8 @@ namespace palpate::evaluate {
 /// Agreement of two clouds by an octree, as thesis Figs 4.9 to 4.11 show it: the octree's cubes
 /// that hold a point of one cloud are occupied, and the score is the share of the other cloud's
 /// points that fall into occupied cubes. It depends on the resolution, which is therefore part of
-/// it: a surface that lies beside the other by half a cube agrees to about a half. The thesis' own
-/// resolution and formula are not known.
+/// it: planes along the cubes that lie half a cube apart agree by half on average, oblique ones by
+/// more. The thesis' own resolution and formula are not known.
 struct OctreeAgreement {
   double resolution = 0;         // m, side of a cube
   double estimate_in_truth = 0;  // share of the estimate's points in cubes of the truth
