@@ -3,18 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <stdexcept>
 #include <vector>
 
 namespace palpate::camera {
 namespace {
 
-/// A point with the number of the cell it lies in, which is packed so that sorting is quick.
-struct Binned {
+/// Neighbouring points in one cell, first <= i < last. The cell's number is packed; sorting few
+/// runs of many points is quick.
+struct Run {
   std::uint64_t cell;
-  Eigen::Index point;
-  bool operator<(const Binned& other) const {
-    return cell != other.cell ? cell < other.cell : point < other.point;
+  Eigen::Index first, last;
+  bool operator<(const Run& other) const {
+    return cell != other.cell ? cell < other.cell : first < other.first;
   }
 };
 
@@ -30,24 +32,40 @@ std::uint64_t cell_of(const Eigen::Vector3d& p, double voxel) {
   return cell;
 }
 
+std::vector<Run> sorted_runs(const Eigen::Matrix3Xd& points, double voxel) {
+  std::vector<Run> runs;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    const std::uint64_t cell = cell_of(points.col(i), voxel);
+    if (runs.empty() || runs.back().cell != cell) runs.push_back({cell, i, i});
+    runs.back().last = i + 1;
+  }
+  std::sort(runs.begin(), runs.end());
+  return runs;
+}
+
 /// The column of each cell's point.
 std::vector<Eigen::Index> one_of_each_cell(const Eigen::Matrix3Xd& points, double voxel) {
-  std::vector<Binned> binned(points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i) binned[i] = {cell_of(points.col(i), voxel), i};
-  std::sort(binned.begin(), binned.end());
-
+  const std::vector<Run> runs = sorted_runs(points, voxel);
   std::vector<Eigen::Index> chosen;
-  for (auto first = binned.begin(), last = first; first != binned.end(); first = last) {
+  for (std::size_t first = 0, last = 0; first < runs.size(); first = last) {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    for (last = first; last != binned.end() && last->cell == first->cell; ++last)
-      sum += points.col(last->point);
-    const Eigen::Vector3d mean = sum / static_cast<double>(last - first);
-    const auto distance = [&](const Binned& b) {
-      return (points.col(b.point) - mean).squaredNorm();
-    };
-    chosen.push_back(std::min_element(first, last, [&](const Binned& a, const Binned& b) {
-                       return distance(a) < distance(b);
-                     })->point);
+    Eigen::Index count = 0;
+    for (last = first; last < runs.size() && runs[last].cell == runs[first].cell; ++last) {
+      for (Eigen::Index i = runs[last].first; i < runs[last].last; ++i, ++count)
+        sum += points.col(i);
+    }
+    const Eigen::Vector3d mean = sum / static_cast<double>(count);
+    Eigen::Index nearest = runs[first].first;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t run = first; run < last; ++run) {
+      for (Eigen::Index i = runs[run].first; i < runs[run].last; ++i) {
+        const double distance = (points.col(i) - mean).squaredNorm();
+        if (!(distance < least)) continue;
+        least = distance;
+        nearest = i;
+      }
+    }
+    chosen.push_back(nearest);
   }
   return chosen;
 }
