@@ -81,6 +81,9 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
   std::printf("\ncommands: %lld accepted, %lld rejected\n",
               static_cast<long long>(simulation.commands().accepted()),
               static_cast<long long>(simulation.commands().rejected()));
+  if (simulation.camera() != nullptr)
+    std::printf("camera: %lld pictures left out because one was still being drawn\n",
+                static_cast<long long>(simulation.camera()->left_out()));
 }
 
 int run(const Options& options) {
