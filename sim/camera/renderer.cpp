@@ -303,6 +303,14 @@ void Renderer::read_colours() {
   const std::vector<unsigned char>& rgba = context_.pixels();
   const int samples = supersampling_ * supersampling_;
   for (int row = 0; row < image_.height; ++row) {
+    if (samples == 1) {
+      const unsigned char* sample =
+          &rgba[4 * std::size_t(context_.height() - 1 - row) * context_.width()];
+      std::uint8_t* pixel = image_.pixel(0, row);
+      for (int column = 0; column < image_.width; ++column, sample += 4, pixel += 3)
+        std::copy_n(sample, 3, pixel);
+      continue;
+    }
     for (int column = 0; column < image_.width; ++column) {
       int sum[3] = {};
       for (int s = 0; s < samples; ++s) {

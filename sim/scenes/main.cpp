@@ -45,6 +45,7 @@ std::int64_t wall_clock_us() {
 }
 
 nlohmann::json run_real_time(Simulation& simulation, std::int64_t ticks) {
+  simulation.let_camera_lag();
   RealTimePacer pacer(1000 * Simulation::kPeriodUs);
   while (!stop && simulation.tick() < ticks) {
     pacer.wait();
@@ -80,6 +81,9 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
   std::printf("\ncommands: %lld accepted, %lld rejected\n",
               static_cast<long long>(simulation.commands().accepted()),
               static_cast<long long>(simulation.commands().rejected()));
+  if (simulation.camera() != nullptr)
+    std::printf("camera: %lld pictures left out because one was still being drawn\n",
+                static_cast<long long>(simulation.camera()->left_out()));
 }
 
 int run(const Options& options) {
@@ -119,6 +123,8 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  if (simulation.camera() != nullptr)
+    result["camera_pictures_left_out"] = simulation.camera()->left_out();
   report(simulation, result);
   if (!options.json.empty()) {
     std::ofstream file(options.json);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "sim/scenes/camera_settings.hpp"
+
 namespace palpate::scenes {
 namespace {
 
@@ -80,6 +82,7 @@ Scene read_scene(const config::Node& node) {
   read_object(node.child("object"), scene);
   read_robot(node.child("robot"), scene);
   scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
+  if (node.has("camera")) scene.camera = read_camera(node.child("camera"), scene);
   if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
   node.check_all_used();
   return scene;

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "rt/config/node.hpp"
+#include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/motion_plan.hpp"
@@ -34,7 +35,8 @@ struct Scene {
   math::Pose X_EG = math::Pose::Identity();
 
   sensors::SensorTable sensors;
-  std::optional<MotionPlan> motion;  // none: the arm obeys the daemon
+  std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION
+  std::optional<MotionPlan> motion;                  // none: the arm obeys the daemon
 };
 
 /// Throws config::Error, also for keys that nobody knows.

@@ -59,6 +59,9 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       sensors_(scene_.sensors, scene_.seed, scene_.X_EG, robot_->joint_count()),
       commands_(control),
       sensor_publisher_(control, origin.session, origin.start_utime),
+      camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, *robot_,
+                                                                origin.session, origin.start_utime)
+                            : nullptr),
       truth_(housekeeping, *plant_, origin.session) {}
 
 math::Pose Simulation::grasp_in_object() const {
@@ -122,6 +125,7 @@ void Simulation::step() {
   const std::int64_t now_us = kPeriodUs * tick_;
   sensors_.sample(now_us, sense());
   sensor_publisher_.publish(sensors_, now_us);
+  if (camera_) camera_->step(now_us, *robot_, *plant_);
   if (tick_ % kTruthTicks == 0) {
     truth_.publish_shape(*plant_, utime());
     truth_.publish_contact(*plant_, grasp_in_object(), utime());

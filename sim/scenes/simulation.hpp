@@ -8,6 +8,7 @@
 #include "rt/config/node.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/robot/robot.hpp"
+#include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/command_receiver.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/scenes/sensor_publisher.hpp"
@@ -43,6 +44,13 @@ class Simulation {
   void start_clock(std::int64_t start_utime) {
     origin_.start_utime = start_utime;
     sensor_publisher_.start_clock(start_utime);
+    if (camera_) camera_->start_clock(start_utime);
+  }
+
+  /// For a run against the real clock: the camera's pictures may come late and are never waited
+  /// for.
+  void let_camera_lag() {
+    if (camera_) camera_->let_lag();
   }
 
   void step();
@@ -55,7 +63,8 @@ class Simulation {
   const robot::Robot& robot() const { return *robot_; }
   const object::HyperelasticPlant& plant() const { return *plant_; }
   const CommandReceiver& commands() const { return commands_; }
-  math::Pose grasp_in_object() const;  // X_OG
+  const CameraPublisher* camera() const { return camera_.get(); }  // nullptr: the scene has none
+  math::Pose grasp_in_object() const;                              // X_OG
   /// What the scene's motion asks for now; the first pose where there is none.
   math::Pose grasp_target() const;
   std::int64_t mesh_hash() const { return truth_.mesh_hash(); }
@@ -74,6 +83,7 @@ class Simulation {
   sensors::SensorSuite sensors_;
   CommandReceiver commands_;
   SensorPublisher sensor_publisher_;
+  std::unique_ptr<CameraPublisher> camera_;
   TruthPublisher truth_;
   std::int64_t tick_ = 0;
 };

@@ -46,6 +46,16 @@ void read(const config::Node& node, BiotacTable& table) {
   table.warm_up_temperature = warm_up.number("temperature", kCounts, table.warm_up_temperature);
 }
 
+void read(const config::Node& node, camera::DepthNoiseOptions& noise) {
+  constexpr double kDegree = 3.14159265358979323846 / 180;
+  noise.scale = node.number("noise", {0, 100}, noise.scale);
+  noise.disparity_step = node.number("disparity_step", {0, 10}, noise.disparity_step);
+  noise.edge_loss = node.number("edge_loss", {0, 1}, noise.edge_loss);
+  noise.most_angle = kDegree * node.number("most_angle_deg", {1, 89}, noise.most_angle / kDegree);
+  noise.nearest = node.number("nearest", {0, 10}, noise.nearest);
+  noise.farthest = node.number("farthest", {noise.nearest + 0.01, 20}, noise.farthest);
+}
+
 void read(const config::Node& node, SensorTable& table) {
   const config::Node ft = node.child_or_empty("force_torque");
   read(ft, table.force_torque.timing);
@@ -66,6 +76,11 @@ void read(const config::Node& node, SensorTable& table) {
   read(hand, table.hand_state.timing);
   read(hand, "fingertip", table.hand_state.fingertip);
   read(node.child_or_empty("biotac"), table.biotac);
+  const config::Node camera = node.child_or_empty("camera");
+  read(camera, table.camera.timing);
+  read(camera.child_or_empty("depth"), table.camera.noise);
+  if (camera.has("calibration_error"))
+    table.camera.calibration_error = camera.pose("calibration_error");
   table.kinematics_error = node.pose("kinematics_error");
 }
 

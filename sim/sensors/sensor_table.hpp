@@ -2,6 +2,7 @@
 
 #include "core/math/rigid.hpp"
 #include "rt/config/node.hpp"
+#include "sim/camera/depth_noise.hpp"
 
 namespace palpate::sensors {
 
@@ -50,6 +51,11 @@ struct SensorTable {
     Faults fingertip;  // m
   } hand_state;
   BiotacTable biotac;
+  struct {
+    Timing timing;
+    camera::DepthNoiseOptions noise;
+    math::Pose calibration_error = math::Pose::Identity();  // as in ShapeCameraOptions
+  } camera;
   /// Error of the arm's kinematics as it shows at the grasp: the reported pose of the flange is
   /// X_WE X_EG error inverse(X_EG).
   math::Pose kinematics_error = math::Pose::Identity();

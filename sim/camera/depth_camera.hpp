@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim/camera/renderer.hpp"
+
+namespace palpate::camera {
+
+/// A thing that a camera may see.
+struct Body {
+  std::shared_ptr<const TriangleMesh> mesh;  // in B
+  math::Pose X_WB = math::Pose::Identity();
+  Colour colour;
+  bool is_object = false;  // the one whose shape is wanted
+};
+
+/// Which pixels, 1 or 0, rows from the top.
+using Mask = std::vector<std::uint8_t>;
+
+/// What a depth camera sees of one instant. Colour and depth are registered: the same pixel of both
+/// shows the same thing.
+struct DepthFrame {
+  View view;
+  Image colour;
+  DepthImage depth;
+};
+
+/// Intrinsics of the first Kinect's depth picture of 640 x 480: a focal length of 585 px (5.453 mm
+/// at 9.3 um a pixel; Khoshelham and Elberink 2012), the optical axis through the middle. Without
+/// lens distortion.
+struct KinectModel {
+  static constexpr int kWidth = 640;
+  static constexpr int kHeight = 480;
+  static constexpr double kFocalLength = 585;  // px
+  static Intrinsics intrinsics();
+};
+
+/// Depth and colour of a scene at a pose, through OSMesa, without noise. What stands before the
+/// object hides it. One thread at a time, the one that made it.
+class DepthCamera {
+ public:
+  /// Throws std::runtime_error without OSMesa.
+  explicit DepthCamera(const Intrinsics& intrinsics = KinectModel::intrinsics(),
+                       int width = KinectModel::kWidth, int height = KinectModel::kHeight);
+
+  const Intrinsics& intrinsics() const { return intrinsics_; }
+
+  DepthFrame take(const math::Pose& X_WC, const std::vector<Body>& bodies);
+
+  /// The pixels of `frame` that show the object: truth, which no real camera knows. `frame` must be
+  /// the one just taken of the same bodies.
+  Mask object_mask(const DepthFrame& frame, const std::vector<Body>& bodies);
+
+ private:
+  void draw(const std::vector<Body>& bodies, bool only_object);
+
+  Intrinsics intrinsics_;
+  Renderer renderer_;
+};
+
+}  // namespace palpate::camera

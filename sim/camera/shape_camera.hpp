@@ -1,0 +1,47 @@
+#pragma once
+
+#include "sim/camera/depth_noise.hpp"
+#include "sim/camera/point_cloud.hpp"
+#include "sim/camera/segmentation.hpp"
+
+namespace palpate::camera {
+
+enum class Segmentation {
+  kColour,  // box of interest and colour, as a real user does
+  kTruth    // by what was drawn, which only a simulator knows
+};
+
+struct ShapeCameraOptions {
+  math::Pose X_WC = math::Pose::Identity();
+  /// By which the pose that is believed differs: points are reported as X_WC error p_C.
+  math::Pose calibration_error = math::Pose::Identity();
+  DepthNoiseOptions noise;
+  Segmentation segmentation = Segmentation::kColour;
+  ObjectFilter filter;  // for kColour
+  int margin = 3;       // px, of the object's outline that is left out
+  double voxel = 0.01;  // m, side of the cubes that give one point each, at least
+};
+
+/// Points on the visible surface of the object.
+struct ShapeReading {
+  Eigen::Matrix3Xd points_W;  // m
+  double deviation = 0;       // m, standard deviation of each coordinate
+};
+
+/// A depth camera with what is usually done next: noisy depth picture, segmentation of the object,
+/// point cloud, thinning.
+class ShapeCamera {
+ public:
+  /// Throws as DepthCamera and DepthNoise do.
+  explicit ShapeCamera(const ShapeCameraOptions& options);
+
+  /// At most `most` points. All chance comes from `random`.
+  ShapeReading look(const std::vector<Body>& bodies, math::Random random, int most);
+
+ private:
+  ShapeCameraOptions options_;
+  DepthCamera camera_;
+  DepthNoise noise_;
+};
+
+}  // namespace palpate::camera

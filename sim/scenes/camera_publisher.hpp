@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstdint>
+#include <palpate/shape_observation_t.hpp>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "sim/camera/background_camera.hpp"
+#include "sim/scenes/camera_scenery.hpp"
+#include "sim/sensors/channel.hpp"
+
+namespace palpate::scenes {
+
+/// A scene's camera: SHAPE_OBSERVATION on the control bus, at the camera's rate, late and lossy as
+/// the sensor table says. Pictures are drawn in a thread of their own. By default the simulation
+/// waits for a picture when it is due to arrive, so that the same scene gives the same messages to
+/// the bit; a simulation that must keep up with the real clock lets the camera lag.
+class CameraPublisher {
+ public:
+  /// The scene has a camera. Throws std::runtime_error where nothing can be drawn.
+  CameraPublisher(bus::MessageBus& control, const Scene& scene, const robot::Robot& robot,
+                  std::int64_t session, std::int64_t start_utime);
+  void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
+
+  /// Never waits from now on: a picture that is not ready comes late, and one that would begin
+  /// while another is drawn is left out.
+  void let_lag() { may_lag_ = true; }
+
+  /// Once a tick, with time rising: takes a picture where one is due, sends what has arrived.
+  void step(std::int64_t now_us, const robot::Robot& robot, const object::HyperelasticPlant& plant);
+
+  std::int64_t left_out() const { return left_out_; }
+
+ private:
+  struct Reading {
+    std::int64_t time_us = 0;  // of the picture
+    camera::ShapeReading shape;
+  };
+  void collect(bool wait);
+  void publish(const Reading& reading);
+
+  sensors::Channel<Reading> channel_;
+  std::int64_t delay_us_;
+  math::Random noise_;
+  CameraScenery scenery_;
+  camera::BackgroundCamera camera_;
+  std::int64_t drawn_us_ = 0;  // time of the picture that is being drawn
+  std::int64_t pictures_ = 0;
+  std::int64_t left_out_ = 0;
+  bool may_lag_ = false;
+  std::int64_t start_utime_;
+  bus::TypedPublisher<shape_observation_t> publisher_;
+  bus::Stamp stamp_;
+};
+
+}  // namespace palpate::scenes

@@ -1,0 +1,74 @@
+#include "sim/scenes/camera_scenery.hpp"
+
+#include <optional>
+
+namespace palpate::scenes {
+namespace {
+
+constexpr double kRigThickness = 0.03;  // m
+constexpr double kRigOverhang = 1.6;    // its side lengths by those of the face
+const camera::Colour kRigColour{0.35F, 0.37F, 0.40F, 1};
+
+camera::TriangleMesh mesh_of(const robot::VisualShape& visual) {
+  switch (visual.kind) {
+    case robot::ShapeKind::kBox:
+      return camera::make_box(visual.size);
+    case robot::ShapeKind::kCylinder:
+      return camera::make_cylinder(visual.size.x(), visual.size.y());
+    case robot::ShapeKind::kSphere:
+      return camera::make_sphere(visual.size.x());
+  }
+  return {};
+}
+
+camera::Body make_body(camera::TriangleMesh mesh, const math::Pose& X, const camera::Colour& colour,
+                       bool is_object = false) {
+  return {std::make_shared<const camera::TriangleMesh>(std::move(mesh)), X, colour, is_object};
+}
+
+/// In O; none where the clamp is not one face of the box.
+std::optional<camera::Body> rig(const object::PlantOptions& plant) {
+  if (!plant.clamp) return std::nullopt;
+  const Eigen::Vector3d lower = plant.origin, upper = plant.origin + plant.size;
+  for (int axis = 0; axis < 3; ++axis) {
+    for (const bool is_upper : {false, true}) {
+      const double face = is_upper ? upper[axis] : lower[axis];
+      if (plant.clamp->lower[axis] != face || plant.clamp->upper[axis] != face) continue;
+      Eigen::Vector3d size = kRigOverhang * plant.size, centre = 0.5 * (lower + upper);
+      size[axis] = kRigThickness;
+      centre[axis] = face + (is_upper ? 0.5 : -0.5) * kRigThickness;
+      return make_body(camera::make_box(size), math::make_pose(Eigen::Matrix3d::Identity(), centre),
+                       kRigColour);
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+CameraScenery::CameraScenery(const Scene& scene, const robot::Robot& robot)
+    : X_WO_(scene.X_WO), object_colour_(scene.camera->filter.colour) {
+  for (const robot::VisualShape& visual : robot.visuals()) {
+    const Eigen::Vector3f c = visual.colour.cast<float>();
+    visuals_.push_back(
+        {visual.link, make_body(mesh_of(visual), visual.X_LV, {c.x(), c.y(), c.z(), 1})});
+  }
+  if (std::optional<camera::Body> block = rig(scene.plant)) {
+    block->X_WB = X_WO_ * block->X_WB;
+    still_.push_back(*block);
+  }
+}
+
+std::vector<camera::Body> CameraScenery::now(const robot::Robot& robot,
+                                             const object::HyperelasticPlant& plant) const {
+  std::vector<camera::Body> bodies = still_;
+  for (const Visual& visual : visuals_) {
+    bodies.push_back(visual.body);
+    bodies.back().X_WB = robot.link_pose(visual.link) * visual.body.X_WB;
+  }
+  bodies.push_back(
+      make_body({plant.positions(), plant.surface_triangles()}, X_WO_, object_colour_, true));
+  return bodies;
+}
+
+}  // namespace palpate::scenes

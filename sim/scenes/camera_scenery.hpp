@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "sim/camera/depth_camera.hpp"
+#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/robot/robot.hpp"
+#include "sim/scenes/scene.hpp"
+
+namespace palpate::scenes {
+
+/// What stands before a scene's camera: arm and hand by the primitive shapes of their URDF file,
+/// the object, and a block of the test rig behind the face that it clamps.
+class CameraScenery {
+ public:
+  CameraScenery(const Scene& scene, const robot::Robot& robot);
+
+  /// Everything where it is now, in W. A copy, which another thread may draw.
+  std::vector<camera::Body> now(const robot::Robot& robot,
+                                const object::HyperelasticPlant& plant) const;
+
+ private:
+  struct Visual {
+    std::string link;
+    camera::Body body;  // posed in the link
+  };
+  std::vector<Visual> visuals_;
+  std::vector<camera::Body> still_;
+  math::Pose X_WO_;
+  camera::Colour object_colour_;
+};
+
+}  // namespace palpate::scenes

@@ -1,0 +1,51 @@
+#include "sim/scenes/camera_settings.hpp"
+
+#include <stdexcept>
+
+namespace palpate::scenes {
+namespace {
+
+constexpr double kFarthest = 20;  // m
+const Eigen::Vector3d kAmber(0.95, 0.72, 0.30);
+
+math::Pose read_pose(const config::Node& node, const Eigen::Vector3d& middle_W) {
+  if (node.has("pose")) {
+    if (node.has("eye")) node.fail("eye", "given beside pose; allowed: one of them");
+    return node.pose("pose");
+  }
+  const Eigen::Vector3d eye = node.vector3("eye", {-kFarthest, kFarthest});
+  const Eigen::Vector3d target = node.vector3("target", {-kFarthest, kFarthest}, middle_W);
+  try {
+    return camera::look_at(eye, target, Eigen::Vector3d::UnitZ());
+  } catch (const std::invalid_argument&) {
+    node.fail("eye", "lies above, below or in the target; allowed: elsewhere, or pose instead");
+  }
+}
+
+}  // namespace
+
+camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene) {
+  const Eigen::Vector3d lower = scene.plant.origin, upper = lower + scene.plant.size;
+  camera::ShapeCameraOptions options;
+  options.X_WC = read_pose(node, scene.X_WO * Eigen::Vector3d(0.5 * (lower + upper)));
+  options.noise = scene.sensors.camera.noise;
+  options.calibration_error = scene.sensors.camera.calibration_error;
+  if (node.choice("segmentation", {"colour", "truth"}, "colour") == "truth")
+    options.segmentation = camera::Segmentation::kTruth;
+
+  camera::ObjectFilter& filter = options.filter;
+  filter.X_WB = scene.X_WO;
+  const double about = 0.5 * scene.plant.size.maxCoeff();
+  const config::Node box = node.child_or_empty("box");
+  filter.lower = box.vector3("lower", {}, lower.array() - about);
+  filter.upper = box.vector3("upper", {}, upper.array() + about);
+  const Eigen::Vector3f colour = node.vector3("colour", {0, 1}, kAmber).cast<float>();
+  if (!(colour.sum() > 0.2F)) node.fail("colour", "too dark to be told from black");
+  filter.colour = {colour.x(), colour.y(), colour.z(), 1};
+  filter.tolerance = node.number("tolerance", {0.001, 1}, filter.tolerance);
+  options.margin = node.integer("margin", {0, 50}, options.margin);
+  options.voxel = node.number("voxel", {0.001, 1}, options.voxel);
+  return options;
+}
+
+}  // namespace palpate::scenes

@@ -1,0 +1,96 @@
+#include "sim/camera/shape_camera.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdio>
+
+#include "tests/unit/sim/camera/bodies.hpp"
+
+namespace palpate::camera {
+namespace {
+
+const Eigen::Vector3d kSize(0.06, 0.5, 0.08);
+
+std::vector<Body> bar_and_hand() {
+  return {body(make_box(kSize), at(0.8, 0, 0), kAmber, true),
+          body(make_box({0.1, 0.1, 0.2}), at(0.7, 0.15, 0))};
+}
+
+ShapeCameraOptions options() {
+  ShapeCameraOptions o;
+  o.X_WC = look_at({0, 0.1, 0.3}, {0.8, 0, 0}, {0, 0, 1});
+  o.filter.X_WB = at(0.8, 0, 0);
+  o.filter.lower.setConstant(-0.4);
+  o.filter.upper.setConstant(0.4);
+  o.filter.colour = kAmber;
+  return o;
+}
+
+/// Signed distance of a point from the surface of the bar.
+double beside_the_bar(const Eigen::Vector3d& p) {
+  const Eigen::Vector3d out = (p - Eigen::Vector3d(0.8, 0, 0)).cwiseAbs() - 0.5 * kSize;
+  return out.maxCoeff() > 0 ? out.cwiseMax(0).norm() : out.maxCoeff();
+}
+
+TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
+  ShapeCamera camera(options());
+  double squares = 0, deviation = 0;
+  int count = 0, far = 0;
+  for (int i = 0; i < 10; ++i) {
+    const ShapeReading reading = camera.look(bar_and_hand(), math::Random(i), 256);
+    ASSERT_GT(reading.points_W.cols(), 100);
+    ASSERT_LE(reading.points_W.cols(), 256);
+    deviation = reading.deviation;
+    for (const auto& p : reading.points_W.colwise()) {
+      const double distance = beside_the_bar(p);
+      squares += distance * distance;
+      far += std::abs(distance) > 5 * deviation;
+      ++count;
+    }
+  }
+  const double rms = std::sqrt(squares / count);
+  std::printf("points beside the surface: rms %.2f mm, stated %.2f mm, %d of %d beyond 5 of it\n",
+              1e3 * rms, 1e3 * deviation, far, count);
+  // Surfaces are seen at 20 to 70 degrees here, so the distance to them is less than along the ray.
+  EXPECT_LT(rms, 1.1 * deviation);
+  EXPECT_GT(rms, 0.4 * deviation);
+  EXPECT_LT(far, 0.01 * count);
+}
+
+TEST(ShapeCamera, TruthAndColourSegmentationAgree) {
+  ShapeCameraOptions o = options();
+  const ShapeReading by_colour = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000);
+  o.segmentation = Segmentation::kTruth;
+  const ShapeReading by_truth = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000);
+  EXPECT_NEAR(by_colour.points_W.cols(), by_truth.points_W.cols(), 0.1 * by_truth.points_W.cols());
+  EXPECT_LT((by_colour.points_W.rowwise().mean() - by_truth.points_W.rowwise().mean()).norm(),
+            5e-3);
+}
+
+TEST(ShapeCamera, TheHandHidesAPartOfTheObject) {
+  ShapeCamera camera(options());
+  const auto in_the_shade = [&](const std::vector<Body>& bodies) {
+    const ShapeReading reading = camera.look(bodies, math::Random(1), 4000);
+    int found = 0;
+    for (const auto& p : reading.points_W.colwise()) found += p.y() > 0.12 && p.y() < 0.16;
+    return found;
+  };
+  EXPECT_GT(in_the_shade({bar_and_hand()[0]}), 30);
+  EXPECT_EQ(in_the_shade(bar_and_hand()), 0);
+}
+
+TEST(ShapeCamera, SeedDecidesAloneAndNothingSeenIsNoPoint) {
+  ShapeCamera camera(options());
+  const auto points = [&](std::uint64_t seed) {
+    return camera.look(bar_and_hand(), math::Random(seed), 256).points_W;
+  };
+  const Eigen::Matrix3Xd first = points(3);
+  EXPECT_EQ(first, points(3));
+  const Eigen::Matrix3Xd other = points(4);
+  EXPECT_TRUE(first.cols() != other.cols() || first != other);
+  EXPECT_EQ(camera.look({}, math::Random(1), 256).points_W.cols(), 0);
+}
+
+}  // namespace
+}  // namespace palpate::camera

@@ -1,0 +1,96 @@
+#include "tools/evaluate/cloud_distance.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <nanoflann.hpp>
+#include <stdexcept>
+#include <vector>
+
+#include "core/contact/surface_search.hpp"
+
+namespace palpate::evaluate {
+
+DistanceSummary summarise_distances(const Eigen::VectorXd& distances,
+                                    const Eigen::VectorXd& weights) {
+  if (distances.size() == 0) return {};
+  const Eigen::VectorXd equal =
+      weights.size() == 0 ? Eigen::VectorXd::Ones(distances.size()) : weights;
+  const double whole = equal.sum();
+  return {equal.dot(distances) / whole, std::sqrt(equal.dot(distances.cwiseAbs2()) / whole),
+          distances.maxCoeff()};
+}
+
+Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& cloud) {
+  if (cloud.cols() == 0) throw std::invalid_argument("distance to a cloud without points");
+  constexpr bool kRowMajor = false;  // a column is a point
+  using Tree = nanoflann::KDTreeEigenMatrixAdaptor<Eigen::Matrix3Xd, 3, nanoflann::metric_L2_Simple,
+                                                   kRowMajor>;
+  const Tree tree(3, cloud);
+  Eigen::VectorXd distances(points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i) {
+    Eigen::Index nearest = 0;
+    double squared = 0;
+    tree.query(points.col(i).data(), 1, &nearest, &squared);
+    distances[i] = std::sqrt(squared);
+  }
+  return distances;
+}
+
+Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
+                                     const camera::TriangleMesh& surface) {
+  if (surface.triangles.cols() == 0) throw std::invalid_argument("distance to an empty surface");
+  Eigen::VectorXd distances(points.cols());
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    distances[i] =
+        contact::closest_point_on_surface(points.col(i), surface.triangles, surface.points)
+            .distance;
+  return distances;
+}
+
+SurfaceSamples sample_surface(const camera::TriangleMesh& surface, double spacing) {
+  if (!(spacing > 0)) throw std::invalid_argument("samples of a surface need a positive spacing");
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> weights;
+  for (const auto& triangle : surface.triangles.colwise()) {
+    const Eigen::Vector3d a = surface.points.col(triangle[0]);
+    const Eigen::Vector3d ab = surface.points.col(triangle[1]) - a;
+    const Eigen::Vector3d ac = surface.points.col(triangle[2]) - a;
+    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
+    const int n = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
+    const double area = 0.5 * ab.cross(ac).norm() / (double(n) * n);
+    const auto add = [&](double u, double v) {
+      points.push_back(a + (u * ab + v * ac) / n);
+      weights.push_back(area);
+    };
+    for (int i = 0; i < n; ++i) {
+      for (int j = 0; i + j < n; ++j) {
+        add(i + 1.0 / 3, j + 1.0 / 3);
+        if (i + j + 1 < n) add(i + 2.0 / 3, j + 2.0 / 3);
+      }
+    }
+    for (const int corner : triangle) {
+      points.push_back(surface.points.col(corner));
+      weights.push_back(0);
+    }
+  }
+  SurfaceSamples samples{Eigen::Matrix3Xd(3, points.size()), Eigen::VectorXd(weights.size())};
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    samples.points.col(i) = points[i];
+    samples.weights[i] = weights[i];
+  }
+  return samples;
+}
+
+SurfaceDistance surface_distance(const camera::TriangleMesh& first,
+                                 const camera::TriangleMesh& second, double spacing) {
+  const auto one_way = [spacing](const camera::TriangleMesh& from, const camera::TriangleMesh& to) {
+    const SurfaceSamples samples = sample_surface(from, spacing);
+    return summarise_distances(distances_to_surface(samples.points, to), samples.weights);
+  };
+  SurfaceDistance distance{one_way(first, second), one_way(second, first), 0};
+  distance.hausdorff = std::max(distance.from_first.maximum, distance.from_second.maximum);
+  return distance;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,22 @@
+#include "tools/evaluate/cloud_view.hpp"
+
+#include "sim/camera/point_cloud.hpp"
+
+namespace palpate::evaluate {
+
+Eigen::Matrix3Xd virtual_cloud(camera::DepthCamera& camera, const math::Pose& X_WC,
+                               const camera::TriangleMesh& surface_W,
+                               const std::vector<camera::Body>& in_front) {
+  std::vector<camera::Body> bodies = in_front;
+  for (camera::Body& body : bodies) body.is_object = false;
+  camera::Body object;
+  object.mesh = std::make_shared<const camera::TriangleMesh>(surface_W);
+  object.is_object = true;
+  bodies.push_back(object);
+  const camera::DepthFrame frame = camera.take(X_WC, bodies);
+  const Eigen::Matrix3Xd cloud_C =
+      camera::back_project(frame.depth, camera.intrinsics(), camera.object_mask(frame, bodies));
+  return (X_WC.linear() * cloud_C).colwise() + X_WC.translation();
+}
+
+}  // namespace palpate::evaluate
