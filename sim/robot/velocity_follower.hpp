@@ -3,15 +3,9 @@
 #include <Eigen/Core>
 
 #include "core/math/rigid.hpp"
+#include "sim/robot/joint_limits.hpp"
 
 namespace palpate::robot {
-
-/// Limits of the driven joints, one entry a joint.
-struct JointLimits {
-  Eigen::VectorXd lower, upper;  // rad
-  Eigen::VectorXd velocity;      // rad/s
-  Eigen::VectorXd torque;        // N m
-};
 
 struct FollowerOptions {
   double acceleration = 15;       // rad/s^2, limit of every joint
