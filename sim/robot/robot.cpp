@@ -74,6 +74,14 @@ struct Robot::Dynamics {
     return found;
   }
 
+  /// The load of set_link_load, if there is one.
+  ExternalLoad* load_on(const dd::BodyNode* link) {
+    const auto known =
+        std::find_if(external.begin() + 1, external.end(),
+                     [link](const ExternalLoad& on_body) { return on_body.body == link; });
+    return known == external.end() ? nullptr : &*known;
+  }
+
   void find_frames(const FrameNames& names) {
     flange = body(names.flange);
     sensor = body(names.sensor);
@@ -182,6 +190,7 @@ Robot::Robot(const RobotModel& model, const RobotOptions& options)
   d.inverse = Eigen::VectorXd::Zero(d.skeleton->getNumDofs());
 }
 
+Robot::Robot(Robot&& other) noexcept = default;
 Robot::~Robot() = default;
 
 int Robot::joint_count() const { return static_cast<int>(dynamics_->arm.size()); }
@@ -207,14 +216,16 @@ void Robot::set_hand_load(const math::Wrench& F_W, const Eigen::Vector3d& p_W) {
 void Robot::set_link_load(const std::string& link, const math::Wrench& F_W,
                           const Eigen::Vector3d& p_W) {
   dd::BodyNode* body = dynamics_->body(link);
-  auto& loads = dynamics_->external;
-  const auto known = std::find_if(loads.begin() + 1, loads.end(),
-                                  [body](const ExternalLoad& load) { return load.body == body; });
-  if (known == loads.end()) {
-    loads.push_back({body, F_W, p_W});
-  } else {
+  if (ExternalLoad* known = dynamics_->load_on(body)) {
     *known = {body, F_W, p_W};
+  } else {
+    dynamics_->external.push_back({body, F_W, p_W});
   }
+}
+
+math::Wrench Robot::link_load(const std::string& link) const {
+  const ExternalLoad* known = dynamics_->load_on(dynamics_->body(link));
+  return known ? known->wrench : math::Wrench();
 }
 
 void Robot::step(double dt) {

@@ -42,6 +42,7 @@ class Robot {
  public:
   /// Throws std::invalid_argument where the model cannot be used.
   Robot(const RobotModel& model, const RobotOptions& options);
+  Robot(Robot&& other) noexcept;
   ~Robot();
 
   int joint_count() const;
@@ -61,6 +62,8 @@ class Robot {
   /// The same on one link, beside that on the hand; what touches a finger moves its joints. Throws
   /// std::invalid_argument where there is no such link.
   void set_link_load(const std::string& link, const math::Wrench& F_W, const Eigen::Vector3d& p_W);
+  /// The wrench set last, about its own reference point; none at first.
+  math::Wrench link_load(const std::string& link) const;
 
   void step(double dt);
 
