@@ -150,11 +150,12 @@ struct Robot::Dynamics {
 
   /// Computed torque: M (ddq_d + K_d (dq_d - dq) + K_p (q_d - q)) + c + g - J^T F. The object's
   /// load is taken into account as an arm with joint torque sensors does.
-  void apply_torque(double dt) {
-    const Eigen::VectorXd q = positions(arm), dq = velocities(arm);
-    const Eigen::VectorXd& tau =
-        inverse_dynamics(follower->acceleration() + derivative * (follower->velocity() - dq) +
-                         proportional * (follower->position() - q));
+  void apply_torque(double dt, const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
+    // The errors of this instant: the follower's step leads to the end of the tick.
+    const Eigen::VectorXd feedback = derivative * (follower->velocity() - velocities(arm)) +
+                                     proportional * (follower->position() - positions(arm));
+    follower->step(dt, jacobian, positions(arm));
+    const Eigen::VectorXd& tau = inverse_dynamics(follower->acceleration() + feedback);
     hand->step(dt, tau);
     const Eigen::VectorXd& outside = skeleton->getExternalForces();
     torque_limited = false;
@@ -230,9 +231,8 @@ math::Wrench Robot::link_load(const std::string& link) const {
 
 void Robot::step(double dt) {
   Dynamics& d = *dynamics_;
-  d.follower->step(dt, flange_jacobian(), joint_positions());
   d.apply_loads();
-  d.apply_torque(dt);
+  d.apply_torque(dt, flange_jacobian());
   d.world->setTimeStep(dt);
   d.world->step(true);  // clears forces
 }

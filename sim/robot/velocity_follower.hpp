@@ -45,6 +45,9 @@ class VelocityFollower {
  private:
   enum class Mode { kStop, kTwist, kJoint };
   Eigen::VectorXd resolved_rates(const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) const;
+  /// Fastest that joint i may move up or down with room to brake before its end.
+  double fastest_up(Eigen::Index i) const;
+  double fastest_down(Eigen::Index i) const;
   void limit(Eigen::VectorXd& target) const;
 
   JointLimits limits_;
