@@ -119,6 +119,7 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  result["torque_limited_ticks"] = simulation.robot().torque_limited_steps();
   report(simulation, result);
   if (!options.json.empty()) {
     std::ofstream file(options.json);
