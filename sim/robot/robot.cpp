@@ -1,14 +1,15 @@
 #include "sim/robot/robot.hpp"
 
 #include <dart/dynamics/BodyNode.hpp>
-#include <dart/dynamics/DegreeOfFreedom.hpp>
-#include <dart/dynamics/Joint.hpp>
 #include <dart/dynamics/Skeleton.hpp>
 #include <dart/simulation/World.hpp>
 #include <dart/utils/urdf/DartLoader.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
+
+#include "sim/robot/joint_access.hpp"
 
 // Never take a dynamic Eigen object from DART by value, nor give it one: the two sides allocate
 // differently (see CMakeLists.txt).
@@ -37,6 +38,17 @@ dd::SkeletonPtr load_skeleton(const RobotModel& model) {
   return skeleton;
 }
 
+/// What acts on a body from outside, in W.
+struct ExternalLoad {
+  dd::BodyNode* body;
+  math::Wrench wrench;
+  Eigen::Vector3d point;  // the wrench's reference
+
+  math::Wrench about(const Eigen::Vector3d& p_W) const {
+    return math::move_reference(wrench, p_W - point);
+  }
+};
+
 }  // namespace
 
 struct Robot::Dynamics {
@@ -45,14 +57,16 @@ struct Robot::Dynamics {
   dd::BodyNode* flange = nullptr;
   dd::BodyNode* sensor = nullptr;
   dd::BodyNode* imu = nullptr;
-  std::vector<dd::BodyNode*> load;        // bodies beyond S
-  std::vector<dd::DegreeOfFreedom*> arm;  // driven joints, from the base on
+  std::vector<dd::BodyNode*> load;  // bodies beyond S
+  Joints arm;                       // from the base on
   std::unique_ptr<VelocityFollower> follower;
+  std::unique_ptr<HandDrive> hand;
   Eigen::Vector3d gravity;
   double proportional = 0, derivative = 0;
-  math::Wrench hand_load;  // about hand_point, in W
-  Eigen::Vector3d hand_point = Eigen::Vector3d::Zero();
-  Eigen::VectorXd torque;
+  std::vector<ExternalLoad> external;  // the first one is the hand's
+  Eigen::VectorXd torque, inverse;
+  bool torque_limited = false;
+  std::int64_t torque_limited_steps = 0;
 
   dd::BodyNode* body(const std::string& name) const {
     dd::BodyNode* found = skeleton->getBodyNode(name);
@@ -60,11 +74,12 @@ struct Robot::Dynamics {
     return found;
   }
 
-  template <class Get>
-  Eigen::VectorXd each(Get get) const {
-    Eigen::VectorXd values(arm.size());
-    for (std::size_t i = 0; i < arm.size(); ++i) values(i) = get(*arm[i]);
-    return values;
+  /// The load of set_link_load, if there is one.
+  ExternalLoad* load_on(const dd::BodyNode* link) {
+    const auto known =
+        std::find_if(external.begin() + 1, external.end(),
+                     [link](const ExternalLoad& on_body) { return on_body.body == link; });
+    return known == external.end() ? nullptr : &*known;
   }
 
   void find_frames(const FrameNames& names) {
@@ -77,51 +92,81 @@ struct Robot::Dynamics {
     if (arm.empty()) throw std::invalid_argument("no moving joint leads to " + names.flange);
     if (arm.size() > 16) throw std::invalid_argument("the arm has more than 16 joints");
     for (dd::BodyNode* b : skeleton->getBodyNodes())
-      for (dd::BodyNode* up = b; up; up = up->getParentBodyNode())
-        if (up == sensor) load.push_back(b);
+      if (is_beyond(b, sensor)) load.push_back(b);
   }
 
-  JointLimits prepare_joints() {
+  /// Whether `ancestor` is `body` or lies between it and the root.
+  static bool is_beyond(const dd::BodyNode* body, const dd::BodyNode* ancestor) {
+    while (body && body != ancestor) body = body->getParentBodyNode();
+    return body;
+  }
+
+  static bool is_limited(const dd::DegreeOfFreedom& dof) {
+    return dof.getVelocityUpperLimit() > 0 && std::isfinite(dof.getVelocityUpperLimit()) &&
+           dof.getForceUpperLimit() > 0 && std::isfinite(dof.getForceUpperLimit());
+  }
+
+  Joints find_hand() const {
+    Joints joints;
+    for (dd::DegreeOfFreedom* dof : skeleton->getDofs())
+      if (is_beyond(dof->getJoint()->getParentBodyNode(), flange) && is_limited(*dof))
+        joints.push_back(dof);
+    return joints;
+  }
+
+  void prepare_joints() {
     for (std::size_t j = 0; j < skeleton->getNumJoints(); ++j) {
       dd::Joint* joint = skeleton->getJoint(j);
       joint->setLimitEnforcement(true);
       joint->setActuatorType(dd::Joint::LOCKED);
     }
-    JointLimits limits;
     for (dd::DegreeOfFreedom* dof : arm) {
       dof->getJoint()->setActuatorType(dd::Joint::FORCE);
-      if (!(dof->getVelocityUpperLimit() > 0) || !std::isfinite(dof->getVelocityUpperLimit()) ||
-          !(dof->getForceUpperLimit() > 0) || !std::isfinite(dof->getForceUpperLimit()))
+      if (!is_limited(*dof))
         throw std::invalid_argument(dof->getName() + ": a driven joint needs finite limits of " +
                                     "velocity and effort above zero");
     }
-    limits.lower = each([](const auto& dof) { return dof.getPositionLowerLimit(); });
-    limits.upper = each([](const auto& dof) { return dof.getPositionUpperLimit(); });
-    limits.velocity = each([](const auto& dof) { return dof.getVelocityUpperLimit(); });
-    limits.torque = each([](const auto& dof) { return dof.getForceUpperLimit(); });
-    return limits;
+  }
+
+  void apply_loads() {
+    for (const ExternalLoad& on_body : external) {
+      const math::Wrench F = on_body.about(on_body.body->getWorldTransform().translation());
+      on_body.body->addExtForce(F.force);
+      on_body.body->addExtTorque(F.torque);
+    }
+  }
+
+  /// Torques (N m, of the whole skeleton) of the motion in which the arm's joints accelerate as
+  /// given and all others keep their velocity: M ddq + c + g, in O(n) by Newton and Euler.
+  const Eigen::VectorXd& inverse_dynamics(const Eigen::VectorXd& ddq) {
+    for (std::size_t i = 0; i < skeleton->getNumDofs(); ++i)
+      skeleton->getDof(i)->setAcceleration(0);
+    for (std::size_t i = 0; i < arm.size(); ++i) arm[i]->setAcceleration(ddq(i));
+    skeleton->computeInverseDynamics(false, false, false);
+    for (std::size_t i = 0; i < skeleton->getNumDofs(); ++i)
+      inverse(i) = skeleton->getDof(i)->getForce();
+    return inverse;
   }
 
   /// Computed torque: M (ddq_d + K_d (dq_d - dq) + K_p (q_d - q)) + c + g - J^T F. The object's
   /// load is taken into account as an arm with joint torque sensors does.
-  void apply_torque() {
-    const Eigen::VectorXd q = each([](const auto& dof) { return dof.getPosition(); });
-    const Eigen::VectorXd dq = each([](const auto& dof) { return dof.getVelocity(); });
-    const Eigen::VectorXd ddq = follower->acceleration() +
-                                derivative * (follower->velocity() - dq) +
-                                proportional * (follower->position() - q);
-    const Eigen::MatrixXd& mass = skeleton->getMassMatrix();
-    const Eigen::VectorXd& bias = skeleton->getCoriolisAndGravityForces();
-    const Eigen::VectorXd& external = skeleton->getExternalForces();
+  void apply_torque(double dt, const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
+    // The errors of this instant: the follower's step leads to the end of the tick.
+    const Eigen::VectorXd feedback = derivative * (follower->velocity() - velocities(arm)) +
+                                     proportional * (follower->position() - positions(arm));
+    follower->step(dt, jacobian, positions(arm));
+    const Eigen::VectorXd& tau = inverse_dynamics(follower->acceleration() + feedback);
+    hand->step(dt, tau);
+    const Eigen::VectorXd& outside = skeleton->getExternalForces();
+    torque_limited = false;
     for (std::size_t i = 0; i < arm.size(); ++i) {
       const std::size_t row = arm[i]->getIndexInSkeleton();
-      double tau = bias(row) - external(row);
-      for (std::size_t j = 0; j < arm.size(); ++j)
-        tau += mass(row, arm[j]->getIndexInSkeleton()) * ddq(j);
-      const double most = follower->limits().torque(i);
-      torque(i) = std::max(-most, std::min(most, tau));
+      const double wanted = tau(row) - outside(row), most = follower->limits().torque(i);
+      torque_limited = torque_limited || std::abs(wanted) > most;
+      torque(i) = std::clamp(wanted, -most, most);
       arm[i]->setForce(torque(i));
     }
+    if (torque_limited) ++torque_limited_steps;
   }
 };
 
@@ -133,13 +178,20 @@ Robot::Robot(const RobotModel& model, const RobotOptions& options)
   d.world->setGravity(d.gravity);
   d.world->addSkeleton(d.skeleton);
   d.find_frames(options.frames);
-  d.follower = std::make_unique<VelocityFollower>(d.prepare_joints(), options.follower);
+  d.prepare_joints();
+  d.follower = std::make_unique<VelocityFollower>(limits_of(d.arm), options.follower);
+  d.hand = std::make_unique<HandDrive>(d.find_hand(), options.hand);
+  for (const dd::DegreeOfFreedom* dof : d.hand->joints())
+    hand_joint_names_.push_back(dof->getName());
+  d.external.push_back({d.sensor, math::Wrench(), Eigen::Vector3d::Zero()});
   const double omega = 2 * M_PI * options.bandwidth;
   d.proportional = omega * omega;
   d.derivative = 2 * omega;
   d.torque = Eigen::VectorXd::Zero(joint_count());
+  d.inverse = Eigen::VectorXd::Zero(d.skeleton->getNumDofs());
 }
 
+Robot::Robot(Robot&& other) noexcept = default;
 Robot::~Robot() = default;
 
 int Robot::joint_count() const { return static_cast<int>(dynamics_->arm.size()); }
@@ -147,16 +199,8 @@ const JointLimits& Robot::limits() const { return dynamics_->follower->limits();
 
 void Robot::set_joints(const Eigen::VectorXd& q) {
   Dynamics& d = *dynamics_;
+  set_at_rest(d.arm, limits(), q);
   d.follower->reset(q);
-  for (int i = 0; i < joint_count(); ++i)
-    if (!(q(i) >= limits().lower(i) && q(i) <= limits().upper(i)))
-      throw std::invalid_argument("joint " + std::to_string(i) + " (" + d.arm[i]->getName() +
-                                  ") is beyond its limits");
-  for (int i = 0; i < joint_count(); ++i) {
-    d.arm[i]->setPosition(q(i));
-    d.arm[i]->setVelocity(0);
-    d.arm[i]->setAcceleration(0);
-  }
 }
 
 void Robot::command_twist(const math::Twist& V_WE) { dynamics_->follower->command_twist(V_WE); }
@@ -166,29 +210,38 @@ void Robot::command_joints(const Eigen::VectorXd& joint_velocity) {
 void Robot::stop() { dynamics_->follower->stop(); }
 
 void Robot::set_hand_load(const math::Wrench& F_W, const Eigen::Vector3d& p_W) {
-  dynamics_->hand_load = F_W;
-  dynamics_->hand_point = p_W;
+  dynamics_->external.front().wrench = F_W;
+  dynamics_->external.front().point = p_W;
+}
+
+void Robot::set_link_load(const std::string& link, const math::Wrench& F_W,
+                          const Eigen::Vector3d& p_W) {
+  dd::BodyNode* body = dynamics_->body(link);
+  if (ExternalLoad* known = dynamics_->load_on(body)) {
+    *known = {body, F_W, p_W};
+  } else {
+    dynamics_->external.push_back({body, F_W, p_W});
+  }
+}
+
+math::Wrench Robot::link_load(const std::string& link) const {
+  const ExternalLoad* known = dynamics_->load_on(dynamics_->body(link));
+  return known ? known->wrench : math::Wrench();
 }
 
 void Robot::step(double dt) {
   Dynamics& d = *dynamics_;
-  d.follower->step(dt, flange_jacobian(), joint_positions());
-  const math::Wrench at_sensor =
-      math::move_reference(d.hand_load, d.sensor->getWorldTransform().translation() - d.hand_point);
-  d.sensor->addExtForce(at_sensor.force);
-  d.sensor->addExtTorque(at_sensor.torque);
-  d.apply_torque();
+  d.apply_loads();
+  d.apply_torque(dt, flange_jacobian());
   d.world->setTimeStep(dt);
   d.world->step(true);  // clears forces
 }
 
-Eigen::VectorXd Robot::joint_positions() const {
-  return dynamics_->each([](const auto& dof) { return dof.getPosition(); });
-}
-Eigen::VectorXd Robot::joint_velocities() const {
-  return dynamics_->each([](const auto& dof) { return dof.getVelocity(); });
-}
+Eigen::VectorXd Robot::joint_positions() const { return positions(dynamics_->arm); }
+Eigen::VectorXd Robot::joint_velocities() const { return velocities(dynamics_->arm); }
 Eigen::VectorXd Robot::joint_torques() const { return dynamics_->torque; }
+bool Robot::torque_limited() const { return dynamics_->torque_limited; }
+std::int64_t Robot::torque_limited_steps() const { return dynamics_->torque_limited_steps; }
 
 math::Pose Robot::flange_pose() const { return dynamics_->flange->getWorldTransform(); }
 
@@ -224,9 +277,14 @@ math::Wrench Robot::sensor_wrench() const {
         (body->getWorldTransform() * inertia.getLocalCOM() - X_WS.translation()).cross(force) +
         moment * body->getAngularAcceleration() + omega.cross(moment * omega);
   }
-  const math::Wrench load = math::move_reference(d.hand_load, X_WS.translation() - d.hand_point);
+  for (const ExternalLoad& on_body : d.external) {
+    if (!Dynamics::is_beyond(on_body.body, d.sensor)) continue;
+    const math::Wrench F = on_body.about(X_WS.translation());
+    sum.force -= F.force;
+    sum.torque -= F.torque;
+  }
   const Eigen::Matrix3d R_SW = X_WS.linear().transpose();
-  return {R_SW * (sum.force - load.force), R_SW * (sum.torque - load.torque)};
+  return {R_SW * sum.force, R_SW * sum.torque};
 }
 
 ImuReading Robot::imu() const {
@@ -243,5 +301,26 @@ bool Robot::has_link(const std::string& name) const {
 math::Pose Robot::link_pose(const std::string& name) const {
   return dynamics_->body(name)->getWorldTransform();
 }
+
+math::Twist Robot::link_twist(const std::string& name) const {
+  const dd::BodyNode* body = dynamics_->body(name);
+  return {body->getLinearVelocity(), body->getAngularVelocity()};
+}
+
+std::vector<int> Robot::hand_joints_to(const std::string& link) const {
+  const dd::BodyNode* tip = dynamics_->body(link);
+  const Joints& joints = dynamics_->hand->joints();
+  std::vector<int> found;
+  for (std::size_t i = 0; i < joints.size(); ++i)
+    if (Dynamics::is_beyond(tip, joints[i]->getChildBodyNode())) found.push_back(i);
+  return found;
+}
+
+const JointLimits& Robot::hand_limits() const { return dynamics_->hand->limits(); }
+void Robot::set_hand(const Eigen::VectorXd& q) { dynamics_->hand->reset(q); }
+void Robot::command_hand(const Eigen::VectorXd& targets) { dynamics_->hand->command(targets); }
+Eigen::VectorXd Robot::hand_positions() const { return positions(dynamics_->hand->joints()); }
+Eigen::VectorXd Robot::hand_velocities() const { return velocities(dynamics_->hand->joints()); }
+Eigen::VectorXd Robot::hand_torques() const { return dynamics_->hand->torque(); }
 
 }  // namespace palpate::robot

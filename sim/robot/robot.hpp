@@ -1,10 +1,12 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "core/math/rigid.hpp"
+#include "sim/robot/hand_drive.hpp"
 #include "sim/robot/robot_model.hpp"
 #include "sim/robot/velocity_follower.hpp"
 
@@ -21,6 +23,7 @@ struct FrameNames {
 struct RobotOptions {
   FrameNames frames;
   FollowerOptions follower;
+  HandOptions hand;
   double bandwidth = 15;                   // Hz, of the computed-torque controller
   Eigen::Vector3d gravity_W{0, 0, -9.81};  // m/s^2
 };
@@ -31,12 +34,15 @@ struct ImuReading {
 };
 
 /// An arm with a hand in a DART world, moved by commanded velocities through inverse dynamics. W is
-/// the frame of the URDF's root link, which is fixed. Driven joints are those between the root and
-/// the flange; others keep their place. Every quantity is that of the end of the last step.
+/// the frame of the URDF's root link, which is fixed. The arm's joints are those between the root
+/// and the flange. The hand's are those beyond it that have limits of speed and effort; they keep
+/// their place until they are commanded. All others keep it for good. Every quantity is that of the
+/// end of the last step.
 class Robot {
  public:
   /// Throws std::invalid_argument where the model cannot be used.
   Robot(const RobotModel& model, const RobotOptions& options);
+  Robot(Robot&& other) noexcept;
   ~Robot();
 
   int joint_count() const;
@@ -53,13 +59,22 @@ class Robot {
   /// Wrench of the object on the hand about the point p_W, in W; acts in every step until replaced.
   void set_hand_load(const math::Wrench& F_W, const Eigen::Vector3d& p_W);
 
+  /// The same on one link, beside that on the hand; what touches a finger moves its joints. Throws
+  /// std::invalid_argument where there is no such link.
+  void set_link_load(const std::string& link, const math::Wrench& F_W, const Eigen::Vector3d& p_W);
+  /// The wrench set last, about its own reference point; none at first.
+  math::Wrench link_load(const std::string& link) const;
+
   void step(double dt);
 
   Eigen::VectorXd joint_positions() const;   // rad
   Eigen::VectorXd joint_velocities() const;  // rad/s
   Eigen::VectorXd joint_torques() const;     // N m, of the last step
-  math::Pose flange_pose() const;            // X_WE
-  math::Twist flange_twist() const;          // V_W_E of the origin of E, in W
+  /// Whether a torque limit cut what the last step asked for, and in how many steps one did.
+  bool torque_limited() const;
+  std::int64_t torque_limited_steps() const;
+  math::Pose flange_pose() const;    // X_WE
+  math::Twist flange_twist() const;  // V_W_E of the origin of E, in W
   /// 6 x n: flange twist by joint velocities, linear first.
   Eigen::Matrix<double, 6, Eigen::Dynamic> flange_jacobian() const;
 
@@ -69,14 +84,30 @@ class Robot {
   ImuReading imu() const;
 
   bool has_link(const std::string& name) const;
-  /// Throws std::invalid_argument where there is no such link.
+  /// Throw std::invalid_argument where there is no such link.
   math::Pose link_pose(const std::string& name) const;
+  math::Twist link_twist(const std::string& name) const;  // of the link's origin, in W
+
+  /// The hand's joints, in the order of its targets.
+  const std::vector<std::string>& hand_joint_names() const { return hand_joint_names_; }
+  /// Which of them lie between the flange and this link, from the flange on. Throws as link_pose.
+  std::vector<int> hand_joints_to(const std::string& link) const;
+  const JointLimits& hand_limits() const;
+  /// At rest in `q` (rad). Throws where a joint is beyond its limits.
+  void set_hand(const Eigen::VectorXd& q);
+  /// Targets of all the hand's joints, rad, cut to their limits; they hold until replaced. Throws
+  /// std::invalid_argument where they are too few, too many or not finite.
+  void command_hand(const Eigen::VectorXd& targets);
+  Eigen::VectorXd hand_positions() const;   // rad
+  Eigen::VectorXd hand_velocities() const;  // rad/s
+  Eigen::VectorXd hand_torques() const;     // N m, of the last step; 0 before the first command
   const std::vector<VisualShape>& visuals() const { return visuals_; }
 
  private:
   struct Dynamics;
   std::unique_ptr<Dynamics> dynamics_;
   std::vector<VisualShape> visuals_;
+  std::vector<std::string> hand_joint_names_;
 };
 
 }  // namespace palpate::robot

@@ -11,6 +11,11 @@ namespace {
 /// The desired trajectory never runs further than this ahead of the joints, so that an arm that its
 /// torque limits hold back does not wind up.
 constexpr double kLead = 0.05;  // rad
+
+/// Speed at a distance from a joint's end: braking takes half the acceleration limit.
+double fastest(double gap, double acceleration) {
+  return gap > 0 ? std::min(10 * gap, std::sqrt(acceleration * gap)) : 0.0;
+}
 }  // namespace
 
 VelocityFollower::VelocityFollower(JointLimits limits, const FollowerOptions& options)
@@ -63,19 +68,20 @@ Eigen::VectorXd VelocityFollower::resolved_rates(
   return pull + jacobian.transpose() * factor.solve(rest);
 }
 
+double VelocityFollower::fastest_up(Eigen::Index i) const {
+  return fastest(limits_.upper(i) - options_.limit_margin - position_(i), options_.acceleration);
+}
+
+double VelocityFollower::fastest_down(Eigen::Index i) const {
+  return fastest(position_(i) - limits_.lower(i) - options_.limit_margin, options_.acceleration);
+}
+
 void VelocityFollower::limit(Eigen::VectorXd& target) const {
   // One factor for all joints keeps the direction.
   const double excess = (target.array().abs() / limits_.velocity.array()).maxCoeff();
   if (excess > 1) target /= excess;
-  // Half the acceleration limit is kept for braking before a joint's end.
-  for (Eigen::Index i = 0; i < target.size(); ++i) {
-    const auto fastest = [this](double gap) {
-      return gap > 0 ? std::min(10 * gap, std::sqrt(options_.acceleration * gap)) : 0.0;
-    };
-    const double up = limits_.upper(i) - options_.limit_margin - position_(i);
-    const double down = position_(i) - limits_.lower(i) - options_.limit_margin;
-    target(i) = std::clamp(target(i), -fastest(down), fastest(up));
-  }
+  for (Eigen::Index i = 0; i < target.size(); ++i)
+    target(i) = std::clamp(target(i), -fastest_down(i), fastest_up(i));
 }
 
 void VelocityFollower::step(double dt, const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian,
@@ -87,9 +93,15 @@ void VelocityFollower::step(double dt, const Eigen::Matrix<double, 6, Eigen::Dyn
     if (mode_ == Mode::kJoint) target = joint_velocity_;
   }
   limit(target);
+  const double most = options_.acceleration * dt;
   Eigen::VectorXd change = target - velocity_;
-  const double excess = change.cwiseAbs().maxCoeff() / (options_.acceleration * dt);
+  const double excess = change.cwiseAbs().maxCoeff() / most;
   if (excess > 1) change /= excess;
+  // A joint that has to brake before its end does not wait for the others.
+  for (Eigen::Index i = 0; i < change.size(); ++i)
+    change(i) = std::clamp(
+        std::clamp(change(i), -fastest_down(i) - velocity_(i), fastest_up(i) - velocity_(i)), -most,
+        most);
   acceleration_ = change / dt;
   velocity_ += change;
   position_ += velocity_ * dt;

@@ -3,15 +3,9 @@
 #include <Eigen/Core>
 
 #include "core/math/rigid.hpp"
+#include "sim/robot/joint_limits.hpp"
 
 namespace palpate::robot {
-
-/// Limits of the driven joints, one entry a joint.
-struct JointLimits {
-  Eigen::VectorXd lower, upper;  // rad
-  Eigen::VectorXd velocity;      // rad/s
-  Eigen::VectorXd torque;        // N m
-};
 
 struct FollowerOptions {
   double acceleration = 15;       // rad/s^2, limit of every joint
@@ -51,6 +45,9 @@ class VelocityFollower {
  private:
   enum class Mode { kStop, kTwist, kJoint };
   Eigen::VectorXd resolved_rates(const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) const;
+  /// Fastest that joint i may move up or down with room to brake before its end.
+  double fastest_up(Eigen::Index i) const;
+  double fastest_down(Eigen::Index i) const;
   void limit(Eigen::VectorXd& target) const;
 
   JointLimits limits_;

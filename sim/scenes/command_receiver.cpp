@@ -7,7 +7,8 @@ constexpr int kDepth = 64;
 
 CommandReceiver::CommandReceiver(bus::MessageBus& control)
     : twists_(control, "TWIST_COMMAND", kDepth),
-      joints_(control, "JOINT_VELOCITY_COMMAND", kDepth) {}
+      joints_(control, "JOINT_VELOCITY_COMMAND", kDepth),
+      hands_(control, "HAND_COMMAND", kDepth) {}
 
 void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot) {
   const Eigen::Map<const math::Vector6d> twist(message.twist);
@@ -46,6 +47,15 @@ void CommandReceiver::apply(robot::Robot& robot) {
   while (twists_.take(twist, arrival_ns)) apply(twist, robot);
   joint_velocity_command_t joints;
   while (joints_.take(joints, arrival_ns)) apply(joints, robot);
+}
+
+void CommandReceiver::apply(HandControl& hand) {
+  std::int64_t arrival_ns = 0;
+  hand_command_t message;
+  while (hands_.take(message, arrival_ns)) {
+    const bool good = hand_order_.accept(message.session, message.seq) && hand.accept(message);
+    ++(good ? accepted_ : rejected_);
+  }
 }
 
 }  // namespace palpate::scenes

@@ -1,23 +1,27 @@
 #pragma once
 
 #include <cstdint>
+#include <palpate/hand_command_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/twist_command_t.hpp>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "sim/robot/robot.hpp"
+#include "sim/scenes/hand_control.hpp"
 
 namespace palpate::scenes {
 
-/// Hands the daemon's commands to the arm as a robot's driver does: the newest counts, one that is
-/// not valid stops the arm, one that is broken is rejected and counted.
+/// Hands the daemon's commands to arm and hand as a robot's driver does: the newest counts, one
+/// that is not valid stops the arm, one that is broken is rejected and counted.
 class CommandReceiver {
  public:
   /// Before the bus starts.
   explicit CommandReceiver(bus::MessageBus& control);
 
+  /// What moves the arm.
   void apply(robot::Robot& robot);
+  void apply(HandControl& hand);
 
   std::int64_t accepted() const { return accepted_; }
   std::int64_t rejected() const { return rejected_; }
@@ -28,7 +32,8 @@ class CommandReceiver {
 
   bus::TypedSubscription<twist_command_t> twists_;
   bus::TypedSubscription<joint_velocity_command_t> joints_;
-  bus::SequenceTracker twist_order_, joint_order_;
+  bus::TypedSubscription<hand_command_t> hands_;
+  bus::SequenceTracker twist_order_, joint_order_, hand_order_;
   std::int64_t accepted_ = 0;
   std::int64_t rejected_ = 0;
 };

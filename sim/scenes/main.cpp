@@ -125,6 +125,7 @@ int run(const Options& options) {
   result["commands_rejected"] = simulation.commands().rejected();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();
+  result["torque_limited_ticks"] = simulation.robot().torque_limited_steps();
   report(simulation, result);
   if (!options.json.empty()) {
     std::ofstream file(options.json);

@@ -1,6 +1,7 @@
 #include "sim/scenes/sensor_publisher.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace palpate::scenes {
 
@@ -45,6 +46,8 @@ void SensorPublisher::publish(const sensors::HandReading& reading) {
     Eigen::Map<Eigen::Vector3d>(message.fingertip_position[i]) = reading.X_ET[i].translation();
     math::wxyz_from_rotation(reading.X_ET[i].linear(), message.fingertip_quaternion[i]);
   }
+  message.joint_count = std::min<int>(reading.q.size(), std::size(message.q));
+  std::copy_n(reading.q.data(), message.joint_count, message.q);
   hand_.publish(message);
 }
 

@@ -10,8 +10,6 @@ constexpr std::int64_t kMeshTicks = 1000;  // 1 Hz
 constexpr double kSettlingTime = 60;       // s, simulated, at most
 constexpr double kMotionGain = 10;         // 1/s, of the pose error onto the twist
 
-const char* const kFingertips[] = {"ff_tip", "mf_tip", "rf_tip", "lf_tip", "th_tip"};
-
 std::unique_ptr<robot::Robot> make_robot(const config::Node& node, const Scene& scene) {
   try {
     auto robot = std::make_unique<robot::Robot>(robot::load_model(scene.urdf), scene.robot);
@@ -38,11 +36,11 @@ std::unique_ptr<object::HyperelasticPlant> make_plant(const config::Node& node, 
   }
 }
 
-std::vector<math::Pose> find_fingertips(const robot::Robot& robot) {
+/// X_ET of each.
+std::vector<math::Pose> fingertip_poses(const robot::Robot& robot) {
   std::vector<math::Pose> poses;
-  for (const char* name : kFingertips)
-    if (robot.has_link(name))
-      poses.push_back(robot.flange_pose().inverse() * robot.link_pose(name));
+  for (const std::string& name : fingertips_of(robot))
+    poses.push_back(robot.flange_pose().inverse() * robot.link_pose(name));
   return poses;
 }
 
@@ -55,7 +53,7 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       robot_(make_robot(node, scene_)),
       X_OG_first_(grasp_in_object()),
       plant_(make_plant(node, scene_, X_OG_first_)),
-      fingertips_(find_fingertips(*robot_)),
+      hand_(*robot_),
       sensors_(scene_.sensors, scene_.seed, scene_.X_EG, robot_->joint_count()),
       commands_(control),
       sensor_publisher_(control, origin.session, origin.start_utime),
@@ -103,7 +101,8 @@ sensors::Truth Simulation::sense() const {
   truth.robot.X_WE = robot_->flange_pose();
   truth.robot.V_W_E = robot_->flange_twist();
   truth.hand.holding = plant_->grasped();
-  truth.hand.X_ET = fingertips_;
+  truth.hand.X_ET = fingertip_poses(*robot_);
+  truth.hand.q = robot_->hand_positions();
   truth.jacobian = robot_->flange_jacobian();
   return truth;
 }
@@ -114,6 +113,8 @@ void Simulation::step() {
   } else {
     commands_.apply(*robot_);
   }
+  commands_.apply(hand_);
+  hand_.step(tick_, *robot_);
   ++tick_;
   const math::Wrench on_object = plant_->hand_wrench();
   const Eigen::Matrix3d& R_WO = scene_.X_WO.linear();

@@ -10,6 +10,7 @@
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/command_receiver.hpp"
+#include "sim/scenes/hand_control.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/scenes/sensor_publisher.hpp"
 #include "sim/scenes/truth_publisher.hpp"
@@ -27,9 +28,9 @@ struct Origin {
 /// 1 ms, and nothing depends on the real clock: the same scene and the same commands give the same
 /// messages.
 ///
-/// One tick: commands that have arrived (or the scene's own motion) -> arm, with the object's
-/// reaction on the hand -> object, with the hand's new pose -> sensors -> messages. The reaction is
-/// that of the tick before; the object is a hundredth of the hand's mass.
+/// One tick: commands that have arrived (or the scene's own motion) -> arm and hand, with the
+/// object's reaction on the hand -> object, with the hand's new pose -> sensors -> messages. The
+/// reaction is that of the tick before; the object is a hundredth of the hand's mass.
 class Simulation {
  public:
   static constexpr std::int64_t kPeriodUs = 1000;
@@ -79,7 +80,7 @@ class Simulation {
   std::unique_ptr<robot::Robot> robot_;
   math::Pose X_OG_first_;
   std::unique_ptr<object::HyperelasticPlant> plant_;
-  std::vector<math::Pose> fingertips_;  // X_ET
+  HandControl hand_;
   sensors::SensorSuite sensors_;
   CommandReceiver commands_;
   SensorPublisher sensor_publisher_;

@@ -30,6 +30,7 @@ struct HandReading {
   std::int64_t time_us = 0;
   bool holding = false;
   std::vector<math::Pose> X_ET;  // fingertips
+  Eigen::VectorXd q;             // rad
 };
 
 /// What is true at one instant, without faults; times are filled in by the suite.

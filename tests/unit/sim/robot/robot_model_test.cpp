@@ -32,7 +32,7 @@ std::string message_of(const std::string& text) {
 
 TEST(RobotModel, ReadsTheArmAndItsPrimitives) {
   const RobotModel model = load_model(kArmUrdf);
-  EXPECT_EQ(model.link_count, 1 + 7 + 4 + 1 + 10);
+  EXPECT_EQ(model.link_count, 1 + 7 + 4 + 1 + 25);
   EXPECT_EQ(model.joint_count, model.link_count - 1);
   EXPECT_GT(model.visuals.size(), 20u);
   for (const VisualShape& v : model.visuals) {

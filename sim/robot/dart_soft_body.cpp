@@ -1,0 +1,242 @@
+#include "sim/robot/dart_soft_body.hpp"
+
+#include <algorithm>
+#include <dart/collision/CollisionObject.hpp>
+#include <dart/collision/CollisionResult.hpp>
+#include <dart/collision/fcl/FCLCollisionDetector.hpp>
+#include <dart/constraint/ConstraintSolver.hpp>
+#include <dart/dynamics/BoxShape.hpp>
+#include <dart/dynamics/FreeJoint.hpp>
+#include <dart/dynamics/PointMass.hpp>
+#include <dart/dynamics/Skeleton.hpp>
+#include <dart/dynamics/SoftBodyNode.hpp>
+#include <dart/dynamics/SphereShape.hpp>
+#include <dart/dynamics/TranslationalJoint.hpp>
+#include <dart/dynamics/WeldJoint.hpp>
+#include <dart/simulation/World.hpp>
+#include <iostream>
+#include <memory>
+#include <set>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace palpate::robot {
+namespace dd = dart::dynamics;
+namespace {
+
+constexpr int kMostVertices = 230;
+constexpr double kFloor = 2;             // m, its edge
+constexpr double kFloorThickness = 0.1;  // m
+constexpr double kHoldMoving = 1e5;      // N/m
+constexpr double kHoldTurning = 1e3;     // N m/rad
+/// The core's own: negligible, the vertices carry the mass.
+constexpr double kCoreMass = 1e-6, kCoreMoment = 1e-9;
+
+/// The only one of DART's detectors that knows soft meshes, and only against other meshes. DART's
+/// own contact points are three times as many for the same force, and the step three times as long;
+/// FCL's are free of the fault of FCL 0.3 that DART still warns of.
+std::shared_ptr<dart::collision::CollisionDetector> make_detector() {
+  using Detector = dart::collision::FCLCollisionDetector;
+  const auto detector = Detector::create();
+  detector->setPrimitiveShapeType(Detector::MESH);
+  std::stringbuf unheard;
+  std::streambuf* const heard = std::cerr.rdbuf(&unheard);
+  detector->setContactPointComputationMethod(Detector::FCL);
+  std::cerr.rdbuf(heard);
+  return detector;
+}
+
+void check(const SoftBoxOptions& o) {
+  const auto require = [](bool good, const char* what) {
+    if (!good) throw std::invalid_argument(std::string("a soft box needs ") + what);
+  };
+  require((o.size.array() > 0).all(), "edges above zero");
+  require((o.vertices.array() >= 3).all(), "3 vertices along each edge at least");
+  const Eigen::Array3i n = o.vertices.array();
+  require(n.prod() - (n - 2).prod() <= kMostVertices, "230 vertices at most");
+  require(o.mass > 0, "a mass above zero");
+  require(o.vertex_stiffness > 0 && o.edge_stiffness >= 0 && o.damping >= 0,
+          "a vertex stiffness above zero, edge stiffness and damping not below");
+  require(o.friction >= 0, "a friction coefficient of zero or above");
+}
+
+}  // namespace
+
+struct DartSoftBody::Dynamics {
+  dart::simulation::WorldPtr world = dart::simulation::World::create();
+  dd::SkeletonPtr box = dd::Skeleton::create("box"), floor;
+  dd::SoftBodyNode* soft = nullptr;
+  std::vector<dd::SkeletonPtr> probes;
+  double friction = 0;
+  Eigen::Matrix3Xd positions;
+  Eigen::Matrix3Xi triangles;
+  std::vector<Eigen::Vector3d> forces;  // on each probe, then on the floor
+  std::vector<Eigen::Vector3d> pulls;   // on each vertex
+  int contacts = 0;
+
+  /// DART takes a soft body on a weld for one that cannot react, so stiff springs (implicit ones)
+  /// hold the core in their stead.
+  static void hold(dd::FreeJoint& joint) {
+    for (std::size_t i = 0; i < 6; ++i) {  // rotations first
+      joint.setSpringStiffness(i, i < 3 ? kHoldTurning : kHoldMoving);
+      joint.setDampingCoefficient(i, 1e-3 * joint.getSpringStiffness(i));
+    }
+  }
+
+  /// DART 6.12 makes a box without its edges' springs.
+  void join_edges() {
+    std::set<std::pair<int, int>> edges;
+    for (int t = 0; t < triangles.cols(); ++t)
+      for (int e = 0; e < 3; ++e)
+        edges.insert(std::minmax<int>(triangles(e, t), triangles((e + 1) % 3, t)));
+    for (const auto& [a, b] : edges) soft->connectPointMasses(a, b);
+  }
+
+  void make_box(const SoftBoxOptions& o) {
+    const auto shape = dd::SoftBodyNodeHelper::makeBoxProperties(
+        o.size, Eigen::Isometry3d::Identity(), o.vertices, o.mass, o.vertex_stiffness,
+        o.edge_stiffness, o.damping);
+    const dd::SoftBodyNode::Properties properties(dd::BodyNode::AspectProperties("soft"), shape);
+    dd::FreeJoint::Properties joint;
+    joint.mT_ParentBodyToJoint.translation() = o.size / 2;
+    const auto made = box->createJointAndBodyNodePair<dd::FreeJoint, dd::SoftBodyNode>(
+        nullptr, joint, properties);
+    soft = made.second;
+    if (!o.on_floor) hold(*made.first);
+    dd::Inertia inertia;
+    inertia.setMass(kCoreMass);
+    inertia.setMoment(kCoreMoment * Eigen::Matrix3d::Identity());
+    soft->setInertia(inertia);
+    for (dd::ShapeNode* node : soft->getShapeNodesWith<dd::DynamicsAspect>())
+      node->getDynamicsAspect()->setFrictionCoeff(o.friction);
+    world->addSkeleton(box);
+    triangles.resize(3, soft->getNumFaces());
+    for (std::size_t i = 0; i < soft->getNumFaces(); ++i) triangles.col(i) = soft->getFace(i);
+    join_edges();
+    positions.resize(3, soft->getNumPointMasses());
+    pulls.assign(soft->getNumPointMasses(), Eigen::Vector3d::Zero());
+  }
+
+  void give_shape(dd::BodyNode* body, const dd::ShapePtr& shape) const {
+    auto* node = body->createShapeNodeWith<dd::CollisionAspect, dd::DynamicsAspect>(shape);
+    node->getDynamicsAspect()->setFrictionCoeff(friction);
+  }
+
+  void make_floor() {
+    floor = dd::Skeleton::create("floor");
+    dd::WeldJoint::Properties weld;
+    weld.mT_ParentBodyToJoint.translation().z() = -kFloorThickness / 2;
+    auto* body = floor->createJointAndBodyNodePair<dd::WeldJoint>(nullptr, weld).second;
+    give_shape(body,
+               std::make_shared<dd::BoxShape>(Eigen::Vector3d(kFloor, kFloor, kFloorThickness)));
+    world->addSkeleton(floor);
+  }
+
+  int add_probe(const dd::ShapePtr& shape, const Eigen::Vector3d& position) {
+    dd::SkeletonPtr probe = dd::Skeleton::create("probe " + std::to_string(probes.size()));
+    const auto made = probe->createJointAndBodyNodePair<dd::TranslationalJoint>();
+    give_shape(made.second, shape);
+    made.first->setActuatorType(dd::Joint::VELOCITY);
+    for (int i = 0; i < 3; ++i) made.first->setPosition(i, position(i));
+    made.second->setGravityMode(false);
+    world->addSkeleton(probe);
+    probes.push_back(probe);
+    forces.insert(forces.begin(), Eigen::Vector3d::Zero());
+    return static_cast<int>(probes.size()) - 1;
+  }
+
+  std::size_t owner(const dart::collision::CollisionObject* object) const {
+    const auto* node = dynamic_cast<const dd::ShapeNode*>(object->getShapeFrame());
+    const dd::Skeleton* skeleton = node ? node->getSkeleton().get() : nullptr;
+    for (std::size_t i = 0; i < probes.size(); ++i)
+      if (probes[i].get() == skeleton) return i;
+    return skeleton == floor.get() ? probes.size() : forces.size();
+  }
+
+  void apply_pulls() {
+    for (std::size_t i = 0; i < pulls.size(); ++i) {
+      soft->getPointMass(i)->clearExtForce();
+      soft->getPointMass(i)->addExtForce(pulls[i]);
+    }
+  }
+
+  /// A contact's force acts on its first object, its opposite on the second.
+  void sum_forces() {
+    for (Eigen::Vector3d& force : forces) force.setZero();
+    const auto& result = world->getLastCollisionResult();
+    contacts = static_cast<int>(result.getNumContacts());
+    for (const auto& contact : result.getContacts()) {
+      const std::size_t first = owner(contact.collisionObject1),
+                        second = owner(contact.collisionObject2);
+      if (first < forces.size()) forces[first] += contact.force;
+      if (second < forces.size()) forces[second] -= contact.force;
+    }
+  }
+
+  void read_positions() {
+    for (int i = 0; i < positions.cols(); ++i)
+      positions.col(i) = soft->getPointMass(i)->getWorldPosition();
+  }
+};
+
+DartSoftBody::DartSoftBody(const SoftBoxOptions& options)
+    : dynamics_(std::make_unique<Dynamics>()) {
+  check(options);
+  Dynamics& d = *dynamics_;
+  d.world->getConstraintSolver()->setCollisionDetector(make_detector());
+  d.world->setGravity(options.gravity_O);
+  d.friction = options.friction;
+  d.forces.assign(1, Eigen::Vector3d::Zero());
+  d.make_box(options);
+  if (options.on_floor) d.make_floor();
+  d.read_positions();
+}
+
+DartSoftBody::~DartSoftBody() = default;
+
+int DartSoftBody::add_sphere(double radius, const Eigen::Vector3d& position) {
+  return dynamics_->add_probe(std::make_shared<dd::SphereShape>(radius), position);
+}
+
+int DartSoftBody::add_plate(const Eigen::Vector3d& size, const Eigen::Vector3d& position) {
+  return dynamics_->add_probe(std::make_shared<dd::BoxShape>(size), position);
+}
+
+void DartSoftBody::move(int probe, const Eigen::Vector3d& velocity) {
+  dd::SkeletonPtr& skeleton = dynamics_->probes.at(probe);
+  for (int i = 0; i < 3; ++i) skeleton->getDof(i)->setCommand(velocity(i));
+}
+
+void DartSoftBody::pull(int vertex, const Eigen::Vector3d& force) {
+  dynamics_->pulls.at(vertex) = force;
+}
+
+void DartSoftBody::step(double dt) {
+  Dynamics& d = *dynamics_;
+  d.apply_pulls();
+  d.world->setTimeStep(dt);
+  d.world->step(false);  // a probe's command stays
+  d.sum_forces();
+  d.read_positions();
+}
+
+int DartSoftBody::vertex_count() const { return static_cast<int>(dynamics_->positions.cols()); }
+const Eigen::Matrix3Xd& DartSoftBody::positions() const { return dynamics_->positions; }
+const Eigen::Matrix3Xi& DartSoftBody::surface_triangles() const { return dynamics_->triangles; }
+math::Pose DartSoftBody::core() const { return dynamics_->soft->getWorldTransform(); }
+
+Eigen::Vector3d DartSoftBody::probe_position(int probe) const {
+  return dynamics_->probes.at(probe)->getBodyNode(0)->getWorldTransform().translation();
+}
+Eigen::Vector3d DartSoftBody::probe_force(int probe) const {
+  if (probe < 0 || probe >= static_cast<int>(dynamics_->probes.size()))
+    throw std::out_of_range("no such probe");
+  return dynamics_->forces[probe];
+}
+Eigen::Vector3d DartSoftBody::floor_force() const { return dynamics_->forces.back(); }
+int DartSoftBody::contact_count() const { return dynamics_->contacts; }
+
+}  // namespace palpate::robot

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <dart/dynamics/DegreeOfFreedom.hpp>
+#include <dart/dynamics/Joint.hpp>
+#include <vector>
+
+#include "sim/robot/joint_limits.hpp"
+
+// For the few sources that speak to DART; no other header includes this one.
+namespace palpate::robot {
+
+using Joints = std::vector<dart::dynamics::DegreeOfFreedom*>;
+
+/// One value of each joint.
+template <class Get>
+Eigen::VectorXd each(const Joints& joints, Get get) {
+  Eigen::VectorXd values(joints.size());
+  for (std::size_t i = 0; i < joints.size(); ++i) values(i) = get(*joints[i]);
+  return values;
+}
+
+inline Eigen::VectorXd positions(const Joints& joints) {
+  return each(joints, [](const auto& joint) { return joint.getPosition(); });
+}
+
+inline Eigen::VectorXd velocities(const Joints& joints) {
+  return each(joints, [](const auto& joint) { return joint.getVelocity(); });
+}
+
+inline JointLimits limits_of(const Joints& joints) {
+  return {each(joints, [](const auto& joint) { return joint.getPositionLowerLimit(); }),
+          each(joints, [](const auto& joint) { return joint.getPositionUpperLimit(); }),
+          each(joints, [](const auto& joint) { return joint.getVelocityUpperLimit(); }),
+          each(joints, [](const auto& joint) { return joint.getForceUpperLimit(); })};
+}
+
+/// Throws std::invalid_argument where `q` (rad) is not of these joints or beyond their limits;
+/// sets them otherwise, at rest.
+void set_at_rest(const Joints& joints, const JointLimits& limits, const Eigen::VectorXd& q);
+
+}  // namespace palpate::robot
