@@ -82,16 +82,19 @@ inline void stretch(const PackMatrix<Pack>& R, const PackMatrix<Pack>& F, PackSy
   g = {b21 - b12, b02 - b20, b10 - b01};
 }
 
-/// q <- q * (1, w/2), normalised: a turn by |w| in the frame of the point, to third order.
+/// Turns q by w = v / d in the frame of the point, to third order: by the unit quaternion of
+/// (1 - |w/4|^2, w/2), which needs one division for both w and the norm, and no root. What rounding
+/// does to the norm of q is undone to first order.
 template <class Pack>
-inline void turn(const PackVector<Pack>& w, std::array<Pack, 4>& q) {
-  const Pack half = math::splat<Pack>(0.5);
-  const Pack a = half * w[0], b = half * w[1], c = half * w[2];
-  const std::array<Pack, 4> r{
-      q[0] - q[1] * a - q[2] * b - q[3] * c, q[1] + q[0] * a + q[2] * c - q[3] * b,
-      q[2] + q[0] * b + q[3] * a - q[1] * c, q[3] + q[0] * c + q[1] * b - q[2] * a};
-  const Pack scale = 1 / math::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-  for (int k = 0; k < 4; ++k) q[k] = r[k] * scale;
+inline void turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
+  const Pack norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  const Pack d4 = 4 * d, d8 = 8 * d, dd = d4 * d4;
+  const Pack vv = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  const Pack scale = (math::splat<Pack>(1.5) - math::splat<Pack>(0.5) * norm2) / (dd + vv);
+  const Pack w = (dd - vv) * scale, turning = d8 * scale;
+  const Pack a = turning * v[0], b = turning * v[1], c = turning * v[2];
+  q = {q[0] * w - q[1] * a - q[2] * b - q[3] * c, q[1] * w + q[0] * a + q[2] * c - q[3] * b,
+       q[2] * w + q[0] * b + q[3] * a - q[1] * c, q[3] * w + q[0] * c + q[1] * b - q[2] * a};
 }
 
 /// One lane by a singular value decomposition, which also knows what to do with inverted points.
@@ -134,12 +137,10 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
       PointState<Pack>& point = state[p];
       detail::stretch(R[p], F[p], point.strain, g);
       const detail::Inverse<Pack> h = detail::invert_turn_stiffness(point.strain);
-      PackVector<Pack> w = detail::times(h.adjugate, g);
-      const Pack scale = 1 / h.determinant;
-      for (Pack& component : w) component *= scale;
-      const Pack turn2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-      const auto near = h.positive & (turn2 < small_turn2);
-      detail::turn(w, point.rotation);
+      const PackVector<Pack> v = detail::times(h.adjugate, g);
+      const Pack turn2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+      const auto near = h.positive & (turn2 < small_turn2 * (h.determinant * h.determinant));
+      detail::turn(v, h.determinant, point.rotation);
       if (!math::all(near)) {
         settled = false;
         if (i == kMaxNewton || !math::all(h.positive)) {
