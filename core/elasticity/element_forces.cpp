@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <list>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -11,7 +12,39 @@
 namespace palpate::elasticity {
 namespace {
 
-using math::kLanes;
+/// Elements in the order in which blocks of `width` take them: by their lowest column in nodal
+/// fields, so that near ones follow each other, but where possible without two of the same node in
+/// a block, since sums into it would have to wait for each other.
+std::vector<int> block_order(const mesh::ElementMesh& mesh, const std::vector<int>& numbering,
+                             int width) {
+  constexpr int kLookAhead = 256;
+  const int count = mesh.element_count();
+  std::vector<int> lowest(count, static_cast<int>(numbering.size()));
+  for (int e = 0; e < count; ++e) {
+    for (int node : mesh.elements.col(e)) lowest[e] = std::min(lowest[e], numbering[node]);
+  }
+  std::vector<int> sorted(count);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](int a, int b) { return lowest[a] < lowest[b]; });
+  std::list<int> waiting(sorted.begin(), sorted.end());
+  std::vector<int> order, last_block(numbering.size(), -1);
+  while (!waiting.empty()) {
+    const int block = static_cast<int>(order.size()) / width;
+    const auto is_apart = [&](int e) {
+      const auto nodes = mesh.elements.col(e);
+      return std::none_of(nodes.begin(), nodes.end(),
+                          [&](int node) { return last_block[node] == block; });
+    };
+    auto next = waiting.begin();
+    for (int k = 0; k < kLookAhead && next != waiting.end() && !is_apart(*next); ++k) ++next;
+    if (next == waiting.end() || !is_apart(*next)) next = waiting.begin();
+    for (int node : mesh.elements.col(*next)) last_block[node] = block;
+    order.push_back(*next);
+    waiting.erase(next);
+  }
+  return order;
+}
 
 template <class Pack, int kNodes>
 class BlockForces final : public ElementForces {
@@ -21,13 +54,14 @@ class BlockForces final : public ElementForces {
       : sums_(Field::Zero(4, static_cast<int>(numbering.size()))),
         rotation_sums_(Eigen::Matrix4Xf::Zero(4, static_cast<int>(numbering.size()))) {
     const int count = mesh.element_count();
-    constexpr int kWidth = kLanes<Pack>;
+    constexpr int kWidth = Block::kElements;
     blocks_.resize((count + kWidth - 1) / kWidth);
+    const std::vector<int> order = block_order(mesh, numbering, kWidth);
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       for (int lane = 0; lane < kWidth; ++lane) {
-        const int e = static_cast<int>(b) * kWidth + lane;
+        const int k = static_cast<int>(b) * kWidth + lane;
         // Lanes without an element of their own repeat the last one, without weight.
-        blocks_[b].set(lane, mesh, std::min(e, count - 1), materials, numbering, e < count);
+        blocks_[b].set(lane, mesh, order[std::min(k, count - 1)], materials, numbering, k < count);
       }
     }
     state_.resize(blocks_.size());
@@ -54,7 +88,7 @@ class BlockForces final : public ElementForces {
   void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
     rotation_sums_.setZero();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      for (int lane = 0; lane < kLanes<Pack> && blocks_[b].has_element(lane); ++lane) {
+      for (int lane = 0; lane < Block::kElements && blocks_[b].has_element(lane); ++lane) {
         Eigen::Vector4f q = Eigen::Vector4f::Zero();
         for (const auto& point : state_[b]) {
           Eigen::Vector4f p;
@@ -72,7 +106,7 @@ class BlockForces final : public ElementForces {
       }
     }
     for (std::size_t b = 0; b < blocks_.size() && kNodes == 10; ++b) {
-      for (int lane = 0; lane < kLanes<Pack>; ++lane) {
+      for (int lane = 0; lane < Block::kElements; ++lane) {
         for (int m = 4; m < kNodes; ++m) {
           const int* edge = mesh::kTetrahedronEdges[m - 4];
           const auto i = rotation_sums_.col(blocks_[b].node(edge[0], lane));

@@ -126,34 +126,42 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
   // After a turn by w what is left is of order w^2 (strain + w), and stress feels that times the
   // strain only: below rounding.
   const Pack small_turn2 = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-5 : 1e-11);
-  PackVector<Pack> g;
+  std::array<PackVector<Pack>, kCount> v;  // turns to make, times d
+  std::array<Pack, kCount> d;
+  std::array<decltype(Pack{} < Pack{}), kCount> near, positive;
   for (std::size_t p = 0; p < kCount; ++p) {
     detail::rotation_matrix(state[p].rotation, R[p]);
   }
-  bool settled = false;
-  for (int i = 0; !settled; ++i) {
-    settled = true;
+  for (int i = 0; i <= kMaxNewton; ++i) {
     for (std::size_t p = 0; p < kCount; ++p) {
-      PointState<Pack>& point = state[p];
-      detail::stretch(R[p], F[p], point.strain, g);
-      const detail::Inverse<Pack> h = detail::invert_turn_stiffness(point.strain);
-      const PackVector<Pack> v = detail::times(h.adjugate, g);
-      const Pack turn2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-      const auto near = h.positive & (turn2 < small_turn2 * (h.determinant * h.determinant));
-      detail::turn(v, h.determinant, point.rotation);
-      if (!math::all(near)) {
-        settled = false;
-        if (i == kMaxNewton || !math::all(h.positive)) {
-          for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
-            if (!near[lane]) detail::rescue(F[p], lane, point.rotation);
-          }
-        }
-      }
-      detail::rotation_matrix(point.rotation, R[p]);
+      PackVector<Pack> g;
+      detail::stretch(R[p], F[p], state[p].strain, g);
+      const detail::Inverse<Pack> h = detail::invert_turn_stiffness(state[p].strain);
+      v[p] = detail::times(h.adjugate, g);
+      d[p] = h.determinant;
+      const Pack vv = v[p][0] * v[p][0] + v[p][1] * v[p][1] + v[p][2] * v[p][2];
+      near[p] = h.positive & (vv < small_turn2 * (d[p] * d[p]));
+      positive[p] = h.positive;
     }
-    if (i == kMaxNewton) break;
+    for (std::size_t p = 0; p < kCount; ++p) {
+      detail::turn(v[p], d[p], state[p].rotation);
+      detail::rotation_matrix(state[p].rotation, R[p]);
+    }
+    auto settled = near[0];
+    for (std::size_t p = 1; p < kCount; ++p) settled &= near[p];
+    if (math::all(settled)) break;
+    for (std::size_t p = 0; p < kCount; ++p) {
+      if (i < kMaxNewton && math::all(positive[p])) continue;
+      for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+        if (!near[p][lane]) detail::rescue(F[p], lane, state[p].rotation);
+      }
+      detail::rotation_matrix(state[p].rotation, R[p]);
+    }
   }
-  for (std::size_t p = 0; p < kCount; ++p) detail::stretch(R[p], F[p], state[p].strain, g);
+  for (std::size_t p = 0; p < kCount; ++p) {
+    PackVector<Pack> g;
+    detail::stretch(R[p], F[p], state[p].strain, g);
+  }
 }
 
 /// Energy density and first Piola-Kirchhoff stress P of
