@@ -57,6 +57,12 @@ inline PackVector<Pack> times(const PackSymmetric<Pack>& A, const PackVector<Pac
           A[4] * v[0] + A[5] * v[1] + A[2] * v[2]};
 }
 
+/// |A|^2, the sum over all nine components.
+template <class Pack>
+inline Pack square(const PackSymmetric<Pack>& A) {
+  return A[0] * A[0] + A[1] * A[1] + A[2] * A[2] + 2 * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
+}
+
 template <class Pack>
 inline void rotation_matrix(const std::array<Pack, 4>& q, PackMatrix<Pack>& R) {
   const Pack x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
@@ -84,17 +90,19 @@ inline void stretch(const PackMatrix<Pack>& R, const PackMatrix<Pack>& F, PackSy
 
 /// Turns q by w = v / d in the frame of the point, to third order: by the unit quaternion of
 /// (1 - |w/4|^2, w/2), which needs one division for both w and the norm, and no root. What rounding
-/// does to the norm of q is undone to first order.
+/// does to the norm of q is undone to first order. Returns |w|^2, or less where that is not small.
 template <class Pack>
-inline void turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
+inline Pack turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
   const Pack norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
   const Pack d4 = 4 * d, d8 = 8 * d, dd = d4 * d4;
   const Pack vv = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-  const Pack scale = (math::splat<Pack>(1.5) - math::splat<Pack>(0.5) * norm2) / (dd + vv);
+  const Pack inverse = 1 / (dd + vv);
+  const Pack scale = (math::splat<Pack>(1.5) - math::splat<Pack>(0.5) * norm2) * inverse;
   const Pack w = (dd - vv) * scale, turning = d8 * scale;
   const Pack a = turning * v[0], b = turning * v[1], c = turning * v[2];
   q = {q[0] * w - q[1] * a - q[2] * b - q[3] * c, q[1] * w + q[0] * a + q[2] * c - q[3] * b,
        q[2] * w + q[0] * b + q[3] * a - q[1] * c, q[3] * w + q[0] * c + q[1] * b - q[2] * a};
+  return 16 * vv * inverse;
 }
 
 /// One lane by a singular value decomposition, which also knows what to do with inverted points.
@@ -123,11 +131,12 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
                              std::array<PointState<Pack>, kCount>& state,
                              std::array<PackMatrix<Pack>, kCount>& R) noexcept {
   constexpr int kMaxNewton = 8;
-  // After a turn by w what is left is of order w^2 (strain + w), and stress feels that times the
-  // strain only: below rounding.
-  const Pack small_turn2 = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-5 : 1e-11);
+  // After a turn by w what is left is less than w^2 (|E| + |w|), and strains feel that times |E|
+  // only, which is less than w^2 (3/2 E^2 + 1/2 w^2).
+  const Pack rounding = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-7 : 1e-13);
+  const Pack half = math::splat<Pack>(0.5);
   std::array<PackVector<Pack>, kCount> v;  // turns to make, times d
-  std::array<Pack, kCount> d;
+  std::array<Pack, kCount> d, strain2;
   std::array<decltype(Pack{} < Pack{}), kCount> near, positive;
   for (std::size_t p = 0; p < kCount; ++p) {
     detail::rotation_matrix(state[p].rotation, R[p]);
@@ -139,12 +148,12 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
       const detail::Inverse<Pack> h = detail::invert_turn_stiffness(state[p].strain);
       v[p] = detail::times(h.adjugate, g);
       d[p] = h.determinant;
-      const Pack vv = v[p][0] * v[p][0] + v[p][1] * v[p][1] + v[p][2] * v[p][2];
-      near[p] = h.positive & (vv < small_turn2 * (d[p] * d[p]));
       positive[p] = h.positive;
+      strain2[p] = detail::square(state[p].strain);
     }
     for (std::size_t p = 0; p < kCount; ++p) {
-      detail::turn(v[p], d[p], state[p].rotation);
+      const Pack turn2 = detail::turn(v[p], d[p], state[p].rotation);
+      near[p] = positive[p] & (half * turn2 * (3 * strain2[p] + turn2) < rounding);
       detail::rotation_matrix(state[p].rotation, R[p]);
     }
     auto settled = near[0];
@@ -175,10 +184,7 @@ inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<
   const Pack mu2 = mu + mu;
   const Pack half = math::splat<Pack>(0.5);
   const Pack trace = E[0] + E[1] + E[2];
-  const auto square = [](const PackSymmetric<Pack>& A) -> Pack {
-    return A[0] * A[0] + A[1] * A[1] + A[2] * A[2] + 2 * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
-  };
-  Pack energy = mu * square(E) + half * lambda * trace * trace;
+  Pack energy = mu * detail::square(E) + half * lambda * trace * trace;
   PackMatrix<Pack> T;  // R^T P
   const Pack pressure = lambda * trace;
   T[0] = mu2 * E[0] + pressure;
@@ -194,7 +200,7 @@ inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<
     const PackSymmetric<Pack> D{E[0] - Z[0], E[1] - Z[1], E[2] - Z[2],
                                 E[3] - Z[3], E[4] - Z[4], E[5] - Z[5]};
     const Pack rate = D[0] + D[1] + D[2];
-    energy += viscous * (mu * square(D) + half * lambda * rate * rate);
+    energy += viscous * (mu * detail::square(D) + half * lambda * rate * rate);
     // E0 does not turn with the point, so the turn that dF causes works against the commutator of
     // E0 and E: c = vee(Z E - E Z).
     const PackVector<Pack> c{
