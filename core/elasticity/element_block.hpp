@@ -65,11 +65,6 @@ class alignas(64) ElementBlock {
   using State = std::array<PointState<Pack>, kPacks * kPoints>;
   using Real = typename math::PackTraits<Pack>::Real;
 
-  int node(int a, int element) const {
-    return packs_[element / kLanes].offsets[a][element % kLanes] / 4;
-  }
-  bool has_element(int element) const { return packs_[element / kLanes].mu[element % kLanes] != 0; }
-
   void set(int place, const mesh::ElementMesh& mesh, int element,
            const std::vector<Lame>& materials, const std::vector<int>& numbering, bool weighted) {
     Eigen::Matrix<double, 3, 4> corners;
@@ -118,6 +113,30 @@ class alignas(64) ElementBlock {
       for (int lane = 0; lane < kLanes; ++lane) count += bad[lane] && pack.mu[lane] != 0;
     }
     return count;
+  }
+
+  /// Adds the rotation of each element, the mean over its points, to its corners in `sums`; signs
+  /// of quaternions, four numbers a node, as in `near`.
+  void add_rotations(const State& state, const float* near, float* sums) const noexcept {
+    using Quaternion = std::array<Pack, 4>;
+    const auto aligned = [](const Quaternion& q, const Quaternion& to) -> Quaternion {
+      const Pack dot = q[0] * to[0] + q[1] * to[1] + q[2] * to[2] + q[3] * to[3];
+      const Pack sign = dot < 0 ? math::splat<Pack>(-1) : math::splat<Pack>(1);
+      return {sign * q[0], sign * q[1], sign * q[2], sign * q[3]};
+    };
+    for (int k = 0; k < kPacks; ++k) {
+      const auto& pack = packs_[k];
+      Quaternion sum{};
+      for (int p = 0; p < kPoints; ++p) {
+        const Quaternion q = aligned(state[kPoints * k + p].rotation, sum);
+        for (int c = 0; c < 4; ++c) sum[c] += pack.mu != 0 ? q[c] : Pack{};
+      }
+      for (int a = 0; a < 4; ++a) {
+        Quaternion of_node;
+        gather(near, pack.offsets[a].data(), of_node);
+        scatter_add(aligned(sum, of_node), pack.offsets[a].data(), sums);
+      }
+    }
   }
 
   /// Energy in J; adds the forces of the nodes to a field of four numbers each.

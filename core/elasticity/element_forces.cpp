@@ -1,6 +1,7 @@
 #include "core/elasticity/element_forces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <list>
 #include <numeric>
@@ -65,6 +66,17 @@ class BlockForces final : public ElementForces {
       }
     }
     state_.resize(blocks_.size());
+    std::vector<bool> is_known(numbering.size());
+    for (int e = 0; e < count; ++e) {
+      for (int m = 4; m < kNodes; ++m) {
+        const auto nodes = mesh.elements.col(e);
+        const int* edge = mesh::kTetrahedronEdges[m - 4];
+        if (is_known[nodes(m)]) continue;
+        is_known[nodes(m)] = true;
+        midsides_.push_back(
+            {numbering[nodes(m)], {numbering[nodes(edge[0])], numbering[nodes(edge[1])]}});
+      }
+    }
   }
 
   double add(const NodalField& x, double viscosity, NodalField& forces) noexcept override {
@@ -88,37 +100,16 @@ class BlockForces final : public ElementForces {
   void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
     rotation_sums_.setZero();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      for (int lane = 0; lane < Block::kElements && blocks_[b].has_element(lane); ++lane) {
-        Eigen::Vector4f q = Eigen::Vector4f::Zero();
-        for (const auto& point : state_[b]) {
-          Eigen::Vector4f p;
-          for (int k = 0; k < 4; ++k) p(k) = static_cast<float>(point.rotation[k][lane]);
-          q += p.dot(q) < 0 ? Eigen::Vector4f(-p) : p;
-        }
-        for (int a = 0; a < 4; ++a) {
-          const int node = blocks_[b].node(a, lane);
-          if (q.dot(rotations.col(node)) < 0) {
-            rotation_sums_.col(node) -= q;
-          } else {
-            rotation_sums_.col(node) += q;
-          }
-        }
-      }
+      blocks_[b].add_rotations(state_[b], rotations.data(), rotation_sums_.data());
     }
-    for (std::size_t b = 0; b < blocks_.size() && kNodes == 10; ++b) {
-      for (int lane = 0; lane < Block::kElements; ++lane) {
-        for (int m = 4; m < kNodes; ++m) {
-          const int* edge = mesh::kTetrahedronEdges[m - 4];
-          const auto i = rotation_sums_.col(blocks_[b].node(edge[0], lane));
-          const auto j = rotation_sums_.col(blocks_[b].node(edge[1], lane));
-          const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
-          rotation_sums_.col(blocks_[b].node(m, lane)) = i + sign * j;
-        }
-      }
+    for (const Midside& midside : midsides_) {
+      const auto i = rotation_sums_.col(midside.ends[0]), j = rotation_sums_.col(midside.ends[1]);
+      const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
+      rotation_sums_.col(midside.node) = i + sign * j;
     }
     for (int node = 0; node < rotations.cols(); ++node) {
-      const float length = rotation_sums_.col(node).norm();
-      if (length > 0) rotations.col(node) = rotation_sums_.col(node) / length;
+      const float square = rotation_sums_.col(node).squaredNorm();
+      if (square > 0) rotations.col(node) = (1 / std::sqrt(square)) * rotation_sums_.col(node);
     }
   }
 
@@ -134,8 +125,13 @@ class BlockForces final : public ElementForces {
   using Block = ElementBlock<Pack, kNodes>;
   using Field = Eigen::Matrix<typename Block::Real, 4, Eigen::Dynamic>;
   using BlockState = typename Block::State;
+  struct Midside {
+    int node;
+    std::array<int, 2> ends;
+  };
   std::vector<Block> blocks_;
   std::vector<BlockState> state_;
+  std::vector<Midside> midsides_;
   Field sums_;
   Eigen::Matrix4Xf rotation_sums_;
 };
