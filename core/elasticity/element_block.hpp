@@ -197,6 +197,7 @@ class alignas(64) ElementBlock {
       for (int c = 0; c < 3; ++c) base[i][c] = low * d[i][c] + far4 * (p[c] + q[c] + r[c]);
     }
     std::array<PackMatrix<Pack>, 4> F, R;
+#pragma GCC unroll 4  // so that the nodes of an edge are known when compiling
     for (int p = 0; p < 4; ++p) {
       const Vector& d0 = d[kMidside[0][p]];  // of corner 0 itself for p = 0
       std::array<Vector, 3> c;
@@ -212,6 +213,7 @@ class alignas(64) ElementBlock {
     Pack energy{};
     std::array<Vector, 4> sum{};       // over the points, of the traction of each corner
     std::array<Vector, 10> special{};  // what the near corner adds
+#pragma GCC unroll 4                   // so that the nodes of an edge are known when compiling
     for (int p = 0; p < 4; ++p) {
       PackMatrix<Pack> P;
       energy += add_stress(pack.mu, pack.lambda, viscosity, state[p], R[p], P);

@@ -80,11 +80,8 @@ class BlockForces final : public ElementForces {
   }
 
   double add(const NodalField& x, double viscosity, NodalField& forces) noexcept override {
-    Pack energy{};
     sums_.setZero();
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums_.data());
-    }
+    const Pack energy = add_blocks(0, blocks_.size(), x, viscosity, sums_);
     forces += sums_.template cast<double>();
     return math::sum(energy);
   }
@@ -129,6 +126,17 @@ class BlockForces final : public ElementForces {
     int node;
     std::array<int, 2> ends;
   };
+
+  /// The blocks [begin, end), their forces into `sums`.
+  Pack add_blocks(std::size_t begin, std::size_t end, const NodalField& x, double viscosity,
+                  Field& sums) noexcept {
+    Pack energy{};
+    for (std::size_t b = begin; b < end; ++b) {
+      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums.data());
+    }
+    return energy;
+  }
+
   std::vector<Block> blocks_;
   std::vector<BlockState> state_;
   std::vector<Midside> midsides_;

@@ -176,10 +176,13 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
 /// Energy density and first Piola-Kirchhoff stress P of
 ///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
 /// E0 being the strain at the beginning of the step: Rayleigh damping in the turned frame, which
-/// no rigid motion feels, and an exact derivative of its potential.
+/// no rigid motion feels, and an exact derivative of its potential. Always inline, so that P need
+/// not go through memory on its way to the nodes.
 template <class Pack>
-inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<Pack>& state,
-                       const PackMatrix<Pack>& R, PackMatrix<Pack>& P) noexcept {
+[[gnu::always_inline]] inline Pack add_stress(Pack mu, Pack lambda, double viscosity,
+                                              const PointState<Pack>& state,
+                                              const PackMatrix<Pack>& R,
+                                              PackMatrix<Pack>& P) noexcept {
   const PackSymmetric<Pack>& E = state.strain;
   const Pack mu2 = mu + mu;
   const Pack half = math::splat<Pack>(0.5);
