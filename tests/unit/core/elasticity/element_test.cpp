@@ -156,11 +156,12 @@ TYPED_TEST(PointKernel, FollowsSmallTurnsToTheRoundingOfStrains) {
   for (const double strain : {0.0, 0.01, 0.1, 0.3}) {
     std::array<PointState<Pack>, 1> state;
     std::array<PackMatrix<Pack>, 1> F, R;
-    std::vector<Matrix3d> turned(math::kLanes<Pack>, Matrix3d::Identity()), f(turned);
-    for (const double turn : {1e-4, 1e-3, 3e-3, 1e-2, 2e-2, 3e-2, 0.1}) {
+    std::vector<Matrix3d> f(math::kLanes<Pack>);
+    for (Matrix3d& m : f) m = Matrix3d::Identity() + strain * Matrix3d::Random();
+    for (const double turn :
+         {0.0, 1e-4, 3e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.01, 0.02, 0.03, 0.05, 0.1}) {
       for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
-        turned[lane] = rotation(turn, Vector3d::Random()) * turned[lane];
-        f[lane] = turned[lane] * (Matrix3d::Identity() + strain * Matrix3d::Random());
+        f[lane] = rotation(turn, Vector3d::Random().normalized()) * f[lane];
         for (int k = 0; k < 9; ++k) F[0][k][lane] = static_cast<Real>(f[lane](k / 3, k % 3));
       }
       update_rotations(F, state, R);
