@@ -131,10 +131,9 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
                              std::array<PointState<Pack>, kCount>& state,
                              std::array<PackMatrix<Pack>, kCount>& R) noexcept {
   constexpr int kMaxNewton = 8;
-  // After a turn by w what is left is less than w^2 (|E| + |w|), and strains feel that times |E|
-  // only, which is less than w^2 (3/2 E^2 + 1/2 w^2).
+  // After a turn by w what is left is of order w^3, since tr(R^T F) has no term of third order
+  // where it is largest, and strains feel that times |E| only.
   const Pack rounding = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-7 : 1e-13);
-  const Pack half = math::splat<Pack>(0.5);
   std::array<PackVector<Pack>, kCount> v;  // turns to make, times d
   std::array<Pack, kCount> d, strain2;
   std::array<decltype(Pack{} < Pack{}), kCount> near, positive;
@@ -153,7 +152,7 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
     }
     for (std::size_t p = 0; p < kCount; ++p) {
       const Pack turn2 = detail::turn(v[p], d[p], state[p].rotation);
-      near[p] = positive[p] & (half * turn2 * (3 * strain2[p] + turn2) < rounding);
+      near[p] = positive[p] & (turn2 * turn2 * turn2 * strain2[p] < rounding * rounding);
       detail::rotation_matrix(state[p].rotation, R[p]);
     }
     auto settled = near[0];
