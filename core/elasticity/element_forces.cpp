@@ -1,7 +1,9 @@
 #include "core/elasticity/element_forces.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <list>
 #include <numeric>
 #include <stdexcept>
 #include <string>
@@ -11,7 +13,39 @@
 namespace palpate::elasticity {
 namespace {
 
-using math::kLanes;
+/// Elements in the order in which blocks of `width` take them: by their lowest column in nodal
+/// fields, so that near ones follow each other, but where possible without two of the same node in
+/// a block, since sums into it would have to wait for each other.
+std::vector<int> block_order(const mesh::ElementMesh& mesh, const std::vector<int>& numbering,
+                             int width) {
+  constexpr int kLookAhead = 256;
+  const int count = mesh.element_count();
+  std::vector<int> lowest(count, static_cast<int>(numbering.size()));
+  for (int e = 0; e < count; ++e) {
+    for (int node : mesh.elements.col(e)) lowest[e] = std::min(lowest[e], numbering[node]);
+  }
+  std::vector<int> sorted(count);
+  std::iota(sorted.begin(), sorted.end(), 0);
+  std::stable_sort(sorted.begin(), sorted.end(),
+                   [&](int a, int b) { return lowest[a] < lowest[b]; });
+  std::list<int> waiting(sorted.begin(), sorted.end());
+  std::vector<int> order, last_block(numbering.size(), -1);
+  while (!waiting.empty()) {
+    const int block = static_cast<int>(order.size()) / width;
+    const auto is_apart = [&](int e) {
+      const auto nodes = mesh.elements.col(e);
+      return std::none_of(nodes.begin(), nodes.end(),
+                          [&](int node) { return last_block[node] == block; });
+    };
+    auto next = waiting.begin();
+    for (int k = 0; k < kLookAhead && next != waiting.end() && !is_apart(*next); ++k) ++next;
+    if (next == waiting.end() || !is_apart(*next)) next = waiting.begin();
+    for (int node : mesh.elements.col(*next)) last_block[node] = block;
+    order.push_back(*next);
+    waiting.erase(next);
+  }
+  return order;
+}
 
 template <class Pack, int kNodes>
 class BlockForces final : public ElementForces {
@@ -21,24 +55,33 @@ class BlockForces final : public ElementForces {
       : sums_(Field::Zero(4, static_cast<int>(numbering.size()))),
         rotation_sums_(Eigen::Matrix4Xf::Zero(4, static_cast<int>(numbering.size()))) {
     const int count = mesh.element_count();
-    constexpr int kWidth = kLanes<Pack>;
+    constexpr int kWidth = Block::kElements;
     blocks_.resize((count + kWidth - 1) / kWidth);
+    const std::vector<int> order = block_order(mesh, numbering, kWidth);
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       for (int lane = 0; lane < kWidth; ++lane) {
-        const int e = static_cast<int>(b) * kWidth + lane;
+        const int k = static_cast<int>(b) * kWidth + lane;
         // Lanes without an element of their own repeat the last one, without weight.
-        blocks_[b].set(lane, mesh, std::min(e, count - 1), materials, numbering, e < count);
+        blocks_[b].set(lane, mesh, order[std::min(k, count - 1)], materials, numbering, k < count);
       }
     }
     state_.resize(blocks_.size());
+    std::vector<bool> is_known(numbering.size());
+    for (int e = 0; e < count; ++e) {
+      for (int m = 4; m < kNodes; ++m) {
+        const auto nodes = mesh.elements.col(e);
+        const int* edge = mesh::kTetrahedronEdges[m - 4];
+        if (is_known[nodes(m)]) continue;
+        is_known[nodes(m)] = true;
+        midsides_.push_back(
+            {numbering[nodes(m)], {numbering[nodes(edge[0])], numbering[nodes(edge[1])]}});
+      }
+    }
   }
 
   double add(const NodalField& x, double viscosity, NodalField& forces) noexcept override {
-    Pack energy{};
     sums_.setZero();
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums_.data());
-    }
+    const Pack energy = add_blocks(0, blocks_.size(), x, viscosity, sums_);
     forces += sums_.template cast<double>();
     return math::sum(energy);
   }
@@ -54,37 +97,16 @@ class BlockForces final : public ElementForces {
   void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
     rotation_sums_.setZero();
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      for (int lane = 0; lane < kLanes<Pack> && blocks_[b].has_element(lane); ++lane) {
-        Eigen::Vector4f q = Eigen::Vector4f::Zero();
-        for (const auto& point : state_[b]) {
-          Eigen::Vector4f p;
-          for (int k = 0; k < 4; ++k) p(k) = static_cast<float>(point.rotation[k][lane]);
-          q += p.dot(q) < 0 ? Eigen::Vector4f(-p) : p;
-        }
-        for (int a = 0; a < 4; ++a) {
-          const int node = blocks_[b].node(a, lane);
-          if (q.dot(rotations.col(node)) < 0) {
-            rotation_sums_.col(node) -= q;
-          } else {
-            rotation_sums_.col(node) += q;
-          }
-        }
-      }
+      blocks_[b].add_rotations(state_[b], rotations.data(), rotation_sums_.data());
     }
-    for (std::size_t b = 0; b < blocks_.size() && kNodes == 10; ++b) {
-      for (int lane = 0; lane < kLanes<Pack>; ++lane) {
-        for (int m = 4; m < kNodes; ++m) {
-          const int* edge = mesh::kTetrahedronEdges[m - 4];
-          const auto i = rotation_sums_.col(blocks_[b].node(edge[0], lane));
-          const auto j = rotation_sums_.col(blocks_[b].node(edge[1], lane));
-          const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
-          rotation_sums_.col(blocks_[b].node(m, lane)) = i + sign * j;
-        }
-      }
+    for (const Midside& midside : midsides_) {
+      const auto i = rotation_sums_.col(midside.ends[0]), j = rotation_sums_.col(midside.ends[1]);
+      const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
+      rotation_sums_.col(midside.node) = i + sign * j;
     }
     for (int node = 0; node < rotations.cols(); ++node) {
-      const float length = rotation_sums_.col(node).norm();
-      if (length > 0) rotations.col(node) = rotation_sums_.col(node) / length;
+      const float square = rotation_sums_.col(node).squaredNorm();
+      if (square > 0) rotations.col(node) = (1 / std::sqrt(square)) * rotation_sums_.col(node);
     }
   }
 
@@ -100,8 +122,24 @@ class BlockForces final : public ElementForces {
   using Block = ElementBlock<Pack, kNodes>;
   using Field = Eigen::Matrix<typename Block::Real, 4, Eigen::Dynamic>;
   using BlockState = typename Block::State;
+  struct Midside {
+    int node;
+    std::array<int, 2> ends;
+  };
+
+  /// The blocks [begin, end), their forces into `sums`.
+  Pack add_blocks(std::size_t begin, std::size_t end, const NodalField& x, double viscosity,
+                  Field& sums) noexcept {
+    Pack energy{};
+    for (std::size_t b = begin; b < end; ++b) {
+      energy += blocks_[b].add(x.data(), viscosity, state_[b], sums.data());
+    }
+    return energy;
+  }
+
   std::vector<Block> blocks_;
   std::vector<BlockState> state_;
+  std::vector<Midside> midsides_;
   Field sums_;
   Eigen::Matrix4Xf rotation_sums_;
 };

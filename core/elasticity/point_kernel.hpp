@@ -57,6 +57,12 @@ inline PackVector<Pack> times(const PackSymmetric<Pack>& A, const PackVector<Pac
           A[4] * v[0] + A[5] * v[1] + A[2] * v[2]};
 }
 
+/// |A|^2, the sum over all nine components.
+template <class Pack>
+inline Pack square(const PackSymmetric<Pack>& A) {
+  return A[0] * A[0] + A[1] * A[1] + A[2] * A[2] + 2 * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
+}
+
 template <class Pack>
 inline void rotation_matrix(const std::array<Pack, 4>& q, PackMatrix<Pack>& R) {
   const Pack x2 = q[1] + q[1], y2 = q[2] + q[2], z2 = q[3] + q[3];
@@ -82,16 +88,21 @@ inline void stretch(const PackMatrix<Pack>& R, const PackMatrix<Pack>& F, PackSy
   g = {b21 - b12, b02 - b20, b10 - b01};
 }
 
-/// q <- q * (1, w/2), normalised: a turn by |w| in the frame of the point, to third order.
+/// Turns q by w = v / d in the frame of the point, to third order: by the unit quaternion of
+/// (1 - |w/4|^2, w/2), which needs one division for both w and the norm, and no root. What rounding
+/// does to the norm of q is undone to first order. Returns |w|^2, or less where that is not small.
 template <class Pack>
-inline void turn(const PackVector<Pack>& w, std::array<Pack, 4>& q) {
-  const Pack half = math::splat<Pack>(0.5);
-  const Pack a = half * w[0], b = half * w[1], c = half * w[2];
-  const std::array<Pack, 4> r{
-      q[0] - q[1] * a - q[2] * b - q[3] * c, q[1] + q[0] * a + q[2] * c - q[3] * b,
-      q[2] + q[0] * b + q[3] * a - q[1] * c, q[3] + q[0] * c + q[1] * b - q[2] * a};
-  const Pack scale = 1 / math::sqrt(r[0] * r[0] + r[1] * r[1] + r[2] * r[2] + r[3] * r[3]);
-  for (int k = 0; k < 4; ++k) q[k] = r[k] * scale;
+inline Pack turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
+  const Pack norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  const Pack d4 = 4 * d, d8 = 8 * d, dd = d4 * d4;
+  const Pack vv = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+  const Pack inverse = 1 / (dd + vv);
+  const Pack scale = (math::splat<Pack>(1.5) - math::splat<Pack>(0.5) * norm2) * inverse;
+  const Pack w = (dd - vv) * scale, turning = d8 * scale;
+  const Pack a = turning * v[0], b = turning * v[1], c = turning * v[2];
+  q = {q[0] * w - q[1] * a - q[2] * b - q[3] * c, q[1] * w + q[0] * a + q[2] * c - q[3] * b,
+       q[2] * w + q[0] * b + q[3] * a - q[1] * c, q[3] * w + q[0] * c + q[1] * b - q[2] * a};
+  return 16 * vv * inverse;
 }
 
 /// One lane by a singular value decomposition, which also knows what to do with inverted points.
@@ -120,56 +131,62 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
                              std::array<PointState<Pack>, kCount>& state,
                              std::array<PackMatrix<Pack>, kCount>& R) noexcept {
   constexpr int kMaxNewton = 8;
-  // After a turn by w what is left is of order w^2 (strain + w), and stress feels that times the
-  // strain only: below rounding.
-  const Pack small_turn2 = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-5 : 1e-11);
-  PackVector<Pack> g;
+  // After a turn by w what is left is of order w^3, since tr(R^T F) has no term of third order
+  // where it is largest, and strains feel that times |E| only.
+  const Pack rounding = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-7 : 1e-13);
+  std::array<PackVector<Pack>, kCount> v;  // turns to make, times d
+  std::array<Pack, kCount> d, strain2;
+  std::array<decltype(Pack{} < Pack{}), kCount> near, positive;
   for (std::size_t p = 0; p < kCount; ++p) {
     detail::rotation_matrix(state[p].rotation, R[p]);
   }
-  bool settled = false;
-  for (int i = 0; !settled; ++i) {
-    settled = true;
+  for (int i = 0; i <= kMaxNewton; ++i) {
     for (std::size_t p = 0; p < kCount; ++p) {
-      PointState<Pack>& point = state[p];
-      detail::stretch(R[p], F[p], point.strain, g);
-      const detail::Inverse<Pack> h = detail::invert_turn_stiffness(point.strain);
-      PackVector<Pack> w = detail::times(h.adjugate, g);
-      const Pack scale = 1 / h.determinant;
-      for (Pack& component : w) component *= scale;
-      const Pack turn2 = w[0] * w[0] + w[1] * w[1] + w[2] * w[2];
-      const auto near = h.positive & (turn2 < small_turn2);
-      detail::turn(w, point.rotation);
-      if (!math::all(near)) {
-        settled = false;
-        if (i == kMaxNewton || !math::all(h.positive)) {
-          for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
-            if (!near[lane]) detail::rescue(F[p], lane, point.rotation);
-          }
-        }
-      }
-      detail::rotation_matrix(point.rotation, R[p]);
+      PackVector<Pack> g;
+      detail::stretch(R[p], F[p], state[p].strain, g);
+      const detail::Inverse<Pack> h = detail::invert_turn_stiffness(state[p].strain);
+      v[p] = detail::times(h.adjugate, g);
+      d[p] = h.determinant;
+      positive[p] = h.positive;
+      strain2[p] = detail::square(state[p].strain);
     }
-    if (i == kMaxNewton) break;
+    for (std::size_t p = 0; p < kCount; ++p) {
+      const Pack turn2 = detail::turn(v[p], d[p], state[p].rotation);
+      near[p] = positive[p] & (turn2 * turn2 * turn2 * strain2[p] < rounding * rounding);
+      detail::rotation_matrix(state[p].rotation, R[p]);
+    }
+    auto settled = near[0];
+    for (std::size_t p = 1; p < kCount; ++p) settled &= near[p];
+    if (math::all(settled)) break;
+    for (std::size_t p = 0; p < kCount; ++p) {
+      if (i < kMaxNewton && math::all(positive[p])) continue;
+      for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+        if (!near[p][lane]) detail::rescue(F[p], lane, state[p].rotation);
+      }
+      detail::rotation_matrix(state[p].rotation, R[p]);
+    }
   }
-  for (std::size_t p = 0; p < kCount; ++p) detail::stretch(R[p], F[p], state[p].strain, g);
+  for (std::size_t p = 0; p < kCount; ++p) {
+    PackVector<Pack> g;
+    detail::stretch(R[p], F[p], state[p].strain, g);
+  }
 }
 
 /// Energy density and first Piola-Kirchhoff stress P of
 ///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
 /// E0 being the strain at the beginning of the step: Rayleigh damping in the turned frame, which
-/// no rigid motion feels, and an exact derivative of its potential.
+/// no rigid motion feels, and an exact derivative of its potential. Always inline, so that P need
+/// not go through memory on its way to the nodes.
 template <class Pack>
-inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<Pack>& state,
-                       const PackMatrix<Pack>& R, PackMatrix<Pack>& P) noexcept {
+[[gnu::always_inline]] inline Pack add_stress(Pack mu, Pack lambda, double viscosity,
+                                              const PointState<Pack>& state,
+                                              const PackMatrix<Pack>& R,
+                                              PackMatrix<Pack>& P) noexcept {
   const PackSymmetric<Pack>& E = state.strain;
   const Pack mu2 = mu + mu;
   const Pack half = math::splat<Pack>(0.5);
   const Pack trace = E[0] + E[1] + E[2];
-  const auto square = [](const PackSymmetric<Pack>& A) -> Pack {
-    return A[0] * A[0] + A[1] * A[1] + A[2] * A[2] + 2 * (A[3] * A[3] + A[4] * A[4] + A[5] * A[5]);
-  };
-  Pack energy = mu * square(E) + half * lambda * trace * trace;
+  Pack energy = mu * detail::square(E) + half * lambda * trace * trace;
   PackMatrix<Pack> T;  // R^T P
   const Pack pressure = lambda * trace;
   T[0] = mu2 * E[0] + pressure;
@@ -185,7 +202,7 @@ inline Pack add_stress(Pack mu, Pack lambda, double viscosity, const PointState<
     const PackSymmetric<Pack> D{E[0] - Z[0], E[1] - Z[1], E[2] - Z[2],
                                 E[3] - Z[3], E[4] - Z[4], E[5] - Z[5]};
     const Pack rate = D[0] + D[1] + D[2];
-    energy += viscous * (mu * square(D) + half * lambda * rate * rate);
+    energy += viscous * (mu * detail::square(D) + half * lambda * rate * rate);
     // E0 does not turn with the point, so the turn that dF causes works against the commutator of
     // E0 and E: c = vee(Z E - E Z).
     const PackVector<Pack> c{

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <cstring>
 #if defined(__AVX__)
 #include <immintrin.h>
@@ -43,24 +42,6 @@ inline Pack4d load(const double* from) {
   return x;
 }
 inline void store(Pack4d x, double* to) { std::memcpy(to, &x, sizeof(x)); }
-
-inline Pack4d sqrt(Pack4d x) {
-#if defined(__AVX__)
-  return _mm256_sqrt_pd(x);
-#else
-  for (int k = 0; k < 4; ++k) x[k] = std::sqrt(x[k]);
-  return x;
-#endif
-}
-
-inline Pack8f sqrt(Pack8f x) {
-#if defined(__AVX__)
-  return _mm256_sqrt_ps(x);
-#else
-  for (int k = 0; k < 8; ++k) x[k] = std::sqrt(x[k]);
-  return x;
-#endif
-}
 
 /// Whether every lane of a comparison holds.
 template <class Mask>

@@ -1,6 +1,9 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <limits>
+#include <random>
 
 #include "core/elasticity/block_matrix.hpp"
 #include "core/elasticity/point_kernel.hpp"
@@ -144,6 +147,80 @@ TYPED_TEST(PointKernel, FindsTheRotationFromAnyStartAndForInvertedPoints) {
   }
 }
 
+// One evaluation after a small motion makes few turns: what they leave must not show in the strain.
+TYPED_TEST(PointKernel, FollowsSmallTurnsToTheRoundingOfStrains) {
+  using Pack = TypeParam;
+  using Real = typename math::PackTraits<Pack>::Real;
+  const double rounding = sizeof(Real) == 4 ? 5e-7 : 5e-13;
+  std::srand(6);
+  for (const double strain : {0.0, 0.01, 0.1, 0.3}) {
+    std::array<PointState<Pack>, 1> state;
+    std::array<PackMatrix<Pack>, 1> F, R;
+    std::vector<Matrix3d> f(math::kLanes<Pack>);
+    for (Matrix3d& m : f) m = Matrix3d::Identity() + strain * Matrix3d::Random();
+    for (const double turn :
+         {0.0, 1e-4, 3e-4, 1e-3, 2e-3, 4e-3, 7e-3, 0.01, 0.02, 0.03, 0.05, 0.1}) {
+      for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+        f[lane] = rotation(turn, Vector3d::Random().normalized()) * f[lane];
+        for (int k = 0; k < 9; ++k) F[0][k][lane] = static_cast<Real>(f[lane](k / 3, k % 3));
+      }
+      update_rotations(F, state, R);
+      for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
+        const Matrix3d E = math::polar_rotation(f[lane]).transpose() * f[lane];
+        const PackSymmetric<Pack>& found = state[0].strain;
+        const double difference[6] = {
+            found[0][lane] - (E(0, 0) - 1), found[1][lane] - (E(1, 1) - 1),
+            found[2][lane] - (E(2, 2) - 1), found[3][lane] - E(0, 1),
+            found[4][lane] - E(0, 2),       found[5][lane] - E(1, 2)};
+        for (const double d : difference)
+          EXPECT_LT(std::abs(d), rounding) << strain << ", " << turn;
+      }
+    }
+  }
+}
+
+// A point that turns for hours keeps a unit quaternion.
+TYPED_TEST(PointKernel, RotationsDoNotDriftOffTheUnitSphere) {
+  using Pack = TypeParam;
+  using Real = typename math::PackTraits<Pack>::Real;
+  std::array<PointState<Pack>, 2> state;
+  std::array<PackMatrix<Pack>, 2> F, R;
+  Matrix3d turned = Matrix3d::Identity();
+  const Matrix3d step = rotation(7e-3, {1, -2, 0.5});
+  for (int i = 0; i < 100'000; ++i) {
+    turned = step * turned;
+    for (auto& point : F) {
+      for (int k = 0; k < 9; ++k) {
+        point[k] = math::splat<Pack>(static_cast<double>(turned(k / 3, k % 3)));
+      }
+    }
+    update_rotations(F, state, R);
+  }
+  for (const auto& point : state) {
+    double norm2 = 0;
+    for (const Pack& q : point.rotation) norm2 += static_cast<double>(q[1]) * q[1];
+    EXPECT_NEAR(norm2, 1, 4 * std::numeric_limits<Real>::epsilon());
+  }
+}
+
+TEST_P(ElementsOfEveryOrder, NumberingChangesNothingButRounding) {
+  std::srand(11);
+  const int n = body_.mesh.node_count();
+  const Matrix3Xd x = body_.mesh.nodes + 1e-3 * Matrix3Xd::Random(3, n);
+  const Answer expected = Elements(body_).evaluate(x);
+  std::vector<int> numbering = mesh_numbering(body_.mesh);
+  std::shuffle(numbering.begin(), numbering.end(), std::mt19937(12));
+  NodalField shuffled = NodalField::Zero(4, n), forces = shuffled;
+  for (int i = 0; i < n; ++i) shuffled.col(numbering[i]).head<3>() = x.col(i);
+  const auto elements =
+      make_element_forces(body_.mesh, elements_.materials(), numbering, Precision::kDouble);
+  EXPECT_NEAR(elements->add(shuffled, 0, forces), expected.energy, 1e-12 * expected.energy);
+  for (int i = 0; i < n; ++i) {
+    EXPECT_LT((forces.col(numbering[i]).head<3>() - expected.forces.col(i)).norm(),
+              1e-12 * expected.forces.norm());
+  }
+}
+
 TEST_P(ElementsOfEveryOrder, SinglePrecisionKeepsSevenDigitsOfStrainFarFromTheOrigin) {
   std::srand(7);
   const Matrix3d R = rotation(0.7, {1, -2, 0.5});
@@ -193,6 +270,61 @@ TEST_P(ElementsOfEveryOrder, RotationsOfNodesAreThoseOfARigidMotion) {
   for (int i = 0; i < q.cols(); ++i) {
     const Eigen::Quaternionf rotation_of_node(q(0, i), q(1, i), q(2, i), q(3, i));
     EXPECT_LT((rotation_of_node.toRotationMatrix().cast<double>() - R).norm(), 1e-6);
+  }
+}
+
+// Against quaternions of polar decompositions, element by element.
+template <int kNodes>
+Eigen::Matrix4Xd expected_rotations(const mesh::ElementMesh& mesh, const Matrix3Xd& x) {
+  const auto add = [](const Eigen::Vector4d& q, auto&& sum) {
+    sum += q.dot(sum) < 0 ? Eigen::Vector4d(-q) : q;
+  };
+  Eigen::Matrix4Xd sums = Eigen::Matrix4Xd::Zero(4, mesh.node_count());
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    const Eigen::VectorXi nodes = mesh.elements.col(e);
+    const Eigen::Matrix<double, 3, 4> corners = mesh.nodes(Eigen::all, nodes.head<4>());
+    Eigen::Vector4d of_element = Eigen::Vector4d::Zero();
+    for (const auto& gradients : Tetrahedron<kNodes>::gradients(corners)) {
+      const Matrix3d F = x(Eigen::all, nodes) * gradients.transpose();
+      const Eigen::Quaterniond q(math::polar_rotation(F));
+      add({q.w(), q.x(), q.y(), q.z()}, of_element);
+    }
+    for (int a = 0; a < 4; ++a) add(of_element, sums.col(nodes(a)));
+  }
+  for (int e = 0; e < mesh.element_count(); ++e) {
+    for (int m = 4; m < kNodes; ++m) {
+      const int* edge = mesh::kTetrahedronEdges[m - 4];
+      auto&& middle = sums.col(mesh.elements(m, e));
+      middle = sums.col(mesh.elements(edge[0], e));
+      add(sums.col(mesh.elements(edge[1], e)), middle);
+    }
+  }
+  return sums.colwise().normalized();
+}
+
+TEST_P(ElementsOfEveryOrder, RotationsOfNodesAreMeansOverTheirElements) {
+  std::srand(13);
+  const int n = body_.mesh.node_count();
+  const Matrix3Xd x =
+      rotation(2.5, {1, -2, 0.5}) * (body_.mesh.nodes + 2e-3 * Matrix3Xd::Random(3, n));
+  const Eigen::Matrix4Xd expected = GetParam() == mesh::ElementOrder::kLinear
+                                        ? expected_rotations<4>(body_.mesh, x)
+                                        : expected_rotations<10>(body_.mesh, x);
+  for (const Precision precision : {Precision::kSingle, Precision::kDouble}) {
+    Elements elements(body_, precision);
+    elements.evaluate(x);
+    Eigen::Matrix4Xf q = Eigen::Matrix4Xf::Zero(4, n);
+    for (int i = 0; i < n; ++i) q(0, i) = i % 2 == 0 ? 1.0F : -1.0F;
+    const Eigen::Matrix4Xf signs = q;
+    elements.forces().node_rotations(q);
+    for (int i = 0; i < n; ++i) {
+      const double sign = expected.col(i).dot(q.col(i).cast<double>()) < 0 ? -1 : 1;
+      EXPECT_LT((sign * q.col(i).cast<double>() - expected.col(i)).norm(), 1e-6);
+      const bool is_corner = (body_.mesh.elements.topRows<4>().array() == i).any();
+      if (is_corner) {
+        EXPECT_GT(q.col(i).dot(signs.col(i)), 0);
+      }
+    }
   }
 }
 
