@@ -3,6 +3,7 @@
 #include <stdexcept>
 
 #include "core/elasticity/solve_panels.hpp"
+#include "tests/bench/core/elasticity/curved_pass.hpp"
 #include "tests/bench/core/elasticity/samples.hpp"
 
 namespace palpate::bench {
@@ -28,6 +29,16 @@ double time_element_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x
   elasticity::NodalField padded = elasticity::NodalField::Zero(4, x.cols()), forces = padded;
   padded.topRows<3>() = x;
   return median_time([&] { pass->add(padded, 0, forces); });
+}
+
+double time_curved_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x) {
+  CurvedPass pass(body);
+  elasticity::NodalField padded = elasticity::NodalField::Zero(4, x.cols()), forces = padded;
+  padded.topRows<3>() = x;
+  return median_time([&] {
+    forces.setZero();
+    pass.add(padded, forces);
+  });
 }
 
 SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric) {

@@ -10,6 +10,7 @@ namespace palpate::bench {
 /// What a correction of the loop is made of: one pass over the elements and one solve. Thread time,
 /// s, median of many after the caches have warmed up.
 double time_element_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x);
+double time_curved_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x);
 
 struct SolveCost {
   long entries = 0;       // scalars of the panels

@@ -56,7 +56,7 @@ std::optional<ElementRow> measure_case(const evaluate::CaseFile& c, const std::s
     if (!solution.converged) return std::nullopt;
     positions = solution.positions;
   }
-  ElementRow row{c.name, element, mesh_name};
+  ElementRow row{c.name, element, mesh_name, c.meshes.count(mesh_name) > 0};
   row.rms_share = evaluate::score_shape(c, problem, positions, nullptr).rms_share();
   set_cost(body, averaged ? Volumetric::kAveraged : Volumetric::kAtPoints, positions, row);
   return row;
@@ -93,10 +93,11 @@ std::optional<ElementRow> measure_round(const RoundBody& round, const std::strin
   const auto positions = positions_of(round);
   if (!positions) return std::nullopt;
   const Matrix3Xd error = probe(round, *positions) - reference;
-  ElementRow row{name, element, mesh_name};
+  ElementRow row{name, element, mesh_name, true};
   row.rms_share =
       std::sqrt(error.colwise().squaredNorm().mean()) / reference.colwise().norm().maxCoeff();
   set_cost(round.body, Volumetric::kAtPoints, *positions, row);
+  if (element == kCurvedQuadratic) row.pass = time_curved_pass(round.body, *positions);
   return row;
 }
 
@@ -113,6 +114,18 @@ void print_rows(const std::vector<ElementRow>& rows, std::ostream& out) {
     }
   }
   table.print(out);
+}
+
+std::vector<ElementRow> unbeaten(const std::vector<ElementRow>& rows) {
+  std::vector<ElementRow> kept;
+  for (const ElementRow& row : rows) {
+    const bool beaten = std::any_of(rows.begin(), rows.end(), [&row](const ElementRow& other) {
+      return other.body == row.body && other.element == row.element &&
+             other.rms_share < row.rms_share && other.nodes <= row.nodes;
+    });
+    if (row.is_given || !beaten) kept.push_back(row);
+  }
+  return kept;
 }
 
 void print_least_times(const std::vector<ElementRow>& rows, std::ostream& out) {

@@ -14,6 +14,7 @@ namespace palpate::bench {
 /// One body on one mesh with one kind of element: its error and what a correction costs.
 struct ElementRow {
   std::string body, element, mesh;
+  bool is_given = false;  // the mesh is one that came with the case
   int nodes = 0;
   double rms_share = 0;  // of the largest reference displacement
   long entries = 0;      // scalars of the factor's panels
@@ -26,6 +27,9 @@ struct ElementRow {
 inline constexpr const char* kLinear = "linear";
 inline constexpr const char* kAveragedLinear = "linear averaged";
 inline constexpr const char* kQuadratic = "quadratic";
+inline constexpr const char* kInflatedLinear = "linear inflated";
+inline constexpr const char* kInflatedQuadratic = "quadratic inflated";
+inline constexpr const char* kCurvedQuadratic = "quadratic curved";
 
 /// A reference case on a mesh with its groups; nothing where statics does not converge.
 std::optional<ElementRow> measure_case(const evaluate::CaseFile& c, const std::string& mesh_name,
@@ -40,7 +44,10 @@ std::optional<ElementRow> measure_round(const RoundBody& round, const std::strin
                                         const std::string& mesh_name, const std::string& element,
                                         const Eigen::Matrix3Xd& reference);
 
-/// All rows, body by body.
+/// Those on given meshes and those that no mesh of as few nodes of the same element beats.
+std::vector<ElementRow> unbeaten(const std::vector<ElementRow>& rows);
+
+/// Body by body.
 void print_rows(const std::vector<ElementRow>& rows, std::ostream& out);
 
 /// For each body and element the least time in which some mesh stays within an error.

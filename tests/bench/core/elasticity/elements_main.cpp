@@ -18,6 +18,7 @@ struct Arguments {
   std::string cases;
   std::vector<std::string> only;
   int most_linear = 1000, most_quadratic = 700;
+  bool all = false;
 };
 
 void note(const ElementRow& row) {
@@ -69,16 +70,14 @@ void measure_round_body(const std::string& body, const std::vector<RoundMesh>& l
       note(*row);
     }
   };
-  for (const auto& [sides, suffix] :
-       {std::pair{Sides::kStraight, ""}, {Sides::kInflated, " inflated"}}) {
-    for (const RoundMesh& mesh : linear)
-      add(mesh, ElementOrder::kLinear, sides, std::string(kLinear) + suffix);
+  for (const auto& [sides, element] :
+       {std::pair{Sides::kStraight, kLinear}, {Sides::kInflated, kInflatedLinear}}) {
+    for (const RoundMesh& mesh : linear) add(mesh, ElementOrder::kLinear, sides, element);
   }
-  for (const auto& [sides, suffix] : {std::pair{Sides::kStraight, ""},
-                                      {Sides::kInflated, " inflated"},
-                                      {Sides::kCurved, " curved"}}) {
-    for (const RoundMesh& mesh : quadratic)
-      add(mesh, ElementOrder::kQuadratic, sides, std::string(kQuadratic) + suffix);
+  for (const auto& [sides, element] : {std::pair{Sides::kStraight, kQuadratic},
+                                       {Sides::kInflated, kInflatedQuadratic},
+                                       {Sides::kCurved, kCurvedQuadratic}}) {
+    for (const RoundMesh& mesh : quadratic) add(mesh, ElementOrder::kQuadratic, sides, element);
   }
 }
 
@@ -115,9 +114,9 @@ int run(const Arguments& a) {
   }
   if (wanted("ellipsoid")) {
     measure_round_body("ellipsoid", {ellipsoid(2), ellipsoid(3), ellipsoid(4), ellipsoid(6)},
-                       {ellipsoid(1), ellipsoid(2), ellipsoid(3)}, ellipsoid(5), rows);
+                       {ellipsoid(1), ellipsoid(2), ellipsoid(3)}, ellipsoid(6), rows);
   }
-  print_rows(rows, std::cout);
+  print_rows(a.all ? rows : unbeaten(rows), std::cout);
   std::cout << '\n';
   print_least_times(rows, std::cout);
   return 0;
@@ -140,6 +139,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--most-quadratic", arguments.most_quadratic, "nodes of quadratic meshes at most")
       ->capture_default_str();
+  app.add_flag("--all", arguments.all, "print every mesh, not only the best of each size");
   CLI11_PARSE(app, argc, argv);
   try {
     return palpate::bench::run(arguments);

@@ -286,7 +286,7 @@ RoundBody make_ellipsoid(int m, ElementOrder order, Sides sides) {
   }
   RoundBody round = finish(
       std::move(elements), [&](const Vector3d& p) { return face_of(direction(p)) >= 15; },
-      [&](const Vector3d& p) { return face_of(direction(p)) < 5; }, {-15, 0, 10});
+      [&](const Vector3d& p) { return face_of(direction(p)) < 5; }, {-3, 0, 2});
   round.probes.emplace_back(Vector3d::Zero());
   for (int v = 0; v < 6; ++v) round.probes.emplace_back(kHalfAxes.cwiseProduct(vertices[v]));
   return round;
