@@ -22,10 +22,11 @@ double median_time(const std::function<void()>& run) {
   return samples.quantile(0.5);
 }
 
-double time_element_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x) {
-  const auto pass = elasticity::make_element_forces(
-      body.mesh, elasticity::ElementSet(body).materials(), elasticity::mesh_numbering(body.mesh),
-      elasticity::SolverOptions().precision);
+double time_element_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x,
+                         elasticity::Precision precision) {
+  const auto pass =
+      elasticity::make_element_forces(body.mesh, elasticity::ElementSet(body).materials(),
+                                      elasticity::mesh_numbering(body.mesh), precision);
   elasticity::NodalField padded = elasticity::NodalField::Zero(4, x.cols()), forces = padded;
   padded.topRows<3>() = x;
   return median_time([&] { pass->add(padded, 0, forces); });
@@ -41,7 +42,8 @@ double time_curved_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x)
   });
 }
 
-SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric) {
+SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric,
+                     elasticity::PanelPrecision precision) {
   CandidateElements elements(body, volumetric);
   Eigen::Matrix3Xd forces;
   elements.evaluate(body.mesh.nodes, forces);
@@ -51,7 +53,7 @@ SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric) {
   elasticity::BlockMatrix matrix(pattern);
   elements.add_tangent(true, matrix);
   elasticity::SupernodalFactor factor(supernodes);
-  elasticity::SolvePanels panels(supernodes, elasticity::SolverOptions().panels);
+  elasticity::SolvePanels panels(supernodes, precision);
   constexpr elasticity::Held kHeld{true, true};
   if (!factor.factorise(matrix) || !panels.assign(factor) || !panels.usable(kHeld)) {
     throw std::runtime_error("the stiffness at rest is not positive definite");
