@@ -60,7 +60,7 @@ bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) 
   if (!is_installed("gnuplot")) return false;
   std::filesystem::path script = picture, messages = picture;
   script.replace_extension(".gnuplot");
-  messages.replace_extension(".txt");
+  messages.replace_extension(".gnuplot-messages");
   {
     std::ofstream out(script);
     out << "set terminal " << (picture.extension() == ".svg" ? "svg" : "pngcairo")

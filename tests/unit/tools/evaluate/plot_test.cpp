@@ -39,7 +39,9 @@ TEST(Plot, HasAxesByPowersOfTen) {
   const std::size_t group = svg.find("a curve's title");
   const std::size_t path = svg.find(" d='M", group);
   ASSERT_NE(path, std::string::npos);
+  // The first stroke is the key's.
   std::string numbers = svg.substr(path + 5, svg.find('\'', path + 5) - path - 5);
+  numbers.erase(0, numbers.rfind('M') + 1);
   for (char& c : numbers)
     if (c == ',' || c == 'L') c = ' ';
   std::istringstream in(numbers);
