@@ -36,7 +36,8 @@ void write_data(std::ostream& out, const Curve& curve) {
 void write_plot(std::ostream& out, const Plot& plot, int& block) {
   out << "set title " << quoted(plot.title) << "\nset xlabel " << quoted(plot.x_label)
       << "\nset ylabel " << quoted(plot.y_label) << '\n'
-      << (plot.logarithmic ? "set logscale y\n" : "unset logscale y\n");
+      << (plot.logarithmic ? "set logscale y\n" : "unset logscale y\n")
+      << (plot.logarithmic_x ? "set logscale x\n" : "unset logscale x\n");
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
     out << "$data" << block + static_cast<int>(i) << " << EOD\n";
     write_data(out, plot.curves[i]);
@@ -55,15 +56,16 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
 
 }  // namespace
 
-bool draw(const std::vector<Plot>& plots, const std::filesystem::path& png) {
+bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) {
   if (!is_installed("gnuplot")) return false;
-  std::filesystem::path script = png, messages = png;
+  std::filesystem::path script = picture, messages = picture;
   script.replace_extension(".gnuplot");
-  messages.replace_extension(".txt");
+  messages.replace_extension(".gnuplot-messages");
   {
     std::ofstream out(script);
-    out << "set terminal pngcairo noenhanced size " << kWidth << ','
-        << kHeight * static_cast<int>(plots.size()) << "\nset output " << quoted(png.string())
+    out << "set terminal " << (picture.extension() == ".svg" ? "svg" : "pngcairo")
+        << " noenhanced size " << kWidth << ',' << kHeight * static_cast<int>(plots.size())
+        << "\nset output " << quoted(picture.string())
         << "\nset grid\nset key outside right top\nset multiplot layout " << plots.size() << ",1\n";
     int block = 0;
     for (const Plot& plot : plots) write_plot(out, plot, block);

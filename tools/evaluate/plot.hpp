@@ -20,11 +20,13 @@ struct Plot {
   std::string x_label;
   std::string y_label;
   std::vector<Curve> curves;
-  bool logarithmic = false;  // y axis
+  bool logarithmic = false;    // y axis
+  bool logarithmic_x = false;  // x axis
 };
 
-/// Draws plots, one below the other, to a PNG with the program gnuplot. False, having drawn
+/// Draws plots, one below the other, to a PNG, or an SVG where the name ends so, with the
+/// program gnuplot. False, having drawn
 /// nothing, where gnuplot is not installed; throws std::runtime_error where it fails.
-bool draw(const std::vector<Plot>& plots, const std::filesystem::path& png);
+bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture);
 
 }  // namespace palpate::evaluate

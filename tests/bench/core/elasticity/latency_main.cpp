@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/loop/real_time.hpp"
+#include "tests/bench/core/elasticity/floor_report.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
 
@@ -16,7 +17,7 @@ struct Arguments {
   std::string json, plot = "scaling.png";
   int nodes = 475;
   std::vector<int> cells;
-  bool suite = false, scaling = false;
+  bool suite = false, scaling = false, floor = false;
   int fifo = 0, cpu = -1;
 };
 
@@ -90,7 +91,12 @@ void add_options(CLI::App& app, Arguments& a) {
                "the configurations that goals are set for, in motion L with two iterations, "
                "baselines beside them");
   app.add_flag("--scaling", a.scaling, "every mesh size, baselines beside them, and a plot");
-  app.add_option("--plot", a.plot, "picture of --scaling and --suite: time against nodes")
+  app.add_flag(
+      "--floor", a.floor,
+      "take steps apart: each part beside the least time that the machine could take, from "
+      "bandwidth and arithmetic measured in the same run");
+  app.add_option("--plot", a.plot,
+                 "picture of --scaling and --suite, PNG or SVG by its name: time against nodes")
       ->capture_default_str();
 }
 
@@ -120,14 +126,21 @@ int run(Arguments& a) {
   if (a.suite) wanted = suite_of_goals(o);
   if (a.scaling) wanted = suite_of_sizes(o);
   std::vector<LatencyRow> rows;
+  std::vector<FloorReport> floors;
   for (const LatencyOptions& options : wanted) {
     rows.push_back({options, run_in_thread(options)});
+    if (a.floor) floors.push_back(find_floor(rows.back()));
     if (wanted.size() > 1) std::cerr << options.mesh.text() << " done\n";
   }
   print_latency(rows, std::cout);
+  if (a.floor) {
+    std::cout << '\n';
+    print_floors(floors, std::cout);
+  }
   if (!a.json.empty()) {
     nlohmann::json json = nlohmann::json::array();
     for (const LatencyRow& row : rows) json.push_back(to_json(row));
+    for (std::size_t k = 0; k < floors.size(); ++k) json[k]["floor"] = to_json(floors[k]);
     write_json(json, a.json);
   }
   if ((a.suite || a.scaling) && !draw_scaling(rows, a.plot)) {

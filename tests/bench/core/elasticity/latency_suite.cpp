@@ -40,7 +40,7 @@ bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
   plot.title = "Time per step of 1 ms, motion " + letter_of(rows.front().options.motion);
   plot.x_label = "nodes";
   plot.y_label = "ms";
-  plot.logarithmic = true;
+  plot.logarithmic = plot.logarithmic_x = true;
   for (const auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
     const std::string name = order == mesh::ElementOrder::kLinear ? "linear" : "quadratic";
     evaluate::Curve p50{name + " p50", {}, {}, false}, p99{name + " p99", {}, {}, true};
