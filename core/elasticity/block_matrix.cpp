@@ -101,6 +101,14 @@ BlockMatrix::BlockMatrix(const BlockPattern& pattern)
 
 void BlockMatrix::set_zero() { std::fill(blocks_.begin(), blocks_.end(), Eigen::Matrix3d::Zero()); }
 
+void BlockMatrix::add(double factor, const BlockMatrix& other) noexcept {
+  for (std::size_t k = 0; k < blocks_.size(); ++k) blocks_[k] += factor * other.blocks_[k];
+}
+
+void BlockMatrix::add_scalar(double factor, const Eigen::VectorXd& blocks) noexcept {
+  for (int k = 0; k < blocks.size(); ++k) blocks_[k].diagonal().array() += factor * blocks(k);
+}
+
 void BlockMatrix::add(int element, const Eigen::MatrixXd& K) {
   const int n = static_cast<int>(K.rows()) / 3;
   for (int a = 0; a < n; ++a) {

@@ -63,8 +63,13 @@ class BlockMatrix {
 
   const BlockPattern& pattern() const { return *pattern_; }
   const Eigen::Matrix3d& block(int k) const { return blocks_[k]; }
+  Eigen::Matrix3d& block(int k) { return blocks_[k]; }
 
   void set_zero();
+  /// Adds `factor` times another of the same pattern.
+  void add(double factor, const BlockMatrix& other) noexcept;
+  /// Adds `factor` times a matrix of multiples of the unit matrix, one number for each block.
+  void add_scalar(double factor, const Eigen::VectorXd& blocks) noexcept;
   /// Adds an element's symmetric matrix, 3 N x 3 N.
   void add(int element, const Eigen::MatrixXd& K);
   /// Adds `factor` times an element's N x N matrix, the same for each axis.
