@@ -52,6 +52,7 @@ class DenseLdl {
 
   std::vector<Strip> strips_;
   std::vector<double> left_, right_;  // L and L D of the rows below a block, in tiles
+  std::vector<double> square_;        // L of a block
 };
 
 }  // namespace palpate::elasticity

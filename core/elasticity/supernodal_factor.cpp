@@ -155,13 +155,12 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   }
   interior_regular_ = false;
   interior_ = {};
-  std::fill(panels_.begin(), panels_.end(), 0.0);
   std::array<double*, 2> top{stacks_[0].data(), stacks_[1].data()};
   for (int s = 0; s < nodes.count(); ++s) {
     double*& own = top[depth_[s] % 2];
     const Front front{panels_.data() + panel_start_[s], own, nodes.columns(s), nodes.rows(s)};
     own += square(front.rows);
-    std::fill(front.update, own, 0.0);
+    clear(front);
     int next = 0;
     for (int k = nodes.begin(s); k < nodes.end(s); ++k) local_[k] = next++;
     for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i) local_[*i] = next++;
@@ -183,6 +182,16 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   for (Border& border : borders_) factorise_border(border);
   interior_regular_ = true;
   return true;
+}
+
+/// Zeroes a front: of the update the lower half, with as much above as tiles reach.
+void SupernodalFactor::clear(const Front& front) noexcept {
+  const int height = 3 * front.rows;
+  std::fill_n(front.panel, 9 * front.columns * (front.columns + front.rows), 0.0);
+  for (int k = 0; k < height; ++k) {
+    double* column = front.update + static_cast<std::ptrdiff_t>(k) * height;
+    std::fill(column + std::max(0, k - kTileRows), column + height, 0.0);
+  }
 }
 
 /// Adds the columns of A from `first` on to a front's, whose rows local_ knows.

@@ -65,6 +65,7 @@ class SupernodalFactor {
 
   Border& border(Held held) { return borders_[supernodes_->pattern().held_set(held)]; }
   const Border& border(Held held) const { return borders_[supernodes_->pattern().held_set(held)]; }
+  static void clear(const Front& front) noexcept;
   void assemble(const BlockMatrix& A, int first, const Front& front) noexcept;
   void gather(const std::vector<int>& children, double*& top, const Front& front) noexcept;
   void factorise_border(Border& border) noexcept;
