@@ -15,10 +15,11 @@ using Unaligned = Lanes __attribute__((aligned(8), may_alias));
 Unaligned& lanes(double* p) { return *reinterpret_cast<Unaligned*>(p); }
 const Unaligned& lanes(const double* p) { return *reinterpret_cast<const Unaligned*>(p); }
 
-using TileColumn = Lanes[2];
+}  // namespace
 
-inline void multiply_tiles(const double* a, const double* b, int depth,
-                           TileColumn (&sums)[kTileColumns]) {
+void subtract_product(const double* a, const double* b, int depth, int rows, int columns,
+                      double* target, std::ptrdiff_t stride) noexcept {
+  Lanes sums[kTileColumns][2];
   for (int c = 0; c < kTileColumns; ++c) sums[c][0] = sums[c][1] = Lanes{};
   for (int k = 0; k < depth; ++k, a += kTileRows, b += kTileColumns) {
     const Lanes low = lanes(a), high = lanes(a + 4);
@@ -27,13 +28,6 @@ inline void multiply_tiles(const double* a, const double* b, int depth,
       sums[c][1] += high * b[c];
     }
   }
-}
-
-/// target -= a b^T for the first rows and columns of a tile.
-inline void subtract_tiles(const double* a, const double* b, int depth, int rows, int columns,
-                           double* target, std::ptrdiff_t stride) {
-  TileColumn sums[kTileColumns];
-  multiply_tiles(a, b, depth, sums);
   if (rows == kTileRows && columns == kTileColumns) {
     for (int c = 0; c < kTileColumns; ++c, target += stride) {
       lanes(target) -= sums[c][0];
@@ -43,17 +37,6 @@ inline void subtract_tiles(const double* a, const double* b, int depth, int rows
     for (int c = 0; c < columns; ++c, target += stride) {
       for (int r = 0; r < rows; ++r) target[r] -= sums[c][r / 4][r % 4];
     }
-  }
-}
-
-}  // namespace
-
-void tile_product(const double* a, const double* b, int depth, double* product) noexcept {
-  TileColumn sums[kTileColumns];
-  multiply_tiles(a, b, depth, sums);
-  for (int c = 0; c < kTileColumns; ++c, product += kTileRows) {
-    lanes(product) = sums[c][0];
-    lanes(product + 4) = sums[c][1];
   }
 }
 
@@ -84,9 +67,9 @@ bool DenseLdl::eliminate(double* panel, int rows, int columns, double* update, c
           double* target = column < columns
                                ? panel + column * stride + down.row
                                : update + (column - columns) * stride + (down.row - columns);
-          subtract_tiles(&left_[i * kTileRows * kBlock],
-                         &right_[(2 * j + part / kTileColumns) * kTileColumns * kBlock], width,
-                         down.height, across, target, stride);
+          subtract_product(&left_[i * kTileRows * kBlock],
+                           &right_[(2 * j + part / kTileColumns) * kTileColumns * kBlock], width,
+                           down.height, across, target, stride);
         }
       }
     }
@@ -137,15 +120,16 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
       const double* source = block + static_cast<std::ptrdiff_t>(j) * rows + row;
       double* target = strip + j * kTileRows;
       if (height == kTileRows) {
-        std::copy(source, source + kTileRows, target);
+        lanes(target) = lanes(source);
+        lanes(target + 4) = lanes(source + 4);
       } else {
-        std::fill(std::copy(source, source + height, target), target + kTileRows, 0.0);
+        for (int r = 0; r < kTileRows; ++r) target[r] = r < height ? source[r] : 0;
       }
     }
     for (int g = 0; g < width; g += kTileColumns) {
       const int end = std::min(g + kTileColumns, width);
       double* own = strip + g * kTileRows;
-      subtract_tiles(strip, &square_[g * kBlock], g, kTileRows, end - g, own, kTileRows);
+      subtract_product(strip, &square_[g * kBlock], g, kTileRows, end - g, own, kTileRows);
       for (int k = g; k < end; ++k, own += kTileRows) {
         const Lanes low = lanes(own), high = lanes(own + 4);
         const double* below = square + static_cast<std::ptrdiff_t>(k) * rows;
@@ -166,9 +150,10 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
       lanes(source + 4) = high * inverse[j];
       double* target = block + static_cast<std::ptrdiff_t>(j) * rows + row;
       if (height == kTileRows) {
-        std::copy(source, source + kTileRows, target);
+        lanes(target) = lanes(source);
+        lanes(target + 4) = lanes(source + 4);
       } else {
-        std::copy(source, source + height, target);
+        for (int r = 0; r < height; ++r) target[r] = source[r];
       }
     }
     row += height;
