@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/elasticity/elimination_order.hpp"
+#include "core/math/pack.hpp"
 
 namespace palpate::elasticity {
 
@@ -138,6 +139,44 @@ void BlockMatrix::multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const
       const int node_i = pattern_->node(pattern_->row()[s]);
       y.col(node_i).noalias() += blocks_[s] * u.col(node_k);
       if (node_i != node_k) y.col(node_k).noalias() += blocks_[s].transpose() * u.col(node_i);
+    }
+  }
+}
+
+void BlockMatrix::multiply(const NodalColumns& u, NodalColumns& y) const noexcept {
+  using math::Pack4d;
+  const std::vector<int>& start = pattern_->column_start();
+  const auto width = u.cols();
+  y.setZero();
+  for (int first = 0; first < width; first += math::kLanes<Pack4d>) {
+    const auto row = [&](auto& field, int node, int axis) {
+      return field.data() + (3 * node + axis) * width + first;
+    };
+    for (int k = 0; k < pattern_->size(); ++k) {
+      const int node_k = pattern_->node(k);
+      Pack4d own[3], sum[3];  // u and y of the column's node
+      for (int c = 0; c < 3; ++c) {
+        own[c] = math::load(row(u, node_k, c));
+        sum[c] = math::load(row(y, node_k, c));
+      }
+      const Eigen::Matrix3d& diagonal = blocks_[start[k]];
+      for (int r = 0; r < 3; ++r) {
+        for (int c = 0; c < 3; ++c) sum[r] += diagonal(r, c) * own[c];
+      }
+      for (int s = start[k] + 1; s < start[k + 1]; ++s) {
+        const Eigen::Matrix3d& block = blocks_[s];
+        const int node_i = pattern_->node(pattern_->row()[s]);
+        for (int r = 0; r < 3; ++r) {
+          const Pack4d other = math::load(row(u, node_i, r));
+          Pack4d to = math::load(row(y, node_i, r));
+          for (int c = 0; c < 3; ++c) {
+            to += block(r, c) * own[c];
+            sum[c] += block(r, c) * other;
+          }
+          math::store(to, row(y, node_i, r));
+        }
+      }
+      for (int c = 0; c < 3; ++c) math::store(sum[c], row(y, node_k, c));
     }
   }
 }

@@ -9,6 +9,9 @@ namespace palpate::elasticity {
 /// Which grasp patches are kept at zero in a solution.
 using Held = std::array<bool, 2>;
 
+/// Nodal vectors side by side, 3 n x k: the axes of a node in consecutive rows.
+using NodalColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Which nodes of a mesh are unknown, in an order of elimination that keeps factors sparse, and
 /// which 3 x 3 blocks of a stiffness matrix over them are not zero. Only blocks (i, k) with i >= k
 /// are kept, column by column, the diagonal one first. Grasp patches ("border" groups) are ordered
@@ -77,6 +80,8 @@ class BlockMatrix {
 
   /// y = A u over all nodes, 3 x n; rows of fixed nodes are zero, columns of fixed nodes ignored.
   void multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const;
+  /// The same for many vectors side by side, their number a multiple of four.
+  void multiply(const NodalColumns& u, NodalColumns& y) const noexcept;
 
  private:
   const BlockPattern* pattern_;

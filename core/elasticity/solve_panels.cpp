@@ -13,6 +13,7 @@ namespace {
 using panel_kernel::kTile;
 constexpr int kGroup = 4;  // tiles interleaved at most
 constexpr std::align_val_t kAlignment{64};
+static_assert(kTile == kTileRows);
 
 int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
 int padded(int rows) { return (rows + kGroup * kTile - 1) / (kGroup * kTile) * kGroup * kTile; }

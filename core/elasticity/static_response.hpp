@@ -33,7 +33,13 @@ class StaticResponse {
 
  private:
   struct Columns;
+  using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;
   void internal_forces(ElementForces& elements, const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f);
+  void prescribe(const Snapshot& at, Columns& columns) const;
+  void solve(const BlockMatrix& K, const SupernodalFactor& factor, Held held,
+             Columns& columns) const;
+  Wrenches wrenches(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual,
+                    const Columns& columns) const;
 
   const Body& body_;
   const BlockPattern& pattern_;

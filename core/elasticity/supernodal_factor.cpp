@@ -1,6 +1,7 @@
 #include "core/elasticity/supernodal_factor.hpp"
 
 #include <cmath>
+
 #include "core/elasticity/panel_substitution.hpp"
 
 namespace palpate::elasticity {
