@@ -38,23 +38,6 @@ Symmetric excess_twist(const Symmetric& E, Pack4d mu, Pack4d lambda, Tangent kin
   return D;
 }
 
-/// R D R^T, all nine.
-Matrix turned(const Matrix& R, const Symmetric& D) {
-  const Matrix full{D[0], D[3], D[4], D[3], D[1], D[5], D[4], D[5], D[2]};
-  Matrix T, out;
-  for (int i = 0; i < 9; i += 3) {
-    for (int j = 0; j < 3; ++j) {
-      T[i + j] = R[i] * full[j] + R[i + 1] * full[3 + j] + R[i + 2] * full[6 + j];
-    }
-  }
-  for (int i = 0; i < 9; i += 3) {
-    for (int j = 0; j < 3; ++j) {
-      out[i + j] = T[i] * R[3 * j] + T[i + 1] * R[3 * j + 1] + T[i + 2] * R[3 * j + 2];
-    }
-  }
-  return out;
-}
-
 /// [h]x D.
 Matrix cross(const Vector& h, const Matrix& D) {
   Matrix out;

@@ -13,7 +13,8 @@ RefactorJob::RefactorJob(const Body& body, const ElementSet& elements, const Sup
       warped_(pattern_),
       mass_(mass_blocks(elements, pattern_)),
       factorisation_(supernodes),
-      response_(body, elements, pattern_) {
+      response_(body, elements, pattern_),
+      stress_(make_stress_evaluator(elements)) {
   snapshot.positions = body.mesh.nodes;
   snapshot.loads.setZero(3, body.mesh.node_count());
   sensitivity.resize(body.mesh.node_count());
@@ -38,6 +39,7 @@ bool RefactorJob::factorise(double shift) {
 void RefactorJob::run() noexcept {
   sensitivity.valid = false;
   factor.regularised = false;
+  stress_->evaluate(snapshot.positions, sensitivity.stress);
   assemble(Tangent::kExact);
   factor.exact = factorise();
   if (factor.exact) response_.compute(snapshot, matrix_, factorisation_, sensitivity);

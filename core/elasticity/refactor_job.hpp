@@ -56,6 +56,7 @@ class RefactorJob final : public Refactorisation {
   Eigen::VectorXd mass_;  // kg, by block
   SupernodalFactor factorisation_;
   StaticResponse response_;
+  std::unique_ptr<StressEvaluator> stress_;
 };
 
 }  // namespace palpate::elasticity

@@ -9,6 +9,24 @@
 
 namespace palpate::elasticity {
 
+/// R D R^T.
+template <class Pack>
+inline PackMatrix<Pack> turned(const PackMatrix<Pack>& R, const PackSymmetric<Pack>& D) {
+  const PackMatrix<Pack> full{D[0], D[3], D[4], D[3], D[1], D[5], D[4], D[5], D[2]};
+  PackMatrix<Pack> T, out;
+  for (int i = 0; i < 9; i += 3) {
+    for (int j = 0; j < 3; ++j) {
+      T[i + j] = R[i] * full[j] + R[i + 1] * full[3 + j] + R[i + 2] * full[6 + j];
+    }
+  }
+  for (int i = 0; i < 9; i += 3) {
+    for (int j = 0; j < 3; ++j) {
+      out[i + j] = T[i] * R[3 * j] + T[i + 1] * R[3 * j + 1] + T[i + 2] * R[3 * j + 2];
+    }
+  }
+  return out;
+}
+
 /// Four straight-sided tetrahedra side by side, with the gradients of all shape functions at their
 /// quadrature points. Unlike ElementBlock, which streams little for the loop, it is made for work
 /// that needs those gradients many times over.
@@ -35,9 +53,9 @@ class alignas(64) TetrahedronPack {
           for (int c = 0; c < 3; ++c) gradients_[p][a][c][lane] = gradients[p](c, a);
         }
       }
-      const double weight = first + lane == e ? tetrahedron_volume(corners) / kPoints : 0;
-      mu_[lane] = weight * elements.materials()[e].mu;
-      lambda_[lane] = weight * elements.materials()[e].lambda;
+      weight_[lane] = first + lane == e ? tetrahedron_volume(corners) / kPoints : 0;
+      mu_[lane] = weight_[lane] * elements.materials()[e].mu;
+      lambda_[lane] = weight_[lane] * elements.materials()[e].lambda;
       count_ += first + lane == e;
     }
   }
@@ -45,6 +63,7 @@ class alignas(64) TetrahedronPack {
   int first() const { return first_; }
   int count() const { return count_; }  // of elements, which stand in the first lanes
   const PerPoint<Gradients>& gradients() const { return gradients_; }
+  Pack weight() const { return weight_; }  // volume of a point, m^3
   /// Lame's constants times the volume of a point, J.
   Pack mu() const { return mu_; }
   Pack lambda() const { return lambda_; }
@@ -69,7 +88,7 @@ class alignas(64) TetrahedronPack {
   int first_, count_ = 0;
   std::array<std::array<int, kWidth>, kNodes> offsets_{};  // in nodal fields
   PerPoint<Gradients> gradients_{};                        // 1/m
-  Pack mu_{}, lambda_{};
+  Pack weight_{}, mu_{}, lambda_{};
 };
 
 /// All elements of a body, four by four, and what their points remember.
