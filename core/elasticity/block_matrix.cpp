@@ -146,37 +146,37 @@ void BlockMatrix::multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const
 void BlockMatrix::multiply(const NodalColumns& u, NodalColumns& y) const noexcept {
   using math::Pack4d;
   const std::vector<int>& start = pattern_->column_start();
-  const auto width = u.cols();
+  const std::ptrdiff_t width = u.cols();
   y.setZero();
   for (int first = 0; first < width; first += math::kLanes<Pack4d>) {
-    const auto row = [&](auto& field, int node, int axis) {
-      return field.data() + (3 * node + axis) * width + first;
-    };
+    const auto offset = [&](int unknown) { return 3 * pattern_->node(unknown) * width + first; };
     for (int k = 0; k < pattern_->size(); ++k) {
-      const int node_k = pattern_->node(k);
+      const std::ptrdiff_t at = offset(k);
       Pack4d own[3], sum[3];  // u and y of the column's node
       for (int c = 0; c < 3; ++c) {
-        own[c] = math::load(row(u, node_k, c));
-        sum[c] = math::load(row(y, node_k, c));
+        own[c] = math::load(u.data() + at + c * width);
+        sum[c] = math::load(y.data() + at + c * width);
       }
-      const Eigen::Matrix3d& diagonal = blocks_[start[k]];
-      for (int r = 0; r < 3; ++r) {
-        for (int c = 0; c < 3; ++c) sum[r] += diagonal(r, c) * own[c];
+      const double* block = blocks_[start[k]].data();
+      for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) sum[r] += block[3 * c + r] * own[c];
       }
       for (int s = start[k] + 1; s < start[k + 1]; ++s) {
-        const Eigen::Matrix3d& block = blocks_[s];
-        const int node_i = pattern_->node(pattern_->row()[s]);
-        for (int r = 0; r < 3; ++r) {
-          const Pack4d other = math::load(row(u, node_i, r));
-          Pack4d to = math::load(row(y, node_i, r));
+        block = blocks_[s].data();
+        const std::ptrdiff_t row = offset(pattern_->row()[s]);
+        const double* other = u.data() + row;
+        double* target = y.data() + row;
+        for (int r = 0; r < 3; ++r, other += width, target += width) {
+          const Pack4d pack = math::load(other);
+          Pack4d to = math::load(target);
           for (int c = 0; c < 3; ++c) {
-            to += block(r, c) * own[c];
-            sum[c] += block(r, c) * other;
+            to += block[3 * c + r] * own[c];
+            sum[c] += block[3 * c + r] * pack;
           }
-          math::store(to, row(y, node_i, r));
+          math::store(to, target);
         }
       }
-      for (int c = 0; c < 3; ++c) math::store(sum[c], row(y, node_k, c));
+      for (int c = 0; c < 3; ++c) math::store(sum[c], y.data() + at + c * width);
     }
   }
 }

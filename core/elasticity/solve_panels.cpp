@@ -6,6 +6,7 @@
 #include <new>
 
 #include "core/elasticity/panel_kernel.hpp"
+#include "core/math/pack.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -176,26 +177,33 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
 /// A panel in double, without D, into left_: tile by tile of kTileRows rows, column by column. What
 /// lies above the diagonal's tiles is not written. Into dense_ what each row is scaled by.
 void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept {
-  const int columns = panel.columns, rows = panel.rows.back(), tiles = tiles_of(rows);
+  const int columns = panel.columns, rows = panel.rows.back();
   const double* lower = factor.panel(s);
   const auto l = [&](int row, int column) {
     return lower[static_cast<std::ptrdiff_t>(column) * rows + row];
   };
   // X = [inv(L11); -L21 inv(L11)] solves X L11 = [1; -L21]: from the last columns to the first,
   // four at once, each group loses the product of those behind it with their rows of L11.
-  for (int g = 0; g < columns; g += kTileColumns) {
+  for (int g = 0; g + kTileColumns < columns; g += kTileColumns) {
     double* target = &right_[g * columns];
-    for (int c = 0; c < kTileColumns; ++c) {
-      for (int k = g + kTileColumns; k < columns; ++k) target[k * kTileColumns + c] = l(k, g + c);
+    for (int k = g + kTileColumns; k < columns; ++k) {
+      for (int c = 0; c < kTileColumns; ++c) target[k * kTileColumns + c] = l(k, g + c);
     }
   }
-  for (int tile = 0; tile < tiles; ++tile) {
-    const int first = tile * kTileRows, end = std::min(columns, first + kTileRows);
+  for (int first = 0; first < rows; first += kTileRows) {
+    const int end = std::min(columns, first + kTileRows);  // what is left of it is zero
     double* x = &left_[static_cast<std::ptrdiff_t>(first) * columns];
+    const bool is_below = first >= columns && first + kTileRows <= rows;
     for (int c = 0; c < end; ++c) {
+      double* target = x + c * kTileRows;
+      const double* source = lower + static_cast<std::ptrdiff_t>(c) * rows + first;
       for (int r = 0; r < kTileRows; ++r) {
-        const int row = first + r;
-        x[c * kTileRows + r] = row >= rows ? 0 : row >= columns ? -l(row, c) : row == c ? 1 : 0;
+        if (is_below) {
+          target[r] = -source[r];
+        } else {
+          const int row = first + r;
+          target[r] = row >= rows ? 0 : row >= columns ? -source[r] : row == c ? 1 : 0;
+        }
       }
     }
     for (int g = (end - 1) / kTileColumns * kTileColumns; g >= 0; g -= kTileColumns) {
@@ -204,11 +212,12 @@ void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& pan
       subtract_product(x + behind * kTileRows, &right_[g * columns + behind * kTileColumns],
                        end - behind, kTileRows, width, own, kTileRows);
       for (int k = width - 1; k > 0; --k) {
+        const double* known = own + k * kTileRows;
+        const math::Pack4d low = math::load(known), high = math::load(known + 4);
         for (int c = 0; c < k; ++c) {
-          const double factor_c = l(g + k, g + c);
-          for (int r = 0; r < kTileRows; ++r) {
-            own[c * kTileRows + r] -= factor_c * own[k * kTileRows + r];
-          }
+          double* target = own + c * kTileRows;
+          math::store(math::load(target) - l(g + k, g + c) * low, target);
+          math::store(math::load(target + 4) - l(g + k, g + c) * high, target + 4);
         }
       }
     }
@@ -221,7 +230,7 @@ void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& pan
       *scale++ = static_cast<double>(scaling_[runs_[r].target + k]);
     }
   }
-  std::fill(scale, dense_.data() + tiles * kTile, 0.0);
+  std::fill(scale, dense_.data() + tiles_of(rows) * kTile, 0.0);
 }
 
 /// left_, scaled, into the layout of the sweeps; false where a number is too large.
