@@ -54,26 +54,15 @@ StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
     : body_(body),
       pattern_(pattern),
       nodal_mass_(elements.nodal_mass()),
-      forces_(make_element_forces(body.mesh, elements.materials(), mesh_numbering(body.mesh),
-                                  Precision::kDouble)),
-      poisson_forces_(make_element_forces(body.mesh, lame_by_poisson(body),
-                                          mesh_numbering(body.mesh), Precision::kDouble)),
-      x_(NodalField::Zero(4, body.mesh.node_count())),
-      f_(x_) {}
-
-void StaticResponse::internal_forces(ElementForces& elements, const Matrix3Xd& x, Matrix3Xd& f) {
-  x_.topRows<3>() = x;
-  f_.setZero();
-  elements.add(x_, 0, f_);
-  f = f_.topRows<3>();
-}
+      forces_(body.mesh, elements.materials()),
+      poisson_forces_(body.mesh, lame_by_poisson(body)) {}
 
 void StaticResponse::compute(const Snapshot& at, const BlockMatrix& K,
                              const SupernodalFactor& factor, Sensitivity& out) {
   out.resize(body_.mesh.node_count());
   Matrix3Xd internal, by_poisson;
-  internal_forces(*forces_, at.positions, internal);
-  internal_forces(*poisson_forces_, at.positions, by_poisson);
+  forces_.evaluate(at.positions, internal);
+  poisson_forces_.evaluate(at.positions, by_poisson);
   const Matrix3Xd weight = at.gravity_O * nodal_mass_.transpose();
 
   Columns columns(body_, at);
