@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/elasticity/elimination_order.hpp"
+#include "core/math/pack.hpp"
 
 namespace palpate::elasticity {
 
@@ -101,6 +102,14 @@ BlockMatrix::BlockMatrix(const BlockPattern& pattern)
 
 void BlockMatrix::set_zero() { std::fill(blocks_.begin(), blocks_.end(), Eigen::Matrix3d::Zero()); }
 
+void BlockMatrix::add(double factor, const BlockMatrix& other) noexcept {
+  for (std::size_t k = 0; k < blocks_.size(); ++k) blocks_[k] += factor * other.blocks_[k];
+}
+
+void BlockMatrix::add_scalar(double factor, const Eigen::VectorXd& blocks) noexcept {
+  for (int k = 0; k < blocks.size(); ++k) blocks_[k].diagonal().array() += factor * blocks(k);
+}
+
 void BlockMatrix::add(int element, const Eigen::MatrixXd& K) {
   const int n = static_cast<int>(K.rows()) / 3;
   for (int a = 0; a < n; ++a) {
@@ -130,6 +139,44 @@ void BlockMatrix::multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const
       const int node_i = pattern_->node(pattern_->row()[s]);
       y.col(node_i).noalias() += blocks_[s] * u.col(node_k);
       if (node_i != node_k) y.col(node_k).noalias() += blocks_[s].transpose() * u.col(node_i);
+    }
+  }
+}
+
+void BlockMatrix::multiply(const NodalColumns& u, NodalColumns& y) const noexcept {
+  using math::Pack4d;
+  const std::vector<int>& start = pattern_->column_start();
+  const std::ptrdiff_t width = u.cols();
+  y.setZero();
+  for (int first = 0; first < width; first += math::kLanes<Pack4d>) {
+    const auto offset = [&](int unknown) { return 3 * pattern_->node(unknown) * width + first; };
+    for (int k = 0; k < pattern_->size(); ++k) {
+      const std::ptrdiff_t at = offset(k);
+      Pack4d own[3], sum[3];  // u and y of the column's node
+      for (int c = 0; c < 3; ++c) {
+        own[c] = math::load(u.data() + at + c * width);
+        sum[c] = math::load(y.data() + at + c * width);
+      }
+      const double* block = blocks_[start[k]].data();
+      for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) sum[r] += block[3 * c + r] * own[c];
+      }
+      for (int s = start[k] + 1; s < start[k + 1]; ++s) {
+        block = blocks_[s].data();
+        const std::ptrdiff_t row = offset(pattern_->row()[s]);
+        const double* other = u.data() + row;
+        double* target = y.data() + row;
+        for (int r = 0; r < 3; ++r, other += width, target += width) {
+          const Pack4d pack = math::load(other);
+          Pack4d to = math::load(target);
+          for (int c = 0; c < 3; ++c) {
+            to += block[3 * c + r] * own[c];
+            sum[c] += block[3 * c + r] * pack;
+          }
+          math::store(to, target);
+        }
+      }
+      for (int c = 0; c < 3; ++c) math::store(sum[c], y.data() + at + c * width);
     }
   }
 }

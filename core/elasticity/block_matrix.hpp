@@ -9,6 +9,9 @@ namespace palpate::elasticity {
 /// Which grasp patches are kept at zero in a solution.
 using Held = std::array<bool, 2>;
 
+/// Nodal vectors side by side, 3 n x k: the axes of a node in consecutive rows.
+using NodalColumns = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
 /// Which nodes of a mesh are unknown, in an order of elimination that keeps factors sparse, and
 /// which 3 x 3 blocks of a stiffness matrix over them are not zero. Only blocks (i, k) with i >= k
 /// are kept, column by column, the diagonal one first. Grasp patches ("border" groups) are ordered
@@ -63,8 +66,13 @@ class BlockMatrix {
 
   const BlockPattern& pattern() const { return *pattern_; }
   const Eigen::Matrix3d& block(int k) const { return blocks_[k]; }
+  Eigen::Matrix3d& block(int k) { return blocks_[k]; }
 
   void set_zero();
+  /// Adds `factor` times another of the same pattern.
+  void add(double factor, const BlockMatrix& other) noexcept;
+  /// Adds `factor` times a matrix of multiples of the unit matrix, one number for each block.
+  void add_scalar(double factor, const Eigen::VectorXd& blocks) noexcept;
   /// Adds an element's symmetric matrix, 3 N x 3 N.
   void add(int element, const Eigen::MatrixXd& K);
   /// Adds `factor` times an element's N x N matrix, the same for each axis.
@@ -72,6 +80,8 @@ class BlockMatrix {
 
   /// y = A u over all nodes, 3 x n; rows of fixed nodes are zero, columns of fixed nodes ignored.
   void multiply(const Eigen::Matrix3Xd& u, Eigen::Matrix3Xd& y) const;
+  /// The same for many vectors side by side, their number a multiple of four.
+  void multiply(const NodalColumns& u, NodalColumns& y) const noexcept;
 
  private:
   const BlockPattern* pattern_;

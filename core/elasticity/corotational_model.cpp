@@ -219,6 +219,7 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
   follow_rotations();
   if (job_.snapshot.held != held_) return;
   std::swap(at_snapshot_, job_.sensitivity);
+  std::swap(sensitivity_.stress, at_snapshot_.stress);
   for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
   sensitivity_.valid = at_snapshot_.valid;
   sensitivity_.age = job_age_;

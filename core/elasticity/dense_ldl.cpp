@@ -17,7 +17,8 @@ const Unaligned& lanes(const double* p) { return *reinterpret_cast<const Unalign
 
 }  // namespace
 
-void tile_product(const double* a, const double* b, int depth, double* product) noexcept {
+void subtract_product(const double* a, const double* b, int depth, int rows, int columns,
+                      double* target, std::ptrdiff_t stride) noexcept {
   Lanes sums[kTileColumns][2];
   for (int c = 0; c < kTileColumns; ++c) sums[c][0] = sums[c][1] = Lanes{};
   for (int k = 0; k < depth; ++k, a += kTileRows, b += kTileColumns) {
@@ -27,9 +28,15 @@ void tile_product(const double* a, const double* b, int depth, double* product) 
       sums[c][1] += high * b[c];
     }
   }
-  for (int c = 0; c < kTileColumns; ++c, product += kTileRows) {
-    lanes(product) = sums[c][0];
-    lanes(product + 4) = sums[c][1];
+  if (rows == kTileRows && columns == kTileColumns) {
+    for (int c = 0; c < kTileColumns; ++c, target += stride) {
+      lanes(target) -= sums[c][0];
+      lanes(target + 4) -= sums[c][1];
+    }
+  } else {
+    for (int c = 0; c < columns; ++c, target += stride) {
+      for (int r = 0; r < rows; ++r) target[r] -= sums[c][r / 4][r % 4];
+    }
   }
 }
 
@@ -39,6 +46,7 @@ DenseLdl::DenseLdl(int size) {
   strips_.resize(strips);
   left_.resize(strips * kTileRows * kBlock);
   right_.resize(left_.size());
+  square_.resize(kBlock * kBlock);
 }
 
 bool DenseLdl::eliminate(double* panel, int rows, int columns, double* update, const double* scale,
@@ -54,24 +62,14 @@ bool DenseLdl::eliminate(double* panel, int rows, int columns, double* update, c
         for (int part = 0; part < kTileRows; part += kTileColumns) {
           const int across = std::min(kTileColumns, strips_[j].height - part);
           if (across <= 0) break;
-          double product[kTileRows * kTileColumns];
-          tile_product(&left_[i * kTileRows * kBlock],
-                       &right_[(2 * j + part / kTileColumns) * kTileColumns * kBlock], width,
-                       product);
           const int column = strips_[j].row + part;
-          const int ld = column < columns ? rows : rows - columns;
+          const std::ptrdiff_t stride = column < columns ? rows : rows - columns;
           double* target = column < columns
-                               ? panel + static_cast<std::ptrdiff_t>(column) * rows + down.row
-                               : update + static_cast<std::ptrdiff_t>(column - columns) * ld +
-                                     (down.row - columns);
-          for (int c = 0; c < across; ++c, target += ld) {
-            const double* p = product + c * kTileRows;
-            if (down.height == kTileRows) {
-              for (int r = 0; r < kTileRows; ++r) target[r] -= p[r];
-            } else {
-              for (int r = 0; r < down.height; ++r) target[r] -= p[r];
-            }
-          }
+                               ? panel + column * stride + down.row
+                               : update + (column - columns) * stride + (down.row - columns);
+          subtract_product(&left_[i * kTileRows * kBlock],
+                           &right_[(2 * j + part / kTileColumns) * kTileColumns * kBlock], width,
+                           down.height, across, target, stride);
         }
       }
     }
@@ -102,10 +100,18 @@ bool DenseLdl::factor_block(double* block, int rows, int width, const double* sc
 /// Solves for the rows below the square, strip by strip, and packs them; number of strips.
 int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
                    const double* d) noexcept {
-  int count = 0;
   const double* square = block + (from - width);
   double inverse[kBlock];
   for (int j = 0; j < width; ++j) inverse[j] = 1 / d[j];
+  // The square as the right factor of tiles, below its diagonal ones.
+  for (int g = kTileColumns; g < width; g += kTileColumns) {
+    double* target = &square_[g * kBlock];
+    for (int k = 0; k < g; ++k, target += kTileColumns) {
+      const double* source = square + static_cast<std::ptrdiff_t>(k) * rows + g;
+      for (int c = 0; c < kTileColumns; ++c) target[c] = g + c < width ? source[c] : 0;
+    }
+  }
+  int count = 0;
   for (int row = from; row < rows; ++count) {
     const int height = std::min(kTileRows, (row < columns ? columns : rows) - row);
     strips_[count] = {row, height};
@@ -113,28 +119,42 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
     for (int j = 0; j < width; ++j) {
       const double* source = block + static_cast<std::ptrdiff_t>(j) * rows + row;
       double* target = strip + j * kTileRows;
-      for (int r = 0; r < height; ++r) target[r] = source[r];
-      for (int r = height; r < kTileRows; ++r) target[r] = 0;
+      if (height == kTileRows) {
+        lanes(target) = lanes(source);
+        lanes(target + 4) = lanes(source + 4);
+      } else {
+        for (int r = 0; r < kTileRows; ++r) target[r] = r < height ? source[r] : 0;
+      }
     }
-    for (int k = 0; k < width; ++k) {
-      const Lanes low = lanes(strip + k * kTileRows), high = lanes(strip + k * kTileRows + 4);
-      const double* below = square + static_cast<std::ptrdiff_t>(k) * rows;
-      for (int j = k + 1; j < width; ++j) {
-        double* target = strip + j * kTileRows;
-        lanes(target) -= low * below[j];
-        lanes(target + 4) -= high * below[j];
+    for (int g = 0; g < width; g += kTileColumns) {
+      const int end = std::min(g + kTileColumns, width);
+      double* own = strip + g * kTileRows;
+      subtract_product(strip, &square_[g * kBlock], g, kTileRows, end - g, own, kTileRows);
+      for (int k = g; k < end; ++k, own += kTileRows) {
+        const Lanes low = lanes(own), high = lanes(own + 4);
+        const double* below = square + static_cast<std::ptrdiff_t>(k) * rows;
+        for (int j = k + 1; j < end; ++j) {
+          double* target = strip + j * kTileRows;
+          lanes(target) -= low * below[j];
+          lanes(target + 4) -= high * below[j];
+        }
       }
     }
     double* right = &right_[count * kTileRows * kBlock];
-    for (int j = 0; j < width; ++j) {
+    for (int j = 0; j < width; ++j, right += kTileColumns) {
       double* source = strip + j * kTileRows;
-      for (int r = 0; r < kTileRows; ++r) {
-        right[(r / kTileColumns) * kTileColumns * kBlock + j * kTileColumns + r % kTileColumns] =
-            source[r];
-        source[r] *= inverse[j];
-      }
+      const Lanes low = lanes(source), high = lanes(source + 4);
+      lanes(right) = low;
+      lanes(right + kTileColumns * kBlock) = high;
+      lanes(source) = low * inverse[j];
+      lanes(source + 4) = high * inverse[j];
       double* target = block + static_cast<std::ptrdiff_t>(j) * rows + row;
-      for (int r = 0; r < height; ++r) target[r] = source[r];
+      if (height == kTileRows) {
+        lanes(target) = lanes(source);
+        lanes(target + 4) = lanes(source + 4);
+      } else {
+        for (int r = 0; r < height; ++r) target[r] = source[r];
+      }
     }
     row += height;
   }

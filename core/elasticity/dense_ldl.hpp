@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <vector>
 
@@ -22,9 +23,11 @@ struct Pivots {
 /// Rows and columns of a tile of the product below.
 inline constexpr int kTileRows = 8, kTileColumns = 4;
 
-/// product = a b^T for tiles packed column by column: entry (r, c) at c * kTileRows + r, a's entry
-/// (r, k) at k * kTileRows + r, b's entry (c, k) at k * kTileColumns + c.
-void tile_product(const double* a, const double* b, int depth, double* product) noexcept;
+/// target -= a b^T for the first rows and columns of a tile. a's entry (r, k) is at
+/// k * kTileRows + r, b's entry (c, k) at k * kTileColumns + c, both whole tiles; the target's
+/// entry (r, c) at c * stride + r.
+void subtract_product(const double* a, const double* b, int depth, int rows, int columns,
+                      double* target, std::ptrdiff_t stride) noexcept;
 
 /// Eliminates the first columns of a dense symmetric matrix without pivoting, A = L D L^T, in
 /// double. Holds the work space: one thread at a time, nothing allocates after construction.
@@ -52,6 +55,7 @@ class DenseLdl {
 
   std::vector<Strip> strips_;
   std::vector<double> left_, right_;  // L and L D of the rows below a block, in tiles
+  std::vector<double> square_;        // L of a block
 };
 
 }  // namespace palpate::elasticity

@@ -89,35 +89,34 @@ Eigen::Matrix<double, 10, 1> Tetrahedron<10>::volume_shares() {
   return shares;
 }
 
+Eigen::Matrix3d point_twist(const Eigen::Matrix3d& S, const Lame& lame, Tangent kind) {
+  if (kind == Tangent::kWarped) return lame.mu * Eigen::Matrix3d::Identity();
+  // With H = tr(S) I - S and v = vee(R^T dF - dF^T R) the rotation turns by R (H^-1 v); the part of
+  // dP that this causes is -(2 mu - lambda tr(S - I)) times H^-1 on the twists of the point.
+  const double factor = 2 * lame.mu - lame.lambda * (S.trace() - 3);
+  const Eigen::Matrix3d H = S.trace() * Eigen::Matrix3d::Identity() - S;
+  if (kind == Tangent::kExact && H(0, 0) > 0 && H.determinant() > kSmallestTurnStiffness &&
+      H(0, 0) * H(1, 1) > H(0, 1) * H(0, 1)) {
+    return factor * H.inverse();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
+  Eigen::Vector3d values;
+  for (int i = 0; i < 3; ++i) {
+    values(i) = factor / std::max(eigen.eigenvalues()(i), 1e-9);
+    if (kind == Tangent::kSemidefinite) values(i) = std::min(values(i), lame.mu);
+  }
+  return eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
+}
+
 PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent kind,
                            double viscous) {
   PointTangent t;
   t.rotation = math::polar_rotation(F);
   t.s = 2 * lame.mu * (1 + viscous);
   t.l = lame.lambda * (1 + viscous);
-  Eigen::Matrix3d twist = lame.mu * Eigen::Matrix3d::Identity();
-  if (kind != Tangent::kWarped) {
-    // With H = tr(S) I - S and v = vee(R^T dF - dF^T R) the rotation turns by R (H^-1 v); the part
-    // of dP that this causes is -(2 mu - lambda tr(S - I)) times H^-1 on the twists of the point.
-    const Eigen::Matrix3d B = t.rotation.transpose() * F;
-    const Eigen::Matrix3d S = 0.5 * (B + B.transpose());
-    const double factor = 2 * lame.mu - lame.lambda * (S.trace() - 3);
-    const Eigen::Matrix3d H = S.trace() * Eigen::Matrix3d::Identity() - S;
-    const double determinant = H.determinant();
-    if (kind == Tangent::kExact && H(0, 0) > 0 && determinant > 1e-3 &&
-        H(0, 0) * H(1, 1) > H(0, 1) * H(0, 1)) {
-      twist = factor * H.inverse();
-    } else {
-      const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen(H);
-      Eigen::Vector3d values;
-      for (int i = 0; i < 3; ++i) {
-        values(i) = factor / std::max(eigen.eigenvalues()(i), 1e-9);
-        if (kind == Tangent::kSemidefinite) values(i) = std::min(values(i), lame.mu);
-      }
-      twist = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-    }
-  }
-  twist += viscous * lame.mu * Eigen::Matrix3d::Identity();
+  const Eigen::Matrix3d B = t.rotation.transpose() * F;
+  Eigen::Matrix3d twist = point_twist(0.5 * (B + B.transpose()), lame, kind);
+  twist.diagonal().array() += viscous * lame.mu;
   t.twist = t.rotation * twist * t.rotation.transpose();
   return t;
 }

@@ -57,6 +57,12 @@ struct PointTangent {
   double l = 0;           // lambda, Pa
 };
 
+/// Twist of a point with symmetric stretch S = R^T F in its own axes. Where the rotation is not a
+/// stable one, H = tr(S) I - S not being positive definite with a determinant above
+/// kSmallestTurnStiffness, H is bounded away from zero.
+Eigen::Matrix3d point_twist(const Eigen::Matrix3d& S, const Lame& lame, Tangent kind);
+inline constexpr double kSmallestTurnStiffness = 1e-3;
+
 /// `viscous` adds that many times the warped stiffness (Rayleigh damping over one implicit step).
 PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent kind,
                            double viscous = 0);

@@ -19,6 +19,7 @@ class ElementSet {
   const mesh::ElementMesh& mesh() const { return mesh_; }
   const std::vector<Lame>& materials() const { return lame_; }
   double volume() const { return volume_; }  // m^3, at rest
+  Eigen::Matrix<double, 3, 4> rest_corners(int element) const;
 
   /// Symmetric tangent of one element at positions x (3 x n), 3 N x 3 N, plus `viscous` times its
   /// warped stiffness.
@@ -35,7 +36,6 @@ class ElementSet {
   template <int kNodes>
   void element_stiffness(int element, const Eigen::Matrix3Xd& x, Tangent kind, double viscous,
                          Eigen::MatrixXd& K) const;
-  Eigen::Matrix<double, 3, 4> rest_corners(int element) const;
 
   mesh::ElementMesh mesh_;
   std::vector<Lame> lame_;       // by element

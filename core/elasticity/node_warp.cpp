@@ -4,6 +4,21 @@
 #include <cmath>
 
 namespace palpate::elasticity {
+namespace {
+
+/// v <- M v node by node, entry (r, c) of M at r * kRow + c * kColumn.
+template <int kRow, int kColumn>
+void multiply(const Eigen::VectorXf& matrices, Eigen::VectorXf& v) noexcept {
+  const float* m = matrices.data();
+  for (float* p = v.data(); m != matrices.data() + matrices.size(); m += 9, p += 3) {
+    const float x = p[0], y = p[1], z = p[2];
+    for (int r = 0; r < 3; ++r) {
+      p[r] = m[r * kRow] * x + m[r * kRow + kColumn] * y + m[r * kRow + 2 * kColumn] * z;
+    }
+  }
+}
+
+}  // namespace
 
 NodeWarp::NodeWarp(int nodes) : nodes_(nodes), matrices_(Eigen::VectorXf::Zero(9 * nodes)) {
   for (int i = 0; i < nodes; ++i)
@@ -35,26 +50,7 @@ void NodeWarp::update(const Eigen::Matrix4Xf& now, const Eigen::Matrix4Xf& snaps
   largest_ = 2 * std::acos(static_cast<double>(least));
 }
 
-void NodeWarp::turn(Eigen::VectorXf& v) const noexcept {
-  for (int i = 0; i < nodes_; ++i) {
-    const float* m = matrices_.data() + 9 * i;
-    float* p = v.data() + 3 * i;
-    const float x = p[0], y = p[1], z = p[2];
-    p[0] = m[0] * x + m[3] * y + m[6] * z;
-    p[1] = m[1] * x + m[4] * y + m[7] * z;
-    p[2] = m[2] * x + m[5] * y + m[8] * z;
-  }
-}
-
-void NodeWarp::turn_back(Eigen::VectorXf& v) const noexcept {
-  for (int i = 0; i < nodes_; ++i) {
-    const float* m = matrices_.data() + 9 * i;
-    float* p = v.data() + 3 * i;
-    const float x = p[0], y = p[1], z = p[2];
-    p[0] = m[0] * x + m[1] * y + m[2] * z;
-    p[1] = m[3] * x + m[4] * y + m[5] * z;
-    p[2] = m[6] * x + m[7] * y + m[8] * z;
-  }
-}
+void NodeWarp::turn(Eigen::VectorXf& v) const noexcept { multiply<1, 3>(matrices_, v); }
+void NodeWarp::turn_back(Eigen::VectorXf& v) const noexcept { multiply<3, 1>(matrices_, v); }
 
 }  // namespace palpate::elasticity

@@ -7,36 +7,52 @@ namespace palpate::elasticity {
 RefactorJob::RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
                          PanelPrecision precision)
     : factor(supernodes, precision),
-      elements_(elements),
       pattern_(supernodes.pattern()),
+      tangents_(make_element_tangents(elements, pattern_)),
       matrix_(pattern_),
+      warped_(pattern_),
+      mass_(mass_blocks(elements, pattern_)),
       factorisation_(supernodes),
-      response_(body, elements, pattern_) {
+      response_(body, elements, pattern_),
+      stress_(make_stress_evaluator(elements)) {
   snapshot.positions = body.mesh.nodes;
   snapshot.loads.setZero(3, body.mesh.node_count());
   sensitivity.resize(body.mesh.node_count());
 }
 
-bool RefactorJob::factorise(Tangent kind, const StepFactors& step) {
-  matrix_.set_zero();
-  for (int e = 0; e < elements_.element_count(); ++e) {
-    elements_.stiffness(e, snapshot.positions, kind, step.viscous, element_matrix_);
-    matrix_.add(e, element_matrix_);
-    if (step.inertia > 0) {
-      elements_.mass(e, element_matrix_);
-      matrix_.add_scalar(e, step.inertia, element_matrix_);
-    }
-  }
-  return factorisation_.factorise(matrix_) && factorisation_.is_positive(snapshot.held);
+/// The static tangent, and what damping adds to it.
+void RefactorJob::assemble(Tangent kind) {
+  tangents_->assemble(snapshot.positions, kind, matrix_,
+                      factor.step.viscous > 0 ? &warped_ : nullptr);
+}
+
+/// Of the static tangent makes the one of a step.
+void RefactorJob::add_step() {
+  if (factor.step.viscous > 0) matrix_.add(factor.step.viscous, warped_);
+  if (factor.step.inertia > 0) matrix_.add_scalar(factor.step.inertia, mass_);
+}
+
+bool RefactorJob::factorise(double shift) {
+  return factorisation_.factorise(matrix_, shift) && factorisation_.is_positive(snapshot.held);
 }
 
 void RefactorJob::run() noexcept {
   sensitivity.valid = false;
   factor.regularised = false;
-  factor.exact = factorise(Tangent::kExact, {});
+  stress_->evaluate(snapshot.positions, sensitivity.stress);
+  assemble(Tangent::kExact);
+  factor.exact = factorise();
   if (factor.exact) response_.compute(snapshot, matrix_, factorisation_, sensitivity);
-  if (factor.step.inertia > 0) factor.exact = factorise(Tangent::kExact, factor.step);
-  factor.usable = factor.exact || factorise(Tangent::kSemidefinite, factor.step);
+  if (factor.step.inertia > 0) {
+    add_step();
+    factor.exact = factorise();
+  }
+  factor.usable = factor.exact;
+  if (!factor.usable) {
+    assemble(Tangent::kSemidefinite);
+    add_step();
+    factor.usable = factorise();
+  }
   if (!factor.usable) {
     // Nothing holds the body: a weak spring at every node takes the place of the missing support.
     double largest = 0;
@@ -44,8 +60,7 @@ void RefactorJob::run() noexcept {
       largest = std::max(largest, matrix_.block(pattern_.column_start()[k]).trace() / 3);
     }
     factor.regularised = true;
-    factor.usable = factorisation_.factorise(matrix_, 1e-4 * largest) &&
-                    factorisation_.is_positive(snapshot.held);
+    factor.usable = factorise(1e-4 * largest);
   }
   factor.usable = factor.usable && factor.panels.assign(factorisation_);
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/elasticity/deformation_model.hpp"
+#include "core/elasticity/element_tangents.hpp"
 #include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/static_response.hpp"
 
@@ -45,14 +46,17 @@ class RefactorJob final : public Refactorisation {
   Sensitivity sensitivity;
 
  private:
-  bool factorise(Tangent kind, const StepFactors& step);
+  void assemble(Tangent kind);
+  void add_step();
+  bool factorise(double shift = 0);
 
-  const ElementSet& elements_;
   const BlockPattern& pattern_;
-  BlockMatrix matrix_;
+  std::unique_ptr<ElementTangents> tangents_;
+  BlockMatrix matrix_, warped_;
+  Eigen::VectorXd mass_;  // kg, by block
   SupernodalFactor factorisation_;
   StaticResponse response_;
-  Eigen::MatrixXd element_matrix_;
+  std::unique_ptr<StressEvaluator> stress_;
 };
 
 }  // namespace palpate::elasticity

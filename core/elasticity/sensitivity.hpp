@@ -3,6 +3,7 @@
 #include <array>
 #include <vector>
 
+#include "core/elasticity/element_stress.hpp"
 #include "core/elasticity/node_warp.hpp"
 #include "core/math/rigid.hpp"
 
@@ -14,7 +15,8 @@ inline constexpr int kContactSlots = 4;
 /// How the static equilibrium follows what acts on it. xi = (displacement of the origin of G in m,
 /// rotation about it in rad), both in O; w = wrench of the hand on the object at the origin of G,
 /// in O. Computed for a snapshot of some ticks ago from the exact tangent, and turned with the
-/// object since. Shapes are stacked node by node (x, y, z), zero rows for fixed nodes.
+/// object since, but for the stress. Shapes are stacked node by node (x, y, z), zero rows for fixed
+/// nodes.
 struct Sensitivity {
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
@@ -38,7 +40,11 @@ struct Sensitivity {
   /// comes near to buckling (design: warn below a twentieth of its value at rest).
   double smallest_pivot = 0;
 
-  /// Zeros for a mesh of `nodes` nodes. Allocates.
+  /// At the snapshot and in the axes of that time: not turned since. Its von Mises stresses hold
+  /// for whatever rigid motion has followed. Empty where the model gives none.
+  ElementStress stress;
+
+  /// Zeros for a mesh of `nodes` nodes, the stress aside. Allocates.
   void resize(int nodes);
 };
 
@@ -54,7 +60,7 @@ struct Turned {
 
 /// `now` = the sensitivity of a snapshot turned with its nodes, which is exact for an object that
 /// has moved as a rigid body: rows of the mesh nodes `begin` to `end`, so that it can be spread
-/// over ticks, and the wrenches. Copies validity; leaves the age alone. Sizes must agree.
+/// over ticks, and the wrenches. Copies validity; leaves age and stress alone. Sizes must agree.
 void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
           Sensitivity& now) noexcept;
 

@@ -6,6 +6,7 @@
 #include <new>
 
 #include "core/elasticity/panel_kernel.hpp"
+#include "core/math/pack.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -13,6 +14,7 @@ namespace {
 using panel_kernel::kTile;
 constexpr int kGroup = 4;  // tiles interleaved at most
 constexpr std::align_val_t kAlignment{64};
+static_assert(kTile == kTileRows);
 
 int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
 int padded(int rows) { return (rows + kGroup * kTile - 1) / (kGroup * kTile) * kGroup * kTile; }
@@ -101,7 +103,6 @@ SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
   sums_.resize((columns + kTile) * kTile);
   dense_.resize(entries);
   left_.resize(entries);
-  inverse_.resize(square);
   right_.resize(square);
 }
 
@@ -173,96 +174,92 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
   return any;
 }
 
-/// A panel in double, scaled, into dense_.
+/// A panel in double, without D, into left_: tile by tile of kTileRows rows, column by column. What
+/// lies above the diagonal's tiles is not written. Into dense_ what each row is scaled by.
 void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept {
-  const int columns = panel.columns, rows = panel.rows.back(), below = rows - columns;
-  const std::ptrdiff_t stride = padded(rows);
+  const int columns = panel.columns, rows = panel.rows.back();
   const double* lower = factor.panel(s);
-  // inv(L11), column by column.
-  std::fill(inverse_.begin(), inverse_.begin() + columns * columns, 0.0);
-  for (int c = 0; c < columns; ++c) {
-    double* x = inverse_.data() + c * columns;
-    x[c] = 1;
-    for (int k = c; k < columns; ++k) {
-      const double* l = lower + static_cast<std::ptrdiff_t>(k) * rows;
-      const double factor_k = x[k];
-      for (int i = k + 1; i < columns; ++i) x[i] -= l[i] * factor_k;
+  const auto l = [&](int row, int column) {
+    return lower[static_cast<std::ptrdiff_t>(column) * rows + row];
+  };
+  // X = [inv(L11); -L21 inv(L11)] solves X L11 = [1; -L21]: from the last columns to the first,
+  // four at once, each group loses the product of those behind it with their rows of L11.
+  for (int g = 0; g + kTileColumns < columns; g += kTileColumns) {
+    double* target = &right_[g * columns];
+    for (int k = g + kTileColumns; k < columns; ++k) {
+      for (int c = 0; c < kTileColumns; ++c) target[k * kTileColumns + c] = l(k, g + c);
     }
   }
-  std::fill(dense_.begin(), dense_.begin() + stride * columns, 0.0);
-  const float* scaling = scaling_.data();
-  for (int c = 0; c < columns; ++c) {
-    const double own = 1 / static_cast<double>(scaling[panel.first + c]);
-    for (int r = c; r < columns; ++r) {
-      dense_[c * stride + r] =
-          inverse_[c * columns + r] * own / std::sqrt(factor.d()[panel.first + r]);
-    }
-  }
-
-  // -L21 inv(L11) in tiles.
-  const int tiles = tiles_of(below);
-  for (int t = 0; t < tiles; ++t) {
-    for (int k = 0; k < columns; ++k) {
-      const double* l = lower + static_cast<std::ptrdiff_t>(k) * rows + columns + t * kTileRows;
-      double* target = &left_[(static_cast<std::ptrdiff_t>(t) * columns + k) * kTileRows];
-      for (int r = 0; r < kTileRows; ++r) target[r] = t * kTileRows + r < below ? l[r] : 0;
-    }
-  }
-  const int groups = (columns + kTileColumns - 1) / kTileColumns;
-  for (int g = 0; g < groups; ++g) {
-    for (int k = 0; k < columns; ++k) {
-      for (int c = 0; c < kTileColumns; ++c) {
-        const int column = g * kTileColumns + c;
-        right_[(g * columns + k) * kTileColumns + c] =
-            column < columns ? inverse_[column * columns + k] : 0;
+  for (int first = 0; first < rows; first += kTileRows) {
+    const int end = std::min(columns, first + kTileRows);  // what is left of it is zero
+    double* x = &left_[static_cast<std::ptrdiff_t>(first) * columns];
+    const bool is_below = first >= columns && first + kTileRows <= rows;
+    for (int c = 0; c < end; ++c) {
+      double* target = x + c * kTileRows;
+      const double* source = lower + static_cast<std::ptrdiff_t>(c) * rows + first;
+      for (int r = 0; r < kTileRows; ++r) {
+        if (is_below) {
+          target[r] = -source[r];
+        } else {
+          const int row = first + r;
+          target[r] = row >= rows ? 0 : row >= columns ? -source[r] : row == c ? 1 : 0;
+        }
       }
     }
-  }
-  // Rows' factors of D, in the order of the rows.
-  int row = 0;
-  for (int r = panel.runs; r < panel.runs_end.back(); ++r) {
-    for (int k = 0; k < runs_[r].count; ++k) rows_[row++] = scaling[runs_[r].target + k];
-  }
-  for (int t = 0; t < tiles; ++t) {
-    for (int g = 0; g < groups; ++g) {
-      const int from = g * kTileColumns;  // inv(L11) is zero above
-      double product[kTileRows * kTileColumns];
-      tile_product(&left_[(static_cast<std::ptrdiff_t>(t) * columns + from) * kTileRows],
-                   &right_[(g * columns + from) * kTileColumns], columns - from, product);
-      for (int c = from; c < std::min(from + kTileColumns, columns); ++c) {
-        const double own = -1 / static_cast<double>(scaling[panel.first + c]);
-        double* target = &dense_[c * stride + columns + t * kTileRows];
-        const double* p = product + (c - from) * kTileRows;
-        for (int r = 0; r < std::min(kTileRows, below - t * kTileRows); ++r) {
-          target[r] = p[r] * own * rows_[t * kTileRows + r];
+    for (int g = (end - 1) / kTileColumns * kTileColumns; g >= 0; g -= kTileColumns) {
+      const int width = std::min(kTileColumns, columns - g), behind = g + width;
+      double* own = x + g * kTileRows;
+      subtract_product(x + behind * kTileRows, &right_[g * columns + behind * kTileColumns],
+                       end - behind, kTileRows, width, own, kTileRows);
+      for (int k = width - 1; k > 0; --k) {
+        const double* known = own + k * kTileRows;
+        const math::Pack4d low = math::load(known), high = math::load(known + 4);
+        for (int c = 0; c < k; ++c) {
+          double* target = own + c * kTileRows;
+          math::store(math::load(target) - l(g + k, g + c) * low, target);
+          math::store(math::load(target + 4) - l(g + k, g + c) * high, target + 4);
         }
       }
     }
   }
+
+  double* scale = dense_.data();
+  for (int k = 0; k < columns; ++k) *scale++ = 1 / std::sqrt(factor.d()[panel.first + k]);
+  for (int r = panel.runs; r < panel.runs_end.back(); ++r) {
+    for (int k = 0; k < runs_[r].count; ++k) {
+      *scale++ = static_cast<double>(scaling_[runs_[r].target + k]);
+    }
+  }
+  std::fill(scale, dense_.data() + tiles_of(rows) * kTile, 0.0);
 }
 
-/// dense_ into the layout of the sweeps; false where a number is too large.
+/// left_, scaled, into the layout of the sweeps; false where a number is too large.
 template <class Stored>
 bool SolvePanels::store(const Panel& panel) noexcept {
-  const double limit = sizeof(Stored) == sizeof(float) ? 1e30 : 6e4;
-  const std::ptrdiff_t stride = padded(panel.rows.back());
-  double largest = 0;
+  const float limit = sizeof(Stored) == sizeof(float) ? 1e30f : 6e4f;
+  panel_kernel::Lanes lanes, largest{};
   for (int k = panel.rectangles; k < panel.rectangles_end.back(); ++k) {
     const Rectangle& rectangle = rectangles_[k];
     Stored* target = reinterpret_cast<Stored*>(memory_.get() + rectangle.offset);
     for (int c = rectangle.begin; c < rectangle.end; ++c) {
-      const double* source = &dense_[c * stride + rectangle.tile * kTile];
-      for (int h = 0; h < rectangle.height; ++h, target += kTile, source += kTile) {
-        panel_kernel::Lanes lanes;
-        for (int r = 0; r < kTile; ++r) {
-          lanes[r] = static_cast<float>(source[r]);
-          largest = std::max(largest, std::abs(source[r]));
-        }
+      const double own = 1 / static_cast<double>(scaling_[panel.first + c]);
+      for (int h = 0; h < rectangle.height; ++h, target += kTile) {
+        const std::ptrdiff_t tile = rectangle.tile + h;
+        const double* source = &left_[(tile * panel.columns + c) * kTile];
+        const double* scale = &dense_[tile * kTile];
+        float numbers[kTile];
+        for (int r = 0; r < kTile; ++r) numbers[r] = static_cast<float>(source[r] * own * scale[r]);
+        panel_kernel::load(numbers, lanes);
         panel_kernel::encode(lanes, target);
+        lanes = lanes < 0 ? -lanes : lanes;
+        largest = lanes > largest ? lanes : largest;
       }
     }
   }
-  return largest < limit;
+  for (int r = 0; r < kTile; ++r) {
+    if (largest[r] >= limit) return false;
+  }
+  return true;
 }
 
 void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexcept {

@@ -88,7 +88,7 @@ class SolvePanels {
   std::array<Border, 4> borders_;
   // Work space of solve and of assign.
   std::vector<float> rows_, sums_;
-  std::vector<double> dense_, inverse_, left_, right_;
+  std::vector<double> dense_, left_, right_;
 };
 
 }  // namespace palpate::elasticity

@@ -20,14 +20,33 @@ std::vector<Lame> lame_by_poisson(const Body& body) {
 
 }  // namespace
 
-/// Changes p side by side: what each prescribes and what each loads, over all nodes.
+/// Changes p side by side: what each prescribes and what each loads. Where a kind is not asked for
+/// its first column is -1.
 struct StaticResponse::Columns {
-  std::vector<Matrix3Xd> moved, loaded;
-  int add(int nodes) {
-    moved.emplace_back(Matrix3Xd::Zero(3, nodes));
-    loaded.emplace_back(Matrix3Xd::Zero(3, nodes));
-    return static_cast<int>(moved.size()) - 1;
+  Columns(const Body& body, const Snapshot& at) {
+    for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+      if (at.held[g]) motion[g] = take(6);
+    }
+    parameters = take(3);
+    for (int c = 0; c < kContactSlots; ++c) {
+      if (at.contacts[c].count > 0) force[c] = take(3);
+    }
+    const int padded = (count + 3) / 4 * 4;
+    moved.setZero(3 * body.mesh.node_count(), padded);
+    loaded = product = moved;
   }
+
+  int take(int columns) {
+    count += columns;
+    return count - columns;
+  }
+
+  std::array<int, 2> motion{-1, -1};
+  int parameters = 0;
+  std::array<int, kContactSlots> force{-1, -1, -1, -1};
+  int count = 0;
+  NodalColumns moved, loaded;
+  NodalColumns product;  // of K and moved
 };
 
 StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
@@ -35,117 +54,102 @@ StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
     : body_(body),
       pattern_(pattern),
       nodal_mass_(elements.nodal_mass()),
-      forces_(make_element_forces(body.mesh, elements.materials(), mesh_numbering(body.mesh),
-                                  Precision::kDouble)),
-      poisson_forces_(make_element_forces(body.mesh, lame_by_poisson(body),
-                                          mesh_numbering(body.mesh), Precision::kDouble)),
-      x_(NodalField::Zero(4, body.mesh.node_count())),
-      f_(x_) {}
-
-void StaticResponse::internal_forces(ElementForces& elements, const Matrix3Xd& x, Matrix3Xd& f) {
-  x_.topRows<3>() = x;
-  f_.setZero();
-  elements.add(x_, 0, f_);
-  f = f_.topRows<3>();
-}
+      forces_(body.mesh, elements.materials()),
+      poisson_forces_(body.mesh, lame_by_poisson(body)) {}
 
 void StaticResponse::compute(const Snapshot& at, const BlockMatrix& K,
                              const SupernodalFactor& factor, Sensitivity& out) {
-  const int n = body_.mesh.node_count();
-  const int grasps = static_cast<int>(body_.grasps.size());
-  out.resize(n);
+  out.resize(body_.mesh.node_count());
   Matrix3Xd internal, by_poisson;
-  internal_forces(*forces_, at.positions, internal);
-  internal_forces(*poisson_forces_, at.positions, by_poisson);
+  forces_.evaluate(at.positions, internal);
+  poisson_forces_.evaluate(at.positions, by_poisson);
   const Matrix3Xd weight = at.gravity_O * nodal_mass_.transpose();
-  const Matrix3Xd residual = internal - at.loads - weight;
 
-  Columns columns;
-  std::array<int, 2> motion{-1, -1};
-  for (int g = 0; g < grasps; ++g) {
-    if (!at.held[g]) continue;
-    motion[g] = static_cast<int>(columns.moved.size());
-    for (int k = 0; k < 6; ++k) {
-      Matrix3Xd& u = columns.moved[columns.add(n)];
-      const Vector3d axis = Vector3d::Unit(k % 3);
-      for (int node : body_.grasps[g].nodes) {
-        const Vector3d r = at.positions.col(node) - at.origins[g];
-        u.col(node) = k < 3 ? axis : Vector3d(axis.cross(r));
-      }
-    }
-  }
-  const int parameters = columns.add(n);
-  columns.loaded[parameters] = -internal;
-  columns.loaded[columns.add(n)] = -by_poisson;
-  columns.loaded[columns.add(n)] = weight;
-  std::array<int, kContactSlots> force;
-  for (int c = 0; c < kContactSlots; ++c) {
-    const mesh::PointWeights& point = at.contacts[c];
-    force[c] = point.count > 0 ? static_cast<int>(columns.moved.size()) : -1;
-    for (int k = 0; k < 3 && point.count > 0; ++k) {
-      Matrix3Xd& f = columns.loaded[columns.add(n)];
-      for (int i = 0; i < point.count; ++i) f(k, point.nodes[i]) += point.weights[i];
-    }
-  }
-
-  const int count = static_cast<int>(columns.moved.size());
-  Eigen::MatrixXd rhs(3 * pattern_.size(), count);
-  Matrix3Xd product(3, n);
-  for (int j = 0; j < count; ++j) {
-    K.multiply(columns.moved[j], product);
-    for (int k = 0; k < pattern_.size(); ++k) {
-      const int node = pattern_.node(k);
-      rhs.col(j).segment<3>(3 * k) = columns.loaded[j].col(node) - product.col(node);
-    }
-  }
-  factor.solve(rhs, at.held);
-
-  // x' over all nodes, in place of what was prescribed.
-  std::vector<std::array<math::Vector6d, 2>> wrench(count);
-  for (int j = 0; j < count; ++j) {
-    Matrix3Xd& x = columns.moved[j];
-    for (int k = 0; k < pattern_.size(); ++k) {
-      x.col(pattern_.node(k)) += rhs.col(j).segment<3>(3 * k);
-    }
-    K.multiply(x, product);
-    product -= columns.loaded[j];
-    for (int g = 0; g < grasps; ++g) {
-      wrench[j][g].setZero();
-      if (!at.held[g]) continue;
-      const int k = j - motion[g];
-      for (int node : body_.grasps[g].nodes) {
-        const Vector3d r = at.positions.col(node) - at.origins[g];
-        wrench[j][g].head<3>() += product.col(node);
-        wrench[j][g].tail<3>() += r.cross(Vector3d(product.col(node)));
-        // The lever arm turns with the hand while the force stays.
-        if (k >= 3 && k < 6) {
-          wrench[j][g].tail<3>() +=
-              Vector3d::Unit(k - 3).cross(r).cross(Vector3d(residual.col(node)));
-        }
-      }
-    }
-  }
-  const auto stacked = [&](int j) {
-    return Eigen::Map<const Eigen::VectorXd>(columns.moved[j].data(), 3 * n);
+  Columns columns(body_, at);
+  prescribe(at, columns);
+  const auto stacked = [](const Matrix3Xd& m) {
+    return Eigen::Map<const Eigen::VectorXd>(m.data(), m.size());
   };
-  for (int g = 0; g < grasps; ++g) {
-    for (int k = 0; k < 6 && motion[g] >= 0; ++k) {
-      out.dx_dxi[g].col(k) = stacked(motion[g] + k);
-      for (int a = 0; a < grasps; ++a) out.dw_dxi[a][g].col(k) = wrench[motion[g] + k][a];
-    }
-    for (int k = 0; k < 3; ++k) out.dw_dparameter[g].col(k) = wrench[parameters + k][g];
-    for (int c = 0; c < kContactSlots; ++c) {
-      for (int k = 0; k < 3 && force[c] >= 0; ++k) {
-        out.dw_dforce[g][c].col(k) = wrench[force[c] + k][g];
-      }
-    }
+  columns.loaded.col(columns.parameters + Sensitivity::kLogYoung) = -stacked(internal);
+  columns.loaded.col(columns.parameters + Sensitivity::kPoisson) = -stacked(by_poisson);
+  columns.loaded.col(columns.parameters + Sensitivity::kLogDensity) = stacked(weight);
+  solve(K, factor, at.held, columns);
+
+  for (int g = 0; g < 2; ++g) {
+    if (columns.motion[g] >= 0) out.dx_dxi[g] = columns.moved.middleCols<6>(columns.motion[g]);
   }
-  for (int k = 0; k < 3; ++k) out.dx_dparameter.col(k) = stacked(parameters + k);
+  out.dx_dparameter = columns.moved.middleCols<3>(columns.parameters);
   for (int c = 0; c < kContactSlots; ++c) {
-    for (int k = 0; k < 3 && force[c] >= 0; ++k) out.dx_dforce[c].col(k) = stacked(force[c] + k);
+    if (columns.force[c] >= 0) out.dx_dforce[c] = columns.moved.middleCols<3>(columns.force[c]);
+  }
+  for (int g = 0; g < 2; ++g) {
+    if (columns.motion[g] < 0) continue;
+    const Wrenches w = wrenches(at, g, internal - at.loads - weight, columns);
+    for (int b = 0; b < 2; ++b) {
+      if (columns.motion[b] >= 0) out.dw_dxi[g][b] = w.middleCols<6>(columns.motion[b]);
+    }
+    out.dw_dparameter[g] = w.middleCols<3>(columns.parameters);
+    for (int c = 0; c < kContactSlots; ++c) {
+      if (columns.force[c] >= 0) out.dw_dforce[g][c] = w.middleCols<3>(columns.force[c]);
+    }
   }
   out.smallest_pivot = factor.pivots(at.held).smallest;
   out.valid = true;
+}
+
+/// Motions of the held patches and forces on contacts.
+void StaticResponse::prescribe(const Snapshot& at, Columns& columns) const {
+  for (int g = 0; g < 2; ++g) {
+    if (columns.motion[g] < 0) continue;
+    for (int node : body_.grasps[g].nodes) {
+      auto u = columns.moved.block<3, 6>(3 * node, columns.motion[g]);
+      u.leftCols<3>().setIdentity();
+      u.rightCols<3>() = -math::cross_matrix(at.positions.col(node) - at.origins[g]);
+    }
+  }
+  for (int c = 0; c < kContactSlots; ++c) {
+    const mesh::PointWeights& point = at.contacts[c];
+    for (int i = 0; i < point.count; ++i) {
+      columns.loaded.block<3, 3>(3 * point.nodes[i], columns.force[c]).diagonal().array() +=
+          point.weights[i];
+    }
+  }
+}
+
+/// Leaves x' over all nodes in `moved`, in place of what was prescribed, and K x' in `product`.
+void StaticResponse::solve(const BlockMatrix& K, const SupernodalFactor& factor, Held held,
+                           Columns& columns) const {
+  const int count = columns.count;
+  K.multiply(columns.moved, columns.product);
+  Eigen::MatrixXd rhs(3 * pattern_.size(), count);
+  for (int k = 0; k < pattern_.size(); ++k) {
+    const int row = 3 * pattern_.node(k);
+    rhs.middleRows<3>(3 * k) = columns.loaded.block(row, 0, 3, count) -  //
+                               columns.product.block(row, 0, 3, count);
+  }
+  factor.solve(rhs, held);
+  for (int k = 0; k < pattern_.size(); ++k) {
+    columns.moved.block(3 * pattern_.node(k), 0, 3, count) += rhs.middleRows<3>(3 * k);
+  }
+  K.multiply(columns.moved, columns.product);
+}
+
+/// w' of hand g, one column for each change. `residual`: forces that the hands must bear.
+StaticResponse::Wrenches StaticResponse::wrenches(const Snapshot& at, int g,
+                                                  const Matrix3Xd& residual,
+                                                  const Columns& columns) const {
+  Wrenches w = Wrenches::Zero(6, columns.moved.cols());
+  for (int node : body_.grasps[g].nodes) {
+    const Vector3d r = at.positions.col(node) - at.origins[g];
+    const NodalColumns force =
+        columns.product.middleRows<3>(3 * node) - columns.loaded.middleRows<3>(3 * node);
+    w.topRows<3>() += force;
+    w.bottomRows<3>().noalias() += math::cross_matrix(r) * force;
+    // The lever arm turns with the hand while the force stays.
+    w.block<3, 3>(3, columns.motion[g] + 3) +=
+        math::cross_matrix(residual.col(node)) * math::cross_matrix(r);
+  }
+  return w;
 }
 
 }  // namespace palpate::elasticity

@@ -1,8 +1,7 @@
 #pragma once
 
 #include "core/elasticity/body.hpp"
-#include "core/elasticity/element_forces.hpp"
-#include "core/elasticity/element_set.hpp"
+#include "core/elasticity/mesh_forces.hpp"
 #include "core/elasticity/sensitivity.hpp"
 #include "core/elasticity/supernodal_factor.hpp"
 #include "core/mesh/point_locator.hpp"
@@ -33,13 +32,17 @@ class StaticResponse {
 
  private:
   struct Columns;
-  void internal_forces(ElementForces& elements, const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& f);
+  using Wrenches = Eigen::Matrix<double, 6, Eigen::Dynamic>;
+  void prescribe(const Snapshot& at, Columns& columns) const;
+  void solve(const BlockMatrix& K, const SupernodalFactor& factor, Held held,
+             Columns& columns) const;
+  Wrenches wrenches(const Snapshot& at, int g, const Eigen::Matrix3Xd& residual,
+                    const Columns& columns) const;
 
   const Body& body_;
   const BlockPattern& pattern_;
   Eigen::VectorXd nodal_mass_;
-  std::unique_ptr<ElementForces> forces_, poisson_forces_;  // the second by Poisson's ratio
-  NodalField x_, f_;
+  MeshForces forces_, poisson_forces_;  // the second by Poisson's ratio
 };
 
 }  // namespace palpate::elasticity

@@ -2,9 +2,8 @@
 
 #include <stdexcept>
 
-#include "core/elasticity/element_forces.hpp"
-#include "core/elasticity/element_set.hpp"
-#include "core/elasticity/supernodal_factor.hpp"
+#include "core/elasticity/body_system.hpp"
+#include "core/elasticity/element_tangents.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -16,19 +15,11 @@ using Eigen::Vector3d;
 class NewtonSolver {
  public:
   NewtonSolver(const Body& body, const Matrix3Xd& loads)
-      : elements_(body),
-        pattern_(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body)),
-        supernodes_(pattern_),
-        matrix_(pattern_),
-        factor_(supernodes_),
-        forces_of_elements_(make_element_forces(elements_.mesh(), elements_.materials(),
-                                                mesh_numbering(elements_.mesh()),
-                                                Precision::kDouble)),
-        padded_x_(NodalField::Zero(4, elements_.mesh().node_count())),
-        padded_forces_(padded_x_),
-        full_load_(loads + body.gravity_O * elements_.nodal_mass().transpose()),
+      : system_(body),
+        tangents_(make_element_tangents(system_.elements, system_.pattern)),
+        full_load_(loads + body.gravity_O * system_.elements.nodal_mass().transpose()),
         x_(body.mesh.nodes),
-        rhs_(3 * pattern_.size(), 1) {
+        rhs_(3 * system_.pattern.size(), 1) {
     set_load(1);
   }
 
@@ -38,41 +29,35 @@ class NewtonSolver {
   const Matrix3Xd& forces() const { return forces_; }
 
   double evaluate() {
-    padded_x_.topRows<3>() = x_;
-    padded_forces_.setZero();
-    const double energy = forces_of_elements_->add(padded_x_, 0, padded_forces_);
-    forces_ = padded_forces_.topRows<3>() - external_;
-    const Matrix3Xd u = x_ - elements_.mesh().nodes;
+    const double energy = system_.forces.evaluate(x_, forces_);
+    forces_ -= external_;
+    const Matrix3Xd u = x_ - system_.elements.mesh().nodes;
     return energy - (external_.array() * u.array()).sum();
   }
 
   double residual() const {
     double largest = 0;
-    for (int k = 0; k < pattern_.size(); ++k) {
-      if (pattern_.is_free(k, held_))
-        largest = std::max(largest, forces_.col(pattern_.node(k)).norm());
+    for (int k = 0; k < system_.pattern.size(); ++k) {
+      if (system_.pattern.is_free(k, held_))
+        largest = std::max(largest, forces_.col(system_.pattern.node(k)).norm());
     }
     return largest;
   }
 
   bool factorise(Tangent kind) {
-    matrix_.set_zero();
-    for (int e = 0; e < elements_.element_count(); ++e) {
-      elements_.stiffness(e, x_, kind, 0, element_matrix_);
-      matrix_.add(e, element_matrix_);
-    }
-    return factor_.factorise(matrix_) && factor_.is_positive(held_);
+    tangents_->assemble(x_, kind, system_.matrix, nullptr);
+    return system_.factor.factorise(system_.matrix) && system_.factor.is_positive(held_);
   }
 
   /// Solves K dx = -forces over the free nodes.
   Matrix3Xd correction() {
     Matrix3Xd dx = Matrix3Xd::Zero(3, x_.cols());
-    for (int k = 0; k < pattern_.size(); ++k) {
-      rhs_.block<3, 1>(3 * k, 0) = -forces_.col(pattern_.node(k));
+    for (int k = 0; k < system_.pattern.size(); ++k) {
+      rhs_.block<3, 1>(3 * k, 0) = -forces_.col(system_.pattern.node(k));
     }
-    factor_.solve(rhs_, held_);
-    for (int k = 0; k < pattern_.size(); ++k) {
-      dx.col(pattern_.node(k)) = rhs_.block<3, 1>(3 * k, 0);
+    system_.factor.solve(rhs_, held_);
+    for (int k = 0; k < system_.pattern.size(); ++k) {
+      dx.col(system_.pattern.node(k)) = rhs_.block<3, 1>(3 * k, 0);
     }
     return dx;
   }
@@ -107,16 +92,11 @@ class NewtonSolver {
   }
 
  private:
-  ElementSet elements_;
-  BlockPattern pattern_;
-  Supernodes supernodes_;
-  BlockMatrix matrix_;
-  SupernodalFactor factor_;
-  std::unique_ptr<ElementForces> forces_of_elements_;
-  NodalField padded_x_, padded_forces_;
+  BodySystem system_;
+  std::unique_ptr<ElementTangents> tangents_;
   Held held_{false, false};
   Matrix3Xd full_load_, external_, x_, forces_;
-  Eigen::MatrixXd rhs_, element_matrix_;
+  Eigen::MatrixXd rhs_;
 };
 
 /// Pose a share of the way from one to another.

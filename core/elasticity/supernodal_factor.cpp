@@ -1,12 +1,14 @@
 #include "core/elasticity/supernodal_factor.hpp"
 
 #include <cmath>
-#include <cstring>
+
+#include "core/elasticity/panel_substitution.hpp"
 
 namespace palpate::elasticity {
 namespace {
 
-constexpr int kLanes = 8;  // right-hand sides solved at once
+constexpr int kPacks = 2;  // of right-hand sides solved at once
+constexpr int kLanes = substitution::Lanes<kPacks>::kWidth;
 
 int largest_front(const Supernodes& nodes) {
   int rows = nodes.pattern().size() - nodes.pattern().interior_size();
@@ -15,76 +17,6 @@ int largest_front(const Supernodes& nodes) {
 }
 
 std::ptrdiff_t square(int rows) { return 9 * static_cast<std::ptrdiff_t>(rows) * rows; }
-
-// Half of the lanes: a register where there are such.
-using Half = double __attribute__((vector_size(4 * sizeof(double))));
-
-struct Lanes {
-  Half low, high;
-
-  explicit Lanes(const double* source) {
-    std::memcpy(&low, source, sizeof low);
-    std::memcpy(&high, source + 4, sizeof high);
-  }
-  void store(double* target) const {
-    std::memcpy(target, &low, sizeof low);
-    std::memcpy(target + 4, &high, sizeof high);
-  }
-  void subtract(double factor, const Lanes& other) {
-    low -= factor * other.low;
-    high -= factor * other.high;
-  }
-};
-
-/// Lanes of the rows below a panel.
-struct Rows {
-  double* lanes;
-  const int* offsets;
-  double* operator()(int i) const { return lanes + offsets[i]; }
-};
-
-/// Substitutes the columns of a panel with L at its top; x are its own rows.
-void forward(const double* panel, int stride, int columns, int rows, double* x, Rows below) {
-  for (int j = 0; j < columns; ++j, panel += stride) {
-    const Lanes source(x + j * kLanes);
-    const auto subtract_from = [&](double* row, double factor) {
-      Lanes target(row);
-      target.subtract(factor, source);
-      target.store(row);
-    };
-    for (int i = j + 1; i < columns; ++i) subtract_from(x + i * kLanes, panel[i]);
-    for (int i = columns; i < rows; ++i) subtract_from(below(i - columns), panel[i]);
-  }
-}
-
-void backward(const double* panel, int stride, int columns, int rows, double* x, Rows below) {
-  for (int j = columns - 1; j >= 0; --j) {
-    const double* column = panel + static_cast<std::ptrdiff_t>(j) * stride;
-    // Two sums, to wait less for one addition after the other.
-    Lanes sum(x + j * kLanes), other(x + j * kLanes);
-    other.low = other.high = Half{};
-    int i = j + 1;
-    for (; i + 1 < columns; i += 2) {
-      sum.subtract(column[i], Lanes(x + i * kLanes));
-      other.subtract(column[i + 1], Lanes(x + (i + 1) * kLanes));
-    }
-    if (i < columns) sum.subtract(column[i], Lanes(x + i * kLanes));
-    for (i = columns; i + 1 < rows; i += 2) {
-      sum.subtract(column[i], Lanes(below(i - columns)));
-      other.subtract(column[i + 1], Lanes(below(i + 1 - columns)));
-    }
-    if (i < rows) sum.subtract(column[i], Lanes(below(i - columns)));
-    sum.low += other.low;
-    sum.high += other.high;
-    sum.store(x + j * kLanes);
-  }
-}
-
-void divide(double* x, const double* d, int rows) {
-  for (int i = 0; i < rows; ++i) {
-    for (int l = 0; l < kLanes; ++l) x[i * kLanes + l] /= d[i];
-  }
-}
 
 }  // namespace
 
@@ -155,13 +87,12 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   }
   interior_regular_ = false;
   interior_ = {};
-  std::fill(panels_.begin(), panels_.end(), 0.0);
   std::array<double*, 2> top{stacks_[0].data(), stacks_[1].data()};
   for (int s = 0; s < nodes.count(); ++s) {
     double*& own = top[depth_[s] % 2];
     const Front front{panels_.data() + panel_start_[s], own, nodes.columns(s), nodes.rows(s)};
     own += square(front.rows);
-    std::fill(front.update, own, 0.0);
+    clear(front);
     int next = 0;
     for (int k = nodes.begin(s); k < nodes.end(s); ++k) local_[k] = next++;
     for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i) local_[*i] = next++;
@@ -183,6 +114,16 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   for (Border& border : borders_) factorise_border(border);
   interior_regular_ = true;
   return true;
+}
+
+/// Zeroes a front: of the update the lower half, with as much above as tiles reach.
+void SupernodalFactor::clear(const Front& front) noexcept {
+  const int height = 3 * front.rows;
+  std::fill_n(front.panel, 9 * front.columns * (front.columns + front.rows), 0.0);
+  for (int k = 0; k < height; ++k) {
+    double* column = front.update + static_cast<std::ptrdiff_t>(k) * height;
+    std::fill(column + std::max(0, k - kTileRows), column + height, 0.0);
+  }
 }
 
 /// Adds the columns of A from `first` on to a front's, whose rows local_ knows.
@@ -242,71 +183,68 @@ void SupernodalFactor::factorise_border(Border& border) noexcept {
 }
 
 void SupernodalFactor::solve(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept {
-  const int n = static_cast<int>(B.rows()), first = 3 * supernodes_->pattern().interior_size();
-  const int free_begin = first + border(held).offset, free_end = free_begin + border(held).size;
-  for (int begin = 0; begin < B.cols(); begin += kLanes) {
-    const int count = std::min<int>(kLanes, static_cast<int>(B.cols()) - begin);
-    std::fill(lanes_.begin(), lanes_.end(), 0.0);
-    for (int l = 0; l < count; ++l) {
-      const auto b = B.col(begin + l);
-      for (int i = 0; i < n; ++i) lanes_[i * kLanes + l] = b(i);
-    }
-    solve_lanes(held);
-    for (int l = 0; l < count; ++l) {
-      auto b = B.col(begin + l);
-      for (int i = 0; i < n; ++i) {
-        const bool is_free = i < first || (i >= free_begin && i < free_end);
-        b(i) = is_free ? lanes_[i * kLanes + l] : 0;
-      }
-    }
+  const int columns = static_cast<int>(B.cols());
+  int begin = 0;
+  for (; begin + kLanes / 2 < columns; begin += kLanes) {
+    solve_lanes<kPacks>(B.middleCols(begin, std::min(kLanes, columns - begin)), held);
   }
+  if (begin < columns) solve_lanes<kPacks / 2>(B.rightCols(columns - begin), held);
 }
 
-void SupernodalFactor::solve_lanes(Held held) const noexcept {
+template <int kPacks>
+void SupernodalFactor::solve_lanes(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept {
+  constexpr int kWidth = substitution::Lanes<kPacks>::kWidth;
   const Supernodes& nodes = *supernodes_;
   const Border& free = border(held);
+  const int n = static_cast<int>(B.rows()), first = 3 * nodes.pattern().interior_size();
+  const int free_begin = first + free.offset, free_end = free_begin + free.size;
+  const auto is_free = [&](int i) { return i < first || (i >= free_begin && i < free_end); };
   double* lanes = lanes_.data();
-  const auto sweep = [&](int s, auto&& substitute) {
-    int* offsets = targets_.data();
-    for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i, offsets += 3) {
-      for (int axis = 0; axis < 3; ++axis) offsets[axis] = (3 * *i + axis) * kLanes;
-    }
-    offsets = targets_.data();
-    const int rows = 3 * (nodes.columns(s) + nodes.rows(s));
-    substitute(panel(s), rows, 3 * nodes.columns(s), rows, lanes + 3 * nodes.begin(s) * kLanes,
-               Rows{lanes, offsets});
-  };
-  for (int s = 0; s < nodes.count(); ++s) {
-    sweep(s, [](auto... a) { forward(a...); });
+  std::fill_n(lanes, n * kWidth, 0.0);
+  for (int l = 0; l < B.cols(); ++l) {
+    for (int i = 0; i < n; ++i) lanes[i * kWidth + l] = B(i, l);
   }
-  divide(lanes, d_.data(), static_cast<int>(d_.size()));
-  double* border_lanes = lanes + d_.size() * kLanes;
-  double* free_lanes = border_lanes + free.offset * kLanes;
-  std::fill(border_lanes, free_lanes, 0.0);
-  std::fill(free_lanes + free.size * kLanes, lanes + lanes_.size(), 0.0);
-  forward(free.lower.data(), free.size, free.size, free.size, free_lanes,
-          Rows{lanes_.data(), nullptr});
-  divide(free_lanes, free.d.data(), free.size);
-  backward(free.lower.data(), free.size, free.size, free.size, free_lanes,
-           Rows{lanes_.data(), nullptr});
-  for (int s = nodes.count() - 1; s >= 0; --s) {
-    sweep(s, [](auto... a) { backward(a...); });
+
+  int* offsets = targets_.data();
+  const auto panel_of = [&](int s) {
+    int *own = offsets, rows = 3 * (nodes.columns(s) + nodes.rows(s));
+    for (int i = 3 * nodes.begin(s); i < 3 * nodes.end(s); ++i) *own++ = i * kWidth;
+    for (const int* i = nodes.rows_begin(s); i != nodes.rows_end(s); ++i) {
+      for (int axis = 0; axis < 3; ++axis) *own++ = (3 * *i + axis) * kWidth;
+    }
+    return substitution::Panel{panel(s), rows, 3 * nodes.columns(s), rows, offsets, lanes};
+  };
+  for (int s = 0; s < nodes.count(); ++s) substitution::forward<kPacks>(panel_of(s));
+  substitution::divide<kPacks>(lanes, d_.data(), first);
+  for (int i = 0; i < free.size; ++i) offsets[i] = i * kWidth;
+  double* free_lanes = lanes + free_begin * kWidth;
+  const substitution::Panel own{free.lower.data(), free.size, free.size,
+                                free.size,         offsets,   free_lanes};
+  substitution::forward<kPacks>(own);
+  substitution::divide<kPacks>(free_lanes, free.d.data(), free.size);
+  substitution::backward<kPacks>(own);
+  std::fill(lanes + first * kWidth, free_lanes, 0.0);
+  std::fill(lanes + free_end * kWidth, lanes + n * kWidth, 0.0);
+  for (int s = nodes.count() - 1; s >= 0; --s) substitution::backward<kPacks>(panel_of(s));
+  for (int l = 0; l < B.cols(); ++l) {
+    for (int i = 0; i < n; ++i) B(i, l) = is_free(i) ? lanes[i * kWidth + l] : 0;
   }
 }
 
 void SupernodalFactor::invert_border(Held held, double* inverse) const noexcept {
   const Border& free = border(held);
   const int n = free.size;
+  for (int i = 0; i < n; ++i) targets_[i] = i * kLanes;
   for (int begin = 0; begin < n; begin += kLanes) {
     const int count = std::min(kLanes, n - begin);
     std::fill(lanes_.begin(), lanes_.begin() + n * kLanes, 0.0);
     for (int l = 0; l < count; ++l) lanes_[(begin + l) * kLanes + l] = 1;
     // What comes before is zero in every lane.
     const double* lower = free.lower.data() + static_cast<std::ptrdiff_t>(begin) * (n + 1);
-    forward(lower, n, n - begin, n - begin, lanes_.data() + begin * kLanes,
-            Rows{lanes_.data(), nullptr});
-    divide(lanes_.data(), free.d.data(), n);
-    backward(free.lower.data(), n, n, n, lanes_.data(), Rows{lanes_.data(), nullptr});
+    substitution::forward<kPacks>(
+        {lower, n, n - begin, n - begin, targets_.data(), lanes_.data() + begin * kLanes});
+    substitution::divide<kPacks>(lanes_.data(), free.d.data(), n);
+    substitution::backward<kPacks>({free.lower.data(), n, n, n, targets_.data(), lanes_.data()});
     for (int l = 0; l < count; ++l) {
       for (int i = 0; i < n; ++i) inverse[(begin + l) * n + i] = lanes_[i * kLanes + l];
     }

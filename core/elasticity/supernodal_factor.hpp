@@ -65,10 +65,12 @@ class SupernodalFactor {
 
   Border& border(Held held) { return borders_[supernodes_->pattern().held_set(held)]; }
   const Border& border(Held held) const { return borders_[supernodes_->pattern().held_set(held)]; }
+  static void clear(const Front& front) noexcept;
   void assemble(const BlockMatrix& A, int first, const Front& front) noexcept;
   void gather(const std::vector<int>& children, double*& top, const Front& front) noexcept;
   void factorise_border(Border& border) noexcept;
-  void solve_lanes(Held held) const noexcept;
+  template <int kPacks>
+  void solve_lanes(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept;
 
   const Supernodes* supernodes_;
   std::vector<std::ptrdiff_t> panel_start_;

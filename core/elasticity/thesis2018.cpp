@@ -23,19 +23,10 @@ Body linear_body(Body body) {
 Thesis2018::Thesis2018(Body body, const Thesis2018Options& options)
     : body_(linear_body(std::move(body))),
       options_(options),
-      elements_(body_),
-      pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
-      supernodes_(pattern_),
-      matrix_(pattern_),
-      factor_(supernodes_),
-      forces_of_elements_(make_element_forces(elements_.mesh(), elements_.materials(),
-                                              mesh_numbering(elements_.mesh()),
-                                              Precision::kDouble)),
-      padded_x_(NodalField::Zero(4, elements_.mesh().node_count())),
-      padded_forces_(padded_x_),
+      system_(body_),
       gravity_(body_.gravity_O),
       x_(body_.mesh.nodes),
-      rhs_(Eigen::MatrixXd::Zero(3 * pattern_.size(), 1)),
+      rhs_(Eigen::MatrixXd::Zero(3 * system_.pattern.size(), 1)),
       element_matrix_(12, 12),
       element_mass_(4, 4) {
   if (!(options.time_step > 0)) throw std::invalid_argument("thesis2018: time step must be > 0");
@@ -55,7 +46,7 @@ void Thesis2018::reset() noexcept {
   loads_.setZero();
   reactions_.setZero();
   is_held_ = {false, false};
-  forces_of_elements_->reset();
+  system_.forces.reset();
 }
 
 void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
@@ -65,20 +56,17 @@ void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
 
 void Thesis2018::release(int grasp) noexcept { is_held_[grasp] = false; }
 
-/// M + h D + h^2 K into matrix_, and h times the force on the right into impulse_.
+/// M + h D + h^2 K into system_.matrix, and h times the force on the right into impulse_.
 void Thesis2018::assemble() noexcept {
   const double h = options_.time_step;
   const Damping& damping = body_.damping;
   const double mass_share = 1 + h * damping.mass_factor;
   const double stiffness_share = h * damping.stiffness_factor + h * h;
-  padded_x_.topRows<3>() = x_;
-  padded_forces_.setZero();
-  forces_of_elements_->add(padded_x_, 0, padded_forces_);
-  product_ = padded_forces_.topRows<3>();  // f_int + (D + h K) v
-  matrix_.set_zero();
-  for (int e = 0; e < elements_.element_count(); ++e) {
-    elements_.stiffness(e, x_, Tangent::kWarped, 0, element_matrix_);
-    elements_.mass(e, element_mass_);
+  system_.forces.evaluate(x_, product_);  // to become f_int + (D + h K) v
+  system_.matrix.set_zero();
+  for (int e = 0; e < system_.elements.element_count(); ++e) {
+    system_.elements.stiffness(e, x_, Tangent::kWarped, 0, element_matrix_);
+    system_.elements.mass(e, element_mass_);
     const auto nodes = body_.mesh.elements.col(e);
     for (int a = 0; a < 4; ++a) {
       for (int b = 0; b < 4; ++b) {
@@ -89,11 +77,11 @@ void Thesis2018::assemble() noexcept {
       }
     }
     element_matrix_ *= stiffness_share;
-    matrix_.add(e, element_matrix_);
-    matrix_.add_scalar(e, mass_share, element_mass_);
+    system_.matrix.add(e, element_matrix_);
+    system_.matrix.add_scalar(e, mass_share, element_mass_);
   }
   impulse_ = h * (loads_ - product_);
-  impulse_.noalias() += h * gravity_ * elements_.nodal_mass().transpose();
+  impulse_.noalias() += h * gravity_ * system_.elements.nodal_mass().transpose();
 }
 
 StepReport Thesis2018::step(double) noexcept {
@@ -113,18 +101,20 @@ StepReport Thesis2018::step(double) noexcept {
       dv_.col(node) = (moved * body_.mesh.nodes.col(node) - x_.col(node)) / h - v_.col(node);
     }
   }
-  matrix_.multiply(dv_, product_);
-  for (int k = 0; k < pattern_.size(); ++k) {
-    const int node = pattern_.node(k);
+  system_.matrix.multiply(dv_, product_);
+  for (int k = 0; k < system_.pattern.size(); ++k) {
+    const int node = system_.pattern.node(k);
     rhs_.block<3, 1>(3 * k, 0) = impulse_.col(node) - product_.col(node);
   }
-  if (!factor_.factorise(matrix_) || !factor_.is_positive(is_held_)) return report;
-  factor_.solve(rhs_, is_held_);
+  if (!system_.factor.factorise(system_.matrix) || !system_.factor.is_positive(is_held_))
+    return report;
+  system_.factor.solve(rhs_, is_held_);
   if (!rhs_.allFinite()) return report;
-  for (int k = 0; k < pattern_.size(); ++k) {
-    if (pattern_.is_free(k, is_held_)) dv_.col(pattern_.node(k)) = rhs_.block<3, 1>(3 * k, 0);
+  for (int k = 0; k < system_.pattern.size(); ++k) {
+    if (system_.pattern.is_free(k, is_held_))
+      dv_.col(system_.pattern.node(k)) = rhs_.block<3, 1>(3 * k, 0);
   }
-  matrix_.multiply(dv_, product_);
+  system_.matrix.multiply(dv_, product_);
   reactions_ = (product_ - impulse_) / h;
   v_ += dv_;
   x_ += h * v_;

@@ -1,9 +1,7 @@
 #pragma once
 
+#include "core/elasticity/body_system.hpp"
 #include "core/elasticity/deformation_model.hpp"
-#include "core/elasticity/element_forces.hpp"
-#include "core/elasticity/element_set.hpp"
-#include "core/elasticity/supernodal_factor.hpp"
 
 namespace palpate::elasticity {
 
@@ -48,13 +46,7 @@ class Thesis2018 final : public DeformationModel {
 
   Body body_;
   Thesis2018Options options_;
-  ElementSet elements_;
-  BlockPattern pattern_;
-  Supernodes supernodes_;
-  BlockMatrix matrix_;
-  SupernodalFactor factor_;
-  std::unique_ptr<ElementForces> forces_of_elements_;
-  NodalField padded_x_, padded_forces_;
+  BodySystem system_;
   Held is_held_{false, false};
   std::array<math::Pose, 2> X_OG_{math::Pose::Identity(), math::Pose::Identity()};
   Eigen::Vector3d gravity_;

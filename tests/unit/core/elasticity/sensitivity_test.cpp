@@ -237,7 +237,7 @@ struct LargeMotion {
         if (job != nullptr) job->run();
       }
       // Just before the next one comes it is oldest.
-      if (i % (16 * delay) != 16 * delay - 1 || t < 0.1) continue;
+      if (i % (5 * delay) != 5 * delay - 1 || t < 0.1) continue;
       fresh.hold(0, X);
       fresh.loads() = model.loads();
       ASSERT_TRUE(fresh.restore(model.positions(), model.velocities()));

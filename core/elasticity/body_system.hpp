@@ -1,0 +1,29 @@
+#pragma once
+
+#include "core/elasticity/mesh_forces.hpp"
+#include "core/elasticity/supernodal_factor.hpp"
+
+namespace palpate::elasticity {
+
+/// What a solver in double makes of a body: its elements, a matrix over its unknown nodes with a
+/// factor, and forces. Members refer to each other.
+struct BodySystem {
+  explicit BodySystem(const Body& body)
+      : elements(body),
+        pattern(body.mesh.elements, body.mesh.node_count(), body.fixed_nodes, patches(body)),
+        supernodes(pattern),
+        matrix(pattern),
+        factor(supernodes),
+        forces(body.mesh, elements.materials()) {}
+  BodySystem(const BodySystem&) = delete;
+  BodySystem& operator=(const BodySystem&) = delete;
+
+  ElementSet elements;
+  BlockPattern pattern;
+  Supernodes supernodes;
+  BlockMatrix matrix;
+  SupernodalFactor factor;
+  MeshForces forces;
+};
+
+}  // namespace palpate::elasticity

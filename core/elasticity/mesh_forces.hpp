@@ -1,0 +1,32 @@
+#pragma once
+
+#include "core/elasticity/element_forces.hpp"
+#include "core/elasticity/element_set.hpp"
+
+namespace palpate::elasticity {
+
+/// Forces of all elements in double, in the numbering of their mesh and without viscosity.
+class MeshForces {
+ public:
+  MeshForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials)
+      : elements_(make_element_forces(mesh, materials, mesh_numbering(mesh), Precision::kDouble)),
+        x_(NodalField::Zero(4, mesh.node_count())),
+        forces_(x_) {}
+
+  /// `forces` = dEnergy/dx in N at positions x, both 3 x n; returns the energy in J.
+  double evaluate(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& forces) {
+    x_.topRows<3>() = x;
+    forces_.setZero();
+    const double energy = elements_->add(x_, 0, forces_);
+    forces = forces_.topRows<3>();
+    return energy;
+  }
+
+  void reset() noexcept { elements_->reset(); }
+
+ private:
+  std::unique_ptr<ElementForces> elements_;
+  NodalField x_, forces_;
+};
+
+}  // namespace palpate::elasticity
