@@ -37,8 +37,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
       supernodes_(pattern_),
       numbering_(elimination_numbering(pattern_)),
-      element_forces_(
-          make_element_forces(body_.mesh, elements_.materials(), numbering_, options.precision)),
+      element_forces_(make_element_forces(body_.mesh, elements_.materials(), numbering_,
+                                          options.precision, team())),
       rounding_(options.precision == Precision::kSingle ? 1e-6 : 1e-12),
       gravity_(body_.gravity_O),
       positions_(body_.mesh.nodes),
@@ -47,15 +47,15 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       force_change_(correction_),
       secants_(3 * pattern_.size()),
       warp_(pattern_.size()),
-      factor_(supernodes_, options.panels),
-      job_(body_, elements_, supernodes_, options.panels),
+      factor_(supernodes_, options.panels, team()),
+      job_(body_, elements_, supernodes_, options.panels, team()),
       blend_(body_) {
   if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
       !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
       !(options.contraction > 0) || !(options.budget >= 0)) {
     throw std::invalid_argument("solver options: a value is out of range");
   }
-  if (dynamic_) inertia_.emplace(elements_, numbering_);
+  if (dynamic_) inertia_.emplace(elements_, numbering_, team());
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
   for (NodalField* m : {&weight_per_gravity_, &rest_, &external_, &v_, &x_inertial_, &x_trial_,

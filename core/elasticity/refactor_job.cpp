@@ -5,8 +5,8 @@
 namespace palpate::elasticity {
 
 RefactorJob::RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
-                         PanelPrecision precision)
-    : factor(supernodes, precision),
+                         PanelPrecision precision, math::Team& team)
+    : factor(supernodes, precision, team),
       elements_(elements),
       pattern_(supernodes.pattern()),
       matrix_(pattern_),
