@@ -55,12 +55,81 @@ void SolvePanels::share_out(const TreeShares& shares) {
     Desk& desk = desks_.emplace_back();
     for (const auto& range : ranges) desk.spans.push_back(span(range.begin, range.end));
   }
-  for (int s : shares.top) top_.push_back(span(s, s + 1));
-  top_.push_back({0, 0, interior_, size_of_b_});
+  for (const TreeShares::Top& top : shares.top) {
+    top_.push_back({span(top.node, top.node + 1), {}});
+    if (top.is_shared) top_.back().shares = split(panels_[top.node]);
+  }
+  top_.push_back({{0, 0, interior_, size_of_b_}, {}});
+}
+
+/// Where the members' rectangles of a panel begin, and the last one's end: about as many bytes
+/// each, and no row in two of them.
+std::vector<int> SolvePanels::split(const Panel& panel) const {
+  const std::size_t members = desks_.size();
+  const int end = panel.rectangles_end.back();
+  const bool is_last = end == static_cast<int>(rectangles_.size());
+  const std::size_t from = rectangles_[panel.rectangles].offset;
+  const std::size_t bytes = (is_last ? size_ : rectangles_[end].offset) - from;
+  std::vector<int> shares{panel.rectangles};
+  for (int k = panel.rectangles; k < end; ++k) {
+    const Rectangle& r = rectangles_[k];
+    const bool starts_rows = r.begin == 0;
+    if (starts_rows && (r.offset - from) * members >= bytes * shares.size()) shares.push_back(k);
+  }
+  shares.resize(members, end);
+  shares.push_back(end);
+  return shares;
 }
 
 void SolvePanels::scale(const Span& rows, const float* from, float* to) const noexcept {
   for (int i = rows.begin; i < rows.end; ++i) to[i] = from[i] * scaling_[i];
+}
+
+/// rows = P b for the rows of some rectangles.
+template <class Stored>
+void SolvePanels::multiply_rows(int begin, int end, const float* b, float* rows) const noexcept {
+  for (int k = begin; k < end; ++k) {
+    const Rectangle& r = rectangles_[k];
+    multiply(r.height, stored<Stored>(r), b + r.begin, r.end - r.begin, r.begin == 0,
+             rows + r.tile * kTile);
+  }
+}
+
+/// The first `columns` of sums = P^T rows, over some rectangles.
+template <class Stored>
+void SolvePanels::multiply_columns(int begin, int end, const float* rows, int columns,
+                                   float* sums) const noexcept {
+  std::fill(sums, sums + columns * kTile, 0.0f);
+  for (int k = begin; k < end; ++k) {
+    const Rectangle& r = rectangles_[k];
+    multiply_transposed(r.height, stored<Stored>(r), rows + r.tile * kTile, r.end - r.begin,
+                        sums + r.begin * kTile);
+  }
+  float totals[kTile];
+  for (int c = 0; c < columns; c += kTile) {
+    panel_kernel::add_lanes(sums + c * kTile, totals);
+    std::copy(totals, totals + kTile, sums + c);
+  }
+}
+
+void SolvePanels::scatter(const Panel& panel, int level, const float* rows,
+                          float* b) const noexcept {
+  std::copy(rows, rows + panel.columns, b + panel.first);
+  const float* delta = rows + panel.columns;
+  for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
+    float* target = b + runs_[k].target;
+    for (int i = 0; i < runs_[k].count; ++i) target[i] += *delta++;
+  }
+}
+
+void SolvePanels::gather(const Panel& panel, int level, const float* b,
+                         float* rows) const noexcept {
+  float* x = std::copy(b + panel.first, b + panel.first + panel.columns, rows);
+  for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
+    const float* source = b + runs_[k].target;
+    for (int i = 0; i < runs_[k].count; ++i) *x++ = source[i];
+  }
+  std::fill(x, rows + tiles_of(panel.rows[level]) * kTile, 0.0f);
 }
 
 /// From the leaves to the root: (z; delta) = P b.
@@ -69,18 +138,8 @@ void SolvePanels::sweep_up(const Span& span, int level, float* b, Desk& desk) co
   float* rows = desk.rows.data();
   for (int s = span.panels_begin; s < span.panels_end; ++s) {
     const Panel& panel = panels_[s];
-    float* own = b + panel.first;
-    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
-      const Rectangle& r = rectangles_[k];
-      multiply(r.height, stored<Stored>(r), own + r.begin, r.end - r.begin, r.begin == 0,
-               rows + r.tile * kTile);
-    }
-    for (int i = 0; i < panel.columns; ++i) own[i] = rows[i];
-    const float* delta = rows + panel.columns;
-    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
-      float* target = b + runs_[k].target;
-      for (int i = 0; i < runs_[k].count; ++i) target[i] += *delta++;
-    }
+    multiply_rows<Stored>(panel.rectangles, panel.rectangles_end[level], b + panel.first, rows);
+    scatter(panel, level, rows, b);
   }
 }
 
@@ -90,24 +149,40 @@ void SolvePanels::sweep_down(const Span& span, int level, float* b, Desk& desk) 
   float *rows = desk.rows.data(), *sums = desk.sums.data();
   for (int s = span.panels_end; s-- > span.panels_begin;) {
     const Panel& panel = panels_[s];
-    float *own = b + panel.first, *x = rows;
-    for (int i = 0; i < panel.columns; ++i) *x++ = own[i];
-    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
-      const float* source = b + runs_[k].target;
-      for (int i = 0; i < runs_[k].count; ++i) *x++ = source[i];
-    }
-    std::fill(x, rows + tiles_of(panel.rows[level]) * kTile, 0.0f);
-    std::fill(sums, sums + panel.columns * kTile, 0.0f);
-    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
-      const Rectangle& r = rectangles_[k];
-      multiply_transposed(r.height, stored<Stored>(r), rows + r.tile * kTile, r.end - r.begin,
-                          sums + r.begin * kTile);
-    }
-    float totals[kTile];
-    for (int c = 0; c < panel.columns; c += kTile) {
-      panel_kernel::add_lanes(sums + c * kTile, totals);
-      std::copy(totals, totals + std::min(kTile, panel.columns - c), own + c);
-    }
+    gather(panel, level, b, rows);
+    multiply_columns<Stored>(panel.rectangles, panel.rectangles_end[level], rows, panel.columns,
+                             sums);
+    std::copy(sums, sums + panel.columns, b + panel.first);
+  }
+}
+
+/// One panel, its rows shared among the members.
+template <class Stored>
+void SolvePanels::sweep_up_together(const Top& top, int level, float* b) noexcept {
+  const Panel& panel = panels_[top.span.panels_begin];
+  float* rows = desks_[0].rows.data();
+  const auto work = [&](int member, int) {
+    const int end = std::min(top.shares[member + 1], panel.rectangles_end[level]);
+    multiply_rows<Stored>(top.shares[member], end, b + panel.first, rows);
+  };
+  team_->run(work);
+  scatter(panel, level, rows, b);
+}
+
+template <class Stored>
+void SolvePanels::sweep_down_together(const Top& top, int level, float* b) noexcept {
+  const Panel& panel = panels_[top.span.panels_begin];
+  float *rows = desks_[0].rows.data(), *own = b + panel.first;
+  gather(panel, level, b, rows);
+  const auto work = [&](int member, int) {
+    const int end = std::min(top.shares[member + 1], panel.rectangles_end[level]);
+    multiply_columns<Stored>(top.shares[member], end, rows, panel.columns,
+                             desks_[member].sums.data());
+  };
+  team_->run(work);
+  std::copy(desks_[0].sums.begin(), desks_[0].sums.begin() + panel.columns, own);
+  for (std::size_t m = 1; m < desks_.size(); ++m) {
+    for (int i = 0; i < panel.columns; ++i) own[i] += desks_[m].sums[i];
   }
 }
 
@@ -127,11 +202,11 @@ void SolvePanels::sweep(float* b, Held held) noexcept {
   const auto up = [this, b, level](int member, int) {
     Desk& desk = desks_[member];
     float* own = member == 0 ? b : desk.vector.data();
-    for (const Span& span : top_) {
+    for (const Top& top : top_) {
       if (member == 0) {
-        scale(span, b, b);
+        scale(top.span, b, b);
       } else {
-        std::fill(own + span.begin, own + span.end, 0.0f);
+        std::fill(own + top.span.begin, own + top.span.end, 0.0f);
       }
     }
     for (const Span& span : desk.spans) {
@@ -141,16 +216,20 @@ void SolvePanels::sweep(float* b, Held held) noexcept {
     }
   };
   team_->run(up);
-  for (const Span& span : top_) {
+  for (const Top& top : top_) {
     for (std::size_t m = 1; m < desks_.size(); ++m) {
       const float* delta = desks_[m].vector.data();
-      for (int i = span.begin; i < span.end; ++i) b[i] += delta[i];
+      for (int i = top.span.begin; i < top.span.end; ++i) b[i] += delta[i];
     }
   }
-  for (const Span& span : top_) sweep_up<Stored>(span, level, b, desks_[0]);
+  for (const Top& top : top_) {
+    top.shares.empty() ? sweep_up<Stored>(top.span, level, b, desks_[0])
+                       : sweep_up_together<Stored>(top, level, b);
+  }
   solve_border(b, border(held));
-  for (auto span = top_.rbegin(); span != top_.rend(); ++span) {
-    sweep_down<Stored>(*span, level, b, desks_[0]);
+  for (auto top = top_.rbegin(); top != top_.rend(); ++top) {
+    top->shares.empty() ? sweep_down<Stored>(top->span, level, b, desks_[0])
+                        : sweep_down_together<Stored>(*top, level, b);
   }
   const auto down = [this, b, level](int member, int) {
     Desk& desk = desks_[member];
@@ -160,7 +239,7 @@ void SolvePanels::sweep(float* b, Held held) noexcept {
     }
   };
   team_->run(down);
-  for (const Span& span : top_) scale(span, b, b);
+  for (const Top& top : top_) scale(top.span, b, b);
 }
 
 void SolvePanels::solve(float* b, Held held) noexcept {

@@ -23,7 +23,8 @@ enum class PanelPrecision { kSingle, kHalf };
 /// so that both substitutions are products of matrix and vector that read memory once, in order:
 /// forward (z1; delta) = P b1, backward x1 = P^T (z1; x_rows). The free part of the border is
 /// solved with the explicit inverse of its Schur complement. Each member of a team sweeps over
-/// subtrees of its own; the panels above them, and the border, are the calling thread's.
+/// subtrees of its own; it has a part of the rows of each large panel above them; the rest is the
+/// calling thread's.
 class SolvePanels {
  public:
   /// `team`, which outlives this, is used by solve() alone. Its size decides the order of sums.
@@ -76,6 +77,11 @@ class SolvePanels {
     std::vector<float> rows, sums;
     std::vector<float> vector;  // like b; instead of it, but not for the first member
   };
+  /// A panel above all subtrees, and where the members' rectangles begin, if they share it.
+  struct Top {
+    Span span;
+    std::vector<int> shares;
+  };
   struct Free {
     void operator()(std::byte* memory) const noexcept;
   };
@@ -89,6 +95,7 @@ class SolvePanels {
   void assign_border(const SupernodalFactor& factor, Held held) noexcept;
   Span span(int panels_begin, int panels_end) const;
   void share_out(const TreeShares& shares);
+  std::vector<int> split(const Panel& panel) const;
   template <class Stored>
   const Stored* stored(const Rectangle& rectangle) const noexcept {
     return reinterpret_cast<const Stored*>(memory_.get() + rectangle.offset);
@@ -97,9 +104,20 @@ class SolvePanels {
   template <class Stored>
   void sweep(float* b, Held held) noexcept;
   template <class Stored>
+  void multiply_rows(int begin, int end, const float* b, float* rows) const noexcept;
+  template <class Stored>
+  void multiply_columns(int begin, int end, const float* rows, int columns,
+                        float* sums) const noexcept;
+  void scatter(const Panel& panel, int level, const float* rows, float* b) const noexcept;
+  void gather(const Panel& panel, int level, const float* b, float* rows) const noexcept;
+  template <class Stored>
   void sweep_up(const Span& span, int level, float* b, Desk& desk) const noexcept;
   template <class Stored>
   void sweep_down(const Span& span, int level, float* b, Desk& desk) const noexcept;
+  template <class Stored>
+  void sweep_up_together(const Top& top, int level, float* b) noexcept;
+  template <class Stored>
+  void sweep_down_together(const Top& top, int level, float* b) noexcept;
   void solve_border(float* b, const Border& border) noexcept;
 
   math::Team* team_;
@@ -114,7 +132,7 @@ class SolvePanels {
   std::vector<float> scaling_;  // D
   std::array<Border, 4> borders_;
   std::vector<Desk> desks_;
-  std::vector<Span> top_;  // above all subtrees; the border, which has no panels, comes last
+  std::vector<Top> top_;  // the border, which has no panels, comes last
   // Work space of assign.
   std::vector<float> rows_;
   std::vector<double> dense_, inverse_, left_, right_;

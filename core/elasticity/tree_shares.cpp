@@ -8,6 +8,9 @@ namespace {
 
 using Range = TreeShares::Range;
 
+/// What it costs to call all members together for a panel and back, twice a solve, as the cost of a
+/// panel is counted: two or three microseconds.
+constexpr double kTogether = 25000;
 /// Subtrees that are tried at most, for each member.
 constexpr int kSubtreesPerMember = 12;
 
@@ -44,6 +47,8 @@ double deal(const Tree& tree, std::vector<int> roots, std::vector<std::vector<Ra
   return *std::max_element(load.begin(), load.end());
 }
 
+double cost_together(double cost, int members) { return cost / members + kTogether; }
+
 }  // namespace
 
 TreeShares share_tree(const Supernodes& nodes, int members) {
@@ -53,7 +58,8 @@ TreeShares share_tree(const Supernodes& nodes, int members) {
     return best;
   }
   const Tree tree(nodes);
-  std::vector<int> roots = tree.children.back(), top;
+  std::vector<int> roots = tree.children.back();
+  std::vector<TreeShares::Top> top;
   double top_cost = 0, least = -1;
   // The costliest subtree loses its root until that helps no more.
   for (;;) {
@@ -70,15 +76,17 @@ TreeShares share_tree(const Supernodes& nodes, int members) {
     }
     const int s = *largest;
     roots.erase(largest);
-    top.push_back(s);
-    top_cost += nodes.cost(s);
+    const double alone = nodes.cost(s), together = cost_together(alone, members);
+    top.push_back({s, together < alone});
+    top_cost += std::min(alone, together);
     roots.insert(roots.end(), tree.children[s].begin(), tree.children[s].end());
   }
   for (std::vector<Range>& ranges : best.members) {
     std::sort(ranges.begin(), ranges.end(),
               [](const Range& a, const Range& b) { return a.begin < b.begin; });
   }
-  std::sort(best.top.begin(), best.top.end());
+  std::sort(best.top.begin(), best.top.end(),
+            [](const TreeShares::Top& a, const TreeShares::Top& b) { return a.node < b.node; });
   return best;
 }
 

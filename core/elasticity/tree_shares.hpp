@@ -13,12 +13,17 @@ struct TreeShares {
   struct Range {
     int begin, end;
   };
+  /// A supernode above all subtrees.
+  struct Top {
+    int node;
+    bool is_shared;  // large enough for all members to work on at once
+  };
   std::vector<std::vector<Range>> members;  // rising
-  std::vector<int> top;                     // supernodes above all subtrees, rising
+  std::vector<Top> top;                     // rising
 };
 
-/// Subtrees of about the same cost in all for each member, and as little above them as that allows.
-/// The same for the same arguments. One member has the whole tree.
+/// Such that the members are done soonest, as far as the costs of panels tell. The same for the
+/// same arguments. One member has the whole tree.
 TreeShares share_tree(const Supernodes& nodes, int members);
 
 }  // namespace palpate::elasticity
