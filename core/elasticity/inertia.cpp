@@ -5,9 +5,7 @@
 namespace palpate::elasticity {
 
 Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering, math::Team& team)
-    : team_(team),
-      difference_(NodalField::Zero(4, static_cast<int>(numbering.size()))),
-      energies_(static_cast<std::size_t>(team.size())) {
+    : team_(team), energies_(static_cast<std::size_t>(team.size())) {
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd m;
   for (int e = 0; e < elements.element_count(); ++e) {
@@ -43,16 +41,11 @@ double Inertia::energy(const NodalField& v, double factor) const noexcept {
 double Inertia::add(const NodalField& x, const NodalField& y, double factor,
                     NodalField& forces) noexcept {
   using math::Pack4d;
-  const auto n = static_cast<int>(difference_.cols());
-  const auto subtract = [&](int member, int size) {
-    const math::Share own(n, member, size);
-    difference_.middleCols(own.begin, own.size()) =
-        x.middleCols(own.begin, own.size()) - y.middleCols(own.begin, own.size());
-  };
-  team_.run(subtract);
   const auto multiply = [&](int member, int size) {
-    const math::Share own(n, member, size);
-    const double* d = difference_.data();
+    const math::Share own(static_cast<int>(x.cols()), member, size);
+    const auto difference = [&](int offset) {
+      return math::load(x.data() + offset) - math::load(y.data() + offset);
+    };
     Pack4d energy{};
     for (int i = own.begin; i < own.end; ++i) {
       // Two sums, so that one addition need not wait for the other.
@@ -60,14 +53,14 @@ double Inertia::add(const NodalField& x, const NodalField& y, double factor,
       int k = row_start_[i];
       const int end = row_start_[i + 1];
       for (; k + 1 < end; k += 2) {
-        sum += mass_[k] * math::load(d + column_[k]);
-        odd += mass_[k + 1] * math::load(d + column_[k + 1]);
+        sum += mass_[k] * difference(column_[k]);
+        odd += mass_[k + 1] * difference(column_[k + 1]);
       }
-      if (k < end) sum += mass_[k] * math::load(d + column_[k]);
+      if (k < end) sum += mass_[k] * difference(column_[k]);
       sum = factor * (sum + odd);
       double* f = forces.data() + 4 * i;
       math::store(math::load(f) + sum, f);
-      energy += sum * math::load(d + 4 * i);
+      energy += sum * difference(4 * i);
     }
     energies_[member].sum = energy;
   };

@@ -30,7 +30,6 @@ class Inertia {
   math::Team& team_;
   std::vector<int> row_start_, column_;  // columns as offsets in a nodal field
   std::vector<double> mass_;             // kg
-  NodalField difference_;
   std::vector<Energy> energies_;  // of members
 };
 
