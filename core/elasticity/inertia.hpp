@@ -30,7 +30,7 @@ class Inertia {
   math::Team& team_;
   std::vector<int> row_start_, column_;  // columns as offsets in a nodal field
   std::vector<double> mass_;             // kg
-  std::vector<Energy> energies_;  // of members
+  std::vector<Energy> energies_;         // of members
 };
 
 }  // namespace palpate::elasticity
