@@ -37,8 +37,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       pattern_(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes, patches(body_)),
       supernodes_(pattern_),
       numbering_(elimination_numbering(pattern_)),
-      element_forces_(
-          make_element_forces(body_.mesh, elements_.materials(), numbering_, options.precision)),
+      element_forces_(make_element_forces(body_.mesh, elements_.materials(), numbering_,
+                                          options.precision, team())),
       rounding_(options.precision == Precision::kSingle ? 1e-6 : 1e-12),
       gravity_(body_.gravity_O),
       positions_(body_.mesh.nodes),
@@ -47,8 +47,8 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       force_change_(correction_),
       secants_(3 * pattern_.size()),
       warp_(pattern_.size()),
-      factor_(supernodes_, options.panels),
-      job_(body_, elements_, supernodes_, options.panels),
+      factor_(supernodes_, options.panels, team()),
+      job_(body_, elements_, supernodes_, options.panels, team()),
       blend_(body_) {
   if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
       !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
@@ -58,7 +58,7 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   if (!dynamic_ && options.refine > 0) {
     tangent_.emplace(body_, elements_.materials(), numbering_, options.precision);
   }
-  if (dynamic_) inertia_.emplace(elements_, numbering_);
+  if (dynamic_) inertia_.emplace(elements_, numbering_, team());
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
   for (NodalField* m :

@@ -10,6 +10,7 @@
 #include "core/elasticity/rigid_blend.hpp"
 #include "core/elasticity/secant_pairs.hpp"
 #include "core/elasticity/tangent_product.hpp"
+#include "core/math/team.hpp"
 
 namespace palpate::elasticity {
 
@@ -35,6 +36,9 @@ struct SolverOptions {
   // A step stops correcting after `budget` seconds of `clock` (s, monotonic), where it is given.
   double budget = 0;
   double (*clock)() = nullptr;
+  // Shares a step's work; without one it is the calling thread's alone. Its size, but nothing else
+  // of it, decides the order of sums and so the last bits.
+  std::shared_ptr<math::Team> team;
 };
 
 /// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the last
@@ -95,6 +99,9 @@ class CorotationalModel : public DeformationModel {
     math::Pose snapshot = math::Pose::Identity();  // that the sensitivity was computed at
   };
 
+  math::Team& team() const noexcept {
+    return options_.team != nullptr ? *options_.team : math::solo_team;
+  }
   StepFactors step_factors(double dt) const noexcept;
   bool inputs_are_finite() const noexcept;
   bool is_last_correction(double size, int iteration) const noexcept;

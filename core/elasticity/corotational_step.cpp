@@ -36,6 +36,7 @@ bool CorotationalModel::out_of_time(double start) const noexcept {
 
 StepReport CorotationalModel::step(double dt) noexcept {
   StepReport report;
+  team().call_up();
   const double start = options_.clock != nullptr ? options_.clock() : 0;
   if (!(dt > 0) || !factor_.usable || !factor_.panels.usable(held_) || !inputs_are_finite()) {
     report.residual = residual();

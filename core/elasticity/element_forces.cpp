@@ -51,9 +51,8 @@ template <class Pack, int kNodes>
 class BlockForces final : public ElementForces {
  public:
   BlockForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials,
-              const std::vector<int>& numbering)
-      : sums_(Field::Zero(4, static_cast<int>(numbering.size()))),
-        rotation_sums_(Eigen::Matrix4Xf::Zero(4, static_cast<int>(numbering.size()))) {
+              const std::vector<int>& numbering, math::Team& team)
+      : team_(team) {
     const int count = mesh.element_count();
     constexpr int kWidth = Block::kElements;
     blocks_.resize((count + kWidth - 1) / kWidth);
@@ -77,36 +76,67 @@ class BlockForces final : public ElementForces {
             {numbering[nodes(m)], {numbering[nodes(edge[0])], numbering[nodes(edge[1])]}});
       }
     }
+    parts_.resize(static_cast<std::size_t>(team.size()));
+    for (Part& part : parts_) {
+      part.forces.setZero(4, static_cast<int>(numbering.size()));
+      part.rotations.setZero(4, static_cast<int>(numbering.size()));
+    }
   }
 
   double add(const NodalField& x, double viscosity, NodalField& forces) noexcept override {
-    sums_.setZero();
-    const Pack energy = add_blocks(0, blocks_.size(), x, viscosity, sums_);
-    forces += sums_.template cast<double>();
+    const auto of_elements = [&](int member, int size) {
+      Part& part = parts_[member];
+      const math::Share own(block_count(), member, size);
+      part.forces.setZero();
+      part.energy = add_blocks(own, x, viscosity, part.forces);
+    };
+    team_.run(of_elements);
+    const auto of_nodes = [&](int member, int size) {
+      const math::Share own(static_cast<int>(forces.cols()), member, size);
+      auto sums = add_parts(&Part::forces, own);
+      forces.middleCols(own.begin, own.size()) += sums.template cast<double>();
+    };
+    team_.run(of_nodes);
+    Pack energy = parts_[0].energy;
+    for (std::size_t m = 1; m < parts_.size(); ++m) energy += parts_[m].energy;
     return math::sum(energy);
   }
 
   void begin_step() noexcept override {
-    for (auto& block : state_) {
-      for (auto& point : block) point.previous_strain = point.strain;
-    }
+    const auto keep = [this](int member, int size) {
+      const math::Share own(block_count(), member, size);
+      for (int b = own.begin; b < own.end; ++b) {
+        for (auto& point : state_[b]) point.previous_strain = point.strain;
+      }
+    };
+    team_.run(keep);
   }
 
   void reset() noexcept override { std::fill(state_.begin(), state_.end(), BlockState()); }
 
   void node_rotations(Eigen::Matrix4Xf& rotations) noexcept override {
-    rotation_sums_.setZero();
-    for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      blocks_[b].add_rotations(state_[b], rotations.data(), rotation_sums_.data());
-    }
+    const auto of_elements = [&](int member, int size) {
+      const math::Share own(block_count(), member, size);
+      Eigen::Matrix4Xf& sums = parts_[member].rotations;
+      sums.setZero();
+      for (int b = own.begin; b < own.end; ++b) {
+        blocks_[b].add_rotations(state_[b], rotations.data(), sums.data());
+      }
+    };
+    team_.run(of_elements);
+    Eigen::Matrix4Xf& sums = parts_[0].rotations;
+    const auto together = [&](int member, int size) {
+      add_parts(&Part::rotations, {static_cast<int>(sums.cols()), member, size});
+    };
+    if (parts_.size() > 1) team_.run(together);
     for (const Midside& midside : midsides_) {
-      const auto i = rotation_sums_.col(midside.ends[0]), j = rotation_sums_.col(midside.ends[1]);
+      const auto i = sums.col(midside.ends[0]), j = sums.col(midside.ends[1]);
       const float sign = i.dot(j) < 0 ? -1.0F : 1.0F;
-      rotation_sums_.col(midside.node) = i + sign * j;
+      sums.col(midside.node) = i + sign * j;
     }
     for (int node = 0; node < rotations.cols(); ++node) {
-      const float square = rotation_sums_.col(node).squaredNorm();
-      if (square > 0) rotations.col(node) = (1 / std::sqrt(square)) * rotation_sums_.col(node);
+      const float square = sums.col(node).squaredNorm();
+      if (square > 0) rotations.col(node) = (1 / std::sqrt(square)) * sums.col(node);
     }
   }
 
@@ -126,22 +156,40 @@ class BlockForces final : public ElementForces {
     int node;
     std::array<int, 2> ends;
   };
+  /// Sums over one member's elements.
+  struct alignas(64) Part {
+    Pack energy{};
+    Field forces;
+    Eigen::Matrix4Xf rotations;  // unit quaternions
+  };
 
-  /// The blocks [begin, end), their forces into `sums`.
-  Pack add_blocks(std::size_t begin, std::size_t end, const NodalField& x, double viscosity,
+  int block_count() const { return static_cast<int>(blocks_.size()); }
+
+  /// A share of the nodes of a field of the first part, to which those of the others are added.
+  template <class PartField>
+  auto add_parts(PartField Part::*field, const math::Share& nodes) noexcept {
+    auto sums = (parts_[0].*field).middleCols(nodes.begin, nodes.size());
+    for (std::size_t m = 1; m < parts_.size(); ++m) {
+      sums += (parts_[m].*field).middleCols(nodes.begin, nodes.size());
+    }
+    return sums;
+  }
+
+  /// A share of the blocks, their forces into `sums`.
+  Pack add_blocks(const math::Share& blocks, const NodalField& x, double viscosity,
                   Field& sums) noexcept {
     Pack energy{};
-    for (std::size_t b = begin; b < end; ++b) {
+    for (int b = blocks.begin; b < blocks.end; ++b) {
       energy += blocks_[b].add(x.data(), viscosity, state_[b], sums.data());
     }
     return energy;
   }
 
+  math::Team& team_;
   std::vector<Block> blocks_;
   std::vector<BlockState> state_;
   std::vector<Midside> midsides_;
-  Field sums_;
-  Eigen::Matrix4Xf rotation_sums_;
+  std::vector<Part> parts_;
 };
 
 }  // namespace
@@ -149,19 +197,19 @@ class BlockForces final : public ElementForces {
 std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
                                                    const std::vector<Lame>& materials,
                                                    const std::vector<int>& numbering,
-                                                   Precision precision) {
+                                                   Precision precision, math::Team& team) {
   using math::Pack4d;
   using math::Pack8f;
   if (mesh.order == mesh::ElementOrder::kLinear) {
     if (precision == Precision::kDouble) {
-      return std::make_unique<BlockForces<Pack4d, 4>>(mesh, materials, numbering);
+      return std::make_unique<BlockForces<Pack4d, 4>>(mesh, materials, numbering, team);
     }
-    return std::make_unique<BlockForces<Pack8f, 4>>(mesh, materials, numbering);
+    return std::make_unique<BlockForces<Pack8f, 4>>(mesh, materials, numbering, team);
   }
   if (precision == Precision::kDouble) {
-    return std::make_unique<BlockForces<Pack4d, 10>>(mesh, materials, numbering);
+    return std::make_unique<BlockForces<Pack4d, 10>>(mesh, materials, numbering, team);
   }
-  return std::make_unique<BlockForces<Pack8f, 10>>(mesh, materials, numbering);
+  return std::make_unique<BlockForces<Pack8f, 10>>(mesh, materials, numbering, team);
 }
 
 std::vector<int> mesh_numbering(const mesh::ElementMesh& mesh) {

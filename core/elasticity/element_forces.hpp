@@ -5,6 +5,7 @@
 
 #include "core/elasticity/body.hpp"
 #include "core/elasticity/element.hpp"
+#include "core/math/team.hpp"
 
 namespace palpate::elasticity {
 
@@ -18,7 +19,8 @@ enum class Precision {
 };
 
 /// Forces of all elements of a body. Remembers rotations and strains from one evaluation to the
-/// next, so one thread uses it at a time. Nodes are numbered as the solver that owns it likes.
+/// next, so one thread, with its team, uses it at a time. Nodes are numbered as the solver that
+/// owns it likes.
 class ElementForces {
  public:
   virtual ~ElementForces() = default;
@@ -45,11 +47,14 @@ class ElementForces {
 };
 
 /// `numbering[node]` is the column of a mesh node in nodal fields. `materials`: Lame's constants of
-/// each element. Throws std::invalid_argument where an element has no positive volume.
+/// each element. `team` outlives the result; its size, but nothing else of it, decides the order
+/// in which elements' forces are added up. Throws std::invalid_argument where an element has no
+/// positive volume.
 std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
                                                    const std::vector<Lame>& materials,
                                                    const std::vector<int>& numbering,
-                                                   Precision precision);
+                                                   Precision precision,
+                                                   math::Team& team = math::solo_team);
 
 /// Nodes in the order of the mesh.
 std::vector<int> mesh_numbering(const mesh::ElementMesh& mesh);

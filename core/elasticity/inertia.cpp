@@ -2,12 +2,10 @@
 
 #include <Eigen/SparseCore>
 
-#include "core/math/pack.hpp"
-
 namespace palpate::elasticity {
 
-Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering)
-    : difference_(NodalField::Zero(4, static_cast<int>(numbering.size()))) {
+Inertia::Inertia(const ElementSet& elements, const std::vector<int>& numbering, math::Team& team)
+    : team_(team), energies_(static_cast<std::size_t>(team.size())) {
   std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd m;
   for (int e = 0; e < elements.element_count(); ++e) {
@@ -43,24 +41,32 @@ double Inertia::energy(const NodalField& v, double factor) const noexcept {
 double Inertia::add(const NodalField& x, const NodalField& y, double factor,
                     NodalField& forces) noexcept {
   using math::Pack4d;
-  difference_ = x - y;
-  const double* d = difference_.data();
-  Pack4d energy{};
-  for (int i = 0; i < difference_.cols(); ++i) {
-    // Two sums, so that one addition need not wait for the other.
-    Pack4d sum{}, odd{};
-    int k = row_start_[i];
-    const int end = row_start_[i + 1];
-    for (; k + 1 < end; k += 2) {
-      sum += mass_[k] * math::load(d + column_[k]);
-      odd += mass_[k + 1] * math::load(d + column_[k + 1]);
+  const auto multiply = [&](int member, int size) {
+    const math::Share own(static_cast<int>(x.cols()), member, size);
+    const auto difference = [&](int offset) {
+      return math::load(x.data() + offset) - math::load(y.data() + offset);
+    };
+    Pack4d energy{};
+    for (int i = own.begin; i < own.end; ++i) {
+      // Two sums, so that one addition need not wait for the other.
+      Pack4d sum{}, odd{};
+      int k = row_start_[i];
+      const int end = row_start_[i + 1];
+      for (; k + 1 < end; k += 2) {
+        sum += mass_[k] * difference(column_[k]);
+        odd += mass_[k + 1] * difference(column_[k + 1]);
+      }
+      if (k < end) sum += mass_[k] * difference(column_[k]);
+      sum = factor * (sum + odd);
+      double* f = forces.data() + 4 * i;
+      math::store(math::load(f) + sum, f);
+      energy += sum * difference(4 * i);
     }
-    if (k < end) sum += mass_[k] * math::load(d + column_[k]);
-    sum = factor * (sum + odd);
-    double* f = forces.data() + 4 * i;
-    math::store(math::load(f) + sum, f);
-    energy += sum * math::load(d + 4 * i);
-  }
+    energies_[member].sum = energy;
+  };
+  team_.run(multiply);
+  Pack4d energy = energies_[0].sum;
+  for (std::size_t m = 1; m < energies_.size(); ++m) energy += energies_[m].sum;
   return 0.5 * (energy[0] + energy[1] + energy[2]);
 }
 

@@ -15,7 +15,11 @@
 namespace palpate::elasticity::panel_kernel {
 
 inline constexpr int kTile = 8;
+inline constexpr int kGroup = 4;  // tiles interleaved at most
 inline constexpr bool kHasHalf = PALPATE_HAS_HALF;
+
+inline int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
+inline int padded(int rows) { return (tiles_of(rows) + kGroup - 1) / kGroup * kGroup * kTile; }
 
 // Eight floats in a register where there are such, in two or more where not.
 using Lanes = float __attribute__((vector_size(32)));

@@ -5,8 +5,8 @@
 namespace palpate::elasticity {
 
 RefactorJob::RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
-                         PanelPrecision precision)
-    : factor(supernodes, precision),
+                         PanelPrecision precision, math::Team& team)
+    : factor(supernodes, precision, team),
       pattern_(supernodes.pattern()),
       tangents_(make_element_tangents(elements, pattern_)),
       matrix_(pattern_),

@@ -15,8 +15,8 @@ struct StepFactors {
 
 /// Factor that a loop solves with, and what it was made from.
 struct LoopFactor {
-  LoopFactor(const Supernodes& supernodes, PanelPrecision precision)
-      : panels(supernodes, precision),
+  LoopFactor(const Supernodes& supernodes, PanelPrecision precision, math::Team& team)
+      : panels(supernodes, precision, team),
         rotations(Eigen::Matrix4Xf::Zero(4, supernodes.pattern().size())) {
     rotations.row(0).setOnes();
   }
@@ -34,8 +34,9 @@ struct LoopFactor {
 /// members; the model fills the first before run() and takes the second after it.
 class RefactorJob final : public Refactorisation {
  public:
+  /// `team` is for the loop, to solve with the factor; the job runs in the thread that calls it.
   RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
-              PanelPrecision precision);
+              PanelPrecision precision, math::Team& team);
 
   void run() noexcept override;
 

@@ -11,13 +11,12 @@
 namespace palpate::elasticity {
 namespace {
 
+using panel_kernel::kGroup;
 using panel_kernel::kTile;
-constexpr int kGroup = 4;  // tiles interleaved at most
+using panel_kernel::padded;
+using panel_kernel::tiles_of;
 constexpr std::align_val_t kAlignment{64};
 static_assert(kTile == kTileRows);
-
-int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
-int padded(int rows) { return (rows + kGroup * kTile - 1) / (kGroup * kTile) * kGroup * kTile; }
 
 /// A symmetric matrix gets the absolute values of its eigenvalues, none above the largest that was
 /// positive: a grasp that is let go of leaves a stressed, unstable object, and corrections must go
@@ -31,50 +30,21 @@ void make_positive(double* a, int size) {
       eigen.eigenvectors().transpose();
 }
 
-/// The level up to which the rows of panels are needed: 0 interior, 1 and group 0, 2 and group 1.
-int level_of(Held held) { return !held[1] ? 2 : !held[0] ? 1 : 0; }
-
-template <class Stored>
-void multiply(int height, const Stored* a, const float* b, int columns, bool first, float* y) {
-  switch (height) {
-    case 1:
-      return panel_kernel::multiply<1>(a, b, columns, first, y);
-    case 2:
-      return panel_kernel::multiply<2>(a, b, columns, first, y);
-    case 3:
-      return panel_kernel::multiply<3>(a, b, columns, first, y);
-    default:
-      return panel_kernel::multiply<4>(a, b, columns, first, y);
-  }
-}
-
-template <class Stored>
-void multiply_transposed(int height, const Stored* a, const float* x, int columns, float* sums) {
-  switch (height) {
-    case 1:
-      return panel_kernel::multiply_transposed<1>(a, x, columns, sums);
-    case 2:
-      return panel_kernel::multiply_transposed<2>(a, x, columns, sums);
-    case 3:
-      return panel_kernel::multiply_transposed<3>(a, x, columns, sums);
-    default:
-      return panel_kernel::multiply_transposed<4>(a, x, columns, sums);
-  }
-}
-
 }  // namespace
 
 void SolvePanels::Free::operator()(std::byte* memory) const noexcept {
   ::operator delete[](memory, kAlignment);
 }
 
-SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
-    : pattern_(&supernodes.pattern()),
+SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision, math::Team& team)
+    : team_(&team),
+      pattern_(&supernodes.pattern()),
       half_(precision == PanelPrecision::kHalf && panel_kernel::kHasHalf),
       size_of_b_(3 * supernodes.pattern().size()),
       interior_(3 * supernodes.pattern().interior_size()),
       scaling_(size_of_b_) {
   lay_out(supernodes);
+  share_out(share_tree(supernodes, team.size()));
   memory_.reset(new (kAlignment) std::byte[size_ + 64]);
 
   const BlockPattern& pattern = supernodes.pattern();
@@ -100,7 +70,11 @@ SolvePanels::SolvePanels(const Supernodes& supernodes, PanelPrecision precision)
         std::max(square, static_cast<std::size_t>(panel.columns) * (panel.columns + kTileColumns));
   }
   rows_.resize(padded(rows));
-  sums_.resize((columns + kTile) * kTile);
+  for (Desk& desk : desks_) {
+    desk.rows.resize(padded(rows));
+    desk.sums.resize((columns + kTile) * kTile);
+    if (desks_.size() > 1) desk.vector.resize(size_of_b_);
+  }
   dense_.resize(entries);
   left_.resize(entries);
   right_.resize(square);
@@ -281,71 +255,6 @@ void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexc
           static_cast<float>(dense_[static_cast<std::size_t>(c) * b.size + i]);
     }
   }
-}
-
-void SolvePanels::solve_border(float* b, const Border& border) noexcept {
-  float* own = b + border.offset;
-  for (int i = 0; i < border.size; i += kGroup * kTile) {
-    multiply(kGroup, &border.inverse[static_cast<std::size_t>(i) * border.size], own, border.size,
-             true, &rows_[i]);
-  }
-  std::fill(b + interior_, b + size_of_b_, 0.0f);
-  std::copy(rows_.begin(), rows_.begin() + border.size, own);
-}
-
-template <class Stored>
-void SolvePanels::sweep(float* b, Held held) noexcept {
-  const int level = level_of(held);
-  const auto stored = [this](const Rectangle& r) {
-    return reinterpret_cast<const Stored*>(memory_.get() + r.offset);
-  };
-  float *rows = rows_.data(), *sums = sums_.data();
-  for (const Panel& panel : panels_) {
-    float* own = b + panel.first;
-    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
-      const Rectangle& r = rectangles_[k];
-      multiply(r.height, stored(r), own + r.begin, r.end - r.begin, r.begin == 0,
-               rows + r.tile * kTile);
-    }
-    for (int i = 0; i < panel.columns; ++i) own[i] = rows[i];
-    const float* delta = rows + panel.columns;
-    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
-      float* target = b + runs_[k].target;
-      for (int i = 0; i < runs_[k].count; ++i) target[i] += *delta++;
-    }
-  }
-  solve_border(b, border(held));
-  for (std::size_t s = panels_.size(); s-- > 0;) {
-    const Panel& panel = panels_[s];
-    float *own = b + panel.first, *x = rows;
-    for (int i = 0; i < panel.columns; ++i) *x++ = own[i];
-    for (int k = panel.runs; k < panel.runs_end[level]; ++k) {
-      const float* source = b + runs_[k].target;
-      for (int i = 0; i < runs_[k].count; ++i) *x++ = source[i];
-    }
-    std::fill(x, rows + tiles_of(panel.rows[level]) * kTile, 0.0f);
-    std::fill(sums, sums + panel.columns * kTile, 0.0f);
-    for (int k = panel.rectangles; k < panel.rectangles_end[level]; ++k) {
-      const Rectangle& r = rectangles_[k];
-      multiply_transposed(r.height, stored(r), rows + r.tile * kTile, r.end - r.begin,
-                          sums + r.begin * kTile);
-    }
-    float totals[kTile];
-    for (int c = 0; c < panel.columns; c += kTile) {
-      panel_kernel::add_lanes(sums + c * kTile, totals);
-      std::copy(totals, totals + std::min(kTile, panel.columns - c), own + c);
-    }
-  }
-}
-
-void SolvePanels::solve(float* b, Held held) noexcept {
-  for (int i = 0; i < size_of_b_; ++i) b[i] *= scaling_[i];
-#if PALPATE_HAS_HALF
-  half_ ? sweep<std::uint16_t>(b, held) : sweep<float>(b, held);
-#else
-  sweep<float>(b, held);
-#endif
-  for (int i = 0; i < size_of_b_; ++i) b[i] *= scaling_[i];
 }
 
 }  // namespace palpate::elasticity

@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "core/elasticity/supernodal_factor.hpp"
+#include "core/elasticity/tree_shares.hpp"
+#include "core/math/team.hpp"
 
 namespace palpate::elasticity {
 
@@ -20,10 +22,14 @@ enum class PanelPrecision { kSingle, kHalf };
 ///   P = [inv(C11); -C21 inv(C11)],
 /// so that both substitutions are products of matrix and vector that read memory once, in order:
 /// forward (z1; delta) = P b1, backward x1 = P^T (z1; x_rows). The free part of the border is
-/// solved with the explicit inverse of its Schur complement.
+/// solved with the explicit inverse of its Schur complement. Each member of a team sweeps over
+/// subtrees of its own; it has a part of the rows of each large panel above them; the rest is the
+/// calling thread's.
 class SolvePanels {
  public:
-  SolvePanels(const Supernodes& supernodes, PanelPrecision precision);
+  /// `team`, which outlives this, is used by solve() alone. Its size decides the order of sums.
+  SolvePanels(const Supernodes& supernodes, PanelPrecision precision,
+              math::Team& team = math::solo_team);
 
   /// From a factor of these supernodes. False where it can be used for no set of held groups: the
   /// interior is not positive definite, or too close to singular for the precision. Where only the
@@ -61,6 +67,21 @@ class SolvePanels {
     int offset = 0, size = 0;    // scalars
     std::vector<float> inverse;  // scaled as the panels are, in tiles
   };
+  /// Consecutive panels and their rows of b.
+  struct Span {
+    int panels_begin, panels_end, begin, end;
+  };
+  /// What one member works on and with.
+  struct Desk {
+    std::vector<Span> spans;  // subtrees
+    std::vector<float> rows, sums;
+    std::vector<float> vector;  // like b; instead of it, but not for the first member
+  };
+  /// A panel above all subtrees, and where the members' rectangles begin, if they share it.
+  struct Top {
+    Span span;
+    std::vector<int> shares;
+  };
   struct Free {
     void operator()(std::byte* memory) const noexcept;
   };
@@ -72,10 +93,34 @@ class SolvePanels {
   bool store(const Panel& panel) noexcept;
   void invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept;
   void assign_border(const SupernodalFactor& factor, Held held) noexcept;
+  Span span(int panels_begin, int panels_end) const;
+  void share_out(const TreeShares& shares);
+  std::vector<int> split(const Panel& panel) const;
+  template <class Stored>
+  const Stored* stored(const Rectangle& rectangle) const noexcept {
+    return reinterpret_cast<const Stored*>(memory_.get() + rectangle.offset);
+  }
+  void scale(const Span& rows, const float* from, float* to) const noexcept;
   template <class Stored>
   void sweep(float* b, Held held) noexcept;
+  template <class Stored>
+  void multiply_rows(int begin, int end, const float* b, float* rows) const noexcept;
+  template <class Stored>
+  void multiply_columns(int begin, int end, const float* rows, int columns,
+                        float* sums) const noexcept;
+  void scatter(const Panel& panel, int level, const float* rows, float* b) const noexcept;
+  void gather(const Panel& panel, int level, const float* b, float* rows) const noexcept;
+  template <class Stored>
+  void sweep_up(const Span& span, int level, float* b, Desk& desk) const noexcept;
+  template <class Stored>
+  void sweep_down(const Span& span, int level, float* b, Desk& desk) const noexcept;
+  template <class Stored>
+  void sweep_up_together(const Top& top, int level, float* b) noexcept;
+  template <class Stored>
+  void sweep_down_together(const Top& top, int level, float* b) noexcept;
   void solve_border(float* b, const Border& border) noexcept;
 
+  math::Team* team_;
   const BlockPattern* pattern_;
   bool half_;
   int size_of_b_, interior_;  // scalars
@@ -86,8 +131,10 @@ class SolvePanels {
   std::unique_ptr<std::byte[], Free> memory_;
   std::vector<float> scaling_;  // D
   std::array<Border, 4> borders_;
-  // Work space of solve and of assign.
-  std::vector<float> rows_, sums_;
+  std::vector<Desk> desks_;
+  std::vector<Top> top_;  // the border, which has no panels, comes last
+  // Work space of assign.
+  std::vector<float> rows_;
   std::vector<double> dense_, left_, right_;
 };
 

@@ -14,7 +14,7 @@ struct Run {
 
 /// Cost of a panel to a solve, in scalars read: what it holds, what it gathers and scatters for
 /// each row, and what it takes to begin with it.
-double cost(int columns, std::size_t rows) {
+double panel_cost(int columns, std::size_t rows) {
   constexpr double kPanel = 500, kRow = 5;
   const double c = 3.0 * columns, r = 3.0 * static_cast<double>(rows);
   return kPanel + kRow * r + c * (0.5 * c + r + 8);
@@ -42,9 +42,9 @@ Supernodes::Supernodes(const BlockPattern& pattern) : pattern_(&pattern) {
     while (!runs.empty()) {
       const Run& last = runs.back();
       if (last.rows.empty() || last.rows[0] >= run.end) break;
-      const double apart = cost(last.end - last.begin, last.rows.size()) +
-                           cost(run.end - run.begin, run.rows.size());
-      if (cost(run.end - last.begin, run.rows.size()) > apart) break;
+      const double apart = panel_cost(last.end - last.begin, last.rows.size()) +
+                           panel_cost(run.end - run.begin, run.rows.size());
+      if (panel_cost(run.end - last.begin, run.rows.size()) > apart) break;
       run.begin = last.begin;
       runs.pop_back();
     }
@@ -62,6 +62,10 @@ Supernodes::Supernodes(const BlockPattern& pattern) : pattern_(&pattern) {
     const bool inside = !run.rows.empty() && run.rows[0] < n;
     parent_.push_back(inside ? holder[run.rows[0]] : count());
   }
+}
+
+double Supernodes::cost(int s) const {
+  return panel_cost(columns(s), static_cast<std::size_t>(rows(s)));
 }
 
 long Supernodes::entries() const {

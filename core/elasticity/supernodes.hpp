@@ -30,6 +30,9 @@ class Supernodes {
   /// Supernode that holds the first row of s; count() where that is the border or there is none.
   int parent(int s) const { return parent_[s]; }
 
+  /// Of a solve's work on the panel of s, in scalars read.
+  double cost(int s) const;
+
   /// Scalars of the panels' factor, zeros of merged columns included, the border left out.
   long entries() const;
 

@@ -5,11 +5,23 @@
 #include "core/elasticity/thesis2018.hpp"
 #include "rt/component/registry.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
+#include "rt/loop/spin_team.hpp"
 
 namespace palpate::component {
 namespace {
 
 using Model = std::unique_ptr<elasticity::DeformationModel>;
+
+/// `threads` that share a step, the loop's among them; none for one. The others take
+/// `threads_fifo_priority`, which is best the loop's own. Where it is refused, so is the loop's,
+/// and the daemon says so.
+std::shared_ptr<math::Team> make_team(const config::Node& node) {
+  loop::SpinTeamOptions options;
+  options.size = node.integer("threads", {1, 8}, 1);
+  options.fifo_priority = node.integer("threads_fifo_priority", {0, 98}, 0);
+  if (options.size == 1) return nullptr;
+  return std::make_shared<loop::SpinTeam>(options);
+}
 
 Model make_corotational(const config::Node& node, const std::string& name, const Context& context) {
   const std::string integrator =
@@ -39,6 +51,7 @@ Model make_corotational(const config::Node& node, const std::string& name, const
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
+  options.team = make_team(node);
   if (name == "corotational_dynamic") {
     return std::make_unique<elasticity::CorotationalDynamic>(body, options);
   }

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/loop/real_time.hpp"
+#include "rt/loop/spin_team.hpp"
 #include "tests/bench/core/elasticity/floor_report.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
@@ -18,7 +19,7 @@ struct Arguments {
   int nodes = 475;
   std::vector<int> cells;
   bool suite = false, scaling = false, floor = false;
-  int fifo = 0, cpu = -1;
+  int fifo = 0, cpu = -1, threads = 1;
 };
 
 void add_options(CLI::App& app, Arguments& a) {
@@ -83,7 +84,10 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_flag("--baseline", a.options.baselines,
                "time full CHOLMOD refactorisation and Jacobi-PCG beside it, from the same states");
   app.add_flag("--paced", a.options.paced, "a step every millisecond, as in the daemon");
-  app.add_option("--fifo", a.fifo, "SCHED_FIFO priority of the stepping thread")
+  app.add_option("--threads", a.threads, "that share a step, the stepping thread among them")
+      ->check(CLI::Range(1, 8))
+      ->capture_default_str();
+  app.add_option("--fifo", a.fifo, "SCHED_FIFO priority of these threads")
       ->check(CLI::Range(1, 99));
   app.add_option("--cpu", a.cpu, "processor of the stepping thread")->check(CLI::NonNegativeNumber);
   app.add_option("--json", a.json, "write the results to this file");
@@ -115,6 +119,14 @@ int run(Arguments& a) {
   o.mechanics = a.mechanics == "dynamic" ? Mechanics::kDynamic : Mechanics::kQuasistatic;
   o.refactor = RefactorPolicy::parse(a.refactor);
   o.solver.time_step = o.dt;
+  if (a.threads > 1) {
+    loop::SpinTeamOptions team;
+    team.size = a.threads;
+    team.fifo_priority = a.fifo;
+    const auto threads = std::make_shared<loop::SpinTeam>(team);
+    if (!threads->remarks().empty()) std::cerr << threads->remarks() << '\n';
+    o.solver.team = threads;
+  }
   o.schedule = [&a] {
     for (const std::string& refusal :
          {a.cpu >= 0 ? loop::take_cpu(a.cpu) : "", a.fifo > 0 ? loop::take_fifo(a.fifo) : ""}) {

@@ -28,9 +28,14 @@ std::string error_text(const LatencyResult& r) {
 std::string ms(double seconds) { return number(1e3 * seconds, seconds < 0.01 ? 3 : 1); }
 std::string ratio(double a, double b) { return b > 0 ? number(a / b, 1) : ""; }
 
+int threads_of(const LatencyOptions& options) {
+  return options.solver.team != nullptr ? options.solver.team->size() : 1;
+}
+
 nlohmann::json quantiles(const Samples& s) {
-  return {{"p50", s.quantile(0.5)}, {"p99", s.quantile(0.99)}, {"p99.9", s.quantile(0.999)},
-          {"max", s.max()},         {"mean", s.mean()},        {"count", s.count()}};
+  return {{"min", s.quantile(0)},       {"p50", s.quantile(0.5)}, {"p99", s.quantile(0.99)},
+          {"p99.9", s.quantile(0.999)}, {"max", s.max()},         {"mean", s.mean()},
+          {"count", s.count()}};
 }
 
 nlohmann::json baseline_json(const BaselineResult& b, const LatencyResult& r) {
@@ -47,11 +52,11 @@ nlohmann::json baseline_json(const BaselineResult& b, const LatencyResult& r) {
 void add_baseline(evaluate::Table& table, const char* name, const BaselineResult& b,
                   const LatencyResult& r) {
   if (b.times.wall.count() == 0) return;
-  table.add({std::string("  ") + name, "", number(b.iterations.mean(), 1),
-             ms(b.times.wall.quantile(0.5)), ms(b.times.wall.quantile(0.99)),
-             ms(b.times.wall.quantile(0.999)), ms(b.times.wall.max()),
-             ms(b.times.cpu.quantile(0.5)), ms(b.times.cpu.quantile(0.99)), scientific(b.error),
-             b.failed > 0 ? std::to_string(b.failed) : "", "", "", "",
+  table.add({std::string("  ") + name, "", "", number(b.iterations.mean(), 1),
+             ms(b.times.wall.quantile(0)), ms(b.times.wall.quantile(0.5)),
+             ms(b.times.wall.quantile(0.99)), ms(b.times.wall.quantile(0.999)),
+             ms(b.times.wall.max()), ms(b.times.cpu.quantile(0.5)), ms(b.times.cpu.quantile(0.99)),
+             scientific(b.error), b.failed > 0 ? std::to_string(b.failed) : "", "", "", "",
              ratio(b.times.wall.quantile(0.5), r.step.wall.quantile(0.5)),
              ratio(b.times.cpu.quantile(0.5), r.step.cpu.quantile(0.5))});
 }
@@ -59,18 +64,20 @@ void add_baseline(evaluate::Table& table, const char* name, const BaselineResult
 }  // namespace
 
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
-  evaluate::Table table({"mesh", "motion", "its", "p50", "p99", "p99.9", "max", "cpu50", "cpu99",
-                         "error", "failed", "factors", "factor ms", "age", "x wall", "x cpu"});
+  evaluate::Table table({"mesh", "motion", "threads", "its", "min", "p50", "p99", "p99.9", "max",
+                         "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age",
+                         "x wall", "x cpu"});
   for (const LatencyRow& row : rows) {
     const LatencyResult& r = row.result;
     const bool dynamic = row.options.mechanics == Mechanics::kDynamic;
     table.add(
         {row.options.mesh.text(), letter_of(row.options.motion) + (dynamic ? " dyn" : " stat"),
-         number(r.iterations.mean(), 2), ms(r.step.wall.quantile(0.5)),
-         ms(r.step.wall.quantile(0.99)), ms(r.step.wall.quantile(0.999)), ms(r.step.wall.max()),
-         ms(r.step.cpu.quantile(0.5)), ms(r.step.cpu.quantile(0.99)), error_text(r),
-         std::to_string(r.failed), std::to_string(r.refactorisations),
-         ms(r.refactor_wall.quantile(0.5)), number(1e3 * r.factor_age.quantile(0.5), 0), "", ""});
+         std::to_string(threads_of(row.options)), number(r.iterations.mean(), 2),
+         ms(r.step.wall.quantile(0)), ms(r.step.wall.quantile(0.5)), ms(r.step.wall.quantile(0.99)),
+         ms(r.step.wall.quantile(0.999)), ms(r.step.wall.max()), ms(r.step.cpu.quantile(0.5)),
+         ms(r.step.cpu.quantile(0.99)), error_text(r), std::to_string(r.failed),
+         std::to_string(r.refactorisations), ms(r.refactor_wall.quantile(0.5)),
+         number(1e3 * r.factor_age.quantile(0.5), 0), "", ""});
     add_baseline(table, "full CHOLMOD", r.cholmod, r);
     add_baseline(table, "Jacobi-PCG", r.pcg, r);
   }
@@ -87,6 +94,7 @@ nlohmann::json to_json(const LatencyRow& row) {
       {"motion", letter_of(o.motion)},
       {"mechanics", o.mechanics == Mechanics::kDynamic ? "dynamic" : "quasistatic"},
       {"young_modulus", o.young_modulus},
+      {"threads", threads_of(o)},
       {"iterations", o.solver.iterations},
       {"tolerance", o.solver.tolerance},
       {"refactor", o.refactor.text()},

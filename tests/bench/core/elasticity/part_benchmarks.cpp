@@ -1,8 +1,10 @@
 #include <benchmark/benchmark.h>
+#include <sched.h>
 
 #include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/element_set.hpp"
 #include "core/elasticity/solve_panels.hpp"
+#include "rt/loop/spin_team.hpp"
 #include "tests/bench/core/elasticity/benchmarks.hpp"
 
 namespace palpate::bench {
@@ -19,14 +21,25 @@ Eigen::Matrix3Xd moved(const Scenario& scenario) {
   return model->positions();
 }
 
+/// Workers are scheduled as the calling thread is.
+std::unique_ptr<math::Team> team_of(int threads) {
+  if (threads == 1) return std::make_unique<math::SoloTeam>();
+  loop::SpinTeamOptions options;
+  options.size = threads;
+  sched_param own{};
+  if (sched_getparam(0, &own) == 0) options.fifo_priority = own.sched_priority;
+  return std::make_unique<loop::SpinTeam>(options);
+}
+
 /// One pass over all elements: energy and forces.
 template <elasticity::Precision kPrecision>
-void element_pass(benchmark::State& state, const BarMesh& mesh) {
+void element_pass(benchmark::State& state, const BarMesh& mesh, int threads) {
+  const auto team = team_of(threads);
   const Scenario scenario(mesh, Motion::kLarge);
   const mesh::ElementMesh& elements = scenario.body().mesh;
   const auto pass =
       elasticity::make_element_forces(elements, elasticity::ElementSet(scenario.body()).materials(),
-                                      elasticity::mesh_numbering(elements), kPrecision);
+                                      elasticity::mesh_numbering(elements), kPrecision, *team);
   elasticity::NodalField x = elasticity::NodalField::Zero(4, elements.node_count()), forces = x;
   x.topRows<3>() = moved(scenario);
   for (auto _ : state) {
@@ -38,7 +51,8 @@ void element_pass(benchmark::State& state, const BarMesh& mesh) {
 
 /// One solve with the loop's factor, the clamp held.
 template <elasticity::PanelPrecision kPrecision>
-void solve(benchmark::State& state, const BarMesh& mesh) {
+void solve(benchmark::State& state, const BarMesh& mesh, int threads) {
+  const auto team = team_of(threads);
   const Scenario scenario(mesh, Motion::kLarge);
   const elasticity::Body& body = scenario.body();
   const elasticity::ElementSet elements(body);
@@ -52,7 +66,7 @@ void solve(benchmark::State& state, const BarMesh& mesh) {
     matrix.add(e, K);
   }
   elasticity::SupernodalFactor factor(supernodes);
-  elasticity::SolvePanels panels(supernodes, kPrecision);
+  elasticity::SolvePanels panels(supernodes, kPrecision, *team);
   if (!factor.factorise(matrix) || !panels.assign(factor)) {
     state.SkipWithError("the stiffness is not positive definite");
     return;
@@ -96,14 +110,20 @@ void register_parts(const std::vector<BarMesh>& meshes) {
         (mesh.order == mesh::ElementOrder::kLinear ? "/linear/" : "/quadratic/") +
         std::to_string(mesh.node_count());
     for (const auto& [what, function] :
-         {std::pair{"element_pass/single", element_pass<elasticity::Precision::kSingle>},
+         {std::pair{std::string("element_pass/single"),
+                    element_pass<elasticity::Precision::kSingle>},
           {"element_pass/double", element_pass<elasticity::Precision::kDouble>},
           {"solve/single", solve<elasticity::PanelPrecision::kSingle>},
-          {"solve/half", solve<elasticity::PanelPrecision::kHalf>},
-          {"refactorisation", refactorisation}}) {
-      benchmark::RegisterBenchmark((what + size).c_str(), function, mesh)
-          ->Unit(benchmark::kMicrosecond);
+          {"solve/half", solve<elasticity::PanelPrecision::kHalf>}}) {
+      for (int threads = 1; threads <= 4; ++threads) {
+        const std::string name = what + size + "/team:" + std::to_string(threads);
+        benchmark::RegisterBenchmark(name.c_str(), function, mesh, threads)
+            ->Unit(benchmark::kMicrosecond)
+            ->UseRealTime();
+      }
     }
+    benchmark::RegisterBenchmark(("refactorisation" + size).c_str(), refactorisation, mesh)
+        ->Unit(benchmark::kMicrosecond);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "core/elasticity/thesis2018.hpp"
 #include "tests/unit/core/elasticity/block_systems.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
+#include "tests/unit/core/elasticity/turns.hpp"
 
 // Sanitizers bring their own malloc.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
@@ -128,6 +129,10 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(dynamic);
   CorotationalDynamic linear_dynamic(linear);
   expect_no_allocation(linear_dynamic);
+  SolverOptions shared;
+  shared.team = std::make_shared<Turns>(3);
+  CorotationalDynamic with_team(linear, shared);
+  expect_no_allocation(with_team);
   Thesis2018 thesis(linear);
   expect_no_allocation(thesis);
 }

@@ -65,10 +65,42 @@ TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
   EXPECT_EQ(model->positions(), model->body().mesh.nodes);
 }
 
+/// Where 200 steps of 1 ms under a load, the end in the hand, lead with so many threads.
+Eigen::Matrix3Xd swing(int threads) {
+  const auto model =
+      build("{component: corotational_dynamic, threads: " + std::to_string(threads) + "}");
+  model->prepare();
+  model->hold(0, model->body().grasps[0].X_OG_rest);
+  model->loads().row(2).setConstant(-1e-3);
+  for (int k = 0; k < 200; ++k) {
+    model->step(1e-3);
+    elasticity::Refactorisation* job = k % 20 == 0 ? model->wanted_refactorisation() : nullptr;
+    if (job == nullptr) continue;
+    job->run();
+    model->install(*job);
+  }
+  return model->positions() - model->body().mesh.nodes;
+}
+
+TEST(DeformationRegistry, ThreadsChangeNothingButTheLastBitsAndThoseNotTwice) {
+  const Eigen::Matrix3Xd alone = swing(1);
+  ASSERT_GT(alone.cwiseAbs().maxCoeff(), 1e-4);
+  for (int threads : {2, 4}) {
+    const Eigen::Matrix3Xd shared = swing(threads);
+    EXPECT_LT((shared - alone).cwiseAbs().maxCoeff(), 1e-5 * alone.cwiseAbs().maxCoeff());
+    for (int again = 0; again < 3; ++again) EXPECT_EQ(shared, swing(threads));
+  }
+}
+
 TEST(DeformationRegistry, KeysOfOtherModelsAndValuesOutOfRangeAreNamed) {
   for (const auto& [deformation, key] :
        {std::pair("{component: linear, iterations: 2}", "iterations"),
         std::pair("{component: mass_spring, rings: 1}", "rings"),
+        std::pair("{component: linear, threads: 2}", "threads"),
+        std::pair("{component: corotational_dynamic, threads: 0}", "threads"),
+        std::pair("{component: corotational_dynamic, threads: 9}", "threads"),
+        std::pair("{component: corotational_dynamic, threads_fifo_priority: 99}",
+                  "threads_fifo_priority"),
         std::pair("{component: shape_matching, tolerance: 1e-6}", "tolerance"),
         std::pair("{component: mass_spring, integrator: thesis2018}", "integrator"),
         std::pair("{component: linear, confirm: false}", "confirm"),
