@@ -31,7 +31,7 @@ TEST(Scene, SixPosesAndControlShareArmAndObject) {
   EXPECT_TRUE(poses.X_EG.isApprox(control.X_EG));
   EXPECT_EQ(poses.plant.size, control.plant.size);
   EXPECT_EQ(poses.plant.young_modulus, 30e3);
-  EXPECT_EQ(poses.plant.pad_stiffness, control.plant.pad_stiffness);
+  EXPECT_EQ(poses.plant.grasps[0].stiffness, control.plant.grasps[0].stiffness);
   EXPECT_TRUE(poses.object_gravity);
   EXPECT_EQ(poses.bus.control, BusUrls().control);
   EXPECT_EQ(poses.bus.housekeeping, BusUrls().housekeeping);
@@ -42,7 +42,7 @@ TEST(Scene, OverridesReachTheModel) {
   const Scene s = read(kSixPoses, {"object.pads.stiffness=3e3", "seed=7",
                                    "sensors.force_torque.bias=[0.05, 0, 0, 0, 0, 0]",
                                    "motion.poses.5.move=4", "object.gravity=false"});
-  EXPECT_EQ(s.plant.pad_stiffness, 3e3);
+  EXPECT_EQ(s.plant.grasps[0].stiffness, 3e3);
   EXPECT_EQ(s.seed, 7u);
   EXPECT_EQ(s.sensors.force_torque.bias(0), 0.05);
   EXPECT_EQ(s.motion->legs()[5].move, 4);
