@@ -69,11 +69,16 @@ void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen:
   const Eigen::Vector3d n = hand_.X_OG().linear() * pad.normal_G;
   const double pull = n.dot(spring);
   const double most = friction_ * std::max(0.0, pad.grip - pull);
-  const Eigen::Vector3d along = trial - n.dot(trial) * n;
-  const double size = along.norm();
+  const auto across = [&n](const Eigen::Vector3d& f) -> Eigen::Vector3d {
+    return f - n.dot(f) * n;
+  };
+  // A damper that works against the spring does not make room for more of it.
+  Eigen::Vector3d held = across(trial);
+  if (held.norm() <= most) held = across(spring);
+  const double size = held.norm();
   if (pull < pad.grip && size <= most) return;
   pad.slipping = true;
-  const Eigen::Vector3d held = size > most ? Eigen::Vector3d(most / size * along) : along;
+  if (size > most) held *= most / size;
   pad.force_O = std::min(pull, pad.grip) * n + held;
   // Along n the point stays, so that a pad which lost touch finds the surface where it left it.
   const Eigen::Vector3d p_O = position + pull / pad.stiffness * n + held / pad.stiffness;

@@ -95,21 +95,24 @@ void FingertipContact::drag(const ContactSurface& surface, const Eigen::Matrix3X
   for (const Share& share : shares_)
     for (int b = 0; b < 9; ++b)
       slide -= share.weights[b] / pressing_ * velocities.col(surface.node(share.face, b));
-  traction_ += options_.shear_stiffness * h * slide;
+  const double shear = options_.shear_stiffness * touch_.area;
+  if (shear < shear_) traction_ *= shear / shear_;
+  shear_ = shear;
+  traction_ += shear_ * h * slide;
   traction_ -= touch_.normal * touch_.normal.dot(traction_);
   const double size = traction_.norm();
   const double most = options_.friction * normal_.norm();
   touch_.sticking = size <= most;
   if (!touch_.sticking) {
     traction_ *= most / size;
-    touch_.slipped += (size - most) / options_.shear_stiffness;
+    touch_.slipped += (size - most) / shear_;
   }
   for (const Share& share : shares_) {
     for (int b = 0; b < 9; ++b) {
       const int node = surface.node(share.face, b);
       const double weight = share.weights[b] / pressing_;
       forces.col(node) += weight * traction_;
-      stiffness[node] += ContactSurface::kWeightSum * options_.shear_stiffness * std::abs(weight);
+      stiffness[node] += ContactSurface::kWeightSum * shear_ * std::abs(weight);
     }
   }
 }
@@ -144,7 +147,7 @@ math::Wrench FingertipContact::wrench() const noexcept {
 }
 
 double FingertipContact::energy() const noexcept {
-  return touch_.touching ? stored_ + 0.5 * traction_.squaredNorm() / options_.shear_stiffness : 0;
+  return touch_.touching ? stored_ + 0.5 * traction_.squaredNorm() / shear_ : 0;
 }
 
 }  // namespace palpate::object

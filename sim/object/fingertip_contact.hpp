@@ -12,7 +12,7 @@ namespace palpate::object {
 struct FingertipOptions {
   double radius = 8e-3;        // m
   double stiffness = 0;        // Pa/m, pressure by penetration; 0: 100 E / radius
-  double shear_stiffness = 0;  // N/m, of the sticking tip; 0: 10 E radius
+  double shear_stiffness = 0;  // Pa/m, of the sticking tip, by touched area; 0: half of that
   double friction = 0.8;       // Coulomb
 };
 
@@ -33,10 +33,12 @@ struct FingertipTouch {
 ///
 /// Every surface sample of area A at a depth d below the sphere bears the pressure stiffness * d
 /// along the sphere's radius: the gradient of the energy sum A stiffness d^2 / 2. Friction is one
-/// tangential spring at the centre of pressure, dragged along by the tip's motion relative to the
-/// material there, its force cut off at friction * |normal force| (regularised Coulomb); it acts on
-/// the material as the normal force is shared out. Force and torque on tip and object balance to
-/// rounding. The tip turns with its twist but has no torsional friction.
+/// tangential spring of stiffness shear_stiffness * touched area at the centre of pressure, dragged
+/// along by the tip's motion relative to the material there, its force cut off at
+/// friction * |normal force| (regularised Coulomb); it acts on the material as the normal force is
+/// shared out. New area comes unloaded and lost area takes its share of the force along, as in
+/// Mindlin's contact, so that neither brings energy in. Force and torque on tip and object balance
+/// to rounding. The tip turns with its twist but has no torsional friction.
 class FingertipContact {
  public:
   /// Throws std::invalid_argument where a value is out of range; stiffnesses must be given.
@@ -99,6 +101,7 @@ class FingertipContact {
   double stored_ = 0;                                   // J, of penetration
   Eigen::Vector3d normal_ = Eigen::Vector3d::Zero();    // N, on the object
   Eigen::Vector3d traction_ = Eigen::Vector3d::Zero();  // N, friction on the object
+  double shear_ = 0;                                    // N/m, of its spring
   FingertipTouch touch_;
   math::Wrench mean_wrench_;
 };

@@ -15,7 +15,7 @@ constexpr double kMostRefinement = 8;  // substeps over those at rest, however s
 constexpr double kMostContact = 32;    // the same with fingertips in touch
 constexpr double kUnloadedStrain = 1e-6;   // whose stress stands for the load of an unloaded body
 constexpr double kContactStiffness = 100;  // of a fingertip, over E / radius
-constexpr double kShearStiffness = 10;     // over E radius
+constexpr double kShearStiffness = 0.5;    // over that
 constexpr double kSamplesPerRadius = 10;   // of the surface, along a line
 
 void check(const PlantOptions& options) {
@@ -72,7 +72,7 @@ void HyperelasticPlant::add_fingertips() {
   for (FingertipOptions tip : options_.fingertips) {
     if (tip.stiffness == 0) tip.stiffness = kContactStiffness * options_.young_modulus / tip.radius;
     if (tip.shear_stiffness == 0) {
-      tip.shear_stiffness = kShearStiffness * options_.young_modulus * tip.radius;
+      tip.shear_stiffness = kShearStiffness * tip.stiffness;
     }
     fingertips_.emplace_back(tip, surface_);
   }
@@ -169,7 +169,9 @@ void HyperelasticPlant::move_hand(int hand, const math::Pose& X_OG,
 
 void HyperelasticPlant::move_fingertip(int tip, const Eigen::Vector3d& centre,
                                        const math::Twist& velocity) noexcept {
+  const bool present = fingertips_[tip].present();
   fingertips_[tip].send(centre, velocity);
+  if (!present) update_forces(0, 0);
 }
 
 void HyperelasticPlant::remove_fingertip(int tip) noexcept {

@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kMostIterations = 60;
 constexpr double kTolerance = 1e-12;          // of the yield stress
+constexpr double kLeastVolumeRatio = 0.2;     // of a point that may flow
+constexpr double kMostSquareStretch = 9;      // plastic
 constexpr double kLeastSquareStretch = 1e-6;  // of a point squashed flat
 const double kRootTwoThirds = std::sqrt(2.0 / 3);
 
@@ -17,6 +19,12 @@ const double kRootTwoThirds = std::sqrt(2.0 / 3);
 Eigen::Vector3d stress_deviator(const Eigen::Vector3d& log_stretch) noexcept {
   const Eigen::Vector3d squares = (2 * log_stretch).array().exp();
   return squares.array() - squares.mean();
+}
+
+/// Bound on the square of the greatest singular value; 1 for a rotation.
+double square_bound(const Eigen::Matrix3d& m) noexcept {
+  const Eigen::Matrix3d square = m * m.transpose();
+  return square.cwiseAbs().rowwise().sum().maxCoeff();
 }
 
 }  // namespace
@@ -59,7 +67,8 @@ double J2Yield::flow_length(const Eigen::Vector3d& log_stretch, const Eigen::Vec
   return length;
 }
 
-void J2Yield::flow(int element, ElementGradients& F) noexcept {
+double J2Yield::flow(int element, ElementGradients& F) noexcept {
+  double stiffening = 1;
   for (int point = 0; point < kGaussPoints; ++point) {
     const int column = element * kGaussPoints + point;
     Eigen::Matrix3d elastic = tensor_at(F, point) * plastic_inverse(element, point);
@@ -67,7 +76,8 @@ void J2Yield::flow(int element, ElementGradients& F) noexcept {
     const double trace = C.trace();
     const double square = std::max(0.0, C.squaredNorm() - trace * trace / 3);  // |dev b_e|^2
     const double limit = kRootTwoThirds * (yield_.stress + yield_.hardening * strain_[column]);
-    if (material_.shear_modulus * std::sqrt(square) > limit && C.allFinite()) {
+    if (material_.shear_modulus * std::sqrt(square) > limit &&
+        elastic.determinant() > kLeastVolumeRatio) {
       const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(C);
       const Eigen::Vector3d log_stretch =
           0.5 * axes.eigenvalues().cwiseMax(kLeastSquareStretch).array().log();
@@ -79,12 +89,16 @@ void J2Yield::flow(int element, ElementGradients& F) noexcept {
       const Eigen::Matrix3d shrink =
           axes.eigenvectors() * back.asDiagonal() * axes.eigenvectors().transpose();
       const Eigen::Matrix3d inverse = plastic_inverse(element, point) * shrink;
-      inverse_.col(column) = inverse.reshaped();
-      strain_[column] += kRootTwoThirds * length;
-      elastic = elastic * shrink;
+      if (square_bound(inverse) <= kMostSquareStretch) {
+        inverse_.col(column) = inverse.reshaped();
+        strain_[column] += kRootTwoThirds * length;
+        elastic = elastic * shrink;
+      }
     }
+    stiffening = std::max(stiffening, square_bound(plastic_inverse(element, point)));
     set_tensor(F, point, elastic);
   }
+  return stiffening;
 }
 
 void J2Yield::take_out(int element, ElementGradients& F) const noexcept {

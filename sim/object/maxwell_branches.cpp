@@ -39,7 +39,7 @@ double MaxwellBranches::add_stress(int element, const ElementGradients& F,
     const int column = element * kGaussPoints + point;
     const Eigen::Matrix3d f = tensor_at(F, point);
     const Eigen::Matrix3d C = f.transpose() * f;
-    most_stretched = std::max(most_stretched, C.trace() - 2);
+    most_stretched = std::max(most_stretched, C.cwiseAbs().rowwise().sum().maxCoeff());
     Eigen::Matrix<double, 6, 1> strain;
     strain << 0.5 * (C(0, 0) - 1), 0.5 * (C(1, 1) - 1), 0.5 * (C(2, 2) - 1), 0.5 * C(0, 1),
         0.5 * C(1, 2), 0.5 * C(2, 0);

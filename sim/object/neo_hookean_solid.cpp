@@ -167,8 +167,8 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
       stiffening = std::max(stiffening, first_piola(F, P));
     } else {
       Gradients elastic = F;
-      yield_.flow(e, elastic);
-      stiffening = std::max(stiffening, first_piola(elastic, P));
+      const double plastic = yield_.flow(e, elastic);
+      stiffening = std::max(stiffening, plastic * first_piola(elastic, P));
       yield_.pull_back(e, P);
     }
     if (!maxwell_.empty()) stiffening = std::max(stiffening, maxwell_.add_stress(e, F, P));

@@ -5,27 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/sim/object/plant_rig.hpp"
+
 namespace palpate::object {
 namespace {
 
 constexpr double kGravity = 9.81;
-
-Box face_x(double x) { return {{x, -1, -1}, {x, 1, 1}}; }
-
-GraspOptions hold(const Box& patch, const math::Pose& X_OG = math::Pose::Identity()) {
-  GraspOptions grasp;
-  grasp.patch = patch;
-  grasp.X_OG_rest = X_OG;
-  return grasp;
-}
-
-PlantOptions small_free_block() {
-  PlantOptions options;
-  options.size = {0.10, 0.06, 0.05};
-  options.elements = {2, 1, 1};
-  options.mass_damping = 0;
-  return options;
-}
 
 PlantOptions bar() {
   PlantOptions options;
