@@ -128,32 +128,44 @@ void HyperelasticPlant::add_wrenches(double weight) noexcept {
 }
 
 void HyperelasticPlant::step(double dt) noexcept {
-  substeps_ = options_.substeps;
-  if (substeps_ == 0) substeps_ = std::max(1, static_cast<int>(std::ceil(dt / stable_step())));
-  const double h = dt / substeps_;
+  const auto substeps_for = [this](double seconds) {
+    if (options_.substeps > 0) return options_.substeps;
+    return std::max(1, static_cast<int>(std::ceil(seconds / stable_step())));
+  };
   hand_sums_.setZero();
   tip_sums_.setZero();
   for (CompliantGrasp& grasp : grasps_) grasp.hand().begin();
   for (FingertipContact& tip : fingertips_) tip.begin();
-  add_wrenches(0.5);
-  for (int i = 1; i <= substeps_; ++i) {
+  substeps_ = 0;
+  int left = substeps_for(dt);
+  double h = dt / left;
+  while (left > 0) {
+    add_wrenches(0.5 * h / dt);
     begin_substep(h);
-    const double s = static_cast<double>(i) / substeps_;
+    --left;
+    const double s = 1 - left * h / dt;
     for (CompliantGrasp& grasp : grasps_) {
       grasp.hand().advance(s);
       grasp.update_pads();
     }
     for (FingertipContact& tip : fingertips_) tip.advance(s);
     end_substep(h, h);
-    add_wrenches(i < substeps_ ? 1 : 0.5);
+    add_wrenches(0.5 * h / dt);
+    ++substeps_;
+    // What stiffens on the way takes shorter ones for the rest of it.
+    if (options_.substeps == 0 && left > 0 && !(stable_step() >= h)) {
+      const double rest = left * h;
+      left = substeps_for(rest);
+      h = rest / left;
+    }
   }
   for (std::size_t i = 0; i < grasps_.size(); ++i) {
     grasps_[i].hand().end();
-    grasps_[i].set_mean_wrench(math::Wrench::from(hand_sums_.col(i) / substeps_));
+    grasps_[i].set_mean_wrench(math::Wrench::from(hand_sums_.col(i)));
   }
   for (std::size_t i = 0; i < fingertips_.size(); ++i) {
     fingertips_[i].end();
-    fingertips_[i].set_mean_wrench(math::Wrench::from(tip_sums_.col(i) / substeps_));
+    fingertips_[i].set_mean_wrench(math::Wrench::from(tip_sums_.col(i)));
   }
 }
 
