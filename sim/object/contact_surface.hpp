@@ -24,8 +24,8 @@ class ContactSurface {
   /// Samples are at most `spacing` (m) apart at rest. Throws std::invalid_argument unless > 0.
   ContactSurface(const HexahedralGrid& grid, double spacing);
 
-  /// Calls visit(sample) for every sample within `reach` of `centre`; some farther ones come along.
-  /// Complete while no line of the surface is stretched by more than kMostStretch.
+  /// Calls visit(sample) for every sample within `reach` of `centre`. Complete while no line of the
+  /// surface is stretched by more than kMostStretch.
   template <class Visit>
   void for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre, double reach,
                      const Visit& visit) const noexcept;
@@ -35,17 +35,27 @@ class ContactSurface {
 
   /// sum |weights| is never more: the square of the Lebesgue constant of three even nodes.
   static constexpr double kWeightSum = 1.5625;
-  static constexpr double kMostStretch = 3;
+  static constexpr double kMostStretch = 2;
 
  private:
   static constexpr int kCell = 4;  // samples along a side of the squares that are passed over whole
 
   using Corners = Eigen::Matrix<double, 3, 9>;
-  using Weights = Eigen::Matrix<double, 9, 1>;
   using Lines = std::vector<std::array<double, 3>>;  // shape functions of the nodes along one axis
 
-  static Weights product(const std::array<double, 3>& along_u,
-                         const std::array<double, 3>& along_v);
+  /// The quadratic curve across the face at one place along v: its nodes' positions by column.
+  static Eigen::Matrix3d line(const Corners& corners,
+                              const std::array<double, 3>& along_v) noexcept {
+    return along_v[0] * corners.leftCols<3>() + along_v[1] * corners.middleCols<3>(3) +
+           along_v[2] * corners.rightCols<3>();
+  }
+  static Eigen::Vector3d along(const Eigen::Matrix3d& line,
+                               const std::array<double, 3>& along_u) noexcept {
+    return along_u[0] * line.col(0) + along_u[1] * line.col(1) + along_u[2] * line.col(2);
+  }
+  template <class Visit>
+  void visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
+                  const Eigen::Vector3d& centre, double reach, const Visit& visit) const noexcept;
   bool may_touch(const Corners& corners, const Eigen::Vector3d& centre,
                  double reach) const noexcept;
 
@@ -57,11 +67,25 @@ class ContactSurface {
   std::array<double, 3> sample_area_{};  // m^2
 };
 
-inline ContactSurface::Weights ContactSurface::product(const std::array<double, 3>& along_u,
-                                                       const std::array<double, 3>& along_v) {
-  Weights weights;
-  for (int b = 0; b < 9; ++b) weights[b] = along_u[b % 3] * along_v[b / 3];
-  return weights;
+template <class Visit>
+void ContactSurface::visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
+                                const Eigen::Vector3d& centre, double reach,
+                                const Visit& visit) const noexcept {
+  const int axis = axes_[face];
+  const auto& across_u = samples_[(axis + 1) % 3];
+  const auto& across_v = samples_[(axis + 2) % 3];
+  SurfaceSample sample;
+  sample.face = face;
+  sample.area = sample_area_[axis];
+  for (std::size_t j = kCell * cv; j < kCell * (cv + 1); ++j) {
+    const Eigen::Matrix3d curve = line(corners, across_v[j]);
+    for (std::size_t i = kCell * cu; i < kCell * (cu + 1); ++i) {
+      sample.position = along(curve, across_u[i]);
+      if ((sample.position - centre).squaredNorm() > reach * reach) continue;
+      for (int b = 0; b < 9; ++b) sample.weights[b] = across_u[i][b % 3] * across_v[j][b / 3];
+      visit(sample);
+    }
+  }
 }
 
 template <class Visit>
@@ -72,21 +96,14 @@ void ContactSurface::for_each_near(const Eigen::Matrix3Xd& positions, const Eige
     for (int b = 0; b < 9; ++b) corners.col(b) = positions.col(faces_(b, f));
     if (!may_touch(corners, centre, reach)) continue;
     const int axis = axes_[f];
-    const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-    SurfaceSample sample;
-    sample.face = f;
-    sample.area = sample_area_[axis];
+    const auto& across_u = cells_[(axis + 1) % 3];
+    const auto& across_v = cells_[(axis + 2) % 3];
     const double cell_reach = reach + kMostStretch * cell_radius_[axis];
-    for (std::size_t cv = 0; cv < cells_[v].size(); ++cv) {
-      for (std::size_t cu = 0; cu < cells_[u].size(); ++cu) {
-        const Eigen::Vector3d middle = corners * product(cells_[u][cu], cells_[v][cv]);
-        if ((middle - centre).squaredNorm() > cell_reach * cell_reach) continue;
-        for (int i = 0; i < kCell * kCell; ++i) {
-          sample.weights =
-              product(samples_[u][kCell * cu + i % kCell], samples_[v][kCell * cv + i / kCell]);
-          sample.position = corners * sample.weights;
-          visit(sample);
-        }
+    for (std::size_t cv = 0; cv < across_v.size(); ++cv) {
+      const Eigen::Matrix3d curve = line(corners, across_v[cv]);
+      for (std::size_t cu = 0; cu < across_u.size(); ++cu) {
+        if ((along(curve, across_u[cu]) - centre).squaredNorm() <= cell_reach * cell_reach)
+          visit_cell(corners, f, cu, cv, centre, reach, visit);
       }
     }
   }

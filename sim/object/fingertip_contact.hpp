@@ -11,7 +11,7 @@ namespace palpate::object {
 /// A spherical fingertip.
 struct FingertipOptions {
   double radius = 8e-3;        // m
-  double stiffness = 0;        // Pa/m, pressure by penetration; 0: 100 E / radius
+  double stiffness = 0;        // Pa/m, pressure by penetration; 0: 50 E / radius
   double shear_stiffness = 0;  // Pa/m, of the sticking tip, by touched area; 0: half of that
   double friction = 0.8;       // Coulomb
 };

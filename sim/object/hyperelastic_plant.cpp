@@ -13,10 +13,10 @@ namespace {
 constexpr double kSafety = 0.9;        // of the critical step
 constexpr double kMostRefinement = 8;  // substeps over those at rest, however squashed the body is
 constexpr double kMostContact = 32;    // the same with fingertips in touch
-constexpr double kUnloadedStrain = 1e-6;   // whose stress stands for the load of an unloaded body
-constexpr double kContactStiffness = 100;  // of a fingertip, over E / radius
-constexpr double kShearStiffness = 0.5;    // over that
-constexpr double kSamplesPerRadius = 10;   // of the surface, along a line
+constexpr double kUnloadedStrain = 1e-6;  // whose stress stands for the load of an unloaded body
+constexpr double kContactStiffness = 50;  // of a fingertip, over E / radius
+constexpr double kShearStiffness = 0.5;   // over that
+constexpr double kSamplesPerRadius = 6;   // of the surface, along a line
 
 void check(const PlantOptions& options) {
   if (!(options.density > 0)) throw std::invalid_argument("plant: density must be positive");

@@ -26,6 +26,7 @@ PlantOptions slab(const std::array<int, 3>& elements) {
 TEST(FingertipContact, SphereOnASlabFollowsHertz) {
   PlantOptions options = slab({12, 12, 6});
   options.fingertips[0].friction = 0;
+  options.fingertips[0].stiffness = 1e8;  // hard beside the slab
   HyperelasticPlant plant(options);
   const double radius = 0.03, thickness = 0.024, nu = 0.3, modulus = 30e3 / (1 - nu * nu);
   for (const double indentation : {0.4e-3, 0.8e-3}) {
@@ -145,6 +146,20 @@ TEST(FingertipContact, LeavesNoTraceBehind) {
   EXPECT_TRUE(plant.settle(5, 1e-6).converged);
   EXPECT_LT((plant.positions() - plant.rest_positions()).cwiseAbs().maxCoeff(), 1e-7);
   EXPECT_EQ(plant.fingertip(0).mean_wrench().force.norm(), 0);
+}
+
+TEST(FingertipContact, HardBlowIsTakenWithoutGainOfEnergy) {
+  PlantOptions options = slab({2, 2, 1});
+  options.mass_damping = 0;
+  options.fingertips[0].stiffness = 1e8;
+  HyperelasticPlant plant(options);
+  plant.move_fingertip(0, {0.024, 0.024, 0.024 + 0.0285}, {});  // there all at once
+  const double first = plant.fingertip(0).energy();
+  for (int i = 0; i < 300; ++i) {
+    plant.step(1e-3);
+    EXPECT_LT(plant.kinetic_energy() + plant.elastic_energy() + plant.fingertip(0).energy(),
+              1.05 * first);
+  }
 }
 
 TEST(FingertipContact, RunsAreBitEqual) {

@@ -106,6 +106,48 @@ TEST(PlantTheory, LargeSagIsThatOfAFinerMesh) {
   std::printf("large sag, 10 x 1 x 1 over 20 x 2 x 2 elements: %.4f\n", coarse / fine);
 }
 
+TEST(PlantTheory, ShapeOfTheScenesBarIsWithinTwoPercentOfAFinerMesh) {
+  struct Result {
+    Eigen::Matrix3Xd sag;
+    math::Wrench hand;
+  };
+  const auto bend = [](const std::array<int, 3>& elements) {
+    PlantOptions options;
+    options.elements = elements;
+    options.clamp = face_x(0);
+    options.gravity_O = {0, 0, -9.81};
+    math::Pose X = math::Pose::Identity();
+    X.translation() = Eigen::Vector3d(0.47, 0.03, 0.03);
+    options.grasps = {hold({{0.45, 0, 0}, {0.5, 0.06, 0.06}}, X)};
+    options.grasps[0].stiffness = 1e5;
+    HyperelasticPlant plant(options);
+    for (int i = 0; i < 200; ++i) {
+      X.translation().z() -= 0.4e-3;
+      plant.step(1e-3, X, {{0, 0, -0.4}, Eigen::Vector3d::Zero()});
+    }
+    EXPECT_TRUE(plant.settle(20, 1e-4).converged);
+    Result result;
+    result.sag.resize(3, 10);
+    for (int i = 0; i < 10; ++i) {
+      const Eigen::Vector3d p(0.05 * (i + 0.5), 0.03, 0.03);
+      result.sag.col(i) = plant.position_at(p) - p;
+    }
+    result.hand = plant.hand_wrench();
+    return result;
+  };
+  const Result coarse = bend({20, 1, 1}), fine = bend({30, 2, 2});
+  const double shape =
+      (coarse.sag - fine.sag).colwise().norm().maxCoeff() / fine.sag.colwise().norm().maxCoeff();
+  const double force = (coarse.hand.force - fine.hand.force).norm() / fine.hand.force.norm();
+  const double torque = (coarse.hand.torque - fine.hand.torque).norm() / fine.hand.torque.norm();
+  EXPECT_LT(shape, 0.02);
+  // One element across is too stiff at both held ends for a wrench as good as that.
+  EXPECT_LT(force, 0.03);
+  EXPECT_LT(torque, 0.05);
+  std::printf("369 nodes against 1525: shape %.2g, force %.2g, torque %.2g\n", shape, force,
+              torque);
+}
+
 TEST(PlantTheory, FreeBodyKeepsMomentaWhateverItIsMadeOf) {
   PlantOptions options = small_free_block();
   options.maxwell = {{0.5, 0.05}, {0.3, 0.5}};
