@@ -39,7 +39,8 @@ struct PlantOptions {
 /// A soft object that the estimator does not know: a compressible Neo-Hookean box of 27-node
 /// hexahedra with Gauss-Lobatto lumped mass, integrated by velocity Verlet (explicit, symplectic,
 /// of second order; it conserves the momenta of a free undamped body to rounding). Mass and pad
-/// damping are taken implicitly, node by node; viscous stress uses the half-step velocity.
+/// damping are taken implicitly, node by node; viscous stress uses the half-step velocity. Substeps
+/// keep within the stability limit, which is looked at after each of them.
 ///
 /// Nothing allocates after construction and every run is bit-for-bit reproducible.
 class HyperelasticPlant {
@@ -51,7 +52,7 @@ class HyperelasticPlant {
     bool converged = false;
   };
 
-  /// Starts at rest, grasped where a grasp box is given. Throws std::invalid_argument.
+  /// Starts at rest, held by every hand that is given. Throws std::invalid_argument.
   explicit HyperelasticPlant(const PlantOptions& options);
 
   /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent; those that were
