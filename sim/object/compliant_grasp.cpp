@@ -1,50 +1,144 @@
 #include "sim/object/compliant_grasp.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 namespace palpate::object {
 
-CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const Box& patch, double stiffness,
-                               double damping) {
-  if (!(stiffness > 0) || !(damping >= 0)) {
-    throw std::invalid_argument("plant: needs pad_stiffness > 0 and pad_damping >= 0");
+CompliantGrasp::CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options)
+    : friction_(options.friction), limited_(std::isfinite(options.grip)), hand_(options.X_OG_rest) {
+  if (!(options.stiffness > 0) || !(options.damping >= 0)) {
+    throw std::invalid_argument("plant: the pads need stiffness > 0 and damping >= 0");
   }
-  const Eigen::VectorXd areas = grid.patch_areas(patch);
+  if (!(options.grip >= 0) || !(options.friction >= 0)) {
+    throw std::invalid_argument("plant: grip and friction of the pads must not be negative");
+  }
+  if (options.pinch_axis < -1 || options.pinch_axis > 2) {
+    throw std::invalid_argument("plant: the pinch axis is 0, 1, 2 or -1");
+  }
+  if (!options.X_OG_rest.matrix().allFinite()) {
+    throw std::invalid_argument("plant: the rest pose of the hand must be finite");
+  }
+  const Eigen::VectorXd areas = grid.patch_areas(options.patch, options.pinch_axis);
+  const Eigen::Matrix3Xd vectors = grid.patch_area_vectors(options.patch, options.pinch_axis);
   const double total = areas.sum();
   if (!(total > 0)) throw std::invalid_argument("plant: the grasp box holds no surface node");
+  const Eigen::Matrix3d R_GO = options.X_OG_rest.linear().transpose();
   for (int n = 0; n < areas.size(); ++n) {
     if (areas[n] <= 0) continue;
     Pad pad;
     pad.node = n;
-    pad.stiffness = stiffness * areas[n] / total;
-    pad.damping = damping * areas[n] / total;
+    pad.area = areas[n];
+    pad.stiffness = options.stiffness * areas[n] / total;
+    pad.damping = options.damping * areas[n] / total;
+    pad.grip = limited_ ? options.grip * areas[n] / total : 0;
+    pad.normal_G = R_GO * vectors.col(n).normalized();
     pads_.push_back(pad);
+  }
+  hold(grid.nodes());
+}
+
+void CompliantGrasp::hold(const Eigen::Matrix3Xd& positions) noexcept {
+  const math::Pose X_GO = hand_.X_OG().inverse();
+  for (Pad& pad : pads_) {
+    pad.p_G = X_GO * Eigen::Vector3d(positions.col(pad.node));
+    pad.slipping = false;
+    pad.slipped = 0;
+  }
+  holding_ = true;
+  update_pads();
+}
+
+void CompliantGrasp::release() noexcept {
+  holding_ = false;
+  mean_wrench_ = math::Wrench();
+}
+
+void CompliantGrasp::update_pads() noexcept {
+  const math::Pose& X_OG = hand_.X_OG();
+  const math::Twist& V_O_G = hand_.V_O_G();
+  for (Pad& pad : pads_) {
+    pad.p_O = X_OG * pad.p_G;
+    pad.velocity_O = V_O_G.linear + V_O_G.angular.cross(pad.p_O - X_OG.translation());
   }
 }
 
-void CompliantGrasp::attach(const math::Pose& X_OG, const Eigen::Matrix3Xd& positions) noexcept {
-  const math::Pose X_GO = X_OG.inverse();
-  for (Pad& pad : pads_) pad.p_G = X_GO * Eigen::Vector3d(positions.col(pad.node));
+void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen::Vector3d& trial,
+                           const Eigen::Vector3d& position) noexcept {
+  const Eigen::Vector3d n = hand_.X_OG().linear() * pad.normal_G;
+  const double pull = n.dot(spring);
+  const double most = friction_ * std::max(0.0, pad.grip - pull);
+  const auto across = [&n](const Eigen::Vector3d& f) -> Eigen::Vector3d {
+    return f - n.dot(f) * n;
+  };
+  // A damper that works against the spring does not make room for more of it.
+  Eigen::Vector3d held = across(trial);
+  if (held.norm() <= most) held = across(spring);
+  const double size = held.norm();
+  if (pull < pad.grip && size <= most) return;
+  pad.slipping = true;
+  if (size > most) held *= most / size;
+  pad.force_O = std::min(pull, pad.grip) * n + held;
+  // Along n the point stays, so that a pad which lost touch finds the surface where it left it.
+  const Eigen::Vector3d p_O = position + pull / pad.stiffness * n + held / pad.stiffness;
+  pad.slipped += (p_O - pad.p_O).norm();
+  pad.p_O = p_O;
+  pad.p_G = hand_.X_OG().inverse() * p_O;
 }
 
-void CompliantGrasp::move(const math::Pose& X_OG, const math::Twist& V_O_G) noexcept {
-  p_OG_ = X_OG.translation();
+void CompliantGrasp::add_forces(const Eigen::Matrix3Xd& positions,
+                                const Eigen::Matrix3Xd& velocities, Eigen::Matrix3Xd& forces,
+                                Eigen::VectorXd& damping) noexcept {
+  if (!holding_) return;
   for (Pad& pad : pads_) {
-    pad.p_O = X_OG * pad.p_G;
-    pad.velocity_O = V_O_G.linear + V_O_G.angular.cross(pad.p_O - p_OG_);
+    const Eigen::Vector3d position = positions.col(pad.node);
+    const Eigen::Vector3d spring = pad.stiffness * (pad.p_O - position);
+    pad.force_O = spring;
+    pad.slipping = false;
+    if (limited_) {
+      const Eigen::Vector3d slide = pad.velocity_O - velocities.col(pad.node);
+      limit(pad, spring, spring + pad.damping * slide, position);
+    }
+    forces.col(pad.node) += pad.force_O;
+    if (pad.slipping) continue;
+    forces.col(pad.node) += pad.damping * pad.velocity_O;
+    damping[pad.node] += pad.damping;
   }
 }
 
 math::Wrench CompliantGrasp::wrench(const Eigen::Matrix3Xd& positions,
                                     const Eigen::Matrix3Xd& velocities) const noexcept {
   math::Wrench total;
+  if (!holding_) return total;
   for (const Pad& pad : pads_) {
-    const Eigen::Vector3d force = pad.stiffness * (pad.p_O - positions.col(pad.node)) +
-                                  pad.damping * (pad.velocity_O - velocities.col(pad.node));
+    Eigen::Vector3d force = pad.force_O;
+    if (!pad.slipping) force += pad.damping * (pad.velocity_O - velocities.col(pad.node));
     total.force += force;
-    total.torque += (positions.col(pad.node) - p_OG_).cross(force);
+    total.torque += (positions.col(pad.node) - hand_.X_OG().translation()).cross(force);
   }
   return total;
+}
+
+GraspSlip CompliantGrasp::slip() const noexcept {
+  GraspSlip slip;
+  double total = 0;
+  for (const Pad& pad : pads_) {
+    total += pad.area;
+    if (pad.slipping) slip.share += pad.area;
+    slip.distance += pad.area * pad.slipped;
+    slip.greatest = std::max(slip.greatest, pad.slipped);
+  }
+  slip.share /= total;
+  slip.distance /= total;
+  return slip;
+}
+
+double CompliantGrasp::force_scale() const noexcept {
+  double scale = 0;
+  if (!holding_) return scale;
+  for (const Pad& pad : pads_) scale += pad.force_O.norm();
+  return scale;
 }
 
 }  // namespace palpate::object

@@ -76,6 +76,8 @@ void HexahedralGrid::add_surface_triangles() {
             faces_(b, face) = node_index(at[0], at[1], at[2]);
           }
           face_areas_[face] = element_size_[u] * element_size_[v];
+          face_axes_.push_back(normal);
+          face_sides_.push_back(upper ? 1 : -1);
           for (const int corner : {0, 1, 3, 4}) {
             const Eigen::Vector4i quad(faces_(corner, face), faces_(corner + 1, face),
                                        faces_(corner + 4, face), faces_(corner + 3, face));
@@ -110,22 +112,35 @@ std::vector<int> HexahedralGrid::nodes_in(const Box& box) const {
   return found;
 }
 
-Eigen::VectorXd HexahedralGrid::patch_areas(const Box& box) const {
+template <class Add>
+void HexahedralGrid::for_each_patch_node(const Box& box, int only_axis, const Add& add) const {
   const auto inside = [&](int node) { return box.contains(nodes_.col(node)); };
+  const auto counts = [&](int face) { return only_axis < 0 || face_axes_[face] == only_axis; };
   const auto whole = [&](int face) {
-    return std::all_of(faces_.col(face).begin(), faces_.col(face).end(), inside);
+    return counts(face) && std::all_of(faces_.col(face).begin(), faces_.col(face).end(), inside);
   };
   bool any_whole = false;
   for (int f = 0; f < faces_.cols(); ++f) any_whole = any_whole || whole(f);
-
-  Eigen::VectorXd areas = Eigen::VectorXd::Zero(node_count());
   for (int f = 0; f < faces_.cols(); ++f) {
-    if (any_whole && !whole(f)) continue;
+    if (!counts(f) || (any_whole && !whole(f))) continue;
     for (int b = 0; b < 9; ++b) {
-      const int node = faces_(b, f);
-      if (inside(node)) areas[node] += face_areas_[f] * kLobattoShare[b % 3] * kLobattoShare[b / 3];
+      const double area = face_areas_[f] * kLobattoShare[b % 3] * kLobattoShare[b / 3];
+      if (inside(faces_(b, f))) add(faces_(b, f), area, f);
     }
   }
+}
+
+Eigen::Matrix3Xd HexahedralGrid::patch_area_vectors(const Box& box, int only_axis) const {
+  Eigen::Matrix3Xd vectors = Eigen::Matrix3Xd::Zero(3, node_count());
+  for_each_patch_node(box, only_axis, [&](int node, double area, int face) {
+    vectors(face_axes_[face], node) += face_sides_[face] * area;
+  });
+  return vectors;
+}
+
+Eigen::VectorXd HexahedralGrid::patch_areas(const Box& box, int only_axis) const {
+  Eigen::VectorXd areas = Eigen::VectorXd::Zero(node_count());
+  for_each_patch_node(box, only_axis, [&](int node, double area, int) { areas[node] += area; });
   return areas;
 }
 

@@ -46,15 +46,25 @@ class HexahedralGrid {
   const Eigen::Matrix3Xi& triangles() const { return triangles_; }  // surface, outward normals
   Eigen::Vector3d element_size() const { return element_size_; }
 
+  /// Surface faces of 9 nodes, i + 3 j along both in-plane axes, ascending; their rest areas, m^2;
+  /// and the axis that they lie across.
+  const Eigen::Matrix<int, 9, Eigen::Dynamic>& faces() const { return faces_; }
+  const Eigen::VectorXd& face_areas() const { return face_areas_; }
+  int face_axis(int face) const { return face_axes_[face]; }
+
   /// Rest volume that each node stands for, m^3: Gauss-Lobatto (Simpson) weights, all positive.
   Eigen::VectorXd nodal_volumes() const;
 
   /// Nodes whose rest position lies in the box, sorted.
   std::vector<int> nodes_in(const Box& box) const;
 
-  /// Surface area that each node stands for, m^2, of the faces that lie wholly in the box; where
-  /// there is none, of every face, counted for the nodes in the box only. 0 elsewhere.
-  Eigen::VectorXd patch_areas(const Box& box) const;
+  /// Outward area vector that each node stands for, m^2, of the faces that lie wholly in the box;
+  /// where there is none, of every face, counted for the nodes in the box only. 0 elsewhere. With
+  /// `only_axis` 0, 1 or 2 only faces across that axis count; -1: all.
+  Eigen::Matrix3Xd patch_area_vectors(const Box& box, int only_axis = -1) const;
+
+  /// The same as plain areas: an edge's two faces add up.
+  Eigen::VectorXd patch_areas(const Box& box, int only_axis = -1) const;
 
   /// Element and shape functions of a rest point in O.
   MaterialPoint locate(const Eigen::Vector3d& p_O) const;
@@ -62,6 +72,8 @@ class HexahedralGrid {
  private:
   int node_index(int i, int j, int k) const { return i + points_[0] * (j + points_[1] * k); }
   void add_surface_triangles();
+  template <class Add>
+  void for_each_patch_node(const Box& box, int only_axis, const Add& add) const;
 
   Eigen::Vector3d origin_;
   Eigen::Vector3d size_;
@@ -71,8 +83,10 @@ class HexahedralGrid {
   Eigen::Matrix3Xd nodes_;
   Eigen::MatrixXi elements_;
   Eigen::Matrix3Xi triangles_;
-  Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;  // surface faces, both in-plane axes ascending
+  Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;
   Eigen::VectorXd face_areas_;
+  std::vector<int> face_axes_;
+  std::vector<double> face_sides_;  // -1 or +1: which way along that axis is out
 };
 
 }  // namespace palpate::object

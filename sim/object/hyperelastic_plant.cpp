@@ -2,44 +2,21 @@
 
 #include <algorithm>
 #include <cmath>
-#include <random>
+#include <limits>
 #include <stdexcept>
+
+#include "sim/object/critical_step.hpp"
 
 namespace palpate::object {
 namespace {
 
 constexpr double kSafety = 0.9;        // of the critical step
 constexpr double kMostRefinement = 8;  // substeps over those at rest, however squashed the body is
-constexpr int kPowerIterations = 150;
+constexpr double kMostContact = 32;    // the same with fingertips in touch
 constexpr double kUnloadedStrain = 1e-6;  // whose stress stands for the load of an unloaded body
-
-/// How much shorter steps must be than at rest where the stiffness is `stiffening` times as great.
-double refinement(double stiffening) {
-  // The bound comes first, so that it is also what a NaN gives.
-  return std::min(kMostRefinement, std::sqrt(stiffening));
-}
-
-/// Greatest eigenvalue of M^-1 A by power iteration. `apply(direction, out)` writes A direction;
-/// rows of held nodes must come out as zero.
-template <class Operator>
-double greatest_eigenvalue(const Eigen::VectorXd& masses, const Operator& apply) {
-  std::minstd_rand generator(1);
-  Eigen::Matrix3Xd direction(3, masses.size());
-  for (double& value : direction.reshaped()) {
-    value = static_cast<double>(generator()) / std::minstd_rand::max() - 0.5;
-  }
-  Eigen::Matrix3Xd image(3, masses.size());
-  double eigenvalue = 0;
-  for (int i = 0; i < kPowerIterations; ++i) {
-    direction /= direction.norm();
-    apply(direction, image);
-    image.array().rowwise() /= masses.transpose().array();
-    eigenvalue = image.norm();
-    if (!(eigenvalue > 0)) return 0;
-    direction = image;
-  }
-  return eigenvalue;
-}
+constexpr double kContactStiffness = 50;  // of a fingertip, over E / radius
+constexpr double kShearStiffness = 0.5;   // over that
+constexpr double kSamplesPerRadius = 6;   // of the surface, along a line
 
 void check(const PlantOptions& options) {
   if (!(options.density > 0)) throw std::invalid_argument("plant: density must be positive");
@@ -47,9 +24,15 @@ void check(const PlantOptions& options) {
     throw std::invalid_argument("plant: mass_damping must not be negative");
   }
   if (options.substeps < 0) throw std::invalid_argument("plant: substeps must not be negative");
-  if (!options.gravity_O.allFinite() || !options.X_OG_rest.matrix().allFinite()) {
-    throw std::invalid_argument("plant: gravity and rest pose of the hand must be finite");
+  if (!options.gravity_O.allFinite()) throw std::invalid_argument("plant: gravity must be finite");
+  if (options.grasps.size() > PlantOptions::kMostGrasps) {
+    throw std::invalid_argument("plant: at most two hands hold it");
   }
+}
+
+SolidOptions solid_options(const PlantOptions& options) {
+  return {NeoHookean::from_young(options.young_modulus, options.poisson_ratio), options.viscosity,
+          options.maxwell, options.yield, options.regions};
 }
 
 }  // namespace
@@ -57,82 +40,66 @@ void check(const PlantOptions& options) {
 HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
     : options_((check(options), options)),
       grid_(options.origin, options.size, options.elements),
-      solid_(grid_, NeoHookean::from_young(options.young_modulus, options.poisson_ratio),
-             options.viscosity),
+      solid_(grid_, solid_options(options)),
       masses_(options.density * grid_.nodal_volumes()),
       damping_(options.mass_damping * masses_),
-      X_OG_(options.X_OG_rest),
+      contact_stiffness_(Eigen::VectorXd::Zero(grid_.node_count())),
       positions_(grid_.nodes()),
       velocities_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
       applied_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
-      driving_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())) {
+      driving_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
+      hand_sums_(6, static_cast<int>(options.grasps.size())),
+      tip_sums_(6, static_cast<int>(options.fingertips.size())) {
   if (options.clamp) {
     clamped_ = grid_.nodes_in(*options.clamp);
     if (clamped_.empty()) throw std::invalid_argument("plant: the clamp box holds no node");
   }
-  if (options.grasp) {
-    grasp_ = CompliantGrasp(grid_, *options.grasp, options.pad_stiffness, options.pad_damping);
-    set_grasped(true);
+  Eigen::VectorXd springs = Eigen::VectorXd::Zero(grid_.node_count());
+  for (const GraspOptions& grasp : options.grasps) {
+    grasps_.emplace_back(grid_, grasp);
+    for (const auto& pad : grasps_.back().pads()) springs[pad.node] += pad.stiffness;
   }
-  critical_step_ = find_critical_step();
-  update_forces();
+  add_fingertips();
+  critical_step_ = object::critical_step(grid_, solid_, masses_, springs, clamped_);
+  update_forces(0, 0);
 }
 
-double HyperelasticPlant::find_critical_step() const {
-  const Eigen::Matrix3Xd still = Eigen::Matrix3Xd::Zero(3, grid_.node_count());
-  const double tiny = 1e-6 * grid_.element_size().minCoeff();
-  Eigen::Matrix3Xd moved(3, grid_.node_count());
-  Eigen::Matrix3Xd back(3, grid_.node_count());
-  const double stiffest = greatest_eigenvalue(masses_, [&](const auto& direction, auto& out) {
-    out.setZero();
-    back.setZero();
-    moved = grid_.nodes() - tiny * direction;
-    hold_clamped(moved, grid_.nodes());
-    solid_.add_forces(moved, still, out);
-    moved = grid_.nodes() + tiny * direction;
-    hold_clamped(moved, grid_.nodes());
-    solid_.add_forces(moved, still, back);
-    out = (out - back) / (2 * tiny);
-    for (const auto& pad : grasp_.pads()) {
-      out.col(pad.node) += pad.stiffness * direction.col(pad.node);
+void HyperelasticPlant::add_fingertips() {
+  if (options_.fingertips.empty()) return;
+  double smallest = std::numeric_limits<double>::infinity();
+  for (const FingertipOptions& tip : options_.fingertips) smallest = std::min(smallest, tip.radius);
+  surface_ = ContactSurface(grid_, smallest / kSamplesPerRadius);
+  for (FingertipOptions tip : options_.fingertips) {
+    if (tip.stiffness == 0) tip.stiffness = kContactStiffness * options_.young_modulus / tip.radius;
+    if (tip.shear_stiffness == 0) {
+      tip.shear_stiffness = kShearStiffness * tip.stiffness;
     }
-    hold_clamped(out, still);
-  });
-  const double frequency = std::sqrt(stiffest);
-  if (solid_.viscosity() == 0) return 2 / frequency;
-
-  const double damping = greatest_eigenvalue(masses_, [&](const auto& direction, auto& out) {
-    out.setZero();
-    moved = -direction;
-    hold_clamped(moved, still);
-    solid_.add_forces(grid_.nodes(), moved, out);
-    hold_clamped(out, still);
-  });
-  // Belytschko, Liu, Moran: Nonlinear Finite Elements, sec. 6.2: lagged damping of ratio xi.
-  const double xi = damping / (2 * frequency);
-  return 2 / frequency * (std::sqrt(xi * xi + 1) - xi);
+    fingertips_.emplace_back(tip, surface_);
+  }
 }
 
-int HyperelasticPlant::stable_substeps(double dt) const noexcept {
-  if (options_.substeps > 0) return options_.substeps;
-  const double at_rest = dt / (kSafety * critical_step_);
-  return std::max(1, static_cast<int>(std::ceil(at_rest * refinement(stiffening_))));
+double HyperelasticPlant::stable_step() const noexcept {
+  double contact = 0;  // bound on the square of the fastest frequency that fingertips add
+  if (!fingertips_.empty()) contact = contact_stiffness_.cwiseQuotient(masses_).maxCoeff();
+  // The bounds come first, so that they are also what a NaN gives.
+  const double material = std::min(kMostRefinement, std::sqrt(stiffening_));
+  const double added = 0.25 * critical_step_ * critical_step_ * contact;
+  const double refinement =
+      added > 0 ? std::min(kMostContact, std::sqrt(material * material + added)) : material;
+  return kSafety * critical_step_ / refinement;
 }
 
-void HyperelasticPlant::hold_clamped(Eigen::Matrix3Xd& values,
-                                     const Eigen::Matrix3Xd& held) const noexcept {
-  for (const int n : clamped_) values.col(n) = held.col(n);
-}
-
-void HyperelasticPlant::update_forces() noexcept {
+void HyperelasticPlant::update_forces(double h, double h_material) noexcept {
   driving_.noalias() = options_.gravity_O * masses_.transpose();
   driving_ += applied_;
-  stiffening_ = solid_.add_forces(positions_, velocities_, driving_);
-  if (!grasped_) return;
-  for (const auto& pad : grasp_.pads()) {
-    driving_.col(pad.node) +=
-        pad.stiffness * (pad.p_O - positions_.col(pad.node)) + pad.damping * pad.velocity_O;
-  }
+  damping_ = options_.mass_damping * masses_;
+  stiffening_ = solid_.add_forces(positions_, velocities_, h_material, driving_);
+  for (CompliantGrasp& grasp : grasps_)
+    grasp.add_forces(positions_, velocities_, driving_, damping_);
+  if (fingertips_.empty()) return;
+  contact_stiffness_.setZero();
+  for (FingertipContact& tip : fingertips_)
+    tip.add_forces(surface_, positions_, velocities_, h, driving_, contact_stiffness_);
 }
 
 void HyperelasticPlant::begin_substep(double h) noexcept {
@@ -144,8 +111,8 @@ void HyperelasticPlant::begin_substep(double h) noexcept {
   positions_ += h * velocities_;
 }
 
-void HyperelasticPlant::end_substep(double h) noexcept {
-  update_forces();
+void HyperelasticPlant::end_substep(double h, double h_material) noexcept {
+  update_forces(h, h_material);
   for (int n = 0; n < grid_.node_count(); ++n) {
     const double share = 0.5 * h / masses_[n];
     velocities_.col(n) = (velocities_.col(n) + share * driving_.col(n)) / (1 + share * damping_[n]);
@@ -153,41 +120,83 @@ void HyperelasticPlant::end_substep(double h) noexcept {
   for (const int n : clamped_) velocities_.col(n).setZero();
 }
 
-void HyperelasticPlant::step(double dt, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept {
-  const math::Pose X_start = X_OG_;
-  const math::Twist V_start = V_O_G_;
-  const Eigen::Quaterniond q_start(X_start.linear());
-  const Eigen::Quaterniond q_end(X_OG.linear());
-  substeps_ = stable_substeps(dt);
-  const double h = dt / substeps_;
+void HyperelasticPlant::add_wrenches(double weight) noexcept {
+  for (std::size_t i = 0; i < grasps_.size(); ++i)
+    hand_sums_.col(i) += weight * grasps_[i].wrench(positions_, velocities_).vector();
+  for (std::size_t i = 0; i < fingertips_.size(); ++i)
+    tip_sums_.col(i) += weight * fingertips_[i].wrench().vector();
+}
 
-  math::Vector6d sum = math::Vector6d::Zero();
-  if (grasped_) sum = 0.5 * grasp_.wrench(positions_, velocities_).vector();
-  for (int i = 1; i <= substeps_; ++i) {
-    const double s = static_cast<double>(i) / substeps_;
-    X_OG_.translation() = (1 - s) * X_start.translation() + s * X_OG.translation();
-    X_OG_.linear() = q_start.slerp(s, q_end).toRotationMatrix();
-    V_O_G_.linear = (1 - s) * V_start.linear + s * V_O_G.linear;
-    V_O_G_.angular = (1 - s) * V_start.angular + s * V_O_G.angular;
+void HyperelasticPlant::step(double dt) noexcept {
+  const auto substeps_for = [this](double seconds) {
+    if (options_.substeps > 0) return options_.substeps;
+    return std::max(1, static_cast<int>(std::ceil(seconds / stable_step())));
+  };
+  hand_sums_.setZero();
+  tip_sums_.setZero();
+  for (CompliantGrasp& grasp : grasps_) grasp.hand().begin();
+  for (FingertipContact& tip : fingertips_) tip.begin();
+  substeps_ = 0;
+  int left = substeps_for(dt);
+  double h = dt / left;
+  while (left > 0) {
+    add_wrenches(0.5 * h / dt);
     begin_substep(h);
-    if (grasped_) grasp_.move(X_OG_, V_O_G_);
-    end_substep(h);
-    if (grasped_) {
-      sum += (i < substeps_ ? 1.0 : 0.5) * grasp_.wrench(positions_, velocities_).vector();
+    --left;
+    const double s = 1 - left * h / dt;
+    for (CompliantGrasp& grasp : grasps_) {
+      grasp.hand().advance(s);
+      grasp.update_pads();
+    }
+    for (FingertipContact& tip : fingertips_) tip.advance(s);
+    end_substep(h, h);
+    add_wrenches(0.5 * h / dt);
+    ++substeps_;
+    // What stiffens on the way takes shorter ones for the rest of it.
+    if (options_.substeps == 0 && left > 0 && !(stable_step() >= h)) {
+      const double rest = left * h;
+      left = substeps_for(rest);
+      h = rest / left;
     }
   }
-  hand_wrench_ = math::Wrench::from(sum / substeps_);
+  for (std::size_t i = 0; i < grasps_.size(); ++i) {
+    grasps_[i].hand().end();
+    grasps_[i].set_mean_wrench(math::Wrench::from(hand_sums_.col(i)));
+  }
+  for (std::size_t i = 0; i < fingertips_.size(); ++i) {
+    fingertips_[i].end();
+    fingertips_[i].set_mean_wrench(math::Wrench::from(tip_sums_.col(i)));
+  }
+}
+
+void HyperelasticPlant::step(double dt, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept {
+  if (!grasps_.empty()) move_hand(0, X_OG, V_O_G);
+  step(dt);
+}
+
+void HyperelasticPlant::move_hand(int hand, const math::Pose& X_OG,
+                                  const math::Twist& V_O_G) noexcept {
+  grasps_[hand].hand().send(X_OG, V_O_G);
+}
+
+void HyperelasticPlant::move_fingertip(int tip, const Eigen::Vector3d& centre,
+                                       const math::Twist& velocity) noexcept {
+  const bool present = fingertips_[tip].present();
+  fingertips_[tip].send(centre, velocity);
+  if (!present) update_forces(0, 0);
+}
+
+void HyperelasticPlant::remove_fingertip(int tip) noexcept {
+  fingertips_[tip].remove();
+  update_forces(0, 0);
 }
 
 double HyperelasticPlant::load_scale() const noexcept {
   double scale = kUnloadedStrain * options_.young_modulus * options_.size.cwiseAbs2().maxCoeff() +
                  options_.gravity_O.norm() * masses_.sum();
   for (int n = 0; n < grid_.node_count(); ++n) scale += applied_.col(n).norm();
-  if (grasped_) {
-    for (const auto& pad : grasp_.pads()) {
-      scale += pad.stiffness * (pad.p_O - positions_.col(pad.node)).norm();
-    }
-  }
+  for (const CompliantGrasp& grasp : grasps_) scale += grasp.force_scale();
+  for (const FingertipContact& tip : fingertips_) scale += tip.touch().force.norm();
   return scale;
 }
 
@@ -199,21 +208,25 @@ double HyperelasticPlant::free_force() const noexcept {
 
 HyperelasticPlant::Settling HyperelasticPlant::settle(double max_seconds,
                                                       double tolerance) noexcept {
+  constexpr double kRelaxed = std::numeric_limits<double>::infinity();
   Settling result;
   const auto stop = [&] {
     velocities_.setZero();
-    update_forces();
+    update_forces(0, kRelaxed);
     result.residual = free_force() / load_scale();
     result.converged = result.residual <= tolerance;
   };
-  V_O_G_ = math::Twist();
-  grasp_.move(X_OG_, V_O_G_);
+  for (CompliantGrasp& grasp : grasps_) {
+    grasp.hand().stop();
+    grasp.update_pads();
+  }
+  for (FingertipContact& tip : fingertips_) tip.stop();
   stop();
   double energy = 0;
   while (!result.converged && result.seconds < max_seconds) {
-    const double h = kSafety * critical_step_ / refinement(stiffening_);
+    const double h = stable_step();
     begin_substep(h);
-    end_substep(h);
+    end_substep(h, kRelaxed);
     result.seconds += h;
     const double last = energy;
     energy = kinetic_energy();
@@ -223,20 +236,20 @@ HyperelasticPlant::Settling HyperelasticPlant::settle(double max_seconds,
     }
   }
   if (!result.converged) stop();
-  if (grasped_) hand_wrench_ = grasp_.wrench(positions_, velocities_);
+  for (CompliantGrasp& grasp : grasps_)
+    grasp.set_mean_wrench(grasp.wrench(positions_, velocities_));
+  for (FingertipContact& tip : fingertips_) tip.set_mean_wrench(tip.wrench());
   return result;
 }
 
-void HyperelasticPlant::set_grasped(bool grasped) noexcept {
-  if (grasped == grasped_ || (grasped && grasp_.pads().empty())) return;
-  grasped_ = grasped;
+void HyperelasticPlant::set_grasped(bool grasped, int hand) noexcept {
+  if (hand >= grasp_count() || grasped == grasps_[hand].holding()) return;
   if (grasped) {
-    grasp_.attach(X_OG_, positions_);
-    grasp_.move(X_OG_, V_O_G_);
+    grasps_[hand].hold(positions_);
+  } else {
+    grasps_[hand].release();
   }
-  for (const auto& pad : grasp_.pads()) damping_[pad.node] += (grasped ? 1 : -1) * pad.damping;
-  hand_wrench_ = math::Wrench();
-  update_forces();
+  update_forces(0, 0);
 }
 
 math::Wrench HyperelasticPlant::clamp_wrench() const noexcept {
@@ -269,7 +282,7 @@ void HyperelasticPlant::set_state(const Eigen::Matrix3Xd& positions,
   positions_ = positions;
   velocities_ = velocities;
   for (const int n : clamped_) velocities_.col(n).setZero();
-  update_forces();
+  update_forces(0, 0);
 }
 
 double HyperelasticPlant::kinetic_energy() const noexcept {

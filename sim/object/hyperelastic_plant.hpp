@@ -7,6 +7,8 @@
 
 #include "core/math/rigid.hpp"
 #include "sim/object/compliant_grasp.hpp"
+#include "sim/object/contact_surface.hpp"
+#include "sim/object/fingertip_contact.hpp"
 #include "sim/object/hexahedral_grid.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
 
@@ -22,19 +24,23 @@ struct PlantOptions {
   double density = 26;                               // kg/m^3
   double mass_damping = 2;                           // 1/s, force -mass_damping * m * v
   double viscosity = 0;                              // Pa s, Kelvin-Voigt; 0 is faster
+  std::vector<MaxwellBranch> maxwell;                // creep and relaxation
+  std::optional<Yield> yield;                        // for an object that does not come back
+  std::vector<ModulusRegion> regions;                // parts of another stiffness
   std::optional<Box> clamp;                          // nodes the test rig holds still; O, at rest
-  std::optional<Box> grasp;                          // surface patch the hand holds; O, at rest
-  double pad_stiffness = 20e3;                       // N/m, whole patch; large: nearly rigid
-  double pad_damping = 2;                            // N s/m, whole patch
-  math::Pose X_OG_rest = math::Pose::Identity();     // hand while the object is at rest
+  std::vector<GraspOptions> grasps;                  // hands, at most kMostGrasps
+  std::vector<FingertipOptions> fingertips;          // that may touch it
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
   int substeps = 0;                                     // per step(); 0: from the stability limit
+
+  static constexpr std::size_t kMostGrasps = 2;
 };
 
 /// A soft object that the estimator does not know: a compressible Neo-Hookean box of 27-node
 /// hexahedra with Gauss-Lobatto lumped mass, integrated by velocity Verlet (explicit, symplectic,
 /// of second order; it conserves the momenta of a free undamped body to rounding). Mass and pad
-/// damping are taken implicitly, node by node; viscous stress uses the half-step velocity.
+/// damping are taken implicitly, node by node; viscous stress uses the half-step velocity. Substeps
+/// keep within the stability limit, which is looked at after each of them.
 ///
 /// Nothing allocates after construction and every run is bit-for-bit reproducible.
 class HyperelasticPlant {
@@ -46,24 +52,47 @@ class HyperelasticPlant {
     bool converged = false;
   };
 
-  /// Starts at rest, grasped where a grasp box is given. Throws std::invalid_argument.
+  /// Starts at rest, held by every hand that is given. Throws std::invalid_argument.
   explicit HyperelasticPlant(const PlantOptions& options);
 
-  /// Advances by `dt` s. X_OG and V_O_G are pose and velocity of the hand in O at the end of the
-  /// step; within it the hand moves evenly from where it was.
+  /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent; those that were
+  /// sent nowhere since the last step stand still.
+  void step(double dt) noexcept;
+
+  /// The same after move_hand(0, X_OG, V_O_G).
   void step(double dt, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept;
+
+  /// Pose and velocity of a hand in O at the end of the next step. `hand` < grasp_count().
+  void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept;
+
+  /// Centre and velocity of a fingertip in O at the end of the next step; the first call puts it
+  /// there at once. Tips are absent until moved and after remove_fingertip().
+  void move_fingertip(int tip, const Eigen::Vector3d& centre, const math::Twist& velocity) noexcept;
+  void remove_fingertip(int tip) noexcept;
+
+  /// Truth about a tip's touch; wrench on the tip about its centre, in O: mean over the last step.
+  const FingertipContact& fingertip(int tip) const { return fingertips_[tip]; }
+  int fingertip_count() const { return static_cast<int>(fingertips_.size()); }
 
   /// Advances with the hand standing still until the net force is at most `tolerance` of the loads
   /// or `max_seconds` have passed. Motion is taken out whenever the kinetic energy has peaked
   /// (dynamic relaxation with kinetic damping), so the path means nothing, its end the equilibrium.
+  /// Maxwell branches end up relaxed. What yields or slips on that path does so for good: step with
+  /// damping where that matters.
   Settling settle(double max_seconds, double tolerance = 1e-5) noexcept;
 
   /// Lets go, or takes hold with no force where hand and object are now.
-  void set_grasped(bool grasped) noexcept;
-  bool grasped() const { return grasped_; }
+  void set_grasped(bool grasped, int hand = 0) noexcept;
+  bool grasped(int hand = 0) const { return hand < grasp_count() && grasps_[hand].holding(); }
 
-  /// Hand on object about the origin of G, in O, averaged over the last step.
-  math::Wrench hand_wrench() const { return hand_wrench_; }
+  /// Hand on object about the origin of its G, in O, averaged over the last step.
+  math::Wrench hand_wrench(int hand = 0) const {
+    return hand < grasp_count() ? grasps_[hand].mean_wrench() : math::Wrench();
+  }
+
+  /// Pads and slip of a hand. `hand` < grasp_count().
+  const CompliantGrasp& grasp(int hand = 0) const { return grasps_[hand]; }
+  int grasp_count() const { return static_cast<int>(grasps_.size()); }
 
   /// Test rig on object about the origin of O, in O, at the end of the last step.
   math::Wrench clamp_wrench() const noexcept;
@@ -82,7 +111,6 @@ class HyperelasticPlant {
   const Eigen::Matrix3Xi& surface_triangles() const { return grid_.triangles(); }
   const Eigen::VectorXd& nodal_masses() const { return masses_; }  // kg
   const std::vector<int>& clamped_nodes() const { return clamped_; }
-  const CompliantGrasp& grasp() const { return grasp_; }
 
   /// Element and weights of a rest point, for repeated use.
   MaterialPoint locate(const Eigen::Vector3d& rest_point) const { return grid_.locate(rest_point); }
@@ -94,7 +122,8 @@ class HyperelasticPlant {
 
   double kinetic_energy() const noexcept;                                       // J
   double elastic_energy() const noexcept { return solid_.energy(positions_); }  // J
-  Eigen::Vector3d linear_momentum() const noexcept;                             // N s
+  double greatest_plastic_strain() const { return solid_.greatest_plastic_strain(); }
+  Eigen::Vector3d linear_momentum() const noexcept;   // N s
   Eigen::Vector3d angular_momentum() const noexcept;  // N m s, about the origin of O
 
   /// Longest stable step at rest, held and grasped as built, s.
@@ -102,30 +131,31 @@ class HyperelasticPlant {
   int substeps() const { return substeps_; }  // that the last step took
 
  private:
-  void begin_substep(double h) noexcept;  // half a kick, then the drift
-  void end_substep(double h) noexcept;    // forces at the new place, the other half of the kick
-  void update_forces() noexcept;
-  void hold_clamped(Eigen::Matrix3Xd& values, const Eigen::Matrix3Xd& held) const noexcept;
-  double find_critical_step() const;
+  void begin_substep(double h) noexcept;                   // half a kick, then the drift
+  void end_substep(double h, double h_material) noexcept;  // forces there, the other half
+  void update_forces(double h, double h_material) noexcept;
+  void add_wrenches(double weight) noexcept;
+  void add_fingertips();
+  double stable_step() const noexcept;
   double load_scale() const noexcept;
   double free_force() const noexcept;
-  int stable_substeps(double dt) const noexcept;
 
   PlantOptions options_;
   HexahedralGrid grid_;
   NeoHookeanSolid solid_;
-  CompliantGrasp grasp_;
+  ContactSurface surface_;
+  std::vector<CompliantGrasp> grasps_;
+  std::vector<FingertipContact> fingertips_;
   std::vector<int> clamped_;
   Eigen::VectorXd masses_;
-  Eigen::VectorXd damping_;  // N s/m per node, mass and pad damping
-  bool grasped_ = false;
-  math::Pose X_OG_;
-  math::Twist V_O_G_;
+  Eigen::VectorXd damping_;            // N s/m per node, mass and pad damping
+  Eigen::VectorXd contact_stiffness_;  // N/m per node, bound on what the fingertips add
   Eigen::Matrix3Xd positions_;
   Eigen::Matrix3Xd velocities_;
   Eigen::Matrix3Xd applied_;  // N, external forces on nodes
   Eigen::Matrix3Xd driving_;  // N, all forces but the damping by a node's own velocity
-  math::Wrench hand_wrench_;
+  Eigen::Matrix<double, 6, Eigen::Dynamic> hand_sums_;  // of the wrenches within a step
+  Eigen::Matrix<double, 6, Eigen::Dynamic> tip_sums_;
   double stiffening_ = 1;
   double critical_step_ = 0;
   int substeps_ = 1;

@@ -12,6 +12,9 @@
 namespace palpate::object {
 namespace {
 
+/// Where the three Gauss points divide an edge.
+const std::array<double, 3> kGaussShare{0.5 - std::sqrt(0.15), 0.5, 0.5 + std::sqrt(0.15)};
+
 /// out (kRows x 3) = a (kRows x kDepth) b (kDepth x 3, its columns kStride apart), in blocks of
 /// rows whose sums stay in registers.
 template <int kRows, int kDepth, int kStride, int kBlock>
@@ -35,28 +38,21 @@ inline void multiply(const double* a, const double* b, double* out) noexcept {
 
 }  // namespace
 
-NeoHookean NeoHookean::from_young(double young_modulus, double poisson_ratio) {
-  if (!(young_modulus > 0) || !(poisson_ratio >= 0 && poisson_ratio < 0.5)) {
-    throw std::invalid_argument("plant: needs young_modulus > 0 and 0 <= poisson_ratio < 0.5");
-  }
-  return {young_modulus / (2 * (1 + poisson_ratio)),
-          young_modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))};
-}
-
-NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const NeoHookean& material,
-                                 double viscosity)
-    : material_(material), viscosity_(viscosity), elements_(grid.elements()) {
-  if (!(viscosity >= 0)) throw std::invalid_argument("plant: viscosity must not be negative");
-  const double node = std::sqrt(0.6);
-  const std::array<double, 3> abscissas{-node, 0, node};
+NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions& options)
+    : material_(options.material),
+      viscosity_(options.viscosity),
+      elements_(grid.elements()),
+      maxwell_(options.material, options.maxwell, grid.element_count()) {
+  if (!(viscosity_ >= 0)) throw std::invalid_argument("plant: viscosity must not be negative");
+  if (options.yield) yield_ = J2Yield(material_, *options.yield, grid.element_count());
   const std::array<double, 3> shares{5.0 / 18, 8.0 / 18, 5.0 / 18};
   const Eigen::Vector3d size = grid.element_size();
   for (int point = 0; point < kPoints; ++point) {
     const int g = point % 27;
     const std::array<int, 3> at{g % 3, g / 3 % 3, g / 9};
-    const QuadraticShape shape[3] = {QuadraticShape(abscissas[at[0]]),
-                                     QuadraticShape(abscissas[at[1]]),
-                                     QuadraticShape(abscissas[at[2]])};
+    const QuadraticShape shape[3] = {QuadraticShape(2 * kGaussShare[at[0]] - 1),
+                                     QuadraticShape(2 * kGaussShare[at[1]] - 1),
+                                     QuadraticShape(2 * kGaussShare[at[2]] - 1)};
     weights_[point] = point < 27 ? size.prod() * shares[at[0]] * shares[at[1]] * shares[at[2]] : 0;
     for (int a = 0; a < 27; ++a) {
       const std::array<int, 3> index{a % 3, a / 3 % 3, a / 9};
@@ -75,6 +71,30 @@ NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const NeoHookean& m
       const int row = axis * kPoints + point;
       divergence_.col(row).head<27>() = -weights_[point] * gradients_.row(row).transpose();
     }
+  }
+  find_stiffness(grid, options.regions);
+}
+
+void NeoHookeanSolid::find_stiffness(const HexahedralGrid& grid,
+                                     const std::vector<ModulusRegion>& regions) {
+  if (regions.empty()) return;
+  stiffness_ = Eigen::ArrayXXd::Ones(kPoints, grid.element_count());
+  for (const ModulusRegion& region : regions) {
+    if (!(region.young_modulus > 0)) {
+      throw std::invalid_argument("plant: the young_modulus of a region must be positive");
+    }
+    bool found = false;
+    for (int e = 0; e < grid.element_count(); ++e) {
+      const Eigen::Vector3d lower = grid.nodes().col(elements_(0, e));
+      for (int point = 0; point < 27; ++point) {
+        const Eigen::Vector3d at(kGaussShare[point % 3], kGaussShare[point / 3 % 3],
+                                 kGaussShare[point / 9]);
+        if (!region.box.contains(lower + at.cwiseProduct(grid.element_size()))) continue;
+        stiffness_(point, e) = region.young_modulus / material_.young_modulus();
+        found = true;
+      }
+    }
+    if (!found) throw std::invalid_argument("plant: a region of the material holds no point");
   }
 }
 
@@ -126,27 +146,36 @@ double NeoHookeanSolid::first_piola(const Gradients& F, Gradients& P) const noex
 
 void NeoHookeanSolid::add_viscous_stress(const Gradients& F, const Gradients& F_rate,
                                          Gradients& P) const noexcept {
-  for (int point = 0; point < kPoints; ++point) {
-    Eigen::Matrix3d f, rate;
-    for (int j = 0; j < 3; ++j) {
-      f.col(j) = F.row(j * kPoints + point).transpose();
-      rate.col(j) = F_rate.row(j * kPoints + point).transpose();
-    }
-    const Eigen::Matrix3d half = f.transpose() * rate;
+  for (int point = 0; point < kGaussPoints; ++point) {
+    const Eigen::Matrix3d f = tensor_at(F, point);
+    const Eigen::Matrix3d half = f.transpose() * tensor_at(F_rate, point);
     const Eigen::Matrix3d stress = viscosity_ * f * (half + half.transpose());
     for (int j = 0; j < 3; ++j) P.row(j * kPoints + point) += stress.col(j).transpose();
   }
 }
 
 double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
-                                   const Eigen::Matrix3Xd& velocities,
-                                   Eigen::Matrix3Xd& forces) const noexcept {
+                                   const Eigen::Matrix3Xd& velocities, double h,
+                                   Eigen::Matrix3Xd& forces) noexcept {
+  maxwell_.set_step(h);
   double stiffening = 1;
   for (int e = 0; e < elements_.cols(); ++e) {
     Gradients F, P;
     const Corners corners = gather(positions, e);
     multiply<kGradients, 27, kNodes, 12>(gradients_.data(), corners.data(), F.data());
-    stiffening = std::max(stiffening, first_piola(F, P));
+    if (yield_.empty()) {
+      stiffening = std::max(stiffening, first_piola(F, P));
+    } else {
+      Gradients elastic = F;
+      const double plastic = yield_.flow(e, elastic);
+      stiffening = std::max(stiffening, plastic * first_piola(elastic, P));
+      yield_.pull_back(e, P);
+    }
+    if (!maxwell_.empty()) stiffening = std::max(stiffening, maxwell_.add_stress(e, F, P));
+    if (stiffness_.size() > 0) {
+      for (int j = 0; j < 3; ++j)
+        P.middleRows<kPoints>(j * kPoints).array().colwise() *= stiffness_.col(e);
+    }
     if (viscosity_ > 0) {
       Gradients F_rate;
       const Corners rates = gather(velocities, e);
@@ -168,14 +197,16 @@ double NeoHookeanSolid::energy(const Eigen::Matrix3Xd& positions) const noexcept
     Gradients F;
     const Corners corners = gather(positions, e);
     multiply<kGradients, 27, kNodes, 12>(gradients_.data(), corners.data(), F.data());
-    for (int point = 0; point < 27; ++point) {
-      Eigen::Matrix3d f;
-      for (int j = 0; j < 3; ++j) f.col(j) = F.row(j * kPoints + point).transpose();
+    if (!yield_.empty()) yield_.take_out(e, F);
+    for (int point = 0; point < kGaussPoints; ++point) {
+      const Eigen::Matrix3d f = tensor_at(F, point);
       const double J = f.col(0).dot(f.col(1).cross(f.col(2)));
       const double guarded = std::max(J, kLeastVolumeRatio);
       const double log_J = std::log(guarded) + (J - guarded) / guarded;
-      total += weights_[point] *
-               (0.5 * mu * (f.squaredNorm() - 3) - mu * log_J + 0.5 * lambda * log_J * log_J);
+      const double stiffness = stiffness_.size() > 0 ? stiffness_(point, e) : 1;
+      const double elastic =
+          0.5 * mu * (f.squaredNorm() - 3) - mu * log_J + 0.5 * lambda * log_J * log_J;
+      total += weights_[point] * stiffness * (elastic + maxwell_.energy_density(e, point));
     }
   }
   return total;

@@ -1,18 +1,30 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
+#include <vector>
 
+#include "sim/object/element_gradients.hpp"
 #include "sim/object/hexahedral_grid.hpp"
+#include "sim/object/j2_yield.hpp"
+#include "sim/object/maxwell_branches.hpp"
+#include "sim/object/neo_hookean.hpp"
 
 namespace palpate::object {
 
-/// Elastic constants of the plant.
-struct NeoHookean {
-  double shear_modulus = 0;  // mu, Pa
-  double lame = 0;           // lambda, Pa
+/// A part of the object of another stiffness. Where boxes overlap the last one counts.
+struct ModulusRegion {
+  Box box;                   // in O, at rest
+  double young_modulus = 0;  // Pa; Poisson's ratio and yield strain stay the object's own
+};
 
-  /// Throws std::invalid_argument unless E > 0 and 0 <= nu < 0.5.
-  static NeoHookean from_young(double young_modulus, double poisson_ratio);
+/// What the solid is made of.
+struct SolidOptions {
+  NeoHookean material;
+  double viscosity = 0;  // Pa s, Kelvin-Voigt
+  std::vector<MaxwellBranch> maxwell = {};
+  std::optional<Yield> yield = std::nullopt;
+  std::vector<ModulusRegion> regions = {};
 };
 
 /// Stored energy and nodal forces of a compressible Neo-Hookean solid on a hexahedral grid.
@@ -23,47 +35,54 @@ struct NeoHookean {
 /// energy and force stay finite, consistent with each other and restoring for any F, inverted ones
 /// too. 3 x 3 x 3 Gauss points; all elements are equal boxes, so one set of gradients serves all.
 ///
-/// Optional viscosity: second Piola-Kirchhoff stress eta dC/dt, zero in any rigid motion.
+/// Optional: second Piola-Kirchhoff stress eta dC/dt (Kelvin-Voigt), zero in any rigid motion;
+/// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, seen by the
+/// Gauss points within it, which scales all but eta.
 class NeoHookeanSolid {
  public:
   /// Volume ratio below which log J is continued linearly.
   static constexpr double kLeastVolumeRatio = 0.2;
 
-  /// viscosity: eta, Pa s.
-  NeoHookeanSolid(const HexahedralGrid& grid, const NeoHookean& material, double viscosity);
+  /// Throws std::invalid_argument.
+  NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions& options);
 
-  /// Adds to `forces` (3 x node count, N) minus the derivative of the energy by `positions`, and
-  /// the viscous forces where there is a viscosity. Returns how much stiffer than at rest the most
-  /// compressed point is: an estimate, at least 1, of the growth of the greatest eigenvalue of the
-  /// tangent stiffness.
-  double add_forces(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities,
-                    Eigen::Matrix3Xd& forces) const noexcept;
+  /// Moves on to `positions`, reached `h` s after the last ones seen (0: a sudden jump, infinity:
+  /// all relaxed; only Maxwell branches care), and adds the nodal forces (3 x node count, N) there:
+  /// minus the derivative of the energy, and what is viscous. Returns how much stiffer than at rest
+  /// the most deformed point is: an estimate, at least 1, of the growth of the greatest eigenvalue
+  /// of the tangent stiffness.
+  double add_forces(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities, double h,
+                    Eigen::Matrix3Xd& forces) noexcept;
 
-  /// Stored energy, J.
+  /// Stored energy, J, of the elastic part at `positions` and of the branches as last seen.
   double energy(const Eigen::Matrix3Xd& positions) const noexcept;
 
   double viscosity() const { return viscosity_; }
+  double greatest_plastic_strain() const { return yield_.greatest_strain(); }
 
  private:
-  // Gauss points are padded to a multiple of four with a copy of the first one of weight zero, and
-  // so are nodes, so that every loop over them fills whole vector registers.
-  static constexpr int kPoints = 28;
+  // Nodes are padded to a multiple of four as Gauss points are.
+  static constexpr int kPoints = kPaddedPoints;
   static constexpr int kNodes = 28;
   static constexpr int kGradients = 3 * kPoints;  // row: axis * kPoints + point
 
   using Corners = Eigen::Matrix<double, kNodes, 3>;
-  using Gradients = Eigen::Matrix<double, kGradients, 3>;  // column i, row (j, point): A_ij(point)
+  using Gradients = ElementGradients;
 
   Corners gather(const Eigen::Matrix3Xd& values, int element) const noexcept;
   double first_piola(const Gradients& F, Gradients& P) const noexcept;
   void add_viscous_stress(const Gradients& F, const Gradients& F_rate, Gradients& P) const noexcept;
+  void find_stiffness(const HexahedralGrid& grid, const std::vector<ModulusRegion>& regions);
 
   NeoHookean material_;
   double viscosity_;
   Eigen::MatrixXi elements_;
-  Eigen::Matrix<double, kGradients, 27> gradients_;       // d shape / d rest coordinate
-  Eigen::Matrix<double, kNodes, kGradients> divergence_;  // its transpose times minus the weight
-  Eigen::Array<double, kPoints, 1> weights_;              // Gauss weight times rest volume, m^3
+  MaxwellBranches maxwell_;
+  J2Yield yield_;
+  Eigen::Array<double, kPoints, Eigen::Dynamic> stiffness_;  // relative, by point; empty: all 1
+  Eigen::Matrix<double, kGradients, 27> gradients_;          // d shape / d rest coordinate
+  Eigen::Matrix<double, kNodes, kGradients> divergence_;     // its transpose times minus the weight
+  Eigen::Array<double, kPoints, 1> weights_;                 // Gauss weight times rest volume, m^3
 };
 
 }  // namespace palpate::object

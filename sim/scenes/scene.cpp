@@ -22,6 +22,42 @@ void read_bus(const config::Node& node, BusUrls& bus) {
   bus.pictures = node.text("pictures", bus.pictures);
 }
 
+object::GraspOptions read_grasp(const config::Node& node) {
+  object::GraspOptions grasp;
+  grasp.patch = read_box(node.child("grasp_box"));
+  const config::Node pads = node.child_or_empty("pads");
+  grasp.stiffness = pads.number("stiffness", {1, 1e7}, grasp.stiffness);
+  grasp.damping = pads.number("damping", {0, 1e4}, grasp.damping);
+  grasp.friction = pads.number("friction", {0, 10}, grasp.friction);
+  if (pads.has("grip")) grasp.grip = pads.number("grip", {0, 1e4});
+  if (pads.has("pinch_axis")) {
+    const std::string axis = pads.choice("pinch_axis", {"x", "y", "z"});
+    grasp.pinch_axis = axis[0] - 'x';
+  }
+  return grasp;
+}
+
+void read_material(const config::Node& material, object::PlantOptions& plant) {
+  plant.young_modulus = material.number("young_modulus", {1, 1e9});
+  plant.poisson_ratio = material.number("poisson_ratio", {0, 0.49});
+  plant.density = material.number("density", {1, 2e4});
+  for (const config::Node& item : material.list("maxwell")) {
+    plant.maxwell.push_back({item.number("relative_modulus", {1e-6, 1e3}),
+                             item.number("relaxation_time", {1e-6, 1e6})});
+  }
+  if (material.has("yield")) {
+    const config::Node yield = material.child("yield");
+    plant.yield =
+        object::Yield{yield.number("stress", {1, 1e9}), yield.number("hardening", {0, 1e9}, 0)};
+  }
+  if (material.has("regions")) {
+    for (const config::Node& item : material.list("regions")) {
+      plant.regions.push_back(
+          {read_box(item.child("box")), item.number("young_modulus", {1, 1e9})});
+    }
+  }
+}
+
 void read_object(const config::Node& node, Scene& scene) {
   object::PlantOptions& plant = scene.plant;
   plant.size = node.vector3("size", {kSmallest, 100});
@@ -30,18 +66,12 @@ void read_object(const config::Node& node, Scene& scene) {
     if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");
     plant.elements[i] = static_cast<int>(elements[i]);
   }
-  const config::Node material = node.child("material");
-  plant.young_modulus = material.number("young_modulus", {1, 1e9});
-  plant.poisson_ratio = material.number("poisson_ratio", {0, 0.49});
-  plant.density = material.number("density", {1, 2e4});
+  read_material(node.child("material"), plant);
   plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
   plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
   scene.X_WO = node.pose("pose");
   plant.clamp = read_box(node.child("clamp_box"));
-  plant.grasp = read_box(node.child("grasp_box"));
-  const config::Node pads = node.child_or_empty("pads");
-  plant.pad_stiffness = pads.number("stiffness", {1, 1e7}, plant.pad_stiffness);
-  plant.pad_damping = pads.number("damping", {0, 1e4}, plant.pad_damping);
+  plant.grasps = {read_grasp(node)};
   scene.object_gravity = node.flag("gravity", true);
 }
 

@@ -23,7 +23,7 @@ std::unique_ptr<robot::Robot> make_robot(const config::Node& node, const Scene& 
 std::unique_ptr<object::HyperelasticPlant> make_plant(const config::Node& node, const Scene& scene,
                                                       const math::Pose& X_OG) {
   object::PlantOptions options = scene.plant;
-  options.X_OG_rest = X_OG;
+  options.grasps.front().X_OG_rest = X_OG;
   if (scene.object_gravity)
     options.gravity_O = scene.X_WO.linear().transpose() * scene.robot.gravity_W;
   try {

@@ -5,20 +5,12 @@
 #include <cmath>
 #include <random>
 
+#include "tests/unit/sim/object/plant_rig.hpp"
+
 namespace palpate::object {
 namespace {
 
 constexpr double kGravity = 9.81;
-
-Box face_x(double x) { return {{x, -1, -1}, {x, 1, 1}}; }
-
-PlantOptions small_free_block() {
-  PlantOptions options;
-  options.size = {0.10, 0.06, 0.05};
-  options.elements = {2, 1, 1};
-  options.mass_damping = 0;
-  return options;
-}
 
 PlantOptions bar() {
   PlantOptions options;
@@ -100,9 +92,9 @@ TEST(HyperelasticPlant, EnergyErrorFallsWithTheSquareOfTheStep) {
 TEST(HyperelasticPlant, CriticalStepDividesStableFromUnstable) {
   for (const double viscosity : {0.0, 3.0}) {
     PlantOptions options = small_free_block();
-    options.grasp = face_x(0.10);
-    options.pad_stiffness = 3e3;
-    options.pad_damping = 0;
+    options.grasps = {hold(face_x(0.10))};
+    options.grasps[0].stiffness = 3e3;
+    options.grasps[0].damping = 0;
     options.viscosity = viscosity;
     options.substeps = 1;
     HyperelasticPlant plant(options);
@@ -110,7 +102,7 @@ TEST(HyperelasticPlant, CriticalStepDividesStableFromUnstable) {
       const Eigen::Matrix3Xd noise = random_field(plant.rest_positions().cols(), 1e-9, 3);
       plant.set_state(plant.rest_positions() + noise, 0 * noise);
       for (int i = 0; i < 400; ++i)
-        plant.step(factor * plant.critical_step(), options.X_OG_rest, {});
+        plant.step(factor * plant.critical_step(), math::Pose::Identity(), {});
       const double motion = (plant.positions() - plant.rest_positions()).cwiseAbs().maxCoeff();
       // The bound for lagged damping adds the worst of two modes: safe, not sharp.
       if (factor < 1) {
@@ -163,12 +155,11 @@ TEST(HyperelasticPlant, SagsAsBeamTheorySaysAndTheClampBearsTheWeight) {
 
 TEST(HyperelasticPlant, HandAndClampBalanceTheWeight) {
   PlantOptions options = bar();
-  options.grasp = face_x(0.5);
-  options.X_OG_rest = hand_at_end();
+  options.grasps = {hold(face_x(0.5), hand_at_end())};
   options.gravity_O = {0, 0, -kGravity};
   HyperelasticPlant plant(options);
   EXPECT_TRUE(plant.settle(30, 1e-6).converged);
-  plant.step(1e-3, options.X_OG_rest, {});
+  plant.step(1e-3, hand_at_end(), {});
 
   const Eigen::VectorXd& masses = plant.nodal_masses();
   const Eigen::Vector3d weight = masses.sum() * options.gravity_O;
@@ -181,13 +172,13 @@ TEST(HyperelasticPlant, HandAndClampBalanceTheWeight) {
   EXPECT_GT(hand.force.z(), 0.3 * weight.norm());
   EXPECT_LT((hand.force + clamp.force + weight).norm(), 1e-4 * weight.norm());
   const Eigen::Vector3d torque =
-      hand.torque + options.X_OG_rest.translation().cross(hand.force) + clamp.torque;
+      hand.torque + hand_at_end().translation().cross(hand.force) + clamp.torque;
   EXPECT_LT((torque + weight_torque).norm(), 1e-4 * weight_torque.norm());
 }
 
 TEST(HyperelasticPlant, HandWrenchIsTheImpulseThatMovesAFreeBody) {
   PlantOptions options = small_free_block();
-  options.grasp = face_x(0.10);
+  options.grasps = {hold(face_x(0.10))};
   HyperelasticPlant plant(options);
   Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
   math::Pose X = math::Pose::Identity();
@@ -203,7 +194,7 @@ TEST(HyperelasticPlant, HandWrenchIsTheImpulseThatMovesAFreeBody) {
 
 TEST(HyperelasticPlant, FollowsTheHandRigidlyWhenFree) {
   PlantOptions options = small_free_block();
-  options.grasp = face_x(0.10);
+  options.grasps = {hold(face_x(0.10))};
   options.mass_damping = 5;
   options.viscosity = 1;
   HyperelasticPlant plant(options);
@@ -218,30 +209,28 @@ TEST(HyperelasticPlant, FollowsTheHandRigidlyWhenFree) {
 
 TEST(HyperelasticPlant, LetsGoAndTakesHoldWithoutAJump) {
   PlantOptions options = bar();
-  options.grasp = face_x(0.5);
-  options.X_OG_rest = hand_at_end();
+  options.grasps = {hold(face_x(0.5), hand_at_end())};
   options.gravity_O = {0, 0, -kGravity};
   HyperelasticPlant plant(options);
   plant.settle(30, 1e-5);
   plant.set_grasped(false);
-  for (int i = 0; i < 300; ++i) plant.step(1e-3, options.X_OG_rest, {});
+  for (int i = 0; i < 300; ++i) plant.step(1e-3, hand_at_end(), {});
   EXPECT_EQ(plant.hand_wrench().force.norm(), 0);
   EXPECT_LT(plant.position_at({0.5, 0.03, 0.03}).z(), 0.02);  // it falls
   plant.settle(60, 1e-5);
   const Eigen::Matrix3Xd hanging = plant.positions();
   plant.set_grasped(true);
-  for (int i = 0; i < 100; ++i) plant.step(1e-3, options.X_OG_rest, {});
+  for (int i = 0; i < 100; ++i) plant.step(1e-3, hand_at_end(), {});
   EXPECT_LT((plant.positions() - hanging).cwiseAbs().maxCoeff(), 1e-4);
 }
 
 TEST(HyperelasticPlant, RunsAreBitEqual) {
   PlantOptions options = bar();
-  options.grasp = face_x(0.5);
-  options.X_OG_rest = hand_at_end();
+  options.grasps = {hold(face_x(0.5), hand_at_end())};
   options.gravity_O = {0, 0, -kGravity};
   const auto run = [&options] {
     HyperelasticPlant plant(options);
-    math::Pose X = options.X_OG_rest;
+    math::Pose X = hand_at_end();
     for (int i = 0; i < 200; ++i) {
       X.translation().x() -= 1e-4;
       plant.step(1e-3, X, {{-0.1, 0, 0}, Eigen::Vector3d::Zero()});
@@ -278,7 +267,7 @@ TEST(HyperelasticPlant, RefusesNonsense) {
   refuses([](PlantOptions& o) { o.poisson_ratio = 0.5; });
   refuses([](PlantOptions& o) { o.density = std::nan(""); });
   refuses([](PlantOptions& o) { o.clamp = face_x(0.011); });
-  refuses([](PlantOptions& o) { o.grasp = face_x(9); });
+  refuses([](PlantOptions& o) { o.grasps = {hold(face_x(9))}; });
   refuses([](PlantOptions& o) { o.substeps = -1; });
 }
 

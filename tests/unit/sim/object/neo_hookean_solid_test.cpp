@@ -14,14 +14,14 @@ const Eigen::Vector3d kSize(0.12, 0.06, 0.05);
 
 HexahedralGrid block() { return {Eigen::Vector3d(0.1, -0.2, 0.3), kSize, {3, 2, 1}}; }
 
-Eigen::Matrix3Xd forces(const NeoHookeanSolid& solid, const Eigen::Matrix3Xd& positions,
+Eigen::Matrix3Xd forces(NeoHookeanSolid solid, const Eigen::Matrix3Xd& positions,
                         const Eigen::Matrix3Xd& velocities) {
   Eigen::Matrix3Xd f = Eigen::Matrix3Xd::Zero(3, positions.cols());
-  solid.add_forces(positions, velocities, f);
+  solid.add_forces(positions, velocities, 0, f);
   return f;
 }
 
-Eigen::Matrix3Xd forces(const NeoHookeanSolid& solid, const Eigen::Matrix3Xd& positions) {
+Eigen::Matrix3Xd forces(NeoHookeanSolid solid, const Eigen::Matrix3Xd& positions) {
   return forces(solid, positions, 0 * positions);
 }
 
@@ -35,7 +35,7 @@ Eigen::Matrix3Xd random_field(Eigen::Index n, double size) {
 
 TEST(NeoHookeanSolid, RigidMotionNeedsNoForce) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 2.0);
+  const NeoHookeanSolid solid(grid, {kFoam, 2.0});
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
   const Eigen::Matrix3Xd moved = (R * grid.nodes()).colwise() + Eigen::Vector3d(1, 2, 3);
@@ -51,7 +51,7 @@ TEST(NeoHookeanSolid, RigidMotionNeedsNoForce) {
 
 TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 0);
+  const NeoHookeanSolid solid(grid, {kFoam, 0});
   // The larger disturbance turns elements inside out, past the guard of the logarithm.
   for (const double size : {0.002, 0.03}) {
     const Eigen::Matrix3Xd x = grid.nodes() + random_field(grid.node_count(), size);
@@ -74,7 +74,7 @@ TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
 
 TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 0);
+  const NeoHookeanSolid solid(grid, {kFoam, 0});
   Eigen::Matrix3d F;
   F << 1.2, 0.1, -0.05, 0.02, 0.9, 0.15, 0.1, -0.03, 1.1;
   const Eigen::Matrix3Xd f = forces(solid, F * grid.nodes());
@@ -93,7 +93,7 @@ TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
 
 TEST(NeoHookeanSolid, UniaxialStressFollowsTheClosedForm) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 0);
+  const NeoHookeanSolid solid(grid, {kFoam, 0});
   const double mu = kFoam.shear_modulus;
   const double lambda = kFoam.lame;
   for (const double s : {0.6, 0.9, 1.3, 2.0}) {
@@ -114,7 +114,7 @@ TEST(NeoHookeanSolid, UniaxialStressFollowsTheClosedForm) {
 
 TEST(NeoHookeanSolid, SmallStrainModulusIsYoungs) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 0);
+  const NeoHookeanSolid solid(grid, {kFoam, 0});
   const double strain = 1e-6;
   const Eigen::Vector3d stretch(1 + strain, 1 - 0.3 * strain, 1 - 0.3 * strain);
   const double energy = solid.energy(stretch.asDiagonal() * grid.nodes());
@@ -123,8 +123,8 @@ TEST(NeoHookeanSolid, SmallStrainModulusIsYoungs) {
 
 TEST(NeoHookeanSolid, ViscosityTakesEnergyOut) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid elastic(grid, kFoam, 0);
-  const NeoHookeanSolid viscous(grid, kFoam, 3.0);
+  const NeoHookeanSolid elastic(grid, {kFoam, 0});
+  const NeoHookeanSolid viscous(grid, {kFoam, 3.0});
   const Eigen::Matrix3Xd x = grid.nodes() + random_field(grid.node_count(), 0.002);
   // Shear at rate g: power eta g^2 per volume (dC/dt = g (e1 e2' + e2 e1') at rest).
   Eigen::Matrix3Xd shearing = Eigen::Matrix3Xd::Zero(3, grid.node_count());
@@ -137,19 +137,19 @@ TEST(NeoHookeanSolid, ViscosityTakesEnergyOut) {
 
 TEST(NeoHookeanSolid, StiffeningMatchesTheTangentOfASqueezedBlock) {
   const HexahedralGrid grid = block();
-  const NeoHookeanSolid solid(grid, kFoam, 0);
+  NeoHookeanSolid solid(grid, {kFoam, 0});
   Eigen::Matrix3Xd scratch = Eigen::Matrix3Xd::Zero(3, grid.node_count());
   const double s = 0.6;
   Eigen::Matrix3Xd x = grid.nodes();
   x.row(0) *= s;
-  const double stiffening = solid.add_forces(x, 0 * x, scratch);
+  const double stiffening = solid.add_forces(x, 0 * x, 0, scratch);
   // d2 Psi / ds2 for F = diag(s, 1, 1).
   const double psi[3] = {solid.energy(Eigen::Vector3d(s - 1e-4, 1, 1).asDiagonal() * grid.nodes()),
                          solid.energy(x),
                          solid.energy(Eigen::Vector3d(s + 1e-4, 1, 1).asDiagonal() * grid.nodes())};
   const double modulus = (psi[0] - 2 * psi[1] + psi[2]) / 1e-8 / kSize.prod();
   EXPECT_NEAR(stiffening, modulus / (2 * kFoam.shear_modulus + kFoam.lame), 1e-4);
-  EXPECT_NEAR(solid.add_forces(grid.nodes(), 0 * x, scratch), 1, 1e-12);
+  EXPECT_NEAR(solid.add_forces(grid.nodes(), 0 * x, 0, scratch), 1, 1e-12);
 }
 
 }  // namespace

@@ -31,7 +31,7 @@ TEST(Scene, SixPosesAndControlShareArmAndObject) {
   EXPECT_TRUE(poses.X_EG.isApprox(control.X_EG));
   EXPECT_EQ(poses.plant.size, control.plant.size);
   EXPECT_EQ(poses.plant.young_modulus, 30e3);
-  EXPECT_EQ(poses.plant.pad_stiffness, control.plant.pad_stiffness);
+  EXPECT_EQ(poses.plant.grasps[0].stiffness, control.plant.grasps[0].stiffness);
   EXPECT_TRUE(poses.object_gravity);
   EXPECT_EQ(poses.bus.control, BusUrls().control);
   EXPECT_EQ(poses.bus.housekeeping, BusUrls().housekeeping);
@@ -42,17 +42,40 @@ TEST(Scene, OverridesReachTheModel) {
   const Scene s = read(kSixPoses, {"object.pads.stiffness=3e3", "seed=7",
                                    "sensors.force_torque.bias=[0.05, 0, 0, 0, 0, 0]",
                                    "motion.poses.5.move=4", "object.gravity=false"});
-  EXPECT_EQ(s.plant.pad_stiffness, 3e3);
+  EXPECT_EQ(s.plant.grasps[0].stiffness, 3e3);
   EXPECT_EQ(s.seed, 7u);
   EXPECT_EQ(s.sensors.force_torque.bias(0), 0.05);
   EXPECT_EQ(s.motion->legs()[5].move, 4);
   EXPECT_FALSE(s.object_gravity);
 }
 
+TEST(Scene, MaterialMemoryAndGripReachThePlant) {
+  const Scene s = read(
+      kSixPoses, {"object.material.maxwell=[{relative_modulus: 0.5, relaxation_time: 0.2}]",
+                  "object.material.yield={stress: 500, hardening: 100}",
+                  "object.material.regions=[{box: {lower: [0, 0, 0], upper: [0.1, 1, 1]}, "
+                  "young_modulus: 6e4}]",
+                  "object.pads.grip=20", "object.pads.friction=0.6", "object.pads.pinch_axis=y"});
+  ASSERT_EQ(s.plant.maxwell.size(), 1u);
+  EXPECT_EQ(s.plant.maxwell[0].relative_modulus, 0.5);
+  EXPECT_EQ(s.plant.maxwell[0].relaxation_time, 0.2);
+  ASSERT_TRUE(s.plant.yield);
+  EXPECT_EQ(s.plant.yield->stress, 500);
+  EXPECT_EQ(s.plant.yield->hardening, 100);
+  ASSERT_EQ(s.plant.regions.size(), 1u);
+  EXPECT_EQ(s.plant.regions[0].young_modulus, 6e4);
+  EXPECT_EQ(s.plant.regions[0].box.upper.x(), 0.1);
+  ASSERT_EQ(s.plant.grasps.size(), 1u);
+  EXPECT_EQ(s.plant.grasps[0].grip, 20);
+  EXPECT_EQ(s.plant.grasps[0].friction, 0.6);
+  EXPECT_EQ(s.plant.grasps[0].pinch_axis, 1);
+}
+
 TEST(Scene, WrongScenesAreRefusedWithTheirKey) {
   for (const char* wrong :
        {"object.sizes=3", "object.size=[0.5, 0, 0.06]", "object.elements=[1.5, 1, 1]",
-        "object.material.poisson_ratio=0.5", "object.pads.stiffness=-1", "robot.speed=1",
+        "object.material.poisson_ratio=0.5", "object.pads.stiffness=-1", "object.pads.pinch_axis=w",
+        "object.material.maxwell=[{relative_modulus: 0, relaxation_time: 1}]", "robot.speed=1",
         "sensors.force_torque.rate=0", "sensors.force_torque.bias=[1]", "motion.poses.0.move=0",
         "motion.poses=[]", "object.pose={position: [0, 0, 0], quaternion: [1, 1, 0, 0]}"}) {
     const std::string key = std::string(wrong).substr(0, std::string(wrong).find('='));

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <array>
+#include <vector>
+
+#include "sim/object/hexahedral_grid.hpp"
+
+namespace palpate::object {
+
+/// A point of the object's surface that stands for a bit of it.
+struct SurfaceSample {
+  int face = 0;
+  Eigen::Matrix<double, 9, 1> weights;                 // of the face's nodes, adding up to one
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // now, in O, m
+  double area = 0;                                     // at rest, m^2
+};
+
+/// The biquadratic surface of the object, sampled evenly at the midpoints of small rest rectangles.
+class ContactSurface {
+ public:
+  ContactSurface() = default;
+
+  /// Samples are at most `spacing` (m) apart at rest. Throws std::invalid_argument unless > 0.
+  ContactSurface(const HexahedralGrid& grid, double spacing);
+
+  /// Calls visit(sample) for every sample within `reach` of `centre`. Complete while no line of the
+  /// surface is stretched by more than kMostStretch.
+  template <class Visit>
+  void for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre, double reach,
+                     const Visit& visit) const noexcept;
+
+  int face_count() const { return static_cast<int>(faces_.cols()); }
+  int node(int face, int corner) const { return faces_(corner, face); }
+
+  /// sum |weights| is never more: the square of the Lebesgue constant of three even nodes.
+  static constexpr double kWeightSum = 1.5625;
+  static constexpr double kMostStretch = 2;
+
+ private:
+  static constexpr int kCell = 4;  // samples along a side of the squares that are passed over whole
+
+  using Corners = Eigen::Matrix<double, 3, 9>;
+  using Lines = std::vector<std::array<double, 3>>;  // shape functions of the nodes along one axis
+
+  /// The quadratic curve across the face at one place along v: its nodes' positions by column.
+  static Eigen::Matrix3d line(const Corners& corners,
+                              const std::array<double, 3>& along_v) noexcept {
+    return along_v[0] * corners.leftCols<3>() + along_v[1] * corners.middleCols<3>(3) +
+           along_v[2] * corners.rightCols<3>();
+  }
+  static Eigen::Vector3d along(const Eigen::Matrix3d& line,
+                               const std::array<double, 3>& along_u) noexcept {
+    return along_u[0] * line.col(0) + along_u[1] * line.col(1) + along_u[2] * line.col(2);
+  }
+  template <class Visit>
+  void visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
+                  const Eigen::Vector3d& centre, double reach, const Visit& visit) const noexcept;
+  bool may_touch(const Corners& corners, const Eigen::Vector3d& centre,
+                 double reach) const noexcept;
+
+  Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;
+  std::vector<int> axes_;                // that each face lies across
+  std::array<Lines, 3> samples_;         // along each axis of an element
+  std::array<Lines, 3> cells_;           // at the middle of every kCell of them
+  std::array<double, 3> cell_radius_{};  // of a cell on faces across each axis, at rest, m
+  std::array<double, 3> sample_area_{};  // m^2
+};
+
+template <class Visit>
+void ContactSurface::visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
+                                const Eigen::Vector3d& centre, double reach,
+                                const Visit& visit) const noexcept {
+  const int axis = axes_[face];
+  const auto& across_u = samples_[(axis + 1) % 3];
+  const auto& across_v = samples_[(axis + 2) % 3];
+  SurfaceSample sample;
+  sample.face = face;
+  sample.area = sample_area_[axis];
+  for (std::size_t j = kCell * cv; j < kCell * (cv + 1); ++j) {
+    const Eigen::Matrix3d curve = line(corners, across_v[j]);
+    for (std::size_t i = kCell * cu; i < kCell * (cu + 1); ++i) {
+      sample.position = along(curve, across_u[i]);
+      if ((sample.position - centre).squaredNorm() > reach * reach) continue;
+      for (int b = 0; b < 9; ++b) sample.weights[b] = across_u[i][b % 3] * across_v[j][b / 3];
+      visit(sample);
+    }
+  }
+}
+
+template <class Visit>
+void ContactSurface::for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre,
+                                   double reach, const Visit& visit) const noexcept {
+  for (int f = 0; f < face_count(); ++f) {
+    Corners corners;
+    for (int b = 0; b < 9; ++b) corners.col(b) = positions.col(faces_(b, f));
+    if (!may_touch(corners, centre, reach)) continue;
+    const int axis = axes_[f];
+    const auto& across_u = cells_[(axis + 1) % 3];
+    const auto& across_v = cells_[(axis + 2) % 3];
+    const double cell_reach = reach + kMostStretch * cell_radius_[axis];
+    for (std::size_t cv = 0; cv < across_v.size(); ++cv) {
+      const Eigen::Matrix3d curve = line(corners, across_v[cv]);
+      for (std::size_t cu = 0; cu < across_u.size(); ++cu) {
+        if ((along(curve, across_u[cu]) - centre).squaredNorm() <= cell_reach * cell_reach)
+          visit_cell(corners, f, cu, cv, centre, reach, visit);
+      }
+    }
+  }
+}
+
+}  // namespace palpate::object

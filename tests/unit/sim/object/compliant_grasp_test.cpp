@@ -1,0 +1,157 @@
+#include "sim/object/compliant_grasp.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/unit/sim/object/plant_rig.hpp"
+
+namespace palpate::object {
+namespace {
+
+constexpr double kGrip = 2, kFriction = 0.5;  // N: it bears 1 N
+
+PlantOptions pinched_block() {
+  PlantOptions options = small_free_block();
+  options.young_modulus = 300e3;
+  options.poisson_ratio = 0;
+  options.mass_damping = 20;
+  GraspOptions grasp = hold({{0, 0, 0}, {0.10, 0.06, 0.05}});
+  grasp.pinch_axis = 1;
+  grasp.grip = kGrip;
+  grasp.friction = kFriction;
+  grasp.damping = 5;
+  options.grasps = {grasp};
+  return options;
+}
+
+/// Pulls all of it evenly with a force that grows from one value to another.
+void ramp(HyperelasticPlant& plant, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
+          int milliseconds) {
+  const Eigen::VectorXd shares = plant.nodal_masses() / plant.nodal_masses().sum();
+  for (int i = 1; i <= milliseconds; ++i) {
+    const Eigen::Vector3d force = from + (to - from) * i / milliseconds;
+    plant.clear_forces();
+    for (int n = 0; n < shares.size(); ++n)
+      plant.add_force(plant.locate(plant.rest_positions().col(n)), shares[n] * force);
+    plant.step(1e-3);
+  }
+}
+
+TEST(CompliantGrasp, SlipsWhenOverloadedAndNotBefore) {
+  for (const Eigen::Vector3d& along :
+       {Eigen::Vector3d(-1, 0, 0), Eigen::Vector3d(0, 0, 1), Eigen::Vector3d(-0.6, 0, 0.8)}) {
+    HyperelasticPlant plant(pinched_block());
+    ramp(plant, Eigen::Vector3d::Zero(), 0.97 * along, 1000);
+    ramp(plant, 0.97 * along, 0.97 * along, 300);
+    EXPECT_LT(plant.grasp().slip().share, 1);
+    EXPECT_NEAR(plant.hand_wrench().force.dot(along), -0.97, 1e-3);
+    const double held = plant.grasp().slip().distance;
+    EXPECT_LT(held, 2e-4);  // a little, where the load comes in
+    ramp(plant, 0.97 * along, 0.97 * along, 300);
+    EXPECT_NEAR(plant.grasp().slip().distance, held, 1e-6);
+
+    ramp(plant, 0.97 * along, 1.05 * along, 80);
+    ramp(plant, 1.05 * along, 1.05 * along, 400);
+    EXPECT_EQ(plant.grasp().slip().share, 1);
+    EXPECT_GT(plant.grasp().slip().distance, 0.02);
+    EXPECT_NEAR(plant.hand_wrench().force.norm(), kGrip * kFriction, 0.002);
+  }
+}
+
+TEST(CompliantGrasp, SlippedDistanceIsTheWayTheObjectWent) {
+  HyperelasticPlant plant(pinched_block());
+  const Eigen::VectorXd shares = plant.nodal_masses() / plant.nodal_masses().sum();
+  math::Pose X = math::Pose::Identity();
+  // The hand is torn off along x; inertia holds the block back.
+  for (int i = 0; i < 200; ++i) {
+    X.translation().x() += 2e-3;
+    plant.step(1e-3, X, {{2, 0, 0}, Eigen::Vector3d::Zero()});
+  }
+  const double moved =
+      plant.positions().row(0).dot(shares) - plant.rest_positions().row(0).dot(shares);
+  EXPECT_EQ(plant.grasp().slip().share, 0);  // it has caught up
+  // But for what the springs gave before they slipped.
+  EXPECT_NEAR(plant.grasp().slip().distance, X.translation().x() - moved, 2e-3);
+  EXPECT_GT(plant.grasp().slip().distance, 0.01);
+}
+
+TEST(CompliantGrasp, EveryPadStaysWithinItsCone) {
+  HyperelasticPlant plant(pinched_block());
+  math::Pose X = math::Pose::Identity();
+  bool slipped = false;
+  for (int i = 0; i < 300; ++i) {
+    const math::Twist V{{0.3 * std::cos(0.05 * i), 0.05, 0.2 * std::sin(0.03 * i)}, {1, 0, 2}};
+    X.translation() += 1e-3 * V.linear;
+    X.linear() = math::exp_rotation(1e-3 * V.angular) * X.linear();
+    plant.step(1e-3, X, V);
+    for (const auto& pad : plant.grasp().pads()) {
+      const Eigen::Vector3d n = X.linear() * pad.normal_G;
+      const double pull = n.dot(pad.force_O);
+      const double along = (pad.force_O - pull * n).norm();
+      EXPECT_LE(pull, pad.grip * (1 + 1e-9));
+      EXPECT_LE(along, kFriction * std::max(0.0, pad.grip - pull) + 1e-9);
+      slipped = slipped || pad.slipping;
+    }
+  }
+  EXPECT_TRUE(slipped);
+}
+
+TEST(CompliantGrasp, SlippingHandsImpulseIsTheMomentumOfAFreeBody) {
+  PlantOptions options = pinched_block();
+  options.mass_damping = 0;
+  HyperelasticPlant plant(options);
+  Eigen::Vector3d impulse = Eigen::Vector3d::Zero();
+  math::Pose X = math::Pose::Identity();
+  double most_slipped = 0;
+  for (int i = 0; i < 100; ++i) {
+    X.translation().x() += 1e-3;
+    plant.step(1e-3, X, {{1, 0, 0}, Eigen::Vector3d::Zero()});
+    impulse += 1e-3 * plant.hand_wrench().force;
+    most_slipped = plant.grasp().slip().greatest;
+  }
+  EXPECT_GT(most_slipped, 1e-4);
+  EXPECT_LT((plant.linear_momentum() - impulse).norm(), 1e-9 * impulse.norm());
+}
+
+TEST(CompliantGrasp, TwoHandsPullAgainstEachOther) {
+  PlantOptions options = small_free_block();
+  options.mass_damping = 20;
+  options.grasps = {hold(face_x(0)), hold(face_x(0.10))};
+  HyperelasticPlant plant(options);
+  math::Pose X = math::Pose::Identity();
+  for (int i = 0; i < 500; ++i) {
+    X.translation().x() += 1e-5;
+    plant.move_hand(1, X, {{1e-2, 0, 0}, Eigen::Vector3d::Zero()});
+    plant.step(1e-3);
+  }
+  EXPECT_TRUE(plant.settle(10, 1e-6).converged);
+  const double force = plant.hand_wrench(1).force.x();
+  EXPECT_NEAR(plant.hand_wrench(0).force.x(), -force, 1e-5 * force);
+  // Between uniaxial stress and uniaxial strain, as the pads hold the ends' sides too.
+  const double strain = 0.05, area = 0.06 * 0.05;
+  EXPECT_GT(force, 0.9 * 30e3 * strain * area);
+  EXPECT_LT(force, 1.35 * 30e3 * strain * area);
+  plant.set_grasped(false, 1);
+  EXPECT_FALSE(plant.grasped(1));
+  EXPECT_TRUE(plant.grasped(0));
+  EXPECT_TRUE(plant.settle(10, 1e-6).converged);
+  EXPECT_NEAR(plant.hand_wrench(0).force.norm(), 0, 1e-6);
+}
+
+TEST(CompliantGrasp, RefusesNonsense) {
+  const auto refuses = [](auto change) {
+    PlantOptions options = pinched_block();
+    change(options);
+    EXPECT_THROW(HyperelasticPlant{options}, std::invalid_argument);
+  };
+  refuses([](PlantOptions& o) { o.grasps[0].stiffness = 0; });
+  refuses([](PlantOptions& o) { o.grasps[0].damping = -1; });
+  refuses([](PlantOptions& o) { o.grasps[0].grip = -1; });
+  refuses([](PlantOptions& o) { o.grasps[0].friction = std::nan(""); });
+  refuses([](PlantOptions& o) { o.grasps[0].pinch_axis = 3; });
+  refuses([](PlantOptions& o) { o.grasps.resize(3, o.grasps[0]); });
+}
+
+}  // namespace
+}  // namespace palpate::object
