@@ -38,7 +38,7 @@ struct SolverOptions {
   double (*clock)() = nullptr;
   // Shares a step's work; without one it is the calling thread's alone. Its size, but nothing else
   // of it, decides the order of sums and so the last bits.
-  std::shared_ptr<math::Team> team;
+  std::shared_ptr<math::Team> team = nullptr;
 };
 
 /// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the last
