@@ -99,6 +99,7 @@ void CorotationalModel::reset() noexcept {
   x_ = rest_;
   v_.setZero();
   surprise_.setZero();
+  reach_ = kFar;
   loads_.setZero();
   forces_.setZero();
   elastic_ = 0;

@@ -255,25 +255,31 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
     x_trial_ = x_;
     forces_trial_ = forces_;
 
+    // A tangent close to singular asks for enormous moves, again and again: whoever has failed
+    // starts with shorter ones.
+    const double longest = std::min(1.0, reach_ / size);
     bool accepted = false;
-    double alpha = 1, next = energy, next_residual = report.residual;
-    for (int halving = 0; halving <= options_.halvings && !accepted; ++halving, alpha *= 0.5) {
-      add_correction(x_trial_, alpha);
+    double share = longest, next = energy, next_residual = report.residual;
+    for (int halving = 0; halving <= options_.halvings; ++halving, share *= 0.5) {
+      add_correction(x_trial_, share);
       next = evaluate();
       next_residual = residual();
       // Near the minimum rounding hides the energy's fall, and slopes tell it: along a parabola it
       // is their mean (the approximate Wolfe condition of Hager and Zhang 2005).
       const double rounding = rounding_ * (std::abs(energy) + std::abs(next));
-      accepted = next <= energy + 1e-4 * alpha * slope_begin ||
+      accepted = next <= energy + 1e-4 * share * slope_begin ||
                  (std::abs(next - energy) <= rounding && slope() < -0.9 * slope_begin);
+      if (accepted) break;
     }
     if (!accepted) {
+      reach_ = share * size;
       x_ = x_trial_;
       evaluate();
       secants_.clear();
       wanted_ = true;
       break;
     }
+    reach_ = longest < 1 ? 4 * share * size : kFar;
     if (next_residual > options_.tolerance &&
         next_residual > options_.contraction * report.residual) {
       wanted_ = true;
@@ -282,7 +288,7 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
     if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
-    last_size = alpha == 0.5 ? size : 0;  // halved once more after success
+    last_size = share == 1 ? size : 0;
     settled = is_last || next_residual <= options_.tolerance;
   }
   report.status = settled ? StepStatus::kConverged : StepStatus::kNotConverged;

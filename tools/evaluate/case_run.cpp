@@ -106,7 +106,9 @@ elasticity::StaticSolution solve(const CaseProblem& problem) {
 
 IncrementalRun run_incremental(const CaseProblem& problem, const Matrix3Xd& equilibrium, int ticks,
                                const elasticity::SolverOptions& options) {
-  elasticity::CorotationalQuasistatic model(problem.body, options);
+  elasticity::SolverOptions exact = options;
+  exact.accuracy = std::min(options.accuracy, 1e-9);  // where it comes to rest is compared
+  elasticity::CorotationalQuasistatic model(problem.body, exact);
   Stepper stepper(model, problem);
   for (int i = 1; i <= ticks; ++i) stepper.step(static_cast<double>(i) / ticks);
   IncrementalRun run;
@@ -125,6 +127,7 @@ DynamicRun run_dynamic(const CaseProblem& problem, const elasticity::StaticSolut
   body.damping = {run.mass_damping, options.stiffness_damping};
   elasticity::SolverOptions solver;
   solver.tolerance = 1e-9;  // what is left over in each step adds up until rest
+  solver.accuracy = 0;
   elasticity::CorotationalDynamic model(body, solver);
   Stepper stepper(model, problem);
   const double largest = farthest(equilibrium.positions, body.mesh.nodes);

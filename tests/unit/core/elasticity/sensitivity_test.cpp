@@ -263,7 +263,7 @@ struct LargeMotion {
 // sensitivity does not know and a refined one learns.
 TEST(SensitivityInTheLoop, ColumnsStayNearFreshOnesUnderALargeMotion) {
   SolverOptions plain, refined;
-  refined.refine = 3;
+  refined.refine = 12;
   struct Case {
     const SolverOptions& options;
     int delay;
