@@ -1,5 +1,6 @@
 #include "core/mesh/gmsh.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <set>
@@ -13,6 +14,9 @@ using Tag = std::pair<int, long>;  // dimension, number
 // Numbers of Gmsh's element types; the corners come first in both.
 bool is_triangle(long type) { return type == 2 || type == 9; }      // 3 or 6 nodes
 bool is_tetrahedron(long type) { return type == 4 || type == 11; }  // 4 or 10 nodes
+constexpr long kTenNodes = 11;
+// Edges of a 10-node tetrahedron in Gmsh's order of their nodes.
+constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}};
 
 class GmshReader {
  public:
@@ -51,6 +55,7 @@ class GmshReader {
   struct Element {
     std::array<long, 4> nodes;  // 3 or 4 node numbers of the file
     std::vector<long> groups;   // physical numbers
+    std::vector<long> middles;  // of the edges kEdges, of 10-node tetrahedra
   };
 
   void skip(const std::string& end) {
@@ -137,16 +142,20 @@ class GmshReader {
     }
   }
 
+  long node_number(int column) const {
+    const long number = reader_.integer(column);
+    if (nodes_.count(number) == 0) reader_.fail("there is no node " + std::to_string(number));
+    return number;
+  }
+
   /// The element on the present line, whose nodes start at a column.
   void add_element(long type, int first_column, const std::vector<long>& groups) {
     if (!is_triangle(type) && !is_tetrahedron(type)) return;
-    Element element{{}, groups};
+    Element element{{}, groups, {}};
     const int corners = is_triangle(type) ? 3 : 4;
-    for (int i = 0; i < corners; ++i) {
-      element.nodes[i] = reader_.integer(first_column + i);
-      if (nodes_.count(element.nodes[i]) == 0) {
-        reader_.fail("there is no node " + std::to_string(element.nodes[i]));
-      }
+    for (int i = 0; i < corners; ++i) element.nodes[i] = node_number(first_column + i);
+    for (int i = 0; i < 6 && type == kTenNodes; ++i) {
+      element.middles.push_back(node_number(first_column + 4 + i));
     }
     (is_triangle(type) ? triangles_ : tetrahedra_).push_back(std::move(element));
   }
@@ -208,6 +217,11 @@ class GmshReader {
     for (int t = 0; t < result.mesh.tetrahedron_count(); ++t) {
       const Element& element = tetrahedra_[t];
       for (int i = 0; i < 4; ++i) result.mesh.tetrahedra(i, t) = index.at(element.nodes[i]);
+      for (std::size_t i = 0; i < element.middles.size(); ++i) {
+        const int a = index.at(element.nodes[kEdges[i][0]]),
+                  b = index.at(element.nodes[kEdges[i][1]]);
+        result.middles[std::minmax(a, b)] = nodes_.at(element.middles[i]);
+      }
       for (const long number : element.groups) {
         Members& group = groups[name(3, number)];
         group.tetrahedra.push_back(t);

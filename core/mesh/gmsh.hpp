@@ -7,10 +7,11 @@
 
 namespace palpate::mesh {
 
-/// Reads Gmsh's ASCII .msh, versions 2.x and 4.1: tetrahedra (of 10-node ones the corners) and the
-/// physical groups of triangles and tetrahedra by name (by number where they have no name). Node
-/// numbers may have gaps; nodes that no tetrahedron uses are left out (Gmsh writes construction
-/// points). Lengths and orientation as in the file. `name` stands in errors. Throws ParseError.
+/// Reads Gmsh's ASCII .msh, versions 2.x and 4.1: tetrahedra (10-node ones as corners and middles
+/// of edges) and the physical groups of triangles and tetrahedra by name (by number where they have
+/// no name). Node numbers may have gaps; nodes that no tetrahedron uses are left out (Gmsh writes
+/// construction points). Lengths and orientation as in the file. `name` stands in errors. Throws
+/// ParseError.
 MeshWithGroups read_gmsh(std::istream& stream, const std::string& name);
 
 }  // namespace palpate::mesh

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/mesh/curved_sides.hpp"
 #include "core/mesh/tetrahedral_mesh.hpp"
 
 namespace palpate::mesh {
@@ -26,6 +27,7 @@ struct MeshGroup {
 struct MeshWithGroups {
   TetrahedralMesh mesh;
   std::map<std::string, MeshGroup> groups;
+  EdgeMiddles middles;  // of 10-node tetrahedra
 };
 
 /// Reads a text line by line into words, with the line number for errors. Empty lines and what

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 
 #include "core/mesh/gmsh.hpp"
 #include "core/mesh/tetgen.hpp"
@@ -38,7 +39,7 @@ mesh::MeshWithGroups read(const path& file) {
     const path node = path(file).replace_extension(".node");
     const path ele = path(file).replace_extension(".ele");
     std::ifstream nodes = open(node), elements = open(ele);
-    return {mesh::read_tetgen(nodes, node.string(), elements, ele.string()), {}};
+    return {mesh::read_tetgen(nodes, node.string(), elements, ele.string()), {}, {}};
   }
   throw Error(file.string() + ": unknown kind of mesh; allowed: .node, .ele, .msh, .veg");
 }
@@ -49,9 +50,12 @@ mesh::MeshWithGroups load_mesh_with_groups(const std::string& file) {
   try {
     mesh::MeshWithGroups result = read(file);
     mesh::orient(result.mesh);
+    mesh::keep_curved_volume(result.mesh, result.middles);
     return result;
   } catch (const mesh::ParseError& error) {
     throw Error(error.what());
+  } catch (const std::invalid_argument& error) {
+    throw Error(file + ": " + error.what());
   }
 }
 

@@ -194,6 +194,22 @@ TEST_P(Gmsh, CutAnywhereItIsRefused) {
 
 INSTANTIATE_TEST_SUITE_P(Versions, Gmsh, ::testing::Values(kGmsh2, kGmsh4));
 
+TEST(GmshTenNodes, MiddlesOfEdgesAreKept) {
+  std::string text =
+      "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n";
+  // Edges 12, 23, 31, 41, 43, 42.
+  text += "5 0.5 -1 0\n6 0.5 0.5 0\n7 0 0.5 0\n8 0 0 0.5\n9 0 0.5 0.5\n10 0.5 0 0.5\n$EndNodes\n";
+  text += "$Elements\n1\n1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+  const MeshWithGroups result = gmsh(text);
+  EXPECT_EQ(result.mesh.node_count(), 4);
+  ASSERT_EQ(result.middles.size(), 6u);
+  EXPECT_EQ(result.middles.at({0, 1}), Eigen::Vector3d(0.5, -1, 0));
+  EXPECT_EQ(result.middles.at({2, 3}), Eigen::Vector3d(0, 0.5, 0.5));
+  EXPECT_EQ(result.middles.at({1, 3}), Eigen::Vector3d(0.5, 0, 0.5));
+  text.replace(text.find("8 9 10\n"), 7, "8 9 11\n");
+  EXPECT_THAT(error_of([&] { gmsh(text); }), HasSubstr("no node 11"));
+}
+
 TEST(GmshErrors, NameFileAndLine) {
   const std::string good = kGmsh2;
   const auto changed = [&](const std::string& from, const std::string& to) {
