@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kWidth = 520, kHeight = 420, kSupersampling = 2;
 constexpr double kFieldOfView = 0.40;  // rad
-constexpr double kDot = 2.2e-3;        // m, half a dot's size
+constexpr double kDot = 1.8e-3;        // m, half a dot's size
 
 const camera::Colour kMeasured{0.88F, 0.55F, 0.10F, 1};
 const camera::Colour kSolid{0.45F, 0.60F, 0.90F, 1};
@@ -55,7 +55,7 @@ void draw_state(const StateShapes& shapes, const math::Pose& X_WO, const std::st
   const Eigen::Matrix3Xd truth = in_world(X_WO, shapes.truth.points);
   const Eigen::Vector3d lower = truth.rowwise().minCoeff(), upper = truth.rowwise().maxCoeff();
   const Eigen::Vector3d middle = 0.5 * (lower + upper);
-  const double distance = 1.15 * (upper - lower).norm() / kFieldOfView;
+  const double distance = 0.8 * (upper - lower).norm() / kFieldOfView;
   const Eigen::Vector3d eye = middle + distance * Eigen::Vector3d(-0.22, -0.92, 0.33).normalized();
 
   camera::Renderer renderer(kWidth, kHeight, kSupersampling);

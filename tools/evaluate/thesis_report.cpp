@@ -26,7 +26,7 @@ constexpr const char* kAbout =
     "its resolution nor its formula. Pose error: estimate minus plant, of the frame through the "
     "three points that the thesis uses, in the object's frame. A figure is the mean over the "
     "seeds, with the range over them in brackets; in summaries over the states, maxima of maxima. "
-    "Latency is that of a whole cycle of palpated.";
+    "Latency is that of a whole cycle of palpated; in lock-step none is measured.";
 
 Curve curve_of(const Json& data, const std::string& values, const std::string& title, double least,
                bool dashed) {
