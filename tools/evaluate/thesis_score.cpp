@@ -137,8 +137,9 @@ std::vector<StateScore> score_states(const ThesisJob& job, const RunLog& log,
     state.shapes = shapes.at(utime);
     const camera::TriangleMesh &truth = state.shapes.truth, &estimate = state.shapes.estimate;
     state.surface = surface_distance(truth, estimate, kFinest);
-    state.octree = octree_agreement(sample_surface(estimate, kFinest).points,
-                                    sample_surface(truth, kFinest).points, job.octree_resolution);
+    const double spacing = std::min(kFinest, 0.25 * job.octree_resolution);
+    state.octree = octree_agreement(sample_surface(estimate, spacing).points,
+                                    sample_surface(truth, spacing).points, job.octree_resolution);
     if (state.shapes.camera)
       state.camera = summarise_distances(distances_to_surface(state.shapes.measured, estimate));
     state.pose_error = pose_error(job, log, shapes.plant(), utime);

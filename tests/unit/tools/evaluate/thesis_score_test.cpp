@@ -53,7 +53,7 @@ RunLog run_of_boxes() {
     run.shapes.push_back(shape_at(time, moved(plant_rest(), estimate, time), 22));
   for (auto* chunks : {&run.truth_chunks, &run.shape_chunks}) {
     (*chunks)[0].triangles = box_triangles(plant_rest());
-    (*chunks)[0].surface_index_count = static_cast<int>((*chunks)[0].triangles.size());
+    (*chunks)[0].triangle_index_count = static_cast<int>((*chunks)[0].triangles.size());
   }
   return run;
 }
@@ -62,7 +62,7 @@ ThesisJob job_with_state(double time) {
   ThesisJob job;
   job.kind = "force";
   job.states = {{"risen", time}};
-  job.octree_resolution = 0.01;
+  job.octree_resolution = 0.006;
   return job;
 }
 
