@@ -47,6 +47,20 @@ std::vector<Method> chosen_methods(const config::Node& node, const fs::path& roo
   return chosen;
 }
 
+/// Settings of this application that come after the method's own.
+void add_to_methods(const config::Node& node, std::vector<Method>& methods) {
+  for (const std::string& name : node.keys()) {
+    const auto method = std::find_if(methods.begin(), methods.end(),
+                                     [&name](const Method& m) { return m.name == name; });
+    if (method == methods.end()) node.fail(name, "is no method of this application");
+    for (const std::string& setting : node.texts(name)) {
+      if (setting.find('=') == std::string::npos)
+        node.fail(name, "\"" + setting + "\" is not of the form key=value");
+      method->overrides.push_back(setting);
+    }
+  }
+}
+
 std::vector<Mismatch> chosen_levels(const config::Node& node, const fs::path& root) {
   const fs::path file = source_file(node, "mismatch_file", root, "tools/evaluate/mismatch.yaml");
   std::vector<Mismatch> levels;
@@ -99,6 +113,7 @@ ThesisApplication read_application(const config::Node& node, const fs::path& roo
   application.scene = source_file(node, "scene", root);
   application.configuration = source_file(node, "configuration", root);
   application.methods = chosen_methods(node, root);
+  add_to_methods(node.child_or_empty("also"), application.methods);
   application.levels = chosen_levels(node, root);
   application.seeds = seeds_of(node);
   read_motion(node, application);

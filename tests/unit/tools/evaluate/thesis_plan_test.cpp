@@ -34,6 +34,7 @@ applications:
     scene: sim/scenes/bar_long_soft_control.yaml
     configuration: rt/config/examples/bar_long_soft.yaml
     methods: [pose-driven]
+    also: {pose-driven: [control.gain=0.5]}
     mismatch: [none]
     seeds: [4]
     duration: 2
@@ -84,7 +85,8 @@ TEST_F(ThesisPlanTest, EveryMethodLevelAndSeedIsAJob) {
   EXPECT_EQ(control.duration, 2);
   ASSERT_TRUE(control.target);
   EXPECT_LT((control.target->values - Eigen::Vector3d(0.25, 0.03, 0.07)).norm(), 1e-12);
-  EXPECT_THAT(control.daemon_overrides, Contains("feature.component=point"));
+  EXPECT_THAT(control.daemon_overrides,
+              AllOf(Contains("feature.component=point"), Contains("control.gain=0.5")));
 }
 
 TEST_F(ThesisPlanTest, ASelectionChooses) {
@@ -117,6 +119,9 @@ TEST_F(ThesisPlanTest, ErrorsNameFileAndKey) {
   EXPECT_THAT(error_of("feature: point", "feature: pose"),
               HasSubstr("applications.1.target.rest_points"));
   EXPECT_THAT(error_of("published:", "publishd:"), HasSubstr("publishd"));
+  EXPECT_THAT(error_of("{pose-driven: [control.gain", "{by magic: [control.gain"),
+              AllOf(HasSubstr("applications.1.also.by magic"), HasSubstr("no method")));
+  EXPECT_THAT(error_of("[control.gain=0.5]", "[control.gain]"), HasSubstr("key=value"));
   EXPECT_THAT(error_of("name: pull", "name: bar"), HasSubstr("applications.1.name"));
   EXPECT_THAT(error_of("resolution: 0.01", "resolution: 0"), HasSubstr("octree_resolution"));
 }
