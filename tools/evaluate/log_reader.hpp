@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
@@ -72,6 +73,16 @@ struct RunLog {
   std::vector<contacts_t> contacts;
   std::vector<shape_observation_t> observations;
 };
+
+/// The last of messages in the order of their times that is not after `utime`; nullptr where none
+/// is.
+template <class Message>
+const Message* latest(const std::vector<Message>& messages, std::int64_t utime) {
+  const auto after = std::upper_bound(
+      messages.begin(), messages.end(), utime,
+      [](std::int64_t time, const Message& message) { return time < message.utime; });
+  return after == messages.begin() ? nullptr : &*(after - 1);
+}
 
 /// By the senders' clock a target, whose sender is no part of the lock-step, counts from the first
 /// FEATURE that follows it.

@@ -39,6 +39,26 @@ struct ThesisCommand::Options {
   std::string job;
 
   fs::path folder(const ThesisJob& wanted) const { return fs::absolute(output) / wanted.name; }
+
+  /// What runs one job in a process of its own.
+  std::vector<std::string> command_of(const ThesisJob& wanted, const fs::path& root,
+                                      const fs::path& plan_file) const {
+    std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
+                                     "--root",
+                                     fs::absolute(root).string(),
+                                     "thesis",
+                                     "--plan",
+                                     plan_file.string(),
+                                     "--out",
+                                     fs::absolute(output).string(),
+                                     "--seeds",
+                                     std::to_string(wanted.seed),
+                                     "--job",
+                                     wanted.name};
+    if (wanted.real_time) command.push_back("--real-time");
+    if (keep_logs) command.push_back("--keep-logs");
+    return command;
+  }
 };
 
 namespace {
@@ -110,6 +130,23 @@ std::string count_of(const std::vector<TaskOutcome>& outcomes, TaskOutcome::Stat
                     [state](const TaskOutcome& outcome) { return outcome.state == state; }));
 }
 
+/// Runs what has no result yet; the failures, with their last words.
+std::vector<std::string> run_all(const std::vector<Task>& tasks, int workers, std::ostream& out) {
+  ScheduleDisplay display;
+  SchedulerOptions options;
+  options.workers = workers;
+  options.show = [&display](const ScheduleStatus& status) { display.show(status); };
+  const std::vector<TaskOutcome> outcomes = run_tasks(tasks, options);
+  std::vector<std::string> failures;
+  for (const TaskOutcome& outcome : outcomes)
+    if (outcome.state == TaskOutcome::State::kFailed)
+      failures.push_back(outcome.name + ": " + outcome.failure);
+  out << count_of(outcomes, TaskOutcome::State::kDone) << " jobs run, "
+      << count_of(outcomes, TaskOutcome::State::kKept) << " kept, "
+      << count_of(outcomes, TaskOutcome::State::kFailed) << " failed\n";
+  return failures;
+}
+
 }  // namespace
 
 std::optional<int> ThesisCommand::run(const fs::path& root, std::ostream& out) {
@@ -136,41 +173,17 @@ std::optional<int> ThesisCommand::run(const fs::path& root, std::ostream& out) {
   }
 
   std::vector<Task> tasks;
-  for (const ThesisJob& job : jobs) {
-    std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
-                                     "--root",
-                                     root.string(),
-                                     "thesis",
-                                     "--plan",
-                                     plan_file.string(),
-                                     "--out",
-                                     fs::absolute(o.output).string(),
-                                     "--seeds",
-                                     std::to_string(job.seed),
-                                     "--job",
-                                     job.name};
-    if (job.real_time) command.push_back("--real-time");
-    if (o.keep_logs) command.push_back("--keep-logs");
-    tasks.push_back({job.name, command, o.folder(job), hash_of_inputs(job, programs)});
-  }
+  for (const ThesisJob& job : jobs)
+    tasks.push_back({job.name, o.command_of(job, root, plan_file), o.folder(job),
+                     hash_of_inputs(job, programs)});
   report.folder = fs::absolute(o.output);
   fs::create_directories(report.folder);
   report.host = describe_host();
   report.host["mode"] = o.selection.real_time ? "real time" : "lock-step";
   report.host["runs side by side"] = o.workers;
   if (!o.report_only) {
-    ScheduleDisplay display;
-    SchedulerOptions options;
-    options.workers = o.workers;
-    options.show = [&display](const ScheduleStatus& status) { display.show(status); };
-    const std::vector<TaskOutcome> outcomes = run_tasks(tasks, options);
-    for (const TaskOutcome& outcome : outcomes)
-      if (outcome.state == TaskOutcome::State::kFailed)
-        report.failures.push_back(outcome.name + ": " + outcome.failure);
+    report.failures = run_all(tasks, o.workers, out);
     report.host["load at the end"] = describe_host()["load"];
-    out << count_of(outcomes, TaskOutcome::State::kDone) << " jobs run, "
-        << count_of(outcomes, TaskOutcome::State::kKept) << " kept, "
-        << count_of(outcomes, TaskOutcome::State::kFailed) << " failed\n";
   }
   for (std::size_t i = 0; i < jobs.size(); ++i)
     report.results.push_back({jobs[i], result_of(tasks[i])});

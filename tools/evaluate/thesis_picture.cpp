@@ -18,10 +18,6 @@ const camera::Colour kSolid{0.45F, 0.60F, 0.90F, 1};
 const camera::Colour kGlass{0.10F, 0.30F, 0.85F, 0.28F};
 const camera::Colour kEdge{0.05F, 0.18F, 0.65F, 1};
 
-Eigen::Matrix3Xd in_world(const math::Pose& X_WO, const Eigen::Matrix3Xd& points) {
-  return (X_WO.linear() * points).colwise() + X_WO.translation();
-}
-
 /// An octahedron for each point of a cloud.
 camera::TriangleMesh dots(const Eigen::Matrix3Xd& cloud) {
   Eigen::Matrix<double, 3, 6> corners;
@@ -49,13 +45,13 @@ void copy_panel(camera::Image& into, const camera::Image& panel, int column) {
 
 void draw_state(const StateShapes& shapes, const math::Pose& X_WO, const std::string& title,
                 const std::filesystem::path& png) {
-  const Eigen::Matrix3Xd cloud = in_world(X_WO, shapes.measured);
-  const Eigen::Matrix3Xd estimate = in_world(X_WO, shapes.estimate.points);
+  const Eigen::Matrix3Xd cloud = transformed(X_WO, shapes.measured);
+  const Eigen::Matrix3Xd estimate = transformed(X_WO, shapes.estimate.points);
   const camera::TriangleMesh dotted = dots(cloud);
-  const Eigen::Matrix3Xd truth = in_world(X_WO, shapes.truth.points);
+  const Eigen::Matrix3Xd truth = transformed(X_WO, shapes.truth.points);
   const Eigen::Vector3d lower = truth.rowwise().minCoeff(), upper = truth.rowwise().maxCoeff();
   const Eigen::Vector3d middle = 0.5 * (lower + upper);
-  const double distance = 0.8 * (upper - lower).norm() / kFieldOfView;
+  const double distance = 1.0 * (upper - lower).norm() / kFieldOfView;
   const Eigen::Vector3d eye = middle + distance * Eigen::Vector3d(-0.22, -0.92, 0.33).normalized();
 
   camera::Renderer renderer(kWidth, kHeight, kSupersampling);

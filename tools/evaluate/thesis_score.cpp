@@ -19,15 +19,6 @@ constexpr int kCurvePoints = 250;
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
 
-/// The last message not after `utime`, or nothing.
-template <class Message>
-const Message* latest(const std::vector<Message>& messages, std::int64_t utime) {
-  const auto after = std::upper_bound(
-      messages.begin(), messages.end(), utime,
-      [](std::int64_t time, const Message& message) { return time < message.utime; });
-  return after == messages.begin() ? nullptr : &*(after - 1);
-}
-
 std::vector<ThesisState> states_of(const ThesisJob& job, const ShapeScore& shape) {
   if (!job.states.empty()) return job.states;
   if (job.kind == "control") return {{"end", shape.samples.back().time}};
