@@ -246,6 +246,20 @@ std::string Node::choice(const std::string& key, const std::vector<std::string>&
   return impl_->find(key).present ? choice(key, names) : otherwise;
 }
 
+std::vector<std::string> Node::texts(const std::string& key) const {
+  const Impl::Entry entry = impl_->require(key, "a list of texts");
+  if (!entry.value.IsSequence())
+    impl_->fail(key, entry.line, shown(entry.value) + " is not a list of texts");
+  std::vector<std::string> texts;
+  for (const auto& item : entry.value) {
+    if (!item.IsScalar() || item.Scalar().empty())
+      impl_->fail(join(key, std::to_string(texts.size())), item.Mark().line,
+                  shown(item) + " is not a text");
+    texts.push_back(item.Scalar());
+  }
+  return texts;
+}
+
 std::vector<double> Node::numbers(const std::string& key, int count, Range range) const {
   const Impl::Entry entry = impl_->require(key, "a list of numbers");
   return impl_->to_numbers(entry.value, key, entry.line, count, range);

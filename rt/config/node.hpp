@@ -53,6 +53,8 @@ class Node {
   std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
   std::string choice(const std::string& key, const std::vector<std::string>& allowed,
                      const std::string& otherwise) const;
+  /// A sequence of texts, none of them empty.
+  std::vector<std::string> texts(const std::string& key) const;
   /// A sequence of `count` numbers (any count where -1).
   std::vector<double> numbers(const std::string& key, int count, Range range = {}) const;
   Eigen::Vector3d vector3(const std::string& key, Range range = {}) const;

@@ -69,6 +69,12 @@ std::vector<Method> read_methods(const std::filesystem::path& file) {
   return methods;
 }
 
+void ControlTarget::displace() {
+  const FeatureOnPoints feature(kind, rest_points);
+  values = feature.value(feature.rest_points());
+  values.head<3>() += displacement;
+}
+
 std::vector<std::string> ControlTarget::daemon_overrides() const {
   std::string points;
   for (const Eigen::Vector3d& point : rest_points)
@@ -86,9 +92,7 @@ std::vector<ControlTarget> read_targets(const std::filesystem::path& file) {
     target.kind = node.choice("feature", features.keys());
     target.rest_points = features.child(target.kind).points("rest_points");
     target.displacement = node.vector3("displacement", {-1, 1});
-    const FeatureOnPoints feature(target.kind, target.rest_points);
-    target.values = feature.value(feature.rest_points());
-    target.values.head<3>() += target.displacement;
+    target.displace();
     targets.push_back(target);
   }
   root.check_all_used();

@@ -35,6 +35,10 @@ struct ControlTarget {
   Eigen::Vector3d displacement;              // m, in O, from the rest shape
   Eigen::VectorXd values;                    // as in shape_target_t
 
+  /// Sets `values`: the feature's of the rest shape, displaced. Throws std::invalid_argument where
+  /// there is no such feature of so many points.
+  void displace();
+
   /// What puts the feature into palpated's slot.
   std::vector<std::string> daemon_overrides() const;
 };

@@ -6,11 +6,13 @@
 namespace palpate::evaluate {
 namespace {
 
-constexpr double kActivationPatience =
-    30;                         // s; the simulator settles the plant under gravity first
-constexpr double kSlice = 0.1;  // s
-constexpr double kDrain = 0.3;  // s for loggers to write what is under way
-constexpr int kTail = 15;       // lines of a failed program's output
+// s; the simulator settles the plant under gravity first
+constexpr double kActivationPatience = 30;
+constexpr double kSlowest = 0.05;  // real-time factor in lock-step below which a run is given up
+constexpr const char* kReady = "waits for start";  // what palpated says once it listens
+constexpr double kSlice = 0.1;                     // s
+constexpr double kDrain = 0.3;                     // s for loggers to write what is under way
+constexpr int kTail = 15;                          // lines of a failed program's output
 
 std::vector<std::string> with_settings(std::vector<std::string> command,
                                        const std::vector<std::string>& overrides,
@@ -25,16 +27,21 @@ std::vector<std::string> with_settings(std::vector<std::string> command,
   return command;
 }
 
-std::vector<std::string> source_command(const Source& source, const Urls& urls) {
+std::vector<std::string> source_command(const RunPlan& plan, const RunFiles& files,
+                                        const Urls& urls) {
+  const Source& source = plan.source;
   if (!source.log.empty())
     return {"lcm-logplayer", "--lcm-url=" + urls.control, source.log.string()};
   std::vector<std::string> command{(program_folder() / "palpate-sim").string(),
-                                   source.scene.string()};
+                                   source.scene.string(), "--json", files.simulator.string()};
   if (source.duration > 0) {
     command.push_back("--duration");
     command.push_back(std::to_string(source.duration));
   }
-  return with_settings(command, source.scene_overrides, urls);
+  if (plan.lock_step) command.push_back("--fast");
+  std::vector<std::string> overrides = source.scene_overrides;
+  overrides.push_back("bus.pictures=" + urls.pictures);
+  return with_settings(command, overrides, urls);
 }
 
 }  // namespace
@@ -47,7 +54,10 @@ std::string file_name(const std::string& title) {
 }
 
 LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
-    : plan_(plan), files_{folder / "control.log", folder / "housekeeping.log"} {
+    : plan_(plan),
+      files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json"} {
+  if (plan.lock_step && (!plan.source.log.empty() || !(plan.source.duration > 0)))
+    throw std::invalid_argument("a lock-step run wants a simulator that ends by itself");
   std::filesystem::create_directories(folder);
   const Urls urls = private_urls();
   operator_ = std::make_unique<Operator>(urls);
@@ -62,14 +72,16 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
   }
   const std::string palpated = (program_folder() / "palpated").string();
-  daemon_ = std::make_unique<Process>(
-      "palpated", with_settings({palpated, plan.configuration.string()}, plan.overrides, urls),
-      folder / "palpated.txt");
+  std::vector<std::string> command{palpated, plan.configuration.string()};
+  if (plan.lock_step) command.push_back("--stepped");
+  daemon_ = std::make_unique<Process>("palpated", with_settings(command, plan.overrides, urls),
+                                      folder / "palpated.txt");
+  if (plan.lock_step) start_lock_step();
   // A recording does not wait: the daemon has to be active before the first message is played.
   if (!plan.source.log.empty()) activate();
   source_ = std::make_unique<Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
-                                      source_command(plan.source, urls), folder / "source.txt");
-  if (plan.source.log.empty()) activate();
+                                      source_command(plan, files_, urls), folder / "source.txt");
+  if (plan.source.log.empty() && !plan.lock_step) activate();
 }
 
 void LiveRun::fail(const std::string& what, const Process* at_fault) const {
@@ -93,6 +105,33 @@ bool LiveRun::check_programs() {
   if (code && *code != 0)
     fail(source_->name() + " ended with exit code " + std::to_string(*code), source_.get());
   return !code;
+}
+
+void LiveRun::start_lock_step() {
+  const std::int64_t begin = wall_clock();
+  while (tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
+    check_programs();
+    if (static_cast<double>(wall_clock() - begin) * 1e-6 > kActivationPatience)
+      fail("palpated does not listen", daemon_.get());
+    operator_->spin(0.02);
+  }
+  operator_->send_event("start");
+  if (plan_.target) operator_->set_target(*plan_.target);
+  operator_->spin(0.1);
+}
+
+void LiveRun::complete_lock_step(Progress& progress) {
+  const std::int64_t begin = wall_clock();
+  const double patience = kActivationPatience + plan_.source.duration / kSlowest;
+  while (check_programs()) {
+    const double elapsed = static_cast<double>(wall_clock() - begin) * 1e-6;
+    if (elapsed > patience) fail("palpate-sim takes too long", source_.get());
+    if (!operator_->refusal().empty())
+      fail("palpated refused: " + operator_->refusal(), daemon_.get());
+    progress.show(elapsed / plan_.source.duration);
+    operator_->spin(kSlice);
+  }
+  if (!operator_->is_running()) fail("palpated was not active at the end", daemon_.get());
 }
 
 void LiveRun::activate() {
@@ -119,6 +158,7 @@ void LiveRun::activate() {
 }
 
 void LiveRun::complete(Progress& progress) {
+  if (plan_.lock_step) return complete_lock_step(progress);
   if (plan_.target) operator_->set_target(*plan_.target);
   const std::int64_t begin = wall_clock();
   for (;;) {

@@ -37,15 +37,20 @@ struct RunPlan {
   std::optional<ControlTarget> target;
   double settled = 3;    // s after which a run with a target ends early, once at rest
   bool recorded = true;  // by one logger a URL
+  /// Simulator and daemon tick by tick instead of in real time, to the end of the source, whose
+  /// duration has to be set: what comes out does not depend on the machine's load.
+  bool lock_step = false;
 };
 
 struct RunFiles {
   std::filesystem::path control;       // log of the control URL
   std::filesystem::path housekeeping;  // log of the housekeeping URL
+  std::filesystem::path simulator;     // summary of palpate-sim, JSON
 };
 
 /// The programs of one run over LCM on private ports: two loggers, the daemon, its source. All of
-/// them end with this object.
+/// them end with this object. In lock-step the daemon is told to start, and its target, before the
+/// simulator's first tick, so that every run hears of them at the same one.
 class LiveRun {
  public:
   /// Starts everything and activates the daemon; logs go to `folder`. Throws RunFailed.
@@ -63,6 +68,8 @@ class LiveRun {
   bool check_programs();
 
  private:
+  void start_lock_step();
+  void complete_lock_step(Progress& progress);
   void activate();
   [[noreturn]] void fail(const std::string& what, const Process* at_fault) const;
 

@@ -14,17 +14,34 @@ void LogReader::read(const std::filesystem::path& log) {
   }
 }
 
-RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping) {
+namespace {
+
+void take_times_from_features(std::vector<shape_target_t>& targets,
+                              const std::vector<feature_t>& features) {
+  for (shape_target_t& target : targets)
+    for (const feature_t& feature : features) {
+      if (feature.revision != target.revision) continue;
+      target.utime = feature.utime;
+      break;
+    }
+}
+
+}  // namespace
+
+RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
+                LogClock clock) {
   RunLog run;
-  LogReader loop;
+  LogReader loop(clock);
   loop.collect("TWIST_COMMAND", run.commands);
   loop.collect("FEATURE", run.features);
   loop.collect("SHAPE_TARGET", run.targets);
   loop.collect("ROBOT_STATE", run.robot);
   loop.collect("CONTACTS", run.contacts);
+  loop.collect("SHAPE_OBSERVATION", run.observations);
   loop.read(control);
+  if (clock == LogClock::kSent) take_times_from_features(run.targets, run.features);
 
-  LogReader slow;
+  LogReader slow(clock);
   slow.collect("SHAPE", run.shapes);
   slow.collect("SHAPE_MESH", run.shape_chunks);
   slow.collect("TRUTH_SHAPE", run.truths);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <lcm/lcm-cpp.hpp>
@@ -10,6 +11,7 @@
 #include <palpate/health_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/truth_contact_t.hpp>
@@ -19,17 +21,24 @@
 
 namespace palpate::evaluate {
 
+/// Which time a message of a log has.
+enum class LogClock {
+  kReceived,  // when the log received it: the clocks of the senders need not agree
+  kSent       // what its sender says: in lock-step, where all follow the simulator's clock
+};
+
 /// Reads an LCM log once and hands each message to whom asked for its channel. Messages of another
-/// type or length than expected are counted and skipped. utime becomes the time at which the log
-/// received the message (us): the clocks of the senders need not agree.
+/// type or length than expected are counted and skipped. utime becomes that of the clock (us).
 class LogReader {
  public:
+  explicit LogReader(LogClock clock = LogClock::kReceived) : clock_(clock) {}
+
   template <class Message>
   void collect(const std::string& channel, std::vector<Message>& into) {
-    handlers_[channel] = [&into](const lcm::LogEvent& event) {
+    handlers_[channel] = [&into, clock = clock_](const lcm::LogEvent& event) {
       Message message;
       if (message.decode(event.data, 0, event.datalen) < 0) return false;
-      message.utime = event.timestamp;
+      if (clock == LogClock::kReceived) message.utime = event.timestamp;
       into.push_back(std::move(message));
       return true;
     };
@@ -43,6 +52,7 @@ class LogReader {
 
  private:
   std::map<std::string, std::function<bool(const lcm::LogEvent&)>> handlers_;
+  LogClock clock_;
   long events_ = 0;
   long undecodable_ = 0;
 };
@@ -61,8 +71,22 @@ struct RunLog {
   std::vector<shape_target_t> targets;
   std::vector<robot_state_t> robot;
   std::vector<contacts_t> contacts;
+  std::vector<shape_observation_t> observations;
 };
 
-RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping);
+/// The last of messages in the order of their times that is not after `utime`; nullptr where none
+/// is.
+template <class Message>
+const Message* latest(const std::vector<Message>& messages, std::int64_t utime) {
+  const auto after = std::upper_bound(
+      messages.begin(), messages.end(), utime,
+      [](std::int64_t time, const Message& message) { return time < message.utime; });
+  return after == messages.begin() ? nullptr : &*(after - 1);
+}
+
+/// By the senders' clock a target, whose sender is no part of the lock-step, counts from the first
+/// FEATURE that follows it.
+RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
+                LogClock clock = LogClock::kReceived);
 
 }  // namespace palpate::evaluate

@@ -13,6 +13,7 @@
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/soak.hpp"
 #include "tools/evaluate/tactile.hpp"
+#include "tools/evaluate/thesis.hpp"
 
 namespace {
 
@@ -95,11 +96,14 @@ int run(CLI::App& app, int argc, char** argv) {
   tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
   tactile_command->add_option("--json", json, "write the result to this file");
 
+  ThesisCommand thesis(app);
+
   CaseCommands cases(app);
 
   CLI11_PARSE(app, argc, argv);
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;
+  if (const auto code = thesis.run(root, std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;
     demo.data = data;

@@ -59,8 +59,10 @@ std::int64_t wall_clock() {
 }
 
 Urls private_urls() {
-  Urls urls{private_url(), private_url()};
+  Urls urls{private_url(), private_url(), private_url()};
   while (urls.housekeeping == urls.control) urls.housekeeping = private_url();
+  while (urls.pictures == urls.control || urls.pictures == urls.housekeeping)
+    urls.pictures = private_url();
   return urls;
 }
 

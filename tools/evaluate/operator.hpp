@@ -18,6 +18,7 @@ namespace palpate::evaluate {
 struct Urls {
   std::string control;
   std::string housekeeping;
+  std::string pictures;
 };
 Urls private_urls();
 

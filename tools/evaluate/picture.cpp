@@ -24,17 +24,11 @@ const camera::Colour kStart{0.45F, 0.48F, 0.52F, 0.25F};
 const camera::Colour kTarget{0.85F, 0.10F, 0.12F, 1};
 const camera::Colour kFeature{0.10F, 0.60F, 0.20F, 1};
 
-Eigen::Matrix3Xd in_world(const math::Pose& X_WO, const Eigen::Matrix3Xd& points) {
-  return (X_WO.linear() * points).colwise() + X_WO.translation();
-}
-
 /// The last message sent before `utime`, or the first.
 template <class Message>
-const Message& latest(const std::vector<Message>& messages, std::int64_t utime) {
-  const auto after = std::upper_bound(
-      messages.begin(), messages.end(), utime,
-      [](std::int64_t time, const Message& message) { return time < message.utime; });
-  return after == messages.begin() ? messages.front() : *(after - 1);
+const Message& shown_at(const std::vector<Message>& messages, std::int64_t utime) {
+  const Message* message = latest(messages, utime);
+  return message == nullptr ? messages.front() : *message;
 }
 
 void draw_robot(camera::Renderer& renderer, const std::filesystem::path& urdf,
@@ -92,27 +86,27 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   const math::Pose X_WO = component::read_frames(configuration).X_WO;
   const MeshMessage plant = assemble(log.truth_chunks);
   const MeshMessage estimate = assemble(log.shape_chunks);
-  const Eigen::Matrix3Xd truth = positions(latest(log.truths, scene.utime));
-  const Eigen::Matrix3Xd truth_W = in_world(X_WO, truth);
+  const Eigen::Matrix3Xd truth = positions(shown_at(log.truths, scene.utime));
+  const Eigen::Matrix3Xd truth_W = transformed(X_WO, truth);
 
   const Eigen::Vector3d middle = truth_W.rowwise().mean() + Eigen::Vector3d(-0.12, 0, 0.02);
   const Eigen::Vector3d eye = middle + Eigen::Vector3d(-0.35, -1.45, 0.55);
   renderer.begin(
       camera::make_view(eye, middle, Eigen::Vector3d::UnitZ(), kFieldOfView, kWidth, kHeight));
   if (!log.robot.empty())
-    draw_robot(renderer, demo.file("sim/robot/lwr_hand.urdf"), latest(log.robot, scene.utime));
+    draw_robot(renderer, demo.file("sim/robot/lwr_hand.urdf"), shown_at(log.robot, scene.utime));
   draw_clamp(renderer, X_WO, plant);
 
   camera::MeshStyle style;
   style.colour = kTruth;
   renderer.draw_mesh(truth_W, plant.triangles, style);
   style.colour = kStart;
-  renderer.draw_mesh(in_world(X_WO, positions(latest(log.truths, scene.start_utime))),
+  renderer.draw_mesh(transformed(X_WO, positions(shown_at(log.truths, scene.start_utime))),
                      plant.triangles, style);
   style.colour = kEstimate;
   style.edges = kEstimateEdge;
-  renderer.draw_mesh(in_world(X_WO, positions(latest(log.shapes, scene.utime))), estimate.triangles,
-                     style);
+  renderer.draw_mesh(transformed(X_WO, positions(shown_at(log.shapes, scene.utime))),
+                     estimate.triangles, style);
   if (scene.target != nullptr) draw_target(renderer, X_WO, plant, truth, *scene.target);
 }
 

@@ -84,6 +84,10 @@ MeshMessage assemble(const std::vector<shape_mesh_t>& chunks) {
                            " chunks)");
 }
 
+Eigen::Matrix3Xd transformed(const math::Pose& X_AB, const Eigen::Matrix3Xd& points) {
+  return (X_AB.linear() * points).colwise() + X_AB.translation();
+}
+
 Eigen::Matrix3Xd positions(const shape_t& shape) {
   return Eigen::Map<const Eigen::Matrix3Xf>(shape.xyz.data(), 3, shape.xyz_count / 3)
       .cast<double>();

@@ -6,6 +6,8 @@
 #include <palpate/shape_t.hpp>
 #include <vector>
 
+#include "core/math/rigid.hpp"
+
 namespace palpate::evaluate {
 
 /// A mesh put together from the chunks of SHAPE_MESH or TRUTH_MESH.
@@ -25,6 +27,9 @@ MeshMessage assemble(const std::vector<shape_mesh_t>& chunks);
 
 /// Positions of a shape message, 3 x n, m.
 Eigen::Matrix3Xd positions(const shape_t& shape);
+
+/// Points of B, 3 x n, in A.
+Eigen::Matrix3Xd transformed(const math::Pose& X_AB, const Eigen::Matrix3Xd& points);
 
 /// Material points of the plant as weighted sums of its nodes. The elements are 27-node hexahedra
 /// whose rest shape is a box; the order of the nodes in an element does not matter, since each

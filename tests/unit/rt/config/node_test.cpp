@@ -53,6 +53,7 @@ name: bar
 quoted: "12"
 list: [1, -2.5, +3]
 points: [[0, 0, 0], [1, 2, 3]]
+names: [one, "two, too"]
 nested: {deep: {value: -0.5}}
 items: [{a: 1}, {a: 2}]
 )");
@@ -66,6 +67,7 @@ items: [{a: 1}, {a: 2}]
   EXPECT_THAT(node.numbers("list", -1), ElementsAre(1, -2.5, 3));
   EXPECT_EQ(node.vector3("list"), Eigen::Vector3d(1, -2.5, 3));
   EXPECT_EQ(node.points("points")[1], Eigen::Vector3d(1, 2, 3));
+  EXPECT_THAT(node.texts("names"), ElementsAre("one", "two, too"));
   EXPECT_EQ(node.child("nested").child("deep").number("value", {}), -0.5);
   const std::vector<Node> items = node.list("items");
   ASSERT_EQ(items.size(), 2u);
@@ -148,6 +150,7 @@ nothing:
     EXPECT_NE(error_of([&] { node.vector3(key); }), "") << key;
     if (key != "list") {
       EXPECT_NE(error_of([&] { node.points(key); }), "") << key;
+      EXPECT_NE(error_of([&] { node.texts(key); }), "") << key;
     }
     if (key != "map") {
       EXPECT_NE(error_of([&] { node.child(key); }), "") << key;

@@ -44,6 +44,38 @@ TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
   EXPECT_EQ(reader.events(), 3);
 }
 
+TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
+  const std::filesystem::path folder(testing::TempDir());
+  const std::filesystem::path control = folder / "palpate_lock_step_control.log",
+                              slow = folder / "palpate_lock_step_housekeeping.log";
+  {
+    lcm::LogFile log(control.string(), "w");
+    shape_target_t target = {};
+    target.utime = 777;  // a clock of its own
+    target.revision = 1;
+    feature_t feature = {};
+    feature.revision = -1;
+    feature.utime = 10;
+    write(log, "SHAPE_TARGET", 5000, target);
+    write(log, "FEATURE", 5000, feature);
+    feature.revision = 1;
+    for (feature.utime = 20; feature.utime < 50; feature.utime += 10)
+      write(log, "FEATURE", 5001, feature);
+    lcm::LogFile other(slow.string(), "w");
+    shape_t shape = {};
+    shape.utime = 30;
+    write(other, "SHAPE", 5002, shape);
+  }
+  const RunLog run = read_run(control, slow, LogClock::kSent);
+  std::filesystem::remove(control);
+  std::filesystem::remove(slow);
+  ASSERT_EQ(run.targets.size(), 1u);
+  EXPECT_EQ(run.targets[0].utime, 20);
+  ASSERT_EQ(run.shapes.size(), 1u);
+  EXPECT_EQ(run.shapes[0].utime, 30);
+  EXPECT_EQ(run.features.size(), 4u);
+}
+
 TEST(LogReader, AFileThatIsAbsentIsAnError) {
   EXPECT_THROW(LogReader().read("/nonexistent/run.log"), std::runtime_error);
 }

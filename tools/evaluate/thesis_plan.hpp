@@ -1,0 +1,82 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/experiments.hpp"
+
+namespace palpate::evaluate {
+
+/// A figure of the thesis; `value` is "not available" where nobody could read it.
+struct PublishedFigure {
+  std::string quantity;
+  std::string value;
+};
+
+/// A time at which the shape is looked at, s since the first estimate.
+struct ThesisState {
+  std::string name;
+  double time = 0;
+};
+
+/// One application of the thesis: an entry of thesis.yaml.
+struct ThesisApplication {
+  std::string name;
+  std::string kind;  // force, control or tactile
+  std::filesystem::path scene;
+  std::filesystem::path configuration;
+  std::vector<Method> methods;
+  std::vector<Mismatch> levels;
+  std::vector<int> seeds;
+  double duration = 0;                       // s, simulated
+  std::vector<ThesisState> states;           // none: the poses that the hand holds
+  std::vector<std::string> pose_names;       // of the scene's motion
+  std::vector<Eigen::Vector3d> pose_points;  // in O, m; none or three
+  std::optional<ControlTarget> target;       // of kind control
+  std::vector<PublishedFigure> published;
+};
+
+struct ThesisPlan {
+  double octree_resolution = 0;  // m
+  std::vector<ThesisApplication> applications;
+};
+
+/// Reads thesis.yaml and what its entries name below `root`, the source tree. Throws config::Error
+/// that names file and key.
+ThesisPlan read_thesis_plan(const std::filesystem::path& file, const std::filesystem::path& root);
+
+/// One run: an application with one method, one level of model error and one seed.
+struct ThesisJob {
+  std::string name;  // of its folder
+  std::string application;
+  std::string kind;
+  std::string method;
+  std::string mismatch;
+  int seed = 0;
+  std::filesystem::path scene;
+  std::vector<std::string> scene_overrides;
+  std::filesystem::path configuration;
+  std::vector<std::string> daemon_overrides;
+  double duration = 0;  // s, simulated
+  std::vector<ThesisState> states;
+  std::vector<std::string> pose_names;
+  std::vector<Eigen::Vector3d> pose_points;
+  std::optional<ControlTarget> target;
+  double octree_resolution = 0;  // m
+  bool real_time = false;
+};
+
+/// What of a plan is run.
+struct ThesisSelection {
+  std::vector<std::string> applications;  // names or parts of them; none: all
+  std::vector<int> seeds;                 // none: those of the plan
+  bool real_time = false;
+};
+
+/// Every application's methods, levels and seeds. Throws std::invalid_argument where a name of the
+/// selection fits no application.
+std::vector<ThesisJob> thesis_jobs(const ThesisPlan& plan, const ThesisSelection& selection);
+
+}  // namespace palpate::evaluate
