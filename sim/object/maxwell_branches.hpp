@@ -37,7 +37,7 @@ class MaxwellBranches {
 
   /// Moves on to the deformation gradients F of an element and adds the overstress to the first
   /// Piola-Kirchhoff stress. Returns how much stiffer than at rest the branches may be, at least 1.
-  double add_stress(int element, const ElementGradients& F, ElementGradients& P) noexcept;
+  double add_stress(int element, int lane, const ElementGradients& F, ElementGradients& P) noexcept;
 
   /// Energy stored in the branches per rest volume, J/m^3.
   double energy_density(int element, int point) const noexcept;
