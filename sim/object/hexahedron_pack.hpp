@@ -78,20 +78,14 @@ class HexahedronPack {
   static void gradients(Vectors& values, const std::array<double, 3>& slopes,
                         ElementGradients& out) noexcept {
     for (int i = 0; i < 3; ++i) {
-      auto& v = values[i];
-      for (int axis = 0; axis < 3; ++axis) {
-        for_each_line(axis, [&v](int p0, int p1, int p2) { to_points(v[p0], v[p1], v[p2]); });
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        const double slope = slopes[axis];
-        for_each_line(axis, [&](int p0, int p1, int p2) {
-          const Pack4d middle = slope * (v[p2] - v[p0]);
-          const Pack4d change = 2 * slope * (v[p0] + v[p2] - 2 * v[p1]);
-          out[p0][3 * i + axis] = middle - change;
-          out[p1][3 * i + axis] = middle;
-          out[p2][3 * i + axis] = middle + change;
-        });
-      }
+      Pack4d* v = values[i].data();
+      interpolate<0>(v);
+      interpolate<1>(v);
+      interpolate<2>(v);
+      Pack4d* to = out[0].data() + 3 * i;
+      differentiate<0>(v, slopes[0], to);
+      differentiate<1>(v, slopes[1], to + 1);
+      differentiate<2>(v, slopes[2], to + 2);
     }
   }
 
@@ -100,23 +94,15 @@ class HexahedronPack {
   static void divergence(const ElementGradients& field, const std::array<double, 3>& slopes,
                          Vectors& values) noexcept {
     for (int i = 0; i < 3; ++i) {
-      auto& v = values[i];
-      v.fill(Pack4d{});
-      for (int axis = 0; axis < 3; ++axis) {
-        // Weights along the axis, over that of the receiving point, which to_nodes() brings in.
-        const double slope = slopes[axis];
-        for_each_line(axis, [&](int p0, int p1, int p2) {
-          const Pack4d a = field[p0][3 * i + axis], b = field[p2][3 * i + axis];
-          const Pack4d sum = slope * (a + 8. / 5 * field[p1][3 * i + axis] + b);
-          const Pack4d difference = 2 * slope * (b - a);
-          v[p0] += difference - sum;
-          v[p1] -= 2 * 5. / 8 * difference;
-          v[p2] += difference + sum;
-        });
-      }
-      for (int axis = 0; axis < 3; ++axis) {
-        for_each_line(axis, [&v](int p0, int p1, int p2) { to_nodes(v[p0], v[p1], v[p2]); });
-      }
+      Pack4d* v = values[i].data();
+      const Pack4d* from = field[0].data() + 3 * i;
+      values[i].fill(Pack4d{});
+      add_flux<0>(from, slopes[0], v);
+      add_flux<1>(from + 1, slopes[1], v);
+      add_flux<2>(from + 2, slopes[2], v);
+      distribute<0>(v);
+      distribute<1>(v);
+      distribute<2>(v);
     }
   }
 
@@ -124,30 +110,63 @@ class HexahedronPack {
   static Pack4d vector(const double* p) noexcept { return Pack4d{p[0], p[1], p[2], 0}; }
 
   /// Calls visit(p0, p1, p2) for the nine lines of three nodes or points along an axis.
-  template <class Visit>
-  static void for_each_line(int axis, const Visit& visit) noexcept {
-    const int along = axis == 0 ? 1 : axis == 1 ? 3 : 9;
-    const int u = axis == 0 ? 3 : 1, v = axis == 2 ? 3 : 9;
-    for (int n = 0; n < 3; ++n) {
-      for (int m = 0; m < 3; ++m) {
-        const int first = m * u + n * v;
-        visit(first, first + along, first + 2 * along);
-      }
+  template <int kAxis, class Visit>
+  [[gnu::always_inline]] static void for_each_line(const Visit& visit) noexcept {
+    constexpr int kAlong = kAxis == 0 ? 1 : kAxis == 1 ? 3 : 9;
+    constexpr int kU = kAxis == 0 ? 3 : 1, kV = kAxis == 2 ? 3 : 9;
+#pragma GCC unroll 9
+    for (int line = 0; line < 9; ++line) {
+      const int first = line % 3 * kU + line / 3 * kV;
+      visit(first, first + kAlong, first + 2 * kAlong);
     }
   }
 
-  /// The quadratic through values at -1, 0 and 1, at -kGauss, 0 and kGauss.
-  static void to_points(Pack4d& a, const Pack4d& b, Pack4d& c) noexcept {
-    const Pack4d middle = 0.4 * b + 0.3 * (a + c), odd = 0.5 * kGauss * (c - a);
-    a = middle - odd;
-    c = middle + odd;
+  /// From values at -1, 0 and 1 to those of the quadratic through them at -kGauss, 0 and kGauss.
+  template <int kAxis>
+  static void interpolate(Pack4d* v) noexcept {
+    for_each_line<kAxis>([v](int p0, int p1, int p2) {
+      const Pack4d a = v[p0], c = v[p2];
+      const Pack4d middle = 0.4 * v[p1] + 0.3 * (a + c), odd = 0.5 * kGauss * (c - a);
+      v[p0] = middle - odd;
+      v[p2] = middle + odd;
+    });
   }
+
   /// Its transpose after weighting.
-  static void to_nodes(Pack4d& a, Pack4d& b, Pack4d& c) noexcept {
-    const Pack4d even = a + c, odd = 5. / 18 * 0.5 * kGauss * (c - a);
-    a = 5. / 18 * 0.3 * even - odd;
-    b = 8. / 18 * b + 5. / 18 * 0.4 * even;
-    c = 5. / 18 * 0.3 * even + odd;
+  template <int kAxis>
+  static void distribute(Pack4d* v) noexcept {
+    for_each_line<kAxis>([v](int p0, int p1, int p2) {
+      const Pack4d even = v[p0] + v[p2], odd = 5. / 18 * 0.5 * kGauss * (v[p2] - v[p0]);
+      v[p0] = 5. / 18 * 0.3 * even - odd;
+      v[p1] = 8. / 18 * v[p1] + 5. / 18 * 0.4 * even;
+      v[p2] = 5. / 18 * 0.3 * even + odd;
+    });
+  }
+
+  /// Slopes at the points of the quadratic through values there; those of a point lie 9 apart.
+  template <int kAxis>
+  static void differentiate(const Pack4d* v, double slope, Pack4d* out) noexcept {
+    for_each_line<kAxis>([=](int p0, int p1, int p2) {
+      const Pack4d middle = slope * (v[p2] - v[p0]);
+      const Pack4d change = 2 * slope * (v[p0] + v[p2] - 2 * v[p1]);
+      out[9 * p0] = middle - change;
+      out[9 * p1] = middle;
+      out[9 * p2] = middle + change;
+    });
+  }
+
+  /// Its transpose, weighted along the axis over the weight of the receiving point, which
+  /// distribute() brings in.
+  template <int kAxis>
+  static void add_flux(const Pack4d* field, double slope, Pack4d* v) noexcept {
+    for_each_line<kAxis>([=](int p0, int p1, int p2) {
+      const Pack4d a = field[9 * p0], b = field[9 * p2];
+      const Pack4d sum = slope * (a + 8. / 5 * field[9 * p1] + b);
+      const Pack4d difference = 2 * slope * (b - a);
+      v[p0] += difference - sum;
+      v[p1] -= 2 * 5. / 8 * difference;
+      v[p2] += difference + sum;
+    });
   }
 
   std::array<std::array<int, kTogether>, 27> offsets_{};

@@ -8,7 +8,7 @@
 namespace palpate::object {
 namespace {
 
-Pack4d greater(Pack4d a, Pack4d b) noexcept { return a > b ? a : b; }
+inline Pack4d greater(Pack4d a, Pack4d b) noexcept { return a > b ? a : b; }
 
 /// l = log J with its tangent below the guard, and l' = dl / dJ.
 struct LogVolume {
@@ -20,13 +20,13 @@ struct LogVolume {
   Pack4d value, slope;
 };
 
-PackTensor cofactor(const PackTensor& f) noexcept {
+inline PackTensor cofactor(const PackTensor& f) noexcept {
   return {f[4] * f[8] - f[5] * f[7], f[5] * f[6] - f[3] * f[8], f[3] * f[7] - f[4] * f[6],
           f[7] * f[2] - f[8] * f[1], f[8] * f[0] - f[6] * f[2], f[6] * f[1] - f[7] * f[0],
           f[1] * f[5] - f[2] * f[4], f[2] * f[3] - f[0] * f[5], f[0] * f[4] - f[1] * f[3]};
 }
 
-Pack4d square(const PackTensor& f) noexcept {
+inline Pack4d square(const PackTensor& f) noexcept {
   Pack4d sum{};
   for (const Pack4d& x : f) sum += x * x;
   return sum;
@@ -35,7 +35,8 @@ Pack4d square(const PackTensor& f) noexcept {
 /// First Piola-Kirchhoff stress. Returns the modulus that a rank-one strain across the most
 /// compressed direction n meets, mu + (mu + lambda (1 - l)) |F^-T n|^2; at rest the other two
 /// directions add 2 to |F^-1|^2.
-Pack4d stress(double mu, double lambda, const PackTensor& F, PackTensor& P) noexcept {
+[[gnu::always_inline]] inline Pack4d stress(double mu, double lambda, const PackTensor& F,
+                                            PackTensor& P) noexcept {
   const PackTensor c = cofactor(F);
   const LogVolume log_J(F[0] * c[0] + F[1] * c[1] + F[2] * c[2]);
   const Pack4d pressure = (lambda * log_J.value - mu) * log_J.slope;
