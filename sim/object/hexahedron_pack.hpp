@@ -96,17 +96,38 @@ class HexahedronPack {
     for (int i = 0; i < 3; ++i) {
       Pack4d* v = values[i].data();
       const Pack4d* from = field[0].data() + 3 * i;
-      values[i].fill(Pack4d{});
-      add_flux<0>(from, slopes[0], v);
-      add_flux<1>(from + 1, slopes[1], v);
-      add_flux<2>(from + 2, slopes[2], v);
-      distribute<0>(v);
-      distribute<1>(v);
-      distribute<2>(v);
+      for_each_line<2>([&](int p0, int p1, int p2) {
+        const Flux flux(from + 2, slopes[2], p0, p1, p2);
+        v[p0] = flux.a;
+        v[p1] = flux.b;
+        v[p2] = flux.c;
+      });
+      for (int plane = 0; plane < 27; plane += 9, from += 81) {
+        Plane w;
+        for (int n = 0; n < 9; ++n) w[n] = v[plane + n];
+        const auto add = [&w](int p0, int p1, int p2, const Flux& flux) {
+          w[p0] += flux.a;
+          w[p1] += flux.b;
+          w[p2] += flux.c;
+        };
+        for_each_line_in_plane<0>(
+            [&](int p0, int p1, int p2) { add(p0, p1, p2, Flux(from, slopes[0], p0, p1, p2)); });
+        for_each_line_in_plane<1>([&](int p0, int p1, int p2) {
+          add(p0, p1, p2, Flux(from + 1, slopes[1], p0, p1, p2));
+        });
+        const auto share = [&w](int p0, int p1, int p2) { distribute(w[p0], w[p1], w[p2]); };
+        for_each_line_in_plane<0>(share);
+        for_each_line_in_plane<1>(share);
+        for (int n = 0; n < 9; ++n) v[plane + n] = w[n];
+      }
+      for_each_line<2>([&](int p0, int p1, int p2) { distribute(v[p0], v[p1], v[p2]); });
     }
   }
 
  private:
+  /// Values across the third axis: few enough to stay in registers.
+  using Plane = std::array<Pack4d, 9>;
+
   static Pack4d vector(const double* p) noexcept { return Pack4d{p[0], p[1], p[2], 0}; }
 
   /// Calls visit(p0, p1, p2) for the nine lines of three nodes or points along an axis.
@@ -121,6 +142,15 @@ class HexahedronPack {
     }
   }
 
+  /// The same for the three lines in a plane across the third axis.
+  template <int kAxis, class Visit>
+  [[gnu::always_inline]] static void for_each_line_in_plane(const Visit& visit) noexcept {
+    constexpr int kAlong = kAxis == 0 ? 1 : 3, kApart = kAxis == 0 ? 3 : 1;
+    visit(0, kAlong, 2 * kAlong);
+    visit(kApart, kApart + kAlong, kApart + 2 * kAlong);
+    visit(2 * kApart, 2 * kApart + kAlong, 2 * kApart + 2 * kAlong);
+  }
+
   /// From values at -1, 0 and 1 to those of the quadratic through them at -kGauss, 0 and kGauss.
   template <int kAxis>
   static void interpolate(Pack4d* v) noexcept {
@@ -133,14 +163,11 @@ class HexahedronPack {
   }
 
   /// Its transpose after weighting.
-  template <int kAxis>
-  static void distribute(Pack4d* v) noexcept {
-    for_each_line<kAxis>([v](int p0, int p1, int p2) {
-      const Pack4d even = v[p0] + v[p2], odd = 5. / 18 * 0.5 * kGauss * (v[p2] - v[p0]);
-      v[p0] = 5. / 18 * 0.3 * even - odd;
-      v[p1] = 8. / 18 * v[p1] + 5. / 18 * 0.4 * even;
-      v[p2] = 5. / 18 * 0.3 * even + odd;
-    });
+  static void distribute(Pack4d& a, Pack4d& b, Pack4d& c) noexcept {
+    const Pack4d even = a + c, odd = 5. / 18 * 0.5 * kGauss * (c - a);
+    a = 5. / 18 * 0.3 * even - odd;
+    b = 8. / 18 * b + 5. / 18 * 0.4 * even;
+    c = 5. / 18 * 0.3 * even + odd;
   }
 
   /// Slopes at the points of the quadratic through values there; those of a point lie 9 apart.
@@ -155,19 +182,19 @@ class HexahedronPack {
     });
   }
 
-  /// Its transpose, weighted along the axis over the weight of the receiving point, which
-  /// distribute() brings in.
-  template <int kAxis>
-  static void add_flux(const Pack4d* field, double slope, Pack4d* v) noexcept {
-    for_each_line<kAxis>([=](int p0, int p1, int p2) {
-      const Pack4d a = field[9 * p0], b = field[9 * p2];
-      const Pack4d sum = slope * (a + 8. / 5 * field[9 * p1] + b);
-      const Pack4d difference = 2 * slope * (b - a);
-      v[p0] += difference - sum;
-      v[p1] -= 2 * 5. / 8 * difference;
-      v[p2] += difference + sum;
-    });
-  }
+  /// The transpose of differentiate() on one line, weighted along the axis over the weight of the
+  /// receiving point, which distribute() brings in.
+  struct Flux {
+    Flux(const Pack4d* field, double slope, int p0, int p1, int p2) noexcept {
+      const Pack4d first = field[9 * p0], last = field[9 * p2];
+      const Pack4d sum = slope * (first + 8. / 5 * field[9 * p1] + last);
+      const Pack4d difference = 2 * slope * (last - first);
+      a = difference - sum;
+      b = -2 * 5. / 8 * difference;
+      c = difference + sum;
+    }
+    Pack4d a, b, c;
+  };
 
   std::array<std::array<int, kTogether>, 27> offsets_{};
   int lanes_ = 0;

@@ -14,8 +14,9 @@ inline Pack4d greater(Pack4d a, Pack4d b) noexcept { return a > b ? a : b; }
 struct LogVolume {
   explicit LogVolume(Pack4d J) noexcept {
     const Pack4d guarded = greater(J, math::splat<Pack4d>(NeoHookeanSolid::kLeastVolumeRatio));
-    slope = 1 / guarded;
-    value = log(guarded) + (J - guarded) * slope;
+    const LogAndInverse found = log_and_inverse(guarded);
+    slope = found.inverse;
+    value = found.log + (J - guarded) * slope;
   }
   Pack4d value, slope;
 };
