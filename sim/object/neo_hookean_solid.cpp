@@ -33,18 +33,31 @@ inline Pack4d square(const PackTensor& f) noexcept {
   return sum;
 }
 
-/// First Piola-Kirchhoff stress. Returns the modulus that a rank-one strain across the most
-/// compressed direction n meets, mu + (mu + lambda (1 - l)) |F^-T n|^2; at rest the other two
-/// directions add 2 to |F^-1|^2.
-[[gnu::always_inline]] inline Pack4d stress(double mu, double lambda, const PackTensor& F,
-                                            PackTensor& P) noexcept {
-  const PackTensor c = cofactor(F);
-  const LogVolume log_J(F[0] * c[0] + F[1] * c[1] + F[2] * c[2]);
-  const Pack4d pressure = (lambda * log_J.value - mu) * log_J.slope;
-  for (int k = 0; k < 9; ++k) P[k] = mu * F[k] + pressure * c[k];
-  const Pack4d inverse_squared = square(c) * (log_J.slope * log_J.slope);
-  const Pack4d most = greater(inverse_squared - 2, math::splat<Pack4d>(1));
-  return mu + (mu + lambda * (1 - log_J.value)) * most;
+/// First Piola-Kirchhoff stress at all points. Returns the greatest modulus that a rank-one strain
+/// across the most compressed direction n meets, mu + (mu + lambda (1 - l)) |F^-T n|^2; at rest the
+/// other two directions add 2 to |F^-1|^2. In three sweeps, as each of them alone is short enough
+/// for the processor to work on several points at once.
+Pack4d stress(double mu, double lambda, const ElementGradients& F, ElementGradients& P) noexcept {
+  std::array<Pack4d, kGaussPoints> log_J, slope;
+  for (int point = 0; point < kGaussPoints; ++point) {
+    const PackTensor& f = F[point];
+    P[point] = cofactor(f);
+    log_J[point] = f[0] * P[point][0] + f[1] * P[point][1] + f[2] * P[point][2];
+  }
+  for (int point = 0; point < kGaussPoints; ++point) {
+    const LogVolume volume(log_J[point]);
+    log_J[point] = volume.value;
+    slope[point] = volume.slope;
+  }
+  Pack4d modulus{};
+  for (int point = 0; point < kGaussPoints; ++point) {
+    const Pack4d inverse_squared = square(P[point]) * (slope[point] * slope[point]);
+    const Pack4d most = greater(inverse_squared - 2, math::splat<Pack4d>(1));
+    modulus = greater(mu + (mu + lambda * (1 - log_J[point])) * most, modulus);
+    const Pack4d pressure = (lambda * log_J[point] - mu) * slope[point];
+    for (int k = 0; k < 9; ++k) P[point][k] = mu * F[point][k] + pressure * P[point][k];
+  }
+  return modulus;
 }
 
 Pack4d energy_density(double mu, double lambda, const PackTensor& F) noexcept {
@@ -117,7 +130,7 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
                                    const Eigen::Matrix3Xd& velocities, double h,
                                    Eigen::Matrix3Xd& forces) noexcept {
   const double mu = material_.shear_modulus, lambda = material_.lame;
-  const double stiffness_at_rest = 2 * mu + lambda;
+  const double modulus_at_rest = 2 * mu + lambda;
   const std::array<double, 3> weighted{-volume_ * slopes_[0], -volume_ * slopes_[1],
                                        -volume_ * slopes_[2]};
   maxwell_.set_step(h);
@@ -137,12 +150,9 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
       for (int lane = 0; lane < pack.lanes(); ++lane)
         plastic = std::max(plastic, yield_.flow(first + lane, lane, elastic));
     }
-    const ElementGradients& F_e = yield_.empty() ? F : elastic;
-    Pack4d modulus{};
-    for (int point = 0; point < kGaussPoints; ++point)
-      modulus = greater(stress(mu, lambda, F_e[point], P[point]), modulus);
+    const Pack4d modulus = stress(mu, lambda, yield_.empty() ? F : elastic, P);
     for (int lane = 0; lane < kTogether; ++lane)
-      stiffening = std::max(stiffening, plastic * modulus[lane] / stiffness_at_rest);
+      stiffening = std::max(stiffening, plastic * modulus[lane] / modulus_at_rest);
 
     for (int lane = 0; lane < pack.lanes() && !yield_.empty(); ++lane)
       yield_.pull_back(first + lane, lane, P);
