@@ -30,10 +30,11 @@ class J2Yield {
 
   bool empty() const { return inverse_.cols() == 0; }
 
-  /// Turns the deformation gradients of an element into their elastic parts, flowing where the
-  /// stress is beyond yield. Points below a fifth of their volume or turned inside out do not flow,
-  /// nor does a point beyond a plastic stretch of about three: its element would be of no use.
-  /// Returns a bound, at least 1, on how much plastic strain has stiffened the nodes.
+  /// Turns the deformation gradients of an element, which has that lane of F, into their elastic
+  /// parts, flowing where the stress is beyond yield. Points below a fifth of their volume or
+  /// turned inside out do not flow, nor does a point beyond a plastic stretch of about three: its
+  /// element would be of no use. Returns a bound, at least 1, on how much plastic strain has
+  /// stiffened the nodes.
   double flow(int element, int lane, ElementGradients& F) noexcept;
 
   /// Turns deformation gradients into their elastic parts at the plastic state as it is.

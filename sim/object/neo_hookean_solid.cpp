@@ -143,16 +143,16 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
     pack.gather(positions.data(), nodal);
     HexahedronPack::gradients(nodal, slopes_, F);
 
-    double plastic = 1;
+    Pack4d plastic = math::splat<Pack4d>(1);
     ElementGradients elastic;
     if (!yield_.empty()) {
       elastic = F;
       for (int lane = 0; lane < pack.lanes(); ++lane)
-        plastic = std::max(plastic, yield_.flow(first + lane, lane, elastic));
+        plastic[lane] = yield_.flow(first + lane, lane, elastic);
     }
     const Pack4d modulus = stress(mu, lambda, yield_.empty() ? F : elastic, P);
     for (int lane = 0; lane < kTogether; ++lane)
-      stiffening = std::max(stiffening, plastic * modulus[lane] / modulus_at_rest);
+      stiffening = std::max(stiffening, plastic[lane] * modulus[lane] / modulus_at_rest);
 
     for (int lane = 0; lane < pack.lanes() && !yield_.empty(); ++lane)
       yield_.pull_back(first + lane, lane, P);
