@@ -1,28 +1,34 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
+
+#include "core/math/pack.hpp"
 
 namespace palpate::object {
 
-inline constexpr int kGaussPoints = 27;  // of an element: 3 x 3 x 3
+using math::Pack4d;
 
-/// Gauss points padded to a multiple of four with a copy of the first one of weight zero, so that
-/// every loop over them fills whole vector registers.
-inline constexpr int kPaddedPoints = 28;
+inline constexpr int kGaussPoints = 27;                 // of an element: 3 x 3 x 3, x fastest
+inline constexpr int kTogether = math::kLanes<Pack4d>;  // elements that are worked on side by side
 
-/// A 3 x 3 tensor per Gauss point of one element: column i, row (j, point) holds A_ij(point).
-using ElementGradients = Eigen::Matrix<double, 3 * kPaddedPoints, 3>;
+/// A 3 x 3 tensor of each of several elements side by side, row by row.
+using PackTensor = std::array<Pack4d, 9>;
 
-/// The tensor at one point.
-inline Eigen::Matrix3d tensor_at(const ElementGradients& field, int point) noexcept {
+/// The same at every Gauss point.
+using ElementGradients = std::array<PackTensor, kGaussPoints>;
+
+/// The tensor at one point of one of the elements.
+inline Eigen::Matrix3d tensor_at(const ElementGradients& field, int lane, int point) noexcept {
   Eigen::Matrix3d tensor;
-  for (int j = 0; j < 3; ++j) tensor.col(j) = field.row(j * kPaddedPoints + point).transpose();
+  for (int k = 0; k < 9; ++k) tensor(k / 3, k % 3) = field[point][k][lane];
   return tensor;
 }
 
-/// Replaces the tensor at one point.
-inline void set_tensor(ElementGradients& field, int point, const Eigen::Matrix3d& tensor) noexcept {
-  for (int j = 0; j < 3; ++j) field.row(j * kPaddedPoints + point) = tensor.col(j).transpose();
+/// Replaces it.
+inline void set_tensor(ElementGradients& field, int lane, int point,
+                       const Eigen::Matrix3d& tensor) noexcept {
+  for (int k = 0; k < 9; ++k) field[point][k][lane] = tensor(k / 3, k % 3);
 }
 
 }  // namespace palpate::object

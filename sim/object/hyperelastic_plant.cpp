@@ -42,7 +42,9 @@ HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
       grid_(options.origin, options.size, options.elements),
       solid_(grid_, solid_options(options)),
       masses_(options.density * grid_.nodal_volumes()),
-      damping_(options.mass_damping * masses_),
+      inverse_masses_(masses_.cwiseInverse().transpose().replicate<3, 1>()),
+      weight_(options.gravity_O * masses_.transpose()),
+      pad_damping_(Eigen::VectorXd::Zero(grid_.node_count())),
       contact_stiffness_(Eigen::VectorXd::Zero(grid_.node_count())),
       positions_(grid_.nodes()),
       velocities_(Eigen::Matrix3Xd::Zero(3, grid_.node_count())),
@@ -59,6 +61,8 @@ HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
     grasps_.emplace_back(grid_, grasp);
     for (const auto& pad : grasps_.back().pads()) springs[pad.node] += pad.stiffness;
   }
+  for (int n = 0; n < grid_.node_count(); ++n)
+    if (springs[n] > 0) padded_.push_back(n);
   add_fingertips();
   critical_step_ = object::critical_step(grid_, solid_, masses_, springs, clamped_);
   update_forces(0, 0);
@@ -90,12 +94,11 @@ double HyperelasticPlant::stable_step() const noexcept {
 }
 
 void HyperelasticPlant::update_forces(double h, double h_material) noexcept {
-  driving_.noalias() = options_.gravity_O * masses_.transpose();
-  driving_ += applied_;
-  damping_ = options_.mass_damping * masses_;
+  driving_ = weight_ + applied_;
+  for (const int n : padded_) pad_damping_[n] = 0;
   stiffening_ = solid_.add_forces(positions_, velocities_, h_material, driving_);
   for (CompliantGrasp& grasp : grasps_)
-    grasp.add_forces(positions_, velocities_, driving_, damping_);
+    grasp.add_forces(positions_, velocities_, driving_, pad_damping_);
   if (fingertips_.empty()) return;
   contact_stiffness_.setZero();
   for (FingertipContact& tip : fingertips_)
@@ -103,20 +106,21 @@ void HyperelasticPlant::update_forces(double h, double h_material) noexcept {
 }
 
 void HyperelasticPlant::begin_substep(double h) noexcept {
-  for (int n = 0; n < grid_.node_count(); ++n) {
-    velocities_.col(n) +=
-        0.5 * h / masses_[n] * (driving_.col(n) - damping_[n] * velocities_.col(n));
-  }
+  for (const int n : padded_) driving_.col(n) -= pad_damping_[n] * velocities_.col(n);
+  velocities_.array() +=
+      0.5 * h *
+      (inverse_masses_.array() * driving_.array() - options_.mass_damping * velocities_.array());
   for (const int n : clamped_) velocities_.col(n).setZero();
   positions_ += h * velocities_;
 }
 
 void HyperelasticPlant::end_substep(double h, double h_material) noexcept {
   update_forces(h, h_material);
-  for (int n = 0; n < grid_.node_count(); ++n) {
-    const double share = 0.5 * h / masses_[n];
-    velocities_.col(n) = (velocities_.col(n) + share * driving_.col(n)) / (1 + share * damping_[n]);
-  }
+  const double keep = 1 / (1 + 0.5 * h * options_.mass_damping);
+  velocities_.array() =
+      keep * (velocities_.array() + 0.5 * h * inverse_masses_.array() * driving_.array());
+  for (const int n : padded_)
+    velocities_.col(n) /= 1 + keep * 0.5 * h * pad_damping_[n] / masses_[n];
   for (const int n : clamped_) velocities_.col(n).setZero();
 }
 
@@ -139,8 +143,9 @@ void HyperelasticPlant::step(double dt) noexcept {
   substeps_ = 0;
   int left = substeps_for(dt);
   double h = dt / left;
+  double last = 0;
   while (left > 0) {
-    add_wrenches(0.5 * h / dt);
+    add_wrenches(0.5 * (last + h) / dt);
     begin_substep(h);
     --left;
     const double s = 1 - left * h / dt;
@@ -150,7 +155,7 @@ void HyperelasticPlant::step(double dt) noexcept {
     }
     for (FingertipContact& tip : fingertips_) tip.advance(s);
     end_substep(h, h);
-    add_wrenches(0.5 * h / dt);
+    last = h;
     ++substeps_;
     // What stiffens on the way takes shorter ones for the rest of it.
     if (options_.substeps == 0 && left > 0 && !(stable_step() >= h)) {
@@ -159,6 +164,7 @@ void HyperelasticPlant::step(double dt) noexcept {
       h = rest / left;
     }
   }
+  add_wrenches(0.5 * last / dt);
   for (std::size_t i = 0; i < grasps_.size(); ++i) {
     grasps_[i].hand().end();
     grasps_[i].set_mean_wrench(math::Wrench::from(hand_sums_.col(i)));

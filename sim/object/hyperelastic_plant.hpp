@@ -147,13 +147,16 @@ class HyperelasticPlant {
   std::vector<CompliantGrasp> grasps_;
   std::vector<FingertipContact> fingertips_;
   std::vector<int> clamped_;
+  std::vector<int> padded_;  // nodes that pads may hold, each once
   Eigen::VectorXd masses_;
-  Eigen::VectorXd damping_;            // N s/m per node, mass and pad damping
+  Eigen::Matrix3Xd inverse_masses_;    // 1/kg, by coordinate
+  Eigen::Matrix3Xd weight_;            // N
+  Eigen::VectorXd pad_damping_;        // N s/m per node
   Eigen::VectorXd contact_stiffness_;  // N/m per node, bound on what the fingertips add
   Eigen::Matrix3Xd positions_;
   Eigen::Matrix3Xd velocities_;
   Eigen::Matrix3Xd applied_;  // N, external forces on nodes
-  Eigen::Matrix3Xd driving_;  // N, all forces but the damping by a node's own velocity
+  Eigen::Matrix3Xd driving_;  // N, all forces but damping by a node's own velocity
   Eigen::Matrix<double, 6, Eigen::Dynamic> hand_sums_;  // of the wrenches within a step
   Eigen::Matrix<double, 6, Eigen::Dynamic> tip_sums_;
   double stiffening_ = 1;

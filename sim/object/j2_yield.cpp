@@ -67,11 +67,11 @@ double J2Yield::flow_length(const Eigen::Vector3d& log_stretch, const Eigen::Vec
   return length;
 }
 
-double J2Yield::flow(int element, ElementGradients& F) noexcept {
+double J2Yield::flow(int element, int lane, ElementGradients& F) noexcept {
   double stiffening = 1;
   for (int point = 0; point < kGaussPoints; ++point) {
     const int column = element * kGaussPoints + point;
-    Eigen::Matrix3d elastic = tensor_at(F, point) * plastic_inverse(element, point);
+    Eigen::Matrix3d elastic = tensor_at(F, lane, point) * plastic_inverse(element, point);
     const Eigen::Matrix3d C = elastic.transpose() * elastic;
     const double trace = C.trace();
     const double square = std::max(0.0, C.squaredNorm() - trace * trace / 3);  // |dev b_e|^2
@@ -96,20 +96,21 @@ double J2Yield::flow(int element, ElementGradients& F) noexcept {
       }
     }
     stiffening = std::max(stiffening, square_bound(plastic_inverse(element, point)));
-    set_tensor(F, point, elastic);
+    set_tensor(F, lane, point, elastic);
   }
   return stiffening;
 }
 
-void J2Yield::take_out(int element, ElementGradients& F) const noexcept {
+void J2Yield::take_out(int element, int lane, ElementGradients& F) const noexcept {
   for (int point = 0; point < kGaussPoints; ++point) {
-    set_tensor(F, point, tensor_at(F, point) * plastic_inverse(element, point));
+    set_tensor(F, lane, point, tensor_at(F, lane, point) * plastic_inverse(element, point));
   }
 }
 
-void J2Yield::pull_back(int element, ElementGradients& P) const noexcept {
+void J2Yield::pull_back(int element, int lane, ElementGradients& P) const noexcept {
   for (int point = 0; point < kGaussPoints; ++point) {
-    set_tensor(P, point, tensor_at(P, point) * plastic_inverse(element, point).transpose());
+    set_tensor(P, lane, point,
+               tensor_at(P, lane, point) * plastic_inverse(element, point).transpose());
   }
 }
 

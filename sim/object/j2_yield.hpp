@@ -30,17 +30,18 @@ class J2Yield {
 
   bool empty() const { return inverse_.cols() == 0; }
 
-  /// Turns the deformation gradients of an element into their elastic parts, flowing where the
-  /// stress is beyond yield. Points below a fifth of their volume or turned inside out do not flow,
-  /// nor does a point beyond a plastic stretch of about three: its element would be of no use.
-  /// Returns a bound, at least 1, on how much plastic strain has stiffened the nodes.
-  double flow(int element, ElementGradients& F) noexcept;
+  /// Turns the deformation gradients of an element, which has that lane of F, into their elastic
+  /// parts, flowing where the stress is beyond yield. Points below a fifth of their volume or
+  /// turned inside out do not flow, nor does a point beyond a plastic stretch of about three: its
+  /// element would be of no use. Returns a bound, at least 1, on how much plastic strain has
+  /// stiffened the nodes.
+  double flow(int element, int lane, ElementGradients& F) noexcept;
 
   /// Turns deformation gradients into their elastic parts at the plastic state as it is.
-  void take_out(int element, ElementGradients& F) const noexcept;
+  void take_out(int element, int lane, ElementGradients& F) const noexcept;
 
   /// Turns the stress conjugate to the elastic part into that conjugate to F: P F_p^-T.
-  void pull_back(int element, ElementGradients& P) const noexcept;
+  void pull_back(int element, int lane, ElementGradients& P) const noexcept;
 
   /// Accumulated equivalent plastic strain, greatest of all points.
   double greatest_strain() const { return empty() ? 0 : strain_.maxCoeff(); }

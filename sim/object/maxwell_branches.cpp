@@ -32,12 +32,12 @@ void MaxwellBranches::set_step(double h) noexcept {
   }
 }
 
-double MaxwellBranches::add_stress(int element, const ElementGradients& F,
+double MaxwellBranches::add_stress(int element, int lane, const ElementGradients& F,
                                    ElementGradients& P) noexcept {
   double most_stretched = 1;
   for (int point = 0; point < kGaussPoints; ++point) {
     const int column = element * kGaussPoints + point;
-    const Eigen::Matrix3d f = tensor_at(F, point);
+    const Eigen::Matrix3d f = tensor_at(F, lane, point);
     const Eigen::Matrix3d C = f.transpose() * f;
     most_stretched = std::max(most_stretched, C.cwiseAbs().rowwise().sum().maxCoeff());
     Eigen::Matrix<double, 6, 1> strain;
@@ -57,8 +57,7 @@ double MaxwellBranches::add_stress(int element, const ElementGradients& F,
     S << mu2 * sum[0] + pressure, mu2 * sum[3], mu2 * sum[5],  //
         mu2 * sum[3], mu2 * sum[1] + pressure, mu2 * sum[4],   //
         mu2 * sum[5], mu2 * sum[4], mu2 * sum[2] + pressure;
-    const Eigen::Matrix3d stress = f * S;
-    for (int j = 0; j < 3; ++j) P.row(j * kPaddedPoints + point) += stress.col(j).transpose();
+    set_tensor(P, lane, point, tensor_at(P, lane, point) + f * S);
   }
   return most_stretched;
 }

@@ -35,9 +35,10 @@ class MaxwellBranches {
   /// Time since the last deformation that was seen, s; 0: a sudden jump, infinity: all relaxed.
   void set_step(double h) noexcept;
 
-  /// Moves on to the deformation gradients F of an element and adds the overstress to the first
-  /// Piola-Kirchhoff stress. Returns how much stiffer than at rest the branches may be, at least 1.
-  double add_stress(int element, const ElementGradients& F, ElementGradients& P) noexcept;
+  /// Moves on to the deformation gradients F of an element, in that lane, and adds the overstress
+  /// to the first Piola-Kirchhoff stress. Returns how much stiffer than at rest the branches may
+  /// be, at least 1.
+  double add_stress(int element, int lane, const ElementGradients& F, ElementGradients& P) noexcept;
 
   /// Energy stored in the branches per rest volume, J/m^3.
   double energy_density(int element, int point) const noexcept;

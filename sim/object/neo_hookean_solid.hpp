@@ -1,11 +1,13 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <vector>
 
 #include "sim/object/element_gradients.hpp"
 #include "sim/object/hexahedral_grid.hpp"
+#include "sim/object/hexahedron_pack.hpp"
 #include "sim/object/j2_yield.hpp"
 #include "sim/object/maxwell_branches.hpp"
 #include "sim/object/neo_hookean.hpp"
@@ -33,7 +35,7 @@ struct SolidOptions {
 ///   Psi = mu/2 (tr F'F - 3) - mu l + lambda/2 l^2,  P = mu F + (lambda l - mu) l' cof F,
 /// with l = log J. Below J = kLeastVolumeRatio the logarithm is continued by its tangent, so that
 /// energy and force stay finite, consistent with each other and restoring for any F, inverted ones
-/// too. 3 x 3 x 3 Gauss points; all elements are equal boxes, so one set of gradients serves all.
+/// too. 3 x 3 x 3 Gauss points; the elements, equal boxes, are worked on four side by side.
 ///
 /// Optional: second Piola-Kirchhoff stress eta dC/dt (Kelvin-Voigt), zero in any rigid motion;
 /// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, seen by the
@@ -61,28 +63,20 @@ class NeoHookeanSolid {
   double greatest_plastic_strain() const { return yield_.greatest_strain(); }
 
  private:
-  // Nodes are padded to a multiple of four as Gauss points are.
-  static constexpr int kPoints = kPaddedPoints;
-  static constexpr int kNodes = 28;
-  static constexpr int kGradients = 3 * kPoints;  // row: axis * kPoints + point
+  using Moduli = std::array<Pack4d, kGaussPoints>;
 
-  using Corners = Eigen::Matrix<double, kNodes, 3>;
-  using Gradients = ElementGradients;
-
-  Corners gather(const Eigen::Matrix3Xd& values, int element) const noexcept;
-  double first_piola(const Gradients& F, Gradients& P) const noexcept;
-  void add_viscous_stress(const Gradients& F, const Gradients& F_rate, Gradients& P) const noexcept;
+  void add_viscous_stress(const ElementGradients& F, const ElementGradients& F_rate,
+                          ElementGradients& P) const noexcept;
   void find_stiffness(const HexahedralGrid& grid, const std::vector<ModulusRegion>& regions);
 
   NeoHookean material_;
   double viscosity_;
-  Eigen::MatrixXi elements_;
+  double volume_;                 // of an element at rest, m^3
+  std::array<double, 3> slopes_;  // of HexahedronPack::gradients(), 1/m
+  std::vector<HexahedronPack> packs_;
   MaxwellBranches maxwell_;
   J2Yield yield_;
-  Eigen::Array<double, kPoints, Eigen::Dynamic> stiffness_;  // relative, by point; empty: all 1
-  Eigen::Matrix<double, kGradients, 27> gradients_;          // d shape / d rest coordinate
-  Eigen::Matrix<double, kNodes, kGradients> divergence_;     // its transpose times minus the weight
-  Eigen::Array<double, kPoints, 1> weights_;                 // Gauss weight times rest volume, m^3
+  std::vector<Moduli> stiffness_;  // relative, by pack and point; empty: all 1
 };
 
 }  // namespace palpate::object

@@ -72,6 +72,27 @@ TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
   }
 }
 
+TEST(NeoHookeanSolid, ElementsDoNotMindTheirNeighboursInAPack) {
+  // Three elements in a row load their nodes as each of them does alone.
+  const Eigen::Vector3d side(0.04, 0.06, 0.05);
+  const HexahedralGrid row(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.12, 0.06, 0.05), {3, 1, 1});
+  const Eigen::Matrix3Xd x = row.nodes() + random_field(row.node_count(), 0.003);
+  const Eigen::Matrix3Xd together = forces(NeoHookeanSolid(row, {kFoam, 0}), x);
+  Eigen::Matrix3Xd apart = 0 * together;
+  double energy = 0;
+  for (int e = 0; e < 3; ++e) {
+    const HexahedralGrid one(Eigen::Vector3d(0.04 * e, 0, 0), side, {1, 1, 1});
+    Eigen::Matrix3Xd corners(3, 27);
+    for (int a = 0; a < 27; ++a) corners.col(one.elements()(a, 0)) = x.col(row.elements()(a, e));
+    const NeoHookeanSolid solid(one, {kFoam, 0});
+    const Eigen::Matrix3Xd f = forces(solid, corners);
+    for (int a = 0; a < 27; ++a) apart.col(row.elements()(a, e)) += f.col(one.elements()(a, 0));
+    energy += solid.energy(corners);
+  }
+  EXPECT_LT((together - apart).cwiseAbs().maxCoeff(), 1e-13 * together.cwiseAbs().maxCoeff());
+  EXPECT_NEAR(NeoHookeanSolid(row, {kFoam, 0}).energy(x), energy, 1e-13 * energy);
+}
+
 TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
   const HexahedralGrid grid = block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
