@@ -11,8 +11,6 @@
 namespace palpate::scenes {
 namespace {
 
-using Eigen::Vector3d;
-
 std::vector<std::string> scene_names() {
   std::vector<std::string> names;
   for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/sim/scenes"))
@@ -31,12 +29,14 @@ TEST_P(EveryScene, RestsInTheHandAndRuns) {
   Stage stage(path_of(GetParam()), {});
   const Simulation& s = stage.simulation;
   const Scene& scene = s.scene();
-  // Held where the file says: the hand is at the patch, its axes along those of O.
-  const math::Pose X_OG = s.grasp_in_object();
-  EXPECT_LT(math::log_rotation(X_OG.linear()).norm(), 1e-6);
-  const object::Box& patch = scene.plant.grasps[0].patch;
-  EXPECT_TRUE((X_OG.translation().array() > patch.lower.array()).all()) << X_OG.translation();
-  EXPECT_TRUE((X_OG.translation().array() < patch.upper.array()).all()) << X_OG.translation();
+  if (!scene.plant.grasps.empty()) {
+    // Held where the file says: the hand is at the patch, its axes along those of O.
+    const math::Pose X_OG = s.grasp_in_object();
+    EXPECT_LT(math::log_rotation(X_OG.linear()).norm(), 1e-6);
+    const object::Box& patch = scene.plant.grasps[0].patch;
+    EXPECT_TRUE((X_OG.translation().array() > patch.lower.array()).all()) << X_OG.translation();
+    EXPECT_TRUE((X_OG.translation().array() < patch.upper.array()).all()) << X_OG.translation();
+  }
   const Eigen::Matrix3Xd before = s.plant().positions();
   stage.run(0.01);
   EXPECT_NEAR(stage.sent<ft_wrench_t>("FT_WRENCH").size(), 10, 1);
@@ -60,7 +60,8 @@ std::vector<std::string> moving_scenes() {
 
 /// The object by few elements: what it weighs on the arm does not need more.
 std::vector<std::string> coarse_object(const std::string& name) {
-  if (name.find("block") == std::string::npos) return coarse();
+  if (name.find("bar_long") == 0) return coarse();
+  if (name.find("block") != 0) return {};
   return {"object.elements=[4, 1, 4]",
           "object.grasp_box={lower: [0.3, 0, 0.1], upper: [0.4, 0.06, 0.3]}",
           "object.pads.stiffness=1e4"};
@@ -73,8 +74,7 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
   Simulation& s = stage.simulation;
   const MotionPlan& plan = *s.scene().motion;
   const robot::JointLimits& limits = s.robot().limits();
-  double room = 10, speed = 0, torque = 0, astray = 0, askew = 0, force = 0, moment = 0;
-  Vector3d lower = Vector3d::Constant(10), upper = -lower;
+  double room = 10, speed = 0, torque = 0, astray = 0, askew = 0;
   while (s.time() < plan.duration()) {
     s.step();
     const Eigen::ArrayXd q = s.robot().joint_positions();
@@ -87,10 +87,6 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
     const math::Pose X = s.grasp_in_object(), target = s.grasp_target();
     astray = std::max(astray, (X.translation() - target.translation()).norm());
     askew = std::max(askew, math::log_rotation(X.linear() * target.linear().transpose()).norm());
-    force = std::max(force, s.plant().hand_wrench().force.norm());
-    moment = std::max(moment, s.plant().hand_wrench().torque.norm());
-    lower = lower.cwiseMin(s.robot().flange_pose().translation());
-    upper = upper.cwiseMax(s.robot().flange_pose().translation());
   }
   EXPECT_GT(room, 0.1) << "rad to the nearest joint limit";
   EXPECT_LT(speed, 0.8) << "of the joint speed limit";
@@ -98,12 +94,7 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
   EXPECT_EQ(s.robot().torque_limited_steps(), 0);
   EXPECT_LT(astray, 1.5e-3) << "m from the plan";
   EXPECT_LT(askew, 5e-3) << "rad from the plan";
-  EXPECT_TRUE(s.plant().grasped());
-  std::printf(
-      "room %.2f rad, speed %.2f, torque %.2f, astray %.2f mm, askew %.2f mrad, hand %.1f N "
-      "%.2f N m\nflange from %.2f %.2f %.2f to %.2f %.2f %.2f\n",
-      room, speed, torque, 1e3 * astray, 1e3 * askew, force, moment, lower.x(), lower.y(),
-      lower.z(), upper.x(), upper.y(), upper.z());
+  EXPECT_EQ(s.plant().grasped(), !s.scene().plant.grasps.empty());
 }
 
 INSTANTIATE_TEST_SUITE_P(Scene, MovingScene, ::testing::ValuesIn(moving_scenes()),
