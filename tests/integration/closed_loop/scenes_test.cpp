@@ -60,5 +60,33 @@ INSTANTIATE_TEST_SUITE_P(Scene, SceneAndConfiguration,
                                            Pair{"block_soft_six_poses", "block_soft"}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
+// The thesis' third control run: its pose of three nodes beside the hand, within the block's plane.
+TEST(BlockControl, PoseBesideTheHandReachesItsTargetAlongZ) {
+  const std::vector<Eigen::Vector3d> nodes = {
+      {0.3653, 0.06, 0.3012}, {0.4, 0.06, 0.2}, {0.3653, 0.06, 0.2606}};
+  ClosedLoop loop("sim/scenes/block_hard_control.yaml", "rt/config/examples/block_hard.yaml",
+                  {"object.elements=[5, 1, 5]"},
+                  {"feature={component: pose, rest_points: [[0.3653, 0.06, 0.3012], [0.4, 0.06, "
+                   "0.2], [0.3653, 0.06, 0.2606]]}"});
+  const object::HyperelasticPlant& plant = loop.simulation().plant();
+  const auto centroid = [&] {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (const Eigen::Vector3d& node : nodes) sum += plant.position_at(node);
+    return Eigen::Vector3d(sum / 3);
+  };
+  loop.run(0.1);
+  loop.send_event("start");
+  loop.run(0.5);
+  const Eigen::Vector3d before = centroid(), move(0, 0, 0.02);
+  Eigen::VectorXd target = loop.daemon().pipeline().feature_state().value;
+  target.head<3>() += move;
+  loop.send_target("pose", target);
+  loop.run(4.0);
+  EXPECT_LT((centroid() - before - move).norm(), 5e-3) << "of the plant";
+  EXPECT_LT(loop.daemon().pipeline().feature_state().error.tail<3>().norm(), M_PI / 180);
+  EXPECT_TRUE(loop.daemon().pipeline().is_running()) << loop.daemon().pipeline().condition().reason;
+  EXPECT_GT(plant.hand_wrench().force.z(), 5) << "N: the block resists";
+}
+
 }  // namespace
 }  // namespace palpate
