@@ -1,6 +1,10 @@
 #include "rt/config/document.hpp"
 
+#include <algorithm>
 #include <charconv>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/config/node.hpp"
@@ -21,6 +25,34 @@ std::vector<std::string> split(const std::string& path) {
     }
   }
   return parts;
+}
+
+std::string read_text(const std::string& path) {
+  std::ifstream file(path);
+  if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+/// `upper` over `lower`, both mappings. The nodes of keys are kept, since they know their lines.
+YAML::Node merged(const YAML::Node& lower, const YAML::Node& upper) {
+  YAML::Node result(YAML::NodeType::Map);
+  for (const auto& entry : lower) {
+    const std::string& key = entry.first.Scalar();
+    const auto over = std::find_if(upper.begin(), upper.end(),
+                                   [&](const auto& item) { return item.first.Scalar() == key; });
+    if (over == upper.end()) {
+      result.force_insert(entry.first, entry.second);
+    } else if (over->second.IsMap() && entry.second.IsMap()) {
+      result.force_insert(over->first, merged(entry.second, over->second));
+    } else {
+      result.force_insert(over->first, over->second);
+    }
+  }
+  for (const auto& entry : upper)
+    if (!lower[entry.first.Scalar()].IsDefined()) result.force_insert(entry.first, entry.second);
+  return result;
 }
 
 bool starts_with(const std::string& text, const std::string& start) {
@@ -64,7 +96,7 @@ std::string join(const std::string& path, const std::string& key) {
 }
 
 Document::Document(const std::string& text, const std::string& name, const std::string& folder)
-    : name_(name), folder_(folder) {
+    : top_{name, folder} {
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) throw Error(name + ": holds more than one YAML document");
@@ -75,6 +107,65 @@ Document::Document(const std::string& text, const std::string& name, const std::
   if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
   if (!root_.IsMap()) throw Error(location("", root_.Mark().line) + ": not a mapping of keys");
   check_keys(root_, "", 0);
+  claim(root_, "");
+}
+
+std::shared_ptr<Document> Document::load(const std::string& path) {
+  std::vector<std::string> chain;
+  return load_chain(path, chain);
+}
+
+std::shared_ptr<Document> Document::load_chain(const std::string& path,
+                                               std::vector<std::string>& chain) {
+  namespace fs = std::filesystem;
+  const std::string folder = fs::path(path).parent_path().string();
+  const auto document = std::make_shared<Document>(read_text(path), path, folder);
+  chain.push_back(fs::weakly_canonical(path).string());
+  std::string where;
+  const std::string name = document->take_base(where);
+  if (name.empty()) return document;
+  const std::string base = (fs::path(folder) / name).lexically_normal().string();
+  if (std::count(chain.begin(), chain.end(), fs::weakly_canonical(base).string()) > 0)
+    throw Error(where + "'" + base + "' builds on this file itself");
+  if (!fs::is_regular_file(base)) throw Error(where + "there is no file '" + base + "'");
+  document->put_over(*load_chain(base, chain));
+  return document;
+}
+
+std::string Document::take_base(std::string& where) {
+  for (const auto& entry : root_) {
+    if (entry.first.Scalar() != "base") continue;
+    where = location("base", entry.first.Mark().line) + ": base: ";
+    if (!entry.second.IsScalar() || entry.second.Scalar().empty())
+      throw Error(where + "is not the name of a file");
+    const std::string name = entry.second.Scalar();
+    root_.remove("base");
+    return name;
+  }
+  return "";
+}
+
+void Document::put_over(const Document& base) {
+  root_ = merged(base.root_, root_);
+  sources_.insert(base.sources_.begin(), base.sources_.end());  // but for keys that are there
+}
+
+void Document::claim(const YAML::Node& node, const std::string& path) {
+  for (const auto& entry : node) {
+    const std::string key = join(path, entry.first.Scalar());
+    sources_[key] = top_;
+    if (entry.second.IsMap()) claim(entry.second, key);
+  }
+}
+
+const Document::Source& Document::source(const std::string& path) const {
+  for (std::string key = path; !key.empty();) {
+    const auto found = sources_.find(key);
+    if (found != sources_.end()) return found->second;
+    const std::size_t dot = key.rfind('.');
+    key.resize(dot == std::string::npos ? 0 : dot);
+  }
+  return top_;
 }
 
 void Document::check_keys(const YAML::Node& node, const std::string& path, int depth) const {
@@ -130,7 +221,8 @@ std::string Document::location(const std::string& path, int line) const {
     const bool made_for_it = line < 0 && starts_with(it->path, path + ".");
     if (at_or_below || made_for_it) return "override '" + it->text + "'";
   }
-  return line < 0 ? name_ : name_ + ":" + std::to_string(line + 1);
+  const std::string& name = source(path).name;
+  return line < 0 ? name : name + ":" + std::to_string(line + 1);
 }
 
 const std::set<std::string>& Document::used(const std::string& path) const {

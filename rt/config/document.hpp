@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 #include <vector>
@@ -17,11 +18,18 @@ class Document {
   /// Throws Error where `text` is not one YAML mapping with unique plain keys.
   Document(const std::string& text, const std::string& name, const std::string& folder);
 
+  /// Reads a file. Where it says `base: FILE` (relative to its own folder), its entries are put
+  /// over those of that file, which may have a base itself: mappings are merged key by key,
+  /// anything else is replaced whole. Throws Error, also where a file cannot be read or is its own
+  /// base.
+  static std::shared_ptr<Document> load(const std::string& path);
+
   /// Applies "path.to.key=value".
   void apply_override(const std::string& text);
 
   const YAML::Node& root() const { return root_; }
-  const std::string& folder() const { return folder_; }
+  /// Folder of the file that gives the value at `path`.
+  const std::string& folder(const std::string& path) const { return source(path).folder; }
 
   /// "file:line", or the override that set the value at `path`; `line` is 0-based, -1 where
   /// unknown.
@@ -35,16 +43,26 @@ class Document {
   std::int64_t hash() const;
 
  private:
+  struct Source {
+    std::string name;
+    std::string folder;
+  };
   struct Override {
     std::string path;
     std::string text;
   };
 
+  static std::shared_ptr<Document> load_chain(const std::string& path,
+                                              std::vector<std::string>& chain);
+  std::string take_base(std::string& where);
+  void put_over(const Document& base);
+  void claim(const YAML::Node& node, const std::string& path);
+  const Source& source(const std::string& path) const;
   void check_keys(const YAML::Node& node, const std::string& path, int depth) const;
 
   YAML::Node root_;
-  std::string name_;
-  std::string folder_;
+  Source top_;                             // the file that was asked for
+  std::map<std::string, Source> sources_;  // of each key outside lists
   std::vector<Override> overrides_;
   std::map<std::string, std::set<std::string>> used_;
 };

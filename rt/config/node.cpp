@@ -4,7 +4,6 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
-#include <fstream>
 #include <sstream>
 
 #include "rt/config/document.hpp"
@@ -126,12 +125,7 @@ struct Node::Impl {
 Node::Node(std::shared_ptr<Impl> impl) : impl_(std::move(impl)) {}
 
 Node Node::load_file(const std::string& path, const std::vector<std::string>& overrides) {
-  std::ifstream file(path);
-  std::ostringstream text;
-  if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
-  text << file.rdbuf();
-  const std::string folder = std::filesystem::path(path).parent_path().string();
-  const auto document = std::make_shared<Document>(text.str(), path, folder);
+  const std::shared_ptr<Document> document = Document::load(path);
   for (const std::string& item : overrides) document->apply_override(item);
   return Node(std::make_shared<Impl>(Impl{document, document->root(), "", 0}));
 }
@@ -311,7 +305,9 @@ math::Pose Node::pose(const std::string& key) const {
 
 std::string Node::path(const std::string& key) const {
   const std::filesystem::path path = text(key);
-  return (std::filesystem::path(impl_->document->folder()) / path).lexically_normal().string();
+  return (std::filesystem::path(impl_->document->folder(join(impl_->path, key))) / path)
+      .lexically_normal()
+      .string();
 }
 
 void Node::check_all_used() const {

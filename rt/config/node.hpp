@@ -31,8 +31,9 @@ struct Range {
 /// an error when check_all_used() is called on the root.
 class Node {
  public:
-  /// Reads a file, then applies overrides "path.to.key=value" (value is YAML; list items by index:
-  /// "sensing.0.component=ft_tare_only"). The overridden key need not exist.
+  /// Reads a file and what it builds on (`base: FILE`: its entries go over those of that file; see
+  /// Document::load), then applies overrides "path.to.key=value" (value is YAML; list items by
+  /// index: "sensing.0.component=ft_tare_only"). The overridden key need not exist.
   static Node load_file(const std::string& path, const std::vector<std::string>& overrides = {});
   static Node from_text(const std::string& text, const std::string& name = "<text>");
 
@@ -64,7 +65,7 @@ class Node {
   /// {position: [x, y, z], quaternion: [w, x, y, z]} or {position: ..., rpy_deg: [r, p, y]};
   /// identity where absent.
   math::Pose pose(const std::string& key) const;
-  /// A path, taken relative to the file's folder.
+  /// A path, taken relative to the folder of the file that gives it.
   std::string path(const std::string& key) const;
 
   /// Throws Error naming the first key below this node that no getter has asked for, with the keys

@@ -110,6 +110,7 @@ Scene read_scene(const config::Node& node) {
   scene.seed = static_cast<std::uint64_t>(node.integer("seed", {0, kMostSeed}, 1));
   read_bus(node.child_or_empty("bus"), scene.bus);
   read_object(node.child("object"), scene);
+  scene.pokes = read_pokes(node, scene.plant.size);
   read_robot(node.child("robot"), scene);
   scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
   if (node.has("camera")) scene.camera = read_camera(node.child("camera"), scene);

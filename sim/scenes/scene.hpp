@@ -3,12 +3,14 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "rt/config/node.hpp"
 #include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/motion_plan.hpp"
+#include "sim/scenes/pokes.hpp"
 #include "sim/sensors/sensor_table.hpp"
 
 namespace palpate::scenes {
@@ -28,6 +30,7 @@ struct Scene {
   object::PlantOptions plant;  // but for the hand's pose at rest and gravity, which the arm decides
   math::Pose X_WO = math::Pose::Identity();
   bool object_gravity = true;
+  std::vector<Poke> pokes;
 
   std::string urdf;
   robot::RobotOptions robot;

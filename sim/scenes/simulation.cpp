@@ -53,6 +53,7 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       robot_(make_robot(node, scene_)),
       X_OG_first_(grasp_in_object()),
       plant_(make_plant(node, scene_, X_OG_first_)),
+      pokes_(scene_.pokes, *plant_),
       hand_(*robot_),
       sensors_(scene_.sensors, scene_.seed, scene_.X_EG, robot_->joint_count()),
       commands_(control),
@@ -121,6 +122,7 @@ void Simulation::step() {
   robot_->set_hand_load({-(R_WO * on_object.force), -(R_WO * on_object.torque)},
                         robot_->flange_pose() * scene_.X_EG.translation());
   robot_->step(kPeriod);
+  pokes_.apply(time(), *plant_);
   plant_->step(kPeriod, grasp_in_object(), grasp_twist());
 
   const std::int64_t now_us = kPeriodUs * tick_;

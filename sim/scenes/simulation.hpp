@@ -11,6 +11,7 @@
 #include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/command_receiver.hpp"
 #include "sim/scenes/hand_control.hpp"
+#include "sim/scenes/pokes.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/scenes/sensor_publisher.hpp"
 #include "sim/scenes/truth_publisher.hpp"
@@ -80,6 +81,7 @@ class Simulation {
   std::unique_ptr<robot::Robot> robot_;
   math::Pose X_OG_first_;
   std::unique_ptr<object::HyperelasticPlant> plant_;
+  Pokes pokes_;
   HandControl hand_;
   sensors::SensorSuite sensors_;
   CommandReceiver commands_;

@@ -1,0 +1,50 @@
+#include "sim/scenes/pokes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::scenes {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+}  // namespace
+
+double Poke::share(double time) const {
+  const double inside = std::min(time - at, at + duration - time);
+  if (inside <= 0) return 0;
+  const double ramp = std::min(kRamp, duration / 2);
+  return inside < ramp ? 0.5 * (1 - std::cos(kPi * inside / ramp)) : 1;
+}
+
+std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& size) {
+  std::vector<Poke> pokes;
+  for (const config::Node& item : scene.list("pokes")) {
+    Poke poke;
+    poke.at = item.number("at", {0, 1e5});
+    poke.duration = item.number("duration", {0.01, 1e5});
+    poke.point = item.vector3("point");
+    poke.force = item.vector3("force", {-1e3, 1e3});
+    if ((poke.point.array() < 0).any() || (poke.point.array() > size.array()).any())
+      item.fail("point", "lies outside the object");
+    pokes.push_back(poke);
+  }
+  return pokes;
+}
+
+Pokes::Pokes(const std::vector<Poke>& pokes, const object::HyperelasticPlant& plant) {
+  for (const Poke& poke : pokes) pokes_.push_back({poke, plant.locate(poke.point)});
+}
+
+void Pokes::apply(double time, object::HyperelasticPlant& plant) noexcept {
+  if (applied_) plant.clear_forces();
+  applied_ = false;
+  for (const Placed& placed : pokes_) {
+    const double share = placed.poke.share(time);
+    if (share == 0) continue;
+    plant.add_force(placed.point, share * placed.poke.force);
+    applied_ = true;
+  }
+}
+
+}  // namespace palpate::scenes

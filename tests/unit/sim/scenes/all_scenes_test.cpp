@@ -1,0 +1,104 @@
+// Every scene file of the tree: it loads, runs, and its motion can be done by the arm.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "tests/unit/sim/scenes/stage.hpp"
+
+namespace palpate::scenes {
+namespace {
+
+std::vector<std::string> scene_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : std::filesystem::directory_iterator(PALPATE_SOURCE_DIR "/sim/scenes"))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string path_of(const std::string& name) {
+  return PALPATE_SOURCE_DIR "/sim/scenes/" + name + ".yaml";
+}
+
+class EveryScene : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryScene, RestsInTheHandAndRuns) {
+  Stage stage(path_of(GetParam()), {});
+  const Simulation& s = stage.simulation;
+  const Scene& scene = s.scene();
+  if (!scene.plant.grasps.empty()) {
+    // Held where the file says: the hand is at the patch, its axes along those of O.
+    const math::Pose X_OG = s.grasp_in_object();
+    EXPECT_LT(math::log_rotation(X_OG.linear()).norm(), 1e-6);
+    const object::Box& patch = scene.plant.grasps[0].patch;
+    EXPECT_TRUE((X_OG.translation().array() > patch.lower.array()).all()) << X_OG.translation();
+    EXPECT_TRUE((X_OG.translation().array() < patch.upper.array()).all()) << X_OG.translation();
+  }
+  const Eigen::Matrix3Xd before = s.plant().positions();
+  stage.run(0.01);
+  EXPECT_NEAR(stage.sent<ft_wrench_t>("FT_WRENCH").size(), 10, 1);
+  EXPECT_TRUE(s.plant().positions().allFinite());
+  EXPECT_LT((s.plant().positions() - before).cwiseAbs().maxCoeff(), 1e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Scene, EveryScene, ::testing::ValuesIn(scene_names()),
+                         [](const auto& tested) { return tested.param; });
+
+/// Scenes with a motion of their own; those of the thesis' moduli repeat that of another.
+std::vector<std::string> moving_scenes() {
+  std::vector<std::string> names;
+  for (const std::string& name : scene_names()) {
+    const bool repeats = name.find("_thesis") != std::string::npos;
+    if (!repeats && read_scene(config::Node::load_file(path_of(name))).motion)
+      names.push_back(name);
+  }
+  return names;
+}
+
+/// The object by few elements: what it weighs on the arm does not need more.
+std::vector<std::string> coarse_object(const std::string& name) {
+  if (name.find("bar_long") == 0) return coarse();
+  if (name.find("block") != 0) return {};
+  return {"object.elements=[4, 1, 4]",
+          "object.grasp_box={lower: [0.3, 0, 0.1], upper: [0.4, 0.06, 0.3]}",
+          "object.pads.stiffness=1e4"};
+}
+
+class MovingScene : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
+  Stage stage(path_of(GetParam()), coarse_object(GetParam()));
+  Simulation& s = stage.simulation;
+  const MotionPlan& plan = *s.scene().motion;
+  const robot::JointLimits& limits = s.robot().limits();
+  double room = 10, speed = 0, torque = 0, astray = 0, askew = 0;
+  while (s.time() < plan.duration()) {
+    s.step();
+    const Eigen::ArrayXd q = s.robot().joint_positions();
+    room = std::min(
+        {room, (limits.upper.array() - q).minCoeff(), (q - limits.lower.array()).minCoeff()});
+    speed = std::max(
+        speed, (s.robot().joint_velocities().array() / limits.velocity.array()).abs().maxCoeff());
+    torque = std::max(torque,
+                      (s.robot().joint_torques().array() / limits.torque.array()).abs().maxCoeff());
+    const math::Pose X = s.grasp_in_object(), target = s.grasp_target();
+    astray = std::max(astray, (X.translation() - target.translation()).norm());
+    askew = std::max(askew, math::log_rotation(X.linear() * target.linear().transpose()).norm());
+  }
+  EXPECT_GT(room, 0.1) << "rad to the nearest joint limit";
+  EXPECT_LT(speed, 0.8) << "of the joint speed limit";
+  EXPECT_LT(torque, 0.8) << "of the joint torque limit";
+  EXPECT_EQ(s.robot().torque_limited_steps(), 0);
+  EXPECT_LT(astray, 1.5e-3) << "m from the plan";
+  EXPECT_LT(askew, 5e-3) << "rad from the plan";
+  EXPECT_EQ(s.plant().grasped(), !s.scene().plant.grasps.empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(Scene, MovingScene, ::testing::ValuesIn(moving_scenes()),
+                         [](const auto& tested) { return tested.param; });
+
+}  // namespace
+}  // namespace palpate::scenes
