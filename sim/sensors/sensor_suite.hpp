@@ -29,6 +29,7 @@ struct RobotReading {
 struct HandReading {
   std::int64_t time_us = 0;
   bool holding = false;
+  bool slipping = false;         // while it holds
   std::vector<math::Pose> X_ET;  // fingertips
   Eigen::VectorXd q;             // rad
 };
