@@ -132,6 +132,7 @@ void Simulation::follow_motion() {
 sensors::Truth Simulation::sense() const {
   sensors::Truth truth;
   truth.force_torque.wrench = robot_->sensor_wrench().vector();
+  truth.X_WS = robot_->link_pose(scene_.robot.frames.sensor);
   const robot::ImuReading imu = robot_->imu();
   truth.imu.motion << imu.acceleration, imu.angular_velocity;
   truth.robot.q = robot_->joint_positions();
