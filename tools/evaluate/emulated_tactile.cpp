@@ -20,7 +20,7 @@ constexpr double kPeriod = 0.01;      // s, of the readings
 constexpr int kStepsPerReading = 10;  // of the skin
 constexpr int kRestReadings = 50;
 constexpr double kLeastForce = 0.1, kMostForce = 1.5;  // N, along the normal
-constexpr double kMostFriction = 0.5;                  // of it, across
+constexpr double kMostFriction = 0.3;                  // of it, across
 
 sensing::TactileInputs read(sensors::Biotac& biotac, const std::vector<sensors::Touch>& touches) {
   for (int i = 0; i < kStepsPerReading; ++i) biotac.step(kPeriod / kStepsPerReading, touches);
@@ -32,11 +32,10 @@ sensing::TactileInputs read(sensors::Biotac& biotac, const std::vector<sensors::
   return inputs;
 }
 
-/// Somewhere on the pad, from the tip to 5 mm behind the sphere's centre and up to 60 degrees
-/// aside.
+/// Where a grasp touches: from the tip to 2 mm behind the sphere's centre, up to 30 degrees aside.
 sensors::Touch random_touch(math::Random& random) {
-  const double aside = random.uniform(-M_PI / 3, M_PI / 3);
-  const double tilt = random.uniform(-0.5, 1.2);  // rad, towards the tip; below 0: the cylinder
+  const double aside = random.uniform(-M_PI / 6, M_PI / 6);
+  const double tilt = random.uniform(-0.2, 1.2);  // rad, towards the tip; below 0: the cylinder
   const Eigen::Vector3d out(std::max(0.0, std::sin(tilt)), std::cos(tilt) * std::sin(aside),
                             -std::cos(tilt) * std::cos(aside));
   sensors::Touch touch;
