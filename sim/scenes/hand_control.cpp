@@ -1,14 +1,14 @@
 #include "sim/scenes/hand_control.hpp"
 
+#include "sim/scenes/fingertips.hpp"
+
 namespace palpate::scenes {
 namespace {
 
-constexpr const char* kFingertips[] = {"ff_tip", "mf_tip", "rf_tip", "lf_tip", "th_tip"};
 constexpr const char* kThumb = "th_tip";
 constexpr std::int64_t kTicks = 10;  // 100 Hz
 constexpr double kThumbStep = 0.03;  // rad
 constexpr double kBandRatio = 0.1;   // lower to upper end, as the thesis' 0.1 N to 1 N
-constexpr double kMostForce = 20;    // N
 
 /// The first joint of a finger spreads it, or turns the thumb; the others close it.
 std::vector<robot::Finger> fingers_of(const robot::Robot& robot) {
@@ -24,13 +24,6 @@ std::vector<robot::Finger> fingers_of(const robot::Robot& robot) {
 }
 
 }  // namespace
-
-std::vector<std::string> fingertips_of(const robot::Robot& robot) {
-  std::vector<std::string> tips;
-  for (const char* name : kFingertips)
-    if (robot.has_link(name)) tips.push_back(name);
-  return tips;
-}
 
 HandControl::HandControl(const robot::Robot& robot)
     : tips_(fingertips_of(robot)), grasp_(fingers_of(robot), robot.hand_limits()) {

@@ -10,9 +10,11 @@
 
 namespace palpate::scenes {
 
-/// Links of the hand that carry a BioTac, in the order of HAND_STATE and BIOTAC_0 to BIOTAC_4;
-/// those that the robot lacks are left out.
-std::vector<std::string> fingertips_of(const robot::Robot& robot);
+/// Something that a scene tells the hand to do.
+struct HandAction {
+  double at = 0;  // s
+  hand_command_t command{};
+};
 
 /// The hand's own controller: OPEN opens the fingers, CLOSE closes them reactively into the thesis'
 /// force band, HOLD into a band whose upper end is the force commanded. Contact forces are those
@@ -20,6 +22,8 @@ std::vector<std::string> fingertips_of(const robot::Robot& robot);
 /// keep their place.
 class HandControl {
  public:
+  static constexpr double kMostForce = 20;  // N, that HOLD may ask for
+
   explicit HandControl(const robot::Robot& robot);
 
   /// False where the command asks for something that no hand can do.

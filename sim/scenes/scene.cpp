@@ -71,7 +71,7 @@ void read_object(const config::Node& node, Scene& scene) {
   plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
   scene.X_WO = node.pose("pose");
   plant.clamp = read_box(node.child("clamp_box"));
-  plant.grasps = {read_grasp(node)};
+  if (node.has("grasp_box")) plant.grasps = {read_grasp(node)};
   scene.object_gravity = node.flag("gravity", true);
 }
 
@@ -80,11 +80,46 @@ void read_robot(const config::Node& node, Scene& scene) {
   const std::vector<double> joints = node.numbers("initial_joints", -1, {-2 * kPi, 2 * kPi});
   scene.initial_joints = Eigen::Map<const Eigen::VectorXd>(joints.data(), joints.size());
   scene.X_EG = node.pose("grasp_in_flange");
+  const config::Node hand = node.child_or_empty("initial_hand");
+  for (const std::string& joint : hand.keys())
+    scene.initial_hand[joint] = hand.number(joint, {-2 * kPi, 2 * kPi});
   const config::Node frames = node.child_or_empty("frames");
   robot::FrameNames& names = scene.robot.frames;
   names.flange = frames.text("flange", names.flange);
   names.sensor = frames.text("sensor", names.sensor);
   names.imu = frames.text("imu", names.imu);
+}
+
+std::vector<Fingertip> read_fingertips(const config::Node& node) {
+  std::vector<Fingertip> tips;
+  for (const config::Node& item : node.list("fingertips")) {
+    Fingertip tip;
+    tip.link = item.text("link");
+    tip.X_LT = item.pose("frame");
+    object::FingertipOptions& sphere = tip.sphere;
+    sphere.radius = item.number("radius", {1e-3, 0.1}, sphere.radius);
+    sphere.friction = item.number("friction", {0, 10}, sphere.friction);
+    if (item.has("stiffness")) sphere.stiffness = item.number("stiffness", {1e3, 1e12});
+    tips.push_back(tip);
+  }
+  return tips;
+}
+
+std::vector<HandAction> read_hand(const config::Node& node) {
+  std::vector<HandAction> actions;
+  for (const config::Node& item : node.list("hand")) {
+    HandAction action;
+    action.at = item.number("at", {actions.empty() ? 0 : actions.back().at, 1e5});
+    const std::string what = item.choice("action", {"open", "close", "hold"});
+    if (what == "open") action.command.action = hand_command_t::OPEN;
+    if (what == "close") action.command.action = hand_command_t::CLOSE;
+    if (what == "hold") {
+      action.command.action = hand_command_t::HOLD;
+      action.command.force = item.number("force", {1e-3, HandControl::kMostForce});
+    }
+    actions.push_back(action);
+  }
+  return actions;
 }
 
 MotionPlan read_motion(const config::Node& node) {
@@ -112,6 +147,9 @@ Scene read_scene(const config::Node& node) {
   read_object(node.child("object"), scene);
   scene.pokes = read_pokes(node, scene.plant.size);
   read_robot(node.child("robot"), scene);
+  scene.fingertips = read_fingertips(node);
+  for (const Fingertip& tip : scene.fingertips) scene.plant.fingertips.push_back(tip.sphere);
+  scene.hand = read_hand(node);
   scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
   if (node.has("camera")) scene.camera = read_camera(node.child("camera"), scene);
   if (node.has("motion")) scene.motion = read_motion(node.child("motion"));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,6 +10,8 @@
 #include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/robot/robot.hpp"
+#include "sim/scenes/fingertips.hpp"
+#include "sim/scenes/hand_control.hpp"
 #include "sim/scenes/motion_plan.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "sim/sensors/sensor_table.hpp"
@@ -34,8 +37,12 @@ struct Scene {
 
   std::string urdf;
   robot::RobotOptions robot;
-  Eigen::VectorXd initial_joints;  // rad
+  Eigen::VectorXd initial_joints;              // rad
+  std::map<std::string, double> initial_hand;  // rad, by joint; the others are at zero
   math::Pose X_EG = math::Pose::Identity();
+
+  std::vector<Fingertip> fingertips;  // that touch the object; none: the fingers are air
+  std::vector<HandAction> hand;       // beside what HAND_COMMAND says
 
   sensors::SensorTable sensors;
   std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION

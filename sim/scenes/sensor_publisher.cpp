@@ -40,6 +40,7 @@ void SensorPublisher::publish(const sensors::HandReading& reading) {
   hand_stamp_.put(message, start_utime_ + reading.time_us);
   message.grasp = hand_state_t::GRASP_NONE;
   if (reading.holding) message.grasp = hand_state_t::GRASP_HOLDING;
+  if (reading.holding && reading.slipping) message.grasp = hand_state_t::GRASP_SLIPPING;
   message.fingertip_count = static_cast<std::int32_t>(reading.X_ET.size());
   for (auto& quaternion : message.fingertip_quaternion) quaternion[0] = 1;
   for (std::size_t i = 0; i < reading.X_ET.size(); ++i) {

@@ -1,5 +1,7 @@
 #include "sim/scenes/simulation.hpp"
 
+#include <algorithm>
+#include <map>
 #include <stdexcept>
 
 namespace palpate::scenes {
@@ -8,26 +10,53 @@ namespace {
 constexpr std::int64_t kTruthTicks = 10;   // 100 Hz
 constexpr std::int64_t kMeshTicks = 1000;  // 1 Hz
 constexpr double kSettlingTime = 60;       // s, simulated, at most
+constexpr double kSlippingShare = 0.5;     // of the pads' area: not just its rim
 constexpr double kMotionGain = 10;         // 1/s, of the pose error onto the twist
+
+/// Of all the hand's joints, rad.
+Eigen::VectorXd initial_hand(const robot::Robot& robot,
+                             const std::map<std::string, double>& joints) {
+  const std::vector<std::string>& names = robot.hand_joint_names();
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(names.size());
+  for (const auto& [name, angle] : joints) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) throw std::invalid_argument("the hand has no joint named " + name);
+    q(found - names.begin()) = angle;
+  }
+  return q;
+}
 
 std::unique_ptr<robot::Robot> make_robot(const config::Node& node, const Scene& scene) {
   try {
     auto robot = std::make_unique<robot::Robot>(robot::load_model(scene.urdf), scene.robot);
     robot->set_joints(scene.initial_joints);
+    if (!scene.initial_hand.empty()) robot->set_hand(initial_hand(*robot, scene.initial_hand));
     return robot;
   } catch (const std::invalid_argument& error) {
     node.child("robot").fail("", error.what());
   }
 }
 
+FingertipCoupling make_fingertips(const config::Node& node, const Scene& scene,
+                                  const robot::Robot& robot) {
+  try {
+    return FingertipCoupling(scene.fingertips, robot, scene.X_WO);
+  } catch (const std::invalid_argument& error) {
+    node.fail("fingertips", error.what());
+  }
+}
+
 std::unique_ptr<object::HyperelasticPlant> make_plant(const config::Node& node, const Scene& scene,
-                                                      const math::Pose& X_OG) {
+                                                      const math::Pose& X_OG,
+                                                      const FingertipCoupling& fingertips,
+                                                      const robot::Robot& robot) {
   object::PlantOptions options = scene.plant;
-  options.grasps.front().X_OG_rest = X_OG;
+  if (!options.grasps.empty()) options.grasps.front().X_OG_rest = X_OG;
   if (scene.object_gravity)
     options.gravity_O = scene.X_WO.linear().transpose() * scene.robot.gravity_W;
   try {
     auto plant = std::make_unique<object::HyperelasticPlant>(options);
+    fingertips.move(robot, *plant);
     if (!plant->settle(kSettlingTime).converged)
       throw std::invalid_argument("the object does not come to rest under its weight");
     return plant;
@@ -36,12 +65,21 @@ std::unique_ptr<object::HyperelasticPlant> make_plant(const config::Node& node, 
   }
 }
 
-/// X_ET of each.
-std::vector<math::Pose> fingertip_poses(const robot::Robot& robot) {
-  std::vector<math::Pose> poses;
-  for (const std::string& name : fingertips_of(robot))
-    poses.push_back(robot.flange_pose().inverse() * robot.link_pose(name));
-  return poses;
+/// Whether the hand holds the object, and whether it slips: by its pads where it has some, by at
+/// least two fingertips otherwise.
+void judge_hold(const object::HyperelasticPlant& plant, sensors::HandReading& hand) {
+  if (plant.grasped()) {
+    hand.holding = true;
+    hand.slipping = plant.grasp().slip().share > kSlippingShare;
+    return;
+  }
+  int touching = 0, sticking = 0;
+  for (int i = 0; i < plant.fingertip_count(); ++i) {
+    touching += plant.fingertip(i).touch().touching;
+    sticking += plant.fingertip(i).touch().sticking;
+  }
+  hand.holding = touching >= 2;
+  hand.slipping = hand.holding && sticking < 2;
 }
 
 }  // namespace
@@ -51,8 +89,9 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
     : scene_(read_scene(node)),
       origin_(origin),
       robot_(make_robot(node, scene_)),
+      fingertips_(make_fingertips(node, scene_, *robot_)),
       X_OG_first_(grasp_in_object()),
-      plant_(make_plant(node, scene_, X_OG_first_)),
+      plant_(make_plant(node, scene_, X_OG_first_, fingertips_, *robot_)),
       pokes_(scene_.pokes, *plant_),
       hand_(*robot_),
       sensors_(scene_.sensors, scene_.seed, scene_.X_EG, robot_->joint_count()),
@@ -94,6 +133,7 @@ void Simulation::follow_motion() {
 sensors::Truth Simulation::sense() const {
   sensors::Truth truth;
   truth.force_torque.wrench = robot_->sensor_wrench().vector();
+  truth.X_WS = robot_->link_pose(scene_.robot.frames.sensor);
   const robot::ImuReading imu = robot_->imu();
   truth.imu.motion << imu.acceleration, imu.angular_velocity;
   truth.robot.q = robot_->joint_positions();
@@ -101,11 +141,18 @@ sensors::Truth Simulation::sense() const {
   truth.robot.tau = robot_->joint_torques();
   truth.robot.X_WE = robot_->flange_pose();
   truth.robot.V_W_E = robot_->flange_twist();
-  truth.hand.holding = plant_->grasped();
-  truth.hand.X_ET = fingertip_poses(*robot_);
+  judge_hold(*plant_, truth.hand);
+  truth.hand.X_ET = fingertips_.poses_in_flange(*robot_);
   truth.hand.q = robot_->hand_positions();
+  truth.touches = fingertips_.touches(*robot_, *plant_);
   truth.jacobian = robot_->flange_jacobian();
   return truth;
+}
+
+void Simulation::follow_hand_plan() {
+  const std::vector<HandAction>& plan = scene_.hand;
+  for (; next_action_ < plan.size() && plan[next_action_].at <= time(); ++next_action_)
+    hand_.accept(plan[next_action_].command);
 }
 
 void Simulation::step() {
@@ -114,6 +161,7 @@ void Simulation::step() {
   } else {
     commands_.apply(*robot_);
   }
+  follow_hand_plan();
   commands_.apply(hand_);
   hand_.step(tick_, *robot_);
   ++tick_;
@@ -121,8 +169,10 @@ void Simulation::step() {
   const Eigen::Matrix3d& R_WO = scene_.X_WO.linear();
   robot_->set_hand_load({-(R_WO * on_object.force), -(R_WO * on_object.torque)},
                         robot_->flange_pose() * scene_.X_EG.translation());
+  fingertips_.load(*plant_, *robot_);
   robot_->step(kPeriod);
   pokes_.apply(time(), *plant_);
+  fingertips_.move(*robot_, *plant_);
   plant_->step(kPeriod, grasp_in_object(), grasp_twist());
 
   const std::int64_t now_us = kPeriodUs * tick_;
@@ -132,6 +182,7 @@ void Simulation::step() {
   if (tick_ % kTruthTicks == 0) {
     truth_.publish_shape(*plant_, utime());
     truth_.publish_contact(*plant_, grasp_in_object(), utime());
+    if (fingertips_.tip_count() > 0) truth_.publish_touch(*plant_, fingertips_, utime());
   }
   if (tick_ % kMeshTicks == 1) truth_.publish_mesh(utime());
 }

@@ -10,6 +10,7 @@
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/camera_publisher.hpp"
 #include "sim/scenes/command_receiver.hpp"
+#include "sim/scenes/fingertips.hpp"
 #include "sim/scenes/hand_control.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "sim/scenes/scene.hpp"
@@ -30,8 +31,8 @@ struct Origin {
 /// messages.
 ///
 /// One tick: commands that have arrived (or the scene's own motion) -> arm and hand, with the
-/// object's reaction on the hand -> object, with the hand's new pose -> sensors -> messages. The
-/// reaction is that of the tick before; the object is a hundredth of the hand's mass.
+/// object's reaction on palm and fingertips -> object, with their new poses -> sensors -> messages.
+/// The reaction is that of the tick before; the object is a hundredth of the hand's mass.
 class Simulation {
  public:
   static constexpr std::int64_t kPeriodUs = 1000;
@@ -74,11 +75,13 @@ class Simulation {
  private:
   void follow_motion();
   sensors::Truth sense() const;
+  void follow_hand_plan();
   math::Twist grasp_twist() const;  // V_O_G
 
   Scene scene_;
   Origin origin_;
   std::unique_ptr<robot::Robot> robot_;
+  FingertipCoupling fingertips_;
   math::Pose X_OG_first_;
   std::unique_ptr<object::HyperelasticPlant> plant_;
   Pokes pokes_;
@@ -88,6 +91,7 @@ class Simulation {
   SensorPublisher sensor_publisher_;
   std::unique_ptr<CameraPublisher> camera_;
   TruthPublisher truth_;
+  std::size_t next_action_ = 0;  // of the scene's plan for the hand
   std::int64_t tick_ = 0;
 };
 

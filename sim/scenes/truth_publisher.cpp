@@ -83,9 +83,11 @@ TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping,
                                const object::HyperelasticPlant& plant, std::int64_t session)
     : shapes_(housekeeping, "TRUTH_SHAPE"),
       contacts_(housekeeping, "TRUTH_CONTACT"),
+      touches_(housekeeping, "TRUTH_TOUCH"),
       meshes_(housekeeping, "TRUTH_MESH"),
       shape_stamp_(session),
       contact_stamp_(session),
+      touch_stamp_(session),
       mesh_stamp_(session),
       shape_{},
       chunks_(mesh_chunks(plant)) {
@@ -114,6 +116,25 @@ void TruthPublisher::publish_contact(const object::HyperelasticPlant& plant, con
     Eigen::Map<math::Vector6d>(message.grasp_wrench[0]) = plant.hand_wrench().vector();
   }
   contacts_.publish(message);
+}
+
+void TruthPublisher::publish_touch(const object::HyperelasticPlant& plant,
+                                   const FingertipCoupling& fingertips, std::int64_t utime) {
+  truth_touch_t message{};
+  touch_stamp_.put(message, utime);
+  message.fingertip_count = fingertips.finger_count();
+  for (int i = 0; i < fingertips.tip_count(); ++i) {
+    const object::FingertipTouch& touch = plant.fingertip(i).touch();
+    if (!touch.touching) continue;
+    const int finger = fingertips.finger(i);
+    message.contact[finger] = truth_touch_t::SLIPPING;
+    if (touch.sticking) message.contact[finger] = truth_touch_t::STICKING;
+    Eigen::Map<Eigen::Vector3d>(message.position[finger]) = touch.point;
+    Eigen::Map<Eigen::Vector3d>(message.force[finger]) = -touch.force;
+    message.radius[finger] = sensors::radius_of(touch.area);
+    message.slipped[finger] = touch.slipped;
+  }
+  touches_.publish(message);
 }
 
 void TruthPublisher::publish_mesh(std::int64_t utime) {

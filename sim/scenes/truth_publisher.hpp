@@ -4,16 +4,18 @@
 #include <palpate/shape_mesh_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/truth_contact_t.hpp>
+#include <palpate/truth_touch_t.hpp>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
+#include "sim/scenes/fingertips.hpp"
 
 namespace palpate::scenes {
 
-/// TRUTH_SHAPE, TRUTH_CONTACT and TRUTH_MESH on the housekeeping bus, for evaluation only. The
-/// shape holds every node of the plant, in O.
+/// TRUTH_SHAPE, TRUTH_CONTACT, TRUTH_TOUCH and TRUTH_MESH on the housekeeping bus, for evaluation
+/// only. The shape holds every node of the plant, in O.
 class TruthPublisher {
  public:
   TruthPublisher(bus::MessageBus& housekeeping, const object::HyperelasticPlant& plant,
@@ -23,6 +25,8 @@ class TruthPublisher {
   /// `X_OG`: the hand now.
   void publish_contact(const object::HyperelasticPlant& plant, const math::Pose& X_OG,
                        std::int64_t utime);
+  void publish_touch(const object::HyperelasticPlant& plant, const FingertipCoupling& fingertips,
+                     std::int64_t utime);
   void publish_mesh(std::int64_t utime);
 
   std::int64_t mesh_hash() const { return shape_.mesh_hash; }
@@ -30,8 +34,9 @@ class TruthPublisher {
  private:
   bus::TypedPublisher<shape_t> shapes_;
   bus::TypedPublisher<truth_contact_t> contacts_;
+  bus::TypedPublisher<truth_touch_t> touches_;
   bus::TypedPublisher<shape_mesh_t> meshes_;
-  bus::Stamp shape_stamp_, contact_stamp_, mesh_stamp_;
+  bus::Stamp shape_stamp_, contact_stamp_, touch_stamp_, mesh_stamp_;
   shape_t shape_;
   std::vector<shape_mesh_t> chunks_;  // of the mesh, which never changes
 };

@@ -43,6 +43,8 @@ double log_depth(double dent) {
 
 }  // namespace
 
+double radius_of(double area) { return std::sqrt(area / kPi); }
+
 Biotac::Biotac(const BiotacTable& table, double period, const math::Random& random)
     : table_(table), period_(period), random_(random) {
   for (double& r : rest_) r = random_.uniform(2600, 3400);

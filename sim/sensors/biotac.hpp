@@ -18,6 +18,9 @@ struct Touch {
   double radius = 2e-3;                                  // m, of the area of contact
 };
 
+/// Radius (m) of a circle of this area (m^2).
+double radius_of(double area);
+
 inline constexpr int kVibrationSamples = 22;  // of one BioTac reading, at 2.2 kHz
 
 /// One reading in 12-bit counts.

@@ -54,7 +54,9 @@ class Channel {
   std::deque<std::pair<std::int64_t, T>> queue_;
 };
 
-/// Makes a signal as faulty as its sensor: value + bias + drift + noise, then quantised.
+/// Makes a signal as faulty as its sensor: value with hysteresis (a play, Prandtl's operator) +
+/// bias
+/// + drift + noise, then quantised.
 class Signal {
  public:
   /// `period`: s between samples. `bias` sets the number of axes.
@@ -62,7 +64,11 @@ class Signal {
       : faults_(faults), walk_(faults.drift * std::sqrt(period)), offset_(bias), random_(random) {}
 
   Eigen::VectorXd measure(const Eigen::VectorXd& value) {
-    Eigen::VectorXd measured = value;
+    if (played_.size() == 0) played_ = value;
+    const double play = faults_.hysteresis;
+    played_ =
+        played_.cwiseMax((value.array() - play).matrix()).cwiseMin((value.array() + play).matrix());
+    Eigen::VectorXd measured = played_;
     for (Eigen::Index i = 0; i < value.size(); ++i) {
       offset_(i) += walk_ * random_.normal();
       measured(i) += offset_(i) + faults_.noise * random_.normal();
@@ -75,6 +81,7 @@ class Signal {
   Faults faults_;
   double walk_;
   Eigen::VectorXd offset_;
+  Eigen::VectorXd played_;
   math::Random random_;
 };
 

@@ -1,5 +1,6 @@
 #include "sim/sensors/sensor_suite.hpp"
 
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -10,6 +11,7 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
       imu_(table.imu.timing, math::Random(seed, "imu")),
       robot_(table.robot_state.timing, math::Random(seed, "robot_state")),
       hand_(table.hand_state.timing, math::Random(seed, "hand_state")),
+      disturbance_(table.force_torque.disturbance),
       force_(table.force_torque.force, force_torque_.period(), table.force_torque.bias.head<3>(),
              math::Random(seed, "force")),
       torque_(table.force_torque.torque, force_torque_.period(), table.force_torque.bias.tail<3>(),
@@ -34,6 +36,18 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
     biotacs_.emplace_back(table.biotac, biotac_channels_.back().period(),
                           math::Random(seed, "biotac" + finger));
   }
+}
+
+math::Vector6d SensorSuite::disturbed_wrench(std::int64_t now_us, const Truth& truth) {
+  if (!X_WS_first_) X_WS_first_ = truth.X_WS;
+  const Eigen::Matrix3d R_SW = truth.X_WS.linear().transpose();
+  // The sensor holds against the cables.
+  const math::Wrench cables{
+      disturbance_.cable_stiffness * R_SW * (truth.X_WS.translation() - X_WS_first_->translation()),
+      disturbance_.cable_torsion * R_SW *
+          math::log_rotation(truth.X_WS.linear() * X_WS_first_->linear().transpose())};
+  const double warm = 1 - std::exp(-1e-6 * static_cast<double>(now_us) / disturbance_.warm_up_time);
+  return truth.force_torque.wrench + cables.vector() + warm * disturbance_.warm_up;
 }
 
 RobotReading SensorSuite::measure_robot(const Truth& truth) {
@@ -79,8 +93,8 @@ void SensorSuite::sample_biotacs(std::int64_t now_us,
 void SensorSuite::sample(std::int64_t now_us, const Truth& truth) {
   if (force_torque_.due(now_us)) {
     ForceTorqueReading r{now_us, {}};
-    r.wrench << force_.measure(truth.force_torque.wrench.head<3>()),
-        torque_.measure(truth.force_torque.wrench.tail<3>());
+    const math::Vector6d wrench = disturbed_wrench(now_us, truth);
+    r.wrench << force_.measure(wrench.head<3>()), torque_.measure(wrench.tail<3>());
     force_torque_.put(now_us, r);
   }
   if (imu_.due(now_us)) {

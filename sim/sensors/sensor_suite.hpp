@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/sensors/biotac.hpp"
@@ -29,6 +30,7 @@ struct RobotReading {
 struct HandReading {
   std::int64_t time_us = 0;
   bool holding = false;
+  bool slipping = false;         // while it holds
   std::vector<math::Pose> X_ET;  // fingertips
   Eigen::VectorXd q;             // rad
 };
@@ -39,6 +41,7 @@ struct Truth {
   InertialReading imu;
   RobotReading robot;
   HandReading hand;
+  math::Pose X_WS = math::Pose::Identity();           // the force-torque sensor
   std::vector<std::vector<Touch>> touches;            // by fingertip; none: no BioTac is sampled
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // of the flange, linear first
 };
@@ -66,6 +69,7 @@ class SensorSuite {
   }
 
  private:
+  math::Vector6d disturbed_wrench(std::int64_t now_us, const Truth& truth);
   RobotReading measure_robot(const Truth& truth);
   HandReading measure_hand(const HandReading& truth);
   void sample_biotacs(std::int64_t now_us, const std::vector<std::vector<Touch>>& touches);
@@ -74,6 +78,8 @@ class SensorSuite {
   Channel<InertialReading> imu_;
   Channel<RobotReading> robot_;
   Channel<HandReading> hand_;
+  ForceTorqueDisturbance disturbance_;
+  std::optional<math::Pose> X_WS_first_;
   Signal force_, torque_, acceleration_, angular_velocity_;
   Signal joint_position_, joint_velocity_, joint_torque_;
   std::vector<Signal> fingertips_;

@@ -22,12 +22,23 @@ void read(const config::Node& node, const char* key, Faults& faults) {
   faults.step = signal.number("step", kNotNegative, faults.step);
   faults.noise = signal.number("noise", kNotNegative, faults.noise);
   faults.drift = signal.number("drift", kNotNegative, faults.drift);
+  faults.hysteresis = signal.number("hysteresis", kNotNegative, faults.hysteresis);
 }
 
-void read(const config::Node& node, math::Vector6d& bias) {
-  if (!node.has("bias")) return;
-  const std::vector<double> values = node.numbers("bias", 6);
-  std::copy(values.begin(), values.end(), bias.data());
+void read(const config::Node& node, const char* key, math::Vector6d& vector) {
+  if (!node.has(key)) return;
+  const std::vector<double> values = node.numbers(key, 6);
+  std::copy(values.begin(), values.end(), vector.data());
+}
+
+void read(const config::Node& node, ForceTorqueDisturbance& disturbance) {
+  const config::Node cable = node.child_or_empty("cable");
+  disturbance.cable_stiffness =
+      cable.number("stiffness", kNotNegative, disturbance.cable_stiffness);
+  disturbance.cable_torsion = cable.number("torsion", kNotNegative, disturbance.cable_torsion);
+  const config::Node warm_up = node.child_or_empty("warm_up");
+  disturbance.warm_up_time = warm_up.number("time", {1, 1e5}, disturbance.warm_up_time);
+  read(warm_up, "wrench", disturbance.warm_up);
 }
 
 void read(const config::Node& node, BiotacTable& table) {
@@ -61,12 +72,13 @@ void read(const config::Node& node, SensorTable& table) {
   read(ft, table.force_torque.timing);
   read(ft, "force", table.force_torque.force);
   read(ft, "torque", table.force_torque.torque);
-  read(ft, table.force_torque.bias);
+  read(ft, "bias", table.force_torque.bias);
+  read(ft, table.force_torque.disturbance);
   const config::Node imu = node.child_or_empty("imu");
   read(imu, table.imu.timing);
   read(imu, "acceleration", table.imu.acceleration);
   read(imu, "angular_velocity", table.imu.angular_velocity);
-  read(imu, table.imu.bias);
+  read(imu, "bias", table.imu.bias);
   const config::Node robot = node.child_or_empty("robot_state");
   read(robot, table.robot_state.timing);
   read(robot, "position", table.robot_state.position);

@@ -16,9 +16,20 @@ struct Timing {
 
 /// Faults of one kind of signal, the same for each of its axes, in the signal's unit.
 struct Faults {
-  double step = 0;   // quantisation; 0: none
-  double noise = 0;  // standard deviation of a sample
-  double drift = 0;  // standard deviation of a random walk after 1 s
+  double step = 0;        // quantisation; 0: none
+  double noise = 0;       // standard deviation of a sample
+  double drift = 0;       // standard deviation of a random walk after 1 s
+  double hysteresis = 0;  // how far the true value must turn back before the reading follows, / 2
+};
+
+/// What a force-torque sensor reads beside its payload and its noise.
+struct ForceTorqueDisturbance {
+  /// Cables that run past the sensor: springs from the hand to where it was at first, N/m at the
+  /// origin of S and N m/rad.
+  double cable_stiffness = 0, cable_torsion = 0;
+  /// Temperature: what the reading ends up beside the truth after switching on, N, N m, in S.
+  math::Vector6d warm_up = math::Vector6d::Zero();
+  double warm_up_time = 600;  // s, time constant
 };
 
 /// Of every BioTac; signals in counts.
@@ -36,6 +47,7 @@ struct SensorTable {
     Timing timing;
     Faults force, torque;                          // N, N m
     math::Vector6d bias = math::Vector6d::Zero();  // N, N m, in S
+    ForceTorqueDisturbance disturbance;
   } force_torque;
   struct {
     Timing timing;

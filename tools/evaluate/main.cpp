@@ -8,6 +8,7 @@
 #include "rt/config/node.hpp"
 #include "tools/evaluate/case_commands.hpp"
 #include "tools/evaluate/demo.hpp"
+#include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
@@ -95,6 +96,9 @@ int run(CLI::App& app, int argc, char** argv) {
   tactile_command->add_option("--data", data, "recordings (default as for demo)");
   tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
   tactile_command->add_option("--json", json, "write the result to this file");
+  bool emulated = false;
+  tactile_command->add_flag("--emulated", emulated,
+                            "fit the simulator's BioTac on random presses instead of a recording");
 
   ThesisCommand thesis(app);
 
@@ -121,6 +125,7 @@ int run(CLI::App& app, int argc, char** argv) {
     return run_payload(payload, std::cout);
   }
   if (tactile_command->parsed()) {
+    if (emulated) return run_emulated_tactile(tactile.model, std::cout);
     tactile.data = data;
     tactile.json = json;
     return run_tactile(tactile, std::cout);

@@ -23,6 +23,7 @@
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
 #include <palpate/truth_contact_t.hpp>
+#include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
 
 namespace palpate {
@@ -51,6 +52,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(sim_tick_t{});
   visit(tick_done_t{});
   visit(truth_contact_t{});
+  visit(truth_touch_t{});
   visit(twist_command_t{});
 }
 

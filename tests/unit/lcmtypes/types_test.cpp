@@ -41,6 +41,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"sim_tick_t", 0x522bb656c829fa02},
     {"tick_done_t", 0xa9d321bb3d3be9ab},
     {"truth_contact_t", 0x779c317d534d90e5},
+    {"truth_touch_t", 0x740489c96fb161f2},
     {"twist_command_t", 0xd5e7535877b658a3},
 };
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim/scenes/fingertips.hpp"
 #include "tests/unit/sim/scenes/stage.hpp"
 
 namespace palpate::scenes {

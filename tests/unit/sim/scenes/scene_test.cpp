@@ -49,6 +49,44 @@ TEST(Scene, OverridesReachTheModel) {
   EXPECT_FALSE(s.object_gravity);
 }
 
+TEST(Scene, TactileOnesAreTheThesisObjectsOfPlausibleFoam) {
+  struct Case {
+    const char* name;
+    Eigen::Vector3d size;  // m
+    double mass;           // kg
+  };
+  for (const Case& c : {Case{"cube_hard", {0.06, 0.06, 0.06}, 9.72e-3},
+                        Case{"sponge_medium", {0.08, 0.05, 0.02}, 2.40e-3},
+                        Case{"bar_soft", {0.2, 0.04, 0.04}, 8.32e-3}}) {
+    const std::string file =
+        std::string(PALPATE_SOURCE_DIR "/sim/scenes/") + c.name + "_tactile.yaml";
+    const Scene s = read(file);
+    EXPECT_EQ(s.plant.size, c.size) << c.name;
+    EXPECT_NEAR(s.plant.density * s.plant.size.prod(), c.mass, 1e-6) << c.name;
+    EXPECT_GE(s.plant.young_modulus, 30e3) << c.name;
+    EXPECT_LE(s.plant.young_modulus, 60e3) << c.name;
+    EXPECT_EQ(s.plant.poisson_ratio, 0.15) << c.name;
+    EXPECT_TRUE(s.plant.grasps.empty()) << c.name;
+    EXPECT_EQ(s.fingertips.size(), 5u) << c.name;
+    EXPECT_EQ(s.fingertips.size(), s.plant.fingertips.size()) << c.name;
+    ASSERT_TRUE(s.motion) << c.name;
+    EXPECT_EQ(s.motion->legs().size(), 3u) << c.name;
+    EXPECT_EQ(read(file, {"object.material.young_modulus=3000"}).plant.young_modulus, 3000);
+  }
+}
+
+TEST(Scene, HandPlanIsRead) {
+  const Scene s = read(kControl, {"hand=[{at: 1, action: close}, {at: 2, action: hold, force: 3}, "
+                                  "{at: 4, action: open}]"});
+  ASSERT_EQ(s.hand.size(), 3u);
+  EXPECT_EQ(s.hand[0].command.action, hand_command_t::CLOSE);
+  EXPECT_EQ(s.hand[1].command.action, hand_command_t::HOLD);
+  EXPECT_EQ(s.hand[1].command.force, 3);
+  EXPECT_EQ(s.hand[2].at, 4);
+  EXPECT_EQ(s.hand[2].command.action, hand_command_t::OPEN);
+  EXPECT_TRUE(read(kControl).hand.empty());
+}
+
 TEST(Scene, MaterialMemoryAndGripReachThePlant) {
   const Scene s = read(
       kSixPoses, {"object.material.maxwell=[{relative_modulus: 0.5, relaxation_time: 0.2}]",

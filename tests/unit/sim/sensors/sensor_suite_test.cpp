@@ -183,5 +183,65 @@ TEST(SensorSuite, FingertipsThatTouchHaveBiotacs) {
   EXPECT_THROW(suite.sample(1'002'000, truth), std::invalid_argument);
 }
 
+ForceTorqueReading reading_at(SensorSuite& suite, std::int64_t now_us, const Truth& truth) {
+  suite.sample(now_us, truth);
+  ForceTorqueReading r;
+  EXPECT_TRUE(suite.take(now_us + 100'000, r));
+  return r;
+}
+
+/// No faults of the force-torque sensor but `more` and the torque's hysteresis.
+SensorTable clean_but(const std::string& more, double hysteresis = 0) {
+  return table(
+      "{force_torque: {delay: 0, force: {step: 0, noise: 0}, torque: {step: 0, noise: 0, "
+      "hysteresis: " +
+      std::to_string(hysteresis) + "}, " + more + "}}");
+}
+
+TEST(ForceTorque, CablesPullTheHandBackToWhereItWas) {
+  SensorSuite suite(clean_but("cable: {stiffness: 8, torsion: 0.3}"), 1, grasp(), 7);
+  Truth truth = some_truth();
+  truth.X_WS = some_pose();
+  EXPECT_TRUE(reading_at(suite, 0, truth).wrench.isApprox(truth.force_torque.wrench, 1e-12));
+  truth.X_WS.translation() += Eigen::Vector3d(0, 0.1, 0);
+  truth.X_WS.linear() = math::exp_rotation({0, 0, 0.5}) * some_pose().linear();
+  const math::Vector6d more =
+      reading_at(suite, 1000, truth).wrench - truth.force_torque.wrench;  // sensor on hand, in S
+  const Eigen::Matrix3d& R_WS = truth.X_WS.linear();
+  EXPECT_TRUE((R_WS * more.head<3>()).isApprox(Eigen::Vector3d(0, 0.8, 0), 1e-9));
+  EXPECT_TRUE((R_WS * more.tail<3>()).isApprox(Eigen::Vector3d(0, 0, 0.15), 1e-9));
+}
+
+TEST(ForceTorque, HysteresisHoldsTheReadingUntilTheLoadHasTurnedBackFarEnough) {
+  SensorSuite suite(clean_but("drop_out: 0", 0.05), 1, grasp(), 7);
+  Truth truth = some_truth();
+  double& load = truth.force_torque.wrench(4);
+  std::int64_t now = 0;
+  const auto read = [&](double value) {
+    load = value;
+    return reading_at(suite, now += 1000, truth).wrench(4);
+  };
+  EXPECT_NEAR(read(0), 0, 1e-12);
+  EXPECT_NEAR(read(0.04), 0, 1e-12);
+  EXPECT_NEAR(read(1), 0.95, 1e-12);
+  EXPECT_NEAR(read(0.92), 0.95, 1e-12);
+  EXPECT_NEAR(read(0), 0.05, 1e-12);  // the loop is twice as wide
+  EXPECT_EQ(reading_at(suite, now += 1000, truth).wrench(0), truth.force_torque.wrench(0));
+}
+
+TEST(ForceTorque, TemperatureCarriesTheZeroAwayExponentially) {
+  SensorSuite suite(clean_but("warm_up: {time: 20, wrench: [2, 0, 0, 0, 0, -0.1]}"), 1, grasp(), 7);
+  const Truth truth = some_truth();
+  const auto offset = [&](double seconds) -> math::Vector6d {
+    return reading_at(suite, std::llround(1e6 * seconds), truth).wrench - truth.force_torque.wrench;
+  };
+  EXPECT_NEAR(offset(0)(0), 0, 1e-12);
+  const math::Vector6d one = offset(20), long_after = offset(400);
+  EXPECT_NEAR(one(0), 2 * (1 - std::exp(-1)), 1e-9);
+  EXPECT_NEAR(one(5), -0.1 * (1 - std::exp(-1)), 1e-9);
+  EXPECT_NEAR(long_after(0), 2, 1e-6);
+  EXPECT_NEAR(long_after(1), 0, 1e-12);
+}
+
 }  // namespace
 }  // namespace palpate::sensors

@@ -1,0 +1,45 @@
+#include <cmath>
+#include <cstdio>
+
+#include "tests/integration/closed_loop/closed_loop.hpp"
+
+namespace palpate {
+namespace {
+
+const char* const kScene = "sim/scenes/bar_soft_tactile.yaml";
+const char* const kConfiguration = "rt/config/examples/bar_soft_tactile.yaml";
+
+// Fingertips of robot and plant, BioTac messages, linear force map, fingertip poses of HAND_STATE:
+// what the daemon takes the fingers to do is what they do.
+TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
+  ClosedLoop loop(kScene, kConfiguration);
+  loop.run(0.9);
+  loop.send_event("start");
+  loop.run(3.0);
+  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  EXPECT_TRUE(pipeline.is_running()) << pipeline.condition().reason;
+  const object::HyperelasticPlant& plant = loop.simulation().plant();
+  int seen = 0;
+  const sensing::ContactSet& contacts = pipeline.contacts();
+  for (int i = 0; i < contacts.count; ++i) {
+    const sensing::Contact& contact = contacts.contacts[i];
+    const int finger =
+        static_cast<int>(contact.source) - static_cast<int>(sensing::Source::kFinger0);
+    const object::FingertipTouch& touch = plant.fingertip(finger).touch();
+    ASSERT_TRUE(touch.touching) << finger;
+    ++seen;
+    const Eigen::Vector3d force = -touch.force;  // on the object
+    std::printf("finger %d: force error %.3f N of %.3f N, place error %.2f mm\n", finger,
+                (contact.wrench.force - force).norm(), force.norm(),
+                1e3 * (contact.location - touch.point).norm());
+    // Twice what the linear map is wrong by on random presses.
+    EXPECT_LT((contact.wrench.force - force).norm(), 0.42) << finger;
+    EXPECT_LT((contact.location - touch.point).norm(), 4e-3) << finger;
+  }
+  EXPECT_EQ(seen, 3);  // middle and ring finger, thumb
+  const Eigen::VectorXd error = loop.shape_error();
+  std::printf("shape: mean %.2f mm, max %.2f mm\n", 1e3 * error.mean(), 1e3 * error.maxCoeff());
+}
+
+}  // namespace
+}  // namespace palpate
