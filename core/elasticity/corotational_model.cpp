@@ -124,6 +124,7 @@ void CorotationalModel::hold(int grasp, const math::Pose& X_OG) noexcept {
   g.applied = grasp_pose(body_, grasp, positions_);
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
+  contraction_ = 1;
   wanted_ = true;
 }
 
@@ -132,6 +133,7 @@ void CorotationalModel::release(int grasp) noexcept {
   held_[grasp] = false;
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
+  contraction_ = 1;
   wanted_ = true;
 }
 
@@ -216,7 +218,6 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
   std::swap(factor_, job_.factor);
   factor_age_ = job_age_;
   secants_.clear();
-  contraction_ = 1;
   follow_rotations();
   if (job_.snapshot.held != held_) return;
   std::swap(at_snapshot_, job_.sensitivity);
