@@ -20,7 +20,8 @@ class HexahedronPack {
 
   /// Where a Gauss point divides the sides of its element, and its share of the volume.
   static Eigen::Array3d point(int index) {
-    return 0.5 + 0.5 * kGauss * (Eigen::Array3d(index % 3, index / 3 % 3, index / 9) - 1);
+    const int x = index % 3, y = index / 3 % 3, z = index / 9;
+    return 0.5 + 0.5 * kGauss * (Eigen::Array3d(x, y, z) - 1);
   }
   static double weight(int index) {
     constexpr std::array<double, 3> kShare{5. / 18, 8. / 18, 5. / 18};
