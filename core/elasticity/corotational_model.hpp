@@ -20,8 +20,8 @@ struct SolverOptions {
   double accuracy =
       1e-7;  // m, a step also ends where the next correction would move no node further
   // Whether forces are evaluated once more after a correction that is expected to end a step.
-  // Without that, a step costs one evaluation less, and forces (reactions among them) and energy
-  // are those before its last correction.
+  // Without that, a step costs one evaluation less, forces (reactions among them) and energy are
+  // those before its last correction, and the residual that it reports is an estimate.
   bool confirm = true;
   // Motion columns of the sensitivity that a quasi-static step also corrects, in turn, each for the
   // price of two evaluations and a solve. Under a large motion, with factors 30 ms old, columns are
