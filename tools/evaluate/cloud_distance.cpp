@@ -10,6 +10,62 @@
 #include "core/contact/surface_search.hpp"
 
 namespace palpate::evaluate {
+namespace {
+
+constexpr bool kRowMajor = false;  // a column is a point
+using Tree = nanoflann::KDTreeEigenMatrixAdaptor<Eigen::Matrix3Xd, 3, nanoflann::metric_L2_Simple,
+                                                 kRowMajor>;
+
+/// Triangles by their middles. None that comes nearer to a point than some distance has its middle
+/// farther away than that and its own reach.
+class SurfaceTree {
+ public:
+  explicit SurfaceTree(const camera::TriangleMesh& surface)
+      : surface_(surface), middles_(middles_of(surface)), tree_(3, middles_) {
+    for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t)
+      for (const int corner : surface.triangles.col(t))
+        reach_ = std::max(reach_, (surface.points.col(corner) - middles_.col(t)).norm());
+  }
+
+  double distance(const Eigen::Vector3d& point) const {
+    Eigen::Index first = 0;
+    double squared = 0;
+    tree_.query(point.data(), 1, &first, &squared);
+    double nearest = distance_to(first, point);
+    const double radius = nearest + reach_;
+    tree_.index->radiusSearch(point.data(), radius * radius * (1 + 1e-9), found_,
+                              nanoflann::SearchParams(32, 0, true));
+    for (const auto& [triangle, distance_squared] : found_) {
+      if (std::sqrt(distance_squared) > nearest + reach_) break;  // they come in this order
+      nearest = std::min(nearest, distance_to(triangle, point));
+    }
+    return nearest;
+  }
+
+ private:
+  static Eigen::Matrix3Xd middles_of(const camera::TriangleMesh& surface) {
+    Eigen::Matrix3Xd middles(3, surface.triangles.cols());
+    for (Eigen::Index t = 0; t < middles.cols(); ++t)
+      middles.col(t) = surface.points(Eigen::all, surface.triangles.col(t)).rowwise().mean();
+    return middles;
+  }
+
+  double distance_to(Eigen::Index triangle, const Eigen::Vector3d& point) const {
+    const auto corners = surface_.triangles.col(triangle);
+    return contact::closest_point_on_triangle(point, surface_.points.col(corners[0]),
+                                              surface_.points.col(corners[1]),
+                                              surface_.points.col(corners[2]))
+        .distance;
+  }
+
+  const camera::TriangleMesh& surface_;
+  Eigen::Matrix3Xd middles_;
+  Tree tree_;
+  double reach_ = 0;
+  mutable std::vector<std::pair<Eigen::Index, double>> found_;
+};
+
+}  // namespace
 
 DistanceSummary summarise_distances(const Eigen::VectorXd& distances,
                                     const Eigen::VectorXd& weights) {
@@ -23,9 +79,6 @@ DistanceSummary summarise_distances(const Eigen::VectorXd& distances,
 
 Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& cloud) {
   if (cloud.cols() == 0) throw std::invalid_argument("distance to a cloud without points");
-  constexpr bool kRowMajor = false;  // a column is a point
-  using Tree = nanoflann::KDTreeEigenMatrixAdaptor<Eigen::Matrix3Xd, 3, nanoflann::metric_L2_Simple,
-                                                   kRowMajor>;
   const Tree tree(3, cloud);
   Eigen::VectorXd distances(points.cols());
   for (Eigen::Index i = 0; i < points.cols(); ++i) {
@@ -40,11 +93,9 @@ Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::
 Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
                                      const camera::TriangleMesh& surface) {
   if (surface.triangles.cols() == 0) throw std::invalid_argument("distance to an empty surface");
+  const SurfaceTree tree(surface);
   Eigen::VectorXd distances(points.cols());
-  for (Eigen::Index i = 0; i < points.cols(); ++i)
-    distances[i] =
-        contact::closest_point_on_surface(points.col(i), surface.triangles, surface.points)
-            .distance;
+  for (Eigen::Index i = 0; i < points.cols(); ++i) distances[i] = tree.distance(points.col(i));
   return distances;
 }
 

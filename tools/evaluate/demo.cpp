@@ -39,8 +39,10 @@ std::filesystem::path Demo::log_folder(const std::string& run) const {
   return options.output / "logs" / file_name(run);
 }
 
-Mismatch Demo::mismatch(const std::string& level) const {
-  Mismatch mismatch = read_mismatch(file("tools/evaluate/mismatch.yaml"), level);
+Mismatch Demo::mismatch(const std::string& level, const std::string& scene,
+                        const std::string& configuration) const {
+  Mismatch mismatch =
+      read_mismatch(file("tools/evaluate/mismatch.yaml"), level, file(scene), file(configuration));
   const auto prepend = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
     to.insert(to.begin(), from.begin(), from.end());
   };

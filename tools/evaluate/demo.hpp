@@ -35,8 +35,10 @@ struct Demo {
     return options.root / in_source_tree;
   }
   std::filesystem::path log_folder(const std::string& run) const;
-  /// A level of mismatch.yaml on top of the overrides that the user gave.
-  Mismatch mismatch(const std::string& level) const;
+  /// A level of mismatch.yaml, for these files of the source tree, on top of the overrides that the
+  /// user gave.
+  Mismatch mismatch(const std::string& level, const std::string& scene,
+                    const std::string& configuration) const;
 };
 
 /// Each stage appends one ScoredRun a run; a failure is kept in it, Interrupted passes through.

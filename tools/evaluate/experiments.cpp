@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "rt/config/node.hpp"
+#include "tools/evaluate/absolute_override.hpp"
 #include "tools/evaluate/feature_on_points.hpp"
 
 namespace palpate::evaluate {
@@ -26,6 +27,7 @@ YAML::Node load(const std::filesystem::path& file) {
 
 std::vector<std::string> overrides(const std::filesystem::path& file, const YAML::Node& list,
                                    const std::string& level, const std::string& whose) {
+  if (!list) return {};
   if (!list.IsSequence()) fail(file, list, level + "." + whose + ": wants a list of key=value");
   std::vector<std::string> texts;
   for (const YAML::Node& item : list) {
@@ -42,21 +44,49 @@ std::string text_of(const Eigen::Vector3d& p) {
   return text.str();
 }
 
-}  // namespace
-
-Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level) {
-  const YAML::Node root = load(file);
+/// A level as the file has it: what it takes over from other levels, then its own.
+Mismatch raw_level(const std::filesystem::path& file, const YAML::Node& root,
+                   const std::string& level) {
   std::string known;
   for (const auto& entry : root) known += (known.empty() ? "" : ", ") + entry.first.Scalar();
   const YAML::Node node = root[level];
   if (!node) fail(file, root, "unknown level of mismatch \"" + level + "\"; known: " + known);
   for (const auto& entry : node) {
     const std::string key = entry.first.Scalar();
-    if (key != "about" && key != "scene" && key != "daemon")
-      fail(file, entry.first, level + "." + key + ": unknown key; known: about, scene, daemon");
+    if (key != "about" && key != "of" && key != "scene" && key != "daemon")
+      fail(file, entry.first, level + "." + key + ": unknown key; known: about, of, scene, daemon");
   }
-  return {level, node["about"].as<std::string>(""), overrides(file, node["scene"], level, "scene"),
-          overrides(file, node["daemon"], level, "daemon")};
+  Mismatch mismatch{level, node["about"].as<std::string>(""), {}, {}};
+  const auto append = [](std::vector<std::string>& to, const std::vector<std::string>& from) {
+    to.insert(to.end(), from.begin(), from.end());
+  };
+  for (const YAML::Node& part : node["of"]) {
+    if (root[part.Scalar()]["of"]) fail(file, part, level + ".of: levels of levels are not known");
+    const Mismatch other = raw_level(file, root, part.Scalar());
+    append(mismatch.scene, other.scene);
+    append(mismatch.daemon, other.daemon);
+  }
+  append(mismatch.scene, overrides(file, node["scene"], level, "scene"));
+  append(mismatch.daemon, overrides(file, node["daemon"], level, "daemon"));
+  return mismatch;
+}
+
+}  // namespace
+
+Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level,
+                       const std::filesystem::path& scene,
+                       const std::filesystem::path& configuration) {
+  Mismatch mismatch = raw_level(file, load(file), level);
+  const auto resolve = [&](std::vector<std::string>& items, const std::filesystem::path& changed) {
+    for (std::string& item : items) try {
+        item = absolute_override(item, changed);
+      } catch (const config::Error& error) {
+        throw config::Error(file.string() + ": " + level + ": " + error.what());
+      }
+  };
+  resolve(mismatch.scene, scene);
+  resolve(mismatch.daemon, configuration);
+  return mismatch;
 }
 
 std::vector<Method> read_methods(const std::filesystem::path& file) {

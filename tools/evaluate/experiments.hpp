@@ -15,8 +15,11 @@ struct Mismatch {
   std::vector<std::string> daemon;
 };
 
-/// Reads mismatch.yaml; throws config::Error, also where the level is unknown.
-Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level);
+/// Reads a level of mismatch.yaml, its relative changes made absolute for this scene and this
+/// configuration of palpated; throws config::Error, also where the level is unknown.
+Mismatch read_mismatch(const std::filesystem::path& file, const std::string& level,
+                       const std::filesystem::path& scene,
+                       const std::filesystem::path& configuration);
 
 /// A way of shape sensing: overrides for palpated.
 struct Method {

@@ -58,7 +58,7 @@ int count_control(const Demo& demo) {
 void run_control(Demo& demo) {
   const auto targets = read_targets(demo.file("tools/evaluate/targets.yaml"));
   for (const char* level : kLevels) {
-    const Mismatch mismatch = demo.mismatch(level);
+    const Mismatch mismatch = demo.mismatch(level, kScene, kConfiguration);
     for (const ControlTarget& target : targets)
       demo.scored.push_back(run_target(demo, target, mismatch));
   }

@@ -144,7 +144,7 @@ int count_sensing(const Demo& demo) {
 void run_sensing(Demo& demo) {
   const std::vector<Method> methods = read_methods(demo.file("tools/evaluate/methods.yaml"));
   std::vector<Mismatch> levels;
-  for (const char* level : kLevels) levels.push_back(demo.mismatch(level));
+  for (const char* level : kLevels) levels.push_back(demo.mismatch(level, kScene, kConfiguration));
 
   std::vector<SensingRun> live;
   for (const Mismatch& level : levels) live.push_back(run_live_method(demo, methods[0], level));

@@ -90,6 +90,8 @@ ThesisCommand::ThesisCommand(CLI::App& app) : options_(std::make_unique<Options>
   command_->add_option("--seeds", o.selection.seeds, "these instead of the plan's, e.g. 1,2,3")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
+  command_->add_flag("--quick", o.selection.quick,
+                     "the first seed alone, without what the plan marks `quick: false`");
   command_->add_option("--jobs", o.workers, "runs side by side; each keeps about two cores busy")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();

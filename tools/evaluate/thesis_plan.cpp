@@ -61,11 +61,12 @@ void add_to_methods(const config::Node& node, std::vector<Method>& methods) {
   }
 }
 
-std::vector<Mismatch> chosen_levels(const config::Node& node, const fs::path& root) {
+std::vector<Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
+                                    const ThesisApplication& application) {
   const fs::path file = source_file(node, "mismatch_file", root, "tools/evaluate/mismatch.yaml");
   std::vector<Mismatch> levels;
   for (const std::string& name : names(node, "mismatch"))
-    levels.push_back(read_mismatch(file, name));
+    levels.push_back(read_mismatch(file, name, application.scene, application.configuration));
   return levels;
 }
 
@@ -110,11 +111,13 @@ ThesisApplication read_application(const config::Node& node, const fs::path& roo
   ThesisApplication application;
   application.name = node.text("name");
   application.kind = node.choice("kind", {"force", "control", "tactile"});
+  application.note = node.text("note", "");
+  application.quick = node.flag("quick", true);
   application.scene = source_file(node, "scene", root);
   application.configuration = source_file(node, "configuration", root);
   application.methods = chosen_methods(node, root);
   add_to_methods(node.child_or_empty("also"), application.methods);
-  application.levels = chosen_levels(node, root);
+  application.levels = chosen_levels(node, root, application);
   application.seeds = seeds_of(node);
   read_motion(node, application);
   for (const config::Node& state : node.list("states"))
@@ -136,11 +139,17 @@ ThesisApplication read_application(const config::Node& node, const fs::path& roo
   return application;
 }
 
-bool is_wanted(const ThesisApplication& application, const std::vector<std::string>& names) {
+bool is_named(const ThesisApplication& application, const std::vector<std::string>& names) {
   return names.empty() ||
          std::any_of(names.begin(), names.end(), [&application](const std::string& name) {
            return application.name.find(name) != std::string::npos;
          });
+}
+
+std::vector<int> seeds_of(const ThesisApplication& application, const ThesisSelection& selection) {
+  if (!selection.seeds.empty()) return selection.seeds;
+  if (selection.quick) return {application.seeds.front()};
+  return application.seeds;
 }
 
 void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
@@ -199,12 +208,13 @@ ThesisPlan read_thesis_plan(const fs::path& file, const fs::path& root) {
 std::vector<ThesisJob> thesis_jobs(const ThesisPlan& plan, const ThesisSelection& selection) {
   for (const std::string& name : selection.applications)
     if (std::none_of(plan.applications.begin(), plan.applications.end(),
-                     [&name](const ThesisApplication& a) { return is_wanted(a, {name}); }))
+                     [&name](const ThesisApplication& a) { return is_named(a, {name}); }))
       throw std::invalid_argument("no application is called \"" + name + "\"; see --list");
   std::vector<ThesisJob> jobs;
   for (const ThesisApplication& application : plan.applications) {
-    if (!is_wanted(application, selection.applications)) continue;
-    for (const int seed : selection.seeds.empty() ? application.seeds : selection.seeds)
+    if (!is_named(application, selection.applications)) continue;
+    if (selection.quick && !application.quick) continue;
+    for (const int seed : seeds_of(application, selection))
       for (const Mismatch& level : application.levels)
         for (const Method& method : application.methods) {
           jobs.push_back(make_job(application, method, level, seed));
@@ -212,6 +222,7 @@ std::vector<ThesisJob> thesis_jobs(const ThesisPlan& plan, const ThesisSelection
           jobs.back().real_time = selection.real_time;
         }
   }
+  if (jobs.empty()) throw std::invalid_argument("the selection leaves nothing to run");
   return jobs;
 }
 

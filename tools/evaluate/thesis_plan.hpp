@@ -24,7 +24,9 @@ struct ThesisState {
 /// One application of the thesis: an entry of thesis.yaml.
 struct ThesisApplication {
   std::string name;
-  std::string kind;  // force, control or tactile
+  std::string kind;   // force, control or tactile
+  std::string note;   // for the reader of the report; may be empty
+  bool quick = true;  // part of a quick run
   std::filesystem::path scene;
   std::filesystem::path configuration;
   std::vector<Method> methods;
@@ -72,11 +74,12 @@ struct ThesisJob {
 struct ThesisSelection {
   std::vector<std::string> applications;  // names or parts of them; none: all
   std::vector<int> seeds;                 // none: those of the plan
+  bool quick = false;                     // one seed, without what the plan leaves out then
   bool real_time = false;
 };
 
 /// Every application's methods, levels and seeds. Throws std::invalid_argument where a name of the
-/// selection fits no application.
+/// selection fits no application, or nothing is left to run.
 std::vector<ThesisJob> thesis_jobs(const ThesisPlan& plan, const ThesisSelection& selection);
 
 }  // namespace palpate::evaluate

@@ -110,6 +110,7 @@ void add_application(HtmlPage& page, const ThesisReport& report,
   page.paragraph("Kind: " + application.kind + "; scene " + application.scene.filename().string() +
                  ", configuration " + application.configuration.filename().string() +
                  "; octree resolution " + number(report.plan.octree_resolution * 1e3, 1) + " mm.");
+  if (!application.note.empty()) page.paragraph(application.note);
   add_table(page, "Published", published_table(application));
   if (application.kind == "control")
     add_table(page, "Control", control_table(application, report.results));

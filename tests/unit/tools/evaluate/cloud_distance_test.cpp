@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "core/contact/surface_search.hpp"
 #include "core/math/random.hpp"
 
 namespace palpate::evaluate {
@@ -53,6 +54,33 @@ TEST(SurfaceSamples, CoverTheSurfaceAndWeighItsArea) {
     on_top.col(i) << random.uniform(-0.15, 0.15), random.uniform(-0.1, 0.1), 0.05;
   EXPECT_LT(distances_to_cloud(on_top, samples.points).maxCoeff(), 2.0 / 3 * spacing);
   EXPECT_THROW(sample_surface(box, 0), std::invalid_argument);
+}
+
+TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
+  // Triangles of very unequal size, so that the nearest one is seldom that of the nearest middle.
+  math::Random random(5);
+  const auto anywhere = [&random](double size) {
+    return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
+                           random.uniform(-size, size));
+  };
+  camera::TriangleMesh soup;
+  soup.points.resize(3, 180);
+  soup.triangles.resize(3, 60);
+  for (int t = 0; t < 60; ++t) {
+    const Eigen::Vector3d middle = anywhere(0.3);
+    for (int corner = 0; corner < 3; ++corner) {
+      soup.points.col(3 * t + corner) = middle + anywhere(t % 10 == 0 ? 0.3 : 0.02);
+      soup.triangles(corner, t) = 3 * t + corner;
+    }
+  }
+  Eigen::Matrix3Xd points(3, 300);
+  for (Eigen::Index i = 0; i < points.cols(); ++i) points.col(i) = anywhere(0.5);
+  const Eigen::VectorXd distances = distances_to_surface(points, soup);
+  for (Eigen::Index i = 0; i < points.cols(); ++i)
+    ASSERT_NEAR(
+        distances[i],
+        contact::closest_point_on_surface(points.col(i), soup.triangles, soup.points).distance,
+        1e-12);
 }
 
 TEST(SurfaceDistance, ShiftedCubeHasItsAnalyticDistances) {

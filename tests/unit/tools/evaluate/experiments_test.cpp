@@ -12,6 +12,15 @@ namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(PALPATE_SOURCE_DIR) / "tools/evaluate";
 
+const std::filesystem::path kScene =
+    std::filesystem::path(PALPATE_SOURCE_DIR) / "sim/scenes/bar_long_soft_six_poses.yaml";
+const std::filesystem::path kConfiguration =
+    std::filesystem::path(PALPATE_SOURCE_DIR) / "rt/config/examples/bar_long_soft.yaml";
+
+Mismatch level(const std::string& name) {
+  return read_mismatch(kFolder / "mismatch.yaml", name, kScene, kConfiguration);
+}
+
 /// The value that an override gives to a key, as palpated would read it.
 config::Node settings(const std::vector<std::string>& overrides) {
   const std::filesystem::path file =
@@ -21,13 +30,13 @@ config::Node settings(const std::vector<std::string>& overrides) {
 }
 
 TEST(Mismatch, NoneChangesNothing) {
-  const Mismatch none = read_mismatch(kFolder / "mismatch.yaml", "none");
+  const Mismatch none = level("none");
   EXPECT_TRUE(none.scene.empty());
   EXPECT_TRUE(none.daemon.empty());
 }
 
 TEST(Mismatch, AllIsAsLargeAsItSays) {
-  const Mismatch all = read_mismatch(kFolder / "mismatch.yaml", "all");
+  const Mismatch all = level("all");
   const config::Node scene = settings(all.scene);
   const config::Node sensors = scene.child("sensors");
   const math::Pose error = sensors.pose("kinematics_error");
@@ -36,18 +45,29 @@ TEST(Mismatch, AllIsAsLargeAsItSays) {
   const std::vector<double> bias = sensors.child("force_torque").numbers("bias", 6);
   EXPECT_NEAR(std::hypot(bias[0], bias[1], bias[2]), 0.05, 1e-4);
   const config::Node material = settings(all.daemon).child("object").child("material");
-  const config::Node exact = config::Node::load_file(std::string(PALPATE_SOURCE_DIR) +
-                                                     "/rt/config/examples/bar_long_soft.yaml")
-                                 .child("object")
-                                 .child("material");
+  const config::Node exact =
+      config::Node::load_file(kConfiguration.string()).child("object").child("material");
   EXPECT_NEAR(material.number("young_modulus", {}) / exact.number("young_modulus", {}), 1.3, 1e-9);
   EXPECT_NEAR(std::abs(material.number("poisson_ratio", {}) - exact.number("poisson_ratio", {})),
               0.15, 1e-9);
 }
 
+TEST(Mismatch, AllIsEachOfTheOthers) {
+  std::vector<std::string> scene, daemon;
+  for (const char* part :
+       {"Young's modulus", "Poisson's ratio", "mesh", "force bias", "hand pose", "pads"}) {
+    const Mismatch one = level(part);
+    EXPECT_EQ(one.scene.size() + one.daemon.size(), 1u) << part;
+    scene.insert(scene.end(), one.scene.begin(), one.scene.end());
+    daemon.insert(daemon.end(), one.daemon.begin(), one.daemon.end());
+  }
+  EXPECT_EQ(level("all").scene, scene);
+  EXPECT_EQ(level("all").daemon, daemon);
+}
+
 TEST(Mismatch, UnknownLevelNamesTheKnownOnes) {
   try {
-    read_mismatch(kFolder / "mismatch.yaml", "some");
+    level("some");
     FAIL();
   } catch (const config::Error& error) {
     EXPECT_NE(std::string(error.what()).find("none, all"), std::string::npos) << error.what();

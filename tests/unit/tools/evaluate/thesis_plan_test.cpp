@@ -74,6 +74,17 @@ TEST_F(ThesisPlanTest, TheProjectsOwnPlanIsWhole) {
   EXPECT_THAT(kinds, testing::IsSupersetOf({"force", "control"}));
 }
 
+TEST_F(ThesisPlanTest, EachModelErrorStandsAlone) {
+  const ThesisPlan plan = read_thesis_plan(kRoot / "tools/evaluate/model_error.yaml", kRoot);
+  std::set<std::vector<std::string>> changes;
+  for (const ThesisJob& job : thesis_jobs(plan, {})) {
+    std::vector<std::string> change = job.scene_overrides;
+    change.insert(change.end(), job.daemon_overrides.begin(), job.daemon_overrides.end());
+    EXPECT_TRUE(changes.insert(change).second) << job.name;
+  }
+  EXPECT_EQ(changes.size(), 2u * 8);
+}
+
 TEST_F(ThesisPlanTest, EveryMethodLevelAndSeedIsAJob) {
   const std::vector<ThesisJob> jobs = thesis_jobs(read(kPlan), {});
   ASSERT_EQ(jobs.size(), 2u * 2 * 3 + 1);
@@ -99,6 +110,35 @@ TEST_F(ThesisPlanTest, ASelectionChooses) {
   EXPECT_EQ(jobs[1].seed, 8);
   selection.applications = {"sponge"};
   EXPECT_THROW(thesis_jobs(plan, selection), std::invalid_argument);
+}
+
+TEST_F(ThesisPlanTest, AQuickRunIsOneSeedOfWhatThePlanDoesNotLeaveOut) {
+  std::string text = kPlan;
+  text.replace(text.find("seeds: [4]"), 10, "seeds: [4]\n    quick: false\n    note: too soft");
+  const ThesisPlan plan = read(text);
+  EXPECT_EQ(plan.applications[1].note, "too soft");
+  ThesisSelection selection;
+  selection.quick = true;
+  const std::vector<ThesisJob> jobs = thesis_jobs(plan, selection);
+  ASSERT_EQ(jobs.size(), 2u * 2);
+  for (const ThesisJob& job : jobs) {
+    EXPECT_EQ(job.application, "bar");
+    EXPECT_EQ(job.seed, 1);
+  }
+  selection.applications = {"pull"};
+  EXPECT_THROW(thesis_jobs(plan, selection), std::invalid_argument);
+}
+
+TEST_F(ThesisPlanTest, AModelErrorIsRelativeToTheObject) {
+  std::string text = kPlan;
+  const std::string soft = "rt/config/examples/bar_long_soft.yaml";
+  const std::vector<ThesisJob> bar = thesis_jobs(read(text), {});
+  EXPECT_THAT(bar[2].daemon_overrides, AllOf(Contains("object.material.young_modulus=39000"),
+                                             Contains("object.mesh.box.cells=[7, 1, 1]")));
+  EXPECT_THAT(bar[2].scene_overrides, Contains("object.pads.stiffness=20000"));
+  text.replace(text.find(soft), soft.size(), "rt/config/examples/bar_long_hard.yaml");
+  EXPECT_THAT(thesis_jobs(read(text), {})[2].daemon_overrides,
+              Contains("object.material.young_modulus=78000"));
 }
 
 TEST_F(ThesisPlanTest, ErrorsNameFileAndKey) {
