@@ -9,7 +9,7 @@ namespace {
 
 constexpr const char* kStyle =
     "body{font:15px/1.45 sans-serif;max-width:1280px;margin:2em auto;padding:0 1em;color:#222}"
-    "table{border-collapse:collapse;margin:1em 0;font-size:13px}"
+    "table{border-collapse:collapse;margin:1em 0;font-size:13px;display:block;overflow-x:auto}"
     "th,td{border:1px solid #ccc;padding:3px 7px;text-align:right;vertical-align:top}"
     "th{background:#eef1f5}td:first-child,th:first-child{text-align:left}"
     "td.title{background:#f7f7f2;font-weight:bold;text-align:left}"

@@ -11,7 +11,8 @@
 namespace palpate::evaluate {
 namespace {
 
-constexpr int kMostPoints = 2000;  // a curve; more cannot be seen
+constexpr int kMostPoints = 2000;       // a curve; more cannot be seen
+constexpr std::size_t kFewPoints = 12;  // are marked one by one
 constexpr int kWidth = 1100, kHeight = 420;
 
 bool is_installed(const std::string& program) {
@@ -45,10 +46,10 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
   }
   out << "plot ";
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
-    out << (i == 0 ? "" : ", ") << "$data" << block + static_cast<int>(i)
-        << " using 1:2 with lines linewidth 2 linetype " << i + 1
-        << (plot.curves[i].dashed ? " dashtype 2" : "") << " title "
-        << quoted(plot.curves[i].title);
+    out << (i == 0 ? "" : ", ") << "$data" << block + static_cast<int>(i) << " using 1:2 with "
+        << (plot.curves[i].x.size() <= kFewPoints ? "linespoints" : "lines")
+        << " linewidth 2 linetype " << i + 1 << (plot.curves[i].dashed ? " dashtype 2" : "")
+        << " title " << quoted(plot.curves[i].title);
   }
   out << '\n';
   block += static_cast<int>(plot.curves.size());

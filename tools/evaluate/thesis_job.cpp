@@ -54,7 +54,7 @@ std::string picture_of(const StateScore& state, std::size_t number, const math::
                        const fs::path& folder) {
   const std::string file = "state_" + std::to_string(number) + ".png";
   try {
-    draw_state(state.shapes, X_WO, state.name, folder / file);
+    draw_state(state, X_WO, folder / file);
     return file;
   } catch (const std::exception& error) {
     std::cout << "no picture of " << state.name << ": " << error.what() << '\n';

@@ -1,6 +1,9 @@
 #include "tools/evaluate/thesis_picture.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <sstream>
 
 #include "sim/camera/annotate.hpp"
 #include "sim/camera/png_file.hpp"
@@ -11,7 +14,9 @@ namespace {
 
 constexpr int kWidth = 520, kHeight = 420, kSupersampling = 2;
 constexpr double kFieldOfView = 0.40;  // rad
+constexpr double kFilled = 0.84;       // share of a panel that the shapes may take
 constexpr double kDot = 1.8e-3;        // m, half a dot's size
+constexpr double kAxis = 0.05;         // m
 
 const camera::Colour kMeasured{0.88F, 0.55F, 0.10F, 1};
 const camera::Colour kSolid{0.45F, 0.60F, 0.90F, 1};
@@ -36,6 +41,40 @@ camera::TriangleMesh dots(const Eigen::Matrix3Xd& cloud) {
   return mesh;
 }
 
+/// The nearest view along `towards_eye` that holds all points, its middle that of their box.
+camera::View view_of(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& towards_eye) {
+  const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
+  const Eigen::Vector3d middle = 0.5 * (points.rowwise().minCoeff() + points.rowwise().maxCoeff());
+  const Eigen::Vector3d right = up.cross(towards_eye).normalized();
+  const Eigen::Vector3d above = towards_eye.cross(right);
+  const double vertical = kFilled * std::tan(0.5 * kFieldOfView);
+  const double horizontal = vertical * kWidth / kHeight;
+  double distance = 0;
+  for (const auto& point : points.colwise()) {
+    const Eigen::Vector3d r = point - middle;
+    distance = std::max({distance, r.dot(towards_eye) + std::abs(r.dot(right)) / horizontal,
+                         r.dot(towards_eye) + std::abs(r.dot(above)) / vertical});
+  }
+  return camera::make_view(middle + distance * towards_eye, middle, up, kFieldOfView, kWidth,
+                           kHeight);
+}
+
+/// The axes of O at its origin: they tell directions and size.
+void draw_axes(camera::Renderer& renderer, const math::Pose& X_WO) {
+  for (int i = 0; i < 3; ++i) {
+    camera::Colour colour{0, 0, 0, 1};
+    (i == 0 ? colour.red : i == 1 ? colour.green : colour.blue) = 0.75F;
+    renderer.draw_line(X_WO.translation(), X_WO * (kAxis * Eigen::Vector3d::Unit(i)), 4, colour);
+  }
+}
+
+std::string errors_of(const StateScore& state) {
+  std::ostringstream text;
+  text << std::fixed << std::setprecision(1) << "mean " << state.error.mean * 1e3 << " mm, max "
+       << state.error.maximum * 1e3 << " mm";
+  return text.str();
+}
+
 void copy_panel(camera::Image& into, const camera::Image& panel, int column) {
   for (int row = 0; row < panel.height; ++row)
     std::copy_n(panel.pixel(0, row), 3 * panel.width, into.pixel(column, row));
@@ -43,21 +82,19 @@ void copy_panel(camera::Image& into, const camera::Image& panel, int column) {
 
 }  // namespace
 
-void draw_state(const StateShapes& shapes, const math::Pose& X_WO, const std::string& title,
-                const std::filesystem::path& png) {
-  const Eigen::Matrix3Xd cloud = transformed(X_WO, shapes.measured);
+void draw_state(const StateScore& state, const math::Pose& X_WO, const std::filesystem::path& png) {
+  const StateShapes& shapes = state.shapes;
   const Eigen::Matrix3Xd estimate = transformed(X_WO, shapes.estimate.points);
-  const camera::TriangleMesh dotted = dots(cloud);
-  const Eigen::Matrix3Xd truth = transformed(X_WO, shapes.truth.points);
-  const Eigen::Vector3d lower = truth.rowwise().minCoeff(), upper = truth.rowwise().maxCoeff();
-  const Eigen::Vector3d middle = 0.5 * (lower + upper);
-  const double distance = 1.0 * (upper - lower).norm() / kFieldOfView;
-  const Eigen::Vector3d eye = middle + distance * Eigen::Vector3d(-0.22, -0.92, 0.33).normalized();
+  const camera::TriangleMesh dotted = dots(transformed(X_WO, shapes.measured));
+  Eigen::Matrix3Xd all(3, estimate.cols() + shapes.truth.points.cols());
+  all << estimate, transformed(X_WO, shapes.truth.points);
+  const camera::View view = view_of(all, Eigen::Vector3d(-0.22, -0.92, 0.33).normalized());
 
   camera::Renderer renderer(kWidth, kHeight, kSupersampling);
-  const auto panel = [&](bool with_cloud, bool with_estimate, const std::string& text) {
-    renderer.begin(
-        camera::make_view(eye, middle, Eigen::Vector3d::UnitZ(), kFieldOfView, kWidth, kHeight));
+  const auto panel = [&](bool with_cloud, bool with_estimate, const std::string& title,
+                         const std::vector<camera::LegendEntry>& legend) {
+    renderer.begin(view);
+    draw_axes(renderer, X_WO);
     camera::MeshStyle style;
     style.shading = camera::Shading::kFlat;
     style.colour = kMeasured;
@@ -66,13 +103,17 @@ void draw_state(const StateShapes& shapes, const math::Pose& X_WO, const std::st
     style.edges = kEdge;
     if (with_estimate) renderer.draw_mesh(estimate, shapes.estimate.triangles, style);
     camera::Image image = renderer.end();
-    camera::draw_title(image, text);
+    camera::draw_title(image, title);
+    camera::draw_legend(image, legend);
     return image;
   };
+  const camera::LegendEntry measured{
+      shapes.camera ? "measured by the camera" : "true surface of the plant", kMeasured};
+  const camera::LegendEntry estimated{"estimate", kEdge};
   camera::Image image(3 * kWidth, kHeight);
-  copy_panel(image, panel(true, false, title + (shapes.camera ? ": camera" : ": true surface")), 0);
-  copy_panel(image, panel(false, true, "estimate"), kWidth);
-  copy_panel(image, panel(true, true, "both"), 2 * kWidth);
+  copy_panel(image, panel(true, false, state.name, {measured}), 0);
+  copy_panel(image, panel(false, true, "axes: x red, y green, z blue, 50 mm", {estimated}), kWidth);
+  copy_panel(image, panel(true, true, errors_of(state), {measured, estimated}), 2 * kWidth);
   camera::write_png(png.string(), image);
 }
 

@@ -38,6 +38,17 @@ Curve curve_of(const Json& data, const std::string& values, const std::string& t
   return curve;
 }
 
+/// The error of the pose in one state after the other, as the thesis' Fig. 4.15 has it.
+Curve pose_curve(const Json& states, const std::string& title) {
+  Curve curve{title, {}, {}, false};
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    if (!states[i].contains("pose_mm")) continue;
+    curve.x.push_back(static_cast<double>(i + 1));
+    curve.y.push_back(std::max(1e-3, states[i]["pose_mm"].get<double>()));
+  }
+  return curve;
+}
+
 /// The first seed's result of each method under a level.
 std::vector<const ThesisResult*> first_seeds(const ThesisApplication& application,
                                              const std::vector<ThesisResult>& results,
@@ -58,7 +69,8 @@ std::vector<Plot> plots_of(const ThesisApplication& application,
                            const std::vector<const ThesisResult*>& runs, const std::string& level) {
   const std::string suffix = ", model error: " + level;
   Plot shape{"Mean shape error" + suffix, "time, s", "mm", {}, true};
-  Plot feature{"Distance of the pose from its target" + suffix, "time, s", "mm", {}, true};
+  Plot pose{"Distance of the estimated pose from the plant's" + suffix, "state", "mm", {}, true};
+  Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
   Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
   Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
   for (const ThesisResult* run : runs) {
@@ -66,6 +78,7 @@ std::vector<Plot> plots_of(const ThesisApplication& application,
     const std::string& method = run->job.method;
     shape.curves.push_back(
         curve_of(run->json.value("shape_error", Json()), "mean_mm", method, 1e-3, false));
+    pose.curves.push_back(pose_curve(run->json.value("states", Json::array()), method));
     if (!control.is_object()) continue;
     feature.curves.push_back(curve_of(control["plant"], "mm", method + ", plant", 1e-2, false));
     feature.curves.push_back(
@@ -74,7 +87,10 @@ std::vector<Plot> plots_of(const ThesisApplication& application,
     command.curves.push_back(curve_of(control["command"], "mm_per_s", method, 0, false));
   }
   std::vector<Plot> plots{shape};
-  if (application.kind == "control") plots.insert(plots.end(), {feature, angle, command});
+  if (application.kind == "control")
+    plots.insert(plots.end(), {feature, angle, command});
+  else
+    plots.push_back(pose);
   for (Plot& plot : plots)
     plot.curves.erase(std::remove_if(plot.curves.begin(), plot.curves.end(),
                                      [](const Curve& curve) { return curve.x.empty(); }),

@@ -138,7 +138,7 @@ TEST(ThesisPicture, ThreePanelsOfWhichTheLastHasBoth) {
       score_states(job_with_state(2.5), run, score_shape(run), math::Pose::Identity());
   const std::filesystem::path png =
       std::filesystem::path(testing::TempDir()) / "thesis_picture_test.png";
-  draw_state(states[0].shapes, math::Pose::Identity(), "risen", png);
+  draw_state(states[0], math::Pose::Identity(), png);
   EXPECT_GT(std::filesystem::file_size(png), 1000u);
   std::filesystem::remove(png);
 }
