@@ -47,16 +47,24 @@ std::vector<Method> chosen_methods(const config::Node& node, const fs::path& roo
   return chosen;
 }
 
-/// Settings of this application that come after the method's own.
-void add_to_methods(const config::Node& node, std::vector<Method>& methods) {
+/// Settings of this application that come after a method's or a level's own.
+void add_settings(const config::Node& node, ThesisApplication& application) {
+  const auto named = [](const std::string& name) {
+    return [&name](const auto& entry) { return entry.name == name; };
+  };
   for (const std::string& name : node.keys()) {
-    const auto method = std::find_if(methods.begin(), methods.end(),
-                                     [&name](const Method& m) { return m.name == name; });
-    if (method == methods.end()) node.fail(name, "is no method of this application");
+    const auto method =
+        std::find_if(application.methods.begin(), application.methods.end(), named(name));
+    const auto level =
+        std::find_if(application.levels.begin(), application.levels.end(), named(name));
+    const bool is_method = method != application.methods.end();
+    if (!is_method && level == application.levels.end())
+      node.fail(name, "is no method and no model error of this application");
+    std::vector<std::string>& settings = is_method ? method->overrides : level->daemon;
     for (const std::string& setting : node.texts(name)) {
       if (setting.find('=') == std::string::npos)
         node.fail(name, "\"" + setting + "\" is not of the form key=value");
-      method->overrides.push_back(setting);
+      settings.push_back(setting);
     }
   }
 }
@@ -116,8 +124,8 @@ ThesisApplication read_application(const config::Node& node, const fs::path& roo
   application.scene = source_file(node, "scene", root);
   application.configuration = source_file(node, "configuration", root);
   application.methods = chosen_methods(node, root);
-  add_to_methods(node.child_or_empty("also"), application.methods);
   application.levels = chosen_levels(node, root, application);
+  add_settings(node.child_or_empty("also"), application);
   application.seeds = seeds_of(node);
   read_motion(node, application);
   for (const config::Node& state : node.list("states"))

@@ -136,9 +136,15 @@ TEST_F(ThesisPlanTest, AModelErrorIsRelativeToTheObject) {
   EXPECT_THAT(bar[2].daemon_overrides, AllOf(Contains("object.material.young_modulus=39000"),
                                              Contains("object.mesh.box.cells=[7, 1, 1]")));
   EXPECT_THAT(bar[2].scene_overrides, Contains("object.pads.stiffness=20000"));
-  text.replace(text.find(soft), soft.size(), "rt/config/examples/bar_long_hard.yaml");
-  EXPECT_THAT(thesis_jobs(read(text), {})[2].daemon_overrides,
-              Contains("object.material.young_modulus=78000"));
+  const std::string hard = "rt/config/examples/bar_long_hard.yaml";
+  text.replace(text.find(soft), soft.size(),
+               hard + "\n    also: {all: ['object.mesh.box.cells=[5, 1, 1]']}");
+  const std::vector<std::string> overrides = thesis_jobs(read(text), {})[2].daemon_overrides;
+  EXPECT_THAT(overrides, Contains("object.material.young_modulus=78000"));
+  const auto coarse =
+      std::find(overrides.begin(), overrides.end(), "object.mesh.box.cells=[7, 1, 1]");
+  ASSERT_NE(coarse, overrides.end());
+  EXPECT_NE(std::find(coarse, overrides.end(), "object.mesh.box.cells=[5, 1, 1]"), overrides.end());
 }
 
 TEST_F(ThesisPlanTest, ErrorsNameFileAndKey) {
