@@ -112,11 +112,14 @@ namespace {
 
 void print_list(const std::vector<ThesisJob>& jobs, std::ostream& out) {
   Table table({"application", "method", "model error", "seed", "s", "job"});
-  for (const ThesisJob& job : jobs)
+  double simulated = 0;
+  for (const ThesisJob& job : jobs) {
+    simulated += job.duration;
     table.add({job.application, job.method, job.mismatch, std::to_string(job.seed),
                number(job.duration, 1), job.name});
+  }
   table.print(out);
-  out << jobs.size() << " jobs\n";
+  out << jobs.size() << " jobs, " << number(simulated, 0) << " s simulated\n";
 }
 
 /// The result of a job; null where there is none. One of other inputs is no result of it.

@@ -59,13 +59,19 @@ camera::View view_of(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& towa
                            kHeight);
 }
 
-/// The axes of O at its origin: they tell directions and size.
-void draw_axes(camera::Renderer& renderer, const math::Pose& X_WO) {
-  for (int i = 0; i < 3; ++i) {
-    camera::Colour colour{0, 0, 0, 1};
-    (i == 0 ? colour.red : i == 1 ? colour.green : colour.blue) = 0.75F;
-    renderer.draw_line(X_WO.translation(), X_WO * (kAxis * Eigen::Vector3d::Unit(i)), 4, colour);
-  }
+/// Where the axes of O are drawn: behind the clamp, free of the shapes.
+math::Pose place_of_axes(const math::Pose& X_WO) {
+  math::Pose at = X_WO;
+  at.translation() = X_WO * Eigen::Vector3d(-1.4 * kAxis, 0, 0);
+  return at;
+}
+
+/// They tell directions and size.
+void draw_axes(camera::Renderer& renderer, const math::Pose& at) {
+  const camera::Colour colours[] = {
+      {0.80F, 0.10F, 0.10F, 1}, {0.10F, 0.60F, 0.15F, 1}, {0.15F, 0.25F, 0.90F, 1}};
+  for (int i = 0; i < 3; ++i)
+    renderer.draw_line(at.translation(), at * (kAxis * Eigen::Vector3d::Unit(i)), 4, colours[i]);
 }
 
 std::string errors_of(const StateScore& state) {
@@ -86,15 +92,16 @@ void draw_state(const StateScore& state, const math::Pose& X_WO, const std::file
   const StateShapes& shapes = state.shapes;
   const Eigen::Matrix3Xd estimate = transformed(X_WO, shapes.estimate.points);
   const camera::TriangleMesh dotted = dots(transformed(X_WO, shapes.measured));
-  Eigen::Matrix3Xd all(3, estimate.cols() + shapes.truth.points.cols());
-  all << estimate, transformed(X_WO, shapes.truth.points);
+  const math::Pose axes = place_of_axes(X_WO);
+  Eigen::Matrix3Xd all(3, estimate.cols() + shapes.truth.points.cols() + 1);
+  all << estimate, transformed(X_WO, shapes.truth.points), axes.translation();
   const camera::View view = view_of(all, Eigen::Vector3d(-0.22, -0.92, 0.33).normalized());
 
   camera::Renderer renderer(kWidth, kHeight, kSupersampling);
   const auto panel = [&](bool with_cloud, bool with_estimate, const std::string& title,
                          const std::vector<camera::LegendEntry>& legend) {
     renderer.begin(view);
-    draw_axes(renderer, X_WO);
+    draw_axes(renderer, axes);
     camera::MeshStyle style;
     style.shading = camera::Shading::kFlat;
     style.colour = kMeasured;
