@@ -12,11 +12,12 @@
 namespace palpate::evaluate {
 namespace {
 
-constexpr int kWidth = 520, kHeight = 420, kSupersampling = 2;
+constexpr int kWidth = 520, kHeight = 460, kSupersampling = 2;
 constexpr double kFieldOfView = 0.40;  // rad
-constexpr double kFilled = 0.84;       // share of a panel that the shapes may take
-constexpr double kDot = 1.8e-3;        // m, half a dot's size
-constexpr double kAxis = 0.05;         // m
+// Shares of a panel that the shapes may take: beside them is room for title and legend.
+constexpr double kFilledWidth = 0.88, kFilledHeight = 0.73;
+constexpr double kDot = 1.8e-3;  // m, half a dot's size
+constexpr double kAxis = 0.05;   // m
 
 const camera::Colour kMeasured{0.88F, 0.55F, 0.10F, 1};
 const camera::Colour kSolid{0.45F, 0.60F, 0.90F, 1};
@@ -47,8 +48,9 @@ camera::View view_of(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& towa
   const Eigen::Vector3d middle = 0.5 * (points.rowwise().minCoeff() + points.rowwise().maxCoeff());
   const Eigen::Vector3d right = up.cross(towards_eye).normalized();
   const Eigen::Vector3d above = towards_eye.cross(right);
-  const double vertical = kFilled * std::tan(0.5 * kFieldOfView);
-  const double horizontal = vertical * kWidth / kHeight;
+  const double half = std::tan(0.5 * kFieldOfView);
+  const double vertical = kFilledHeight * half;
+  const double horizontal = kFilledWidth * half * kWidth / kHeight;
   double distance = 0;
   for (const auto& point : points.colwise()) {
     const Eigen::Vector3d r = point - middle;

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <set>
 
 #include "rt/config/node.hpp"
@@ -72,6 +73,25 @@ TEST_F(ThesisPlanTest, TheProjectsOwnPlanIsWhole) {
   }
   EXPECT_EQ(folders.size(), jobs.size());
   EXPECT_THAT(kinds, testing::IsSupersetOf({"force", "control"}));
+}
+
+TEST_F(ThesisPlanTest, ForceBasedSensingIsOfBarAndBlockSoftAndHard) {
+  const ThesisPlan plan = read_thesis_plan(kRoot / "tools/evaluate/thesis.yaml", kRoot);
+  const auto application_of = [&plan](const std::string& scene) {
+    return std::find_if(plan.applications.begin(), plan.applications.end(),
+                        [&scene](const auto& a) { return a.scene.stem() == scene; });
+  };
+  for (const char* object : {"bar_long_soft", "bar_long_hard", "block_soft", "block_hard"}) {
+    const auto main = application_of(object + std::string("_six_poses"));
+    ASSERT_NE(main, plan.applications.end()) << object;
+    EXPECT_EQ(main->configuration.stem(), object);
+    EXPECT_EQ(main->methods.size(), 3u) << object;
+    EXPECT_EQ(main->levels.size(), 2u) << object;
+    EXPECT_EQ(main->pose_points.size(), 3u) << object;
+    const auto published = application_of(object + std::string("_six_poses_thesis"));
+    ASSERT_NE(published, plan.applications.end()) << object;
+    EXPECT_FALSE(published->quick) << object;
+  }
 }
 
 TEST_F(ThesisPlanTest, EachModelErrorStandsAlone) {
