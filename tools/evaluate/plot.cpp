@@ -46,10 +46,11 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
   }
   out << "plot ";
   for (std::size_t i = 0; i < plot.curves.size(); ++i) {
+    const Curve& curve = plot.curves[i];
+    const int colour = curve.colour > 0 ? curve.colour : static_cast<int>(i) + 1;
     out << (i == 0 ? "" : ", ") << "$data" << block + static_cast<int>(i) << " using 1:2 with "
-        << (plot.curves[i].x.size() <= kFewPoints ? "linespoints" : "lines")
-        << " linewidth 2 linetype " << i + 1 << (plot.curves[i].dashed ? " dashtype 2" : "")
-        << " title " << quoted(plot.curves[i].title);
+        << (curve.x.size() <= kFewPoints ? "linespoints" : "lines") << " linewidth 2 linetype "
+        << colour << (curve.dashed ? " dashtype 2" : "") << " title " << quoted(curve.title);
   }
   out << '\n';
   block += static_cast<int>(plot.curves.size());
@@ -67,7 +68,10 @@ bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) 
     out << "set terminal " << (picture.extension() == ".svg" ? "svg" : "pngcairo")
         << " noenhanced size " << kWidth << ',' << kHeight * static_cast<int>(plots.size())
         << "\nset output " << quoted(picture.string())
-        << "\nset grid\nset key outside right top\nset multiplot layout " << plots.size() << ",1\n";
+        << "\nset grid\nset key outside right top\n"
+        // All as wide, whatever their legends: times stand above each other.
+        << "set lmargin at screen 0.08\nset rmargin at screen 0.69\nset multiplot layout "
+        << plots.size() << ",1\n";
     int block = 0;
     for (const Plot& plot : plots) write_plot(out, plot, block);
     out << "unset multiplot\n";

@@ -13,6 +13,7 @@ struct Curve {
   std::vector<double> x;
   std::vector<double> y;
   bool dashed = false;
+  int colour = 0;  // from 1 on; 0: one after the other
 };
 
 struct Plot {
@@ -25,8 +26,8 @@ struct Plot {
 };
 
 /// Draws plots, one below the other, to a PNG, or an SVG where the name ends so, with the
-/// program gnuplot. False, having drawn
-/// nothing, where gnuplot is not installed; throws std::runtime_error where it fails.
+/// program gnuplot. False, having drawn nothing, where gnuplot is not installed; throws
+/// std::runtime_error where it fails.
 bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture);
 
 }  // namespace palpate::evaluate

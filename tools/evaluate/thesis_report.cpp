@@ -73,18 +73,22 @@ std::vector<Plot> plots_of(const ThesisApplication& application,
   Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
   Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
   Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
+  int colour = 0;
   for (const ThesisResult* run : runs) {
     const Json control = run->json.value("control", Json());
     const std::string& method = run->job.method;
-    shape.curves.push_back(
-        curve_of(run->json.value("shape_error", Json()), "mean_mm", method, 1e-3, false));
-    pose.curves.push_back(pose_curve(run->json.value("states", Json::array()), method));
+    ++colour;
+    const auto add = [colour](Plot& plot, Curve curve) {
+      curve.colour = colour;
+      plot.curves.push_back(std::move(curve));
+    };
+    add(shape, curve_of(run->json.value("shape_error", Json()), "mean_mm", method, 1e-3, false));
+    add(pose, pose_curve(run->json.value("states", Json::array()), method));
     if (!control.is_object()) continue;
-    feature.curves.push_back(curve_of(control["plant"], "mm", method + ", plant", 1e-2, false));
-    feature.curves.push_back(
-        curve_of(control["estimate"], "mm", method + ", estimate", 1e-2, true));
-    angle.curves.push_back(curve_of(control["plant"], "deg", method + ", plant", 1e-3, false));
-    command.curves.push_back(curve_of(control["command"], "mm_per_s", method, 0, false));
+    add(feature, curve_of(control["plant"], "mm", method + ", plant", 1e-2, false));
+    add(feature, curve_of(control["estimate"], "mm", method + ", estimate", 1e-2, true));
+    add(angle, curve_of(control["plant"], "deg", method + ", plant", 1e-3, false));
+    add(command, curve_of(control["command"], "mm_per_s", method, 0, false));
   }
   std::vector<Plot> plots{shape};
   if (application.kind == "control")
