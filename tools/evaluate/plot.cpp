@@ -70,7 +70,7 @@ bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) 
         << "\nset output " << quoted(picture.string())
         << "\nset grid\nset key outside right top\n"
         // All as wide, whatever their legends: times stand above each other.
-        << "set lmargin at screen 0.08\nset rmargin at screen 0.69\nset multiplot layout "
+        << "set lmargin at screen 0.08\nset rmargin at screen 0.66\nset multiplot layout "
         << plots.size() << ",1\n";
     int block = 0;
     for (const Plot& plot : plots) write_plot(out, plot, block);
