@@ -12,6 +12,10 @@
 namespace palpate::estimation {
 namespace {
 
+/// Share of a Newton step. The model follows a force over some ticks, as long as it takes its
+/// iterations to converge: full steps would swing about the end for ever.
+constexpr double kGain = 0.2;
+
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
@@ -111,6 +115,9 @@ void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
     Touch& known = touches_[finger];
     known.missing = 0;
     known.place = contact.location;
+    Vector3d felt = Vector3d::Zero();
+    for (const contact::NodalLoad& load : contact.loads) felt += load.force;
+    known.felt = felt.norm();
     if (!known.touching) touch(known, model);
   }
   for (Touch& known : touches_)
@@ -160,7 +167,7 @@ bool FingertipDriven::has_compliance(const Touch& touch,
                                      const elasticity::Sensitivity& known) const noexcept {
   if (!touch.touching || touch.slot < 0 || !known.valid) return false;
   return (touch.ready || known.age < touch.since) &&
-         response(touch.point, known.dx_dforce[touch.slot]).trace() > 0;
+         response(touch.point, known.dx_dforce[touch.slot]).squaredNorm() > 0;
 }
 
 /// Fills compliance_ and order_ for the touches that are ready; returns how many.
@@ -211,9 +218,13 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   const Matrix turned = compliance_.transpose();
   compliance_ = 0.5 * (compliance_ + turned);  // the turned columns are not quite symmetric
   compliance_.diagonal().array() += 1 / options_.skin_stiffness;
-  const Eigen::LDLT<Matrix> solver(compliance_);
-  const Vector change = solver.solve(gap);
-  if (!change.allFinite() || !solver.isPositive()) return;
+  Eigen::LDLT<Matrix> solver(compliance_);
+  if (!solver.isPositive()) {  // near buckling: smaller steps
+    compliance_.diagonal().array() += compliance_.diagonal().cwiseAbs().sum();
+    solver.compute(compliance_);
+  }
+  const Vector change = kGain * solver.solve(gap);
+  if (!change.allFinite()) return;
   for (int i = 0; i < count; ++i) {
     Touch& known = touches_[order_[i]];
     known.force += change.segment<3>(3 * i);
@@ -225,17 +236,14 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   }
 }
 
-/// Cuts off what friction cannot bear and what pulls; false where it slides.
+/// Cuts off what friction cannot bear; false where it slides. Friction has at least what the finger
+/// feels to hold by: the model may press too little while it is still on its way.
 bool FingertipDriven::keep_to_friction(Touch& touch,
                                        const Eigen::Matrix3Xd& positions) const noexcept {
   const Vector3d out = normal(touch, positions);
   const double pressing = -touch.force.dot(out);
-  if (pressing <= 0) {
-    touch.force.setZero();
-    return false;
-  }
   const Vector3d across = touch.force + pressing * out;
-  const double most = options_.friction * pressing, size = across.norm();
+  const double most = options_.friction * std::max(pressing, touch.felt), size = across.norm();
   if (size <= most) return true;
   touch.force = -pressing * out + most / size * across;
   return false;

@@ -14,11 +14,12 @@ namespace palpate::estimation {
 /// force felt only says that there is a touch. For a compliant object that is by far the better end
 /// (10 mN of force error move the end of a soft bar by millimetres, 0.1 mm of a finger by 0.1 mm).
 ///
-/// Each touch is a spring from the skin to the material, and cannot pull. Friction after Coulomb:
-/// what it cannot bear lets the touch slide to the place on the surface where the finger is now.
-/// Forces are found by Newton steps, one a tick, with the compliance of the object at its touches
-/// from the model's sensitivity (kContactSlots of them; a further touch borrows its own block from
-/// the others). Models without a sensitivity are refused by degraded status.
+/// Each touch is a spring from the skin to the material, to both sides, since the sensor says that
+/// there is a touch. Friction after Coulomb: what it cannot bear lets the touch slide to the place
+/// on the surface where the finger is now. Forces are found by Newton steps, one a tick, with the
+/// compliance of the object at its touches from the model's sensitivity (kContactSlots of them; a
+/// further touch borrows its own block from the others). Models without a sensitivity are refused
+/// by degraded status.
 class FingertipDriven : public Estimator {
  public:
   struct Options {
@@ -60,7 +61,8 @@ class FingertipDriven : public Estimator {
     mesh::PointWeights point;                         // material that is touched
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, of the skin there, in O
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
-    double since = 0;                                 // s, its place on the material
+    double felt = 0;                                  // N, by the sensor
+    double since = 0;                                 // s, that it touches
     double missing = 0;                               // s since the last contact
   };
 
