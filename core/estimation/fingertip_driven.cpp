@@ -211,6 +211,10 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
     const Touch& touch = touches_[order_[i]];
     Vector3d way = touch.place - touch.force / options_.skin_stiffness -
                    touch.point.interpolate(model.positions());
+    if (touch.sliding) {  // only the normal is held: what it lags behind must not leave a gap there
+      const Vector3d out = normal(touch, model.positions());
+      way = out.dot(way) * out;
+    }
     const double length = way.norm();
     if (length > farthest) way *= farthest / length;
     gap.segment<3>(3 * i) = way;
@@ -228,7 +232,8 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   for (int i = 0; i < count; ++i) {
     Touch& known = touches_[order_[i]];
     known.force += change.segment<3>(3 * i);
-    if (keep_to_friction(known, model.positions())) continue;
+    known.sliding = !keep_to_friction(known, model.positions());
+    if (!known.sliding) continue;
     const Vector3d out = normal(known, model.positions());
     Vector3d lag = known.place - known.point.interpolate(model.positions());
     lag -= out.dot(lag) * out;

@@ -56,7 +56,8 @@ class FingertipDriven : public Estimator {
   struct Touch {
     bool touching = false;
     bool ready = false;  // its compliance is there
-    int slot = -1;       // of the model's sensitivity
+    bool sliding = false;
+    int slot = -1;  // of the model's sensitivity
     int triangle = 0;
     mesh::PointWeights point;                         // material that is touched
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, of the skin there, in O

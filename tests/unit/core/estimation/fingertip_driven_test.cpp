@@ -77,12 +77,13 @@ TEST_F(FingertipDrivenTest, NeedsTheForceOfABeam) {
   estimator_ = std::make_unique<FingertipDriven>(body_, surface_, options_);
   estimator_->activate(*model_);
   contact_.loads[0].force.setZero();
-  run(kBelow, 200);
-  const double up = 5e-3;
-  run(kBelow + Vector3d(0, 0, up), 1000);
+  const double at = 0.45, up = 5e-3;
+  run({at, 0.03, 0}, 200);
+  run({at, 0.03, up}, 1000);
   const double inertia = std::pow(0.06, 4) / 12;
-  const double beam = 3 * body_.material.young_modulus * inertia * up / std::pow(0.5, 3);
-  EXPECT_NEAR(estimator_->force(1).z(), beam, 0.05 * beam);
+  const double beam = 3 * body_.material.young_modulus * inertia * up / std::pow(at, 3);
+  // Shear gives 2 % more way, the dent under the finger some more.
+  EXPECT_NEAR(estimator_->force(1).z(), beam, 0.06 * beam);
 }
 
 TEST_F(FingertipDrivenTest, GoesBackToRestWhenTheFingerLetsGo) {
