@@ -32,6 +32,7 @@ bool AreaCoordinates::push(const SurfacePoint& point, const Eigen::Vector3d& for
 void AreaCoordinates::distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
                                  ContactLoads& out) noexcept {
   out.source = contact.source;
+  out.location = contact.location;
   out.accepted = false;
   out.loads.clear();
   if (!contact.wrench.force.allFinite() || !contact.location.allFinite()) return;

@@ -15,6 +15,7 @@ struct NodalLoad {
 struct ContactLoads {
   sensing::Source source = sensing::Source::kManual;
   bool accepted = false;  // false: too far from the surface, or loads did not fit
+  Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m, that of the contact
   std::vector<NodalLoad> loads;
 
   bool push(int node, const Eigen::Vector3d& force) noexcept {

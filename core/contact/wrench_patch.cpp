@@ -123,6 +123,7 @@ bool WrenchPatch::spread(const math::Wrench& wrench, const Eigen::Vector3d& loca
 void WrenchPatch::distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
                              ContactLoads& out) noexcept {
   out.source = contact.source;
+  out.location = contact.location;
   out.accepted = false;
   out.loads.clear();
   if (!contact.wrench.force.allFinite() || !contact.wrench.torque.allFinite() ||

@@ -16,8 +16,12 @@ BiotacLinear::BiotacLinear(const Options& options)
   if (options.release_force < 0 || options.contact_force < options.release_force)
     throw std::invalid_argument("contact_force must not be below release_force");
   if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
-  if (!options.model.matrix.allFinite() || !options.model.offset.allFinite())
-    throw std::invalid_argument("matrix and offset must be finite");
+  const LinearTactileModel& model = options.model;
+  if (!model.matrix.allFinite() || !model.offset.allFinite() || !model.place.allFinite())
+    throw std::invalid_argument("the model's numbers must be finite");
+  const Eigen::Index count = feature_count(model.features);
+  if (model.matrix.cols() != count || (model.place.size() > 0 && model.place.cols() != count))
+    throw std::invalid_argument("the model wants one column a feature");
   tare_.start();
 }
 
@@ -54,7 +58,7 @@ UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) 
   }
   const Localization found = locate_contact(inputs_.head<kElectrodeCount>(), options_.localization);
   if (found.active > 0) {
-    location_ = found.location;
+    location_ = options_.model.place.size() > 0 ? options_.model.location(inputs_) : found.location;
     has_location_ = true;
   }
   if (!has_location_) return {Status::kDegraded, "a force, but no active electrode to place it"};

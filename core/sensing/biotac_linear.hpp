@@ -8,7 +8,8 @@
 
 namespace palpate::sensing {
 
-/// Contact of one fingertip: force by a linear map of its counts, location from its electrodes. A
+/// Contact of one fingertip: force by a linear map of its counts, location from its electrodes, by
+/// the map too where it has one for that. A
 /// contact is reported while the force is beyond a gate; it carries no torque about its location.
 class BiotacLinear : public SensorModel {
  public:

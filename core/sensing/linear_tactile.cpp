@@ -1,6 +1,7 @@
 #include "core/sensing/linear_tactile.hpp"
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <limits>
 #include <stdexcept>
 
@@ -12,81 +13,154 @@ TactileInputs tactile_inputs(const BioTac& sample) noexcept {
   return inputs;
 }
 
+int feature_count(TactileFeatures features) noexcept {
+  return features == TactileFeatures::kCounts ? kTactileInputCount : kMostFeatures;
+}
+
+FeatureVector tactile_features(TactileFeatures features, const TactileInputs& inputs) noexcept {
+  if (features == TactileFeatures::kCounts) return inputs;
+  constexpr int kUsed = kElectrodeCount + 1;  // PAC is silent while a touch lasts
+  Eigen::Matrix<double, kUsed, 1> u;
+  u << inputs.head<kElectrodeCount>(), inputs[kElectrodeCount + 1];
+  const double size = std::max(u.norm(), 1e-9);
+  FeatureVector result(kMostFeatures);
+  result.head<kUsed>() = u;
+  int next = kUsed;
+  for (int i = 0; i < kUsed; ++i)
+    for (int j = i; j < kUsed; ++j) result[next++] = u[i] * u[j] / size;
+  return result;
+}
+
+Eigen::Vector3d LinearTactileModel::force(const TactileInputs& inputs) const noexcept {
+  Eigen::Vector3d result = offset;
+  result.noalias() += matrix * tactile_features(features, inputs);
+  return result;
+}
+
+Eigen::Vector3d LinearTactileModel::location(const TactileInputs& inputs) const noexcept {
+  const double size = std::max(inputs.head<kElectrodeCount>().norm(), 1e-9);
+  Eigen::Vector3d result = Eigen::Vector3d::Zero();
+  result.noalias() += place * tactile_features(features, inputs);
+  return project_on_skin(result / size);
+}
+
 namespace {
 
-LinearTactileModel ridge(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& forces,
-                         double penalty, const LinearTactileFitOptions& options) {
-  const double n = static_cast<double>(inputs.rows());
-  TactileInputs mean = TactileInputs::Zero();
-  Eigen::Vector3d mean_force = Eigen::Vector3d::Zero();
-  if (options.with_offset) {
-    mean = inputs.colwise().mean().transpose();
-    mean_force = forces.colwise().mean().transpose();
+/// A linear map and what it is off by.
+struct Ridge {
+  LinearTactileModel::Matrix matrix;
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();
+  double penalty = 0;
+  Eigen::Vector3d cross_validated_rms = Eigen::Vector3d::Zero();
+
+  /// Sum of squared errors per column.
+  Eigen::Vector3d squared_error(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) const {
+    const Eigen::MatrixXd error = (x * matrix.transpose() - y).rowwise() + offset.transpose();
+    return error.colwise().squaredNorm().transpose();
   }
-  const Eigen::MatrixXd centred = inputs.rowwise() - mean.transpose();
-  const TactileInputs deviation = (centred.colwise().squaredNorm().transpose() / n)
-                                      .cwiseSqrt()
-                                      .cwiseMax(options.deviation_floor);
+};
+
+Ridge ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, double penalty,
+            double deviation_floor, bool with_offset) {
+  const double n = static_cast<double>(x.rows());
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(x.cols());
+  Eigen::Vector3d mean_y = Eigen::Vector3d::Zero();
+  if (with_offset) {
+    mean = x.colwise().mean().transpose();
+    mean_y = y.colwise().mean().transpose();
+  }
+  const Eigen::MatrixXd centred = x.rowwise() - mean.transpose();
+  const Eigen::VectorXd deviation =
+      (centred.colwise().squaredNorm().transpose() / n).cwiseSqrt().cwiseMax(deviation_floor);
   const Eigen::MatrixXd z = centred * deviation.cwiseInverse().asDiagonal();
   Eigen::MatrixXd normal = z.transpose() * z;
   normal.diagonal().array() += penalty * n;
   const Eigen::MatrixXd weights =
-      normal.ldlt().solve(z.transpose() * (forces.rowwise() - mean_force.transpose()));
+      normal.ldlt().solve(z.transpose() * (y.rowwise() - mean_y.transpose()));
 
-  LinearTactileModel model;
-  model.matrix = weights.transpose() * deviation.cwiseInverse().asDiagonal();
-  model.offset = mean_force - model.matrix * mean;
-  return model;
+  Ridge result;
+  result.penalty = penalty;
+  result.matrix = weights.transpose() * deviation.cwiseInverse().asDiagonal();
+  result.offset = mean_y - result.matrix * mean;
+  return result;
 }
 
-/// Sum of squared errors per axis.
-Eigen::Vector3d squared_error(const LinearTactileModel& model, const Eigen::MatrixXd& inputs,
-                              const Eigen::MatrixXd& forces) {
-  const Eigen::MatrixXd error =
-      (inputs * model.matrix.transpose() - forces).rowwise() + model.offset.transpose();
-  return error.colwise().squaredNorm().transpose();
-}
-
-}  // namespace
-
-LinearTactileFit fit_linear_tactile(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& forces,
-                                    const LinearTactileFitOptions& options) {
-  const Eigen::Index n = inputs.rows();
-  if (inputs.cols() != kTactileInputCount || forces.cols() != 3 || forces.rows() != n)
-    throw std::invalid_argument("tactile fit: inputs must be n x 21 and forces n x 3");
-  if (options.blocks < 2 || n < 2 * options.blocks)
-    throw std::invalid_argument("tactile fit: needs two blocks or more, of two rows or more");
-  if (options.penalties.empty() || !(options.deviation_floor > 0))
-    throw std::invalid_argument("tactile fit: needs a penalty and a positive deviation_floor");
-  if (!inputs.allFinite() || !forces.allFinite())
-    throw std::invalid_argument("tactile fit: a number is not finite");
-
-  LinearTactileFit fit;
+/// The penalty by cross-validation over blocks of rows.
+Ridge best_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                 const LinearTactileFitOptions& options, double deviation_floor, bool with_offset) {
+  const Eigen::Index n = x.rows();
   double least = std::numeric_limits<double>::infinity();
+  double best = 0;
+  Eigen::Vector3d best_error = Eigen::Vector3d::Zero();
   for (const double penalty : options.penalties) {
     if (!(penalty >= 0)) throw std::invalid_argument("tactile fit: a penalty is negative");
     Eigen::Vector3d error = Eigen::Vector3d::Zero();
     for (int block = 0; block < options.blocks; ++block) {
       const Eigen::Index begin = n * block / options.blocks;
       const Eigen::Index end = n * (block + 1) / options.blocks;
-      Eigen::MatrixXd kept_inputs(n - (end - begin), kTactileInputCount);
-      Eigen::MatrixXd kept_forces(n - (end - begin), 3);
-      kept_inputs << inputs.topRows(begin), inputs.bottomRows(n - end);
-      kept_forces << forces.topRows(begin), forces.bottomRows(n - end);
-      error += squared_error(ridge(kept_inputs, kept_forces, penalty, options),
-                             inputs.middleRows(begin, end - begin),
-                             forces.middleRows(begin, end - begin));
+      Eigen::MatrixXd kept_x(n - (end - begin), x.cols());
+      Eigen::MatrixXd kept_y(n - (end - begin), 3);
+      kept_x << x.topRows(begin), x.bottomRows(n - end);
+      kept_y << y.topRows(begin), y.bottomRows(n - end);
+      error +=
+          ridge(kept_x, kept_y, penalty, deviation_floor, with_offset)
+              .squared_error(x.middleRows(begin, end - begin), y.middleRows(begin, end - begin));
     }
-    if (error.sum() < least) {
-      least = error.sum();
-      fit.penalty = penalty;
-      fit.cross_validated_rms = (error / static_cast<double>(n)).cwiseSqrt();
-    }
+    if (!(error.sum() < least)) continue;
+    least = error.sum();
+    best = penalty;
+    best_error = error;
   }
-  fit.model = ridge(inputs, forces, fit.penalty, options);
+  Ridge result = ridge(x, y, best, deviation_floor, with_offset);
+  result.cross_validated_rms = (best_error / static_cast<double>(n)).cwiseSqrt();
+  return result;
+}
+
+void check(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets,
+           const LinearTactileFitOptions& options) {
+  const Eigen::Index n = inputs.rows();
+  if (inputs.cols() != kTactileInputCount || targets.cols() != 3 || targets.rows() != n)
+    throw std::invalid_argument("tactile fit: inputs must be n x 21 and targets n x 3");
+  if (options.blocks < 2 || n < 2 * options.blocks)
+    throw std::invalid_argument("tactile fit: needs two blocks or more, of two rows or more");
+  if (options.penalties.empty() || !(options.deviation_floor > 0))
+    throw std::invalid_argument("tactile fit: needs a penalty and a positive deviation_floor");
+  if (!inputs.allFinite() || !targets.allFinite())
+    throw std::invalid_argument("tactile fit: a number is not finite");
+}
+
+Eigen::MatrixXd feature_rows(const Eigen::MatrixXd& inputs, TactileFeatures features) {
+  Eigen::MatrixXd rows(inputs.rows(), feature_count(features));
+  for (Eigen::Index i = 0; i < inputs.rows(); ++i)
+    rows.row(i) = tactile_features(features, inputs.row(i).transpose()).transpose();
+  return rows;
+}
+
+}  // namespace
+
+LinearTactileFit fit_linear_tactile(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& forces,
+                                    const LinearTactileFitOptions& options) {
+  check(inputs, forces, options);
+  const Eigen::MatrixXd x = feature_rows(inputs, options.features);
+  const Ridge found = best_ridge(x, forces, options, options.deviation_floor, options.with_offset);
+  LinearTactileFit fit;
+  fit.model.features = options.features;
+  fit.model.matrix = found.matrix;
+  fit.model.offset = found.offset;
+  fit.penalty = found.penalty;
+  fit.cross_validated_rms = found.cross_validated_rms;
   fit.training_rms =
-      (squared_error(fit.model, inputs, forces) / static_cast<double>(n)).cwiseSqrt();
+      (found.squared_error(x, forces) / static_cast<double>(inputs.rows())).cwiseSqrt();
   return fit;
+}
+
+void fit_tactile_place(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& places,
+                       const LinearTactileFitOptions& options, LinearTactileModel& model) {
+  check(inputs, places, options);
+  const Eigen::VectorXd size = inputs.leftCols<kElectrodeCount>().rowwise().norm().cwiseMax(1e-9);
+  const Eigen::MatrixXd x = size.cwiseInverse().asDiagonal() * feature_rows(inputs, model.features);
+  constexpr double kFloor = 1e-3;  // of features whose size is one
+  model.place = best_ridge(x, places, options, kFloor, false).matrix;
 }
 
 }  // namespace palpate::sensing

@@ -13,16 +13,35 @@ using TactileInputs = Eigen::Matrix<double, kTactileInputCount, 1>;
 
 TactileInputs tactile_inputs(const BioTac& sample) noexcept;
 
-/// Force of a fingertip as an affine function of its tared counts: force = matrix * inputs +
-/// offset.
-struct LinearTactileModel {
-  Eigen::Matrix<double, 3, kTactileInputCount> matrix =
-      Eigen::Matrix<double, 3, kTactileInputCount>::Zero();  // N per count
-  Eigen::Vector3d offset = Eigen::Vector3d::Zero();          // N
+/// What a force map is linear in.
+enum class TactileFeatures {
+  kCounts,  // the inputs
+  /// Counts u of electrodes and PDC and their products u_i u_j / |u|, i <= j: of the first degree
+  /// in the force, so that the map goes on straight beyond what it was fitted on, but able to turn
+  /// with the place of the touch, about which a skin's normal turns.
+  kProducts
+};
 
-  Eigen::Vector3d force(const TactileInputs& inputs) const noexcept {
-    return matrix * inputs + offset;
-  }
+inline constexpr int kMostFeatures = 20 + 20 * 21 / 2;
+using FeatureVector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostFeatures, 1>;
+
+int feature_count(TactileFeatures features) noexcept;
+/// Does not allocate.
+FeatureVector tactile_features(TactileFeatures features, const TactileInputs& inputs) noexcept;
+
+/// Force of a fingertip as an affine function of features of its tared counts: force = matrix *
+/// features + offset; and, where it has been fitted, where it is touched.
+struct LinearTactileModel {
+  using Matrix = Eigen::Matrix<double, 3, Eigen::Dynamic>;
+
+  TactileFeatures features = TactileFeatures::kCounts;
+  Matrix matrix = Matrix::Zero(3, kTactileInputCount);  // N per count
+  Eigen::Vector3d offset = Eigen::Vector3d::Zero();     // N
+  Matrix place;  // m, of features divided by the size of the electrodes' counts; empty: not known
+
+  Eigen::Vector3d force(const TactileInputs& inputs) const noexcept;
+  /// Point of the skin that is touched, in T; only where `place` is not empty.
+  Eigen::Vector3d location(const TactileInputs& inputs) const noexcept;
 };
 
 struct LinearTactileFitOptions {
@@ -31,6 +50,7 @@ struct LinearTactileFitOptions {
   int blocks = 5;              // of consecutive rows, each left out once: neighbours are alike
   double deviation_floor = 1;  // counts: a channel that hardly moves must not be blown up
   bool with_offset = true;     // false: no counts give no force
+  TactileFeatures features = TactileFeatures::kCounts;
 };
 
 struct LinearTactileFit {
@@ -45,5 +65,9 @@ struct LinearTactileFit {
 /// fewer than two a block.
 LinearTactileFit fit_linear_tactile(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& forces,
                                     const LinearTactileFitOptions& options = {});
+
+/// Fits `place` of `model` in the same way: places n x 3, m, in T. Throws the same.
+void fit_tactile_place(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& places,
+                       const LinearTactileFitOptions& options, LinearTactileModel& model);
 
 }  // namespace palpate::sensing

@@ -57,18 +57,30 @@ std::unique_ptr<sensing::SensorModel> make_tare_only(const config::Node& node) {
   return std::make_unique<sensing::FtTareOnly>(options);
 }
 
+/// Three rows `name`_x, `name`_y, `name`_z of `count` numbers.
+sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const std::string& name,
+                                              int count) {
+  sensing::LinearTactileModel::Matrix matrix(3, count);
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<double> row = node.numbers(name + "_" + "xyz"[axis], count);
+    matrix.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), count);
+  }
+  return matrix;
+}
+
 /// Section `model`, of this file or of `model_file` as written by palpate-evaluate tactile:
-/// force_x, force_y, force_z (21 numbers each: E1 to E19, PAC, PDC; N per count) and offset (N).
+/// features (counts: E1 to E19, PAC, PDC; products: see TactileFeatures); force_x, force_y, force_z
+/// (N, a number a feature), offset (N); and place_x, place_y, place_z, which may be absent.
 sensing::LinearTactileModel read_tactile_model(const config::Node& node) {
   const config::Node holder =
       node.has("model_file") ? config::Node::load_file(node.path("model_file")) : node;
   const config::Node model = holder.child("model");
   sensing::LinearTactileModel result;
-  const char* keys[] = {"force_x", "force_y", "force_z"};
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> row = model.numbers(keys[axis], sensing::kTactileInputCount);
-    result.matrix.row(axis) = Eigen::Map<const sensing::TactileInputs>(row.data()).transpose();
-  }
+  if (model.choice("features", {"counts", "products"}, "counts") == "products")
+    result.features = sensing::TactileFeatures::kProducts;
+  const int count = sensing::feature_count(result.features);
+  result.matrix = read_rows(model, "force", count);
+  if (model.has("place_x")) result.place = read_rows(model, "place", count);
   result.offset = model.vector3("offset", {-100, 100}, Eigen::Vector3d::Zero());
   return result;
 }

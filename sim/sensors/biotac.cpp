@@ -16,6 +16,7 @@ constexpr double kFluidDepth = 1.9e-3;  // m: radius of the skin less that of th
 constexpr double kFoundation = 3e7;
 constexpr double kSkinSpread = 1.5e-3;   // m: how far the skin carries a point load
 constexpr double kShearStiffness = 1e3;  // N/m
+constexpr double kShearReach = 10e-3;    // m, about a touch, that the skin shifts with it
 // Of the pad: half a cylinder of 15 mm and a quarter of a sphere.
 constexpr double kSkinArea =
     kPi * sensing::kSkinRadius * 15e-3 + kPi * sensing::kSkinRadius * sensing::kSkinRadius;  // m^2
@@ -68,8 +69,12 @@ ElectrodeVector Biotac::indentation(const std::vector<Touch>& touches) {
         kFluidDepth * (1 - std::exp(-pressing / (kFoundation * area * kFluidDepth)));
     const double bulge = depth * area / kSkinArea;
     for (int i = 0; i < kElectrodeCount; ++i) {
-      const double distance2 = (above(i) - centre).squaredNorm();
+      const Vector3d skin = above(i);
+      const double distance2 = (skin - centre).squaredNorm();
       dent[i] += depth * std::exp(-distance2 / (2 * variance)) - bulge;
+      // Skin that shifts comes nearer to the core on one side of it and farther on the other.
+      dent[i] -= std::exp(-(skin - at).squaredNorm() / (2 * kShearReach * kShearReach)) *
+                 sensing::skin_normal(skin).dot(centre - at);
     }
   }
   return dent;

@@ -34,10 +34,11 @@ struct BiotacReading {
 /// Emulated BioTac fingertip (Wettels et al. 2008; Lin, Fishel and Loeb 2013): a skin over a layer
 /// of conductive fluid over a core with 19 electrodes. A touch dents the skin as a foundation of
 /// springs would give, spread to a bell of the touch's radius and the fluid's depth, dragged along
-/// by shear; what it displaces lifts the skin elsewhere. The impedance of an electrode follows the
-/// logarithm of the depth of fluid above it, part of it late (the skin creeps). The fluid's
-/// pressure follows the sum of normal forces, PAC is that above 10 Hz. While it warms up the sensor
-/// drifts. Sizes are those of the foam and plate recordings in reference/sensors.md.
+/// by shear, which shifts the skin about the core; what it displaces lifts the skin elsewhere. The
+/// impedance of an electrode follows the logarithm of the depth of fluid above it, part of it late
+/// (the skin creeps). The fluid's pressure follows the sum of normal forces, PAC is that above 10
+/// Hz. While it warms up the sensor drifts. Sizes are those of the foam and plate recordings in
+/// reference/sensors.md.
 class Biotac {
  public:
   /// `period`: s between readings.

@@ -47,6 +47,7 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   slow.collect("TRUTH_SHAPE", run.truths);
   slow.collect("TRUTH_MESH", run.truth_chunks);
   slow.collect("TRUTH_CONTACT", run.truth_contacts);
+  slow.collect("TRUTH_TOUCH", run.truth_touches);
   slow.collect("HEALTH", run.health);
   slow.collect("COMPONENT_EVENT", run.events);
   slow.read(housekeeping);

@@ -15,6 +15,7 @@
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/truth_contact_t.hpp>
+#include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <string>
 #include <vector>
@@ -64,6 +65,7 @@ struct RunLog {
   std::vector<shape_t> truths;  // the plant
   std::vector<shape_mesh_t> truth_chunks;
   std::vector<truth_contact_t> truth_contacts;
+  std::vector<truth_touch_t> truth_touches;
   std::vector<health_t> health;
   std::vector<component_event_t> events;
   std::vector<twist_command_t> commands;

@@ -241,15 +241,23 @@ LocalizationScore score_localization(const std::filesystem::path& file,
 }
 
 void write_tactile_yaml(const sensing::LinearTactileModel& model, std::ostream& out) {
+  const bool products = model.features == sensing::TactileFeatures::kProducts;
   out.precision(9);
-  out << "# Force of a fingertip: N = force * (tared counts of e1 to e19, pac, pdc) + offset.\n"
-         "model:\n";
-  for (int r = 0; r < 3; ++r) {
-    out << "  force_"
-        << "xyz"[r] << ": [";
-    for (int c = 0; c < kTactileInputCount; ++c) out << (c > 0 ? ", " : "") << model.matrix(r, c);
-    out << "]\n";
-  }
+  out << "# Force of a fingertip: N = force * (features of the tared counts of e1 to e19, pac, "
+         "pdc) + "
+         "offset.\nmodel:\n  features: "
+      << (products ? "products" : "counts") << '\n';
+  const auto rows = [&out](const std::string& name,
+                           const sensing::LinearTactileModel::Matrix& matrix) {
+    for (int r = 0; r < 3; ++r) {
+      out << "  " << name << '_' << "xyz"[r] << ": [";
+      for (Eigen::Index c = 0; c < matrix.cols(); ++c)
+        out << (c == 0 ? "" : c % 10 == 0 ? ",\n    " : ", ") << matrix(r, c);
+      out << "]\n";
+    }
+  };
+  rows("force", model.matrix);
+  if (model.place.size() > 0) rows("place", model.place);
   out << "  offset: [" << model.offset.x() << ", " << model.offset.y() << ", " << model.offset.z()
       << "]\n";
 }

@@ -10,6 +10,7 @@
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/thesis_picture.hpp"
 #include "tools/evaluate/thesis_score.hpp"
+#include "tools/evaluate/thesis_tactile.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -89,9 +90,13 @@ void run_thesis_job(const ThesisJob& job, const std::string& inputs_hash, const 
   // A stepped daemon has no clock to be late by.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
   result["simulator"] = json_in(files.simulator);
-  const std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
   for (std::size_t i = 0; i < states.size(); ++i) {
     Json state = to_json(states[i], scored.shape->length);
+    if (job.kind == "tactile") {
+      const auto utime = log.shapes.front().utime + static_cast<std::int64_t>(states[i].time * 1e6);
+      add_tactile_score(job, log, X_WO, utime, states[i].shapes, state);
+    }
     state["picture"] = picture_of(states[i], i + 1, X_WO, folder);
     result["states"].push_back(std::move(state));
   }

@@ -10,6 +10,7 @@
 #include "tools/evaluate/plot.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/table.hpp"
+#include "tools/evaluate/thesis_tactile.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -134,6 +135,9 @@ void add_application(HtmlPage& page, const ThesisReport& report,
   add_table(page, "Published", published_table(application));
   if (application.kind == "control")
     add_table(page, "Control", control_table(application, report.results));
+  if (application.kind == "tactile")
+    add_table(page, "Camera's cloud and contact forces",
+              tactile_table(application, report.results));
   add_table(page, "Shape, pose and cost", summary_table(application, report.results));
   add_table(page, "By state", state_table(application, report.results));
   for (const Mismatch& level : application.levels) {

@@ -1,0 +1,266 @@
+#include "core/estimation/fingertip_driven.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/contact/surface_search.hpp"
+#include "core/estimation/nodal_loads.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+/// Share of a Newton step. The model follows a force over some ticks, as long as it takes its
+/// iterations to converge: full steps would swing about the end for ever.
+constexpr double kGain = 0.2;
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Midside nodes between corners 0 and 1, 1 and 2, 2 and 0; empty for linear triangles.
+std::vector<std::array<int, 3>> midsides_of(const elasticity::Body& body,
+                                            const mesh::Surface& surface) {
+  std::vector<std::array<int, 3>> midsides;
+  for (const std::vector<int>& nodes : surface.triangle_nodes) {
+    if (nodes.size() != 6) return {};
+    std::array<int, 3> found{};
+    for (int side = 0; side < 3; ++side) {
+      const Vector3d middle =
+          0.5 * (body.mesh.nodes.col(nodes[side]) + body.mesh.nodes.col(nodes[(side + 1) % 3]));
+      found[side] = *std::min_element(nodes.begin() + 3, nodes.end(), [&](int a, int b) {
+        return (body.mesh.nodes.col(a) - middle).squaredNorm() <
+               (body.mesh.nodes.col(b) - middle).squaredNorm();
+      });
+    }
+    midsides.push_back(found);
+  }
+  return midsides;
+}
+
+/// Motion of the material at `point` by a force in a slot.
+Matrix3d response(const mesh::PointWeights& point,
+                  const Eigen::Matrix<double, Eigen::Dynamic, 3>& dx_dforce) noexcept {
+  Matrix3d motion = Matrix3d::Zero();
+  for (int i = 0; i < point.count; ++i)
+    motion += point.weights[i] * dx_dforce.middleRows<3>(3 * point.nodes[i]);
+  return motion;
+}
+
+}  // namespace
+
+FingertipDriven::FingertipDriven(const elasticity::Body& body, const mesh::Surface& surface,
+                                 const Options& options)
+    : options_(options),
+      triangles_(surface.triangles),
+      midsides_(midsides_of(body, surface)),
+      step_watch_(options.step) {
+  if (!(options.skin_stiffness > 0) || !(options.friction > 0) || !(options.slide > 0) ||
+      !(options.patience > 0) || !(options.approach_speed > 0)) {
+    throw std::invalid_argument("options of the fingertip-driven estimator must be positive");
+  }
+  if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
+}
+
+void FingertipDriven::reset() noexcept {
+  touches_.fill(Touch());
+  step_watch_.reset();
+}
+
+void FingertipDriven::activate(elasticity::DeformationModel& model) noexcept {
+  reset();
+  for (int i = 0; i < static_cast<int>(model.body().grasps.size()); ++i) model.release(i);
+  for (int slot = 0; slot < elasticity::kContactSlots; ++slot) model.watch_contact(slot, {});
+  model.set_gravity(model.body().gravity_O);
+}
+
+sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
+                                              elasticity::DeformationModel& model,
+                                              Estimate& estimate) noexcept {
+  const char* trouble = "";
+  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+  const double dt = step_guard_.step();
+  gather(inputs, dt, model);
+  follow(dt, model);
+  model.loads().setZero();
+  for (const Touch& touch : touches_) {
+    if (!touch.touching) continue;
+    if (!touch.ready) trouble = "the compliance at a touch is not known yet";
+    for (int i = 0; i < touch.point.count; ++i)
+      model.loads().col(touch.point.nodes[i]) += touch.point.weights[i] * touch.force;
+  }
+
+  estimate.step = model.step(dt);
+  estimate.log_young_modulus = std::log(model.body().material.young_modulus);
+  estimate.poisson_ratio = model.body().material.poisson_ratio;
+  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
+  return {sensing::Status::kDegraded, trouble};
+}
+
+/// Where the fingers touch in this tick; begins and ends touches.
+void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
+                             elasticity::DeformationModel& model) noexcept {
+  for (Touch& known : touches_) {
+    known.missing += dt;
+    known.since += dt;
+  }
+  for (int i = 0; i < inputs.contact_count; ++i) {
+    const contact::ContactLoads& contact = inputs.contacts[i];
+    const int finger =
+        static_cast<int>(contact.source) - static_cast<int>(sensing::Source::kFinger0);
+    if (!contact.accepted || finger < 0 || finger >= kFingers || !contact.location.allFinite())
+      continue;
+    Touch& known = touches_[finger];
+    known.missing = 0;
+    known.place = contact.location;
+    Vector3d felt = Vector3d::Zero();
+    for (const contact::NodalLoad& load : contact.loads) felt += load.force;
+    known.felt = felt.norm();
+    if (!known.touching) touch(known, model);
+  }
+  for (Touch& known : touches_)
+    if (known.touching && known.missing > options_.patience) end(known, model);
+}
+
+/// Puts a touch on the material nearest to its place; its force is kept.
+void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) noexcept {
+  const contact::SurfacePoint found =
+      contact::closest_point_on_surface(touch.place, triangles_, model.positions());
+  touch.triangle = found.triangle;
+  const Vector3d& w = found.weights;
+  mesh::PointWeights& point = touch.point;
+  point.count = midsides_.empty() ? 3 : 6;
+  for (int i = 0; i < 3; ++i) {
+    point.nodes[i] = triangles_(i, found.triangle);
+    point.weights[i] = w[i];
+    if (midsides_.empty()) continue;
+    point.weights[i] = w[i] * (2 * w[i] - 1);
+    point.nodes[3 + i] = midsides_[found.triangle][i];
+    point.weights[3 + i] = 4 * w[i] * w[(i + 1) % 3];
+  }
+  if (!touch.touching) {
+    touch.slot = free_slot();
+    touch.ready = false;
+    touch.since = 0;
+  }
+  touch.touching = true;
+  if (touch.slot >= 0) model.watch_contact(touch.slot, point);
+}
+
+void FingertipDriven::end(Touch& touch, elasticity::DeformationModel& model) noexcept {
+  if (touch.slot >= 0) model.watch_contact(touch.slot, {});
+  touch = Touch();
+}
+
+int FingertipDriven::free_slot() const noexcept {
+  for (int slot = 0; slot < elasticity::kContactSlots; ++slot)
+    if (std::none_of(touches_.begin(), touches_.end(),
+                     [slot](const Touch& t) { return t.touching && t.slot == slot; }))
+      return slot;
+  return -1;
+}
+
+/// A slot may still hold what another touch left: only a snapshot taken since this one counts.
+bool FingertipDriven::has_compliance(const Touch& touch,
+                                     const elasticity::Sensitivity& known) const noexcept {
+  if (!touch.touching || touch.slot < 0 || !known.valid) return false;
+  return (touch.ready || known.age < touch.since) &&
+         response(touch.point, known.dx_dforce[touch.slot]).squaredNorm() > 0;
+}
+
+/// Fills compliance_ and order_ for the touches that are ready; returns how many.
+int FingertipDriven::gather_compliance(const elasticity::DeformationModel& model) noexcept {
+  const elasticity::Sensitivity& known = model.sensitivity();
+  int count = 0;
+  for (int finger = 0; finger < kFingers; ++finger) {
+    touches_[finger].ready = has_compliance(touches_[finger], known);
+    if (touches_[finger].ready) order_[count++] = finger;
+  }
+  const int watched = count;
+  if (watched == 0) return 0;
+  for (int finger = 0; finger < kFingers; ++finger) {
+    Touch& touch = touches_[finger];
+    if (!touch.touching || touch.slot >= 0) continue;
+    touch.ready = true;
+    order_[count++] = finger;
+  }
+  compliance_.setZero(3 * count, 3 * count);
+  Matrix3d own = Matrix3d::Zero();
+  for (int j = 0; j < watched; ++j) {
+    const auto& motion = known.dx_dforce[touches_[order_[j]].slot];
+    for (int i = 0; i < count; ++i) {
+      const Matrix3d block = response(touches_[order_[i]].point, motion);
+      compliance_.block<3, 3>(3 * i, 3 * j) = block;
+      if (i >= watched) compliance_.block<3, 3>(3 * j, 3 * i) = block.transpose();
+    }
+    own += compliance_.block<3, 3>(3 * j, 3 * j) / watched;
+  }
+  for (int i = watched; i < count; ++i) compliance_.block<3, 3>(3 * i, 3 * i) = own;
+  return count;
+}
+
+/// One Newton step of the forces towards  place - force / stiffness = material.
+void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noexcept {
+  const int count = gather_compliance(model);
+  if (count == 0) return;
+  const double farthest = options_.approach_speed * dt;
+  Vector gap(3 * count);
+  for (int i = 0; i < count; ++i) {
+    const Touch& touch = touches_[order_[i]];
+    Vector3d way = touch.place - touch.force / options_.skin_stiffness -
+                   touch.point.interpolate(model.positions());
+    if (touch.sliding) {  // only the normal is held: what it lags behind must not leave a gap there
+      const Vector3d out = normal(touch, model.positions());
+      way = out.dot(way) * out;
+    }
+    const double length = way.norm();
+    if (length > farthest) way *= farthest / length;
+    gap.segment<3>(3 * i) = way;
+  }
+  const Matrix turned = compliance_.transpose();
+  compliance_ = 0.5 * (compliance_ + turned);  // the turned columns are not quite symmetric
+  compliance_.diagonal().array() += 1 / options_.skin_stiffness;
+  Eigen::LDLT<Matrix> solver(compliance_);
+  if (!solver.isPositive()) {  // near buckling: smaller steps
+    compliance_.diagonal().array() += compliance_.diagonal().cwiseAbs().sum();
+    solver.compute(compliance_);
+  }
+  const Vector change = kGain * solver.solve(gap);
+  if (!change.allFinite()) return;
+  for (int i = 0; i < count; ++i) {
+    Touch& known = touches_[order_[i]];
+    known.force += change.segment<3>(3 * i);
+    known.sliding = !keep_to_friction(known, model.positions());
+    if (!known.sliding) continue;
+    const Vector3d out = normal(known, model.positions());
+    Vector3d lag = known.place - known.point.interpolate(model.positions());
+    lag -= out.dot(lag) * out;
+    if (lag.norm() > options_.slide) touch(known, model);
+  }
+}
+
+/// Cuts off what friction cannot bear; false where it slides. Friction has at least what the finger
+/// feels to hold by: the model may press too little while it is still on its way.
+bool FingertipDriven::keep_to_friction(Touch& touch,
+                                       const Eigen::Matrix3Xd& positions) const noexcept {
+  const Vector3d out = normal(touch, positions);
+  const double pressing = -touch.force.dot(out);
+  const Vector3d across = touch.force + pressing * out;
+  const double most = options_.friction * std::max(pressing, touch.felt), size = across.norm();
+  if (size <= most) return true;
+  touch.force = -pressing * out + most / size * across;
+  return false;
+}
+
+/// Out of the object.
+Vector3d FingertipDriven::normal(const Touch& touch,
+                                 const Eigen::Matrix3Xd& positions) const noexcept {
+  const Vector3d a = positions.col(triangles_(0, touch.triangle));
+  const Vector3d b = positions.col(triangles_(1, touch.triangle));
+  const Vector3d c = positions.col(triangles_(2, touch.triangle));
+  return (b - a).cross(c - a).normalized();
+}
+
+}  // namespace palpate::estimation
