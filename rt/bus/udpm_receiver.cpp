@@ -1,10 +1,12 @@
 #include "rt/bus/udpm_receiver.hpp"
 
 #include <poll.h>
+#include <sched.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -20,6 +22,7 @@ namespace {
 constexpr std::size_t kBufferSize = 65536;
 // Without recv_buf_size; the kernel cuts it down to net.core.rmem_max.
 constexpr int kWantedReceiveBuffer = 16 << 20;
+constexpr std::int64_t kStayAwake = 50'000;  // ns
 
 void increment(std::atomic<std::int64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
@@ -43,24 +46,35 @@ Subscription& UdpmReceiver::subscribe(const std::string& channel, int encoded_si
 void UdpmReceiver::start(const UdpmUrl& url) {
   if (started()) return;
   open(url);
-  buffer_.resize(kBufferSize);
-  overflows_seen_ = 0;
-  stop_.store(false);
-  thread_ = loop::start_helper_thread("palpate-receive", [this] { receive(); });
+  thread_ = loop::start_helper_thread("palpate-receive", [this] { receive_until_stopped(); });
 }
 
 void UdpmReceiver::stop() noexcept {
-  if (!started()) return;
   stop_.store(true);
-  const std::uint64_t one = 1;
-  while (write(wake_.get(), &one, sizeof(one)) < 0 && errno == EINTR) {
+  if (thread_.joinable()) {
+    const std::uint64_t one = 1;
+    while (write(wake_.get(), &one, sizeof(one)) < 0 && errno == EINTR) {
+    }
+    thread_.join();
   }
-  thread_.join();
   socket_.reset(-1);
   wake_.reset(-1);
 }
 
 void UdpmReceiver::open(const UdpmUrl& url) {
+  if (started()) return;
+  try {
+    join_group(url);
+  } catch (...) {
+    socket_.reset(-1);
+    throw;
+  }
+  buffer_.resize(kBufferSize);
+  overflows_seen_ = 0;
+  stop_.store(false);
+}
+
+void UdpmReceiver::join_group(const UdpmUrl& url) {
   const auto require = [&url](bool success, const char* doing) {
     if (!success) throw std::runtime_error(explain_socket_error(doing, url, errno));
   };
@@ -90,13 +104,35 @@ void UdpmReceiver::open(const UdpmUrl& url) {
           "join the multicast group of");
 }
 
-void UdpmReceiver::receive() noexcept {
+void UdpmReceiver::receive_until_stopped() noexcept {
   pollfd watched[] = {{socket_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   while (!stop_.load(std::memory_order_relaxed)) {
     poll(watched, 2, -1);
-    while (!stop_.load(std::memory_order_relaxed) && receive_one()) {
-    }
+    receive_all();
   }
+}
+
+bool UdpmReceiver::receive(std::int64_t timeout_ns) noexcept {
+  if (!started()) return false;
+  if (receive_all()) return true;
+  // An answer is often there before a thread would be asleep; others go first meanwhile.
+  const std::int64_t awake_until_ns = loop::monotonic_ns() + std::min(timeout_ns, kStayAwake);
+  while (loop::monotonic_ns() < awake_until_ns) {
+    sched_yield();
+    if (receive_all()) return true;
+  }
+  if (timeout_ns <= kStayAwake) return false;
+  pollfd watched{socket_.get(), POLLIN, 0};
+  const std::int64_t left_ns = timeout_ns - kStayAwake;
+  const timespec left{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
+  ppoll(&watched, 1, &left, nullptr);
+  return receive_all();
+}
+
+bool UdpmReceiver::receive_all() noexcept {
+  bool any = false;
+  while (!stop_.load(std::memory_order_relaxed) && receive_one()) any = true;
+  return any;
 }
 
 bool UdpmReceiver::receive_one() noexcept {
