@@ -76,6 +76,16 @@ nlohmann::json statistics(const Daemon& daemon) {
   return json;
 }
 
+/// Lock-step repeats its ticks, but not what sensors say.
+void warn_of_losses(const Daemon& daemon) {
+  for (int i = 0; i < palpate::daemon::Inputs::kChannels; ++i) {
+    const palpate::daemon::InputReport report = daemon.inputs().report(i);
+    if (report.lost > 0)
+      spdlog::warn("{}: {} messages lost: another run with the same seed may differ", report.name,
+                   report.lost);
+  }
+}
+
 struct Options {
   std::string configuration;
   std::vector<std::string> overrides;
@@ -136,6 +146,7 @@ int run(const Options& options) {
       object.body.fixed_nodes.size());
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
   control->stop();
+  if (options.stepped) warn_of_losses(daemon);
   if (!options.json.empty()) {
     std::ofstream file(options.json);
     file << statistics(daemon).dump(2) << '\n';

@@ -88,9 +88,10 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
     std::printf(", %lld overruns, at most %.1f ms late, %.1f ms lost",
                 result["overruns"].get<long long>(), result["worst_lateness_ms"].get<double>(),
                 result["time_lost_ms"].get<double>());
-  std::printf("\ncommands: %lld accepted, %lld rejected\n",
+  std::printf("\ncommands: %lld accepted, %lld rejected, %lld lost\n",
               static_cast<long long>(simulation.commands().accepted()),
-              static_cast<long long>(simulation.commands().rejected()));
+              static_cast<long long>(simulation.commands().rejected()),
+              static_cast<long long>(simulation.commands().lost()));
   if (simulation.camera() != nullptr)
     std::printf("camera: %lld pictures left out because one was still being drawn\n",
                 static_cast<long long>(simulation.camera()->left_out()));
@@ -132,10 +133,13 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  result["commands_lost"] = simulation.commands().lost();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();
   result["torque_limited_ticks"] = simulation.robot().torque_limited_steps();
   report(simulation, result);
+  if (options.fast && simulation.commands().lost() > 0)
+    spdlog::warn("commands were lost: another run with the same seed may differ");
   if (!options.json.empty()) {
     std::ofstream file(options.json);
     file << result.dump(2) << '\n';

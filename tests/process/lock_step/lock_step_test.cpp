@@ -178,7 +178,7 @@ TEST_F(LockStepProcess, TwoRunsAreEqualToTheBitAndLostTicksChangeNothing) {
   const Outcome first = run(0);
   EXPECT_EQ(first.sim["ticks"], 1000);
   EXPECT_EQ(first.record.at("TRUTH_SHAPE").size(), 100u);
-  EXPECT_EQ(first.lost, 0);
+  EXPECT_EQ(first.sim["commands_lost"], 0);
   // The daemon's commands did move the arm.
   twist_command_t last{};
   const auto& bytes = first.record.at("TWIST_COMMAND").at(900);
