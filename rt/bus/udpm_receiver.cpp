@@ -1,12 +1,10 @@
 #include "rt/bus/udpm_receiver.hpp"
 
 #include <poll.h>
-#include <sched.h>
 #include <sys/eventfd.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
-#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <stdexcept>
@@ -22,7 +20,6 @@ namespace {
 constexpr std::size_t kBufferSize = 65536;
 // Without recv_buf_size; the kernel cuts it down to net.core.rmem_max.
 constexpr int kWantedReceiveBuffer = 16 << 20;
-constexpr std::int64_t kStayAwake = 50'000;  // ns
 
 void increment(std::atomic<std::int64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
@@ -115,17 +112,11 @@ void UdpmReceiver::receive_until_stopped() noexcept {
 bool UdpmReceiver::receive(std::int64_t timeout_ns) noexcept {
   if (!started()) return false;
   if (receive_all()) return true;
-  // An answer is often there before a thread would be asleep; others go first meanwhile.
-  const std::int64_t awake_until_ns = loop::monotonic_ns() + std::min(timeout_ns, kStayAwake);
-  while (loop::monotonic_ns() < awake_until_ns) {
-    sched_yield();
-    if (receive_all()) return true;
-  }
-  if (timeout_ns <= kStayAwake) return false;
+  if (timeout_ns <= 0) return false;
+  // Asleep at once: on a busy machine who yields or spins waits longest.
   pollfd watched{socket_.get(), POLLIN, 0};
-  const std::int64_t left_ns = timeout_ns - kStayAwake;
-  const timespec left{left_ns / 1'000'000'000, left_ns % 1'000'000'000};
-  ppoll(&watched, 1, &left, nullptr);
+  const timespec most{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
+  ppoll(&watched, 1, &most, nullptr);
   return receive_all();
 }
 
