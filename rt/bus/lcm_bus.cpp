@@ -39,6 +39,8 @@ class LcmBus final : public MessageBus {
     return receiver_.subscribe(channel, encoded_size, fingerprint, depth);
   }
   void start() override { receiver_.start(url_); }
+  void start_without_thread() override { receiver_.open(url_); }
+  bool receive(std::int64_t timeout_ns) noexcept override { return receiver_.receive(timeout_ns); }
   void stop() noexcept override { receiver_.stop(); }
 
   bool publish(const char* channel, const void* data, int size) noexcept override {

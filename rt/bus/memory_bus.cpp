@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <thread>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_frame.hpp"
@@ -41,6 +42,11 @@ class MemoryBus final : public MessageBus {
     return *subscriptions_.back();
   }
   void start() override {}
+  void start_without_thread() override {}
+  bool receive(std::int64_t) noexcept override {
+    std::this_thread::yield();
+    return false;
+  }
   void stop() noexcept override {}
   bool publish(const char* channel, const void* data, int size) noexcept override {
     if (!fits_one_datagram(channel, size)) return false;

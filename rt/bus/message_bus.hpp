@@ -66,6 +66,13 @@ class MessageBus {
   virtual Subscription& subscribe(const std::string& channel, int encoded_size,
                                   std::int64_t fingerprint, int depth) = 0;
   virtual void start() = 0;  // receiver's thread, where there is one; throws std::runtime_error
+  /// In place of start(), for a program that waits for messages: no thread receives but the one
+  /// that calls receive(), so that none has to be woken for another. Throws as start() does.
+  virtual void start_without_thread() = 0;
+  /// After start_without_thread(): all that has come goes to the subscriptions. Where nothing has,
+  /// waits for it, at most `timeout_ns`. False where nothing came, and at once on a bus whose
+  /// messages are there as soon as they are published.
+  virtual bool receive(std::int64_t timeout_ns) noexcept = 0;
   virtual void stop() noexcept = 0;
   /// False where the message does not fit one datagram or the system refuses it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;

@@ -43,24 +43,35 @@ Subscription& UdpmReceiver::subscribe(const std::string& channel, int encoded_si
 void UdpmReceiver::start(const UdpmUrl& url) {
   if (started()) return;
   open(url);
-  buffer_.resize(kBufferSize);
-  overflows_seen_ = 0;
-  stop_.store(false);
-  thread_ = loop::start_helper_thread("palpate-receive", [this] { receive(); });
+  thread_ = loop::start_helper_thread("palpate-receive", [this] { receive_until_stopped(); });
 }
 
 void UdpmReceiver::stop() noexcept {
-  if (!started()) return;
   stop_.store(true);
-  const std::uint64_t one = 1;
-  while (write(wake_.get(), &one, sizeof(one)) < 0 && errno == EINTR) {
+  if (thread_.joinable()) {
+    const std::uint64_t one = 1;
+    while (write(wake_.get(), &one, sizeof(one)) < 0 && errno == EINTR) {
+    }
+    thread_.join();
   }
-  thread_.join();
   socket_.reset(-1);
   wake_.reset(-1);
 }
 
 void UdpmReceiver::open(const UdpmUrl& url) {
+  if (started()) return;
+  try {
+    join_group(url);
+  } catch (...) {
+    socket_.reset(-1);
+    throw;
+  }
+  buffer_.resize(kBufferSize);
+  overflows_seen_ = 0;
+  stop_.store(false);
+}
+
+void UdpmReceiver::join_group(const UdpmUrl& url) {
   const auto require = [&url](bool success, const char* doing) {
     if (!success) throw std::runtime_error(explain_socket_error(doing, url, errno));
   };
@@ -90,13 +101,29 @@ void UdpmReceiver::open(const UdpmUrl& url) {
           "join the multicast group of");
 }
 
-void UdpmReceiver::receive() noexcept {
+void UdpmReceiver::receive_until_stopped() noexcept {
   pollfd watched[] = {{socket_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   while (!stop_.load(std::memory_order_relaxed)) {
     poll(watched, 2, -1);
-    while (!stop_.load(std::memory_order_relaxed) && receive_one()) {
-    }
+    receive_all();
   }
+}
+
+bool UdpmReceiver::receive(std::int64_t timeout_ns) noexcept {
+  if (!started()) return false;
+  if (receive_all()) return true;
+  if (timeout_ns <= 0) return false;
+  // Asleep at once: on a busy machine who yields or spins waits longest.
+  pollfd watched{socket_.get(), POLLIN, 0};
+  const timespec most{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
+  ppoll(&watched, 1, &most, nullptr);
+  return receive_all();
+}
+
+bool UdpmReceiver::receive_all() noexcept {
+  bool any = false;
+  while (!stop_.load(std::memory_order_relaxed) && receive_one()) any = true;
+  return any;
 }
 
 bool UdpmReceiver::receive_one() noexcept {

@@ -25,10 +25,16 @@ class UdpmReceiver {
   Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
                           int depth);
 
-  /// Joins the group and starts the receiver's thread. Throws std::runtime_error with the remedy.
+  /// Joins the group; the caller receives. Throws std::runtime_error with the remedy.
+  void open(const UdpmUrl& url);
+  /// Hands on all that has come, after waiting at most `timeout_ns` for something. False where
+  /// nothing came or it is not open.
+  bool receive(std::int64_t timeout_ns) noexcept;
+
+  /// Joins the group and starts the receiver's thread. Throws as open() does.
   void start(const UdpmUrl& url);
   void stop() noexcept;
-  bool started() const noexcept { return thread_.joinable(); }
+  bool started() const noexcept { return socket_.get() >= 0; }
   /// Bytes that the system gave the socket for its queue, as the URL counts them; 0 before start().
   int receive_buffer_size() const noexcept { return receive_buffer_size_; }
 
@@ -50,8 +56,9 @@ class UdpmReceiver {
     int value_ = -1;
   };
 
-  void open(const UdpmUrl& url);
-  void receive() noexcept;
+  void join_group(const UdpmUrl& url);
+  void receive_until_stopped() noexcept;
+  bool receive_all() noexcept;
   bool receive_one() noexcept;
 
   DatagramCounters& counters_;

@@ -55,7 +55,7 @@ void Daemon::tick(const Now& now) noexcept {
   ++counters_.cycles;
   supervise(now);
 
-  inputs_.read(now.monotonic_ns, dt);
+  inputs_.read(now.monotonic_ns, dt, now.stepped);
   commands_.handle(pipeline_, now.utime);
   mark(Phase::kRead);
   pipeline_.sense(inputs_.signals());

@@ -21,6 +21,7 @@ struct Now {
   std::int64_t monotonic_ns = 0;  // CLOCK_MONOTONIC, or virtual
   std::int64_t utime = 0;         // us, for messages
   std::int64_t lateness_ns = 0;   // of this wake-up
+  bool stepped = false;           // messages count as arrived now, whenever that was
 };
 
 /// All of palpated but its threads and its clock: messages in, pipeline, messages out. The same

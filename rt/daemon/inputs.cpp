@@ -100,7 +100,7 @@ Inputs::Inputs(bus::MessageBus& control)
 }
 
 template <class Message, class Stream, class Convert>
-void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns,
+void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
   std::int64_t arrival_ns = 0;
@@ -112,7 +112,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
       continue;
     }
     stream.latest = candidate;
-    channel.arrival_ns = arrival_ns;
+    channel.arrival_ns = stepped ? now_ns : arrival_ns;
     if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
       stream.fresh[stream.fresh_count++] = stream.latest;
     } else {  // keep the newest ones
@@ -127,18 +127,18 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
   channel.age = stream.age;
 }
 
-void Inputs::read(std::int64_t now_ns, double dt) noexcept {
+void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
   const auto to_signal = [](const auto& message, auto& out) noexcept {
     return convert(message, out);
   };
   signals_.dt = dt;
-  drain(force_torque_, signals_.force_torque, now_ns, to_signal);
-  drain(inertial_, signals_.inertial, now_ns, to_signal);
-  drain(robot_, signals_.robot, now_ns, to_signal);
-  drain(hand_, signals_.hand, now_ns, to_signal);
-  drain(manual_, signals_.manual, now_ns, to_signal);
+  drain(force_torque_, signals_.force_torque, now_ns, stepped, to_signal);
+  drain(inertial_, signals_.inertial, now_ns, stepped, to_signal);
+  drain(robot_, signals_.robot, now_ns, stepped, to_signal);
+  drain(hand_, signals_.hand, now_ns, stepped, to_signal);
+  drain(manual_, signals_.manual, now_ns, stepped, to_signal);
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
-    drain(*biotac_[i], signals_.biotac[i], now_ns, to_signal);
+    drain(*biotac_[i], signals_.biotac[i], now_ns, stepped, to_signal);
   }
 }
 

@@ -34,7 +34,8 @@ class Inputs {
   explicit Inputs(bus::MessageBus& control);
 
   /// Drains all queues into the streams, as seen at `now_ns` (CLOCK_MONOTONIC or virtual).
-  void read(std::int64_t now_ns, double dt) noexcept;
+  /// `stepped`: messages count as arrived at `now_ns`, since they came by another clock.
+  void read(std::int64_t now_ns, double dt, bool stepped = false) noexcept;
 
   const sensing::Signals& signals() const noexcept { return signals_; }
   static constexpr int kChannels = 10;
@@ -55,7 +56,7 @@ class Inputs {
   };
 
   template <class Message, class Stream, class Convert>
-  void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns,
+  void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
              Convert convert) noexcept;
   template <class Message>
   static InputReport report_of(const Channel<Message>& channel) noexcept;

@@ -76,6 +76,16 @@ nlohmann::json statistics(const Daemon& daemon) {
   return json;
 }
 
+/// Lock-step repeats its ticks, but not what sensors say.
+void warn_of_losses(const Daemon& daemon) {
+  for (int i = 0; i < palpate::daemon::Inputs::kChannels; ++i) {
+    const palpate::daemon::InputReport report = daemon.inputs().report(i);
+    if (report.lost > 0)
+      spdlog::warn("{}: {} messages lost: another run with the same seed may differ", report.name,
+                   report.lost);
+  }
+}
+
 struct Options {
   std::string configuration;
   std::vector<std::string> overrides;
@@ -99,11 +109,13 @@ void run_real_time(Daemon& daemon, const sigset_t& signals) {
   thread.join();
 }
 
-void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock, const sigset_t& signals) {
+void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
+                 palpate::bus::MessageBus& control, const sigset_t& signals) {
+  constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
   std::thread thread([&] {
     while (!stop) {
-      if (!clock.run_pending(daemon)) std::this_thread::sleep_for(std::chrono::microseconds(20));
+      if (control.receive(kLookAtStop)) clock.run_pending(daemon);
     }
   });
   wait_for_end(signals, daemon, stop);
@@ -123,8 +135,8 @@ int run(const Options& options) {
   Daemon daemon(root, *control, *housekeeping,
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
   palpate::daemon::SteppedClock clock(*control, session);
-  control->start();
-  housekeeping->start();
+  // Nothing is read from the housekeeping bus.
+  options.stepped ? control->start_without_thread() : control->start();
 
   const palpate::component::Object& object = daemon.pipeline().object();
   spdlog::info(
@@ -132,9 +144,9 @@ int run(const Options& options) {
       PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),
       object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
       object.body.fixed_nodes.size());
-  options.stepped ? run_stepped(daemon, clock, signals) : run_real_time(daemon, signals);
+  options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
   control->stop();
-  housekeeping->stop();
+  if (options.stepped) warn_of_losses(daemon);
   if (!options.json.empty()) {
     std::ofstream file(options.json);
     file << statistics(daemon).dump(2) << '\n';

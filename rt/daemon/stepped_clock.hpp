@@ -9,7 +9,8 @@
 namespace palpate::daemon {
 
 /// Lock-step with a simulator: one cycle for each SIM_TICK, answered by TICK_DONE. A repeated tick
-/// is answered again but not run again. Create before the bus starts.
+/// is answered again but not run again, so that either message may be lost. Create before the bus
+/// starts.
 class SteppedClock {
  public:
   SteppedClock(bus::MessageBus& control, std::int64_t session)
@@ -27,10 +28,12 @@ class SteppedClock {
       }
       if (tick_.tick > last_tick_) {
         last_tick_ = tick_.tick;
+        // Ages are of simulated time; counted here, it goes on where a new simulator begins anew.
+        now_ns_ += 1000 * tick_.period_us;
         Now now;
-        // Messages of this tick are as old as their queueing: the clock of arrival stays real.
-        now.monotonic_ns = loop::monotonic_ns();
+        now.monotonic_ns = now_ns_;
         now.utime = tick_.utime;
+        now.stepped = true;
         daemon.tick(now);
       }
       stamp_.put(answer_, tick_.utime);
@@ -48,6 +51,7 @@ class SteppedClock {
   tick_done_t answer_{};
   std::int64_t sim_session_ = 0;
   std::int64_t last_tick_ = -1;
+  std::int64_t now_ns_ = 0;
 };
 
 }  // namespace palpate::daemon

@@ -18,11 +18,13 @@ constexpr int kNice = 5;
 }  // namespace
 
 BackgroundWorker::BackgroundWorker() {
-  if (sem_init(&wake_, 0, 0) != 0) throw std::runtime_error("the system has no semaphore left");
+  if (sem_init(&wake_, 0, 0) != 0 || sem_init(&ended_, 0, 0) != 0)
+    throw std::runtime_error("the system has no semaphore left");
   try {
     thread_ = start_helper_thread("palpate-worker", [this] { work(); });
   } catch (...) {
     sem_destroy(&wake_);
+    sem_destroy(&ended_);
     throw;
   }
 }
@@ -32,6 +34,7 @@ BackgroundWorker::~BackgroundWorker() {
   sem_post(&wake_);
   thread_.join();
   sem_destroy(&wake_);
+  sem_destroy(&ended_);
 }
 
 bool BackgroundWorker::submit(Job job, void* argument) noexcept {
@@ -45,9 +48,15 @@ bool BackgroundWorker::submit(Job job, void* argument) noexcept {
 
 void* BackgroundWorker::finished() noexcept {
   if (state_.load(std::memory_order_acquire) != kFinished) return nullptr;
+  sem_trywait(&ended_);  // what it misses, posted a moment later, wait() sees through
   void* argument = argument_;
   state_.store(kIdle, std::memory_order_release);
   return argument;
+}
+
+void* BackgroundWorker::wait() noexcept {
+  while (state_.load(std::memory_order_acquire) == kRunning) sem_wait(&ended_);
+  return finished();
 }
 
 bool BackgroundWorker::busy() const noexcept {
@@ -62,6 +71,7 @@ void BackgroundWorker::work() noexcept {
     if (stop_.load(std::memory_order_acquire)) return;
     job_(argument_);
     state_.store(kFinished, std::memory_order_release);
+    sem_post(&ended_);
   }
 }
 

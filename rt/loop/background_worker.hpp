@@ -24,6 +24,8 @@ class BackgroundWorker {
   bool submit(Job job, void* argument) noexcept;
   /// The argument of the finished job once, then nullptr until another has finished.
   void* finished() noexcept;
+  /// The same, but waits for a job that is running. Not for a loop in real time.
+  void* wait() noexcept;
   bool busy() const noexcept;
 
  private:
@@ -34,6 +36,7 @@ class BackgroundWorker {
   Job job_ = nullptr;
   void* argument_ = nullptr;
   sem_t wake_;
+  sem_t ended_;  // posted after each job
   std::thread thread_;
 };
 

@@ -49,6 +49,11 @@ void CommandReceiver::apply(robot::Robot& robot) {
   while (joints_.take(joints, arrival_ns)) apply(joints, robot);
 }
 
+std::int64_t CommandReceiver::lost() const {
+  return twist_order_.lost() + joint_order_.lost() + hand_order_.lost() +
+         twists_.counters().dropped + joints_.counters().dropped + hands_.counters().dropped;
+}
+
 void CommandReceiver::apply(HandControl& hand) {
   std::int64_t arrival_ns = 0;
   hand_command_t message;

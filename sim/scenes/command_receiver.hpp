@@ -25,6 +25,8 @@ class CommandReceiver {
 
   std::int64_t accepted() const { return accepted_; }
   std::int64_t rejected() const { return rejected_; }
+  /// That never came: gaps in the sequences, and what a full queue dropped.
+  std::int64_t lost() const;
 
  private:
   void apply(const twist_command_t& message, robot::Robot& robot);

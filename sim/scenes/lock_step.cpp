@@ -1,45 +1,55 @@
 #include "sim/scenes/lock_step.hpp"
 
-#include <chrono>
-#include <thread>
+#include <algorithm>
 
 namespace palpate::scenes {
 
-using Clock = std::chrono::steady_clock;
-using std::chrono::microseconds;
-using std::chrono::milliseconds;
+constexpr std::chrono::milliseconds kRepeat{5};
 
 LockStep::LockStep(bus::MessageBus& control, std::int64_t session, double patience)
-    : ticks_(control, "SIM_TICK"),
+    : control_(control),
+      ticks_(control, "SIM_TICK"),
       done_(control, "TICK_DONE", 64),
       stamp_(session),
-      patience_(patience) {}
+      patience_(
+          std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience))) {}
 
-bool LockStep::answered(std::int64_t tick) {
+void LockStep::send(std::int64_t tick, std::int64_t period_us, std::int64_t utime) {
+  tick_.tick = tick;
+  tick_.period_us = period_us;
+  tick_.utime = utime;
+  publish();
+}
+
+void LockStep::publish() {
+  stamp_.put(tick_, tick_.utime);
+  ticks_.publish(tick_);
+  sent_ = Clock::now();
+}
+
+bool LockStep::answered() {
   tick_done_t message{};
   std::int64_t arrival_ns = 0;
   while (done_.take(message, arrival_ns))
-    if (message.tick == tick) return true;
+    if (message.tick == tick_.tick) return true;
   return false;
 }
 
-LockStep::Answer LockStep::exchange(std::int64_t tick, std::int64_t period_us, std::int64_t utime,
-                                    const std::atomic<bool>& stop) {
-  sim_tick_t message{};
-  message.tick = tick;
-  message.period_us = period_us;
-  const auto give_up = Clock::now() + std::chrono::duration<double>(patience_);
-  for (bool first = true; Clock::now() < give_up; first = false) {
-    if (!first) ++repeats_;
-    stamp_.put(message, utime);
-    ticks_.publish(message);
-    for (const auto repeat = Clock::now() + milliseconds(5); Clock::now() < repeat;) {
-      if (answered(tick)) return Answer::kDone;
-      if (stop) return Answer::kStopped;
-      std::this_thread::sleep_for(microseconds(20));
+LockStep::Answer LockStep::wait(const std::atomic<bool>& stop) {
+  const auto give_up = Clock::now() + patience_;
+  control_.receive(0);
+  while (!answered()) {
+    if (stop) return Answer::kStopped;
+    const auto now = Clock::now();
+    if (now >= give_up) return Answer::kNone;
+    if (now >= sent_ + kRepeat) {
+      publish();
+      ++repeats_;
     }
+    const std::chrono::nanoseconds pause = std::min(sent_ + kRepeat, give_up) - now;
+    control_.receive(std::max<std::int64_t>(0, pause.count()));
   }
-  return Answer::kNone;
+  return Answer::kDone;
 }
 
 }  // namespace palpate::scenes

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <chrono>
 #include <cstdint>
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
@@ -11,27 +12,36 @@
 namespace palpate::scenes {
 
 /// The simulator's side of the stepped clock: SIM_TICK after each tick, sent again every 5 ms until
-/// the daemon answers TICK_DONE, since UDP may lose either.
+/// the daemon answers TICK_DONE, since UDP may lose either. What else is lost, sensors' messages or
+/// commands, is not sent again.
 class LockStep {
  public:
   enum class Answer { kDone, kNone, kStopped };
 
-  /// Before the bus starts. `patience`: s to wait for an answer.
+  /// Before the bus starts, without a thread. `patience`: s to wait for an answer.
   LockStep(bus::MessageBus& control, std::int64_t session, double patience = 5);
 
-  /// Waits for the answer to `tick`, or until `stop` is set.
-  Answer exchange(std::int64_t tick, std::int64_t period_us, std::int64_t utime,
-                  const std::atomic<bool>& stop);
+  /// Says that `tick` is over: all its messages are out.
+  void send(std::int64_t tick, std::int64_t period_us, std::int64_t utime);
+
+  /// Waits for the answer to the tick sent last, or until `stop` is set. What the daemon published
+  /// before it has been received then, and nothing comes after it before the next tick is sent.
+  Answer wait(const std::atomic<bool>& stop);
 
   std::int64_t repeats() const { return repeats_; }
 
  private:
-  bool answered(std::int64_t tick);
+  using Clock = std::chrono::steady_clock;
+  bool answered();
+  void publish();
 
+  bus::MessageBus& control_;
   bus::TypedPublisher<sim_tick_t> ticks_;
   bus::TypedSubscription<tick_done_t> done_;
   bus::Stamp stamp_;
-  double patience_;
+  Clock::duration patience_;
+  Clock::time_point sent_;
+  sim_tick_t tick_{};
   std::int64_t repeats_ = 0;
 };
 

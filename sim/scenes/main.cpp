@@ -44,11 +44,12 @@ std::int64_t wall_clock_us() {
   return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
 }
 
-nlohmann::json run_real_time(Simulation& simulation, std::int64_t ticks) {
+nlohmann::json run_real_time(Simulation& simulation, bus::MessageBus& control, std::int64_t ticks) {
   simulation.let_camera_lag();
   RealTimePacer pacer(1000 * Simulation::kPeriodUs);
   while (!stop && simulation.tick() < ticks) {
     pacer.wait();
+    control.receive(0);
     simulation.step();
   }
   return {{"mode", "real time"},
@@ -57,15 +58,24 @@ nlohmann::json run_real_time(Simulation& simulation, std::int64_t ticks) {
           {"time_lost_ms", 1e-6 * pacer.lost_ns()}};
 }
 
+/// Computes a tick while the daemon works on the one before. Commands are taken between its answer
+/// and the next tick's messages, so that the answer to tick k acts in tick k + 2 whatever the
+/// machine does, and a tick's messages are sent once the daemon is through with those before.
 nlohmann::json run_fast(Simulation& simulation, LockStep& lock_step, std::int64_t ticks) {
-  while (!stop && simulation.tick() < ticks) {
-    simulation.step();
-    const LockStep::Answer answer =
-        lock_step.exchange(simulation.tick(), Simulation::kPeriodUs, simulation.utime(), stop);
+  if (simulation.tick() < ticks) simulation.advance();
+  while (!stop) {
+    const std::int64_t tick = simulation.tick();
+    simulation.publish();
+    lock_step.send(tick, Simulation::kPeriodUs, simulation.utime());
+    simulation.publish_truth();
+    if (tick < ticks) simulation.advance();
+    const LockStep::Answer answer = lock_step.wait(stop);
     if (answer == LockStep::Answer::kNone)
-      throw std::runtime_error("no answer to SIM_TICK " + std::to_string(simulation.tick()) +
+      throw std::runtime_error("no answer to SIM_TICK " + std::to_string(tick) +
                                " for 5 s: is palpated running with --stepped on " +
                                simulation.scene().bus.control + "?");
+    if (tick == ticks) break;
+    simulation.obey();
   }
   return {{"mode", "lock-step"}, {"ticks_sent_again", lock_step.repeats()}};
 }
@@ -78,9 +88,10 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
     std::printf(", %lld overruns, at most %.1f ms late, %.1f ms lost",
                 result["overruns"].get<long long>(), result["worst_lateness_ms"].get<double>(),
                 result["time_lost_ms"].get<double>());
-  std::printf("\ncommands: %lld accepted, %lld rejected\n",
+  std::printf("\ncommands: %lld accepted, %lld rejected, %lld lost\n",
               static_cast<long long>(simulation.commands().accepted()),
-              static_cast<long long>(simulation.commands().rejected()));
+              static_cast<long long>(simulation.commands().rejected()),
+              static_cast<long long>(simulation.commands().lost()));
   if (simulation.camera() != nullptr)
     std::printf("camera: %lld pictures left out because one was still being drawn\n",
                 static_cast<long long>(simulation.camera()->left_out()));
@@ -95,8 +106,7 @@ int run(const Options& options) {
   const palpate::scenes::Origin origin{bus::random_session(), 0};
   Simulation simulation(node, *control, *housekeeping, origin);
   LockStep lock_step(*control, origin.session);
-  control->start();
-  housekeeping->start();
+  control->start_without_thread();  // nothing is read from the housekeeping bus
   spdlog::info("palpate-sim {}: {} nodes, {} substeps at rest, {}", PALPATE_VERSION,
                simulation.plant().positions().cols(),
                std::ceil(Simulation::kPeriod / simulation.plant().critical_step()),
@@ -105,15 +115,15 @@ int run(const Options& options) {
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
 
   const auto begin = Clock::now();
-  simulation.start_clock(wall_clock_us());
+  // What is made of time stamps depends on them to the bit, through rounding.
+  simulation.start_clock(options.fast ? 0 : wall_clock_us());
   const std::int64_t ticks = options.duration > 0
                                  ? std::llround(options.duration / Simulation::kPeriod)
                                  : std::numeric_limits<std::int64_t>::max();
-  nlohmann::json result =
-      options.fast ? run_fast(simulation, lock_step, ticks) : run_real_time(simulation, ticks);
+  nlohmann::json result = options.fast ? run_fast(simulation, lock_step, ticks)
+                                       : run_real_time(simulation, *control, ticks);
   const double wall = std::chrono::duration<double>(Clock::now() - begin).count();
   control->stop();
-  housekeeping->stop();
 
   result["version"] = PALPATE_VERSION;
   result["scene"] = options.scene;
@@ -123,10 +133,13 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  result["commands_lost"] = simulation.commands().lost();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();
   result["torque_limited_ticks"] = simulation.robot().torque_limited_steps();
   report(simulation, result);
+  if (options.fast && simulation.commands().lost() > 0)
+    spdlog::warn("commands were lost: another run with the same seed may differ");
   if (!options.json.empty()) {
     std::ofstream file(options.json);
     file << result.dump(2) << '\n';

@@ -156,13 +156,20 @@ void Simulation::follow_hand_plan() {
 }
 
 void Simulation::step() {
-  if (scene_.motion) {
-    follow_motion();
-  } else {
-    commands_.apply(*robot_);
-  }
-  follow_hand_plan();
+  obey();
+  advance();
+  publish();
+  publish_truth();
+}
+
+void Simulation::obey() {
+  if (!scene_.motion) commands_.apply(*robot_);
   commands_.apply(hand_);
+}
+
+void Simulation::advance() {
+  if (scene_.motion) follow_motion();
+  follow_hand_plan();
   hand_.step(tick_, *robot_);
   ++tick_;
   const math::Wrench on_object = plant_->hand_wrench();
@@ -175,10 +182,16 @@ void Simulation::step() {
   fingertips_.move(*robot_, *plant_);
   plant_->step(kPeriod, grasp_in_object(), grasp_twist());
 
+  sensors_.sample(kPeriodUs * tick_, sense());
+}
+
+void Simulation::publish() {
   const std::int64_t now_us = kPeriodUs * tick_;
-  sensors_.sample(now_us, sense());
   sensor_publisher_.publish(sensors_, now_us);
   if (camera_) camera_->step(now_us, *robot_, *plant_);
+}
+
+void Simulation::publish_truth() {
   if (tick_ % kTruthTicks == 0) {
     truth_.publish_shape(*plant_, utime());
     truth_.publish_contact(*plant_, grasp_in_object(), utime());

@@ -56,7 +56,17 @@ class Simulation {
     if (camera_) camera_->let_lag();
   }
 
+  /// One tick as a whole: obey(), advance(), publish().
   void step();
+
+  /// Its parts, for a simulation that goes on while others still work on its last messages. obey():
+  /// takes the commands that have arrived, for the next tick. advance(): arm, object and sensors.
+  /// publish(): what sensors have to tell by now; publish_truth(): what scores need, on the
+  /// housekeeping bus.
+  void obey();
+  void advance();
+  void publish();
+  void publish_truth();
 
   std::int64_t tick() const { return tick_; }
   double time() const { return kPeriod * tick_; }                                 // s

@@ -74,6 +74,36 @@ TEST(LcmBus, CarriesMessagesBetweenTwoBuses) {
   EXPECT_FALSE(subscription.take(message, arrival_ns));
 }
 
+TEST(LcmBus, WithoutAThreadReceivesInTheCallersAndIsWokenByWhatComes) {
+  const UdpmUrl url = private_group();
+  PALPATE_REQUIRE_MULTICAST(url);
+  const auto receiver = make_lcm_bus(url.text());
+  const auto sender = make_lcm_bus(url.text());
+  TypedSubscription<ft_wrench_t> subscription(*receiver, "FT_WRENCH", 100);
+  EXPECT_FALSE(receiver->receive(0)) << "not started";
+  receiver->start_without_thread();
+  EXPECT_FALSE(receiver->receive(0));
+  EXPECT_FALSE(receiver->receive(300'000)) << "nobody sends";
+
+  send_wrenches(*sender, 50);
+  EXPECT_EQ(subscription.counters().received, 0) << "nobody has received yet";
+  EXPECT_TRUE(receiver->receive(0));
+  EXPECT_EQ(subscription.counters().received, 50);
+
+  constexpr std::int64_t kTooLong = 100'000'000'000;  // ns: longer than this test may take
+  for (int i = 1; i <= 20; ++i) {
+    std::thread late([&] {
+      std::this_thread::sleep_for(std::chrono::microseconds(20 * i * i));
+      TypedPublisher<ft_wrench_t>(*sender, "FT_WRENCH").publish(wrench_number(i));
+    });
+    EXPECT_TRUE(receiver->receive(kTooLong));
+    late.join();
+    EXPECT_EQ(subscription.counters().received, 50 + i);
+  }
+  receiver->stop();
+  EXPECT_FALSE(receiver->receive(0));
+}
+
 TEST(LcmBus, HearsWhatStockLibLcmOfAnotherProcessPublishes) {
   const UdpmUrl url = private_group();
   PALPATE_REQUIRE_MULTICAST(url);

@@ -25,6 +25,19 @@ void* await(BackgroundWorker& worker) {
   }
 }
 
+TEST(BackgroundWorker, WaitsForTheJobThatIsRunning) {
+  BackgroundWorker worker;
+  EXPECT_EQ(worker.wait(), nullptr) << "there is none";
+  for (int i = 1; i <= 300; ++i) {
+    Sum sum{std::vector<int>(static_cast<std::size_t>(50 * i), 2)};
+    ASSERT_TRUE(worker.submit(add_up, &sum));
+    // Now and then collected by polling, whose leftovers must not end the next wait early.
+    ASSERT_EQ(i % 3 == 0 ? await(worker) : worker.wait(), &sum);
+    ASSERT_EQ(sum.total, 100 * i);
+    ASSERT_FALSE(worker.busy());
+  }
+}
+
 TEST(BackgroundWorker, RunsAJobAndHandsItsArgumentBackOnce) {
   BackgroundWorker worker;
   EXPECT_FALSE(worker.busy());

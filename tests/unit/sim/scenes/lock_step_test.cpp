@@ -19,6 +19,11 @@ struct Exchange {
   bus::TypedPublisher<tick_done_t> done{*theirs, "TICK_DONE"};
   bus::TypedSubscription<sim_tick_t> ticks{*theirs, "SIM_TICK", 64};
 
+  LockStep::Answer exchange(std::int64_t tick, const std::atomic<bool>& stop) {
+    lock_step.send(tick, 1000, 777);
+    return lock_step.wait(stop);
+  }
+
   void answer(std::int64_t tick) {
     tick_done_t message{};
     message.tick = tick;
@@ -30,7 +35,7 @@ TEST(LockStep, SendsTheTickAndTakesItsAnswer) {
   Exchange e;
   e.answer(42);
   const std::atomic<bool> stop{false};
-  EXPECT_EQ(e.lock_step.exchange(42, 1000, 777, stop), LockStep::Answer::kDone);
+  EXPECT_EQ(e.exchange(42, stop), LockStep::Answer::kDone);
   sim_tick_t tick{};
   std::int64_t arrival_ns = 0;
   ASSERT_TRUE(e.ticks.take(tick, arrival_ns));
@@ -40,17 +45,26 @@ TEST(LockStep, SendsTheTickAndTakesItsAnswer) {
   EXPECT_EQ(tick.session, 9);
 }
 
+TEST(LockStep, AnAnswerThatComesBeforeAnybodyWaitsIsNotLost) {
+  Exchange e;
+  const std::atomic<bool> stop{false};
+  e.lock_step.send(7, 1000, 0);
+  e.answer(7);
+  EXPECT_EQ(e.lock_step.wait(stop), LockStep::Answer::kDone);
+  EXPECT_EQ(e.lock_step.repeats(), 0);
+}
+
 TEST(LockStep, AnswersToOtherTicksDoNotCount) {
   Exchange e;
   e.answer(41);
   const std::atomic<bool> stop{true};
-  EXPECT_EQ(e.lock_step.exchange(42, 1000, 0, stop), LockStep::Answer::kStopped);
+  EXPECT_EQ(e.exchange(42, stop), LockStep::Answer::kStopped);
 }
 
 TEST(LockStep, SendsAgainUntilItGivesUp) {
   Exchange e;
   const std::atomic<bool> stop{false};
-  EXPECT_EQ(e.lock_step.exchange(1, 1000, 0, stop), LockStep::Answer::kNone);
+  EXPECT_EQ(e.exchange(1, stop), LockStep::Answer::kNone);
   EXPECT_GT(e.lock_step.repeats(), 1);
 }
 
@@ -78,7 +92,8 @@ TEST(LockStep, LossesDelayTicksButLoseNone) {
   const std::atomic<bool> stop{false};
   int done = 0;
   for (std::int64_t tick = 1; tick <= kTicks; ++tick) {
-    done += patient.exchange(tick, 1000, 1000 * tick, stop) == LockStep::Answer::kDone;
+    patient.send(tick, 1000, 1000 * tick);
+    done += patient.wait(stop) == LockStep::Answer::kDone;
   }
   over = true;
   daemon.join();

@@ -1,0 +1,198 @@
+// palpate-sim --fast and palpated --stepped as two processes, with everything they say recorded.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <palpate/component_command_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <palpate/twist_command_t.hpp>
+
+#include "core/math/random.hpp"
+#include "core/math/rigid.hpp"
+#include "rt/bus/message_bus.hpp"
+#include "rt/daemon/text.hpp"
+#include "tests/process/lock_step/datagrams.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+using support::ChildProcess;
+using support::Datagram;
+using support::Datagrams;
+
+const std::string kBin = PALPATE_BIN_DIR;
+const std::string kSource = PALPATE_SOURCE_DIR;
+
+/// Payloads of a run by channel, without the session, which is drawn anew each time.
+using Record = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;
+
+/// Carries the control bus between the simulator's URL and the daemon's, and loses some of the
+/// messages that lock-step repeats; keeps what both say, and what they say for the record.
+class Relay {
+ public:
+  Relay(const std::string& sim_url, const std::string& daemon_url, const std::string& housekeeping,
+        double loss)
+      : sim_(sim_url), daemon_(daemon_url), housekeeping_(housekeeping), loss_(loss) {
+    thread_ = std::thread([this] { work(); });
+  }
+  ~Relay() { stop(); }
+  Relay(const Relay&) = delete;
+  Relay& operator=(const Relay&) = delete;
+
+  const Record& stop() {
+    over_ = true;
+    if (thread_.joinable()) thread_.join();
+    return record_;
+  }
+  int lost() const { return lost_; }
+
+ private:
+  void work() {
+    Datagram datagram;
+    pollfd watched[] = {{sim_.descriptor(), POLLIN, 0},
+                        {daemon_.descriptor(), POLLIN, 0},
+                        {housekeeping_.descriptor(), POLLIN, 0}};
+    while (!over_) {
+      poll(watched, 3, 20);
+      while (sim_.take(datagram)) pass(datagram, daemon_);
+      while (daemon_.take(datagram)) pass(datagram, sim_);
+      while (housekeeping_.take(datagram)) keep(datagram);
+    }
+  }
+
+  void pass(const Datagram& datagram, Datagrams& to) {
+    const std::string channel = datagram.channel();
+    const bool repeated = channel == "SIM_TICK" || channel == "TICK_DONE";
+    if (repeated && random_.uniform() < loss_) {
+      ++lost_;
+      return;
+    }
+    to.send(datagram);
+    if (!repeated) keep(datagram);
+  }
+
+  void keep(const Datagram& datagram) {
+    std::vector<std::uint8_t> payload = datagram.payload();
+    // Fingerprint 8, utime 8, seq 4, session 8.
+    if (payload.size() < 28) return;
+    std::fill(payload.begin() + 20, payload.begin() + 28, std::uint8_t{0});
+    record_[datagram.channel()].push_back(std::move(payload));
+  }
+
+  Datagrams sim_, daemon_, housekeeping_;
+  double loss_;
+  math::Random random_{11};
+  Record record_;
+  int lost_ = 0;
+  std::atomic<bool> over_{false};
+  std::thread thread_;
+};
+
+struct Outcome {
+  Record record;
+  nlohmann::json sim;
+  std::string daemon;  // what it printed
+  int lost = 0;
+};
+
+/// One second of the control scene: the bar is pulled towards a target.
+class LockStepProcess : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      bus::make_lcm_bus(sim_url_)->start();
+    } catch (const std::runtime_error& error) {
+      GTEST_SKIP() << error.what();
+    }
+  }
+
+  void tell_daemon() const {
+    const auto bus = bus::make_lcm_bus(daemon_url_);
+    component_command_t start{};
+    start.session = start.counter = 1;
+    daemon::put_text(start.slot, "all");
+    daemon::put_text(start.event, "start");
+    bus::TypedPublisher<component_command_t>(*bus, "COMPONENT_COMMAND").publish(start);
+    shape_target_t target{};
+    target.session = target.revision = target.chunks = 1;
+    daemon::put_text(target.kind, "point");
+    target.value_count = 3;
+    const double point[] = {0.25, 0.03, 0.08};
+    std::copy(std::begin(point), std::end(point), target.values);
+    bus::TypedPublisher<shape_target_t>(*bus, "SHAPE_TARGET").publish(target);
+  }
+
+  Outcome run(double loss) const {
+    Outcome result;
+    Relay relay(sim_url_, daemon_url_, housekeeping_url_, loss);
+    const std::string housekeeping = "bus.housekeeping=" + housekeeping_url_;
+    ChildProcess daemon({kBin + "/palpated", kSource + "/rt/config/examples/bar_long_soft.yaml",
+                         "--stepped", "--set", "bus.control=" + daemon_url_, "--set",
+                         housekeeping});
+    for (int i = 0; i < 2000 && daemon.output().find("waits for start") == std::string::npos; ++i)
+      std::this_thread::sleep_for(milliseconds(10));
+    tell_daemon();
+    const auto summary = std::filesystem::temp_directory_path() /
+                         ("palpate_lock_step_" + std::to_string(getpid()) + ".json");
+    ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/bar_long_soft_control.yaml",
+                      "--fast", "--duration", "1", "--json", summary.string(), "--set",
+                      "object.elements=[10, 1, 1]", "--set", "bus.control=" + sim_url_, "--set",
+                      housekeeping});
+    EXPECT_EQ(sim.wait(milliseconds(60000)), 0) << sim.output();
+    daemon.send(SIGTERM);
+    EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
+    std::this_thread::sleep_for(milliseconds(50));  // what is still under way to the record
+    result.record = relay.stop();
+    result.lost = relay.lost();
+    result.daemon = daemon.output();
+    result.sim = nlohmann::json::parse(std::ifstream(summary));
+    std::filesystem::remove(summary);
+    return result;
+  }
+
+  /// Truth, sensors, estimates and commands of two runs, byte by byte.
+  static void expect_same(const Outcome& a, const Outcome& b) {
+    for (const char* channel :
+         {"TRUTH_SHAPE", "TRUTH_CONTACT", "FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE", "SHAPE",
+          "ESTIMATE", "FEATURE", "CONTACTS", "TWIST_COMMAND"}) {
+      ASSERT_TRUE(a.record.count(channel)) << channel;
+      ASSERT_TRUE(b.record.count(channel)) << channel;
+      const auto &first = a.record.at(channel), &second = b.record.at(channel);
+      ASSERT_EQ(first.size(), second.size()) << channel;
+      for (std::size_t i = 0; i < first.size(); ++i) ASSERT_EQ(first[i], second[i]) << channel << i;
+    }
+  }
+
+  const std::string sim_url_ = support::private_url(0);
+  const std::string daemon_url_ = support::private_url(1);
+  const std::string housekeeping_url_ = support::private_url(2);
+};
+
+TEST_F(LockStepProcess, TwoRunsAreEqualToTheBitAndLostTicksChangeNothing) {
+  const Outcome first = run(0);
+  EXPECT_EQ(first.sim["ticks"], 1000);
+  EXPECT_EQ(first.record.at("TRUTH_SHAPE").size(), 100u);
+  EXPECT_EQ(first.sim["commands_lost"], 0);
+  // The daemon's commands did move the arm.
+  twist_command_t last{};
+  const auto& bytes = first.record.at("TWIST_COMMAND").at(900);
+  ASSERT_GT(last.decode(bytes.data(), 0, static_cast<int>(bytes.size())), 0);
+  EXPECT_EQ(last.valid, 1);
+  EXPECT_GT(Eigen::Map<const math::Vector6d>(last.twist).norm(), 1e-4) << first.daemon;
+  EXPECT_NE(first.record.at("TRUTH_CONTACT").front(), first.record.at("TRUTH_CONTACT").back());
+  expect_same(first, run(0));
+
+  const Outcome lossy = run(0.05);
+  EXPECT_GT(lossy.lost, 50);
+  EXPECT_GE(lossy.sim["ticks_sent_again"], lossy.lost / 2);
+  expect_same(first, lossy);
+}
+
+}  // namespace
+}  // namespace palpate
