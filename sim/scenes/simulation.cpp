@@ -50,7 +50,7 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       arms_(make_arms(node, scene_, control, origin)),
       plant_(make_plant(node, scene_, arms_)),
       pokes_(scene_.pokes, *plant_),
-      camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, robot(),
+      camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
                                                                 origin.session, origin.start_utime)
                             : nullptr),
       truth_(housekeeping, *plant_, origin.session) {}
@@ -70,7 +70,7 @@ void Simulation::step() {
 
   const std::int64_t now_us = kPeriodUs * tick_;
   for (Arm& arm : arms_) arm.sense(now_us, *plant_);
-  if (camera_) camera_->step(now_us, robot(), *plant_);
+  if (camera_) camera_->step(now_us, arms_, *plant_);
   if (tick_ % kTruthTicks == 0) {
     truth_.publish_shape(*plant_, utime());
     truth_.publish_contact(*plant_, grasps_in_object(), utime());

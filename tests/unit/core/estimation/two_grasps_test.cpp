@@ -69,7 +69,9 @@ TEST_F(TwoGrasps, ShapeAndBothWrenchesAreThoseOfTheStaticSolver) {
                           body_.grasps[g].X_OG_rest.translation() + share * way[g]);
     }
     const sensing::UpdateResult result = tick();
-    if (i > kTicks) EXPECT_EQ(result.status, Status::kOk) << result.reason;
+    if (i > kTicks) {
+      EXPECT_EQ(result.status, Status::kOk) << result.reason;
+    }
   }
   const elasticity::HeldPoses held = {inputs_.grasps[0].X_OG, inputs_.grasps[1].X_OG};
   const Eigen::Matrix3Xd start = model_.positions();
