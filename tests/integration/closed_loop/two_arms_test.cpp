@@ -42,28 +42,27 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
   EXPECT_LT(error.mean(), 0.01 * kLength);
   EXPECT_LT(error.maxCoeff(), 0.02 * kLength);
 
-  int measured = 0;
-  const sensing::ContactSet& contacts = pipeline.contacts();
+  // What the wrist sensors feel, less their noise.
+  Eigen::Vector3d felt[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  constexpr int kTicks = 500;
+  loop.run(1e-3 * kTicks, [&] {
+    const sensing::ContactSet& contacts = pipeline.contacts();
+    ASSERT_EQ(contacts.count, 2) << "the wrist sensor of either arm";
+    for (int i = 0; i < 2; ++i) {
+      ASSERT_EQ(static_cast<int>(contacts.contacts[i].source), i);
+      felt[i] += contacts.contacts[i].wrench.force / kTicks;
+    }
+  });
   for (int i = 0; i < 2; ++i) {
     const math::Wrench truth = loop.simulation().plant().hand_wrench(i);
     const math::Wrench& predicted = pipeline.estimate().reaction[i];
     const double scale = truth.force.norm();
-    std::printf("hand %d: %.3f N, predicted within %.3f N\n", i, scale,
-                (predicted.force - truth.force).norm());
+    std::printf("hand %d: %.3f N, predicted within %.3f N, felt within %.3f N\n", i, scale,
+                (predicted.force - truth.force).norm(), (felt[i] - truth.force).norm());
     EXPECT_GT(scale, 0.3) << "N: it is bent";
     EXPECT_LT((predicted.force - truth.force).norm(), 0.2 * scale) << i;
-    for (int c = 0; c < contacts.count; ++c) {
-      if (static_cast<int>(contacts.contacts[c].source) != i) continue;
-      ++measured;
-      EXPECT_LT((contacts.contacts[c].wrench.force - truth.force).norm(), 0.15) << i;
-      EXPECT_LT(
-          (contacts.contacts[c].location - loop.simulation().arm(i).grasp_in_object().translation())
-              .norm(),
-          2e-3)
-          << i;
-    }
+    EXPECT_LT((felt[i] - truth.force).norm(), 0.1) << i;
   }
-  EXPECT_EQ(measured, 2) << "the wrist sensor of either arm";
 }
 
 TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
