@@ -6,7 +6,8 @@
 namespace palpate::control {
 
 /// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the
-/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated.
+/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated; x 12 where
+/// two grasps move, the first one's columns first.
 class JacobianProvider {
  public:
   virtual ~JacobianProvider() = default;
@@ -25,6 +26,7 @@ struct LawInputs {
 
 struct LawOutput {
   math::Twist V_O_G;            // twist of the origin of G, in O
+  math::Twist V_O_G_second;     // the same of the second grasp, where two move; else zero
   Eigen::VectorXd unreachable;  // dimension() long, preallocated by the caller
 };
 

@@ -14,9 +14,16 @@ FemJacobian::FemJacobian(const Options& options) : options_(options) {
 
 bool FemJacobian::update(const shape::Feature& feature, const elasticity::DeformationModel& model,
                          const math::Pose& /*X_OG*/, Eigen::Ref<Eigen::MatrixXd> J) noexcept {
+  if (!options_.both) return fill(options_.grasp, feature, model, J);
+  return fill(0, feature, model, J.leftCols(6)) && fill(1, feature, model, J.rightCols(6));
+}
+
+bool FemJacobian::fill(int grasp, const shape::Feature& feature,
+                       const elasticity::DeformationModel& model,
+                       Eigen::Ref<Eigen::MatrixXd> J) const noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  const auto& dx_dxi = sensitivity.dx_dxi[options_.grasp];
-  if (!sensitivity.valid || !model.is_held(options_.grasp) ||
+  const auto& dx_dxi = sensitivity.dx_dxi[grasp];
+  if (!sensitivity.valid || !model.is_held(grasp) ||
       dx_dxi.rows() != 3 * model.positions().cols()) {
     return false;
   }

@@ -21,6 +21,15 @@ PseudoInverse::PseudoInverse(const Options& options) : options_(options) {
   if (!(options.rank_tolerance >= 1e-6 && options.rank_tolerance < 1)) {
     throw std::invalid_argument("rank tolerance of the pseudo-inverse must lie in [1e-6, 1)");
   }
+  if (options.grasps < 1 || options.grasps > 2) {
+    throw std::invalid_argument("the pseudo-inverse moves one grasp or two");
+  }
+  V_ = Normal::Identity(columns(), columns());
+  lambda_ = Motion::Zero(columns());
+  column_scale_ = Motion::Ones(columns());
+  for (int g = 0; g < options.grasps; ++g) {
+    column_scale_.segment<3>(6 * g + 3).setConstant(1 / options.length);
+  }
 }
 
 void PseudoInverse::set_up(const shape::Feature& feature) {
@@ -30,42 +39,41 @@ void PseudoInverse::set_up(const shape::Feature& feature) {
     if (is_rotation_row(feature, row)) row_scale_[row] = options_.length;
   }
   scaled_.setZero(rows);
-  J_.setZero(rows, 6);
+  J_.setZero(rows, columns());
 }
 
 bool PseudoInverse::decompose(const Eigen::MatrixXd& J) noexcept {
   lambda_.setZero();
-  if (!J.allFinite()) return false;
-  J_ = row_scale_.asDiagonal() * J;
-  J_.rightCols<3>() /= options_.length;
-  const math::Matrix6d normal = J_.transpose().lazyProduct(J_);
+  if (J.cols() != columns() || !J.allFinite()) return false;
+  J_ = row_scale_.asDiagonal() * J * column_scale_.asDiagonal();
+  const Normal normal = J_.transpose().lazyProduct(J_);
   if (!normal.allFinite()) return false;
-  const Eigen::SelfAdjointEigenSolver<math::Matrix6d> solver(normal);
-  if (solver.info() != Eigen::Success || !(solver.eigenvalues()[5] > 1e-18)) return false;
+  const Eigen::SelfAdjointEigenSolver<Normal> solver(normal);
+  if (solver.info() != Eigen::Success || !(solver.eigenvalues()[columns() - 1] > 1e-18)) {
+    return false;
+  }
   V_ = solver.eigenvectors();
   lambda_ = solver.eigenvalues();
   return true;
 }
 
-math::Twist PseudoInverse::solve(const Eigen::VectorXd& s) noexcept {
-  const double floor = options_.damping * options_.damping * lambda_[5];
+PseudoInverse::Motion PseudoInverse::solve(const Eigen::VectorXd& s) noexcept {
+  const double floor = options_.damping * options_.damping * greatest();
   scaled_ = row_scale_.cwiseProduct(s);
-  math::Vector6d along = V_.transpose() * math::Vector6d(J_.transpose().lazyProduct(scaled_));
-  for (int i = 0; i < 6; ++i) {
+  Motion along = V_.transpose().lazyProduct(Motion(J_.transpose().lazyProduct(scaled_)));
+  for (int i = 0; i < columns(); ++i) {
     // Singular values below 1e-6 of the largest drown in the rounding of the normal matrix.
-    along[i] = lambda_[i] > 1e-12 * lambda_[5] ? along[i] / std::max(lambda_[i], floor) : 0.0;
+    along[i] = lambda_[i] > 1e-12 * greatest() ? along[i] / std::max(lambda_[i], floor) : 0.0;
   }
-  math::Vector6d u = V_ * along;
-  u.tail<3>() /= options_.length;
-  return math::Twist::from(u);
+  return column_scale_.cwiseProduct(V_.lazyProduct(along));
 }
 
 void PseudoInverse::unreachable(const Eigen::VectorXd& e, Eigen::VectorXd& out) noexcept {
-  const double floor = options_.rank_tolerance * options_.rank_tolerance * lambda_[5];
+  const double floor = options_.rank_tolerance * options_.rank_tolerance * greatest();
   scaled_ = row_scale_.cwiseProduct(e);
-  math::Vector6d along = V_.transpose() * math::Vector6d(J_.transpose().lazyProduct(scaled_));
-  for (int i = 0; i < 6; ++i) along[i] = lambda_[i] > floor ? along[i] / lambda_[i] : 0.0;
-  const math::Vector6d u = V_ * along;
+  Motion along = V_.transpose().lazyProduct(Motion(J_.transpose().lazyProduct(scaled_)));
+  for (int i = 0; i < columns(); ++i) along[i] = lambda_[i] > floor ? along[i] / lambda_[i] : 0.0;
+  const Motion u = V_.lazyProduct(along);
   scaled_ -= J_.lazyProduct(u);
   out = scaled_.cwiseQuotient(row_scale_);
 }

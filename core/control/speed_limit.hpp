@@ -13,10 +13,14 @@ inline double factor_to_limit(const Eigen::Vector3d& v, double limit) noexcept {
   return std::min(1.0, limit / largest / (v / largest).norm());
 }
 
+/// Greatest factor up to 1 by which the twist keeps both limits.
+inline double speed_factor(const math::Twist& V, double linear, double angular) noexcept {
+  return std::min(factor_to_limit(V.linear, linear), factor_to_limit(V.angular, angular));
+}
+
 /// Scales the whole twist, so that its screw axis stays, until both speeds keep their limits.
 inline math::Twist limit_speed(const math::Twist& V, double linear, double angular) noexcept {
-  const double factor =
-      std::min(factor_to_limit(V.linear, linear), factor_to_limit(V.angular, angular));
+  const double factor = speed_factor(V, linear, angular);
   return {factor * V.linear, factor * V.angular};
 }
 

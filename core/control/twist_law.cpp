@@ -1,5 +1,6 @@
 #include "core/control/twist_law.hpp"
 
+#include <algorithm>
 #include <stdexcept>
 
 #include "core/control/speed_limit.hpp"
@@ -42,7 +43,7 @@ void TwistLaw::configure_for(const shape::Feature& feature) {
 }
 
 void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
-  output.V_O_G = math::Twist();
+  output.V_O_G = output.V_O_G_second = math::Twist();
   const Eigen::VectorXd& error = *inputs.error;
   if (!error.allFinite()) {
     output.unreachable.setZero();
@@ -59,8 +60,15 @@ void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
   motion_to_target(inputs, motion_);
   if (!motion_.allFinite()) return;
   motion_ *= options_.gain;
-  output.V_O_G =
-      limit_speed(inverse_.solve(motion_), options_.linear_speed, options_.angular_speed);
+  const PseudoInverse::Motion u = inverse_.solve(motion_);
+  math::Twist first = math::Twist::from(u.head<6>()), second;
+  if (options_.inverse.grasps == 2) second = math::Twist::from(u.tail<6>());
+  // One factor for both, so that they go on moving together.
+  const double factor =
+      std::min(speed_factor(first, options_.linear_speed, options_.angular_speed),
+               speed_factor(second, options_.linear_speed, options_.angular_speed));
+  output.V_O_G = {factor * first.linear, factor * first.angular};
+  output.V_O_G_second = {factor * second.linear, factor * second.angular};
 }
 
 bool TwistLaw::rests(const Eigen::VectorXd& reachable) noexcept {

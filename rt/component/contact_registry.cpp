@@ -21,9 +21,12 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node&
   options.collision_distance =
       node.number("collision_distance", {0, 10}, options.collision_distance);
   if (node.flag("on_grasp", false)) {
-    if (object.body.grasps.empty()) node.fail("on_grasp", "the object has no grasp_box");
-    options.fixed_nodes = object.body.grasps[0].nodes;
-    options.fixed_reference = object.body.grasps[0].X_OG_rest.translation();
+    const int grasp = node.integer("grasp", {0, 1}, 0);
+    const int count = static_cast<int>(object.body.grasps.size());
+    if (count == 0) node.fail("on_grasp", "the object has no grasp_box");
+    if (grasp >= count) node.fail("grasp", "the object has no second_grasp_box");
+    options.fixed_nodes = object.body.grasps[grasp].nodes;
+    options.fixed_reference = object.body.grasps[grasp].X_OG_rest.translation();
   }
   return std::make_unique<contact::WrenchPatch>(object.body.mesh, object.surface, options);
 }

@@ -26,19 +26,33 @@ control::TwistLawOptions read_twist_law(const config::Node& node) {
 
 }  // namespace
 
+MovingArms read_moving_arms(const config::Node& control, const Context& context) {
+  const std::string arms = control.choice("moves", {"first", "second", "both"}, "first");
+  if (arms == "first") return MovingArms::kFirst;
+  if (!context.second_frames) control.fail("moves", "there is no section second_arm");
+  return arms == "second" ? MovingArms::kSecond : MovingArms::kBoth;
+}
+
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
-                                                                  const Context& /*context*/) {
+                                                                  const Context& context) {
+  const MovingArms moving = read_moving_arms(node, context);
   if (node.choice("provider", {"fem", "kinematic"}) == "kinematic") {
+    if (moving == MovingArms::kBoth)
+      node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");
     return std::make_unique<control::KinematicJacobian>();
   }
-  return std::make_unique<control::FemJacobian>(control::FemJacobian::Options());
+  control::FemJacobian::Options options;
+  options.grasp = moving == MovingArms::kSecond ? 1 : 0;
+  options.both = moving == MovingArms::kBoth;
+  return std::make_unique<control::FemJacobian>(options);
 }
 
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
-                                                      const Context& /*context*/,
+                                                      const Context& context,
                                                       const shape::Feature& feature) {
   const std::string name = node.choice("law", {"proportional_twist", "dual_quaternion"});
-  const control::TwistLawOptions options = read_twist_law(node);
+  control::TwistLawOptions options = read_twist_law(node);
+  if (read_moving_arms(node, context) == MovingArms::kBoth) options.inverse.grasps = 2;
   std::unique_ptr<control::ControlLaw> law;
   try {
     if (name == "dual_quaternion") {
@@ -53,9 +67,10 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
   return law;
 }
 
-control::GateLimits read_gate_limits(const config::Node& root) {
+control::GateLimits read_gate_limits(const config::Node& root,
+                                     const control::GateLimits& otherwise) {
   const config::Node node = root.child_or_empty("gate");
-  control::GateLimits limits;
+  control::GateLimits limits = otherwise;
   limits.linear_speed = node.number("linear_speed", {1e-4, 10}, limits.linear_speed);
   limits.angular_speed = node.number("angular_speed", {1e-4, 10}, limits.angular_speed);
   limits.linear_acceleration =

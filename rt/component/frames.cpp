@@ -17,4 +17,15 @@ Frames read_frames(const config::Node& root) {
   return frames;
 }
 
+std::optional<Frames> read_second_frames(const config::Node& root) {
+  if (!root.has("second_arm")) return std::nullopt;
+  const config::Node arm = root.child("second_arm");
+  const config::Node node = arm.child("frames");
+  if (node.has("fingertips_in_object"))
+    node.fail("fingertips_in_object", "fingertips are those of the first arm");
+  for (const char* key : {"object_in_base", "grasp_in_flange"})
+    if (!node.has(key)) node.fail(key, "is missing");
+  return read_frames(arm);
+}
+
 }  // namespace palpate::component

@@ -8,7 +8,8 @@
 
 namespace palpate::component {
 
-/// Where things are: constant transforms of one cell, from the section `frames`.
+/// Where things are: constant transforms of one arm in its cell, from the section `frames`. W is
+/// the base of that arm.
 struct Frames {
   math::Pose X_WO = math::Pose::Identity();  // object's rest frame in the robot base
   math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
@@ -21,5 +22,8 @@ struct Frames {
 
 /// Reads `frames`; throws config::Error.
 Frames read_frames(const config::Node& root);
+
+/// Reads `second_arm.frames`; none where there is no `second_arm`. Throws config::Error.
+std::optional<Frames> read_second_frames(const config::Node& root);
 
 }  // namespace palpate::component

@@ -37,11 +37,12 @@ std::vector<int> nodes_in(const config::Node& object, const std::string& key,
   return nodes;
 }
 
-elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::ElementMesh& mesh) {
+elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::ElementMesh& mesh,
+                                   const std::string& prefix) {
   elasticity::GraspRegion grasp;
-  grasp.nodes = nodes_in(object, "grasp_box", mesh);
-  if (object.has("grasp_at_rest")) {
-    grasp.X_OG_rest = object.pose("grasp_at_rest");
+  grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh);
+  if (object.has(prefix + "grasp_at_rest")) {
+    grasp.X_OG_rest = object.pose(prefix + "grasp_at_rest");
   } else {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (int node : grasp.nodes) middle += mesh.nodes.col(node);
@@ -74,7 +75,13 @@ Object read_object(const config::Node& root, const Frames& frames) {
       damping.number("stiffness_factor", {0, 10}, body.damping.stiffness_factor);
 
   body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh);
-  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, body.mesh));
+  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, body.mesh, ""));
+  if (node.has("second_grasp_box")) {
+    if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
+    body.grasps.push_back(read_grasp(node, body.mesh, "second_"));
+  }
+  if ((body.grasps.size() > 1) != root.has("second_arm"))
+    node.fail("second_grasp_box", "goes with a section second_arm, whose hand holds there");
   if (node.flag("gravity", true)) {
     body.gravity_O = frames.X_WO.linear().transpose() * frames.gravity_W;
   }

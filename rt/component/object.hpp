@@ -14,9 +14,9 @@ struct Object {
   mesh::Surface surface;
 };
 
-/// Reads `object`: mesh (box or file), order, material, damping, fixed_box, grasp_box, gravity. The
-/// rest pose of the grasp is `grasp_at_rest` or the middle of the grasped nodes with the axes of O.
-/// Throws config::Error.
+/// Reads `object`: mesh (box or file), order, material, damping, fixed_box, grasp_box,
+/// second_grasp_box, gravity. The rest pose of a grasp is `grasp_at_rest` (`second_grasp_at_rest`)
+/// or the middle of the grasped nodes with the axes of O. Throws config::Error.
 Object read_object(const config::Node& root, const Frames& frames);
 
 }  // namespace palpate::component

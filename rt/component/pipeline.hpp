@@ -49,18 +49,24 @@ class Pipeline {
 
   // Phases of one tick, in this order. While inactive they keep estimating nothing and the gate
   // gives zero.
-  void sense(const sensing::Signals& signals) noexcept;
+  /// `second`: what the second arm says; ignored where there is none.
+  void sense(const sensing::Signals& signals, const sensing::Signals& second) noexcept;
+  void sense(const sensing::Signals& signals) noexcept { sense(signals, signals); }
   void distribute() noexcept;
   void estimate(double dt) noexcept;
   void evaluate_feature() noexcept;
   void control(double dt) noexcept;
+  /// Of the first arm. Where one arm's gate refuses, the other arm stops as well: both may hold the
+  /// same object.
   const control::GateOutput& gate(double dt) noexcept;
+  const control::GateOutput& gate_output(int arm) const noexcept { return arms_[arm].output; }
 
   Condition condition() const noexcept;  // the worst of all slots
   bool is_running() const noexcept;
 
   const Object& object() const noexcept { return object_; }
-  const Frames& frames() const noexcept { return context_.frames; }
+  int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
+  const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
   elasticity::DeformationModel& model() noexcept { return *model_; }
   const estimation::Estimate& estimate() const noexcept { return estimate_; }
   const shape::Feature& feature() const noexcept { return *feature_; }
@@ -68,11 +74,21 @@ class Pipeline {
   const Target& target() const noexcept { return target_; }
   /// In O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
-  bool has_robot() const noexcept { return signals_ != nullptr && robot_known_; }
 
  private:
+  struct Arm {
+    Frames frames;
+    control::SafetyGate gate;
+    const sensing::Signals* signals = nullptr;  // of this tick
+    bool known = false;                         // its robot has told where it is
+    math::Twist requested_W_E;
+    control::GateOutput output;
+
+    math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
+  };
   struct Sensing {
     std::string name;
+    int arm = 0;
     std::unique_ptr<sensing::SensorModel> model;
     Condition condition;
   };
@@ -82,13 +98,21 @@ class Pipeline {
     std::array<bool, 8> sources{};  // by sensing::Source
   };
 
+  void build_arms(const config::Node& root);
   void build_sensing(const config::Node& root);
   void build_contact(const config::Node& root);
   void warm_up();
   void to_object_frame(const sensing::ContactSet& contacts) noexcept;
+  bool locate_wrist(sensing::Contact& contact) const noexcept;
+  bool locate_finger(sensing::Contact& contact) const noexcept;
+  estimation::GraspInput grasp_input(int grasp) const noexcept;
+  bool moving_arms_known() const noexcept;
+  void request(int arm, const math::Twist& V_O_G) noexcept;
+  bool other_refused(int arm) const noexcept;
 
   Context context_;
   Object object_;
+  std::vector<Arm> arms_;  // one or two
   std::vector<Sensing> sensing_;
   std::vector<Contact> contact_;
   std::unique_ptr<elasticity::DeformationModel> model_;
@@ -96,14 +120,12 @@ class Pipeline {
   std::unique_ptr<shape::Feature> feature_;
   std::unique_ptr<control::JacobianProvider> provider_;
   std::unique_ptr<control::ControlLaw> law_;
-  control::SafetyGate gate_;
+  MovingArms moving_ = MovingArms::kFirst;
 
   Condition estimation_condition_;
   Condition control_condition_;
   Condition whole_;
 
-  const sensing::Signals* signals_ = nullptr;  // of this tick
-  bool robot_known_ = false;
   sensing::ContactSet contacts_;    // in the sensors' frames
   sensing::ContactSet contacts_O_;  // in O
   std::vector<contact::ContactLoads> loads_;
@@ -113,8 +135,6 @@ class Pipeline {
   FeatureState feature_state_;
   Eigen::MatrixXd jacobian_;
   control::LawOutput law_output_;
-  math::Twist requested_W_E_;
-  control::GateOutput gate_output_;
 };
 
 }  // namespace palpate::component

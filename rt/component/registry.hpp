@@ -17,8 +17,9 @@ namespace palpate::component {
 /// What a component may need to know of the cell beside its own parameters.
 struct Context {
   Frames frames;
-  const Object* object = nullptr;  // outlives the component
-  double period = 1e-3;            // s, of the loop
+  std::optional<Frames> second_frames;  // of the second arm, where there is one
+  const Object* object = nullptr;       // outlives the component
+  double period = 1e-3;                 // s, of the loop
 };
 
 /// One function a slot: builds the component that `node` names under the key "component" (the
@@ -40,7 +41,15 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature);
 
-/// Limits from the section `gate`.
-control::GateLimits read_gate_limits(const config::Node& root);
+/// Limits from the section `gate`; what it does not name is as in `otherwise`.
+control::GateLimits read_gate_limits(const config::Node& root,
+                                     const control::GateLimits& otherwise = {});
+
+/// Which arms the controller moves.
+enum class MovingArms { kFirst, kSecond, kBoth };
+MovingArms read_moving_arms(const config::Node& control, const Context& context);
+
+/// Key `arm` of a sensor model: 0, or 1 with a second arm.
+int read_arm(const config::Node& node, const Context& context);
 
 }  // namespace palpate::component

@@ -27,12 +27,12 @@ sensing::PayloadParameters read_payload(const config::Node& node) {
 }
 
 std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node,
-                                                        const Context& context) {
+                                                        const Frames& frames) {
   sensing::FtNewtonEuler::Options options;
   options.payload = read_payload(node);
-  options.gravity_W = context.frames.gravity_W;
-  options.X_ES = context.frames.X_ES;
-  options.X_EI = context.frames.X_EI;
+  options.gravity_W = frames.gravity_W;
+  options.X_ES = frames.X_ES;
+  options.X_EI = frames.X_EI;
   options.use_imu = node.flag("use_imu", options.use_imu);
   options.imu_offset_time = node.number("imu_offset_time", {0, 1000}, options.imu_offset_time);
   options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
@@ -113,12 +113,23 @@ std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
 
 }  // namespace
 
+int read_arm(const config::Node& node, const Context& context) {
+  const int arm = node.integer("arm", {0, 1}, 0);
+  if (arm == 1 && !context.second_frames) node.fail("arm", "there is no section second_arm");
+  if (arm == 1 && node.text("component").rfind("ft_", 0) != 0)
+    node.fail("arm", "of the second arm only the force-torque sensor can be used");
+  return arm;
+}
+
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context) {
   const std::string name =
       node.choice("component", {"ft_newton_euler", "ft_tare_only", "biotac_linear", "manual"});
   try {
-    if (name == "ft_newton_euler") return make_newton_euler(node, context);
+    if (name == "ft_newton_euler") {
+      const bool second = read_arm(node, context) == 1;
+      return make_newton_euler(node, second ? *context.second_frames : context.frames);
+    }
     if (name == "ft_tare_only") return make_tare_only(node);
     if (name == "biotac_linear") return make_biotac_linear(node);
     return make_manual(node);

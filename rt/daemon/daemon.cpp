@@ -12,7 +12,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
     : mode_(mode),
       settings_(read_settings(root)),
       pipeline_(root, settings_.loop.period),
-      inputs_(control),
+      inputs_(control, pipeline_.arm_count()),
       commands_(control, housekeeping, session),
       telemetry_(control, housekeeping, pipeline_, session),
       health_(housekeeping, session, root.hash(), pipeline_.object().hash),
@@ -58,7 +58,7 @@ void Daemon::tick(const Now& now) noexcept {
   inputs_.read(now.monotonic_ns, dt, now.stepped);
   commands_.handle(pipeline_, now.utime);
   mark(Phase::kRead);
-  pipeline_.sense(inputs_.signals());
+  pipeline_.sense(inputs_.signals(), inputs_.signals(1));
   mark(Phase::kSensing);
   pipeline_.distribute();
   mark(Phase::kContact);
@@ -69,10 +69,16 @@ void Daemon::tick(const Now& now) noexcept {
   mark(Phase::kFeature);
   pipeline_.control(dt);
   mark(Phase::kControl);
-  const control::GateOutput& gate = pipeline_.gate(dt);
-  telemetry_.publish_command(gate, pipeline_.is_running(), now.utime);
-  if (gate.limited) ++counters_.gate_limited;
-  if (gate.refused) ++counters_.gate_refused;
+  pipeline_.gate(dt);
+  bool limited = false, refused = false;
+  for (int arm = 0; arm < pipeline_.arm_count(); ++arm) {
+    const control::GateOutput& gate = pipeline_.gate_output(arm);
+    telemetry_.publish_command(arm, gate, pipeline_.is_running(), now.utime);
+    limited = limited || gate.limited;
+    refused = refused || gate.refused;
+  }
+  if (limited) ++counters_.gate_limited;
+  if (refused) ++counters_.gate_refused;
   mark(Phase::kGate);
   publish(now);
   mark(Phase::kPublish);
@@ -122,7 +128,8 @@ void Daemon::publish(const Now& now) noexcept {
 }
 
 void Daemon::finish(const Now& now) noexcept {
-  telemetry_.publish_command(control::GateOutput(), false, now.utime);
+  for (int arm = 0; arm < pipeline_.arm_count(); ++arm)
+    telemetry_.publish_command(arm, control::GateOutput(), false, now.utime);
 }
 
 }  // namespace palpate::daemon

@@ -47,8 +47,8 @@ void Health::publish(const Counters& counters, const component::Condition& condi
     message_.max_us[i] = microseconds(latency.max_ns());
   }
 
-  message_.input_count = Inputs::kChannels;
-  for (int i = 0; i < Inputs::kChannels; ++i) {
+  message_.input_count = inputs.channel_count();
+  for (int i = 0; i < message_.input_count; ++i) {
     const InputReport report = inputs.report(i);
     put_text(message_.input_name[i], report.name);
     message_.received[i] = report.received;

@@ -8,6 +8,11 @@ namespace {
 constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
                                                         "BIOTAC_3", "BIOTAC_4"};
 
+/// By arm: force-torque, inertial, robot, hand.
+constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
+    {{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"},
+     {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"}}};
+
 bool all_finite(const double* numbers, int count) noexcept {
   for (int i = 0; i < count; ++i) {
     if (!std::isfinite(numbers[i])) return false;
@@ -86,13 +91,21 @@ bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   return true;
 }
 
+constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
+  return convert(message, out);
+};
+
 }  // namespace
 
-Inputs::Inputs(bus::MessageBus& control)
-    : force_torque_(control, "FT_WRENCH", 64),
-      inertial_(control, "IMU", 32),
-      robot_(control, "ROBOT_STATE", 32),
-      hand_(control, "HAND_STATE", 8),
+Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names)
+    : force_torque(bus, names[0], 64),
+      inertial(bus, names[1], 32),
+      robot(bus, names[2], 32),
+      hand(bus, names[3], 8) {}
+
+Inputs::Inputs(bus::MessageBus& control, int arms)
+    : first_(control, kArmChannels[0]),
+      second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1]) : nullptr),
       manual_(control, "MANUAL_FORCE", 8) {
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] = std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8);
@@ -127,18 +140,21 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
   channel.age = stream.age;
 }
 
+void Inputs::drain(ArmChannels& arm, sensing::Signals& signals, std::int64_t now_ns,
+                   bool stepped) noexcept {
+  drain(arm.force_torque, signals.force_torque, now_ns, stepped, kConvert);
+  drain(arm.inertial, signals.inertial, now_ns, stepped, kConvert);
+  drain(arm.robot, signals.robot, now_ns, stepped, kConvert);
+  drain(arm.hand, signals.hand, now_ns, stepped, kConvert);
+}
+
 void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
-  const auto to_signal = [](const auto& message, auto& out) noexcept {
-    return convert(message, out);
-  };
-  signals_.dt = dt;
-  drain(force_torque_, signals_.force_torque, now_ns, stepped, to_signal);
-  drain(inertial_, signals_.inertial, now_ns, stepped, to_signal);
-  drain(robot_, signals_.robot, now_ns, stepped, to_signal);
-  drain(hand_, signals_.hand, now_ns, stepped, to_signal);
-  drain(manual_, signals_.manual, now_ns, stepped, to_signal);
+  for (sensing::Signals& signals : signals_) signals.dt = dt;
+  drain(first_, signals_[0], now_ns, stepped);
+  if (second_) drain(*second_, signals_[1], now_ns, stepped);
+  drain(manual_, signals_[0].manual, now_ns, stepped, kConvert);
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
-    drain(*biotac_[i], signals_.biotac[i], now_ns, stepped, to_signal);
+    drain(*biotac_[i], signals_[0].biotac[i], now_ns, stepped, kConvert);
   }
 }
 
@@ -155,21 +171,24 @@ InputReport Inputs::report_of(const Channel<Message>& channel) noexcept {
   return report;
 }
 
-InputReport Inputs::report(int channel) const noexcept {
+InputReport Inputs::report_of(const ArmChannels& arm, int channel) noexcept {
   switch (channel) {
     case 0:
-      return report_of(force_torque_);
+      return report_of(arm.force_torque);
     case 1:
-      return report_of(inertial_);
+      return report_of(arm.inertial);
     case 2:
-      return report_of(robot_);
-    case 3:
-      return report_of(hand_);
-    case 4:
-      return report_of(manual_);
+      return report_of(arm.robot);
     default:
-      return report_of(*biotac_[channel - 5]);
+      return report_of(arm.hand);
   }
+}
+
+InputReport Inputs::report(int channel) const noexcept {
+  if (channel < 4) return report_of(first_, channel);
+  if (channel == 4) return report_of(manual_);
+  if (channel < 10) return report_of(*biotac_[channel - 5]);
+  return report_of(*second_, channel - 10);
 }
 
 }  // namespace palpate::daemon

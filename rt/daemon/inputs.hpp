@@ -28,18 +28,21 @@ struct InputReport {
 };
 
 /// Sensor channels of the control bus as Signals: checks every message (finite numbers, unit
-/// quaternions, counts in range, sequence) before anybody sees it.
+/// quaternions, counts in range, sequence) before anybody sees it. A second arm has channels of its
+/// own, whose names end in _1, for all but fingertips and manual forces.
 class Inputs {
  public:
-  explicit Inputs(bus::MessageBus& control);
+  explicit Inputs(bus::MessageBus& control, int arms = 1);
 
   /// Drains all queues into the streams, as seen at `now_ns` (CLOCK_MONOTONIC or virtual).
   /// `stepped`: messages count as arrived at `now_ns`, since they came by another clock.
   void read(std::int64_t now_ns, double dt, bool stepped = false) noexcept;
 
-  const sensing::Signals& signals() const noexcept { return signals_; }
-  static constexpr int kChannels = 10;
-  InputReport report(int channel) const noexcept;
+  /// What arm 0 and everything that belongs to no arm say, or arm 1.
+  const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
+  int arm_count() const noexcept { return second_ ? 2 : 1; }
+  int channel_count() const noexcept { return second_ ? 14 : 10; }
+  InputReport report(int channel) const noexcept;  // the second arm's come last
 
  private:
   template <class Message>
@@ -61,11 +64,21 @@ class Inputs {
   template <class Message>
   static InputReport report_of(const Channel<Message>& channel) noexcept;
 
-  sensing::Signals signals_;
-  Channel<ft_wrench_t> force_torque_;
-  Channel<imu_t> inertial_;
-  Channel<robot_state_t> robot_;
-  Channel<hand_state_t> hand_;
+  /// What an arm and its hand tell of themselves; `names` in the order of the members.
+  struct ArmChannels {
+    ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names);
+    Channel<ft_wrench_t> force_torque;
+    Channel<imu_t> inertial;
+    Channel<robot_state_t> robot;
+    Channel<hand_state_t> hand;
+  };
+  void drain(ArmChannels& arm, sensing::Signals& signals, std::int64_t now_ns,
+             bool stepped) noexcept;
+  static InputReport report_of(const ArmChannels& arm, int channel) noexcept;
+
+  std::array<sensing::Signals, 2> signals_;
+  ArmChannels first_;
+  std::unique_ptr<ArmChannels> second_;
   Channel<manual_force_t> manual_;
   std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
 };

@@ -68,7 +68,7 @@ nlohmann::json statistics(const Daemon& daemon) {
         {"p99.9", latency.quantile_ns(0.999) * 1e-3},
         {"max", latency.max_ns() * 1e-3}};
   }
-  for (int i = 0; i < palpate::daemon::Inputs::kChannels; ++i) {
+  for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
     json["inputs"][report.name] = {
         {"received", report.received}, {"lost", report.lost}, {"rejected", report.rejected}};

@@ -9,6 +9,7 @@ namespace palpate::daemon {
 namespace {
 
 constexpr double kNotEstimated = -1;
+constexpr const char* kCommandChannels[] = {"TWIST_COMMAND", "TWIST_COMMAND_1"};
 
 std::int32_t shape_status(elasticity::StepStatus status) noexcept {
   switch (status) {
@@ -28,18 +29,18 @@ void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 
 
 Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
                      const component::Pipeline& pipeline, std::int64_t session)
-    : command_stamp_(session),
-      contacts_stamp_(session),
+    : contacts_stamp_(session),
       estimate_stamp_(session),
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
-      command_(control, "TWIST_COMMAND"),
       contacts_(control, "CONTACTS"),
       estimate_(control, "ESTIMATE"),
       feature_(control, "FEATURE"),
       shape_(housekeeping, "SHAPE"),
       mesh_publisher_(housekeeping, "SHAPE_MESH") {
+  for (int arm = 0; arm < pipeline.arm_count(); ++arm)
+    commands_.emplace_back(control, kCommandChannels[arm], session);
   put_text(feature_message_.kind, pipeline.feature().kind());
   shape_message_.mesh_hash = pipeline.object().hash;
   shape_message_.node_count = pipeline.object().corners.node_count();
@@ -49,14 +50,15 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
   prepare_mesh(pipeline);
 }
 
-void Telemetry::publish_command(const control::GateOutput& gate, bool valid,
+void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool valid,
                                 std::int64_t utime) noexcept {
-  command_stamp_.put(command_message_, utime);
-  command_message_.counter = ++command_counter_;
-  command_message_.grasp = 0;
-  command_message_.valid = valid ? 1 : 0;
-  put(gate.V_W_E.vector(), command_message_.twist);
-  command_.publish(command_message_);
+  Command& command = commands_[arm];
+  command.stamp.put(command.message, utime);
+  command.message.counter = ++command.counter;
+  command.message.grasp = arm;
+  command.message.valid = valid ? 1 : 0;
+  put(gate.V_W_E.vector(), command.message.twist);
+  command.publisher.publish(command.message);
 }
 
 void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept {

@@ -22,8 +22,9 @@ class Telemetry {
   Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
             const component::Pipeline& pipeline, std::int64_t session);
 
-  /// Each cycle, on the control bus.
-  void publish_command(const control::GateOutput& gate, bool valid, std::int64_t utime) noexcept;
+  /// Each cycle, on the control bus. `arm`: 0, or 1 where the pipeline has a second one.
+  void publish_command(int arm, const control::GateOutput& gate, bool valid,
+                       std::int64_t utime) noexcept;
   void publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept;
   /// At the rate of SHAPE. `age_us`: how old the shape is.
   void publish_shape(component::Pipeline& pipeline, std::int64_t age_us,
@@ -35,17 +36,24 @@ class Telemetry {
  private:
   void prepare_mesh(const component::Pipeline& pipeline);
 
-  bus::Stamp command_stamp_, contacts_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
-      mesh_stamp_;
-  bus::TypedPublisher<twist_command_t> command_;
+  /// TWIST_COMMAND of one arm.
+  struct Command {
+    Command(bus::MessageBus& control, const char* channel, std::int64_t session)
+        : stamp(session), publisher(control, channel) {}
+    bus::Stamp stamp;
+    bus::TypedPublisher<twist_command_t> publisher;
+    std::int64_t counter = 0;
+    twist_command_t message{};
+  };
+
+  std::vector<Command> commands_;  // by arm
+  bus::Stamp contacts_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_, mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;
   bus::TypedPublisher<estimate_t> estimate_;
   bus::TypedPublisher<feature_t> feature_;
   bus::TypedPublisher<shape_t> shape_;
   bus::TypedPublisher<shape_mesh_t> mesh_publisher_;
 
-  std::int64_t command_counter_ = 0;
-  twist_command_t command_message_{};
   contacts_t contacts_message_{};
   estimate_t estimate_message_{};
   feature_t feature_message_{};

@@ -12,12 +12,12 @@ constexpr int kMostPoints =
 }  // namespace
 
 CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
-                                 const robot::Robot& robot, std::int64_t session,
+                                 const std::vector<Arm>& arms, std::int64_t session,
                                  std::int64_t start_utime)
     : channel_(scene.sensors.camera.timing, math::Random(scene.seed, "camera")),
       delay_us_(std::lround(1e6 * scene.sensors.camera.timing.delay)),
       noise_(scene.seed, "depth"),
-      scenery_(scene, robot),
+      scenery_(scene, arms),
       camera_(*scene.camera, kMostPoints),
       start_utime_(start_utime),
       publisher_(control, "SHAPE_OBSERVATION"),
@@ -38,7 +38,7 @@ void CameraPublisher::publish(const Reading& reading) {
   publisher_.publish(message);
 }
 
-void CameraPublisher::step(std::int64_t now_us, const robot::Robot& robot,
+void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
                            const object::HyperelasticPlant& plant) {
   if (channel_.due(now_us)) {
     ++pictures_;
@@ -47,7 +47,7 @@ void CameraPublisher::step(std::int64_t now_us, const robot::Robot& robot,
       ++left_out_;
     } else {
       // Noise of a picture depends on its number alone, not on what was left out before.
-      camera_.submit(scenery_.now(robot, plant), noise_.split(std::to_string(pictures_)));
+      camera_.submit(scenery_.now(arms, plant), noise_.split(std::to_string(pictures_)));
       drawn_us_ = now_us;
     }
   }

@@ -18,7 +18,7 @@ namespace palpate::scenes {
 class CameraPublisher {
  public:
   /// The scene has a camera. Throws std::runtime_error where nothing can be drawn.
-  CameraPublisher(bus::MessageBus& control, const Scene& scene, const robot::Robot& robot,
+  CameraPublisher(bus::MessageBus& control, const Scene& scene, const std::vector<Arm>& arms,
                   std::int64_t session, std::int64_t start_utime);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
@@ -27,7 +27,8 @@ class CameraPublisher {
   void let_lag() { may_lag_ = true; }
 
   /// Once a tick, with time rising: takes a picture where one is due, sends what has arrived.
-  void step(std::int64_t now_us, const robot::Robot& robot, const object::HyperelasticPlant& plant);
+  void step(std::int64_t now_us, const std::vector<Arm>& arms,
+            const object::HyperelasticPlant& plant);
 
   std::int64_t left_out() const { return left_out_; }
 

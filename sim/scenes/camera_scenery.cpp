@@ -46,12 +46,14 @@ std::optional<camera::Body> rig(const object::PlantOptions& plant) {
 
 }  // namespace
 
-CameraScenery::CameraScenery(const Scene& scene, const robot::Robot& robot)
+CameraScenery::CameraScenery(const Scene& scene, const std::vector<Arm>& arms)
     : X_WO_(scene.X_WO), object_colour_(scene.camera->filter.colour) {
-  for (const robot::VisualShape& visual : robot.visuals()) {
-    const Eigen::Vector3f c = visual.colour.cast<float>();
-    visuals_.push_back(
-        {visual.link, make_body(mesh_of(visual), visual.X_LV, {c.x(), c.y(), c.z(), 1})});
+  for (std::size_t i = 0; i < arms.size(); ++i) {
+    for (const robot::VisualShape& visual : arms[i].robot().visuals()) {
+      const Eigen::Vector3f c = visual.colour.cast<float>();
+      visuals_.push_back(
+          {i, visual.link, make_body(mesh_of(visual), visual.X_LV, {c.x(), c.y(), c.z(), 1})});
+    }
   }
   if (std::optional<camera::Body> block = rig(scene.plant)) {
     block->X_WB = X_WO_ * block->X_WB;
@@ -59,12 +61,14 @@ CameraScenery::CameraScenery(const Scene& scene, const robot::Robot& robot)
   }
 }
 
-std::vector<camera::Body> CameraScenery::now(const robot::Robot& robot,
+std::vector<camera::Body> CameraScenery::now(const std::vector<Arm>& arms,
                                              const object::HyperelasticPlant& plant) const {
   std::vector<camera::Body> bodies = still_;
   for (const Visual& visual : visuals_) {
+    const Arm& arm = arms[visual.arm];
+    const math::Pose X_base = X_WO_ * arm.scene().X_WO.inverse();
     bodies.push_back(visual.body);
-    bodies.back().X_WB = robot.link_pose(visual.link) * visual.body.X_WB;
+    bodies.back().X_WB = X_base * arm.robot().link_pose(visual.link) * visual.body.X_WB;
   }
   bodies.push_back(
       make_body({plant.positions(), plant.surface_triangles()}, X_WO_, object_colour_, true));

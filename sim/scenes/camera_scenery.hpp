@@ -10,18 +10,19 @@
 
 namespace palpate::scenes {
 
-/// What stands before a scene's camera: arm and hand by the primitive shapes of their URDF file,
+/// What stands before a scene's camera: arms and hands by the primitive shapes of their URDF file,
 /// the object, and a block of the test rig behind the face that it clamps.
 class CameraScenery {
  public:
-  CameraScenery(const Scene& scene, const robot::Robot& robot);
+  CameraScenery(const Scene& scene, const std::vector<Arm>& arms);
 
-  /// Everything where it is now, in W. A copy, which another thread may draw.
-  std::vector<camera::Body> now(const robot::Robot& robot,
+  /// Everything where it is now, in W of the first arm. A copy, which another thread may draw.
+  std::vector<camera::Body> now(const std::vector<Arm>& arms,
                                 const object::HyperelasticPlant& plant) const;
 
  private:
   struct Visual {
+    std::size_t arm;
     std::string link;
     camera::Body body;  // posed in the link
   };

@@ -7,6 +7,7 @@
 #include <palpate/component_command_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <string_view>
 
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/text.hpp"
@@ -14,6 +15,28 @@
 #include "tests/support/recordings.hpp"
 
 namespace palpate {
+
+/// Passes everything on, but for what is published on channels whose name ends in `muted`.
+class MutableBus : public bus::MessageBus {
+ public:
+  explicit MutableBus(std::unique_ptr<bus::MessageBus> bus) : bus_(std::move(bus)) {}
+  bus::Subscription& subscribe(const std::string& channel, int encoded_size,
+                               std::int64_t fingerprint, int depth) override {
+    return bus_->subscribe(channel, encoded_size, fingerprint, depth);
+  }
+  void start() override { bus_->start(); }
+  void stop() noexcept override { bus_->stop(); }
+  bool publish(const char* channel, const void* data, int size) noexcept override {
+    const std::string_view name = channel;
+    const bool is_muted = !muted.empty() && name.size() >= muted.size() &&
+                          name.substr(name.size() - muted.size()) == muted;
+    return is_muted || bus_->publish(channel, data, size);
+  }
+  std::string_view muted;
+
+ private:
+  std::unique_ptr<bus::MessageBus> bus_;
+};
 
 /// Simulator and daemon in one process over the in-memory bus, in virtual time: the same classes as
 /// in palpate-sim and palpated.
@@ -23,7 +46,7 @@ class ClosedLoop {
              const std::vector<std::string>& scene_overrides = {},
              const std::vector<std::string>& daemon_overrides = {})
       : hub_(bus::make_memory_hub()),
-        sim_bus_(bus::make_memory_bus(hub_)),
+        sim_bus_(std::make_unique<MutableBus>(bus::make_memory_bus(hub_))),
         daemon_bus_(bus::make_memory_bus(hub_)),
         user_bus_(bus::make_memory_bus(hub_)),
         simulation_(config::Node::load_file(source(scene), scene_overrides), *sim_bus_, *sim_bus_),
@@ -47,6 +70,9 @@ class ClosedLoop {
   void run(double seconds) {
     run(seconds, [] {});
   }
+
+  /// From now on nobody hears the simulator on channels whose name ends so.
+  void mute(std::string_view ending) { sim_bus_->muted = ending; }
 
   void send_event(const char* event) {
     component_command_t message{};
@@ -93,7 +119,8 @@ class ClosedLoop {
   }
 
   std::shared_ptr<bus::MemoryHub> hub_;
-  std::unique_ptr<bus::MessageBus> sim_bus_, daemon_bus_, user_bus_;
+  std::unique_ptr<MutableBus> sim_bus_;
+  std::unique_ptr<bus::MessageBus> daemon_bus_, user_bus_;
   scenes::Simulation simulation_;
   daemon::Daemon daemon_;
   bus::TypedPublisher<component_command_t> commands_;

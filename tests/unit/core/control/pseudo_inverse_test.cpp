@@ -60,7 +60,7 @@ TEST_P(PseudoInverseTest, EqualsAnOrthogonalDecomposition) {
     const MatrixXd J = random_matrix(random, GetParam(), 6);
     const VectorXd s = random_matrix(random, GetParam(), 1);
     ASSERT_TRUE(inverse.decompose(J));
-    const VectorXd u = inverse.solve(s).vector();
+    const VectorXd u = inverse.solve(s);
     const VectorXd expected = reference(J, VectorXd::Ones(GetParam()), 0.1, s);
     EXPECT_LT((u - expected).norm(), 1e-6 * (1 + expected.norm()));
     inverse.unreachable(s, rest);
@@ -80,7 +80,7 @@ TEST(PseudoInverse, ScalesTheRotationRowsOfAPose) {
   J.middleCols<4>(1).setZero();
   const VectorXd s = random_matrix(random, 6, 1);
   ASSERT_TRUE(inverse.decompose(J));
-  EXPECT_LT((inverse.solve(s).vector() - reference(J, rows, 0.2, s)).norm(), 1e-8);
+  EXPECT_LT((inverse.solve(s) - reference(J, rows, 0.2, s)).norm(), 1e-8);
 }
 
 TEST(PseudoInverse, FadesNearASingularity) {
@@ -95,7 +95,7 @@ TEST(PseudoInverse, FadesNearASingularity) {
     J(0, 0) = 1;
     J(1, 1) = sigma;
     ASSERT_TRUE(inverse.decompose(J));
-    const math::Twist u = inverse.solve(s);
+    const math::Twist u = math::Twist::from(inverse.solve(s));
     EXPECT_NEAR(u.linear.x(), 1, 1e-9);
     EXPECT_NEAR(u.linear.y(), sigma / (damping * damping), 1e-6);
     EXPECT_LE(u.linear.y(), last);
@@ -122,7 +122,7 @@ TEST(PseudoInverse, RefusesNothingAndNonsense) {
   PseudoInverse inverse(PseudoInverse::Options{});
   inverse.set_up(feature);
   EXPECT_FALSE(inverse.decompose(MatrixXd::Zero(3, 6)));
-  EXPECT_EQ(inverse.solve(VectorXd::Ones(3)).vector().norm(), 0);
+  EXPECT_EQ(inverse.solve(VectorXd::Ones(3)).norm(), 0);
   EXPECT_FALSE(
       inverse.decompose(MatrixXd::Constant(3, 6, std::numeric_limits<double>::quiet_NaN())));
   EXPECT_FALSE(inverse.decompose(MatrixXd::Constant(3, 6, 1e300)));

@@ -44,7 +44,7 @@ TEST_P(EveryExample, IsConfiguredAndStarts) {
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive) << pipeline.condition().reason;
   const elasticity::Body& body = pipeline.object().body;
   EXPECT_LE(body.mesh.node_count(), kMostNodes);
-  EXPECT_GT(body.fixed_nodes.size(), 0u);
+  EXPECT_TRUE(!body.fixed_nodes.empty() || body.grasps.size() == 2) << "nothing holds it";
   if (!body.grasps.empty()) {
     // G lies within what the hand has hold of.
     const Eigen::Vector3d p = body.grasps[0].X_OG_rest.translation();

@@ -1,0 +1,87 @@
+#include "rt/daemon/inputs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace palpate::daemon {
+namespace {
+
+class InputsTest : public ::testing::Test {
+ protected:
+  template <class Message>
+  void send(const std::string& channel, Message message, int seq) {
+    message.session = 3;
+    message.seq = seq;
+    bus::TypedPublisher<Message>(*sender_, channel).publish(message);
+  }
+
+  static InputReport report(const Inputs& inputs, const std::string& name) {
+    for (int i = 0; i < inputs.channel_count(); ++i)
+      if (inputs.report(i).name == name) return inputs.report(i);
+    ADD_FAILURE() << "no input " << name;
+    return {};
+  }
+
+  static robot_state_t robot_at(double x) {
+    robot_state_t state{};
+    state.joint_count = 7;
+    state.quaternion[0] = 1;
+    state.position[0] = x;
+    return state;
+  }
+
+  std::shared_ptr<bus::MemoryHub> hub_ = bus::make_memory_hub();
+  std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
+  std::unique_ptr<bus::MessageBus> sender_ = bus::make_memory_bus(hub_);
+};
+
+TEST_F(InputsTest, ASecondArmAddsItsChannels) {
+  const Inputs one(*bus_), two(*bus_, 2);
+  EXPECT_EQ(one.channel_count(), 10);
+  ASSERT_EQ(two.channel_count(), 14);
+  std::set<std::string> names;
+  for (int i = 0; i < two.channel_count(); ++i) names.insert(two.report(i).name);
+  EXPECT_EQ(names.size(), 14u) << "each once";
+  for (const char* name : {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"})
+    EXPECT_EQ(names.count(name), 1u) << name;
+}
+
+TEST_F(InputsTest, ArmsAreKeptApart) {
+  Inputs inputs(*bus_, 2);
+  bus::set_time(*hub_, 1'000'000);
+  send("ROBOT_STATE", robot_at(0.1), 1);
+  send("ROBOT_STATE_1", robot_at(0.2), 1);
+  ft_wrench_t wrench{};
+  wrench.wrench[2] = 5;
+  send("FT_WRENCH_1", wrench, 1);
+  inputs.read(3'000'000, 1e-3);
+  EXPECT_EQ(inputs.signals(0).robot.latest.X_WE.translation().x(), 0.1);
+  EXPECT_EQ(inputs.signals(1).robot.latest.X_WE.translation().x(), 0.2);
+  EXPECT_EQ(inputs.signals(0).force_torque.freshness, sensing::Freshness::kNoData);
+  EXPECT_EQ(inputs.signals(1).force_torque.latest.F_S.force.z(), 5);
+  EXPECT_NEAR(report(inputs, "ROBOT_STATE_1").age, 2e-3, 1e-9);
+  EXPECT_LT(report(inputs, "FT_WRENCH").age, 0) << "nothing was ever received";
+}
+
+TEST_F(InputsTest, WhatIsBadOrMissingOfTheSecondArmIsCountedAndNeverUsed) {
+  Inputs inputs(*bus_, 2);
+  send("ROBOT_STATE_1", robot_at(0.2), 1);
+  inputs.read(0, 1e-3);
+  send("ROBOT_STATE_1", robot_at(std::nan("")), 2);
+  send("ROBOT_STATE_1", robot_at(0.3), 3);
+  send("ROBOT_STATE_1", robot_at(9), 3);  // again
+  const char wrong_size[16] = {};
+  sender_->publish("ROBOT_STATE_1", wrong_size, sizeof wrong_size);
+  send("ROBOT_STATE_1", robot_at(0.4), 7);  // three were lost
+  inputs.read(1'000'000, 1e-3);
+  const InputReport second = report(inputs, "ROBOT_STATE_1");
+  EXPECT_EQ(inputs.signals(1).robot.latest.X_WE.translation().x(), 0.4);
+  EXPECT_EQ(second.rejected, 3);
+  EXPECT_EQ(second.lost, 3);
+  EXPECT_EQ(report(inputs, "ROBOT_STATE").rejected, 0);
+}
+
+}  // namespace
+}  // namespace palpate::daemon
