@@ -1,18 +1,21 @@
 #include "sim/scenes/command_receiver.hpp"
 
+#include "sim/scenes/channels.hpp"
+
 namespace palpate::scenes {
 namespace {
 constexpr int kDepth = 64;
 }
 
-CommandReceiver::CommandReceiver(bus::MessageBus& control)
-    : twists_(control, "TWIST_COMMAND", kDepth),
-      joints_(control, "JOINT_VELOCITY_COMMAND", kDepth),
-      hands_(control, "HAND_COMMAND", kDepth) {}
+CommandReceiver::CommandReceiver(bus::MessageBus& control, int arm)
+    : arm_(arm),
+      twists_(control, channel_of("TWIST_COMMAND", arm), kDepth),
+      joints_(control, channel_of("JOINT_VELOCITY_COMMAND", arm), kDepth),
+      hands_(control, channel_of("HAND_COMMAND", arm), kDepth) {}
 
 void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot) {
   const Eigen::Map<const math::Vector6d> twist(message.twist);
-  if (!twist_order_.accept(message.session, message.seq) || message.grasp != 0 ||
+  if (!twist_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
       !twist.allFinite()) {
     ++rejected_;
     return;
@@ -28,7 +31,7 @@ void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot)
 void CommandReceiver::apply(const joint_velocity_command_t& message, robot::Robot& robot) {
   const int count = robot.joint_count();
   const Eigen::Map<const Eigen::VectorXd> velocity(message.dq, count);
-  if (!joint_order_.accept(message.session, message.seq) || message.grasp != 0 ||
+  if (!joint_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
       message.joint_count != count || !velocity.allFinite()) {
     ++rejected_;
     return;

@@ -16,8 +16,8 @@ namespace palpate::scenes {
 /// that is not valid stops the arm, one that is broken is rejected and counted.
 class CommandReceiver {
  public:
-  /// Before the bus starts.
-  explicit CommandReceiver(bus::MessageBus& control);
+  /// Of arm 0 or 1. Before the bus starts.
+  explicit CommandReceiver(bus::MessageBus& control, int arm = 0);
 
   /// What moves the arm.
   void apply(robot::Robot& robot);
@@ -30,6 +30,7 @@ class CommandReceiver {
   void apply(const twist_command_t& message, robot::Robot& robot);
   void apply(const joint_velocity_command_t& message, robot::Robot& robot);
 
+  int arm_;
   bus::TypedSubscription<twist_command_t> twists_;
   bus::TypedSubscription<joint_velocity_command_t> joints_;
   bus::TypedSubscription<hand_command_t> hands_;

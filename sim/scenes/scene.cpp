@@ -22,9 +22,10 @@ void read_bus(const config::Node& node, BusUrls& bus) {
   bus.pictures = node.text("pictures", bus.pictures);
 }
 
-object::GraspOptions read_grasp(const config::Node& node) {
+/// Both hands have the same pads.
+object::GraspOptions read_grasp(const config::Node& node, const char* box) {
   object::GraspOptions grasp;
-  grasp.patch = read_box(node.child("grasp_box"));
+  grasp.patch = read_box(node.child(box));
   const config::Node pads = node.child_or_empty("pads");
   grasp.stiffness = pads.number("stiffness", {1, 1e7}, grasp.stiffness);
   grasp.damping = pads.number("damping", {0, 1e4}, grasp.damping);
@@ -70,21 +71,27 @@ void read_object(const config::Node& node, Scene& scene) {
   plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
   plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
   scene.X_WO = node.pose("pose");
-  plant.clamp = read_box(node.child("clamp_box"));
-  if (node.has("grasp_box")) plant.grasps = {read_grasp(node)};
+  if (node.has("grasp_box")) plant.grasps = {read_grasp(node, "grasp_box")};
+  if (node.has("second_grasp_box")) {
+    if (plant.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
+    plant.grasps.push_back(read_grasp(node, "second_grasp_box"));
+  }
+  // An object that two hands hold needs no rig.
+  if (node.has("clamp_box") || plant.grasps.size() < 2)
+    plant.clamp = read_box(node.child("clamp_box"));
   scene.object_gravity = node.flag("gravity", true);
 }
 
-void read_robot(const config::Node& node, Scene& scene) {
-  scene.urdf = node.path("urdf");
+void read_robot(const config::Node& node, ArmScene& arm) {
+  arm.urdf = node.path("urdf");
   const std::vector<double> joints = node.numbers("initial_joints", -1, {-2 * kPi, 2 * kPi});
-  scene.initial_joints = Eigen::Map<const Eigen::VectorXd>(joints.data(), joints.size());
-  scene.X_EG = node.pose("grasp_in_flange");
+  arm.initial_joints = Eigen::Map<const Eigen::VectorXd>(joints.data(), joints.size());
+  arm.X_EG = node.pose("grasp_in_flange");
   const config::Node hand = node.child_or_empty("initial_hand");
   for (const std::string& joint : hand.keys())
-    scene.initial_hand[joint] = hand.number(joint, {-2 * kPi, 2 * kPi});
+    arm.initial_hand[joint] = hand.number(joint, {-2 * kPi, 2 * kPi});
   const config::Node frames = node.child_or_empty("frames");
-  robot::FrameNames& names = scene.robot.frames;
+  robot::FrameNames& names = arm.robot.frames;
   names.flange = frames.text("flange", names.flange);
   names.sensor = frames.text("sensor", names.sensor);
   names.imu = frames.text("imu", names.imu);
@@ -137,6 +144,21 @@ MotionPlan read_motion(const config::Node& node) {
   return MotionPlan(std::move(legs), node.number("start_delay", {0, 3600}, 1));
 }
 
+/// The keys of `robot`, the pose of its base in that of the first arm, and what is its own of
+/// motion and sensors.
+ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
+  if (scene.plant.grasps.size() < 2)
+    node.fail("", "needs object.second_grasp_box, which says where its hand holds the object");
+  ArmScene arm;
+  read_robot(node, arm);
+  const math::Pose X_base = node.pose("base_in_first");
+  arm.X_WO = X_base.inverse() * scene.X_WO;
+  arm.robot.gravity_W = X_base.linear().transpose() * scene.robot.gravity_W;
+  arm.sensors = node.has("sensors") ? sensors::read_sensors(node.child("sensors")) : scene.sensors;
+  if (node.has("motion")) arm.motion = read_motion(node.child("motion"));
+  return arm;
+}
+
 }  // namespace
 
 Scene read_scene(const config::Node& node) {
@@ -153,6 +175,11 @@ Scene read_scene(const config::Node& node) {
   scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
   if (node.has("camera")) scene.camera = read_camera(node.child("camera"), scene);
   if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
+  if (node.has("second_arm")) {
+    scene.second_arm = read_second_arm(node.child("second_arm"), scene);
+  } else if (scene.plant.grasps.size() > 1) {
+    node.child("object").fail("second_grasp_box", "needs a section second_arm, whose hand it is");
+  }
   node.check_all_used();
   return scene;
 }

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -9,12 +8,8 @@
 #include "rt/config/node.hpp"
 #include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
-#include "sim/robot/robot.hpp"
-#include "sim/scenes/fingertips.hpp"
-#include "sim/scenes/hand_control.hpp"
-#include "sim/scenes/motion_plan.hpp"
+#include "sim/scenes/arm.hpp"
 #include "sim/scenes/pokes.hpp"
-#include "sim/sensors/sensor_table.hpp"
 
 namespace palpate::scenes {
 
@@ -25,28 +20,17 @@ struct BusUrls {
   std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
 };
 
-/// A scene file as a struct.
-struct Scene {
+/// A scene file as a struct: the first arm, and what else there is.
+struct Scene : ArmScene {
   std::uint64_t seed = 1;
   BusUrls bus;
 
-  object::PlantOptions plant;  // but for the hand's pose at rest and gravity, which the arm decides
-  math::Pose X_WO = math::Pose::Identity();
+  object::PlantOptions plant;  // but for the hands' poses at rest and gravity: the arms decide
   bool object_gravity = true;
   std::vector<Poke> pokes;
 
-  std::string urdf;
-  robot::RobotOptions robot;
-  Eigen::VectorXd initial_joints;              // rad
-  std::map<std::string, double> initial_hand;  // rad, by joint; the others are at zero
-  math::Pose X_EG = math::Pose::Identity();
-
-  std::vector<Fingertip> fingertips;  // that touch the object; none: the fingers are air
-  std::vector<HandAction> hand;       // beside what HAND_COMMAND says
-
-  sensors::SensorTable sensors;
+  std::optional<ArmScene> second_arm;
   std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION
-  std::optional<MotionPlan> motion;                  // none: the arm obeys the daemon
 };
 
 /// Throws config::Error, also for keys that nobody knows.

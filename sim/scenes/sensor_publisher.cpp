@@ -3,21 +3,23 @@
 #include <algorithm>
 #include <iterator>
 
+#include "sim/scenes/channels.hpp"
+
 namespace palpate::scenes {
 
 SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
-                                 std::int64_t start_utime)
+                                 std::int64_t start_utime, int arm)
     : start_utime_(start_utime),
-      ft_(control, "FT_WRENCH"),
-      imu_(control, "IMU"),
-      robot_(control, "ROBOT_STATE"),
-      hand_(control, "HAND_STATE"),
+      ft_(control, channel_of("FT_WRENCH", arm)),
+      imu_(control, channel_of("IMU", arm)),
+      robot_(control, channel_of("ROBOT_STATE", arm)),
+      hand_(control, channel_of("HAND_STATE", arm)),
       ft_stamp_(session),
       imu_stamp_(session),
       robot_stamp_(session),
       hand_stamp_(session) {
   for (int i = 0; i < sensors::kMostFingertips; ++i) {
-    biotacs_.emplace_back(control, "BIOTAC_" + std::to_string(i));
+    biotacs_.emplace_back(control, channel_of("BIOTAC_" + std::to_string(i), arm));
     biotac_stamps_.emplace_back(session);
   }
 }

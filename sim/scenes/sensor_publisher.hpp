@@ -17,7 +17,9 @@ namespace palpate::scenes {
 /// sampling: start_utime plus simulated time.
 class SensorPublisher {
  public:
-  SensorPublisher(bus::MessageBus& control, std::int64_t session, std::int64_t start_utime);
+  /// Of arm 0 or 1.
+  SensorPublisher(bus::MessageBus& control, std::int64_t session, std::int64_t start_utime,
+                  int arm = 0);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
   /// Sends all readings that have arrived by `now_us`.

@@ -7,16 +7,11 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/config/node.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
-#include "sim/robot/robot.hpp"
+#include "sim/scenes/arm.hpp"
 #include "sim/scenes/camera_publisher.hpp"
-#include "sim/scenes/command_receiver.hpp"
-#include "sim/scenes/fingertips.hpp"
-#include "sim/scenes/hand_control.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "sim/scenes/scene.hpp"
-#include "sim/scenes/sensor_publisher.hpp"
 #include "sim/scenes/truth_publisher.hpp"
-#include "sim/sensors/sensor_suite.hpp"
 
 namespace palpate::scenes {
 
@@ -26,11 +21,11 @@ struct Origin {
   std::int64_t start_utime = 0;  // us; utime of a message is this plus simulated time
 };
 
-/// Arm, object and sensors, stepped together, on two message buses. Time is counted in ticks of
-/// 1 ms, and nothing depends on the real clock: the same scene and the same commands give the same
-/// messages.
+/// One arm or two, object and sensors, stepped together, on two message buses. Time is counted in
+/// ticks of 1 ms, and nothing depends on the real clock: the same scene and the same commands give
+/// the same messages.
 ///
-/// One tick: commands that have arrived (or the scene's own motion) -> arm and hand, with the
+/// One tick: commands that have arrived (or the scene's own motion) -> arms and hands, with the
 /// object's reaction on palm and fingertips -> object, with their new poses -> sensors -> messages.
 /// The reaction is that of the tick before; the object is a hundredth of the hand's mass.
 class Simulation {
@@ -46,7 +41,7 @@ class Simulation {
   /// utime of tick 0 from now on, us: the wall clock once the object has settled. Before step().
   void start_clock(std::int64_t start_utime) {
     origin_.start_utime = start_utime;
-    sensor_publisher_.start_clock(start_utime);
+    for (Arm& arm : arms_) arm.start_clock(start_utime);
     if (camera_) camera_->start_clock(start_utime);
   }
 
@@ -63,35 +58,29 @@ class Simulation {
   std::int64_t utime() const { return origin_.start_utime + kPeriodUs * tick_; }  // us
 
   const Scene& scene() const { return scene_; }
-  const robot::Robot& robot() const { return *robot_; }
+  int arm_count() const { return static_cast<int>(arms_.size()); }
+  const Arm& arm(int index) const { return arms_[index]; }
   const object::HyperelasticPlant& plant() const { return *plant_; }
-  const CommandReceiver& commands() const { return commands_; }
   const CameraPublisher* camera() const { return camera_.get(); }  // nullptr: the scene has none
-  math::Pose grasp_in_object() const;                              // X_OG
-  /// What the scene's motion asks for now; the first pose where there is none.
-  math::Pose grasp_target() const;
   std::int64_t mesh_hash() const { return truth_.mesh_hash(); }
 
+  // Of the first arm.
+  const robot::Robot& robot() const { return arms_[0].robot(); }
+  const CommandReceiver& commands() const { return arms_[0].commands(); }
+  math::Pose grasp_in_object() const { return arms_[0].grasp_in_object(); }  // X_OG
+  /// What the scene's motion asks for now; the first pose where there is none.
+  math::Pose grasp_target() const { return arms_[0].grasp_target(time()); }
+
  private:
-  void follow_motion();
-  sensors::Truth sense() const;
-  void follow_hand_plan();
-  math::Twist grasp_twist() const;  // V_O_G
+  std::vector<math::Pose> grasps_in_object() const;
 
   Scene scene_;
   Origin origin_;
-  std::unique_ptr<robot::Robot> robot_;
-  FingertipCoupling fingertips_;
-  math::Pose X_OG_first_;
+  std::vector<Arm> arms_;
   std::unique_ptr<object::HyperelasticPlant> plant_;
   Pokes pokes_;
-  HandControl hand_;
-  sensors::SensorSuite sensors_;
-  CommandReceiver commands_;
-  SensorPublisher sensor_publisher_;
   std::unique_ptr<CameraPublisher> camera_;
   TruthPublisher truth_;
-  std::size_t next_action_ = 0;  // of the scene's plan for the hand
   std::int64_t tick_ = 0;
 };
 

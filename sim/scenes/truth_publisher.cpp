@@ -104,16 +104,17 @@ void TruthPublisher::publish_shape(const object::HyperelasticPlant& plant, std::
   shapes_.publish(shape_);
 }
 
-void TruthPublisher::publish_contact(const object::HyperelasticPlant& plant, const math::Pose& X_OG,
-                                     std::int64_t utime) {
+void TruthPublisher::publish_contact(const object::HyperelasticPlant& plant,
+                                     const std::vector<math::Pose>& X_OG, std::int64_t utime) {
   truth_contact_t message{};
   contact_stamp_.put(message, utime);
   for (auto& quaternion : message.grasp_quaternion) quaternion[0] = 1;
-  if (plant.grasped()) {
-    message.grasp_count = 1;
-    Eigen::Map<Eigen::Vector3d>(message.grasp_position[0]) = X_OG.translation();
-    math::wxyz_from_rotation(X_OG.linear(), message.grasp_quaternion[0]);
-    Eigen::Map<math::Vector6d>(message.grasp_wrench[0]) = plant.hand_wrench().vector();
+  for (int i = 0; i < plant.grasp_count(); ++i) {
+    if (!plant.grasped(i)) continue;
+    message.grasp_count = i + 1;
+    Eigen::Map<Eigen::Vector3d>(message.grasp_position[i]) = X_OG[i].translation();
+    math::wxyz_from_rotation(X_OG[i].linear(), message.grasp_quaternion[i]);
+    Eigen::Map<math::Vector6d>(message.grasp_wrench[i]) = plant.hand_wrench(i).vector();
   }
   contacts_.publish(message);
 }

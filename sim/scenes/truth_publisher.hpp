@@ -22,8 +22,8 @@ class TruthPublisher {
                  std::int64_t session);
 
   void publish_shape(const object::HyperelasticPlant& plant, std::int64_t utime);
-  /// `X_OG`: the hand now.
-  void publish_contact(const object::HyperelasticPlant& plant, const math::Pose& X_OG,
+  /// `X_OG`: the hands now, one for each grasp of the plant.
+  void publish_contact(const object::HyperelasticPlant& plant, const std::vector<math::Pose>& X_OG,
                        std::int64_t utime);
   void publish_touch(const object::HyperelasticPlant& plant, const FingertipCoupling& fingertips,
                      std::int64_t utime);

@@ -1,0 +1,158 @@
+#include "sim/scenes/arm.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace palpate::scenes {
+namespace {
+
+constexpr const char* kKeys[] = {"robot", "second_arm"};
+constexpr double kSlippingShare = 0.5;  // of the pads' area: not just its rim
+constexpr double kMotionGain = 10;      // 1/s, of the pose error onto the twist
+
+/// Of all the hand's joints, rad.
+Eigen::VectorXd initial_hand(const robot::Robot& robot,
+                             const std::map<std::string, double>& joints) {
+  const std::vector<std::string>& names = robot.hand_joint_names();
+  Eigen::VectorXd q = Eigen::VectorXd::Zero(names.size());
+  for (const auto& [name, angle] : joints) {
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found == names.end()) throw std::invalid_argument("the hand has no joint named " + name);
+    q(found - names.begin()) = angle;
+  }
+  return q;
+}
+
+std::unique_ptr<robot::Robot> make_robot(const config::Node& node, const ArmScene& scene) {
+  try {
+    auto robot = std::make_unique<robot::Robot>(robot::load_model(scene.urdf), scene.robot);
+    robot->set_joints(scene.initial_joints);
+    if (!scene.initial_hand.empty()) robot->set_hand(initial_hand(*robot, scene.initial_hand));
+    return robot;
+  } catch (const std::invalid_argument& error) {
+    node.fail("", error.what());
+  }
+}
+
+FingertipCoupling make_fingertips(const config::Node& root, const ArmScene& scene,
+                                  const robot::Robot& robot) {
+  try {
+    return FingertipCoupling(scene.fingertips, robot, scene.X_WO);
+  } catch (const std::invalid_argument& error) {
+    root.fail("fingertips", error.what());
+  }
+}
+
+/// Whether the hand holds the object, and whether it slips: by its pads where it has some, by at
+/// least two fingertips otherwise.
+void judge_hold(const object::HyperelasticPlant& plant, int hand, int tips,
+                sensors::HandReading& reading) {
+  if (plant.grasped(hand)) {
+    reading.holding = true;
+    reading.slipping = plant.grasp(hand).slip().share > kSlippingShare;
+    return;
+  }
+  int touching = 0, sticking = 0;
+  for (int i = 0; i < tips; ++i) {
+    touching += plant.fingertip(i).touch().touching;
+    sticking += plant.fingertip(i).touch().sticking;
+  }
+  reading.holding = touching >= 2;
+  reading.slipping = reading.holding && sticking < 2;
+}
+
+}  // namespace
+
+Arm::Arm(const config::Node& root, const ArmScene& scene, int index, std::uint64_t seed,
+         bus::MessageBus& control, std::int64_t session, std::int64_t start_utime)
+    : scene_(scene),
+      index_(index),
+      robot_(make_robot(root.child(kKeys[index]), scene_)),
+      fingertips_(make_fingertips(root, scene_, *robot_)),
+      X_OG_first_(grasp_in_object()),
+      hand_(*robot_),
+      sensors_(scene_.sensors, seed, scene_.X_EG, robot_->joint_count()),
+      commands_(control, index),
+      publisher_(control, session, start_utime, index) {}
+
+math::Pose Arm::grasp_in_object() const {
+  return scene_.X_WO.inverse() * robot_->flange_pose() * scene_.X_EG;
+}
+
+math::Twist Arm::grasp_twist() const {
+  const Eigen::Vector3d arm = robot_->flange_pose().linear() * scene_.X_EG.translation();
+  const math::Twist V_W_G = math::move_reference(robot_->flange_twist(), arm);
+  const Eigen::Matrix3d R_OW = scene_.X_WO.linear().transpose();
+  return {R_OW * V_W_G.linear, R_OW * V_W_G.angular};
+}
+
+math::Pose Arm::grasp_target(double time) const {
+  if (!scene_.motion) return X_OG_first_;
+  const MotionPoint point = scene_.motion->at(time);
+  return math::make_pose(point.rotation * X_OG_first_.linear(),
+                         X_OG_first_.translation() + point.translation);
+}
+
+void Arm::follow_motion(double time) {
+  const math::Pose target = grasp_target(time), X_OG = grasp_in_object();
+  math::Twist V = scene_.motion->at(time).velocity;  // of G, in O
+  V.linear += kMotionGain * (target.translation() - X_OG.translation());
+  V.angular += kMotionGain * math::log_rotation(target.linear() * X_OG.linear().transpose());
+  const Eigen::Matrix3d& R_WO = scene_.X_WO.linear();
+  const Eigen::Vector3d arm = robot_->flange_pose().linear() * scene_.X_EG.translation();
+  robot_->command_twist(math::move_reference(math::Twist{R_WO * V.linear, R_WO * V.angular}, -arm));
+}
+
+void Arm::follow_hand_plan(double time) {
+  const std::vector<HandAction>& plan = scene_.hand;
+  for (; next_action_ < plan.size() && plan[next_action_].at <= time; ++next_action_)
+    hand_.accept(plan[next_action_].command);
+}
+
+void Arm::step(std::int64_t tick, double time, double dt, const object::HyperelasticPlant& plant) {
+  if (scene_.motion) {
+    follow_motion(time);
+  } else {
+    commands_.apply(*robot_);
+  }
+  follow_hand_plan(time);
+  commands_.apply(hand_);
+  hand_.step(tick, *robot_);
+  const math::Wrench on_object = plant.hand_wrench(index_);
+  const Eigen::Matrix3d& R_WO = scene_.X_WO.linear();
+  robot_->set_hand_load({-(R_WO * on_object.force), -(R_WO * on_object.torque)},
+                        robot_->flange_pose() * scene_.X_EG.translation());
+  fingertips_.load(plant, *robot_);
+  robot_->step(dt);
+}
+
+void Arm::lead(object::HyperelasticPlant& plant) const {
+  fingertips_.move(*robot_, plant);
+  if (index_ < plant.grasp_count()) plant.move_hand(index_, grasp_in_object(), grasp_twist());
+}
+
+sensors::Truth Arm::truth(const object::HyperelasticPlant& plant) const {
+  sensors::Truth truth;
+  truth.force_torque.wrench = robot_->sensor_wrench().vector();
+  truth.X_WS = robot_->link_pose(scene_.robot.frames.sensor);
+  const robot::ImuReading imu = robot_->imu();
+  truth.imu.motion << imu.acceleration, imu.angular_velocity;
+  truth.robot.q = robot_->joint_positions();
+  truth.robot.dq = robot_->joint_velocities();
+  truth.robot.tau = robot_->joint_torques();
+  truth.robot.X_WE = robot_->flange_pose();
+  truth.robot.V_W_E = robot_->flange_twist();
+  judge_hold(plant, index_, fingertips_.tip_count(), truth.hand);
+  truth.hand.X_ET = fingertips_.poses_in_flange(*robot_);
+  truth.hand.q = robot_->hand_positions();
+  truth.touches = fingertips_.touches(*robot_, plant);
+  truth.jacobian = robot_->flange_jacobian();
+  return truth;
+}
+
+void Arm::sense(std::int64_t now_us, const object::HyperelasticPlant& plant) {
+  sensors_.sample(now_us, truth(plant));
+  publisher_.publish(sensors_, now_us);
+}
+
+}  // namespace palpate::scenes

@@ -1,0 +1,124 @@
+// The daemon has no way to read what a simulator knows to be true: whatever it is configured to do,
+// it subscribes to none of these channels, and no source file beneath it so much as names one.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "rt/daemon/daemon.hpp"
+#include "rt/daemon/stepped_clock.hpp"
+
+namespace palpate::daemon {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kSource = PALPATE_SOURCE_DIR;
+
+/// Keeps the names of all channels that anybody subscribes to.
+class RecordingBus : public bus::MessageBus {
+ public:
+  bus::Subscription& subscribe(const std::string& channel, int encoded_size,
+                               std::int64_t fingerprint, int depth) override {
+    subscriptions_.push_back(
+        std::make_unique<bus::Subscription>(channel, encoded_size, fingerprint, depth));
+    return *subscriptions_.back();
+  }
+  void start() override {}
+  void stop() noexcept override {}
+  bool publish(const char*, const void*, int) noexcept override { return true; }
+
+  std::set<std::string> channels() const {
+    std::set<std::string> names;
+    for (const auto& subscription : subscriptions_) names.insert(subscription->channel());
+    return names;
+  }
+
+ private:
+  std::vector<std::unique_ptr<bus::Subscription>> subscriptions_;
+};
+
+bool speaks_of_truth(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
+  return text.find("TRUTH_") != std::string::npos;
+}
+
+std::string text_of(const fs::path& path) {
+  std::ostringstream text;
+  text << std::ifstream(path).rdbuf();
+  return text.str();
+}
+
+/// Files below `folder` that name a channel or a type of truth.
+std::vector<std::string> culprits(const fs::path& folder, int& scanned) {
+  std::vector<std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (!entry.is_regular_file()) continue;
+    ++scanned;
+    if (speaks_of_truth(text_of(entry.path()))) found.push_back(entry.path().string());
+  }
+  return found;
+}
+
+std::vector<std::string> examples() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kSource / "rt/config/examples"))
+    if (entry.path().extension() == ".yaml") names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+/// Without sensor models that the tree does not hold.
+std::vector<std::string> overrides_for(const fs::path& example) {
+  return config::Node::load_file(example).list("sensing")[0].has("model_file")
+             ? std::vector<std::string>{"sensing=[]"}
+             : std::vector<std::string>{};
+}
+
+class EveryConfiguration : public ::testing::TestWithParam<std::string> {};
+
+TEST_P(EveryConfiguration, SubscribesToNoTruth) {
+  const fs::path file = kSource / "rt/config/examples" / (GetParam() + ".yaml");
+  const config::Node root = config::Node::load_file(file, overrides_for(file));
+  RecordingBus control, housekeeping;
+  Daemon daemon(root, control, housekeeping, Mode::kDeterministic, 1);
+  SteppedClock clock(control, 1);
+
+  const std::set<std::string> expected = {
+      "FT_WRENCH",   "IMU",      "ROBOT_STATE", "HAND_STATE", "MANUAL_FORCE", "BIOTAC_0",
+      "BIOTAC_1",    "BIOTAC_2", "BIOTAC_3",    "BIOTAC_4",   "SIM_TICK",     "COMPONENT_COMMAND",
+      "SHAPE_TARGET"};
+  const std::set<std::string> heard = control.channels();
+  EXPECT_TRUE(std::includes(heard.begin(), heard.end(), expected.begin(), expected.end()));
+  for (const RecordingBus* bus : {&control, &housekeeping}) {
+    for (const std::string& channel : bus->channels())
+      EXPECT_FALSE(speaks_of_truth(channel)) << channel;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Example, EveryConfiguration, ::testing::ValuesIn(examples()),
+                         [](const auto& tested) { return tested.param; });
+
+TEST(Subscriptions, NoSourceOfTheDaemonNamesTruth) {
+  int scanned = 0;
+  for (const char* folder : {"rt", "core"}) {
+    for (const std::string& file : culprits(kSource / folder, scanned))
+      ADD_FAILURE() << file << " names a channel or type of truth";
+  }
+  EXPECT_GT(scanned, 100);
+}
+
+TEST(Subscriptions, TheScanFindsWhatItLooksFor) {
+  EXPECT_TRUE(speaks_of_truth("TRUTH_SHAPE"));
+  EXPECT_TRUE(speaks_of_truth("#include <palpate/truth_contact_t.hpp>"));
+  EXPECT_FALSE(speaks_of_truth("the truth of it"));
+  int scanned = 0;
+  EXPECT_FALSE(culprits(kSource / "sim/scenes", scanned).empty()) << "who publishes it names it";
+}
+
+}  // namespace
+}  // namespace palpate::daemon
