@@ -60,7 +60,7 @@ CameraScenery::CameraScenery(const Scene& scene, const robot::Robot& robot)
 }
 
 std::vector<camera::Body> CameraScenery::now(const robot::Robot& robot,
-                                             const object::HyperelasticPlant& plant) const {
+                                             const object::Plant& plant) const {
   std::vector<camera::Body> bodies = still_;
   for (const Visual& visual : visuals_) {
     bodies.push_back(visual.body);

@@ -17,8 +17,7 @@ class CameraScenery {
   CameraScenery(const Scene& scene, const robot::Robot& robot);
 
   /// Everything where it is now, in W. A copy, which another thread may draw.
-  std::vector<camera::Body> now(const robot::Robot& robot,
-                                const object::HyperelasticPlant& plant) const;
+  std::vector<camera::Body> now(const robot::Robot& robot, const object::Plant& plant) const;
 
  private:
   struct Visual {
