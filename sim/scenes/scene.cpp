@@ -59,8 +59,7 @@ void read_material(const config::Node& material, object::PlantOptions& plant) {
   }
 }
 
-/// Stiffnesses are those of DART's springs, not of a material; see tests/bench/sim/robot for the
-/// modulus that they come to.
+/// Stiffnesses are those of DART's springs, not of a material.
 robot::SoftBoxOptions read_soft_box(const config::Node& node) {
   robot::SoftBoxOptions box;
   box.size = node.vector3("size", {kSmallest, 100});
