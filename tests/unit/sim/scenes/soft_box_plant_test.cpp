@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
+#include <cmath>
+#include <memory>
 
 namespace palpate::scenes {
 namespace {
@@ -20,10 +22,11 @@ robot::SoftBoxOptions small_box() {
   return options;
 }
 
-SoftBoxPlant rested() {
-  SoftBoxPlant plant(small_box(), {object::FingertipOptions{kRadius, 0, 0, 0.8}});
-  plant.move_fingertip(0, {0.03, 0.03, kEdge + kRadius + 2e-3}, {});
-  plant.settle();
+std::unique_ptr<SoftBoxPlant> rested() {
+  const std::vector<object::FingertipOptions> tips(1, {kRadius, 0, 0, 0.8});
+  auto plant = std::make_unique<SoftBoxPlant>(small_box(), tips);
+  plant->move_fingertip(0, {0.03, 0.03, kEdge + kRadius + 2e-3}, {});
+  plant->settle();
   return plant;
 }
 
@@ -39,7 +42,8 @@ void move(SoftBoxPlant& plant, double way) {
 }
 
 TEST(SoftBoxPlant, DentsUnderAFingertipAndComesBack) {
-  SoftBoxPlant plant = rested();
+  const auto rested_plant = rested();
+  SoftBoxPlant& plant = *rested_plant;
   const Eigen::Matrix3Xd rest = plant.positions();
   EXPECT_FALSE(plant.touch(0).touching);
   move(plant, -6e-3);
@@ -61,7 +65,8 @@ TEST(SoftBoxPlant, DentsUnderAFingertipAndComesBack) {
 
 TEST(SoftBoxPlant, TwoRunsAreEqualToTheBit) {
   const auto run_once = [] {
-    SoftBoxPlant plant = rested();
+    const auto rested_plant = rested();
+    SoftBoxPlant& plant = *rested_plant;
     move(plant, -4e-3);
     return Eigen::Matrix3Xd(plant.positions());
   };
@@ -69,7 +74,8 @@ TEST(SoftBoxPlant, TwoRunsAreEqualToTheBit) {
 }
 
 TEST(SoftBoxPlant, ItsTetrahedraFillTheBox) {
-  const SoftBoxPlant plant = rested();
+  const auto rested_plant = rested();
+  const SoftBoxPlant& plant = *rested_plant;
   const Eigen::Matrix3Xd& x = plant.rest_positions();
   double volume = 0;
   for (int e = 0; e < plant.elements().cols(); ++e) {
@@ -83,7 +89,8 @@ TEST(SoftBoxPlant, ItsTetrahedraFillTheBox) {
 }
 
 TEST(SoftBoxPlant, APokePushesTheNearestVertex) {
-  SoftBoxPlant plant = rested();
+  const auto rested_plant = rested();
+  SoftBoxPlant& plant = *rested_plant;
   const Eigen::Matrix3Xd rest = plant.positions();
   plant.push({0.061, 0.021, 0.019}, {-0.1, 0, 0});
   for (int i = 0; i < 300; ++i) plant.step(1e-3);
