@@ -95,6 +95,15 @@ struct DartSoftBody::Dynamics {
     for (const auto& [a, b] : edges) soft->connectPointMasses(a, b);
   }
 
+  /// DART 6.12 makes a few triangles of a box the wrong way about.
+  void turn_outward(const Eigen::Vector3d& middle) {
+    for (int t = 0; t < triangles.cols(); ++t) {
+      const Eigen::Vector3d a = positions.col(triangles(0, t));
+      const Eigen::Vector3d b = positions.col(triangles(1, t)), c = positions.col(triangles(2, t));
+      if ((b - a).cross(c - a).dot(a - middle) < 0) std::swap(triangles(0, t), triangles(1, t));
+    }
+  }
+
   void make_box(const SoftBoxOptions& o) {
     const auto shape = dd::SoftBodyNodeHelper::makeBoxProperties(
         o.size, Eigen::Isometry3d::Identity(), o.vertices, o.mass, o.vertex_stiffness,
@@ -117,6 +126,8 @@ struct DartSoftBody::Dynamics {
     for (std::size_t i = 0; i < soft->getNumFaces(); ++i) triangles.col(i) = soft->getFace(i);
     join_edges();
     positions.resize(3, soft->getNumPointMasses());
+    read_positions();
+    turn_outward(o.size / 2);
     pulls.assign(soft->getNumPointMasses(), Eigen::Vector3d::Zero());
   }
 
