@@ -1,6 +1,7 @@
 #include "core/control/twist_law.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "core/control/speed_limit.hpp"
@@ -39,6 +40,7 @@ void TwistLaw::configure_for(const shape::Feature& feature) {
   for (int row = 0; row < feature.dimension(); ++row) {
     if (is_rotation_row(feature, row)) position_rows_[row] = 0;
   }
+  point_scale_ = 1 / std::sqrt(std::max(1.0, position_rows_.sum() / 3));
   dead_band_.reset();
 }
 
@@ -72,7 +74,7 @@ void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
 }
 
 bool TwistLaw::rests(const Eigen::VectorXd& reachable) noexcept {
-  const double position = reachable.cwiseProduct(position_rows_).norm();
+  const double position = point_scale_ * reachable.cwiseProduct(position_rows_).norm();
   const double angle = (reachable - reachable.cwiseProduct(position_rows_)).norm();
   return dead_band_.rests(position, angle);
 }

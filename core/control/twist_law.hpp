@@ -18,8 +18,8 @@ struct TwistLawOptions {
 };
 
 /// A law of the form u = J^+ (gain * motion): the derived law says by which motion the feature
-/// would come to its target. Rests in the dead band of the reachable error; scales to the speed
-/// limits.
+/// would come to its target. Rests in the dead band of the reachable error, of a set of points its
+/// root mean square over the points; scales to the speed limits.
 class TwistLaw : public ControlLaw {
  public:
   using Options = TwistLawOptions;
@@ -44,6 +44,7 @@ class TwistLaw : public ControlLaw {
   PseudoInverse inverse_;
   DeadBand dead_band_;
   Eigen::VectorXd position_rows_;  // 1 on rows in metres
+  double point_scale_ = 1;         // 1 / sqrt(number of points that the error speaks of)
   Eigen::VectorXd motion_;
 };
 

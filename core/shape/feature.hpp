@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/SparseCore>
 #include <vector>
 
 #include "core/math/rigid.hpp"
@@ -13,7 +14,7 @@ namespace palpate::shape {
 class Feature {
  public:
   virtual ~Feature() = default;
-  virtual const char* kind() const noexcept = 0;  // "point", "pose", ...
+  virtual const char* kind() const noexcept = 0;  // "point", "pose", "points"
   virtual int dimension() const noexcept = 0;     // of error and Jacobian rows
   virtual int value_count() const noexcept = 0;   // of value and target; a pose has 7
   virtual const std::vector<Eigen::Vector3d>& rest_points() const noexcept = 0;
@@ -31,8 +32,8 @@ class Feature {
   virtual const std::vector<int>& support() const noexcept = 0;
 
   /// d feature / d positions of the support, dimension() x 3 |support|, in the same small-motion
-  /// coordinates as error(), at the last evaluate().
-  virtual const Eigen::MatrixXd& jacobian() const noexcept = 0;
+  /// coordinates as error(), at the last evaluate(). Compressed; its pattern never changes.
+  virtual const Eigen::SparseMatrix<double>& jacobian() const noexcept = 0;
 
   /// True where `target` has value_count() finite numbers that make a valid value.
   virtual bool is_valid_target(const double* target, int count) const noexcept = 0;

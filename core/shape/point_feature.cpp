@@ -16,12 +16,13 @@ PointFeature::PointFeature(const mesh::ElementMesh& mesh, const Options& options
   }
 
   const Eigen::MatrixXd& weights = points_.weights();
-  jacobian_.setZero(dimension(), 3 * weights.cols());
+  jacobian_.resize(dimension(), 3 * weights.cols());
   for (int row = 0; row < dimension(); ++row) {
     for (int i = 0; i < weights.cols(); ++i) {
-      jacobian_(row, 3 * i + components_[row]) = weights(0, i);
+      jacobian_.insert(row, 3 * i + components_[row]) = weights(0, i);
     }
   }
+  jacobian_.makeCompressed();
 }
 
 void PointFeature::evaluate(const Eigen::Matrix3Xd& positions,

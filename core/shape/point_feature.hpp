@@ -30,13 +30,13 @@ class PointFeature : public Feature {
              const Eigen::Ref<const Eigen::VectorXd>& target,
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
   const std::vector<int>& support() const noexcept override { return points_.support(); }
-  const Eigen::MatrixXd& jacobian() const noexcept override { return jacobian_; }
+  const Eigen::SparseMatrix<double>& jacobian() const noexcept override { return jacobian_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
 
  private:
   MaterialPoints points_;
   std::vector<int> components_;
-  Eigen::MatrixXd jacobian_;  // constant: a point is a fixed sum of nodes
+  Eigen::SparseMatrix<double> jacobian_;  // constant: a point is a fixed sum of nodes
 };
 
 }  // namespace palpate::shape

@@ -23,9 +23,10 @@ PoseFeature::PoseFeature(const mesh::ElementMesh& mesh, const Options& options)
     throw std::invalid_argument("the three points of a pose feature lie on a line");
   }
   const Eigen::MatrixXd& weights = points_.weights();
-  jacobian_.setZero(6, 3 * weights.cols());
+  jacobian_ = Eigen::MatrixXd::Ones(6, 3 * weights.cols()).sparseView();
+  entries().setZero();
   for (int i = 0; i < weights.cols(); ++i) {
-    jacobian_.block<3, 3>(0, 3 * i).diagonal().setConstant(weights.col(i).sum() / 3);
+    entries().block<3, 3>(0, 3 * i).diagonal().setConstant(weights.col(i).sum() / 3);
   }
   Eigen::VectorXd value(7);
   evaluate(mesh.nodes, value);
@@ -56,7 +57,7 @@ void PoseFeature::turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   const Eigen::Matrix3d by_b = -x * y.cross(a).transpose() / n.norm();
   const Eigen::MatrixXd& weights = points_.weights();
   for (int i = 0; i < weights.cols(); ++i) {
-    jacobian_.block<3, 3>(3, 3 * i) =
+    entries().block<3, 3>(3, 3 * i) =
         (weights(1, i) - weights(0, i)) * by_a + (weights(2, i) - weights(0, i)) * by_b;
   }
 }

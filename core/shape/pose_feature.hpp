@@ -34,15 +34,18 @@ class PoseFeature : public Feature {
              const Eigen::Ref<const Eigen::VectorXd>& target,
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
   const std::vector<int>& support() const noexcept override { return points_.support(); }
-  const Eigen::MatrixXd& jacobian() const noexcept override { return jacobian_; }
+  const Eigen::SparseMatrix<double>& jacobian() const noexcept override { return jacobian_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
 
  private:
   void turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
+  Eigen::Map<Eigen::MatrixXd> entries() noexcept {
+    return {jacobian_.valuePtr(), jacobian_.rows(), jacobian_.cols()};
+  }
 
   MaterialPoints points_;
   Eigen::Matrix3d R_OC_ = Eigen::Matrix3d::Identity();
-  Eigen::MatrixXd jacobian_;
+  Eigen::SparseMatrix<double> jacobian_;  // every entry is kept, also where it is zero
 };
 
 }  // namespace palpate::shape

@@ -1,4 +1,5 @@
 #include "core/shape/point_feature.hpp"
+#include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "rt/component/registry.hpp"
 
@@ -17,7 +18,7 @@ std::vector<Eigen::Vector3d> rest_points(const config::Node& node, std::size_t c
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context) {
-  const std::string name = node.choice("component", {"point", "pose"});
+  const std::string name = node.choice("component", {"point", "points", "pose"});
   const mesh::ElementMesh& mesh = context.object->body.mesh;
   try {
     if (name == "point") {
@@ -30,6 +31,10 @@ std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Con
         }
       }
       return std::make_unique<shape::PointFeature>(mesh, options);
+    }
+    if (name == "points") {
+      return std::make_unique<shape::PointsFeature>(
+          mesh, shape::PointsFeature::Options{node.points("rest_points")});
     }
     shape::PoseFeature::Options options;
     const std::vector<Eigen::Vector3d> points = rest_points(node, 3);

@@ -11,6 +11,7 @@
 #include "sim/object/fingertip_contact.hpp"
 #include "sim/object/hexahedral_grid.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
+#include "sim/object/plant.hpp"
 
 namespace palpate::object {
 
@@ -43,7 +44,7 @@ struct PlantOptions {
 /// keep within the stability limit, which is looked at after each of them.
 ///
 /// Nothing allocates after construction and every run is bit-for-bit reproducible.
-class HyperelasticPlant {
+class HyperelasticPlant final : public Plant {
  public:
   /// Result of settle().
   struct Settling {
@@ -57,22 +58,26 @@ class HyperelasticPlant {
 
   /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent; those that were
   /// sent nowhere since the last step stand still.
-  void step(double dt) noexcept;
+  void step(double dt) noexcept override;
 
   /// The same after move_hand(0, X_OG, V_O_G).
   void step(double dt, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept;
 
   /// Pose and velocity of a hand in O at the end of the next step. `hand` < grasp_count().
-  void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept;
+  void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept override;
 
   /// Centre and velocity of a fingertip in O at the end of the next step; the first call puts it
   /// there at once. Tips are absent until moved and after remove_fingertip().
-  void move_fingertip(int tip, const Eigen::Vector3d& centre, const math::Twist& velocity) noexcept;
+  void move_fingertip(int tip, const Eigen::Vector3d& centre,
+                      const math::Twist& velocity) noexcept override;
   void remove_fingertip(int tip) noexcept;
 
   /// Truth about a tip's touch; wrench on the tip about its centre, in O: mean over the last step.
   const FingertipContact& fingertip(int tip) const { return fingertips_[tip]; }
-  int fingertip_count() const { return static_cast<int>(fingertips_.size()); }
+  int fingertip_count() const override { return static_cast<int>(fingertips_.size()); }
+  const FingertipTouch& touch(int tip) const override { return fingertips_[tip].touch(); }
+  Eigen::Vector3d fingertip_centre(int tip) const override { return fingertips_[tip].centre(); }
+  math::Wrench fingertip_wrench(int tip) const override { return fingertips_[tip].mean_wrench(); }
 
   /// Advances with the hand standing still until the net force is at most `tolerance` of the loads
   /// or `max_seconds` have passed. Motion is taken out whenever the kinetic energy has peaked
@@ -83,34 +88,40 @@ class HyperelasticPlant {
 
   /// Lets go, or takes hold with no force where hand and object are now.
   void set_grasped(bool grasped, int hand = 0) noexcept;
-  bool grasped(int hand = 0) const { return hand < grasp_count() && grasps_[hand].holding(); }
+  bool grasped(int hand = 0) const override {
+    return hand < grasp_count() && grasps_[hand].holding();
+  }
 
   /// Hand on object about the origin of its G, in O, averaged over the last step.
-  math::Wrench hand_wrench(int hand = 0) const {
+  math::Wrench hand_wrench(int hand = 0) const override {
     return hand < grasp_count() ? grasps_[hand].mean_wrench() : math::Wrench();
   }
 
   /// Pads and slip of a hand. `hand` < grasp_count().
   const CompliantGrasp& grasp(int hand = 0) const { return grasps_[hand]; }
-  int grasp_count() const { return static_cast<int>(grasps_.size()); }
+  double slipping_share(int hand) const override { return grasps_[hand].slip().share; }
+  int grasp_count() const override { return static_cast<int>(grasps_.size()); }
 
   /// Test rig on object about the origin of O, in O, at the end of the last step.
   math::Wrench clamp_wrench() const noexcept;
 
   /// Adds a force (N, in O) at a material point, applied until clear_forces().
   void add_force(const MaterialPoint& point, const Eigen::Vector3d& force_O) noexcept;
-  void clear_forces() noexcept;
+  void push(const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) noexcept override {
+    add_force(locate(rest_point), force);
+  }
+  void clear_forces() noexcept override;
 
   /// Replaces positions (m) and velocities (m/s), both 3 x n in O; clamped nodes are kept still.
   void set_state(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities);
 
-  const Eigen::Matrix3Xd& positions() const { return positions_; }
+  const Eigen::Matrix3Xd& positions() const override { return positions_; }
   const Eigen::Matrix3Xd& velocities() const { return velocities_; }
-  const Eigen::Matrix3Xd& rest_positions() const { return grid_.nodes(); }
-  const Eigen::MatrixXi& elements() const { return grid_.elements(); }
-  const Eigen::Matrix3Xi& surface_triangles() const { return grid_.triangles(); }
+  const Eigen::Matrix3Xd& rest_positions() const override { return grid_.nodes(); }
+  const Eigen::MatrixXi& elements() const override { return grid_.elements(); }
+  const Eigen::Matrix3Xi& surface_triangles() const override { return grid_.triangles(); }
   const Eigen::VectorXd& nodal_masses() const { return masses_; }  // kg
-  const std::vector<int>& clamped_nodes() const { return clamped_; }
+  const std::vector<int>& clamped_nodes() const override { return clamped_; }
 
   /// Element and weights of a rest point, for repeated use.
   MaterialPoint locate(const Eigen::Vector3d& rest_point) const { return grid_.locate(rest_point); }
@@ -128,7 +139,7 @@ class HyperelasticPlant {
 
   /// Longest stable step at rest, held and grasped as built, s.
   double critical_step() const { return critical_step_; }
-  int substeps() const { return substeps_; }  // that the last step took
+  int substeps() const override { return substeps_; }  // that the last step took
 
  private:
   void begin_substep(double h) noexcept;                   // half a kick, then the drift

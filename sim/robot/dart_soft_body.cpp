@@ -73,8 +73,8 @@ struct DartSoftBody::Dynamics {
   double friction = 0;
   Eigen::Matrix3Xd positions;
   Eigen::Matrix3Xi triangles;
-  std::vector<Eigen::Vector3d> forces;  // on each probe, then on the floor
-  std::vector<Eigen::Vector3d> pulls;   // on each vertex
+  std::vector<ProbeContact> touches;   // of each probe, then of the floor
+  std::vector<Eigen::Vector3d> pulls;  // on each vertex
   int contacts = 0;
 
   /// DART takes a soft body on a weld for one that cannot react, so stiff springs (implicit ones)
@@ -93,6 +93,15 @@ struct DartSoftBody::Dynamics {
       for (int e = 0; e < 3; ++e)
         edges.insert(std::minmax<int>(triangles(e, t), triangles((e + 1) % 3, t)));
     for (const auto& [a, b] : edges) soft->connectPointMasses(a, b);
+  }
+
+  /// DART 6.12 makes a few triangles of a box the wrong way about.
+  void turn_outward(const Eigen::Vector3d& middle) {
+    for (int t = 0; t < triangles.cols(); ++t) {
+      const Eigen::Vector3d a = positions.col(triangles(0, t));
+      const Eigen::Vector3d b = positions.col(triangles(1, t)), c = positions.col(triangles(2, t));
+      if ((b - a).cross(c - a).dot(a - middle) < 0) std::swap(triangles(0, t), triangles(1, t));
+    }
   }
 
   void make_box(const SoftBoxOptions& o) {
@@ -117,6 +126,8 @@ struct DartSoftBody::Dynamics {
     for (std::size_t i = 0; i < soft->getNumFaces(); ++i) triangles.col(i) = soft->getFace(i);
     join_edges();
     positions.resize(3, soft->getNumPointMasses());
+    read_positions();
+    turn_outward(o.size / 2);
     pulls.assign(soft->getNumPointMasses(), Eigen::Vector3d::Zero());
   }
 
@@ -144,7 +155,7 @@ struct DartSoftBody::Dynamics {
     made.second->setGravityMode(false);
     world->addSkeleton(probe);
     probes.push_back(probe);
-    forces.insert(forces.begin(), Eigen::Vector3d::Zero());
+    touches.emplace_back();
     return static_cast<int>(probes.size()) - 1;
   }
 
@@ -153,7 +164,7 @@ struct DartSoftBody::Dynamics {
     const dd::Skeleton* skeleton = node ? node->getSkeleton().get() : nullptr;
     for (std::size_t i = 0; i < probes.size(); ++i)
       if (probes[i].get() == skeleton) return i;
-    return skeleton == floor.get() ? probes.size() : forces.size();
+    return skeleton == floor.get() ? probes.size() : touches.size();
   }
 
   void apply_pulls() {
@@ -165,15 +176,24 @@ struct DartSoftBody::Dynamics {
 
   /// A contact's force acts on its first object, its opposite on the second.
   void sum_forces() {
-    for (Eigen::Vector3d& force : forces) force.setZero();
+    std::fill(touches.begin(), touches.end(), ProbeContact());
+    std::vector<double> weights(touches.size(), 0.0);
+    const auto add = [&](std::size_t who, const Eigen::Vector3d& force,
+                         const dart::collision::Contact& contact) {
+      if (who >= touches.size()) return;
+      touches[who].force += force;
+      touches[who].point += force.norm() * contact.point;
+      touches[who].depth = std::max(touches[who].depth, contact.penetrationDepth);
+      weights[who] += force.norm();
+    };
     const auto& result = world->getLastCollisionResult();
     contacts = static_cast<int>(result.getNumContacts());
     for (const auto& contact : result.getContacts()) {
-      const std::size_t first = owner(contact.collisionObject1),
-                        second = owner(contact.collisionObject2);
-      if (first < forces.size()) forces[first] += contact.force;
-      if (second < forces.size()) forces[second] -= contact.force;
+      add(owner(contact.collisionObject1), contact.force, contact);
+      add(owner(contact.collisionObject2), -contact.force, contact);
     }
+    for (std::size_t i = 0; i < touches.size(); ++i)
+      if (weights[i] > 0) touches[i].point /= weights[i];
   }
 
   void read_positions() {
@@ -189,7 +209,7 @@ DartSoftBody::DartSoftBody(const SoftBoxOptions& options)
   d.world->getConstraintSolver()->setCollisionDetector(make_detector());
   d.world->setGravity(options.gravity_O);
   d.friction = options.friction;
-  d.forces.assign(1, Eigen::Vector3d::Zero());
+  d.touches.resize(1);
   d.make_box(options);
   if (options.on_floor) d.make_floor();
   d.read_positions();
@@ -234,9 +254,12 @@ Eigen::Vector3d DartSoftBody::probe_position(int probe) const {
 Eigen::Vector3d DartSoftBody::probe_force(int probe) const {
   if (probe < 0 || probe >= static_cast<int>(dynamics_->probes.size()))
     throw std::out_of_range("no such probe");
-  return dynamics_->forces[probe];
+  return dynamics_->touches[probe].force;
 }
-Eigen::Vector3d DartSoftBody::floor_force() const { return dynamics_->forces.back(); }
+const ProbeContact& DartSoftBody::probe_contact(int probe) const {
+  return dynamics_->touches.at(probe);
+}
+Eigen::Vector3d DartSoftBody::floor_force() const { return dynamics_->touches.back().force; }
 int DartSoftBody::contact_count() const { return dynamics_->contacts; }
 
 }  // namespace palpate::robot

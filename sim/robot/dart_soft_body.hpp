@@ -7,6 +7,13 @@
 
 namespace palpate::robot {
 
+/// Where a probe touches the box, in O.
+struct ProbeContact {
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, of the box on the probe
+  Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, mean of the points, weighted by force
+  double depth = 0;                                 // m, greatest penetration
+};
+
 struct SoftBoxOptions {
   Eigen::Vector3d size{0.08, 0.08, 0.08};  // m, from the origin of O
   Eigen::Vector3i vertices{5, 5, 5};       // along each edge, 3 at least; 230 in all at most
@@ -51,6 +58,7 @@ class DartSoftBody {
   Eigen::Vector3d probe_position(int probe) const;
   /// Mean contact force of the box on a probe over the last step, N.
   Eigen::Vector3d probe_force(int probe) const;
+  const ProbeContact& probe_contact(int probe) const;
   /// The same of all that touched the floor.
   Eigen::Vector3d floor_force() const;
   int contact_count() const;  // in the last step

@@ -45,17 +45,16 @@ FingertipCoupling make_fingertips(const config::Node& root, const ArmScene& scen
 
 /// Whether the hand holds the object, and whether it slips: by its pads where it has some, by at
 /// least two fingertips otherwise.
-void judge_hold(const object::HyperelasticPlant& plant, int hand, int tips,
-                sensors::HandReading& reading) {
+void judge_hold(const object::Plant& plant, int hand, int tips, sensors::HandReading& reading) {
   if (plant.grasped(hand)) {
     reading.holding = true;
-    reading.slipping = plant.grasp(hand).slip().share > kSlippingShare;
+    reading.slipping = plant.slipping_share(hand) > kSlippingShare;
     return;
   }
   int touching = 0, sticking = 0;
   for (int i = 0; i < tips; ++i) {
-    touching += plant.fingertip(i).touch().touching;
-    sticking += plant.fingertip(i).touch().sticking;
+    touching += plant.touch(i).touching;
+    sticking += plant.touch(i).sticking;
   }
   reading.holding = touching >= 2;
   reading.slipping = reading.holding && sticking < 2;
@@ -114,7 +113,7 @@ void Arm::obey() {
   commands_.apply(hand_);
 }
 
-void Arm::step(std::int64_t tick, double time, double dt, const object::HyperelasticPlant& plant) {
+void Arm::step(std::int64_t tick, double time, double dt, const object::Plant& plant) {
   if (scene_.motion) follow_motion(time);
   follow_hand_plan(time);
   hand_.step(tick, *robot_);
@@ -126,12 +125,12 @@ void Arm::step(std::int64_t tick, double time, double dt, const object::Hyperela
   robot_->step(dt);
 }
 
-void Arm::lead(object::HyperelasticPlant& plant) const {
+void Arm::lead(object::Plant& plant) const {
   fingertips_.move(*robot_, plant);
   if (index_ < plant.grasp_count()) plant.move_hand(index_, grasp_in_object(), grasp_twist());
 }
 
-sensors::Truth Arm::truth(const object::HyperelasticPlant& plant) const {
+sensors::Truth Arm::truth(const object::Plant& plant) const {
   sensors::Truth truth;
   truth.force_torque.wrench = robot_->sensor_wrench().vector();
   truth.X_WS = robot_->link_pose(scene_.robot.frames.sensor);
@@ -150,7 +149,7 @@ sensors::Truth Arm::truth(const object::HyperelasticPlant& plant) const {
   return truth;
 }
 
-void Arm::sample(std::int64_t now_us, const object::HyperelasticPlant& plant) {
+void Arm::sample(std::int64_t now_us, const object::Plant& plant) {
   sensors_.sample(now_us, truth(plant));
 }
 

@@ -9,7 +9,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/config/node.hpp"
-#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/object/plant.hpp"
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/command_receiver.hpp"
 #include "sim/scenes/fingertips.hpp"
@@ -53,12 +53,12 @@ class Arm {
 
   /// One tick of `dt` s that begins at `time` s: follows the scene's motion or the last commands,
   /// with the object's reaction of the tick before on palm and fingertips.
-  void step(std::int64_t tick, double time, double dt, const object::HyperelasticPlant& plant);
+  void step(std::int64_t tick, double time, double dt, const object::Plant& plant);
 
   /// Sends the plant's hand and fingertips to where the arm is now.
-  void lead(object::HyperelasticPlant& plant) const;
+  void lead(object::Plant& plant) const;
 
-  void sample(std::int64_t now_us, const object::HyperelasticPlant& plant);
+  void sample(std::int64_t now_us, const object::Plant& plant);
   /// Sends what the sensors have to tell by now.
   void publish(std::int64_t now_us);
 
@@ -73,7 +73,7 @@ class Arm {
  private:
   void follow_motion(double time);
   void follow_hand_plan(double time);
-  sensors::Truth truth(const object::HyperelasticPlant& plant) const;
+  sensors::Truth truth(const object::Plant& plant) const;
   math::Twist grasp_twist() const;  // V_O_G
 
   ArmScene scene_;

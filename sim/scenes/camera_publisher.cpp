@@ -39,7 +39,7 @@ void CameraPublisher::publish(const Reading& reading) {
 }
 
 void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
-                           const object::HyperelasticPlant& plant) {
+                           const object::Plant& plant) {
   if (channel_.due(now_us)) {
     ++pictures_;
     collect(!may_lag_);

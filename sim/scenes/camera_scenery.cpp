@@ -62,7 +62,7 @@ CameraScenery::CameraScenery(const Scene& scene, const std::vector<Arm>& arms)
 }
 
 std::vector<camera::Body> CameraScenery::now(const std::vector<Arm>& arms,
-                                             const object::HyperelasticPlant& plant) const {
+                                             const object::Plant& plant) const {
   std::vector<camera::Body> bodies = still_;
   for (const Visual& visual : visuals_) {
     const Arm& arm = arms[visual.arm];

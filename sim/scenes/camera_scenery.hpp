@@ -18,7 +18,7 @@ class CameraScenery {
 
   /// Everything where it is now, in W of the first arm. A copy, which another thread may draw.
   std::vector<camera::Body> now(const std::vector<Arm>& arms,
-                                const object::HyperelasticPlant& plant) const;
+                                const object::Plant& plant) const;
 
  private:
   struct Visual {

@@ -36,7 +36,7 @@ math::Pose FingertipCoupling::tip_pose(int tip, const robot::Robot& robot) const
   return robot.link_pose(link(tip)) * X_LT_[fingers_[tip]];
 }
 
-void FingertipCoupling::move(const robot::Robot& robot, object::HyperelasticPlant& plant) const {
+void FingertipCoupling::move(const robot::Robot& robot, object::Plant& plant) const {
   const Eigen::Matrix3d R_OW = X_WO_.linear().transpose();
   for (int i = 0; i < tip_count(); ++i) {
     const math::Pose X_WL = robot.link_pose(link(i));
@@ -47,12 +47,12 @@ void FingertipCoupling::move(const robot::Robot& robot, object::HyperelasticPlan
   }
 }
 
-void FingertipCoupling::load(const object::HyperelasticPlant& plant, robot::Robot& robot) const {
+void FingertipCoupling::load(const object::Plant& plant, robot::Robot& robot) const {
   const Eigen::Matrix3d& R_WO = X_WO_.linear();
   for (int i = 0; i < tip_count(); ++i) {
-    const math::Wrench on_tip = plant.fingertip(i).mean_wrench();
+    const math::Wrench on_tip = plant.fingertip_wrench(i);
     robot.set_link_load(link(i), {R_WO * on_tip.force, R_WO * on_tip.torque},
-                        X_WO_ * plant.fingertip(i).centre());
+                        X_WO_ * plant.fingertip_centre(i));
   }
 }
 
@@ -64,11 +64,11 @@ std::vector<math::Pose> FingertipCoupling::poses_in_flange(const robot::Robot& r
 }
 
 std::vector<std::vector<sensors::Touch>> FingertipCoupling::touches(
-    const robot::Robot& robot, const object::HyperelasticPlant& plant) const {
+    const robot::Robot& robot, const object::Plant& plant) const {
   if (fingers_.empty()) return {};
   std::vector<std::vector<sensors::Touch>> touches(links_.size());
   for (int i = 0; i < tip_count(); ++i) {
-    const object::FingertipTouch& touch = plant.fingertip(i).touch();
+    const object::FingertipTouch& touch = plant.touch(i);
     if (!touch.touching) continue;
     const math::Pose X_TO = tip_pose(i, robot).inverse() * X_WO_;
     touches[fingers_[i]].push_back(

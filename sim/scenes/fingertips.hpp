@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/object/plant.hpp"
 #include "sim/robot/robot.hpp"
 #include "sim/sensors/biotac.hpp"
 
@@ -30,17 +30,17 @@ class FingertipCoupling {
   FingertipCoupling(std::vector<Fingertip> tips, const robot::Robot& robot, const math::Pose& X_WO);
 
   /// Sends the plant's tips to where the links are now, at their speed.
-  void move(const robot::Robot& robot, object::HyperelasticPlant& plant) const;
+  void move(const robot::Robot& robot, object::Plant& plant) const;
 
   /// Puts the mean wrenches of the plant's last step on the links.
-  void load(const object::HyperelasticPlant& plant, robot::Robot& robot) const;
+  void load(const object::Plant& plant, robot::Robot& robot) const;
 
   /// X_ET of every finger, with a tip in the plant or without.
   std::vector<math::Pose> poses_in_flange(const robot::Robot& robot) const;
 
   /// By finger, what its BioTac feels now; empty where the plant has no tips.
   std::vector<std::vector<sensors::Touch>> touches(const robot::Robot& robot,
-                                                   const object::HyperelasticPlant& plant) const;
+                                                   const object::Plant& plant) const;
 
   int finger_count() const { return static_cast<int>(links_.size()); }
   int tip_count() const { return static_cast<int>(fingers_.size()); }

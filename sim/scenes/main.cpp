@@ -108,8 +108,7 @@ int run(const Options& options) {
   LockStep lock_step(*control, origin.session);
   control->start_without_thread();  // nothing is read from the housekeeping bus
   spdlog::info("palpate-sim {}: {} nodes, {} substeps at rest, {}", PALPATE_VERSION,
-               simulation.plant().positions().cols(),
-               std::ceil(Simulation::kPeriod / simulation.plant().critical_step()),
+               simulation.object().positions().cols(), simulation.object().substeps(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
   if (simulation.scene().motion)
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());

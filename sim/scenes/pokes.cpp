@@ -32,17 +32,13 @@ std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& s
   return pokes;
 }
 
-Pokes::Pokes(const std::vector<Poke>& pokes, const object::HyperelasticPlant& plant) {
-  for (const Poke& poke : pokes) pokes_.push_back({poke, plant.locate(poke.point)});
-}
-
-void Pokes::apply(double time, object::HyperelasticPlant& plant) noexcept {
+void Pokes::apply(double time, object::Plant& plant) noexcept {
   if (applied_) plant.clear_forces();
   applied_ = false;
-  for (const Placed& placed : pokes_) {
-    const double share = placed.poke.share(time);
+  for (const Poke& poke : pokes_) {
+    const double share = poke.share(time);
     if (share == 0) continue;
-    plant.add_force(placed.point, share * placed.poke.force);
+    plant.push(poke.point, share * poke.force);
     applied_ = true;
   }
 }

@@ -1,9 +1,10 @@
 #pragma once
 
+#include <utility>
 #include <vector>
 
 #include "rt/config/node.hpp"
-#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/object/plant.hpp"
 
 namespace palpate::scenes {
 
@@ -28,17 +29,13 @@ std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& s
 /// Puts the pokes on the plant, whose applied forces are theirs alone.
 class Pokes {
  public:
-  Pokes(const std::vector<Poke>& pokes, const object::HyperelasticPlant& plant);
+  explicit Pokes(std::vector<Poke> pokes) : pokes_(std::move(pokes)) {}
 
   /// Forces of this time (s), for the plant's next step.
-  void apply(double time, object::HyperelasticPlant& plant) noexcept;
+  void apply(double time, object::Plant& plant) noexcept;
 
  private:
-  struct Placed {
-    Poke poke;
-    object::MaterialPoint point;
-  };
-  std::vector<Placed> pokes_;
+  std::vector<Poke> pokes_;
   bool applied_ = false;
 };
 

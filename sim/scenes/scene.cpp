@@ -59,9 +59,34 @@ void read_material(const config::Node& material, object::PlantOptions& plant) {
   }
 }
 
+/// Stiffnesses are those of DART's springs, not of a material.
+robot::SoftBoxOptions read_soft_box(const config::Node& node) {
+  robot::SoftBoxOptions box;
+  box.size = node.vector3("size", {kSmallest, 100});
+  const std::vector<double> vertices = node.numbers("vertices", 3, {3, 200});
+  for (int i = 0; i < 3; ++i) {
+    if (vertices[i] != std::floor(vertices[i])) node.fail("vertices", "must be whole numbers");
+    box.vertices[i] = static_cast<int>(vertices[i]);
+  }
+  const config::Node material = node.child("material");
+  box.mass = material.number("density", {1, 2e4}) * box.size.prod();
+  box.vertex_stiffness = material.number("vertex_stiffness", {1e-3, 1e6});
+  box.edge_stiffness = material.number("edge_stiffness", {0, 1e6});
+  box.damping = node.number("damping", {0, 1e3}, box.damping);
+  box.friction = node.number("friction", {0, 10}, box.friction);
+  box.on_floor = false;
+  return box;
+}
+
 void read_object(const config::Node& node, Scene& scene) {
   object::PlantOptions& plant = scene.plant;
   plant.size = node.vector3("size", {kSmallest, 100});
+  if (node.choice("kind", {"hyperelastic", "dart_soft"}, "hyperelastic") == "dart_soft") {
+    scene.soft_box = read_soft_box(node);
+    scene.X_WO = node.pose("pose");
+    scene.object_gravity = node.flag("gravity", true);
+    return;
+  }
   const std::vector<double> elements = node.numbers("elements", 3, {1, 200});
   for (int i = 0; i < 3; ++i) {
     if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");

@@ -8,6 +8,7 @@
 #include "rt/config/node.hpp"
 #include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
+#include "sim/robot/dart_soft_body.hpp"
 #include "sim/scenes/arm.hpp"
 #include "sim/scenes/pokes.hpp"
 
@@ -25,6 +26,7 @@ struct Scene : ArmScene {
   std::uint64_t seed = 1;
   BusUrls bus;
 
+  std::optional<robot::SoftBoxOptions> soft_box;  // none: the object is hyperelastic
   object::PlantOptions plant;  // but for the hands' poses at rest and gravity: the arms decide
   bool object_gravity = true;
   std::vector<Poke> pokes;

@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "sim/scenes/soft_box_plant.hpp"
+
 namespace palpate::scenes {
 namespace {
 
@@ -23,13 +25,32 @@ std::vector<Arm> make_arms(const config::Node& node, const Scene& scene, bus::Me
   return arms;
 }
 
-std::unique_ptr<object::HyperelasticPlant> make_plant(const config::Node& node, const Scene& scene,
-                                                      const std::vector<Arm>& arms) {
+Eigen::Vector3d gravity_in_object(const Scene& scene) {
+  if (!scene.object_gravity) return Eigen::Vector3d::Zero();
+  return scene.X_WO.linear().transpose() * scene.robot.gravity_W;
+}
+
+std::unique_ptr<object::Plant> make_soft_box(const config::Node& node, const Scene& scene,
+                                             const std::vector<Arm>& arms) {
+  robot::SoftBoxOptions options = *scene.soft_box;
+  options.gravity_O = gravity_in_object(scene);
+  try {
+    auto plant = std::make_unique<SoftBoxPlant>(options, scene.plant.fingertips);
+    for (const Arm& arm : arms) arm.fingertips().move(arm.robot(), *plant);
+    plant->settle();
+    return plant;
+  } catch (const std::invalid_argument& error) {
+    node.child("object").fail("", error.what());
+  }
+}
+
+std::unique_ptr<object::Plant> make_plant(const config::Node& node, const Scene& scene,
+                                          const std::vector<Arm>& arms) {
+  if (scene.soft_box) return make_soft_box(node, scene, arms);
   object::PlantOptions options = scene.plant;
   for (std::size_t i = 0; i < options.grasps.size(); ++i)
     options.grasps[i].X_OG_rest = arms[i].grasp_in_object();
-  if (scene.object_gravity)
-    options.gravity_O = scene.X_WO.linear().transpose() * scene.robot.gravity_W;
+  options.gravity_O = gravity_in_object(scene);
   try {
     auto plant = std::make_unique<object::HyperelasticPlant>(options);
     for (const Arm& arm : arms) arm.fingertips().move(arm.robot(), *plant);
@@ -49,7 +70,7 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       origin_(origin),
       arms_(make_arms(node, scene_, control, origin)),
       plant_(make_plant(node, scene_, arms_)),
-      pokes_(scene_.pokes, *plant_),
+      pokes_(scene_.pokes),
       camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
                                                                 origin.session, origin.start_utime)
                             : nullptr),
@@ -59,6 +80,12 @@ std::vector<math::Pose> Simulation::grasps_in_object() const {
   std::vector<math::Pose> poses;
   for (const Arm& arm : arms_) poses.push_back(arm.grasp_in_object());
   return poses;
+}
+
+const object::HyperelasticPlant& Simulation::plant() const {
+  const auto* plant = dynamic_cast<const object::HyperelasticPlant*>(plant_.get());
+  if (plant == nullptr) throw std::logic_error("the scene's object is not hyperelastic");
+  return *plant;
 }
 
 void Simulation::step() {

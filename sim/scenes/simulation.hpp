@@ -70,7 +70,9 @@ class Simulation {
   const Scene& scene() const { return scene_; }
   int arm_count() const { return static_cast<int>(arms_.size()); }
   const Arm& arm(int index) const { return arms_[index]; }
-  const object::HyperelasticPlant& plant() const { return *plant_; }
+  const object::Plant& object() const { return *plant_; }
+  /// Throws std::logic_error where the scene's object is of another kind.
+  const object::HyperelasticPlant& plant() const;
   const CameraPublisher* camera() const { return camera_.get(); }  // nullptr: the scene has none
   std::int64_t mesh_hash() const { return truth_.mesh_hash(); }
 
@@ -87,7 +89,7 @@ class Simulation {
   Scene scene_;
   Origin origin_;
   std::vector<Arm> arms_;
-  std::unique_ptr<object::HyperelasticPlant> plant_;
+  std::unique_ptr<object::Plant> plant_;
   Pokes pokes_;
   std::unique_ptr<CameraPublisher> camera_;
   TruthPublisher truth_;

@@ -10,7 +10,7 @@ namespace {
 /// Numbers of four bytes in one chunk; a datagram takes 60 kB.
 constexpr std::size_t kChunkNumbers = 12000;
 
-std::int64_t hash(const object::HyperelasticPlant& plant) {
+std::int64_t hash(const object::Plant& plant) {
   const Eigen::Matrix3Xd& nodes = plant.rest_positions();
   math::Fnv1a fnv;
   fnv.add(nodes.data(), sizeof(double) * nodes.size());
@@ -39,7 +39,7 @@ void deal(std::size_t count, std::size_t group, std::vector<shape_mesh_t>& chunk
 
 }  // namespace
 
-std::vector<shape_mesh_t> mesh_chunks(const object::HyperelasticPlant& plant) {
+std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant) {
   std::vector<shape_mesh_t> chunks;
   std::vector<std::size_t> room;
   const Eigen::Matrix3Xd& nodes = plant.rest_positions();
@@ -67,6 +67,7 @@ std::vector<shape_mesh_t> mesh_chunks(const object::HyperelasticPlant& plant) {
     shape_mesh_t& c = chunks[i];
     c.mesh_hash = name;
     c.element_kind = shape_mesh_t::QUADRATIC_HEXAHEDRA;
+    if (elements.rows() == 4) c.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
     c.chunk = static_cast<std::int16_t>(i);
     c.chunks = static_cast<std::int16_t>(chunks.size());
     c.corner_count = static_cast<std::int32_t>(nodes.cols());
@@ -79,8 +80,8 @@ std::vector<shape_mesh_t> mesh_chunks(const object::HyperelasticPlant& plant) {
   return chunks;
 }
 
-TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping,
-                               const object::HyperelasticPlant& plant, std::int64_t session)
+TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping, const object::Plant& plant,
+                               std::int64_t session)
     : shapes_(housekeeping, "TRUTH_SHAPE"),
       contacts_(housekeeping, "TRUTH_CONTACT"),
       touches_(housekeeping, "TRUTH_TOUCH"),
@@ -98,13 +99,13 @@ TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping,
   shape_.xyz.resize(shape_.xyz_count);
 }
 
-void TruthPublisher::publish_shape(const object::HyperelasticPlant& plant, std::int64_t utime) {
+void TruthPublisher::publish_shape(const object::Plant& plant, std::int64_t utime) {
   shape_stamp_.put(shape_, utime);
   std::copy_n(plant.positions().data(), shape_.xyz_count, shape_.xyz.begin());
   shapes_.publish(shape_);
 }
 
-void TruthPublisher::publish_contact(const object::HyperelasticPlant& plant,
+void TruthPublisher::publish_contact(const object::Plant& plant,
                                      const std::vector<math::Pose>& X_OG, std::int64_t utime) {
   truth_contact_t message{};
   contact_stamp_.put(message, utime);
@@ -119,13 +120,13 @@ void TruthPublisher::publish_contact(const object::HyperelasticPlant& plant,
   contacts_.publish(message);
 }
 
-void TruthPublisher::publish_touch(const object::HyperelasticPlant& plant,
-                                   const FingertipCoupling& fingertips, std::int64_t utime) {
+void TruthPublisher::publish_touch(const object::Plant& plant, const FingertipCoupling& fingertips,
+                                   std::int64_t utime) {
   truth_touch_t message{};
   touch_stamp_.put(message, utime);
   message.fingertip_count = fingertips.finger_count();
   for (int i = 0; i < fingertips.tip_count(); ++i) {
-    const object::FingertipTouch& touch = plant.fingertip(i).touch();
+    const object::FingertipTouch& touch = plant.touch(i);
     if (!touch.touching) continue;
     const int finger = fingertips.finger(i);
     message.contact[finger] = truth_touch_t::SLIPPING;

@@ -9,7 +9,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/object/plant.hpp"
 #include "sim/scenes/fingertips.hpp"
 
 namespace palpate::scenes {
@@ -18,14 +18,13 @@ namespace palpate::scenes {
 /// only. The shape holds every node of the plant, in O.
 class TruthPublisher {
  public:
-  TruthPublisher(bus::MessageBus& housekeeping, const object::HyperelasticPlant& plant,
-                 std::int64_t session);
+  TruthPublisher(bus::MessageBus& housekeeping, const object::Plant& plant, std::int64_t session);
 
-  void publish_shape(const object::HyperelasticPlant& plant, std::int64_t utime);
+  void publish_shape(const object::Plant& plant, std::int64_t utime);
   /// `X_OG`: the hands now, one for each grasp of the plant.
-  void publish_contact(const object::HyperelasticPlant& plant, const std::vector<math::Pose>& X_OG,
+  void publish_contact(const object::Plant& plant, const std::vector<math::Pose>& X_OG,
                        std::int64_t utime);
-  void publish_touch(const object::HyperelasticPlant& plant, const FingertipCoupling& fingertips,
+  void publish_touch(const object::Plant& plant, const FingertipCoupling& fingertips,
                      std::int64_t utime);
   void publish_mesh(std::int64_t utime);
 
@@ -42,6 +41,6 @@ class TruthPublisher {
 };
 
 /// The plant's mesh in chunks that fit a datagram each.
-std::vector<shape_mesh_t> mesh_chunks(const object::HyperelasticPlant& plant);
+std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant);
 
 }  // namespace palpate::scenes

@@ -102,7 +102,8 @@ std::vector<Method> read_methods(const std::filesystem::path& file) {
 void ControlTarget::displace() {
   const FeatureOnPoints feature(kind, rest_points);
   values = feature.value(feature.rest_points());
-  values.head<3>() += displacement;
+  const Eigen::Index points = kind == "points" ? values.size() / 3 : 1;
+  for (Eigen::Index i = 0; i < points; ++i) values.segment<3>(3 * i) += displacement;
 }
 
 std::vector<std::string> ControlTarget::daemon_overrides() const {

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,16 +31,23 @@ struct Method {
 /// Reads methods.yaml, in its order; throws config::Error.
 std::vector<Method> read_methods(const std::filesystem::path& file);
 
+/// How the hand moves from its first pose in a scene, in O.
+struct HandMotion {
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();   // m
+  Eigen::Vector3d rotation_deg = Eigen::Vector3d::Zero();  // rotation vector
+};
+
 /// Where a feature of the shape shall go.
 struct ControlTarget {
   std::string name;
-  std::string kind;                          // of the feature
-  std::vector<Eigen::Vector3d> rest_points;  // in O, m
-  Eigen::Vector3d displacement;              // m, in O, from the rest shape
-  Eigen::VectorXd values;                    // as in shape_target_t
+  std::string kind;                                        // of the feature
+  std::vector<Eigen::Vector3d> rest_points;                // in O, m
+  Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // m, in O, from the rest shape
+  std::optional<HandMotion> hand;  // instead: what the plant's feature is after this motion
+  Eigen::VectorXd values;          // as in shape_target_t
 
-  /// Sets `values`: the feature's of the rest shape, displaced. Throws std::invalid_argument where
-  /// there is no such feature of so many points.
+  /// Sets `values`: the feature's of the rest shape, displaced; of a set, every point. Throws
+  /// std::invalid_argument where there is no such feature of so many points.
   void displace();
 
   /// What puts the feature into palpated's slot.

@@ -12,8 +12,8 @@ namespace palpate::evaluate {
 /// whose mesh the feature does not understand.
 class FeatureOnPoints {
  public:
-  /// kind: `point` with one rest point, `pose` with three; points in O, m. Throws
-  /// std::invalid_argument for anything else.
+  /// kind: `point` with one rest point, `pose` with three, `points` with 1 to 64; points in O, m.
+  /// Throws std::invalid_argument for anything else.
   FeatureOnPoints(const std::string& kind, const std::vector<Eigen::Vector3d>& rest_points);
 
   int value_count() const { return feature_->value_count(); }
@@ -24,7 +24,17 @@ class FeatureOnPoints {
   /// Target minus value: m, then rad for a pose.
   Eigen::VectorXd error(const Eigen::VectorXd& value, const Eigen::VectorXd& target) const;
 
+  /// How far an error, or the part of one that a message holds, is from none: m, of a set the root
+  /// mean square over its points.
+  double distance(const Eigen::VectorXd& error) const;
+  /// rad; 0 where the feature has no orientation.
+  double angle(const Eigen::VectorXd& error) const;
+  /// m, in O; of a set the centroid.
+  Eigen::Vector3d place(const Eigen::VectorXd& value) const;
+
  private:
+  bool is_set() const;
+
   Eigen::Matrix3Xd rest_points_;
   std::unique_ptr<shape::Feature> feature_;
 };

@@ -35,20 +35,25 @@ void score_end(FeatureScore& score) {
 
 /// The daemon's own view, of which the loop tells far more often than a plot can show.
 void add_estimate(FeatureScore& score, const std::vector<feature_t>& features,
-                  const shape_target_t& target) {
+                  const shape_target_t& target, const FeatureOnPoints& on_points) {
   constexpr std::int64_t kPeriod = 10000;  // us
   std::int64_t next = 0;
   for (const feature_t& feature : features) {
     if (feature.revision != target.revision || feature.error_count < 3) continue;
-    const Eigen::Map<const Eigen::VectorXd> error(feature.error, feature.error_count);
-    score.estimated_distance = error.head<3>().norm();
+    const auto vector = [&score](const double(&numbers)[32], int count) -> Eigen::VectorXd {
+      return Eigen::Map<const Eigen::VectorXd>(numbers,
+                                               score.kind == "points" ? count / 3 * 3 : count);
+    };
+    const Eigen::VectorXd error = vector(feature.error, feature.error_count);
+    score.estimated_distance = on_points.distance(error);
+    score.unreachable = on_points.distance(vector(feature.unreachable, feature.error_count));
     if (feature.utime < next) continue;
     next = feature.utime + kPeriod;
     FeatureErrorSample sample;
     sample.time = static_cast<double>(feature.utime - target.utime) * 1e-6;
-    sample.position = Eigen::Map<const Eigen::Vector3d>(feature.value);
+    sample.position = on_points.place(vector(feature.value, feature.value_count));
     sample.distance = score.estimated_distance;
-    sample.angle = error.size() == 6 ? error.tail<3>().norm() : 0;
+    sample.angle = on_points.angle(error);
     score.estimated.push_back(sample);
   }
 }
@@ -99,7 +104,7 @@ std::optional<FeatureScore> score_feature(const RunLog& run) {
     throw std::runtime_error("a target with the wrong number of values");
   const Eigen::VectorXd target =
       Eigen::Map<const Eigen::VectorXd>(message.values, message.value_count);
-  score.target = target.head<3>();
+  score.target = feature.place(target);
 
   const MeshMessage plant = assemble(run.truth_chunks);
   const PlantPoints points(plant, feature.rest_points());
@@ -109,10 +114,12 @@ std::optional<FeatureScore> score_feature(const RunLog& run) {
     const Eigen::VectorXd error = feature.error(value, target);
     FeatureErrorSample sample;
     sample.time = static_cast<double>(truth.utime - message.utime) * 1e-6;
-    sample.position = value.head<3>();
-    sample.distance = error.head<3>().norm();
-    sample.angle = error.size() == 6 ? error.tail<3>().norm() : 0;
+    sample.position = feature.place(value);
+    sample.distance = feature.distance(error);
+    sample.angle = feature.angle(error);
     score.samples.push_back(sample);
+    if (score.kind == "points")
+      score.rest_largest = error.reshaped(3, error.size() / 3).colwise().norm().maxCoeff();
   }
   if (score.samples.empty()) throw std::runtime_error("no TRUTH_SHAPE after the target was sent");
   score.start_distance = score.samples.front().distance;
@@ -121,7 +128,7 @@ std::optional<FeatureScore> score_feature(const RunLog& run) {
   score.within_1mm = time_to_stay_within(score.samples, 1e-3, 0.2 * kDegree);
   score.overshoot = overshoot(score.samples, score.target);
   score.path = path_length(score.samples);
-  add_estimate(score, run.features, message);
+  add_estimate(score, run.features, message, feature);
   return score;
 }
 

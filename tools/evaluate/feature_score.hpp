@@ -12,9 +12,9 @@ namespace palpate::evaluate {
 /// The plant's own feature against its target, at one time.
 struct FeatureErrorSample {
   double time = 0;                                     // s since the target was first sent
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, in O
-  double distance = 0;                                 // m, to the target
-  double angle = 0;                                    // rad, to the target; 0 for a point
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m, in O; of a set its centroid
+  double distance = 0;                                 // m, to the target; of a set RMS over points
+  double angle = 0;                                    // rad, to the target; 0 but for a pose
 };
 
 /// Into a band and staying there to the end: s since the target; empty where never.
@@ -33,16 +33,18 @@ struct FeatureScore {
   double start_distance = 0;                  // m
   double rest_distance = 0;                   // m, mean over the last half second
   double rest_angle = 0;                      // rad
+  double rest_largest = 0;                    // m, of a set: of its worst point, at the end
   double estimated_distance = 0;              // m, what the daemon took it to be at the end
+  double unreachable = 0;                     // m, the part of that which no motion removes
   std::optional<double> within_5mm;           // s, and 1 degree where the feature has an angle
   std::optional<double> within_1mm;           // s, and 0.2 degree
   double overshoot = 0;                       // fraction
   double path = 0;                            // m, length of the way that the feature took
 };
 
-/// Scores the last target in the log on the plant. Kinds `point` (the mean of its rest points) and
-/// `pose` (the frame of three). Nothing where the log has no target; throws std::runtime_error
-/// where the target names no rest points.
+/// Scores the last target in the log on the plant. Kinds `point`, `pose` (the frame of three) and
+/// `points`; of these FEATURE, and so the daemon's own view, holds the first ten. Nothing where the
+/// log has no target; throws std::runtime_error where the target names no rest points.
 std::optional<FeatureScore> score_feature(const RunLog& run);
 
 }  // namespace palpate::evaluate

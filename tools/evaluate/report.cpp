@@ -75,18 +75,21 @@ Json to_json(const ShapeScore& shape) {
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json to_json(const FeatureScore& feature) {
-  return {
+  Json json{
       {"kind", feature.kind},
       {"target_mm", {feature.target.x() * 1e3, feature.target.y() * 1e3, feature.target.z() * 1e3}},
       {"start_error_mm", feature.start_distance * 1e3},
       {"error_mm", feature.rest_distance * 1e3},
       {"error_deg", feature.rest_angle / kDegree},
       {"error_that_the_daemon_sees_mm", feature.estimated_distance * 1e3},
+      {"unreachable_as_the_daemon_sees_it_mm", feature.unreachable * 1e3},
       {"time_to_5mm_s", optional_number(feature.within_5mm)},
       {"time_to_1mm_s", optional_number(feature.within_1mm)},
       {"overshoot_percent", feature.overshoot * 100},
       {"path_mm", feature.path * 1e3},
       {"duration_s", feature.samples.back().time}};
+  if (feature.kind == "points") json["error_of_the_worst_point_mm"] = feature.rest_largest * 1e3;
+  return json;
 }
 
 Json to_json(const LoopScore& loop) {

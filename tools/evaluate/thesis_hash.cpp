@@ -90,6 +90,10 @@ std::string hash_of_inputs(const ThesisJob& job, const std::vector<std::string>&
     for (const double coordinate : point) hash.add(coordinate);
   if (job.target)
     for (const double value : job.target->values) hash.add(value);
+  if (job.target && job.target->hand) {
+    for (const double value : job.target->hand->translation) hash.add(value);
+    for (const double value : job.target->hand->rotation_deg) hash.add(value);
+  }
   return hash.text();
 }
 

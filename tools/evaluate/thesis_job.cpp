@@ -7,6 +7,7 @@
 #include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
 #include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/reached_shape.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/thesis_picture.hpp"
 #include "tools/evaluate/thesis_score.hpp"
@@ -30,6 +31,8 @@ RunPlan plan_of(const ThesisJob& job) {
   plan.overrides = job.daemon_overrides;
   plan.duration = job.duration + kSlack;
   plan.target = job.target;
+  if (plan.target && plan.target->hand)
+    plan.target->values = reached_value(job.scene, *plan.target, *plan.target->hand);
   plan.settled = plan.duration;  // every run of an application takes as long
   plan.lock_step = !job.real_time;
   return plan;

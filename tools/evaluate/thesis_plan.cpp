@@ -91,9 +91,16 @@ std::vector<int> seeds_of(const config::Node& node) {
 ControlTarget read_target(const config::Node& node, const std::string& name) {
   ControlTarget target;
   target.name = name;
-  target.kind = node.choice("feature", {"point", "pose"});
+  target.kind = node.choice("feature", {"point", "points", "pose"});
   target.rest_points = node.points("rest_points");
-  target.displacement = node.vector3("displacement", {-1, 1});
+  if (node.has("hand")) {
+    if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
+    const config::Node hand = node.child("hand");
+    target.hand = HandMotion{hand.vector3("translation", {-1, 1}, Eigen::Vector3d::Zero()),
+                             hand.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero())};
+  } else {
+    target.displacement = node.vector3("displacement", {-1, 1});
+  }
   try {
     target.displace();
   } catch (const std::invalid_argument& error) {

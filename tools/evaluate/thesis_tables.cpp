@@ -58,7 +58,10 @@ constexpr RunColumn kControl[] = {
     {"to 5 mm, 1 deg s", "/score/feature/time_to_5mm_s", 1},
     {"to 1 mm, 0.2 deg s", "/score/feature/time_to_1mm_s", 1},
     {"overshoot %", "/score/feature/overshoot_percent", 1},
-    {"path mm", "/score/feature/path_mm", 1}};
+    {"path mm", "/score/feature/path_mm", 1},
+    {"unreachable, as palpated sees it mm", "/score/feature/unreachable_as_the_daemon_sees_it_mm",
+     2},
+    {"worst point mm", "/score/feature/error_of_the_worst_point_mm", 2}};
 
 using Group = std::vector<const Json*>;  // results that differ by their seed alone
 

@@ -1,11 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <initializer_list>
 #include <limits>
 
 #include "core/control/fem_jacobian.hpp"
 #include "core/control/kinematic_jacobian.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/shape/point_feature.hpp"
+#include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
@@ -123,8 +125,10 @@ class FemJacobianOfBar : public ::testing::Test {
 TEST_F(FemJacobianOfBar, EqualsDifferencesOfSettledShapes) {
   shape::PoseFeature pose(model_.body().mesh, pose_points());
   shape::PointFeature point(model_.body().mesh, {{0.25, 0.03, 0.06}, {0, 1, 2}});
-  for (shape::Feature* feature :
-       {static_cast<shape::Feature*>(&pose), static_cast<shape::Feature*>(&point)}) {
+  shape::PointsFeature points(
+      model_.body().mesh,
+      {{{0.1, 0.03, 0.06}, {0.25, 0.03, 0.06}, {0.3, 0, 0.01}, {0.45, 0.06, 0.06}}});
+  for (shape::Feature* feature : std::initializer_list<shape::Feature*>{&pose, &point, &points}) {
     const int dimension = feature->dimension();
     value_at(*feature, X_OG_);
     MatrixXd J(dimension, 6), numeric(dimension, 6);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <cmath>
 #include <limits>
 
@@ -8,6 +9,7 @@
 #include "core/control/proportional_twist.hpp"
 #include "core/math/random.hpp"
 #include "core/shape/point_feature.hpp"
+#include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
@@ -165,6 +167,52 @@ TEST_F(LawTest, ProportionalTwistSteersAPoint) {
   for (int i = 0; i < 2000; ++i) loop.tick(1e-3);
   EXPECT_NEAR(std::log(start / loop.error.norm()), 2, 0.02);
   EXPECT_LT(loop.output.unreachable.norm(), 1e-9);
+}
+
+/// The best that a rigid body can do for displaced points is Kabsch's: the rotation and translation
+/// that leave the least sum of squares.
+TEST_F(LawTest, ProportionalTwistBringsASetOfPointsAsNearAsItCan) {
+  shape::PointsFeature::Options options;
+  for (double x : {0.1, 0.25, 0.4})
+    for (double y : {0.0, 0.06}) options.rest_points.insert(options.rest_points.end(), {{x, y, 0}});
+  options.rest_points.emplace_back(0.3, 0.03, 0.06);
+  shape::PointsFeature points(model_.body().mesh, options);
+  ProportionalTwist law(bare(2));
+  Loop loop(law, points, model_);
+  const int n = static_cast<int>(options.rest_points.size());
+  const Eigen::Matrix3Xd rest = loop.value.reshaped(3, n);
+  math::Random random(5);
+  Eigen::Matrix3Xd target(3, n);
+  for (int i = 0; i < n; ++i) {
+    target.col(i) = math::exp_rotation({0.3, -0.4, 0.2}) * rest.col(i) + Vector3d(0.05, 0, 0.1);
+    for (int k = 0; k < 3; ++k) target(k, i) += random.uniform(-2e-3, 2e-3);
+  }
+  loop.target = target.reshaped();
+  loop.observe();
+  for (int i = 0; i < 8000; ++i) loop.tick(1e-3);
+  const Eigen::Matrix4d best = Eigen::umeyama(rest, target, false);
+  const Eigen::Matrix3Xd left = target - ((best.topLeftCorner<3, 3>() * rest).colwise() +
+                                          Vector3d(best.topRightCorner<3, 1>()));
+  ASSERT_GT(left.norm(), 1e-3);
+  EXPECT_LT((loop.error - left.reshaped()).norm(), 1e-6);
+  EXPECT_LT((loop.output.unreachable - left.reshaped()).norm(), 1e-6);
+}
+
+TEST_F(LawTest, DeadBandOfASetOfPointsIsItsRootMeanSquare) {
+  shape::PointsFeature::Options options;
+  for (int i = 0; i < 8; ++i) options.rest_points.emplace_back(0.05 * (i + 1), 0.03, 0.03);
+  shape::PointsFeature points(model_.body().mesh, options);
+  TwistLawOptions with_band = bare(1);
+  with_band.dead_band.position = 1e-3;
+  ProportionalTwist law(with_band);
+  for (const double displacement : {0.9e-3, 1.1e-3}) {
+    Loop loop(law, points, model_);
+    loop.target = loop.value;
+    for (int i = 0; i < 8; ++i) loop.target[3 * i] += displacement;
+    loop.observe();
+    loop.tick(1e-3);
+    EXPECT_EQ(loop.output.V_O_G.linear.norm() == 0, displacement < 1e-3);
+  }
 }
 
 TEST_F(LawTest, SaturationKeepsTheDirection) {

@@ -23,7 +23,7 @@ class BareFeature : public shape::Feature {
   void error(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,
              Eigen::Ref<VectorXd>) const noexcept override {}
   const std::vector<int>& support() const noexcept override { return support_; }
-  const MatrixXd& jacobian() const noexcept override { return jacobian_; }
+  const Eigen::SparseMatrix<double>& jacobian() const noexcept override { return jacobian_; }
   bool is_valid_target(const double*, int) const noexcept override { return true; }
 
  private:
@@ -31,7 +31,7 @@ class BareFeature : public shape::Feature {
   int dimension_;
   std::vector<Eigen::Vector3d> points_;
   std::vector<int> support_;
-  MatrixXd jacobian_;
+  Eigen::SparseMatrix<double> jacobian_;
 };
 
 MatrixXd random_matrix(math::Random& random, int rows, int columns) {

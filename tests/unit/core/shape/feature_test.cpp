@@ -5,6 +5,7 @@
 
 #include "core/math/random.hpp"
 #include "core/shape/point_feature.hpp"
+#include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
 
 namespace palpate::shape {
@@ -22,6 +23,11 @@ mesh::ElementMesh bar(mesh::ElementOrder order) {
 
 PoseFeature::Options pose_points() {
   return {{Vector3d(0.40, 0.01, 0.02), Vector3d(0.47, 0.03, 0.05), Vector3d(0.43, 0.055, 0.01)}};
+}
+
+/// Some inside, one on a node.
+PointsFeature::Options set_of_points() {
+  return {{{0.31, 0.02, 0.04}, {0.5, 0.06, 0.06}, {0.05, 0.06, 0.031}, {0.32, 0.02, 0.04}}};
 }
 
 /// A smooth large deformation with some noise, so that nothing is special about it.
@@ -82,6 +88,8 @@ TEST_P(FeatureTest, JacobiansEqualCentralDifferences) {
   PoseFeature pose(mesh, pose_points());
   EXPECT_LT(jacobian_error(point, deformed(mesh)), 1e-7);
   EXPECT_LT(jacobian_error(pose, deformed(mesh)), 1e-7);
+  PointsFeature points(mesh, set_of_points());
+  EXPECT_LT(jacobian_error(points, deformed(mesh)), 1e-7);
 }
 
 TEST_P(FeatureTest, PoseMovesWithARigidMotion) {
@@ -124,6 +132,57 @@ TEST(PointFeature, ChecksTargets) {
   EXPECT_TRUE(feature.is_valid_target(good, 3));
   EXPECT_FALSE(feature.is_valid_target(good, 2));
   EXPECT_FALSE(feature.is_valid_target(bad, 3));
+}
+
+TEST_P(FeatureTest, PointsAreTheirPointsOneAfterTheOther) {
+  const mesh::ElementMesh mesh = bar(GetParam());
+  const PointsFeature::Options options = set_of_points();
+  PointsFeature points(mesh, options);
+  ASSERT_EQ(points.dimension(), 12);
+  const Eigen::Matrix3Xd x = deformed(mesh);
+  VectorXd all(12), one(3);
+  points.evaluate(x, all);
+  for (std::size_t i = 0; i < options.rest_points.size(); ++i) {
+    PointFeature point(mesh, {options.rest_points[i], {0, 1, 2}});
+    point.evaluate(x, one);
+    EXPECT_EQ(VectorXd(all.segment<3>(3 * static_cast<int>(i))), one);
+  }
+}
+
+TEST(PointsFeature, HoldsTheSurfaceOfABar) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kQuadratic);
+  PointsFeature::Options options;
+  for (int i = 0; i < 16; ++i) {
+    const double x = 0.5 * (i + 1) / 16;
+    options.rest_points.insert(options.rest_points.end(),
+                               {{x, 0, 0}, {x, 0.06, 0}, {x, 0, 0.06}, {x, 0.06, 0.06}});
+  }
+  PointsFeature feature(mesh, options);
+  EXPECT_EQ(feature.dimension(), 192);
+  VectorXd value(192), error(192);
+  feature.evaluate(mesh.nodes, value);
+  feature.error(value, value.array() + 0.01, error);
+  EXPECT_LT((error.array() - 0.01).abs().maxCoeff(), 1e-15);
+  // A point is a sum of the ten nodes of its element at most.
+  EXPECT_LE(feature.jacobian().nonZeros(), 192 * 10);
+  options.rest_points.emplace_back(0.25, 0.03, 0.06);
+  EXPECT_THROW(PointsFeature(mesh, options), std::invalid_argument);
+}
+
+TEST(PointsFeature, RefusesBadSetUpAndTargets) {
+  const mesh::ElementMesh mesh = bar(mesh::ElementOrder::kLinear);
+  using Options = PointsFeature::Options;
+  EXPECT_THROW(PointsFeature(mesh, Options{}), std::invalid_argument);
+  EXPECT_THROW(PointsFeature(mesh, Options{{{0.3, 0.03, 0.03}, {0.3, 0.0305, 0.03}}}),
+               std::invalid_argument);
+  EXPECT_THROW(PointsFeature(mesh, Options{{{0.3, 0.03, 0.03}, {0.3, 0.03, 0.3}}}),
+               std::invalid_argument);
+  const PointsFeature feature(mesh, Options{{{0.3, 0.03, 0.03}, {0.4, 0.03, 0.03}}});
+  const double good[] = {0, 0, 0, 1, 1, 1};
+  const double bad[] = {0, 0, 0, 1, 1, kNan};
+  EXPECT_TRUE(feature.is_valid_target(good, 6));
+  EXPECT_FALSE(feature.is_valid_target(good, 3));
+  EXPECT_FALSE(feature.is_valid_target(bad, 6));
 }
 
 TEST(PoseFeature, FrameIsThatOfItsPoints) {
@@ -183,7 +242,7 @@ TEST(PoseFeature, KeepsItsOrientationWhenThePointsCollapse) {
   line.bottomRows<2>().setZero();
   feature.evaluate(line, after);
   EXPECT_EQ(after.tail<4>(), before.tail<4>());
-  EXPECT_TRUE(feature.jacobian().allFinite());
+  EXPECT_TRUE(MatrixXd(feature.jacobian()).allFinite());
 }
 
 }  // namespace

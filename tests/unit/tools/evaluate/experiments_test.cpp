@@ -99,6 +99,19 @@ TEST(Targets, AreTheRestFeatureDisplaced) {
   }
 }
 
+TEST(Targets, OfASetOfPointsEveryOneIsDisplaced) {
+  ControlTarget target;
+  target.kind = "points";
+  target.rest_points = {{0.25, 0.03, 0.06}, {0.3, 0.03, 0.06}};
+  target.displacement = {0.01, 0, -0.02};
+  target.displace();
+  ASSERT_EQ(target.values.size(), 6);
+  for (int i = 0; i < 2; ++i) {
+    const Eigen::Vector3d moved = target.values.segment<3>(3 * i) - target.rest_points[i];
+    EXPECT_LT((moved - target.displacement).norm(), 1e-12);
+  }
+}
+
 TEST(Targets, OverridesPutTheFeatureIntoItsSlot) {
   ControlTarget target;
   target.kind = "point";

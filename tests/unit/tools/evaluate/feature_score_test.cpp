@@ -89,6 +89,36 @@ TEST(FeatureScore, PoseErrorHasItsAngle) {
   EXPECT_FALSE(score->within_5mm);
 }
 
+TEST(FeatureScore, ErrorOfASetIsItsRootMeanSquare) {
+  // The plant stretches along x by a tenth; the target asks for nothing.
+  const auto truth = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
+    return {1.1 * p.x(), p.y(), p.z()};
+  };
+  RunLog run = synthetic_run(truth, truth, 1);
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> values;
+  double sum = 0;
+  for (int i = 0; i < 20; ++i) {
+    points.emplace_back(0.02 * (i + 1), 0.05, 0.1 + 0.005 * i);
+    values.insert(values.end(), points.back().begin(), points.back().end());
+    sum += std::pow(0.1 * points.back().x(), 2);
+  }
+  run.targets.push_back(target_of("points", points, values, 0));
+  feature_t seen = {};  // holds ten points and a third of one
+  seen.revision = 1;
+  seen.value_count = seen.error_count = 32;
+  for (int i = 0; i < 32; ++i) seen.error[i] = i < 30 ? 0.003 : 7;
+  seen.unreachable[1] = 0.002;
+  run.features.push_back(seen);
+  const auto score = score_feature(run);
+  ASSERT_TRUE(score);
+  EXPECT_NEAR(score->rest_distance, std::sqrt(sum / 20), 1e-6);
+  EXPECT_NEAR(score->rest_largest, 0.04, 1e-6);
+  EXPECT_EQ(score->rest_angle, 0);
+  EXPECT_NEAR(score->estimated_distance, 0.003 * std::sqrt(3), 1e-12);
+  EXPECT_NEAR(score->unreachable, 0.002 / std::sqrt(10), 1e-12);
+}
+
 TEST(FeatureScore, NoTargetNoScore) {
   const auto rest = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d { return p; };
   EXPECT_FALSE(score_feature(synthetic_run(rest, rest, 1)));

@@ -120,6 +120,25 @@ TEST_F(ThesisPlanTest, EveryMethodLevelAndSeedIsAJob) {
               AllOf(Contains("feature.component=point"), Contains("control.gain=0.5")));
 }
 
+TEST_F(ThesisPlanTest, ATargetIsAPlaceOrWhatAHandMotionReaches) {
+  std::string text = kPlan;
+  const std::string from = "displacement: [0, 0, 0.01]";
+  text.replace(text.find(from), from.size(), "hand: {translation: [0, 0, 0.1]}");
+  const std::string point = "feature: point, rest_points: [[0.25, 0.03, 0.06]]";
+  text.replace(text.find(point), point.size(),
+               "feature: points, rest_points: [[0.25, 0.03, 0.06], [0.3, 0.03, 0.06]]");
+  ThesisJob job = thesis_jobs(read(text), {}).back();
+  ASSERT_TRUE(job.target && job.target->hand);
+  EXPECT_EQ(job.target->hand->translation, Eigen::Vector3d(0, 0, 0.1));
+  EXPECT_EQ(job.target->hand->rotation_deg, Eigen::Vector3d::Zero());
+  EXPECT_THAT(job.daemon_overrides, Contains("feature.component=points"));
+  const std::string before = hash_of_inputs(job, {});
+  job.target->hand->rotation_deg.x() = 1;
+  EXPECT_NE(hash_of_inputs(job, {}), before);
+  EXPECT_THAT(error_of(from, from + ", hand: {translation: [0, 0, 0.1]}"),
+              HasSubstr("applications.1.target.displacement"));
+}
+
 TEST_F(ThesisPlanTest, ASelectionChooses) {
   const ThesisPlan plan = read(kPlan);
   ThesisSelection selection;

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+#include "sim/object/fingertip_contact.hpp"
+
+namespace palpate::object {
+
+/// An object of a scene: what hands and fingertips do to it, what they feel of it, and the truth
+/// about its shape. All quantities are in O. Objects that no hand can hold keep the defaults.
+class Plant {
+ public:
+  virtual ~Plant() = default;
+
+  /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent.
+  virtual void step(double dt) noexcept = 0;
+  virtual int substeps() const = 0;  // that the last step took
+
+  /// Centre and velocity of a fingertip at the end of the next step; the first call puts it there.
+  virtual void move_fingertip(int tip, const Eigen::Vector3d& centre,
+                              const math::Twist& velocity) noexcept = 0;
+  virtual int fingertip_count() const = 0;
+  virtual const FingertipTouch& touch(int tip) const = 0;
+  virtual Eigen::Vector3d fingertip_centre(int tip) const = 0;
+  /// On the tip about its centre, mean over the last step.
+  virtual math::Wrench fingertip_wrench(int tip) const = 0;
+
+  /// Adds a force (N) on the material that is at `rest_point` at rest, until clear_forces().
+  virtual void push(const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) noexcept = 0;
+  virtual void clear_forces() noexcept = 0;
+
+  virtual int grasp_count() const { return 0; }
+  virtual bool grasped(int /*hand*/) const { return false; }
+  /// Pose and velocity of a hand at the end of the next step.
+  virtual void move_hand(int /*hand*/, const math::Pose& /*X_OG*/,
+                         const math::Twist& /*V_O_G*/) noexcept {}
+  /// Hand on object about the origin of its G, mean over the last step.
+  virtual math::Wrench hand_wrench(int /*hand*/) const { return {}; }
+  /// Share of the pads' area that slips.
+  virtual double slipping_share(int /*hand*/) const { return 0; }
+
+  virtual const Eigen::Matrix3Xd& positions() const = 0;  // of the nodes, m
+  virtual const Eigen::Matrix3Xd& rest_positions() const = 0;
+  virtual const Eigen::MatrixXi& elements() const = 0;            // nodes by column: 27 or 4
+  virtual const Eigen::Matrix3Xi& surface_triangles() const = 0;  // outward
+  virtual const std::vector<int>& clamped_nodes() const = 0;
+};
+
+}  // namespace palpate::object
