@@ -11,7 +11,8 @@ namespace {
 constexpr double kSame = 1e-9;  // m
 
 /// How many elements fit into `distance` from a plane, where they are `first` m long, if their
-/// length grows by `slope` m a metre; and the other way round.
+/// length grows by `slope` m a metre, which is by exp(slope) from one to the next; and the other
+/// way round.
 double elements_within(double distance, double first, double slope) {
   return slope > 0 ? std::log1p(slope * distance / first) / slope : distance / first;
 }
@@ -100,7 +101,7 @@ std::vector<double> graded_borders(double length, int count, std::vector<double>
     throw std::invalid_argument("plant: fewer elements than stretches between clamp and grasp");
   }
   const bool any = sections.front().from_lower || sections.back().from_upper || sections.size() > 1;
-  const double slope = any ? growth - 1 : 0;
+  const double slope = any ? std::log(growth) : 0;
   const double first = first_length(sections, length, count, slope);
   const std::vector<int> counts = share_out(sections, count, first, slope);
   std::vector<double> borders{0};

@@ -19,7 +19,7 @@ std::string mesh_name(const PlantOptions& options) {
 
 /// One line of the table.
 void compare(const MeshCase& load, const std::vector<Equilibrium>& best, double best_dent) {
-  const std::vector<Equilibrium> found = equilibria(load);
+  const std::vector<Equilibrium> found = equilibria(load, best);
   const std::array<double, 3> off = differences(found, best);
   const HyperelasticPlant plant(load.options);
   const StepCost cost = step_cost(load);
@@ -46,7 +46,8 @@ void compare_scene(const std::string& file, const std::vector<std::string>& mesh
   MeshCase fine = load;
   fine.options = refined(load.options);
   if (!fine_mesh.empty()) set_mesh(fine.options, fine_mesh);
-  const std::vector<Equilibrium> best = equilibria(fine);
+  const std::vector<Equilibrium> coarse = equilibria(load);
+  const std::vector<Equilibrium> best = equilibria(fine, coarse);
   const double best_dent = load.dented ? dent_force(fine) : 0;
   std::printf("\n%s (E %g kPa, against %s, grading %.2f)\n\n",
               std::filesystem::path(file).stem().c_str(), 1e-3 * load.options.young_modulus,

@@ -13,6 +13,7 @@ namespace palpate::object {
 namespace {
 
 constexpr double kStep = 1e-3;
+constexpr double kInstant = 1e-9;  // s, to have the hand where it shall be
 constexpr double kTolerance = 1e-6;
 constexpr double kSettling = 20;  // s
 constexpr double kDent = 1.5e-3;  // m
@@ -67,14 +68,24 @@ MeshCase read_case(const std::string& scene_file) {
   return load;
 }
 
-std::vector<Equilibrium> equilibria(const MeshCase& load) {
+std::vector<Equilibrium> equilibria(const MeshCase& load, const std::vector<Equilibrium>& start) {
   std::vector<Equilibrium> found;
   PlantOptions options = load.options;
   options.viscosity = 0;
   for (const scenes::Leg& leg : load.legs) {
-    HyperelasticPlant plant(options);
-    go(plant, load, leg, 0, 1, 200);
+    const auto shared = std::make_shared<HyperelasticPlant>(options);
+    HyperelasticPlant& plant = *shared;
+    if (start.empty()) {
+      go(plant, load, leg, 0, 1, 200);
+    } else {
+      Eigen::Matrix3Xd positions = plant.rest_positions();
+      for (auto node : positions.colwise())
+        node = start[found.size()].plant->position_at(Eigen::Vector3d(node));
+      plant.step(kInstant, pose_at(load, leg, 1), {});
+      plant.set_state(positions, 0 * positions);
+    }
     Equilibrium rest;
+    rest.plant = shared;
     rest.converged = plant.settle(kSettling, kTolerance).converged;
     rest.hand = plant.hand_wrench();
     rest.moved.resize(3, 20 * 9);

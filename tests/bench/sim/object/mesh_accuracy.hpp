@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,10 +26,12 @@ struct Equilibrium {
   Eigen::Matrix3Xd moved;  // m, of points on and in the object
   math::Wrench hand;
   bool converged = false;
+  std::shared_ptr<const HyperelasticPlant> plant;
 };
 
-/// At all poses, one after the other from rest.
-std::vector<Equilibrium> equilibria(const MeshCase& load);
+/// At all poses: moved there from rest, or begun with those of another mesh.
+std::vector<Equilibrium> equilibria(const MeshCase& load,
+                                    const std::vector<Equilibrium>& start = {});
 
 /// N: what it takes two fingertips to dent the object by 1.5 mm from above and below, near its free
 /// end.
