@@ -56,7 +56,7 @@ MeshCase read_case(const std::string& scene_file) {
   if (options.grasps.empty()) {
     GraspOptions pinch;
     pinch.patch = {options.origin, options.origin + options.size};
-    pinch.patch.lower.x() += 0.75 * options.size.x();
+    pinch.patch.lower.x() += 0.5 * options.size.x();  // a border of elements in all meshes
     pinch.pinch_axis = 2;
     pinch.stiffness = 1e5;
     pinch.damping = 20;

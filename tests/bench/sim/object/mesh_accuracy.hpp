@@ -17,7 +17,7 @@ struct MeshCase {
   bool dented = false;  // by two fingertips, as the scene's fingers do
 };
 
-/// Reads a scene. Where fingertips hold the object a pinch by pads over its last quarter stands in
+/// Reads a scene. Where fingertips hold the object a pinch by pads over its outer half stands in
 /// for them: they would slip and roll, which is no matter of the mesh.
 MeshCase read_case(const std::string& scene_file);
 
