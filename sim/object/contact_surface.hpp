@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "sim/object/hexahedral_grid.hpp"
@@ -43,6 +44,14 @@ class ContactSurface {
   using Corners = Eigen::Matrix<double, 3, 9>;
   using Lines = std::vector<std::array<double, 3>>;  // shape functions of the nodes along one axis
 
+  /// One side of an element.
+  struct Side {
+    Side(double length, double spacing);
+    double apart;   // samples at rest, m
+    Lines samples;  // along it
+    Lines cells;    // at the middle of every kCell of them
+  };
+
   /// The quadratic curve across the face at one place along v: its nodes' positions by column.
   static Eigen::Matrix3d line(const Corners& corners,
                               const std::array<double, 3>& along_v) noexcept {
@@ -60,23 +69,21 @@ class ContactSurface {
                  double reach) const noexcept;
 
   Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;
-  std::vector<int> axes_;                // that each face lies across
-  std::array<Lines, 3> samples_;         // along each axis of an element
-  std::array<Lines, 3> cells_;           // at the middle of every kCell of them
-  std::array<double, 3> cell_radius_{};  // of a cell on faces across each axis, at rest, m
-  std::array<double, 3> sample_area_{};  // m^2
+  std::vector<Side> sides_;                     // of the elements along x, then y, then z
+  std::vector<std::array<int, 2>> face_sides_;  // of each face along u and v
 };
 
 template <class Visit>
 void ContactSurface::visit_cell(const Corners& corners, int face, std::size_t cu, std::size_t cv,
                                 const Eigen::Vector3d& centre, double reach,
                                 const Visit& visit) const noexcept {
-  const int axis = axes_[face];
-  const auto& across_u = samples_[(axis + 1) % 3];
-  const auto& across_v = samples_[(axis + 2) % 3];
+  const Side& side_u = sides_[face_sides_[face][0]];
+  const Side& side_v = sides_[face_sides_[face][1]];
+  const Lines& across_u = side_u.samples;
+  const Lines& across_v = side_v.samples;
   SurfaceSample sample;
   sample.face = face;
-  sample.area = sample_area_[axis];
+  sample.area = side_u.apart * side_v.apart;
   for (std::size_t j = kCell * cv; j < kCell * (cv + 1); ++j) {
     const Eigen::Matrix3d curve = line(corners, across_v[j]);
     for (std::size_t i = kCell * cu; i < kCell * (cu + 1); ++i) {
@@ -95,10 +102,12 @@ void ContactSurface::for_each_near(const Eigen::Matrix3Xd& positions, const Eige
     Corners corners;
     for (int b = 0; b < 9; ++b) corners.col(b) = positions.col(faces_(b, f));
     if (!may_touch(corners, centre, reach)) continue;
-    const int axis = axes_[f];
-    const auto& across_u = cells_[(axis + 1) % 3];
-    const auto& across_v = cells_[(axis + 2) % 3];
-    const double cell_reach = reach + kMostStretch * cell_radius_[axis];
+    const Side& side_u = sides_[face_sides_[f][0]];
+    const Side& side_v = sides_[face_sides_[f][1]];
+    const Lines& across_u = side_u.cells;
+    const Lines& across_v = side_v.cells;
+    const double cell_radius = 0.5 * kCell * std::hypot(side_u.apart, side_v.apart);
+    const double cell_reach = reach + kMostStretch * cell_radius;
     for (std::size_t cv = 0; cv < across_v.size(); ++cv) {
       const Eigen::Matrix3d curve = line(corners, across_v[cv]);
       for (std::size_t cu = 0; cu < across_u.size(); ++cu) {

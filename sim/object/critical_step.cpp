@@ -1,6 +1,8 @@
 #include "sim/object/critical_step.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <limits>
 #include <random>
 
 namespace palpate::object {
@@ -39,7 +41,10 @@ double critical_step(const HexahedralGrid& grid, NeoHookeanSolid solid,
   const auto hold = [&held](Eigen::Matrix3Xd& values, const Eigen::Matrix3Xd& at) {
     for (const int n : held) values.col(n) = at.col(n);
   };
-  const double tiny = 1e-6 * grid.element_size().minCoeff();
+  double shortest = std::numeric_limits<double>::infinity();
+  for (int e = 0; e < grid.element_count(); ++e)
+    shortest = std::min(shortest, grid.element_size(e).minCoeff());
+  const double tiny = 1e-6 * shortest;
   Eigen::Matrix3Xd moved(3, grid.node_count());
   Eigen::Matrix3Xd back(3, grid.node_count());
   const double stiffest = greatest_eigenvalue(masses, [&](const auto& direction, auto& out) {

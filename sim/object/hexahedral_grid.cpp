@@ -11,6 +11,21 @@ namespace {
 
 constexpr double kBoxTolerance = 1e-9;  // m
 
+HexahedralGrid::Borders even_borders(const Eigen::Vector3d& size,
+                                     const std::array<int, 3>& elements) {
+  HexahedralGrid::Borders borders;
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!(size[axis] > 0)) {
+      throw std::invalid_argument("plant: every side of the box must be positive");
+    }
+    if (elements[axis] < 1) throw std::invalid_argument("plant: at least one element per axis");
+    for (int i = 0; i <= elements[axis]; ++i)
+      borders[axis].push_back(i * (size[axis] / elements[axis]));
+    borders[axis].back() = size[axis];
+  }
+  return borders;
+}
+
 }  // namespace
 
 bool Box::contains(const Eigen::Vector3d& p) const {
@@ -18,16 +33,26 @@ bool Box::contains(const Eigen::Vector3d& p) const {
          (p.array() <= upper.array() + kBoxTolerance).all();
 }
 
-HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
-                               const std::array<int, 3>& elements)
-    : origin_(origin), size_(size), counts_(elements), points_{} {
-  if (!origin.allFinite() || !size.allFinite() || (size.array() <= 0).any()) {
-    throw std::invalid_argument("plant: every side of the box must be positive");
-  }
+HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Borders& borders)
+    : origin_(origin), borders_(borders) {
+  if (!origin.allFinite()) throw std::invalid_argument("plant: the origin must be finite");
+  std::array<std::vector<double>, 3> coordinates;
   for (int axis = 0; axis < 3; ++axis) {
-    if (counts_[axis] < 1) throw std::invalid_argument("plant: at least one element per axis");
+    const std::vector<double>& cuts = borders_[axis];
+    if (cuts.size() < 2 || cuts.front() != 0 || !std::isfinite(cuts.back())) {
+      throw std::invalid_argument("plant: borders of elements begin with 0 and are two at least");
+    }
+    size_[axis] = cuts.back();
+    counts_[axis] = static_cast<int>(cuts.size()) - 1;
     points_[axis] = 2 * counts_[axis] + 1;
-    element_size_[axis] = size_[axis] / counts_[axis];
+    for (int i = 0; i < counts_[axis]; ++i) {
+      if (!(cuts[i] < cuts[i + 1])) {
+        throw std::invalid_argument("plant: borders of elements must ascend");
+      }
+      coordinates[axis].push_back(cuts[i]);
+      coordinates[axis].push_back(0.5 * (cuts[i] + cuts[i + 1]));
+    }
+    coordinates[axis].push_back(cuts.back());
   }
 
   nodes_.resize(3, points_[0] * points_[1] * points_[2]);
@@ -35,67 +60,89 @@ HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vecto
     for (int j = 0; j < points_[1]; ++j) {
       for (int i = 0; i < points_[0]; ++i) {
         nodes_.col(node_index(i, j, k)) =
-            origin_ + Eigen::Vector3d(i, j, k).cwiseProduct(0.5 * element_size_);
+            origin_ + Eigen::Vector3d(coordinates[0][i], coordinates[1][j], coordinates[2][k]);
       }
     }
   }
 
   elements_.resize(27, counts_[0] * counts_[1] * counts_[2]);
-  int e = 0;
-  for (int ez = 0; ez < counts_[2]; ++ez) {
-    for (int ey = 0; ey < counts_[1]; ++ey) {
-      for (int ex = 0; ex < counts_[0]; ++ex, ++e) {
-        for (int a = 0; a < 27; ++a) {
-          elements_(a, e) = node_index(2 * ex + a % 3, 2 * ey + a / 3 % 3, 2 * ez + a / 9);
-        }
-      }
+  for (int e = 0; e < element_count(); ++e) {
+    const std::array<int, 3> at = cell(e);
+    for (int a = 0; a < 27; ++a) {
+      elements_(a, e) = node_index(2 * at[0] + a % 3, 2 * at[1] + a / 3 % 3, 2 * at[2] + a / 9);
     }
   }
-  add_surface_triangles();
+  add_surface();
 }
 
-void HexahedralGrid::add_surface_triangles() {
+HexahedralGrid::HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
+                               const std::array<int, 3>& elements)
+    : HexahedralGrid(origin, even_borders(size, elements)) {}
+
+std::array<int, 3> HexahedralGrid::cell(int element) const {
+  return {element % counts_[0], element / counts_[0] % counts_[1],
+          element / (counts_[0] * counts_[1])};
+}
+
+Eigen::Vector3d HexahedralGrid::element_size(int element) const {
+  const std::array<int, 3> at = cell(element);
+  Eigen::Vector3d size;
+  for (int axis = 0; axis < 3; ++axis)
+    size[axis] = borders_[axis][at[axis] + 1] - borders_[axis][at[axis]];
+  return size;
+}
+
+void HexahedralGrid::add_surface() {
   const int face_count =
       2 * (counts_[0] * counts_[1] + counts_[1] * counts_[2] + counts_[2] * counts_[0]);
   faces_.resize(9, face_count);
   face_areas_.resize(face_count);
   triangles_.resize(3, 8 * face_count);
   int face = 0;
-  int triangle = 0;
   for (int normal = 0; normal < 3; ++normal) {
     const int u = (normal + 1) % 3;
     const int v = (normal + 2) % 3;
     for (const bool upper : {false, true}) {
       for (int q = 0; q < counts_[v]; ++q) {
         for (int p = 0; p < counts_[u]; ++p, ++face) {
+          std::array<int, 3> at{};
           for (int b = 0; b < 9; ++b) {
-            std::array<int, 3> at{};
             at[normal] = upper ? points_[normal] - 1 : 0;
             at[u] = 2 * p + b % 3;
             at[v] = 2 * q + b / 3;
             faces_(b, face) = node_index(at[0], at[1], at[2]);
           }
-          face_areas_[face] = element_size_[u] * element_size_[v];
+          at[normal] = upper ? counts_[normal] - 1 : 0;
+          at[u] = p;
+          at[v] = q;
+          face_elements_.push_back(at[0] + counts_[0] * (at[1] + counts_[1] * at[2]));
+          const Eigen::Vector3d size = element_size(face_elements_.back());
+          face_areas_[face] = size[u] * size[v];
           face_axes_.push_back(normal);
           face_sides_.push_back(upper ? 1 : -1);
-          for (const int corner : {0, 1, 3, 4}) {
-            const Eigen::Vector4i quad(faces_(corner, face), faces_(corner + 1, face),
-                                       faces_(corner + 4, face), faces_(corner + 3, face));
-            // u x v points along +normal: the lower face is listed the other way round.
-            const Eigen::Vector4i ring = upper ? quad : Eigen::Vector4i(quad.reverse());
-            triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[1], ring[2]);
-            triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[2], ring[3]);
-          }
+          add_triangles(face, upper);
         }
       }
     }
   }
 }
 
+void HexahedralGrid::add_triangles(int face, bool upper) {
+  int triangle = 8 * face;
+  for (const int corner : {0, 1, 3, 4}) {
+    const Eigen::Vector4i quad(faces_(corner, face), faces_(corner + 1, face),
+                               faces_(corner + 4, face), faces_(corner + 3, face));
+    // u x v points along +normal: the lower face is listed the other way round.
+    const Eigen::Vector4i ring = upper ? quad : Eigen::Vector4i(quad.reverse());
+    triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[1], ring[2]);
+    triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[2], ring[3]);
+  }
+}
+
 Eigen::VectorXd HexahedralGrid::nodal_volumes() const {
   Eigen::VectorXd volumes = Eigen::VectorXd::Zero(node_count());
-  const double element_volume = element_size_.prod();
   for (int e = 0; e < element_count(); ++e) {
+    const double element_volume = element_size(e).prod();
     for (int a = 0; a < 27; ++a) {
       volumes[elements_(a, e)] +=
           element_volume * kLobattoShare[a % 3] * kLobattoShare[a / 3 % 3] * kLobattoShare[a / 9];
@@ -148,14 +195,16 @@ MaterialPoint HexahedralGrid::locate(const Eigen::Vector3d& p_O) const {
   MaterialPoint point;
   const Eigen::Vector3d p = p_O - origin_;
   point.outside = (p - p.cwiseMax(Eigen::Vector3d::Zero()).cwiseMin(size_)).norm();
-  std::array<int, 3> cell{};
+  std::array<int, 3> at{};
   std::array<std::array<double, 3>, 3> shape{};
   for (int axis = 0; axis < 3; ++axis) {
-    const double along = p[axis] / element_size_[axis];
-    cell[axis] = std::clamp(static_cast<int>(std::floor(along)), 0, counts_[axis] - 1);
-    shape[axis] = QuadraticShape(2 * (along - cell[axis]) - 1).value;
+    const std::vector<double>& cuts = borders_[axis];
+    const auto above = std::upper_bound(cuts.begin() + 1, cuts.end() - 1, p[axis]);
+    at[axis] = static_cast<int>(above - cuts.begin()) - 1;
+    const double length = *above - cuts[at[axis]];
+    shape[axis] = QuadraticShape(2 * (p[axis] - cuts[at[axis]]) / length - 1).value;
   }
-  const int e = cell[0] + counts_[0] * (cell[1] + counts_[1] * cell[2]);
+  const int e = at[0] + counts_[0] * (at[1] + counts_[1] * at[2]);
   for (int a = 0; a < 27; ++a) {
     point.nodes[a] = elements_(a, e);
     point.weights[a] = shape[0][a % 3] * shape[1][a / 3 % 3] * shape[2][a / 9];

@@ -29,13 +29,20 @@ struct MaterialPoint {
   }
 };
 
-/// A box [origin, origin + size] cut into equal triquadratic hexahedra of 27 nodes.
+/// A box cut across each axis into boxes, which are triquadratic hexahedra of 27 nodes.
 ///
-/// Nodes form a grid of (2 elements + 1) per axis, x fastest. Within an element node i + 3 j + 9 k
-/// lies at parent coordinates (i - 1, j - 1, k - 1), its parent box being [-1, 1]^3.
+/// Nodes form a grid of (2 elements + 1) per axis, x fastest, as do the elements. Within an element
+/// node i + 3 j + 9 k lies at parent coordinates (i - 1, j - 1, k - 1), its parent box being
+/// [-1, 1]^3.
 class HexahedralGrid {
  public:
-  /// Throws std::invalid_argument where a side is not positive or an element count is below one.
+  /// Where the cuts are along each axis, m from `origin`: from 0 to the length of the side.
+  using Borders = std::array<std::vector<double>, 3>;
+
+  /// Throws std::invalid_argument unless borders begin with 0 and ascend.
+  HexahedralGrid(const Eigen::Vector3d& origin, const Borders& borders);
+
+  /// Equal elements. Throws where a side is not positive or a count is below one.
   HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
                  const std::array<int, 3>& elements);
 
@@ -44,13 +51,18 @@ class HexahedralGrid {
   const Eigen::Matrix3Xd& nodes() const { return nodes_; }          // rest positions in O, m
   const Eigen::MatrixXi& elements() const { return elements_; }     // 27 x element count
   const Eigen::Matrix3Xi& triangles() const { return triangles_; }  // surface, outward normals
-  Eigen::Vector3d element_size() const { return element_size_; }
+  const Borders& borders() const { return borders_; }
+  Eigen::Vector3d element_size(int element) const;  // sides at rest, m
+
+  /// Which element it is along each axis.
+  std::array<int, 3> cell(int element) const;
 
   /// Surface faces of 9 nodes, i + 3 j along both in-plane axes, ascending; their rest areas, m^2;
   /// and the axis that they lie across.
   const Eigen::Matrix<int, 9, Eigen::Dynamic>& faces() const { return faces_; }
   const Eigen::VectorXd& face_areas() const { return face_areas_; }
   int face_axis(int face) const { return face_axes_[face]; }
+  int face_element(int face) const { return face_elements_[face]; }
 
   /// Rest volume that each node stands for, m^3: Gauss-Lobatto (Simpson) weights, all positive.
   Eigen::VectorXd nodal_volumes() const;
@@ -71,21 +83,23 @@ class HexahedralGrid {
 
  private:
   int node_index(int i, int j, int k) const { return i + points_[0] * (j + points_[1] * k); }
-  void add_surface_triangles();
+  void add_surface();
+  void add_triangles(int face, bool upper);
   template <class Add>
   void for_each_patch_node(const Box& box, int only_axis, const Add& add) const;
 
   Eigen::Vector3d origin_;
+  Borders borders_;
   Eigen::Vector3d size_;
-  std::array<int, 3> counts_;
-  std::array<int, 3> points_;
-  Eigen::Vector3d element_size_;
+  std::array<int, 3> counts_{};
+  std::array<int, 3> points_{};
   Eigen::Matrix3Xd nodes_;
   Eigen::MatrixXi elements_;
   Eigen::Matrix3Xi triangles_;
   Eigen::Matrix<int, 9, Eigen::Dynamic> faces_;
   Eigen::VectorXd face_areas_;
   std::vector<int> face_axes_;
+  std::vector<int> face_elements_;  // that they belong to
   std::vector<double> face_sides_;  // -1 or +1: which way along that axis is out
 };
 

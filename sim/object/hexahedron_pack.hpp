@@ -5,10 +5,11 @@
 #include <array>
 
 #include "sim/object/element_gradients.hpp"
+#include "sim/object/hexahedral_grid.hpp"
 
 namespace palpate::object {
 
-/// Equal 27-node boxes side by side, one a lane: from nodal values to gradients at the Gauss points
+/// 27-node boxes side by side, one a lane: from nodal values to gradients at the Gauss points
 /// and back. Both go line by line along one axis after the other (sum factorisation: Orszag, J.
 /// Comput. Phys. 37 (1980) 70): values at the nodes, values at the points, slopes there.
 class HexahedronPack {
@@ -28,18 +29,21 @@ class HexahedronPack {
     return kShare[index % 3] * kShare[index / 3 % 3] * kShare[index / 9];
   }
 
-  /// Numbers in nodal fields; where `elements` has fewer columns than lanes are left, lanes repeat
-  /// its last one and are not in use.
-  HexahedronPack(const Eigen::MatrixXi& elements, int first) {
-    const int count = static_cast<int>(elements.cols());
-    lanes_ = std::min(kTogether, count - first);
-    for (int a = 0; a < 27; ++a) {
-      for (int lane = 0; lane < kTogether; ++lane)
-        offsets_[a][lane] = 3 * elements(a, std::min(first + lane, count - 1));
+  /// The elements of the grid from `first` on; where fewer than the lanes are left, lanes repeat
+  /// the last one and are not in use.
+  HexahedronPack(const HexahedralGrid& grid, int first)
+      : lanes_(std::min(kTogether, grid.element_count() - first)) {
+    for (int lane = 0; lane < kTogether; ++lane) {
+      const int element = std::min(first + lane, grid.element_count() - 1);
+      const Eigen::Vector3d size = grid.element_size(element);
+      volume_[lane] = size.prod();
+      for (int axis = 0; axis < 3; ++axis) slopes_[axis][lane] = 1 / (kGauss * size[axis]);
+      for (int a = 0; a < 27; ++a) offsets_[a][lane] = 3 * grid.elements()(a, element);
     }
   }
 
-  int lanes() const { return lanes_; }  // in use
+  int lanes() const { return lanes_; }                              // in use
+  double volume(int lane) const noexcept { return volume_[lane]; }  // at rest, m^3
 
   /// `field` is 3 x node count.
   void gather(const double* field, Vectors& values) const noexcept {
@@ -75,9 +79,9 @@ class HexahedronPack {
   }
 
   /// Gradients by the rest coordinates of nodal values, which are overwritten by those at the Gauss
-  /// points. `slopes`: 1 / (kGauss h) for element sides h.
-  static void gradients(Vectors& values, const std::array<double, 3>& slopes,
-                        ElementGradients& out) noexcept {
+  /// points.
+  void gradients(Vectors& values, ElementGradients& out) const noexcept {
+    const std::array<Pack4d, 3> slopes = slopes_;
     for (int i = 0; i < 3; ++i) {
       Pack4d* v = values[i].data();
       interpolate<0>(v);
@@ -90,10 +94,11 @@ class HexahedronPack {
     }
   }
 
-  /// The transpose of gradients() after weighting the points by those of Gauss on [0, 1], 5/18,
-  /// 8/18, 5/18 along each axis.
-  static void divergence(const ElementGradients& field, const std::array<double, 3>& slopes,
-                         Vectors& values) noexcept {
+  /// Minus the transpose of gradients() after weighting the points by the volumes that they stand
+  /// for: nodal forces of a stress.
+  void divergence(const ElementGradients& field, Vectors& values) const noexcept {
+    const std::array<Pack4d, 3> slopes{-volume_ * slopes_[0], -volume_ * slopes_[1],
+                                       -volume_ * slopes_[2]};
     for (int i = 0; i < 3; ++i) {
       Pack4d* v = values[i].data();
       const Pack4d* from = field[0].data() + 3 * i;
@@ -173,7 +178,7 @@ class HexahedronPack {
 
   /// Slopes at the points of the quadratic through values there; those of a point lie 9 apart.
   template <int kAxis>
-  static void differentiate(const Pack4d* v, double slope, Pack4d* out) noexcept {
+  static void differentiate(const Pack4d* v, Pack4d slope, Pack4d* out) noexcept {
     for_each_line<kAxis>([=](int p0, int p1, int p2) {
       const Pack4d middle = slope * (v[p2] - v[p0]);
       const Pack4d change = 2 * slope * (v[p0] + v[p2] - 2 * v[p1]);
@@ -186,7 +191,7 @@ class HexahedronPack {
   /// The transpose of differentiate() on one line, weighted along the axis over the weight of the
   /// receiving point, which distribute() brings in.
   struct Flux {
-    Flux(const Pack4d* field, double slope, int p0, int p1, int p2) noexcept {
+    Flux(const Pack4d* field, Pack4d slope, int p0, int p1, int p2) noexcept {
       const Pack4d first = field[9 * p0], last = field[9 * p2];
       const Pack4d sum = slope * (first + 8. / 5 * field[9 * p1] + last);
       const Pack4d difference = 2 * slope * (last - first);
@@ -198,6 +203,8 @@ class HexahedronPack {
   };
 
   std::array<std::array<int, kTogether>, 27> offsets_{};
+  std::array<Pack4d, 3> slopes_{};  // 1 / (kGauss h) for element sides h
+  Pack4d volume_{};
   int lanes_ = 0;
 };
 

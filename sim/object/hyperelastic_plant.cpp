@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "sim/object/critical_step.hpp"
+#include "sim/object/graded_borders.hpp"
 
 namespace palpate::object {
 namespace {
@@ -30,6 +31,22 @@ void check(const PlantOptions& options) {
   }
 }
 
+HexahedralGrid::Borders borders(const PlantOptions& options) {
+  HexahedralGrid::Borders borders;
+  for (int axis = 0; axis < 3; ++axis) {
+    std::vector<double> planes;
+    const auto add = [&](const Box& hold) {
+      for (const double p : planes_of(hold, options.origin, options.size, axis))
+        planes.push_back(p);
+    };
+    if (options.clamp) add(*options.clamp);
+    for (const GraspOptions& grasp : options.grasps) add(grasp.patch);
+    borders[axis] =
+        graded_borders(options.size[axis], options.elements[axis], planes, options.grading);
+  }
+  return borders;
+}
+
 SolidOptions solid_options(const PlantOptions& options) {
   return {NeoHookean::from_young(options.young_modulus, options.poisson_ratio), options.viscosity,
           options.maxwell, options.yield, options.regions};
@@ -39,7 +56,7 @@ SolidOptions solid_options(const PlantOptions& options) {
 
 HyperelasticPlant::HyperelasticPlant(const PlantOptions& options)
     : options_((check(options), options)),
-      grid_(options.origin, options.size, options.elements),
+      grid_(options.origin, borders(options)),
       solid_(grid_, solid_options(options)),
       masses_(options.density * grid_.nodal_volumes()),
       inverse_masses_(masses_.cwiseInverse().transpose().replicate<3, 1>()),

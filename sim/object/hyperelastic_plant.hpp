@@ -20,17 +20,18 @@ struct PlantOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // lower corner of the box at rest, m
   Eigen::Vector3d size{0.5, 0.06, 0.06};             // m
   std::array<int, 3> elements{14, 1, 1};             // triquadratic hexahedra per axis
-  double young_modulus = 30e3;                       // Pa
-  double poisson_ratio = 0.3;                        // [0, 0.5)
-  double density = 26;                               // kg/m^3
-  double mass_damping = 2;                           // 1/s, force -mass_damping * m * v
-  double viscosity = 0;                              // Pa s, Kelvin-Voigt; 0 is faster
-  std::vector<MaxwellBranch> maxwell;                // creep and relaxation
-  std::optional<Yield> yield;                        // for an object that does not come back
-  std::vector<ModulusRegion> regions;                // parts of another stiffness
-  std::optional<Box> clamp;                          // nodes the test rig holds still; O, at rest
-  std::vector<GraspOptions> grasps;                  // hands, at most kMostGrasps
-  std::vector<FingertipOptions> fingertips;          // that may touch it
+  double grading = 1;  // growth of their lengths away from clamp and grasps; 1: all are equal
+  double young_modulus = 30e3;               // Pa
+  double poisson_ratio = 0.3;                // [0, 0.5)
+  double density = 26;                       // kg/m^3
+  double mass_damping = 2;                   // 1/s, force -mass_damping * m * v
+  double viscosity = 0;                      // Pa s, Kelvin-Voigt; 0 is faster
+  std::vector<MaxwellBranch> maxwell;        // creep and relaxation
+  std::optional<Yield> yield;                // for an object that does not come back
+  std::vector<ModulusRegion> regions;        // parts of another stiffness
+  std::optional<Box> clamp;                  // nodes the test rig holds still; O, at rest
+  std::vector<GraspOptions> grasps;          // hands, at most kMostGrasps
+  std::vector<FingertipOptions> fingertips;  // that may touch it
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
   int substeps = 0;                                     // per step(); 0: from the stability limit
 

@@ -71,13 +71,10 @@ Pack4d energy_density(double mu, double lambda, const PackTensor& F) noexcept {
 NeoHookeanSolid::NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions& options)
     : material_(options.material),
       viscosity_(options.viscosity),
-      volume_(grid.element_size().prod()),
       maxwell_(options.material, options.maxwell, grid.element_count()) {
   if (!(viscosity_ >= 0)) throw std::invalid_argument("plant: viscosity must not be negative");
   if (options.yield) yield_ = J2Yield(material_, *options.yield, grid.element_count());
-  for (int axis = 0; axis < 3; ++axis)
-    slopes_[axis] = 1 / (HexahedronPack::kGauss * grid.element_size()[axis]);
-  for (int e = 0; e < grid.element_count(); e += kTogether) packs_.emplace_back(grid.elements(), e);
+  for (int e = 0; e < grid.element_count(); e += kTogether) packs_.emplace_back(grid, e);
   find_stiffness(grid, options.regions);
 }
 
@@ -96,7 +93,7 @@ void NeoHookeanSolid::find_stiffness(const HexahedralGrid& grid,
       const Eigen::Vector3d lower = grid.nodes().col(grid.elements()(0, e));
       for (int point = 0; point < kGaussPoints; ++point) {
         const Eigen::Array3d at = HexahedronPack::point(point);
-        if (!region.box.contains(lower + (at * grid.element_size().array()).matrix())) continue;
+        if (!region.box.contains(lower + (at * grid.element_size(e).array()).matrix())) continue;
         stiffness_[e / kTogether][point][e % kTogether] =
             region.young_modulus / material_.young_modulus();
         found = true;
@@ -131,8 +128,6 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
                                    Eigen::Matrix3Xd& forces) noexcept {
   const double mu = material_.shear_modulus, lambda = material_.lame;
   const double modulus_at_rest = 2 * mu + lambda;
-  const std::array<double, 3> weighted{-volume_ * slopes_[0], -volume_ * slopes_[1],
-                                       -volume_ * slopes_[2]};
   maxwell_.set_step(h);
   double stiffening = 1;
   HexahedronPack::Vectors nodal;
@@ -141,7 +136,7 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
     const HexahedronPack& pack = packs_[n];
     const int first = static_cast<int>(n) * kTogether;
     pack.gather(positions.data(), nodal);
-    HexahedronPack::gradients(nodal, slopes_, F);
+    pack.gradients(nodal, F);
 
     Pack4d plastic = math::splat<Pack4d>(1);
     ElementGradients elastic;
@@ -163,10 +158,10 @@ double NeoHookeanSolid::add_forces(const Eigen::Matrix3Xd& positions,
     if (viscosity_ > 0) {
       ElementGradients F_rate;
       pack.gather(velocities.data(), nodal);
-      HexahedronPack::gradients(nodal, slopes_, F_rate);
+      pack.gradients(nodal, F_rate);
       add_viscous_stress(F, F_rate, P);
     }
-    HexahedronPack::divergence(P, weighted, nodal);
+    pack.divergence(P, nodal);
     pack.scatter(nodal, forces.data());
   }
   return stiffening;
@@ -180,14 +175,14 @@ double NeoHookeanSolid::energy(const Eigen::Matrix3Xd& positions) const noexcept
     const HexahedronPack& pack = packs_[n];
     const int first = static_cast<int>(n) * kTogether;
     pack.gather(positions.data(), nodal);
-    HexahedronPack::gradients(nodal, slopes_, F);
+    pack.gradients(nodal, F);
     for (int lane = 0; lane < pack.lanes() && !yield_.empty(); ++lane)
       yield_.take_out(first + lane, lane, F);
     for (int point = 0; point < kGaussPoints; ++point) {
       const Pack4d elastic = energy_density(material_.shear_modulus, material_.lame, F[point]);
       for (int lane = 0; lane < pack.lanes(); ++lane) {
         const double stiffness = stiffness_.empty() ? 1 : stiffness_[n][point][lane];
-        total += HexahedronPack::weight(point) * volume_ * stiffness *
+        total += HexahedronPack::weight(point) * pack.volume(lane) * stiffness *
                  (elastic[lane] + maxwell_.energy_density(first + lane, point));
       }
     }

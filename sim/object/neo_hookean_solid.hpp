@@ -35,7 +35,7 @@ struct SolidOptions {
 ///   Psi = mu/2 (tr F'F - 3) - mu l + lambda/2 l^2,  P = mu F + (lambda l - mu) l' cof F,
 /// with l = log J. Below J = kLeastVolumeRatio the logarithm is continued by its tangent, so that
 /// energy and force stay finite, consistent with each other and restoring for any F, inverted ones
-/// too. 3 x 3 x 3 Gauss points; the elements, equal boxes, are worked on four side by side.
+/// too. 3 x 3 x 3 Gauss points; the elements are worked on four side by side.
 ///
 /// Optional: second Piola-Kirchhoff stress eta dC/dt (Kelvin-Voigt), zero in any rigid motion;
 /// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, seen by the
@@ -71,8 +71,6 @@ class NeoHookeanSolid {
 
   NeoHookean material_;
   double viscosity_;
-  double volume_;                 // of an element at rest, m^3
-  std::array<double, 3> slopes_;  // of HexahedronPack::gradients(), 1/m
   std::vector<HexahedronPack> packs_;
   MaxwellBranches maxwell_;
   J2Yield yield_;

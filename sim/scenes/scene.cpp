@@ -92,6 +92,7 @@ void read_object(const config::Node& node, Scene& scene) {
     if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");
     plant.elements[i] = static_cast<int>(elements[i]);
   }
+  plant.grading = node.number("grading", {1, 3}, plant.grading);
   read_material(node.child("material"), plant);
   plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
   plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);

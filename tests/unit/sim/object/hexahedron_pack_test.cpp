@@ -11,16 +11,9 @@
 namespace palpate::object {
 namespace {
 
-const Eigen::Vector3d kSize(0.12, 0.06, 0.05);
-
-/// Six elements: one full pack and half of another.
-HexahedralGrid grid() { return {Eigen::Vector3d(0.1, -0.2, 0.3), kSize, {3, 2, 1}}; }
-
-std::array<double, 3> slopes(const HexahedralGrid& grid) {
-  std::array<double, 3> slopes{};
-  for (int axis = 0; axis < 3; ++axis)
-    slopes[axis] = 1 / (HexahedronPack::kGauss * grid.element_size()[axis]);
-  return slopes;
+/// Six unlike elements: one full pack and half of another.
+HexahedralGrid grid() {
+  return {Eigen::Vector3d(0.1, -0.2, 0.3), {{{0, 0.03, 0.08, 0.12}, {0, 0.02, 0.06}, {0, 0.05}}}};
 }
 
 Eigen::Matrix3Xd random_field(Eigen::Index n) {
@@ -42,7 +35,7 @@ Eigen::Matrix3d plain_gradient(const HexahedralGrid& grid, const Eigen::Matrix3X
   for (int a = 0; a < 27; ++a) {
     const int index[3] = {a % 3, a / 3 % 3, a / 9};
     for (int axis = 0; axis < 3; ++axis) {
-      double slope = 2 / grid.element_size()[axis];
+      double slope = 2 / grid.element_size(element)[axis];
       for (int d = 0; d < 3; ++d)
         slope *= d == axis ? shape[d].slope[index[d]] : shape[d].value[index[d]];
       gradient.col(axis) += slope * field.col(grid.elements()(a, element));
@@ -55,12 +48,12 @@ TEST(HexahedronPack, GradientsAreThoseOfTheShapeFunctions) {
   const HexahedralGrid box = grid();
   const Eigen::Matrix3Xd field = random_field(box.node_count());
   for (const int first : {0, 4}) {
-    const HexahedronPack pack(box.elements(), first);
+    const HexahedronPack pack(box, first);
     ASSERT_EQ(pack.lanes(), first == 0 ? 4 : 2);
     HexahedronPack::Vectors nodal;
     ElementGradients found;
     pack.gather(field.data(), nodal);
-    HexahedronPack::gradients(nodal, slopes(box), found);
+    pack.gradients(nodal, found);
     for (int lane = 0; lane < pack.lanes(); ++lane) {
       for (int point = 0; point < kGaussPoints; ++point) {
         const Eigen::Matrix3d plain = plain_gradient(box, field, first + lane, point);
@@ -77,7 +70,7 @@ TEST(HexahedronPack, DivergenceDoesTheWorkOfTheStress) {
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, box.node_count());
   double work = 0, scale = 0;
   for (int first = 0; first < box.element_count(); first += kTogether) {
-    const HexahedronPack pack(box.elements(), first);
+    const HexahedronPack pack(box, first);
     ElementGradients stress;
     for (int point = 0; point < kGaussPoints; ++point) {
       for (int lane = 0; lane < kTogether; ++lane) {
@@ -90,16 +83,17 @@ TEST(HexahedronPack, DivergenceDoesTheWorkOfTheStress) {
         for (const int i : along) weight *= i == 1 ? 8. / 18 : 5. / 18;
         EXPECT_NEAR(HexahedronPack::weight(point), weight, 1e-15);
         const double part =
-            weight * plain_gradient(box, virtual_motion, first + lane, point).cwiseProduct(P).sum();
+            pack.volume(lane) * weight *
+            plain_gradient(box, virtual_motion, first + lane, point).cwiseProduct(P).sum();
         work += part;
         scale += std::abs(part);
       }
     }
     HexahedronPack::Vectors nodal;
-    HexahedronPack::divergence(stress, slopes(box), nodal);
+    pack.divergence(stress, nodal);
     pack.scatter(nodal, forces.data());
   }
-  EXPECT_NEAR(forces.cwiseProduct(virtual_motion).sum(), work, 1e-13 * scale);
+  EXPECT_NEAR(forces.cwiseProduct(virtual_motion).sum(), -work, 1e-13 * scale);
 }
 
 TEST(HexahedronPack, PointsAreThoseOfGauss) {
