@@ -78,7 +78,7 @@ nlohmann::json statistics(const Daemon& daemon) {
 
 /// Lock-step repeats its ticks, but not what sensors say.
 void warn_of_losses(const Daemon& daemon) {
-  for (int i = 0; i < palpate::daemon::Inputs::kChannels; ++i) {
+  for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
     if (report.lost > 0)
       spdlog::warn("{}: {} messages lost: another run with the same seed may differ", report.name,

@@ -25,6 +25,8 @@ class MutableBus : public bus::MessageBus {
     return bus_->subscribe(channel, encoded_size, fingerprint, depth);
   }
   void start() override { bus_->start(); }
+  void start_without_thread() override { bus_->start_without_thread(); }
+  bool receive(std::int64_t timeout_ns) noexcept override { return bus_->receive(timeout_ns); }
   void stop() noexcept override { bus_->stop(); }
   bool publish(const char* channel, const void* data, int size) noexcept override {
     const std::string_view name = channel;

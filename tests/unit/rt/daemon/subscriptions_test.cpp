@@ -28,6 +28,8 @@ class RecordingBus : public bus::MessageBus {
     return *subscriptions_.back();
   }
   void start() override {}
+  void start_without_thread() override {}
+  bool receive(std::int64_t) noexcept override { return false; }
   void stop() noexcept override {}
   bool publish(const char*, const void*, int) noexcept override { return true; }
 
