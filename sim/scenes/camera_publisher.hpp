@@ -27,8 +27,7 @@ class CameraPublisher {
   void let_lag() { may_lag_ = true; }
 
   /// Once a tick, with time rising: takes a picture where one is due, sends what has arrived.
-  void step(std::int64_t now_us, const std::vector<Arm>& arms,
-            const object::Plant& plant);
+  void step(std::int64_t now_us, const std::vector<Arm>& arms, const object::Plant& plant);
 
   std::int64_t left_out() const { return left_out_; }
 

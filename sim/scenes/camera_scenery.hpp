@@ -17,8 +17,7 @@ class CameraScenery {
   CameraScenery(const Scene& scene, const std::vector<Arm>& arms);
 
   /// Everything where it is now, in W of the first arm. A copy, which another thread may draw.
-  std::vector<camera::Body> now(const std::vector<Arm>& arms,
-                                const object::Plant& plant) const;
+  std::vector<camera::Body> now(const std::vector<Arm>& arms, const object::Plant& plant) const;
 
  private:
   struct Visual {

@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kDt = 1e-3;
-constexpr double kEdge = 0.08;          // m
+constexpr double kEdge = 0.08;            // m
 constexpr double kScenesModulus = 5.3e3;  // Pa, as its file says
 
 SoftBoxOptions small_box() {

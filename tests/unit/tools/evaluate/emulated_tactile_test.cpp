@@ -8,8 +8,8 @@ namespace palpate::evaluate {
 namespace {
 
 TEST(EmulatedTactile, MapHoldsOnPressesThatItHasNotSeen) {
-  const EmulatedTactileScore score = score_emulated_tactile(3, 600);
-  EXPECT_EQ(score.rows, 600);
+  const EmulatedTactileScore score = score_emulated_tactile(3, 2000);
+  EXPECT_EQ(score.rows, 2000);
   EXPECT_GT(score.mean_rms_norm, 0.3);  // there is something to feel
   EXPECT_LT(score.test_rms_norm, 0.6 * score.mean_rms_norm);
   EXPECT_LT(score.test_rms_norm, 1.3 * score.fit.training_rms.norm());
