@@ -19,6 +19,7 @@ struct Recording {
   Eigen::VectorXd time;      // s
   Eigen::MatrixXd inputs;    // n x inputs
   Eigen::MatrixXd outputs;   // n x outputs: what is to be learned
+  Eigen::MatrixXd analytic;  // n x outputs: what a rigid payload says of them; else empty
   std::vector<Part> parts;   // n
   std::vector<bool> counts;  // n: whether the row is learned and scored
 };

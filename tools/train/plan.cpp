@@ -1,5 +1,6 @@
 #include "tools/train/plan.hpp"
 
+#include <algorithm>
 #include <set>
 
 #include "core/sensing/recurrent_observer_inputs.hpp"
@@ -28,12 +29,15 @@ std::vector<ColumnGroup> read_groups(const config::Node& data, const std::string
     group.unit = node.text("unit");
     group.name = node.text("name", key);
     group.floor = node.number("floor", {1e-9, 1e9});
-    group.unit_length = node.flag("unit_length", false);
+    group.unit_length = node.number("unit_length", {0, 1e9}, 0);
     group.is_direction = node.flag("direction", false);
     for (const std::string& column : group.columns)
       if (!names.insert(column).second) node.fail("columns", "'" + column + "' comes twice");
     groups.push_back(group);
   }
+  const auto scaled = std::count_if(groups.begin(), groups.end(),
+                                    [](const ColumnGroup& g) { return g.unit_length > 0; });
+  if (scaled > 1) data.fail(key, "may hold one group with unit_length");
   if (groups.empty()) data.fail(key, "must hold one group of columns or more");
   return groups;
 }

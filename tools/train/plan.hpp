@@ -12,8 +12,9 @@ struct ColumnGroup {
   std::string name;                  // for tables: "force"
   std::vector<std::string> columns;  // of the CSV, or names of observer_inputs()
   std::string unit;
-  double floor = 0;           // least deviation that they are divided by, in their unit
-  bool unit_length = false;   // inputs: brought to length one before anything else
+  double floor =
+      0;  // least deviation that they are divided by, in their unit (1 after unit_length)
+  double unit_length = 0;  // inputs, above 0: divided by sqrt(|the group|^2 + unit_length^2) first
   bool is_direction = false;  // outputs: scored by angle
 };
 

@@ -26,9 +26,9 @@ Eigen::MatrixXd rate_of_orientation(const Table& table, double rate) {
   const Eigen::Index n = table.rows.rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, 3);
   for (Eigen::Index k = 1; k + 1 < n; ++k) {
-    const Eigen::AngleAxisd turn(rotation(table.rows.row(k - 1)).transpose() *
-                                 rotation(table.rows.row(k + 1)));
-    result.row(k) = turn.angle() * turn.axis().transpose() * rate / 2;
+    const Eigen::Matrix3d turn =
+        rotation(table.rows.row(k - 1)).transpose() * rotation(table.rows.row(k + 1));
+    result.row(k) = math::log_rotation(turn).transpose() * rate / 2;
   }
   return result;
 }
@@ -124,7 +124,7 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
       ++count;
     }
     math::Wrench mean;
-    if (count > 0) mean = {sum.head<3>() / count, sum.tail<3>() / count};
+    if (count > 0) mean = math::Wrench::from(sum / count);
     return mean;
   };
   constexpr int kTurns = 30;
@@ -152,14 +152,19 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
     const auto n = static_cast<Eigen::Index>(samples.size());
     recording.inputs.resize(n, static_cast<Eigen::Index>(columns.size()));
     recording.outputs.resize(n, 6);
+    recording.analytic.setZero(n, 6);
     for (Eigen::Index k = 0; k < n; ++k) {
       for (std::size_t i = 0; i < columns.size(); ++i)
         recording.inputs(k, static_cast<Eigen::Index>(i)) = wrists[r].inputs(k, columns[i]);
       const sensing::MotionSample& sample = samples[k];
-      math::Wrench target = sample.F_S - bias[r];
-      if (plan.target == Target::kResidual)
-        target = target - sensing::load_wrench(payload, sample.motion);
-      recording.outputs.row(k) = target.vector().transpose();
+      const math::Wrench target = sample.F_S - bias[r];
+      const math::Wrench explained = sensing::load_wrench(payload, sample.motion);
+      if (plan.target == Target::kResidual) {
+        recording.outputs.row(k) = (target - explained).vector().transpose();
+      } else {
+        recording.outputs.row(k) = target.vector().transpose();
+        recording.analytic.row(k) = explained.vector().transpose();
+      }
     }
   }
 }
