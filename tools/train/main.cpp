@@ -65,7 +65,9 @@ int run(const Options& options) {
   print_score(plan, data, score, std::cout);
   const inference::ModelCard card = train::make_card(plan, data, fit, score);
   const std::string picture =
-      options.picture.empty() ? inference::card_path(options.out) + ".png" : options.picture;
+      options.picture.empty()
+          ? std::filesystem::path(options.out).replace_extension(".png").string()
+          : options.picture;
   const bool drawn = train::draw_fit(plan, data, fit, score, picture);
 
   sensing::RecurrentWeights weights = fit.network;

@@ -33,16 +33,36 @@ Eigen::MatrixXd rate_of_orientation(const Table& table, double rate) {
   return result;
 }
 
-std::vector<inference::StreamDelay> align(Table& table, double rate, double largest) {
-  const double inertial = identify_delay(rate_of_orientation(table, rate),
-                                         table.rows.middleCols(kRate, 3), rate, largest)
-                              .seconds;
-  // A still payload of a kilogram; only how its weight turns in S matters.
-  Eigen::MatrixXd weight(table.rows.rows(), 3);
-  for (Eigen::Index k = 0; k < weight.rows(); ++k)
-    weight.row(k) = -(rotation(table.rows.row(k)).transpose() * kGravity).transpose();
+/// Without what is slower than a second (drift, creep, hysteresis) or quicker than a few
+/// hundredths (noise): both signals of a comparison pass through it alike.
+Eigen::MatrixXd quick_part(const Eigen::MatrixXd& rows, double rate) {
+  Table table;
+  table.rows = rows;
+  table.time =
+      Eigen::VectorXd::LinSpaced(rows.rows(), 0, static_cast<double>(rows.rows() - 1)) / rate;
+  const Eigen::MatrixXd smooth = resample(table, rate, 0.03).rows;
+  const Eigen::MatrixXd slow = resample(table, rate, 1).rows;
+  const Eigen::Index n = std::min({rows.rows(), smooth.rows(), slow.rows()});
+  return smooth.topRows(n) - slow.topRows(n);
+}
+
+std::vector<inference::StreamDelay> align(Table& table, const WristColumns& columns, double rate) {
+  const double largest = columns.largest_delay;
+  const double inertial =
+      identify_delay(quick_part(rate_of_orientation(table, rate), rate),
+                     quick_part(table.rows.middleCols(kRate, 3), rate), rate, largest)
+          .seconds;
+  // A payload of a kilogram that moves as the inertial unit says and hangs as the pose says.
+  Table motion = table;
+  delay_columns(motion, kAcceleration, 3, -inertial);
+  Eigen::MatrixXd load = motion.rows.middleCols(kAcceleration, 3);
+  if (!columns.acceleration_has_gravity)
+    for (Eigen::Index k = 0; k < load.rows(); ++k)
+      load.row(k) -= (rotation(table.rows.row(k)).transpose() * kGravity).transpose();
   const double wrench =
-      identify_delay(weight, table.rows.middleCols(kForce, 3), rate, largest).seconds;
+      identify_delay(quick_part(load, rate), quick_part(table.rows.middleCols(kForce, 3), rate),
+                     rate, largest)
+          .seconds;
   const double latest = std::max({0.0, inertial, wrench});
   delay_columns(table, kQuaternion, kPoseColumns, latest);
   delay_columns(table, kRate, kInertialColumns, latest - inertial);
@@ -73,7 +93,7 @@ WristRecording load_wrist(const DataPlan& plan, const Table& raw) {
   for (Eigen::Index k = 1; k < table.rows.rows(); ++k)
     if (table.rows.row(k).head<4>().dot(table.rows.row(k - 1).head<4>()) < 0)
       table.rows.row(k).head<4>() *= -1;
-  recording.delays = align(table, raw_rate, plan.wrist.largest_delay);
+  recording.delays = align(table, plan.wrist, raw_rate);
   table = resample(table, plan.rate, plan.average);
 
   const Eigen::Index n = table.rows.rows();

@@ -22,9 +22,9 @@ struct WristRecording {
 std::vector<std::string> wrist_columns(const WristColumns& columns);
 
 /// `raw` holds wrist_columns() on a uniform grid. The delays of the inertial unit (its rate against
-/// that of the quaternion) and of the wrench (against the weight that the orientation predicts)
-/// come from cross-correlation; then all streams are delayed as much as the latest one is, averaged
-/// and resampled.
+/// that of the orientation) and of the wrench (against the force that a moving weight would give)
+/// come from cross-correlation of what is quick in them; then all streams are delayed as much as
+/// the latest one is, averaged and resampled.
 WristRecording load_wrist(const DataPlan& plan, const Table& raw);
 
 /// Identifies the payload, with a bias for each recording, on training rows, and fills in the
