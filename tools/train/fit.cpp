@@ -121,6 +121,20 @@ double validation_error(const RecurrentWeights& weights, const DataSet& data, in
          static_cast<double>(truth.size());
 }
 
+/// Per output, the part of what the cells say that serves the validation rows best, 0 to 1.
+Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeights& network,
+                             const DataSet& data, int window) {
+  const Eigen::MatrixXd without = gather(data, predict(base, data), Part::kValidation);
+  const Eigen::MatrixXd cells =
+      gather(data, predict(network, data, window), Part::kValidation) - without;
+  const Eigen::MatrixXd wanted = gather(data, outputs_of(data), Part::kValidation) - without;
+  Eigen::VectorXd part = Eigen::VectorXd::Zero(cells.cols());
+  for (Eigen::Index k = 0; k < cells.cols(); ++k)
+    if (cells.col(k).squaredNorm() > 0)
+      part[k] = std::clamp(cells.col(k).dot(wanted.col(k)) / cells.col(k).squaredNorm(), 0.0, 1.0);
+  return part;
+}
+
 }  // namespace
 
 Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) {
@@ -177,6 +191,13 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   const TrainerResult result = train_cells(stretches(data, x, y, options.all_parts),
                                            plan.network.layers, plan.training, hooks);
   fit.network = assemble(base, result.cells, target_deviation);
+  fit.trust = Eigen::VectorXd::Ones(outputs);
+  if (plan.network.shrink) {
+    fit.trust = options.all_parts ? options.trust : trusted_part(base, fit.network, data, window);
+    const Eigen::VectorXf trust = fit.trust.cast<float>();
+    fit.network.dense = trust.asDiagonal() * fit.network.dense;
+    fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
+  }
   fit.best_iteration = result.best_iteration;
   fit.curve = result.curve;
   return fit;

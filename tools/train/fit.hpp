@@ -14,12 +14,14 @@ struct Fit {
   sensing::RecurrentWeights network;
   sensing::RecurrentWeights linear;  // the ridge regression of the same inputs alone
   double penalty = 0;                // of the ridge
+  Eigen::VectorXd trust;             // per output: by what the cells' part was multiplied
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
 };
 
 struct FitOptions {
   bool all_parts = false;  // learn from validation and test parts too, to the last iteration
+  Eigen::VectorXd trust;   // with it: that of the fit before
   std::function<bool(const CurvePoint&)> progress;  // false ends the training
   std::string checkpoint;
   bool resume = false;

@@ -31,11 +31,13 @@ std::string plan_path(const std::string& text) {
 }
 
 train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data,
-                             const Options& options, bool all_parts) {
+                             const Options& options, const train::Fit* before = nullptr) {
+  const bool all_parts = before != nullptr;
   evaluate::Progress progress(all_parts ? 2 : 1, plan.training.refit ? 2 : 1,
                               plan.name + (all_parts ? " on all parts" : ""));
   train::FitOptions fit_options;
   fit_options.all_parts = all_parts;
+  if (all_parts) fit_options.trust = before->trust;
   double best = 1e300;
   fit_options.progress = [&](const train::CurvePoint& point) {
     best = std::min(best, point.validation);
@@ -60,7 +62,7 @@ int run(const Options& options) {
   const train::Plan plan =
       train::read_plan(config::Node::load_file(plan_path(options.plan), options.overrides));
   const train::DataSet data = train::load_data(plan.data, options.data);
-  train::Fit fit = fit_with_progress(plan, data, options, false);
+  const train::Fit fit = fit_with_progress(plan, data, options);
   const train::Score score = train::score_fit(plan, data, fit);
   print_score(plan, data, score, std::cout);
   const inference::ModelCard card = train::make_card(plan, data, fit, score);
@@ -75,7 +77,7 @@ int run(const Options& options) {
     train::Plan again = plan;
     again.training.iterations = fit.best_iteration;
     again.training.patience = 1000000;
-    weights = fit_with_progress(again, data, options, true).network;
+    weights = fit_with_progress(again, data, options, &fit).network;
   }
   inference::write_model_file(options.out, weights, card);
   inference::make_compiled_model(inference::read_model_file(options.out));
@@ -95,7 +97,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.add_option("plan", options.plan,
                  "YAML file, or a preset: biotac_linear_lstm, "
-                 "biotac_direction, biotac_lstm, ft_rnnob, ft_rnnob_thesis")
+                 "biotac_direction, biotac_lstm, ft_rnnob, ft_rnnob_blocks, ft_rnnob_thesis")
       ->required();
   app.add_option("--data", options.data, "Folder of the recordings")
       ->required()

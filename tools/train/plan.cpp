@@ -106,6 +106,7 @@ NetworkPlan read_network(const config::Node& node) {
   if (network.layers.empty() || network.layers.size() > 8)
     node.fail("layers", "must be one to eight");
   network.linear = node.flag("linear", network.linear);
+  network.shrink = node.flag("shrink", network.shrink);
   if (node.has("penalties")) network.penalties = node.numbers("penalties", -1, {0, 1e9});
   if (network.penalties.empty()) node.fail("penalties", "must be one or more");
   return network;

@@ -69,6 +69,8 @@ struct DataPlan {
 struct NetworkPlan {
   std::vector<int> layers{20};
   bool linear = true;  // a ridge regression beside the cells, which learn what it leaves
+  /// Each output takes of the cells' part only what served it on the validation rows.
+  bool shrink = false;
   std::vector<double> penalties{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1, 10};
 };
 

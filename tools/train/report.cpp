@@ -161,6 +161,7 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   training["layers"] = flow(plan.network.layers);
   training["linear_path"] = plan.network.linear;
   training["ridge_penalty"] = fit.penalty;
+  training["trusted_part_of_cells"] = flow(fit.trust);
   training["best_iteration"] = fit.best_iteration;
   training["refit_on_all_parts"] = plan.training.refit;
   for (std::size_t i = 0; i < data.files.size(); ++i) {
