@@ -125,7 +125,14 @@ void print_score(const Plan& plan, const DataSet& data, const Score& score, std:
   out << "RMS errors on " << score.methods.front().errors.rows << " rows of the "
       << part_name(score.part) << " part\n";
   table.print(out);
-  out << "largest magnitude, scored / trained:";
+  const Errors trained =
+      measure_errors(gather(data, score.methods.front().predictions, Part::kTraining),
+                     gather(data, outputs_of(data), Part::kTraining), plan.data.outputs);
+  out << score.methods.front().name << " on its training part:";
+  for (std::size_t g = 0; g < plan.data.outputs.size(); ++g)
+    out << "  |" << plan.data.outputs[g].name << "| " << evaluate::number(trained.norms[g], 4)
+        << " " << plan.data.outputs[g].unit;
+  out << "\nlargest magnitude, scored / trained:";
   for (std::size_t i = 0; i < data.outputs.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
     out << "  " << data.outputs[i].name << " " << evaluate::number(score.largest_scored[k], 3)
