@@ -150,7 +150,9 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   const Eigen::MatrixXd used_y = gather_used(data, y, options.all_parts);
   if (used_x.rows() < 10) throw std::runtime_error("fewer than ten rows of training data count");
   if (!options.all_parts && gather(data, y, Part::kValidation).rows() == 0)
-    throw std::runtime_error("no row of the validation part counts");
+    throw std::runtime_error(
+        "no row of the validation part counts: the recordings are shorter than the plan says, or "
+        "without contact there");
   const Scale in(used_x, floors(plan.data.inputs));
   const Scale out(used_y, floors(plan.data.outputs));
   base.input_mean = in.mean.cast<float>();

@@ -191,15 +191,18 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
 bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score& score,
               const std::string& picture) {
   std::vector<evaluate::Plot> plots;
-  evaluate::Plot curve{plan.name + ": learning curve",
-                       "iteration",
-                       "mean squared error, scaled",
-                       {{"training", {}, {}}, {"validation", {}, {}}},
-                       true};
+  evaluate::Plot curve{
+      plan.name + ": learning curve",
+      "iteration",
+      "mean squared error, scaled",
+      {{"training, of what the cells learn", {}, {}}, {"validation, of the outputs", {}, {}}},
+      true};
   for (const CurvePoint& point : fit.curve) {
-    for (evaluate::Curve& line : curve.curves) line.x.push_back(point.iteration);
-    curve.curves[0].y.push_back(std::isfinite(point.training) ? point.training
-                                                              : fit.curve.back().training);
+    if (std::isfinite(point.training)) {
+      curve.curves[0].x.push_back(point.iteration);
+      curve.curves[0].y.push_back(point.training);
+    }
+    curve.curves[1].x.push_back(point.iteration);
     curve.curves[1].y.push_back(point.validation);
   }
   plots.push_back(curve);
