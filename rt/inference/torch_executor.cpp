@@ -109,7 +109,7 @@ struct TorchExecutor::Shared {
   loop::HandoverRing<Parcel> samples;
   loop::HandoverRing<Parcel> answers;
   Bell sample_bell, answer_bell, ready, ended;
-  bool warm = true;  // false where a step of the warm-up failed; read once `ready` has rung
+  std::atomic<bool> warm{true};  // false where a step of the warm-up failed
   std::atomic<bool> stop{false};
   std::thread thread;
 };
