@@ -1,0 +1,230 @@
+#include "tools/train/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "tools/train/ridge.hpp"
+
+namespace palpate::train {
+namespace {
+
+using sensing::RecurrentWeights;
+
+Eigen::VectorXd floors(const std::vector<ColumnGroup>& groups) {
+  std::vector<double> list;
+  for (const ColumnGroup& group : groups)
+    list.insert(list.end(), group.columns.size(), group.floor);
+  return Eigen::Map<Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
+}
+
+struct Scale {
+  Eigen::VectorXd mean;
+  Eigen::VectorXd deviation;  // not below the floor
+
+  Scale(const Eigen::MatrixXd& rows, const Eigen::VectorXd& floor) {
+    mean = rows.colwise().mean().transpose();
+    deviation = ((rows.rowwise() - mean.transpose()).colwise().squaredNorm() /
+                 static_cast<double>(rows.rows()))
+                    .cwiseSqrt()
+                    .transpose()
+                    .cwiseMax(floor);
+  }
+  Eigen::MatrixXd apply(const Eigen::MatrixXd& rows) const {
+    return (rows.rowwise() - mean.transpose()) * deviation.cwiseInverse().asDiagonal();
+  }
+};
+
+void set_unit_length(const std::vector<ColumnGroup>& inputs, RecurrentWeights& weights) {
+  Eigen::Index first = 0;
+  for (const ColumnGroup& group : inputs) {
+    const auto count = static_cast<Eigen::Index>(group.columns.size());
+    if (group.unit_length > 0) {
+      weights.unit_mask.segment(first, count).setOnes();
+      weights.unit_floor = static_cast<float>(group.unit_length);
+    }
+    first += count;
+  }
+}
+
+/// Rows as the network's first formula turns them.
+Eigen::MatrixXd with_unit_length(const Eigen::MatrixXd& rows, const RecurrentWeights& weights) {
+  const Eigen::ArrayXd mask = weights.unit_mask.cast<double>().array();
+  const double floor = weights.unit_floor;
+  Eigen::MatrixXd result = rows;
+  for (Eigen::Index k = 0; k < rows.rows(); ++k) {
+    const Eigen::ArrayXd x = rows.row(k).transpose().array();
+    const double norm = std::sqrt((mask * x.square()).sum() + floor * floor);
+    result.row(k) = (x * (1 - mask + mask / norm)).matrix().transpose();
+  }
+  return result;
+}
+
+bool is_used(const Recording& recording, std::size_t k, bool all_parts) {
+  return all_parts || recording.parts[k] == Part::kTraining;
+}
+
+Eigen::MatrixXd gather_used(const DataSet& data, const std::vector<Eigen::MatrixXd>& list,
+                            bool all_parts) {
+  if (!all_parts) return gather(data, list, Part::kTraining);
+  const Eigen::MatrixXd parts[] = {gather(data, list, Part::kTraining),
+                                   gather(data, list, Part::kValidation),
+                                   gather(data, list, Part::kTest)};
+  Eigen::MatrixXd all(parts[0].rows() + parts[1].rows() + parts[2].rows(), parts[0].cols());
+  all << parts[0], parts[1], parts[2];
+  return all;
+}
+
+/// Stretches of rows that may be learned from, without a gap.
+std::vector<Sequence> stretches(const DataSet& data, const std::vector<Eigen::MatrixXd>& inputs,
+                                const std::vector<Eigen::MatrixXd>& targets, bool all_parts) {
+  std::vector<Sequence> list;
+  for (std::size_t r = 0; r < data.recordings.size(); ++r) {
+    const Recording& recording = data.recordings[r];
+    const std::size_t n = recording.parts.size();
+    for (std::size_t begin = 0; begin < n;) {
+      std::size_t end = begin;
+      while (end < n && is_used(recording, end, all_parts)) ++end;
+      const auto count = static_cast<Eigen::Index>(end - begin);
+      if (count > 0) {
+        Sequence sequence;
+        const auto first = static_cast<Eigen::Index>(begin);
+        sequence.inputs = inputs[r].middleRows(first, count).cast<float>();
+        sequence.targets = targets[r].middleRows(first, count).cast<float>();
+        sequence.weights.resize(count);
+        for (Eigen::Index k = 0; k < count; ++k)
+          sequence.weights[k] = recording.counts[begin + static_cast<std::size_t>(k)] ? 1.f : 0.f;
+        list.push_back(std::move(sequence));
+      }
+      begin = end + 1;
+    }
+  }
+  return list;
+}
+
+/// Puts cells that answer in units of `target_deviation` behind the linear path of `base`.
+RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
+                          const Eigen::VectorXd& target_deviation) {
+  RecurrentWeights weights = base;
+  const Eigen::VectorXf scale = target_deviation.cast<float>().cwiseQuotient(base.output_deviation);
+  weights.layers = cells.layers;
+  weights.dense = scale.asDiagonal() * cells.dense;
+  weights.offset += scale.cwiseProduct(cells.offset);
+  return weights;
+}
+
+double validation_error(const RecurrentWeights& weights, const DataSet& data, int window) {
+  const Eigen::MatrixXd predicted = gather(data, predict(weights, data, window), Part::kValidation);
+  const Eigen::MatrixXd truth = gather(data, outputs_of(data), Part::kValidation);
+  const Eigen::VectorXd scale = weights.output_deviation.cast<double>().cwiseInverse();
+  return ((predicted - truth) * scale.asDiagonal()).squaredNorm() /
+         static_cast<double>(truth.size());
+}
+
+/// Per output, the part of what the cells say that serves the validation rows best, 0 to 1.
+Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeights& network,
+                             const DataSet& data, int window) {
+  const Eigen::MatrixXd without = gather(data, predict(base, data), Part::kValidation);
+  const Eigen::MatrixXd cells =
+      gather(data, predict(network, data, window), Part::kValidation) - without;
+  const Eigen::MatrixXd wanted = gather(data, outputs_of(data), Part::kValidation) - without;
+  Eigen::VectorXd part = Eigen::VectorXd::Zero(cells.cols());
+  for (Eigen::Index k = 0; k < cells.cols(); ++k)
+    if (cells.col(k).squaredNorm() > 0)
+      part[k] = std::clamp(cells.col(k).dot(wanted.col(k)) / cells.col(k).squaredNorm(), 0.0, 1.0);
+  return part;
+}
+
+}  // namespace
+
+Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) {
+  const int inputs = static_cast<int>(data.inputs.size());
+  const int outputs = static_cast<int>(data.outputs.size());
+  RecurrentWeights base = RecurrentWeights::zero(inputs, outputs, plan.network.layers);
+  set_unit_length(plan.data.inputs, base);
+
+  std::vector<Eigen::MatrixXd> x = inputs_of(data);
+  for (Eigen::MatrixXd& rows : x) rows = with_unit_length(rows, base);
+  std::vector<Eigen::MatrixXd> y = outputs_of(data);
+  const Eigen::MatrixXd used_x = gather_used(data, x, options.all_parts);
+  const Eigen::MatrixXd used_y = gather_used(data, y, options.all_parts);
+  if (used_x.rows() < 10) throw std::runtime_error("fewer than ten rows of training data count");
+  if (!options.all_parts && gather(data, y, Part::kValidation).rows() == 0)
+    throw std::runtime_error(
+        "no row of the validation part counts: the recordings are shorter than the plan says, or "
+        "without contact there");
+  const Scale in(used_x, floors(plan.data.inputs));
+  const Scale out(used_y, floors(plan.data.outputs));
+  base.input_mean = in.mean.cast<float>();
+  base.input_deviation = in.deviation.cast<float>();
+  base.output_mean = out.mean.cast<float>();
+  base.output_deviation = out.deviation.cast<float>();
+
+  Fit fit;
+  const Ridge ridge = fit_ridge(in.apply(used_x), out.apply(used_y), plan.network.penalties);
+  fit.penalty = ridge.penalty;
+  fit.linear = base;
+  fit.linear.linear = ridge.matrix.cast<float>();
+  fit.linear.offset = ridge.offset.cast<float>();
+  if (plan.network.linear) base = fit.linear;
+
+  // What the cells are to answer: what the linear path leaves, brought to unit size.
+  for (Eigen::MatrixXd& rows : x) rows = in.apply(rows);
+  for (std::size_t r = 0; r < y.size(); ++r) {
+    y[r] = out.apply(y[r]);
+    if (plan.network.linear) y[r] -= ridge.predict(x[r]);
+    y[r] = y[r] * out.deviation.asDiagonal();
+  }
+  const Eigen::VectorXd target_deviation =
+      Scale(gather_used(data, y, options.all_parts), 1e-3 * floors(plan.data.outputs)).deviation;
+  for (Eigen::MatrixXd& rows : y) rows = rows * target_deviation.cwiseInverse().asDiagonal();
+
+  TrainerHooks hooks;
+  const int window = plan.training.carry ? 0 : plan.training.steps;
+  int calls = 0;
+  hooks.validate = [&](const Cells& cells) -> double {
+    if (options.all_parts) return -(calls++);  // the last is the best
+    return validation_error(assemble(base, cells, target_deviation), data, window);
+  };
+  hooks.progress = options.progress;
+  hooks.checkpoint = options.checkpoint;
+  hooks.resume = options.resume;
+  hooks.start_at_zero = plan.network.linear;
+  const TrainerResult result = train_cells(stretches(data, x, y, options.all_parts),
+                                           plan.network.layers, plan.training, hooks);
+  fit.network = assemble(base, result.cells, target_deviation);
+  fit.trust = Eigen::VectorXd::Ones(outputs);
+  if (plan.network.shrink) {
+    fit.trust = options.all_parts ? options.trust : trusted_part(base, fit.network, data, window);
+    const Eigen::VectorXf trust = fit.trust.cast<float>();
+    fit.network.dense = trust.asDiagonal() * fit.network.dense;
+    fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
+  }
+  fit.best_iteration = result.best_iteration;
+  fit.curve = result.curve;
+  return fit;
+}
+
+std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const DataSet& data,
+                                     int window) {
+  sensing::RecurrentNetwork network(weights);
+  std::vector<float> state(network.states());
+  Eigen::VectorXf answer(network.outputs());
+  std::vector<Eigen::MatrixXd> list;
+  for (const Recording& recording : data.recordings) {
+    const Eigen::MatrixXf x = recording.inputs.cast<float>().transpose();
+    Eigen::MatrixXd y(x.cols(), network.outputs());
+    std::fill(state.begin(), state.end(), 0.f);
+    for (Eigen::Index k = 0; k < x.cols(); ++k) {
+      if (window > 0) std::fill(state.begin(), state.end(), 0.f);
+      const Eigen::Index first = window > 0 ? k - window + 1 : k;
+      for (Eigen::Index i = first; i <= k; ++i)
+        network.step(x.col(std::max<Eigen::Index>(i, 0)).data(), state.data(), answer.data());
+      y.row(k) = answer.cast<double>().transpose();
+    }
+    list.push_back(std::move(y));
+  }
+  return list;
+}
+
+}  // namespace palpate::train

@@ -1,0 +1,120 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <filesystem>
+#include <iostream>
+
+#include "rt/config/node.hpp"
+#include "rt/inference/model_file.hpp"
+#include "tools/evaluate/progress.hpp"
+#include "tools/train/report.hpp"
+
+namespace {
+
+using namespace palpate;
+
+struct Options {
+  std::string plan;
+  std::string data;
+  std::string out = "model.pt";
+  std::vector<std::string> overrides;
+  std::string picture;
+  bool resume = false;
+};
+
+/// A file, or the name of a plan that comes with palpate.
+std::string plan_path(const std::string& text) {
+  if (std::filesystem::exists(text)) return text;
+  const std::string preset =
+      std::string(PALPATE_SOURCE_DIR) + "/tools/train/presets/" + text + ".yaml";
+  if (std::filesystem::exists(preset)) return preset;
+  throw config::Error(text + ": is neither a file nor a preset");
+}
+
+train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data,
+                             const Options& options, const train::Fit* before = nullptr) {
+  const bool all_parts = before != nullptr;
+  evaluate::Progress progress(all_parts ? 2 : 1, plan.training.refit ? 2 : 1,
+                              plan.name + (all_parts ? " on all parts" : ""));
+  train::FitOptions fit_options;
+  fit_options.all_parts = all_parts;
+  if (all_parts) fit_options.trust = before->trust;
+  double best = 1e300;
+  fit_options.progress = [&](const train::CurvePoint& point) {
+    best = std::min(best, point.validation);
+    std::string note = "iteration " + std::to_string(point.iteration);
+    if (!all_parts)
+      note += ", validation " + std::to_string(std::sqrt(point.validation)) + ", best " +
+              std::to_string(std::sqrt(best)) + " deviations";
+    progress.show(plan.training.iterations > 0
+                      ? static_cast<double>(point.iteration) / plan.training.iterations
+                      : 1,
+                  note);
+    return true;
+  };
+  fit_options.checkpoint = options.out + (all_parts ? ".refit.checkpoint" : ".checkpoint");
+  fit_options.resume = options.resume;
+  const train::Fit fit = train::fit_model(plan, data, fit_options);
+  progress.finish(true, "best at iteration " + std::to_string(fit.best_iteration));
+  return fit;
+}
+
+int run(const Options& options) {
+  const train::Plan plan =
+      train::read_plan(config::Node::load_file(plan_path(options.plan), options.overrides));
+  const train::DataSet data = train::load_data(plan.data, options.data);
+  const train::Fit fit = fit_with_progress(plan, data, options);
+  const train::Score score = train::score_fit(plan, data, fit);
+  print_score(plan, data, score, std::cout);
+  const inference::ModelCard card = train::make_card(plan, data, fit, score);
+  const std::string picture =
+      options.picture.empty()
+          ? std::filesystem::path(options.out).replace_extension(".png").string()
+          : options.picture;
+  const bool drawn = train::draw_fit(plan, data, fit, score, picture);
+
+  sensing::RecurrentWeights weights = fit.network;
+  if (plan.training.refit) {
+    train::Plan again = plan;
+    again.training.iterations = fit.best_iteration;
+    again.training.patience = 1000000;
+    weights = fit_with_progress(again, data, options, &fit).network;
+  }
+  inference::write_model_file(options.out, weights, card);
+  inference::make_compiled_model(inference::read_model_file(options.out));
+  for (const char* ending : {".checkpoint", ".refit.checkpoint"})
+    std::filesystem::remove(options.out + ending);
+  std::cout << "wrote " << options.out << " and " << inference::card_path(options.out)
+            << (drawn ? ", " + picture : "") << "\n";
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  Options options;
+  CLI::App app(
+      "Trains a sensor model on recordings and writes a TorchScript module with its card.");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.add_option("plan", options.plan,
+                 "YAML file, or a preset: biotac_linear_lstm, "
+                 "biotac_direction, biotac_lstm, ft_rnnob, ft_rnnob_blocks, ft_rnnob_thesis")
+      ->required();
+  app.add_option("--data", options.data, "Folder of the recordings")
+      ->required()
+      ->check(CLI::ExistingDirectory);
+  app.add_option("-o,--out", options.out, "Module to write; its card is the same name with .yaml")
+      ->capture_default_str();
+  app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
+  app.add_option("--picture", options.picture, "PNG or SVG of curve and predictions");
+  app.add_flag("--resume", options.resume, "Go on from the checkpoint beside --out");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(options);
+  } catch (const config::Error& error) {
+    std::cerr << "palpate-train: " << error.what() << "\n";
+    return config::kExitCode;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate-train: " << error.what() << "\n";
+    return 1;
+  }
+}

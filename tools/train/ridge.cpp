@@ -1,0 +1,70 @@
+#include "tools/train/ridge.hpp"
+
+#include <Eigen/Cholesky>
+#include <stdexcept>
+#include <string>
+
+namespace palpate::train {
+namespace {
+
+/// Sums over rows from which a ridge of any penalty follows.
+struct Moments {
+  double count = 0;
+  Eigen::VectorXd x, y;    // sums
+  Eigen::MatrixXd xx, xy;  // of products
+
+  Moments(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
+      : count(static_cast<double>(a.rows())),
+        x(a.colwise().sum().transpose()),
+        y(b.colwise().sum().transpose()),
+        xx(a.transpose() * a),
+        xy(a.transpose() * b) {}
+
+  Moments without(const Moments& part) const {
+    Moments rest = *this;
+    rest.count -= part.count;
+    rest.x -= part.x;
+    rest.y -= part.y;
+    rest.xx -= part.xx;
+    rest.xy -= part.xy;
+    return rest;
+  }
+
+  Ridge solve(double penalty) const {
+    const Eigen::VectorXd mean_x = x / count;
+    const Eigen::VectorXd mean_y = y / count;
+    Eigen::MatrixXd normal = xx - count * mean_x * mean_x.transpose();
+    normal.diagonal().array() += penalty * count;
+    Ridge ridge;
+    ridge.matrix = normal.ldlt().solve(xy - count * mean_x * mean_y.transpose()).transpose();
+    ridge.offset = mean_y - ridge.matrix * mean_x;
+    ridge.penalty = penalty;
+    return ridge;
+  }
+};
+
+}  // namespace
+
+Ridge fit_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
+                const std::vector<double>& penalties, int blocks) {
+  const Eigen::Index n = x.rows();
+  if (y.rows() != n || n < 2 * blocks)
+    throw std::invalid_argument("ridge: too few rows of training data (" + std::to_string(n) + ")");
+  const Moments all(x, y);
+  std::vector<double> error(penalties.size(), 0);
+  for (int block = 0; block < blocks; ++block) {
+    const Eigen::Index begin = n * block / blocks;
+    const Eigen::Index size = n * (block + 1) / blocks - begin;
+    const Eigen::MatrixXd left_x = x.middleRows(begin, size);
+    const Eigen::MatrixXd left_y = y.middleRows(begin, size);
+    const Moments rest = all.without(Moments(left_x, left_y));
+    for (std::size_t k = 0; k < penalties.size(); ++k)
+      error[k] += (rest.solve(penalties[k]).predict(left_x) - left_y).squaredNorm();
+  }
+  std::size_t best = 0;
+  for (std::size_t k = 0; k < penalties.size(); ++k)
+    if (error[k] < error[best]) best = k;
+  return all.solve(penalties.at(best));
+}
+
+}  // namespace palpate::train
