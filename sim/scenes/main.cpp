@@ -107,8 +107,8 @@ int run(const Options& options) {
   Simulation simulation(node, *control, *housekeeping, origin);
   LockStep lock_step(*control, origin.session);
   control->start_without_thread();  // nothing is read from the housekeeping bus
-  spdlog::info("palpate-sim {}: {} nodes, {} substeps at rest, {}", PALPATE_VERSION,
-               simulation.object().positions().cols(), simulation.object().substeps(),
+  spdlog::info("palpate-sim {}: {} nodes, {}", PALPATE_VERSION,
+               simulation.object().positions().cols(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
   if (simulation.scene().motion)
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
@@ -127,6 +127,7 @@ int run(const Options& options) {
   result["version"] = PALPATE_VERSION;
   result["scene"] = options.scene;
   result["ticks"] = simulation.tick();
+  result["substeps"] = simulation.object().substeps();
   result["simulated_s"] = simulation.time();
   result["wall_s"] = wall;
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
