@@ -3,7 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 
 #include "tests/unit/sim/scenes/stage.hpp"
@@ -106,6 +108,32 @@ TEST(Simulation, ForcesOnHandAndObjectBalanceAtRest) {
       (p_G - X_WS.translation()).cross(reaction) - R_WO * plant.hand_wrench().torque;
   EXPECT_LT(torque.norm(), 1e-3);
   EXPECT_GT(reaction.norm(), 1);  // the bar does pull
+}
+
+TEST(Simulation, HandFeelsTheObjectsReactionWhileItMoves) {
+  // What acts on the hand but its joint, its weight and its inertia is the object's reaction.
+  Stage stage(kSixPoses);
+  stage.run(1);
+  Simulation& s = stage.simulation;
+  const Eigen::Matrix3d R_WO = s.scene().X_WO.linear();
+  const auto centre = [&s] { return Vector3d(s.robot().link_pose("sensor") * kHandCentre); };
+  std::array<Vector3d, 3> p{centre(), centre(), centre()};
+  double wrong = 0, all = 0;
+  for (int i = 0; i < 2500; ++i) {
+    s.step();
+    p = {p[1], p[2], centre()};
+    if (i < 2) continue;
+    const Vector3d acceleration =
+        (p[2] - 2 * p[1] + p[0]) / (Simulation::kPeriod * Simulation::kPeriod);
+    const Vector3d joint = s.robot().link_pose("sensor").linear() * s.robot().sensor_wrench().force;
+    const Vector3d felt = kHandMass * (acceleration - Vector3d(0, 0, -9.81)) - joint;
+    const Vector3d reaction = -(R_WO * s.plant().hand_wrench().force);
+    wrong += (felt - reaction).squaredNorm();
+    all += reaction.squaredNorm();
+  }
+  EXPECT_GT(std::sqrt(all / 2500), 1);  // N
+  std::printf("felt within %.2e of the reaction\n", std::sqrt(wrong / all));
+  EXPECT_LT(std::sqrt(wrong / all), 0.01);
 }
 
 TEST(Simulation, ImpulseEqualsTheChangeOfMomentum) {
