@@ -6,10 +6,12 @@
 #include <stdexcept>
 #include <string>
 
+#include "core/mesh/point_locator.hpp"
+
 namespace palpate::evaluate {
 namespace {
 
-constexpr int kHexahedronNodes = 27;
+constexpr int kHexahedronNodes = 27, kTetrahedronNodes = 4;
 
 /// Value at s of the quadratic Lagrange polynomial on 0, 1/2, 1 that belongs to the node at `node`.
 double lagrange(double node, double s) {
@@ -94,10 +96,37 @@ Eigen::Matrix3Xd positions(const shape_t& shape) {
 }
 
 PlantPoints::PlantPoints(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_points)
-    : nodes_(kHexahedronNodes, rest_points.cols()), weights_(kHexahedronNodes, rest_points.cols()) {
-  if (plant.element_kind != shape_mesh_t::QUADRATIC_HEXAHEDRA ||
-      plant.elements.rows() != kHexahedronNodes)
-    throw std::runtime_error("the plant's mesh is not one of 27-node hexahedra");
+    : nodes_(plant.elements.rows(), rest_points.cols()),
+      weights_(plant.elements.rows(), rest_points.cols()) {
+  if (plant.element_kind == shape_mesh_t::QUADRATIC_HEXAHEDRA &&
+      plant.elements.rows() == kHexahedronNodes) {
+    place_in_boxes(plant, rest_points);
+  } else if (plant.element_kind == shape_mesh_t::LINEAR_TETRAHEDRA &&
+             plant.elements.rows() == kTetrahedronNodes) {
+    place_in_tetrahedra(plant, rest_points);
+  } else {
+    throw std::runtime_error(
+        "the plant's mesh is neither one of 27-node hexahedra nor of linear tetrahedra");
+  }
+}
+
+void PlantPoints::place_in_tetrahedra(const MeshMessage& plant,
+                                      const Eigen::Matrix3Xd& rest_points) {
+  mesh::ElementMesh tetrahedra;
+  tetrahedra.corner_count = static_cast<int>(plant.nodes.cols());
+  tetrahedra.nodes = plant.nodes;
+  tetrahedra.elements = plant.elements;
+  const mesh::PointLocator locator(tetrahedra);
+  for (int p = 0; p < rest_points.cols(); ++p) {
+    const mesh::PointWeights found = locator.locate(rest_points.col(p));
+    for (int i = 0; i < kTetrahedronNodes; ++i) {
+      nodes_(i, p) = found.nodes[i];
+      weights_(i, p) = found.weights[i];
+    }
+  }
+}
+
+void PlantPoints::place_in_boxes(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_points) {
   const std::vector<RestBox> boxes = rest_boxes(plant);
   for (int p = 0; p < rest_points.cols(); ++p) {
     const Eigen::Vector3d point = rest_points.col(p);
@@ -120,7 +149,7 @@ PlantPoints::PlantPoints(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_
 Eigen::Matrix3Xd PlantPoints::at(const Eigen::Matrix3Xd& plant_positions) const {
   Eigen::Matrix3Xd points = Eigen::Matrix3Xd::Zero(3, nodes_.cols());
   for (int p = 0; p < nodes_.cols(); ++p)
-    for (int i = 0; i < kHexahedronNodes; ++i)
+    for (int i = 0; i < nodes_.rows(); ++i)
       points.col(p) += weights_(i, p) * plant_positions.col(nodes_(i, p));
   return points;
 }

@@ -31,9 +31,9 @@ Eigen::Matrix3Xd positions(const shape_t& shape);
 /// Points of B, 3 x n, in A.
 Eigen::Matrix3Xd transformed(const math::Pose& X_AB, const Eigen::Matrix3Xd& points);
 
-/// Material points of the plant as weighted sums of its nodes. The elements are 27-node hexahedra
-/// whose rest shape is a box; the order of the nodes in an element does not matter, since each
-/// node's rest position says which shape function is its own.
+/// Material points of the plant as weighted sums of its nodes. The elements are linear tetrahedra
+/// or 27-node hexahedra whose rest shape is a box; the order of the nodes in an element does not
+/// matter, since each node's rest position says which shape function is its own.
 class PlantPoints {
  public:
   /// rest_points: 3 x n in O, m. A point outside takes the nearest element. Throws
@@ -44,8 +44,11 @@ class PlantPoints {
   Eigen::Matrix3Xd at(const Eigen::Matrix3Xd& plant_positions) const;
 
  private:
-  Eigen::MatrixXi nodes_;    // 27 x points
-  Eigen::MatrixXd weights_;  // 27 x points
+  void place_in_boxes(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_points);
+  void place_in_tetrahedra(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_points);
+
+  Eigen::MatrixXi nodes_;    // nodes per element x points
+  Eigen::MatrixXd weights_;  // alike
 };
 
 /// The plant's nodes over time, linear between two messages.

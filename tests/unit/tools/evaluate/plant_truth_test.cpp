@@ -32,9 +32,21 @@ TEST(PlantTruth, InterpolatesQuadraticFieldsExactlyInAnyNodeOrder) {
   EXPECT_LT((found - moved(points, bend, 0)).norm(), 1e-6);
 }
 
-TEST(PlantTruth, ElementsOfTheWrongKindAreRefused) {
+TEST(PlantTruth, InterpolatesLinearFieldsExactlyInTetrahedra) {
+  const auto shear = [](const Eigen::Vector3d& p, double) {
+    return Eigen::Vector3d(p.x() + 0.5 * p.z(), 1.2 * p.y() - p.x(), p.z() + 0.1);
+  };
   const MeshMessage mesh =
       assemble(mesh_chunks(estimate_rest(), shape_mesh_t::LINEAR_TETRAHEDRA, 5));
+  Eigen::Matrix3Xd points(3, 2);  // the second lies outside
+  points << 0.2, 0.3, 0.04, 0.08, 0.11, 0.15;
+  const Eigen::Matrix3Xd found = PlantPoints(mesh, points).at(moved(estimate_rest(), shear, 0));
+  EXPECT_LT((found - moved(points, shear, 0)).norm(), 1e-6);
+}
+
+TEST(PlantTruth, ElementsOfTheWrongKindAreRefused) {
+  const MeshMessage mesh =
+      assemble(mesh_chunks(plant_rest(), shape_mesh_t::QUADRATIC_TETRAHEDRA, 5));
   EXPECT_THROW(PlantPoints(mesh, estimate_rest()), std::runtime_error);
 }
 
