@@ -12,10 +12,10 @@ namespace palpate::component {
 /// Component `biotac_lstm` of the sensing slot. Keys: finger, model_file (a module of
 /// palpate-train, its card beside it; inputs of e1 to e19, pac0, pdc, outputs fx, fy, fz); executor
 /// (torch, compiled), wait_us; localisation (nominal, gaussian, inverted_gaussian), or
-/// direction_file (a module with outputs nx, ny, nz) and direction_rpy_deg, which turns its answers
-/// into T; polarity, threshold, saturation, weighting, tare_samples, contact_force, release_force,
-/// max_age_ms, force_deviation as of biotac_linear; largest_force. Throws config::Error, also for a
-/// model that cannot be taken, naming its file and why.
+/// direction_file (a module with outputs nx, ny, nz) and direction_frame ({rpy_deg: ...}, of its
+/// answers in T); polarity, threshold, saturation, weighting, tare_samples, contact_force,
+/// release_force, max_age_ms, force_deviation as of biotac_linear; largest_force. Throws
+/// config::Error, also for a model that cannot be taken, naming its file and why.
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context);
 
