@@ -121,13 +121,13 @@ class LearnedSensors : public ::testing::Test {
 
 /// What a daemon in deterministic mode publishes while it is given the samples, one every tenth
 /// tick.
-struct Run {
+struct Outcome {
   std::vector<std::vector<double>> forces;  // of the first contact, by sample; empty: none
   std::vector<std::uint8_t> bytes;          // of everything
   health_t health{};
 };
 
-Run run(const config::Node& configuration, const std::vector<biotac_t>& samples) {
+Outcome run(const config::Node& configuration, const std::vector<biotac_t>& samples) {
   const auto hub = bus::make_memory_hub();
   const auto input = bus::make_memory_bus(hub);
   const auto bus = bus::make_memory_bus(hub);
@@ -142,7 +142,7 @@ Run run(const config::Node& configuration, const std::vector<biotac_t>& samples)
   put_text(start.event, "start");
   bus::TypedPublisher<component_command_t>(*input, "COMPONENT_COMMAND").publish(start);
 
-  Run result;
+  Outcome result;
   bus::TypedPublisher<biotac_t> fingertip(*input, "BIOTAC_0");
   std::vector<bus::Published> published;
   contacts_t contacts{};
@@ -184,7 +184,7 @@ TEST_F(LearnedSensors, TheDaemonSaysWhatTheModelSaysOfTheSameRecording) {
           .list("fingertips_in_object")[0]
           .pose("pose");
   for (const std::string executor : {"torch", "compiled"}) {
-    const Run answers = run(configuration(executor), samples);
+    const Outcome answers = run(configuration(executor), samples);
     sensing::RecurrentNetwork network(some_weights());
     std::vector<float> state(network.states(), 0.f);
     int compared = 0;
@@ -216,7 +216,7 @@ TEST_F(LearnedSensors, TwoDeterministicRunsAreBitIdentical) {
   const std::vector<biotac_t> samples = recorded_samples(300);
   // It waits for each answer, whatever wait_us says.
   const config::Node node = configuration("torch", ", wait_us: 0, localisation: gaussian");
-  const Run first = run(node, samples);
+  const Outcome first = run(node, samples);
   EXPECT_GT(first.bytes.size(), 100000u);
   EXPECT_TRUE(first.bytes == run(node, samples).bytes);
 }
