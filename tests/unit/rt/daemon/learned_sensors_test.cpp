@@ -101,7 +101,8 @@ class LearnedSensors : public ::testing::Test {
     return config::Node::load_file(
         PALPATE_SOURCE_DIR "/rt/config/examples/foam_bar_tactile.yaml",
         {"sensing=[{name: ring_finger, component: biotac_lstm, finger: 0, model_file: " + model_ +
-         ", executor: " + executor + more + ", contact_force: 0, release_force: 0}]"});
+             ", executor: " + executor + more + ", contact_force: 0, release_force: 0}]",
+         "object.mesh={box: {size: [0.2, 0.04, 0.04], cells: [4, 1, 1]}}"});
   }
 
   std::string complaint(const std::string& executor = "torch", const std::string& more = "") const {

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
 #include <random>
 
 #include "core/sensing/ft_rnnob.hpp"
@@ -22,19 +23,22 @@ void feed(sensing::Stream<T, kCapacity>& stream, const T& sample) {
   stream.fresh_count = 1;
 }
 
-/// A row of wrist_columns() as the daemon would get it.
-void feed_row(const Eigen::RowVectorXd& row, const Eigen::Vector3d& gravity_W,
-              sensing::Signals& signals) {
-  const double wxyz[4] = {row[0], row[1], row[2], row[3]};
+Eigen::Matrix3d orientation(const Eigen::RowVectorXd& row) {
+  return Eigen::Quaterniond(row[0], row[1], row[2], row[3]).normalized().toRotationMatrix();
+}
+
+/// A row of wrist_columns() as the daemon would get it. Gravity, which was taken out of it, comes
+/// back into the acceleration by `felt`, the row whose orientation the late inertial unit felt.
+void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
+              const Eigen::Vector3d& gravity_W, sensing::Signals& signals) {
   sensing::RobotState robot;
-  robot.X_WE.linear() =
-      Eigen::Quaterniond(wxyz[0], wxyz[1], wxyz[2], wxyz[3]).normalized().toRotationMatrix();
+  robot.X_WE.linear() = orientation(row);
   robot.V_W_E.linear = row.segment<3>(4).transpose();
   feed(signals.robot, robot);
   sensing::Inertial inertial;
   inertial.angular_velocity_I = row.segment<3>(7).transpose();
   inertial.acceleration_I =
-      row.segment<3>(10).transpose() - robot.X_WE.linear().transpose() * gravity_W;
+      row.segment<3>(10).transpose() - orientation(felt).transpose() * gravity_W;
   feed(signals.inertial, inertial);
   sensing::ForceTorque wrench;
   wrench.F_S = {row.segment<3>(13).transpose(), row.segment<3>(16).transpose()};
@@ -56,6 +60,8 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   options.average = plan.data.average;
   options.inertial_delay = recording.delays[0].seconds;
   options.force_torque_delay = recording.delays[1].seconds;
+  Table felt = table;
+  delay_columns(felt, 0, 4, options.inertial_delay);
   options.payload.mass = 1.15;
   options.payload.first_moment = {0, 0.004, 0.12};
 
@@ -77,7 +83,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   double largest = 0;
   const auto steps = static_cast<int>(recording.samples.size()) - 1;
   for (int tick = 0; tick < 10 * steps; ++tick) {
-    feed_row(table.rows.row(tick), options.gravity_W, signals);
+    feed_row(table.rows.row(tick), felt.rows.row(tick), options.gravity_W, signals);
     sensing::ContactSet contacts;
     observer.update(signals, contacts);
     if (tick % 10 != 0) continue;
