@@ -66,19 +66,29 @@ Eigen::Vector3d project_on_skin(const Eigen::Vector3d& p) noexcept {
   return kSkinRadius * skin_normal(p) + std::min(p.x(), 0.0) * Eigen::Vector3d::UnitX();
 }
 
+double electrode_intensity(double counts, const LocalizationOptions& options) noexcept {
+  const double pressed = options.polarity * counts;
+  if (!(pressed > options.threshold)) return -1;
+  return std::clamp(pressed / options.saturation, 0.0, 1.0);
+}
+
 Localization locate_contact(const ElectrodeVector& counts,
                             const LocalizationOptions& options) noexcept {
+  return locate_contact(counts, options, kPositions);
+}
+
+Localization locate_contact(const ElectrodeVector& counts, const LocalizationOptions& options,
+                            const Eigen::Matrix<double, 3, kElectrodeCount>& positions) noexcept {
   Localization result;
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   Eigen::Vector3d weighted = Eigen::Vector3d::Zero();
   double total = 0;
   for (int i = 0; i < kElectrodeCount; ++i) {
-    const double pressed = options.polarity * counts[i];
-    if (!(pressed > options.threshold)) continue;
-    const double intensity = std::clamp(pressed / options.saturation, 0.0, 1.0);
+    const double intensity = electrode_intensity(counts[i], options);
+    if (intensity < 0) continue;
     ++result.active;
-    centroid += kPositions.col(i);
-    weighted += intensity * kPositions.col(i);
+    centroid += positions.col(i);
+    weighted += intensity * positions.col(i);
     total += intensity;
   }
   if (result.active == 0) return result;

@@ -39,9 +39,15 @@ struct Localization {
   Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m, on the skin, in T
 };
 
+/// How strongly an electrode is pressed, 0 to 1; below 0 where it is not active.
+double electrode_intensity(double counts, const LocalizationOptions& options) noexcept;
+
 /// Contact location from tared electrode counts: active electrodes, their intensities, centroid,
 /// projection on the skin (thesis Fig. 3.10).
 Localization locate_contact(const ElectrodeVector& counts,
                             const LocalizationOptions& options) noexcept;
+/// The same with the electrodes' centres at `positions` (m, in T).
+Localization locate_contact(const ElectrodeVector& counts, const LocalizationOptions& options,
+                            const Eigen::Matrix<double, 3, kElectrodeCount>& positions) noexcept;
 
 }  // namespace palpate::sensing

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/sensing/sequence_executor.hpp"
 #include "core/sensing/signals.hpp"
 
 namespace palpate::sensing {
@@ -44,6 +45,8 @@ class SensorModel {
   /// Tare: what is read now (averaged over the next samples) becomes zero contact.
   virtual void zero() noexcept {}
   virtual void reset() noexcept {}
+  /// What runs its learned models, for reports: index 0, 1, ...; nullptr beyond the last.
+  virtual const Executor* executor(int /*index*/) const noexcept { return nullptr; }
 };
 
 }  // namespace palpate::sensing

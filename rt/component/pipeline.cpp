@@ -25,9 +25,10 @@ std::array<bool, 8> read_sources(const config::Node& node) {
 
 }  // namespace
 
-Pipeline::Pipeline(const config::Node& root, double period) {
+Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) {
   build_arms(root);
   context_.period = period;
+  context_.deterministic = deterministic;
   object_ = read_object(root, context_.frames);
   context_.object = &object_;
 
@@ -70,6 +71,9 @@ void Pipeline::build_sensing(const config::Node& root) {
     instance.arm = read_arm(node, context_);
     instance.model = make_sensor_model(node, context_);
     instance.condition = {LifeCycle::kInactive, ""};
+    for (int i = 0; const sensing::Executor* executor = instance.model->executor(i); ++i)
+      running_models_.push_back(
+          {instance.name + (i == 0 ? "" : "/" + std::to_string(i)), executor});
     sensing_.push_back(std::move(instance));
   }
 }

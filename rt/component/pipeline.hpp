@@ -24,14 +24,21 @@ struct FeatureState {
   Eigen::VectorXd unreachable;  // the part of error that no motion of the grasp removes
 };
 
+/// A learned model that a component runs.
+struct RunningModel {
+  std::string name;  // of the component's instance, "name/1" for its second model
+  const sensing::Executor* executor = nullptr;
+};
+
 /// The six slots: sensing and contact hold lists, the others one component each. Everything is
 /// built and configured by the constructor; the phases of a tick neither allocate, lock, log nor
 /// throw.
 class Pipeline {
  public:
   /// Reads frames, object, sensing, contact, estimation, deformation, feature, control, gate.
+  /// `deterministic`: what follows depends on the inputs alone, not on how threads are scheduled.
   /// Throws config::Error.
-  Pipeline(const config::Node& root, double period);
+  Pipeline(const config::Node& root, double period, bool deterministic = false);
   ~Pipeline();
 
   // Events; each is safe in the loop.
@@ -65,6 +72,7 @@ class Pipeline {
   bool is_running() const noexcept;
 
   const Object& object() const noexcept { return object_; }
+  const std::vector<RunningModel>& running_models() const noexcept { return running_models_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
   elasticity::DeformationModel& model() noexcept { return *model_; }
@@ -114,6 +122,7 @@ class Pipeline {
   Object object_;
   std::vector<Arm> arms_;  // one or two
   std::vector<Sensing> sensing_;
+  std::vector<RunningModel> running_models_;
   std::vector<Contact> contact_;
   std::unique_ptr<elasticity::DeformationModel> model_;
   std::unique_ptr<estimation::Estimator> estimator_;

@@ -20,6 +20,8 @@ struct Context {
   std::optional<Frames> second_frames;  // of the second arm, where there is one
   const Object* object = nullptr;       // outlives the component
   double period = 1e-3;                 // s, of the loop
+  /// Nothing may depend on scheduling: an inference is awaited however long it takes.
+  bool deterministic = false;
 };
 
 /// One function a slot: builds the component that `node` names under the key "component" (the

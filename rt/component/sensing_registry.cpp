@@ -2,29 +2,11 @@
 #include "core/sensing/ft_newton_euler.hpp"
 #include "core/sensing/ft_tare_only.hpp"
 #include "core/sensing/manual.hpp"
+#include "rt/component/learned_sensors.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
 namespace {
-
-/// Keys `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
-/// torque).
-sensing::PayloadParameters read_payload(const config::Node& node) {
-  const config::Node payload = node.child("payload");
-  sensing::PayloadParameters parameters;
-  parameters.mass = payload.number("mass", {0, 1000});
-  parameters.first_moment =
-      parameters.mass * payload.vector3("center_of_mass", {-2, 2}, Eigen::Vector3d::Zero());
-  if (payload.has("inertia")) {
-    const std::vector<double> inertia = payload.numbers("inertia", 6, {-100, 100});
-    parameters.inertia = Eigen::Map<const math::Vector6d>(inertia.data());
-  }
-  if (payload.has("bias")) {
-    const std::vector<double> bias = payload.numbers("bias", 6, {-1000, 1000});
-    parameters.bias = math::Wrench::from(Eigen::Map<const math::Vector6d>(bias.data()));
-  }
-  return parameters;
-}
 
 std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node,
                                                         const Frames& frames) {
@@ -89,13 +71,7 @@ std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& nod
   sensing::BiotacLinear::Options options;
   options.finger = node.integer("finger", {0, 4}, options.finger);
   options.model = read_tactile_model(node);
-  sensing::LocalizationOptions& localization = options.localization;
-  localization.polarity = node.integer("polarity", {-1, 1}, 1);
-  localization.threshold = node.number("threshold", {0, 4095}, localization.threshold);
-  localization.saturation = node.number("saturation", {1, 4095}, localization.saturation);
-  if (node.choice("weighting", {"centroid", "published"}, "centroid") == "published") {
-    localization.weighting = sensing::Weighting::kPublished;
-  }
+  options.localization = read_localization(node);
   options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
   options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
   options.release_force = node.number("release_force", {0, 100}, options.release_force);
@@ -123,14 +99,14 @@ int read_arm(const config::Node& node, const Context& context) {
 
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context) {
-  const std::string name =
-      node.choice("component", {"ft_newton_euler", "ft_tare_only", "biotac_linear", "manual"});
+  const std::string name = node.choice("component", {"ft_newton_euler", "ft_rnnob", "ft_tare_only",
+                                                     "biotac_linear", "biotac_lstm", "manual"});
   try {
-    if (name == "ft_newton_euler") {
-      const bool second = read_arm(node, context) == 1;
-      return make_newton_euler(node, second ? *context.second_frames : context.frames);
-    }
+    const Frames& frames = read_arm(node, context) == 1 ? *context.second_frames : context.frames;
+    if (name == "ft_newton_euler") return make_newton_euler(node, frames);
+    if (name == "ft_rnnob") return make_ft_rnnob(node, frames, context);
     if (name == "ft_tare_only") return make_tare_only(node);
+    if (name == "biotac_lstm") return make_biotac_lstm(node, context);
     if (name == "biotac_linear") return make_biotac_linear(node);
     return make_manual(node);
   } catch (const std::invalid_argument& error) {

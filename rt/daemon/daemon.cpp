@@ -11,7 +11,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
                Mode mode, std::int64_t session)
     : mode_(mode),
       settings_(read_settings(root)),
-      pipeline_(root, settings_.loop.period),
+      pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
       inputs_(control, pipeline_.arm_count()),
       commands_(control, housekeeping, session),
       telemetry_(control, housekeeping, pipeline_, session),
@@ -119,7 +119,7 @@ void Daemon::publish(const Now& now) noexcept {
       const std::int64_t allocations = loop::allocations_of_this_thread();
       counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
     }
-    health_.publish(counters_, condition, inputs_, now.utime);
+    health_.publish(counters_, condition, inputs_, pipeline_.running_models(), now.utime);
   }
   if (every(1.0, 7)) health_.publish_config(now.utime);
   for (int chunk = 0; chunk < telemetry_.mesh_chunks(); ++chunk) {

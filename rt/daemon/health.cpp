@@ -1,8 +1,12 @@
 #include "rt/daemon/health.hpp"
 
+#include <algorithm>
+
 #include "rt/daemon/text.hpp"
 
 namespace palpate::daemon {
+
+constexpr int kMostModels = 12;  // that the message has room for
 
 const char* name(Phase phase) noexcept {
   constexpr std::array<const char*, kPhases> kNames = {
@@ -23,7 +27,8 @@ Health::Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t
 }
 
 void Health::publish(const Counters& counters, const component::Condition& condition,
-                     const Inputs& inputs, std::int64_t utime) noexcept {
+                     const Inputs& inputs, const std::vector<component::RunningModel>& models,
+                     std::int64_t utime) noexcept {
   health_stamp_.put(message_, utime);
   message_.state = static_cast<int>(condition.state);
   put_text(message_.reason, condition.reason);
@@ -55,6 +60,16 @@ void Health::publish(const Counters& counters, const component::Condition& condi
     message_.lost[i] = report.lost;
     message_.rejected[i] = report.rejected;
     message_.age_ms[i] = report.age < 0 ? -1.0F : static_cast<float>(report.age * 1e3);
+  }
+
+  message_.model_count = std::min(kMostModels, static_cast<int>(models.size()));
+  for (int i = 0; i < message_.model_count; ++i) {
+    put_text(message_.model_name[i], models[i].name.c_str());
+    put_text(message_.model_executor[i], models[i].executor->kind());
+    const sensing::ExecutorCounters counts = models[i].executor->counters();
+    message_.model_steps[i] = counts.steps;
+    message_.model_late[i] = counts.late;
+    message_.model_dropped[i] = counts.dropped;
   }
   health_.publish(message_);
 }

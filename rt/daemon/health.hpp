@@ -6,7 +6,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/component/life_cycle.hpp"
+#include "rt/component/pipeline.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/loop/latency_histogram.hpp"
 
@@ -48,7 +48,8 @@ class Health {
   Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t configuration_hash,
          std::int64_t mesh_hash);
   void publish(const Counters& counters, const component::Condition& condition,
-               const Inputs& inputs, std::int64_t utime) noexcept;
+               const Inputs& inputs, const std::vector<component::RunningModel>& models,
+               std::int64_t utime) noexcept;
   void publish_config(std::int64_t utime) noexcept;
 
  private:

@@ -119,8 +119,8 @@ TorchExecutor::TorchExecutor(std::unique_ptr<SequenceModel> model,
     : options_(options) {
   if (!(options.wait >= 0 && options.wait <= 10))
     throw std::invalid_argument("wait must be 0 to 10 s");
-  if (!(options.patience > options.wait && options.patience <= 100))
-    throw std::invalid_argument("patience must be above wait and at most 100 s");
+  if (!(options.patience >= options.wait && options.patience <= 100))
+    throw std::invalid_argument("patience must not be below wait and at most 100 s");
   if (options.depth < 1 || options.depth > 1000)
     throw std::invalid_argument("depth must be 1 to 1000");
   if (options.warm_up < 0 || options.warm_up > 1000)
@@ -189,7 +189,7 @@ Answer TorchExecutor::step(const float* input, float* output) noexcept {
     if (!shared_->answer_bell.wait_until(deadline)) break;
   }
   ++counters_.late;
-  if (now() - since_ > std::llround(options_.patience * 1e9)) {
+  if (now() - since_ >= std::llround(options_.patience * 1e9)) {
     failed_ = true;
     ++counters_.faults;
     return Answer::kFault;

@@ -18,7 +18,9 @@ struct TorchExecutorOptions {
 /// Runs a model, libtorch's as a rule since that allocates, on a thread of its own. The loop's side
 /// hands over samples and takes answers without locks or allocation, and waits for the answer for
 /// a bounded time. A late answer is taken by a later step and counted. Each sample is run, in
-/// order, also those whose answers come late, so that the model's state misses none.
+/// order, also those whose answers come late, so that the model's state misses none. Where wait and
+/// patience are the same each answer is that of its sample, or there is a fault: then nothing that
+/// comes of it depends on scheduling.
 class TorchExecutor final : public Executor {
  public:
   /// To be made before the loop takes an affinity, which the thread would inherit. Throws

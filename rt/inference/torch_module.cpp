@@ -1,4 +1,4 @@
-#include "rt/inference/torch_module.hpp"
+#include "rt/inference/torch_functions.hpp"
 
 #include <ATen/Parallel.h>
 #include <torch/script.h>
@@ -283,3 +283,10 @@ std::string write_torch_module(const sensing::RecurrentWeights& weights) {
 std::string torch_version() { return TORCH_VERSION; }
 
 }  // namespace palpate::inference
+
+const palpate::inference::TorchFunctions* palpate_torch_functions() {
+  using namespace palpate::inference;
+  static const TorchFunctions kFunctions{&load_torch_module, &read_recurrent_weights,
+                                         &write_torch_module, &torch_version};
+  return &kFunctions;
+}

@@ -7,7 +7,8 @@
 #include "core/sensing/recurrent_network.hpp"
 #include "rt/inference/sequence_model.hpp"
 
-// The only door to libtorch in rt: its headers are in torch_module.cpp alone.
+// The only door to libtorch in rt: its headers are in torch_module.cpp alone, and its code is
+// loaded by the first call of a function below.
 namespace palpate::inference {
 
 /// Why a model is refused.

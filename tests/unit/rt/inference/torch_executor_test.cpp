@@ -157,7 +157,7 @@ TEST(TorchExecutor, RefusesOptionsOutOfRangeAndAModelThatFailsAtOnce) {
   options.depth = 0;
   EXPECT_THROW(make(options), std::invalid_argument);
   options = {};
-  options.patience = options.wait;
+  options.patience = options.wait / 2;
   EXPECT_THROW(make(options), std::invalid_argument);
   remote.fails = true;
   EXPECT_THROW(make({}), std::runtime_error);

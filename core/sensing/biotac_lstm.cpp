@@ -1,0 +1,160 @@
+#include "core/sensing/biotac_lstm.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::sensing {
+namespace {
+
+constexpr std::uint64_t kSeed = 1;       // of the scattered electrodes
+constexpr double kIntervalShare = 0.02;  // of a new interval in the smoothed one
+constexpr double kRateTolerance = 0.2;   // of the interval between samples
+
+void check_inputs(const std::vector<int>& inputs) {
+  for (const int input : inputs)
+    if (input >= kTactileInputCount) throw std::invalid_argument("there is no such input");
+}
+
+}  // namespace
+
+Eigen::Vector3d place_of_normal(const Eigen::Vector3d& direction,
+                                const Eigen::Vector3d& near) noexcept {
+  Eigen::Vector3d p = kSkinRadius * direction.normalized();
+  p.x() = near.x() < 0 ? near.x() : std::max(p.x(), 0.0);
+  return project_on_skin(p);
+}
+
+BiotacLstm::BiotacLstm(const Options& options, std::unique_ptr<Executor> force,
+                       std::optional<Direction> direction)
+    : options_(options),
+      force_(std::move(force), options.inputs, options.outputs),
+      tare_(options.tare_samples),
+      random_(kSeed) {
+  if (options.finger < 0 || options.finger > 4)
+    throw std::invalid_argument("finger must be 0 to 4");
+  check_inputs(options.inputs);
+  if (options.outputs.size() != 3) throw std::invalid_argument("a force has three outputs");
+  if (!(options.rate > 0)) throw std::invalid_argument("rate must be above 0");
+  if (std::abs(options.localization.polarity) != 1)
+    throw std::invalid_argument("polarity must be 1 or -1");
+  if (options.localization.threshold < 0 || !(options.localization.saturation > 0))
+    throw std::invalid_argument("threshold must not be negative, saturation must be above 0");
+  if (options.release_force < 0 || options.contact_force < options.release_force)
+    throw std::invalid_argument("contact_force must not be below release_force");
+  if (!(options.largest_force > options.contact_force))
+    throw std::invalid_argument("largest_force must be above contact_force");
+  if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+  if (direction) {
+    check_inputs(direction->inputs);
+    if (direction->outputs.size() != 3)
+      throw std::invalid_argument("a direction has three outputs");
+    direction_.emplace(std::move(direction->executor), direction->inputs, direction->outputs);
+    R_TN_ = direction->R_TN;
+  }
+  reset();
+}
+
+void BiotacLstm::reset() noexcept {
+  force_.reset();
+  if (direction_) direction_->reset();
+  tare_.reset();
+  tare_.start();
+  random_ = math::Random(kSeed);
+  has_time_ = in_contact_ = limited_ = has_location_ = false;
+  interval_ = 1 / options_.rate;
+}
+
+const Executor* BiotacLstm::executor(int index) const noexcept {
+  if (index == 0) return &force_.executor();
+  return index == 1 && direction_ ? &direction_->executor() : nullptr;
+}
+
+void BiotacLstm::take(const BioTac& sample) noexcept {
+  const TactileInputs raw = tactile_inputs(sample);
+  if (!raw.allFinite()) {
+    ++skipped_;
+    return;
+  }
+  const double interval = sample.time - time_;
+  if (has_time_ && interval >= 0 && interval <= options_.max_age)
+    interval_ += kIntervalShare * (interval - interval_);
+  time_ = sample.time;
+  has_time_ = true;
+
+  tare_.update(raw);
+  if (!tare_.is_known()) return;
+  inputs_ = raw - tare_.offset();
+  force_.step(inputs_);
+  if (direction_) direction_->step(inputs_);
+}
+
+/// False where there is nothing to go by.
+bool BiotacLstm::locate() noexcept {
+  const ElectrodeVector counts = inputs_.head<kElectrodeCount>();
+  const Localization found =
+      locate_contact(counts, options_.localization,
+                     scatter_electrodes(counts, options_.localization, options_.scatter, random_));
+  const bool has_normal =
+      direction_ && direction_->has_answer() && direction_->answer().squaredNorm() > 1e-6;
+  if (has_normal) {
+    const Eigen::Vector3d normal = R_TN_ * Eigen::Vector3d(direction_->answer());
+    location_ = place_of_normal(normal, found.active > 0 ? found.location : location_);
+  } else if (found.active > 0) {
+    location_ = found.location;
+  } else {
+    return false;
+  }
+  return true;
+}
+
+/// What there is to say of a contact that is reported, or of there being none.
+UpdateResult BiotacLstm::verdict() const noexcept {
+  if (limited_) return {Status::kDegraded, "force beyond what can be: shortened to largest_force"};
+  if (direction_ && direction_->has_failed())
+    return {Status::kDegraded, "the network of the contact's direction fails or hangs"};
+  if (std::abs(interval_ * options_.rate - 1) > kRateTolerance)
+    return {Status::kDegraded, "samples do not come at the rate of the network's training"};
+  return {};
+}
+
+UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) noexcept {
+  const auto& stream = signals.biotac[options_.finger];
+  for (int i = 0; i < stream.fresh_count; ++i) take(stream.fresh[i]);
+
+  if (force_.has_failed()) return {Status::kFault, "the network of the force fails or hangs"};
+  if (stream.freshness == Freshness::kNoData || !has_time_)
+    return {Status::kDegraded, "no tactile sample yet"};
+  if (stream.age > options_.max_age) {
+    // What the network remembers is of another time.
+    force_.restart();
+    if (direction_) direction_->restart();
+    has_time_ = in_contact_ = has_location_ = false;
+    return {Status::kDegraded, "tactile sample is too old"};
+  }
+  if (!tare_.is_known()) return {Status::kDegraded, "taring"};
+  if (!force_.has_answer()) return {Status::kDegraded, "no answer of the network yet"};
+
+  Eigen::Vector3d force = force_.answer();
+  const double size = force.norm();
+  in_contact_ = size > (in_contact_ ? options_.release_force : options_.contact_force);
+  limited_ = size > options_.largest_force;
+  if (limited_) force *= options_.largest_force / size;
+  if (!in_contact_) {
+    has_location_ = false;
+    return verdict();
+  }
+  // Between samples nothing has changed.
+  if (stream.fresh_count > 0 || !has_location_) has_location_ = locate() || has_location_;
+  if (!has_location_) return {Status::kDegraded, "a force, but no active electrode to place it"};
+
+  Contact contact;
+  contact.source = static_cast<Source>(static_cast<int>(Source::kFinger0) + options_.finger);
+  contact.location = location_;
+  contact.wrench.force = force;
+  contact.force_deviation = options_.force_deviation;
+  if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
+  return verdict();
+}
+
+}  // namespace palpate::sensing

@@ -1,0 +1,47 @@
+#ifndef PALPATE_WITHOUT_TORCH
+
+#include <dlfcn.h>
+
+#include <filesystem>
+
+#include "rt/inference/torch_functions.hpp"
+
+namespace palpate::inference {
+namespace {
+
+/// Loads the library that stands beside the program, once. Throws ModelError.
+const TorchFunctions& functions() {
+  static const TorchFunctions* const kFunctions = [] {
+    const auto path =
+        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "libpalpate_torch.so";
+    void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
+    if (library == nullptr)
+      throw ModelError(std::string("libtorch cannot be loaded: ") + dlerror());
+    using Entry = decltype(&palpate_torch_functions);
+    const auto entry = reinterpret_cast<Entry>(dlsym(library, "palpate_torch_functions"));
+    if (entry == nullptr) throw ModelError(path.string() + ": is not palpate's");
+    return entry();
+  }();
+  return *kFunctions;
+}
+
+}  // namespace
+
+std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes,
+                                                 const ModelSizes& sizes) {
+  return functions().load(bytes, sizes);
+}
+
+sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
+  return functions().read(bytes);
+}
+
+std::string write_torch_module(const sensing::RecurrentWeights& weights) {
+  return functions().write(weights);
+}
+
+std::string torch_version() { return functions().version(); }
+
+}  // namespace palpate::inference
+
+#endif

@@ -1,0 +1,107 @@
+// The observer of the wrist sensor in the loop and its training see the same numbers.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <random>
+
+#include "core/sensing/ft_rnnob.hpp"
+#include "rt/inference/compiled_executor.hpp"
+#include "tests/support/recordings.hpp"
+#include "tools/train/wrist_data.hpp"
+
+namespace palpate::train {
+namespace {
+
+const std::string kPreset = PALPATE_SOURCE_DIR "/tools/train/presets/ft_rnnob.yaml";
+
+template <class T, int kCapacity>
+void feed(sensing::Stream<T, kCapacity>& stream, const T& sample) {
+  stream.freshness = sensing::Freshness::kNew;
+  stream.age = 0;
+  stream.latest = stream.fresh[0] = sample;
+  stream.fresh_count = 1;
+}
+
+Eigen::Matrix3d orientation(const Eigen::RowVectorXd& row) {
+  return Eigen::Quaterniond(row[0], row[1], row[2], row[3]).normalized().toRotationMatrix();
+}
+
+/// A row of wrist_columns() as the daemon would get it. Gravity, which was taken out of it, comes
+/// back into the acceleration by `felt`, the row whose orientation the late inertial unit felt.
+void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
+              const Eigen::Vector3d& gravity_W, sensing::Signals& signals) {
+  sensing::RobotState robot;
+  robot.X_WE.linear() = orientation(row);
+  robot.V_W_E.linear = row.segment<3>(4).transpose();
+  feed(signals.robot, robot);
+  sensing::Inertial inertial;
+  inertial.angular_velocity_I = row.segment<3>(7).transpose();
+  inertial.acceleration_I =
+      row.segment<3>(10).transpose() - orientation(felt).transpose() * gravity_W;
+  feed(signals.inertial, inertial);
+  sensing::ForceTorque wrench;
+  wrench.F_S = {row.segment<3>(13).transpose(), row.segment<3>(16).transpose()};
+  feed(signals.force_torque, wrench);
+}
+
+TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
+  PALPATE_REQUIRE_RECORDING("ft_imu_panda");
+  const Plan plan = read_plan(config::Node::load_file(kPreset));
+  const std::string path =
+      (support::recordings() / "ft_imu_panda" / "sessionA_11-32-28.csv.gz").string();
+  const Table table = read_tables(path, "t_s", wrist_columns(plan.data.wrist), "").front();
+  const WristRecording recording = load_wrist(plan.data, table);
+
+  sensing::FtRnnob::Options options;
+  for (const std::string& name : columns_of(plan.data.inputs))
+    options.inputs.push_back(sensing::observer_input_index(name));
+  options.rate = plan.data.rate;
+  options.average = plan.data.average;
+  options.inertial_delay = recording.delays[0].seconds;
+  options.force_torque_delay = recording.delays[1].seconds;
+  Table felt = table;
+  delay_columns(felt, 0, 4, options.inertial_delay);
+  options.payload.mass = 1.15;
+  options.payload.first_moment = {0, 0.004, 0.12};
+
+  const auto inputs = static_cast<int>(options.inputs.size());
+  std::mt19937 random(2);
+  std::normal_distribution<float> normal(0, 0.4f);
+  sensing::RecurrentWeights weights = sensing::RecurrentWeights::zero(inputs, 6, {15, 10});
+  for (sensing::LstmWeights& layer : weights.layers)
+    for (auto* part : {&layer.input, &layer.hidden})
+      for (Eigen::Index i = 0; i < part->size(); ++i) part->data()[i] = normal(random);
+  for (Eigen::Index i = 0; i < weights.dense.size(); ++i) weights.dense.data()[i] = normal(random);
+  sensing::FtRnnob observer(options, std::make_unique<inference::DirectExecutor>(
+                                         std::make_unique<inference::CompiledModel>(weights)));
+
+  sensing::RecurrentNetwork network(weights);
+  std::vector<float> state(network.states(), 0.f), input(inputs);
+  Eigen::Matrix<float, 6, 1> output;
+  sensing::Signals signals;
+  double largest = 0;
+  const auto steps = static_cast<int>(recording.samples.size()) - 1;
+  for (int tick = 0; tick < 10 * steps; ++tick) {
+    feed_row(table.rows.row(tick), felt.rows.row(tick), options.gravity_W, signals);
+    sensing::ContactSet contacts;
+    observer.update(signals, contacts);
+    if (tick % 10 != 0) continue;
+    const int k = tick / 10;
+    for (int i = 0; i < inputs; ++i)
+      input[i] = static_cast<float>(recording.inputs(k, options.inputs[i]));
+    network.step(input.data(), state.data(), output.data());
+    const sensing::MotionSample& sample = recording.samples[k];
+    const math::Vector6d expected = sample.F_S.vector() -
+                                    sensing::load_wrench(options.payload, sample.motion).vector() -
+                                    output.cast<double>();
+    ASSERT_EQ(contacts.count, 1);
+    largest =
+        std::max(largest, (contacts.contacts[0].wrench.vector() - expected).cwiseAbs().maxCoeff());
+  }
+  // Means of gravity in turning axes are not quite gravity in mean axes.
+  EXPECT_LT(largest, 2e-3);
+}
+
+}  // namespace
+}  // namespace palpate::train
