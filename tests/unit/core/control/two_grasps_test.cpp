@@ -18,17 +18,6 @@ using Vector12d = Eigen::Matrix<double, 12, 1>;
 
 constexpr double kLengthScale = 0.1;  // m
 
-/// A bar with a hand at either end and nothing else to hold it.
-elasticity::Body bar_between_hands() {
-  elasticity::Body body = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
-  elasticity::GraspRegion second;
-  second.nodes = std::move(body.fixed_nodes);
-  second.X_OG_rest.translation() << 0, 0.03, 0.03;
-  body.grasps.push_back(second);
-  body.fixed_nodes.clear();
-  return body;
-}
-
 TwistLawOptions options_for(int grasps) {
   TwistLawOptions options;
   options.gain = 1;
@@ -40,7 +29,7 @@ TwistLawOptions options_for(int grasps) {
 
 class TwoGraspsOfABar : public ::testing::Test {
  protected:
-  TwoGraspsOfABar() : model_(bar_between_hands(), {6, 1e-8}) {
+  TwoGraspsOfABar() : model_(testing::bar_between_hands(mesh::ElementOrder::kLinear), {6, 1e-8}) {
     model_.prepare();
     for (int g = 0; g < 2; ++g) X_OG_[g] = model_.body().grasps[g].X_OG_rest;
     for (int i = 0; i < 40; ++i) {
@@ -122,7 +111,7 @@ class TwoGraspLaw : public ::testing::Test {
     return output;
   }
 
-  elasticity::Body body_ = bar_between_hands();
+  elasticity::Body body_ = testing::bar_between_hands(mesh::ElementOrder::kLinear);
   shape::PointFeature feature_{body_.mesh, {{0.25, 0.03, 0.06}, {0, 1, 2}}};
 };
 

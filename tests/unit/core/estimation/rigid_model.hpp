@@ -84,4 +84,15 @@ inline elasticity::Body held_bar(const std::array<int, 3>& cells, mesh::ElementO
   return body;
 }
 
+/// The same with a hand at either end and nothing else to hold it.
+inline elasticity::Body bar_between_hands(mesh::ElementOrder order) {
+  elasticity::Body body = held_bar({6, 1, 1}, order);
+  elasticity::GraspRegion second;
+  second.nodes = std::move(body.fixed_nodes);
+  second.X_OG_rest.translation() << 0, 0.03, 0.03;
+  body.grasps.push_back(second);
+  body.fixed_nodes.clear();
+  return body;
+}
+
 }  // namespace palpate::testing

@@ -13,16 +13,6 @@ using Eigen::Vector3d;
 using sensing::Freshness;
 using sensing::Status;
 
-elasticity::Body bar_between_hands() {
-  elasticity::Body body = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
-  elasticity::GraspRegion second;
-  second.nodes = std::move(body.fixed_nodes);
-  second.X_OG_rest.translation() << 0, 0.03, 0.03;
-  body.grasps.push_back(second);
-  body.fixed_nodes.clear();
-  return body;
-}
-
 class TwoGrasps : public ::testing::Test {
  protected:
   TwoGrasps() {
@@ -50,7 +40,7 @@ class TwoGrasps : public ::testing::Test {
     return estimate_.reaction[0].force + estimate_.reaction[1].force + mass * body_.gravity_O;
   }
 
-  elasticity::Body body_ = bar_between_hands();
+  elasticity::Body body_ = testing::bar_between_hands(mesh::ElementOrder::kQuadratic);
   elasticity::CorotationalQuasistatic model_{body_};
   PoseDriven estimator_{PoseDriven::Options{}};
   EstimationInputs inputs_;
