@@ -44,6 +44,12 @@ class Estimator {
                                        elasticity::DeformationModel& model,
                                        Estimate& estimate) noexcept = 0;
   virtual void reset() noexcept {}
+  /// Takes the place of another estimator that held `last` to be true, beside a model that has been
+  /// given the shape: activate(), but going on from there. Must not step.
+  virtual void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept {
+    static_cast<void>(last);
+    activate(model);
+  }
 };
 
 }  // namespace palpate::estimation

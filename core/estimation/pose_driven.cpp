@@ -29,6 +29,16 @@ void PoseDriven::activate(elasticity::DeformationModel& model) noexcept {
   }
 }
 
+void PoseDriven::take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept {
+  activate(model);
+  for (int i = 0; i < static_cast<int>(model.body().grasps.size()); ++i) {
+    if (!last.X_OG[i].matrix().allFinite()) continue;
+    hands_[i].hand = hands_[i].held = last.X_OG[i];
+    hands_[i].seen = true;
+    model.hold(i, hands_[i].held);
+  }
+}
+
 sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
                                          elasticity::DeformationModel& model,
                                          Estimate& estimate) noexcept {

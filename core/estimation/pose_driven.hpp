@@ -29,6 +29,8 @@ class PoseDriven : public Estimator {
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;
+  /// Holds every grasp where the estimate has it.
+  void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 
  private:
   struct Hand {

@@ -30,6 +30,12 @@ class BiotacLinear : public SensorModel {
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
   void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
+  SensorState save() const noexcept override {
+    return sensing::save(tare_, SensorState::Offset::kCounts);
+  }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, SensorState::Offset::kCounts, tare_);
+  }
 
   bool in_contact() const noexcept { return in_contact_; }
   /// Samples passed over since construction because a number was not finite.

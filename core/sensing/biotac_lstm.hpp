@@ -53,6 +53,12 @@ class BiotacLstm : public SensorModel {
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
   void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
+  SensorState save() const noexcept override {
+    return sensing::save(tare_, SensorState::Offset::kCounts);
+  }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, SensorState::Offset::kCounts, tare_);
+  }
   const Executor* executor(int index) const noexcept override;
 
   bool in_contact() const noexcept { return in_contact_; }

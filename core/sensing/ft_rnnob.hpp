@@ -51,6 +51,12 @@ class FtRnnob : public SensorModel {
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
   void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
+  SensorState save() const noexcept override {
+    return sensing::save(tare_, SensorState::Offset::kBesidePayload);
+  }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, SensorState::Offset::kBesidePayload, tare_);
+  }
   const Executor* executor(int index) const noexcept override {
     return index == 0 ? &network_.executor() : nullptr;
   }

@@ -29,6 +29,12 @@ class FtTareOnly : public SensorModel {
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
   void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
+  SensorState save() const noexcept override {
+    return sensing::save(tare_, SensorState::Offset::kReading);
+  }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, SensorState::Offset::kReading, tare_);
+  }
 
   /// Readings passed over since construction because a number was not finite.
   std::int64_t skipped() const noexcept { return skipped_; }

@@ -37,6 +37,19 @@ struct UpdateResult {
   const char* reason = "";
 };
 
+/// What a sensor model hands to the one that takes its place while the loop runs: its offset at
+/// rest.
+struct SensorState {
+  enum class Offset {
+    kUnknown,
+    kReading,        // of a wrist, payload and all
+    kBesidePayload,  // of a wrist, beyond what a payload explains
+    kCounts,         // of a fingertip
+  };
+  Offset meaning = Offset::kUnknown;
+  std::array<double, 24> offset{};  // N, N m; counts
+};
+
 /// Raw signals to contact wrenches in the sensor's frame. update() neither allocates nor throws.
 class SensorModel {
  public:
@@ -45,6 +58,12 @@ class SensorModel {
   /// Tare: what is read now (averaged over the next samples) becomes zero contact.
   virtual void zero() noexcept {}
   virtual void reset() noexcept {}
+  virtual SensorState save() const noexcept { return {}; }
+  /// Goes on from a state. One of another meaning is not taken, and this model begins as at a
+  /// start; false where it is even that of another kind of sensor.
+  virtual bool restore(const SensorState& state) noexcept {
+    return state.meaning == SensorState::Offset::kUnknown;
+  }
   /// What runs its learned models, for reports: index 0, 1, ...; nullptr beyond the last.
   virtual const Executor* executor(int /*index*/) const noexcept { return nullptr; }
 };

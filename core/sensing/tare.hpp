@@ -1,7 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <stdexcept>
+
+#include "core/sensing/sensor_model.hpp"
 
 namespace palpate::sensing {
 
@@ -36,6 +39,13 @@ class Tare {
     offset_.setZero();
   }
 
+  /// Takes an offset over, e.g. of the model that this one's replaces.
+  void set(const Vector& offset) noexcept {
+    reset();
+    offset_ = offset;
+    known_ = true;
+  }
+
   bool is_known() const noexcept { return known_; }
   bool is_running() const noexcept { return remaining_ > 0; }
   const Vector& offset() const noexcept { return offset_; }  // zero where not known
@@ -47,5 +57,27 @@ class Tare {
   Vector sum_ = Vector::Zero();
   Vector offset_ = Vector::Zero();
 };
+
+/// The offset as what a model hands on, and back.
+template <int kSize>
+SensorState save(const Tare<kSize>& tare, SensorState::Offset meaning) noexcept {
+  SensorState state;
+  static_assert(kSize <= std::tuple_size_v<decltype(state.offset)>);
+  if (!tare.is_known()) return state;
+  state.meaning = meaning;
+  std::copy_n(tare.offset().data(), kSize, state.offset.begin());
+  return state;
+}
+
+template <int kSize>
+bool restore(const SensorState& state, SensorState::Offset meaning, Tare<kSize>& tare) noexcept {
+  using Offset = SensorState::Offset;
+  if (state.meaning == Offset::kUnknown) return true;
+  if (state.meaning != meaning)
+    return (state.meaning == Offset::kCounts) == (meaning == Offset::kCounts);
+  const Eigen::Map<const typename Tare<kSize>::Vector> offset(state.offset.data());
+  if (offset.allFinite()) tare.set(offset);
+  return true;
+}
 
 }  // namespace palpate::sensing

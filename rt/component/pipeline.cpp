@@ -1,7 +1,5 @@
 #include "rt/component/pipeline.hpp"
 
-#include <cstring>
-
 namespace palpate::component {
 namespace {
 
@@ -10,108 +8,34 @@ using sensing::Source;
 bool is_wrist(Source source) { return source == Source::kWrist0 || source == Source::kWrist1; }
 int wrist(Source source) { return source == Source::kWrist1 ? 1 : 0; }
 
-/// Which sources a contact instance serves, by the words of its list `sources`.
-std::array<bool, 8> read_sources(const config::Node& node) {
-  std::array<bool, 8> served{};
-  const std::string text =
-      node.choice("sources", {"wrist", "second_wrist", "fingers", "manual", "all"}, "all");
-  const bool all = text == "all";
-  if (all || text == "wrist") served[0] = true;
-  if (all || text == "second_wrist") served[1] = true;
-  if (all || text == "fingers") std::fill(served.begin() + 2, served.begin() + 7, true);
-  if (all || text == "manual") served[7] = true;
-  return served;
-}
-
 }  // namespace
 
 Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) {
   build_arms(root);
-  context_.period = period;
-  context_.deterministic = deterministic;
-  object_ = read_object(root, context_.frames);
-  context_.object = &object_;
-
-  build_sensing(root);
-  build_contact(root);
-  model_ = make_deformation_model(root.child("deformation"), context_);
-  estimator_ = make_estimator(root.child("estimation"), context_);
-  feature_ = make_feature(root.child("feature"), context_);
-  provider_ = make_jacobian_provider(root.child("control"), context_);
-  law_ = make_control_law(root.child("control"), context_, *feature_);
-  moving_ = read_moving_arms(root.child("control"), context_);
-
-  const int dimension = feature_->dimension();
-  feature_state_.value = Eigen::VectorXd::Zero(feature_->value_count());
-  feature_state_.error = Eigen::VectorXd::Zero(dimension);
-  feature_state_.unreachable = Eigen::VectorXd::Zero(dimension);
-  target_.value = Eigen::VectorXd::Zero(feature_->value_count());
-  jacobian_ = Eigen::MatrixXd::Zero(dimension, moving_ == MovingArms::kBoth ? 12 : 6);
-  law_output_.unreachable = Eigen::VectorXd::Zero(dimension);
-  warm_up();
+  cell_.period = period;
+  cell_.deterministic = deterministic;
+  slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
+  slots_->warm_up();
   whole_ = {LifeCycle::kInactive, "waits for start"};
 }
 
 Pipeline::~Pipeline() = default;
 
 void Pipeline::build_arms(const config::Node& root) {
-  context_.frames = read_frames(root);
-  context_.second_frames = read_second_frames(root);
+  cell_.frames = read_frames(root);
+  cell_.second_frames = read_second_frames(root);
   const control::GateLimits limits = read_gate_limits(root);
-  arms_.push_back({context_.frames, control::SafetyGate(limits), nullptr, false, {}, {}});
-  if (!context_.second_frames) return;
+  arms_.push_back({cell_.frames, control::SafetyGate(limits), nullptr, false, {}, {}});
+  if (!cell_.second_frames) return;
   const control::GateLimits second = read_gate_limits(root.child("second_arm"), limits);
-  arms_.push_back({*context_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
-}
-
-void Pipeline::build_sensing(const config::Node& root) {
-  for (const config::Node& node : root.list("sensing")) {
-    Sensing instance;
-    instance.name = node.text("name", node.text("component"));
-    instance.arm = read_arm(node, context_);
-    instance.model = make_sensor_model(node, context_);
-    instance.condition = {LifeCycle::kInactive, ""};
-    for (int i = 0; const sensing::Executor* executor = instance.model->executor(i); ++i)
-      running_models_.push_back(
-          {instance.name + (i == 0 ? "" : "/" + std::to_string(i)), executor});
-    sensing_.push_back(std::move(instance));
-  }
-}
-
-void Pipeline::build_contact(const config::Node& root) {
-  int max_nodes = 0;
-  for (const config::Node& node : root.list("contact")) {
-    Contact instance;
-    instance.name = node.text("name", node.text("component"));
-    instance.sources = read_sources(node);
-    instance.transformer = make_force_transformer(node, context_);
-    max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
-    contact_.push_back(std::move(instance));
-  }
-  loads_.resize(contacts_.contacts.size());
-  for (contact::ContactLoads& loads : loads_) loads.loads.reserve(max_nodes);
-}
-
-/// Gives the model the grasps that the estimator holds, factors for them and lets every slot
-/// compute once, so that nothing is done for the first time in the loop.
-void Pipeline::warm_up() {
-  model_->prepare();
-  estimator_->activate(*model_);
-  while (elasticity::Refactorisation* job = model_->wanted_refactorisation()) {
-    job->run();
-    model_->install(*job);
-    if (model_->step(context_.period).status != elasticity::StepStatus::kFailed) break;
-  }
-  feature_->evaluate(model_->positions(), feature_state_.value);
+  arms_.push_back({*cell_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
 }
 
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
-  estimation_condition_ = control_condition_ = {LifeCycle::kActive, ""};
-  for (Sensing& instance : sensing_) instance.condition = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.stop();
-  law_->reset();
+  slots_->start();
 }
 
 void Pipeline::stop() noexcept {
@@ -120,18 +44,13 @@ void Pipeline::stop() noexcept {
 }
 
 void Pipeline::reset() noexcept {
-  for (Sensing& instance : sensing_) instance.model->reset();
-  estimator_->reset();
-  model_->reset();
-  estimator_->activate(*model_);
-  law_->reset();
+  slots_->reset();
   for (Arm& arm : arms_) arm.gate.stop();
-  target_.revision = -1;
   whole_ = {LifeCycle::kInactive, "reset"};
 }
 
 void Pipeline::zero() noexcept {
-  for (Sensing& instance : sensing_) instance.model->zero();
+  for (Slots::Sensing& instance : slots_->sensing) instance.model->zero();
 }
 
 void Pipeline::fault(const char* reason) noexcept { whole_ = {LifeCycle::kFaulted, reason}; }
@@ -149,28 +68,59 @@ bool Pipeline::is_running() const noexcept {
 bool Pipeline::set_target(int revision, const char* kind, const double (*rest_points)[3],
                           int point_count, const double* values, int value_count,
                           const char*& reason) noexcept {
-  if (std::strcmp(kind, feature_->kind()) != 0) {
-    reason = "target is for another kind of feature";
-    return false;
-  }
-  const std::vector<Eigen::Vector3d>& points = feature_->rest_points();
-  if (point_count != 0 && point_count != static_cast<int>(points.size())) {
-    reason = "target names another number of points than the feature has";
-    return false;
-  }
-  for (int i = 0; i < point_count; ++i) {
-    const Eigen::Map<const Eigen::Vector3d> p(rest_points[i]);
-    if (!((p - points[i]).norm() < 1e-6)) {
-      reason = "target names other points than the feature has";
-      return false;
+  return slots_->set_target(revision, kind, rest_points, point_count, values, value_count, reason);
+}
+
+ShapeSnapshot Pipeline::room_for_shape() const {
+  return {slots_->model->positions(), slots_->model->velocities(), slots_->estimate};
+}
+
+void Pipeline::copy_shape(ShapeSnapshot& snapshot) const noexcept {
+  snapshot.positions = slots_->model->positions();
+  snapshot.velocities = slots_->model->velocities();
+  snapshot.estimate = slots_->estimate;
+}
+
+Pipeline::Along Pipeline::run_along(Replacement& replacement, const char*& reason) noexcept {
+  constexpr int kTicks = 100;      // that a new sensor model runs along at least
+  constexpr int kPatience = 2000;  // and at most, where the present one has nothing to say either
+  const bool first = replacement.ticks_along_++ == 0;
+  bool ready = true, waits_with_present = true;
+  std::vector<Slots::Sensing>& models = replacement.slots_->sensing;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!models[i].model) continue;
+    const int at = replacement.successors_[i];
+    const Slots::Sensing* present = at < 0 ? nullptr : &slots_->sensing[at];
+    if (first && present != nullptr && !models[i].model->restore(present->model->save())) {
+      reason = "is for another kind of sensor than the one in its place";
+      return Along::kRefused;
     }
+    sensing::ContactSet unused;
+    const sensing::UpdateResult result =
+        models[i].model->update(*arms_[models[i].arm].signals, unused);
+    if (result.status == sensing::Status::kFault) {
+      reason = result.reason;
+      return Along::kRefused;
+    }
+    if (result.status == sensing::Status::kOk && replacement.ticks_along_ >= kTicks) continue;
+    ready = false;
+    if (present == nullptr || present->condition.state != LifeCycle::kActive) continue;
+    waits_with_present = false;
+    reason = result.reason;
   }
-  if (!feature_->is_valid_target(values, value_count)) {
-    reason = "target values are not valid for the feature";
+  if (ready || (waits_with_present && replacement.ticks_along_ >= kPatience)) return Along::kReady;
+  return replacement.ticks_along_ < kPatience ? Along::kWaits : Along::kRefused;
+}
+
+bool Pipeline::take(Replacement& replacement) noexcept {
+  Slots& incoming = *replacement.slots_;
+  Slots& present = *slots_;
+  if (replacement.changes_.mechanics &&
+      !replacement.give_shape(present.model->positions(), present.model->velocities(),
+                              present.estimate))
     return false;
-  }
-  target_.value = Eigen::Map<const Eigen::VectorXd>(values, value_count);
-  target_.revision = revision;
+  incoming.adopt(present, replacement.changes_, replacement.successors_);
+  slots_.swap(replacement.slots_);
   return true;
 }
 
@@ -181,7 +131,7 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
     arms_[i].known = by_arm[i]->robot.freshness != sensing::Freshness::kNoData;
   }
   contacts_.count = 0;
-  for (Sensing& instance : sensing_) {
+  for (Slots::Sensing& instance : slots_->sensing) {
     const int first = contacts_.count;
     instance.condition.apply(instance.model->update(*by_arm[instance.arm], contacts_));
     // A model knows one arm, its own.
@@ -235,14 +185,14 @@ bool Pipeline::locate_finger(sensing::Contact& contact) const noexcept {
 
 void Pipeline::distribute() noexcept {
   for (int i = 0; i < contacts_O_.count; ++i) {
-    contact::ContactLoads& loads = loads_[i];
+    contact::ContactLoads& loads = slots_->loads[i];
     const sensing::Contact& contact = contacts_O_.contacts[i];
     loads.source = contact.source;
     loads.accepted = false;
     loads.loads.clear();
-    for (Contact& instance : contact_) {
+    for (Slots::Contact& instance : slots_->contact) {
       if (!instance.sources[static_cast<int>(contact.source)]) continue;
-      instance.transformer->distribute(contact, model_->positions(), loads);
+      instance.transformer->distribute(contact, slots_->model->positions(), loads);
       loads.source = contact.source;
       break;
     }
@@ -268,57 +218,60 @@ estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
 }
 
 void Pipeline::estimate(double dt) noexcept {
+  Slots& slots = *slots_;
   if (!is_running()) return;
   estimation::EstimationInputs& inputs = estimation_inputs_;
   inputs.dt = dt;
-  inputs.grasp_count = static_cast<int>(object_.body.grasps.size());
+  inputs.grasp_count = static_cast<int>(slots.object->body.grasps.size());
   for (int i = 0; i < inputs.grasp_count; ++i) inputs.grasps[i] = grasp_input(i);
   inputs.contact_count = contacts_O_.count;
-  inputs.contacts = loads_.data();
-  estimation_condition_.apply(estimator_->update(inputs, *model_, estimate_));
+  inputs.contacts = slots.loads.data();
+  slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
 }
 
 void Pipeline::evaluate_feature() noexcept {
+  Slots& slots = *slots_;
   if (!is_running()) return;
-  feature_->evaluate(model_->positions(), feature_state_.value);
-  if (target_.revision >= 0) {
-    feature_->error(feature_state_.value, target_.value, feature_state_.error);
+  slots.feature->evaluate(slots.model->positions(), slots.feature_state.value);
+  if (slots.target.revision >= 0) {
+    slots.feature->error(slots.feature_state.value, slots.target.value, slots.feature_state.error);
   } else {
-    feature_state_.error.setZero();
-    feature_state_.unreachable.setZero();
+    slots.feature_state.error.setZero();
+    slots.feature_state.unreachable.setZero();
   }
 }
 
 void Pipeline::control(double dt) noexcept {
+  Slots& slots = *slots_;
   for (Arm& arm : arms_) arm.requested_W_E = math::Twist();
-  if (!is_running() || target_.revision < 0 || !moving_arms_known()) return;
+  if (!is_running() || slots.target.revision < 0 || !moving_arms_known()) return;
   // A shape that is not known well must not move the robot.
-  if (estimation_condition_.state != LifeCycle::kActive) return;
+  if (slots.estimation_condition.state != LifeCycle::kActive) return;
 
-  const int first = moving_ == MovingArms::kSecond ? 1 : 0;
+  const int first = slots.moving == MovingArms::kSecond ? 1 : 0;
   const math::Pose& X_OG = estimation_inputs_.grasps[first].X_OG;
-  if (!provider_->update(*feature_, *model_, X_OG, jacobian_)) {
-    control_condition_.apply({sensing::Status::kDegraded, "no Jacobian yet"});
+  if (!slots.provider->update(*slots.feature, *slots.model, X_OG, slots.jacobian)) {
+    slots.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});
     return;
   }
   control::LawInputs inputs;
   inputs.dt = dt;
-  inputs.value = &feature_state_.value;
-  inputs.target = &target_.value;
-  inputs.error = &feature_state_.error;
-  inputs.jacobian = &jacobian_;
-  law_->compute(inputs, law_output_);
-  control_condition_.apply({sensing::Status::kOk, ""});
-  feature_state_.unreachable = law_output_.unreachable;
+  inputs.value = &slots.feature_state.value;
+  inputs.target = &slots.target.value;
+  inputs.error = &slots.feature_state.error;
+  inputs.jacobian = &slots.jacobian;
+  slots.law->compute(inputs, slots.law_output);
+  slots.control_condition.apply({sensing::Status::kOk, ""});
+  slots.feature_state.unreachable = slots.law_output.unreachable;
 
-  request(first, law_output_.V_O_G);
-  if (moving_ == MovingArms::kBoth) request(1, law_output_.V_O_G_second);
+  request(first, slots.law_output.V_O_G);
+  if (slots.moving == MovingArms::kBoth) request(1, slots.law_output.V_O_G_second);
 }
 
 bool Pipeline::moving_arms_known() const noexcept {
-  const int grasps = static_cast<int>(object_.body.grasps.size());
-  const bool second = moving_ != MovingArms::kFirst;
-  if (moving_ != MovingArms::kSecond && (grasps < 1 || !arms_[0].known)) return false;
+  const int grasps = static_cast<int>(slots_->object->body.grasps.size());
+  const bool second = slots_->moving != MovingArms::kFirst;
+  if (slots_->moving != MovingArms::kSecond && (grasps < 1 || !arms_[0].known)) return false;
   return !second || (grasps > 1 && arms_[1].known);
 }
 
@@ -357,15 +310,7 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
 }
 
 Condition Pipeline::condition() const noexcept {
-  if (!is_running()) return whole_;
-  Condition worst = whole_;
-  const auto consider = [&worst](const Condition& other) {
-    if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
-  };
-  for (const Sensing& instance : sensing_) consider(instance.condition);
-  consider(estimation_condition_);
-  consider(control_condition_);
-  return worst;
+  return is_running() ? slots_->worst_of(whole_) : whole_;
 }
 
 }  // namespace palpate::component

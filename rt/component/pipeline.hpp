@@ -6,33 +6,13 @@
 #include <vector>
 
 #include "core/control/safety_gate.hpp"
-#include "rt/component/life_cycle.hpp"
-#include "rt/component/registry.hpp"
+#include "rt/component/replacement.hpp"
 
 namespace palpate::component {
 
-/// Where the feature shall go.
-struct Target {
-  int revision = -1;  // -1: none
-  Eigen::VectorXd value;
-};
-
-/// What the feature and control slots hold after a tick.
-struct FeatureState {
-  Eigen::VectorXd value;
-  Eigen::VectorXd error;        // target minus value; zero without a target
-  Eigen::VectorXd unreachable;  // the part of error that no motion of the grasp removes
-};
-
-/// A learned model that a component runs.
-struct RunningModel {
-  std::string name;  // of the component's instance, "name/1" for its second model
-  const sensing::Executor* executor = nullptr;
-};
-
-/// The six slots: sensing and contact hold lists, the others one component each. Everything is
-/// built and configured by the constructor; the phases of a tick neither allocate, lock, log nor
-/// throw.
+/// The phases of a tick over the components in the six slots, for one or two arms with their gates.
+/// Everything is built and configured by the constructor; the phases neither allocate, lock, log
+/// nor throw.
 class Pipeline {
  public:
   /// Reads frames, object, sensing, contact, estimation, deformation, feature, control, gate.
@@ -54,6 +34,23 @@ class Pipeline {
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
                   const double* values, int value_count, const char*& reason) noexcept;
 
+  /// For a Replacement, which is built elsewhere. The snapshot has the present mesh's size already
+  /// and is filled by the loop's thread.
+  const Slots& slots() const noexcept { return *slots_; }
+  ShapeSnapshot room_for_shape() const;
+  void copy_shape(ShapeSnapshot& snapshot) const noexcept;
+
+  /// Once a tick from when it has been built, after sense(): lets new sensor models run along until
+  /// they are ready. kReady: take() it; kRefused: `reason` says why, and nothing has changed.
+  enum class Along { kWaits, kReady, kRefused };
+  Along run_along(Replacement& replacement, const char*& reason) noexcept;
+
+  /// Between two ticks: puts the new components in, which go on from the present ones' state, all
+  /// at once; `replacement` then holds those that were replaced, for another thread to destroy. No
+  /// factor for the present model may be under way. False where the state cannot be carried; then
+  /// nothing has changed.
+  bool take(Replacement& replacement) noexcept;
+
   // Phases of one tick, in this order. While inactive they keep estimating nothing and the gate
   // gives zero.
   /// `second`: what the second arm says; ignored where there is none.
@@ -71,15 +68,18 @@ class Pipeline {
   Condition condition() const noexcept;  // the worst of all slots
   bool is_running() const noexcept;
 
-  const Object& object() const noexcept { return object_; }
-  const std::vector<RunningModel>& running_models() const noexcept { return running_models_; }
+  const Object& object() const noexcept { return *slots_->object; }
+  const std::vector<RunningModel>& running_models() const noexcept {
+    return slots_->running_models;
+  }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
-  elasticity::DeformationModel& model() noexcept { return *model_; }
-  const estimation::Estimate& estimate() const noexcept { return estimate_; }
-  const shape::Feature& feature() const noexcept { return *feature_; }
-  const FeatureState& feature_state() const noexcept { return feature_state_; }
-  const Target& target() const noexcept { return target_; }
+  elasticity::DeformationModel& model() noexcept { return *slots_->model; }
+  const elasticity::DeformationModel& model() const noexcept { return *slots_->model; }
+  const estimation::Estimate& estimate() const noexcept { return slots_->estimate; }
+  const shape::Feature& feature() const noexcept { return *slots_->feature; }
+  const FeatureState& feature_state() const noexcept { return slots_->feature_state; }
+  const Target& target() const noexcept { return slots_->target; }
   /// In O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
 
@@ -94,22 +94,7 @@ class Pipeline {
 
     math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
   };
-  struct Sensing {
-    std::string name;
-    int arm = 0;
-    std::unique_ptr<sensing::SensorModel> model;
-    Condition condition;
-  };
-  struct Contact {
-    std::string name;
-    std::unique_ptr<contact::ForceTransformer> transformer;
-    std::array<bool, 8> sources{};  // by sensing::Source
-  };
-
   void build_arms(const config::Node& root);
-  void build_sensing(const config::Node& root);
-  void build_contact(const config::Node& root);
-  void warm_up();
   void to_object_frame(const sensing::ContactSet& contacts) noexcept;
   bool locate_wrist(sensing::Contact& contact) const noexcept;
   bool locate_finger(sensing::Contact& contact) const noexcept;
@@ -118,32 +103,14 @@ class Pipeline {
   void request(int arm, const math::Twist& V_O_G) noexcept;
   bool other_refused(int arm) const noexcept;
 
-  Context context_;
-  Object object_;
+  Context cell_;
   std::vector<Arm> arms_;  // one or two
-  std::vector<Sensing> sensing_;
-  std::vector<RunningModel> running_models_;
-  std::vector<Contact> contact_;
-  std::unique_ptr<elasticity::DeformationModel> model_;
-  std::unique_ptr<estimation::Estimator> estimator_;
-  std::unique_ptr<shape::Feature> feature_;
-  std::unique_ptr<control::JacobianProvider> provider_;
-  std::unique_ptr<control::ControlLaw> law_;
-  MovingArms moving_ = MovingArms::kFirst;
-
-  Condition estimation_condition_;
-  Condition control_condition_;
+  std::unique_ptr<Slots> slots_;
   Condition whole_;
 
   sensing::ContactSet contacts_;    // in the sensors' frames
   sensing::ContactSet contacts_O_;  // in O
-  std::vector<contact::ContactLoads> loads_;
   estimation::EstimationInputs estimation_inputs_;
-  estimation::Estimate estimate_;
-  Target target_;
-  FeatureState feature_state_;
-  Eigen::MatrixXd jacobian_;
-  control::LawOutput law_output_;
 };
 
 }  // namespace palpate::component

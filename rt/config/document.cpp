@@ -214,6 +214,37 @@ void Document::apply_override(const std::string& text) {
   check_keys(value, path, 0);
 }
 
+std::shared_ptr<Document> Document::changed(const std::string& path, const std::string& text,
+                                            bool replace, const std::string& name) const {
+  const Document change(text, name, top_.folder);
+  const std::shared_ptr<Document> result(new Document());
+  result->root_ = YAML::Clone(root_);
+  result->top_ = top_;
+  result->sources_ = sources_;
+  result->overrides_ = overrides_;
+  if (path.empty()) {
+    result->root_ = replace ? YAML::Clone(change.root_) : merged(result->root_, change.root_);
+    for (const auto& entry : change.root_)
+      result->overrides_.push_back({entry.first.Scalar(), name});
+    return result;
+  }
+  YAML::Node value = YAML::Clone(change.root_);
+  if (!replace) {
+    YAML::Node present = result->root_;
+    for (const std::string& part : split(path)) {
+      // Assignment would write to the tree; a handle is moved on by reset().
+      const YAML::Node next = present.IsSequence() ? present[std::stoul(part)] : present[part];
+      present.reset(next);
+      if (!present.IsDefined()) throw Error(name + ": there is no " + path);
+    }
+    if (!present.IsMap()) throw Error(name + ": " + path + " is not a mapping of keys");
+    value = merged(present, value);
+  }
+  assign(result->root_, split(path), 0, value, name);
+  result->overrides_.push_back({path, name});
+  return result;
+}
+
 std::string Document::location(const std::string& path, int line) const {
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
     const bool at_or_below = path == it->path || starts_with(path, it->path + ".");

@@ -31,6 +31,10 @@ class Document {
   /// Folder of the file that gives the value at `path`.
   const std::string& folder(const std::string& path) const { return source(path).folder; }
 
+  /// See Node::changed().
+  std::shared_ptr<Document> changed(const std::string& path, const std::string& text, bool replace,
+                                    const std::string& name) const;
+
   /// "file:line", or the override that set the value at `path`; `line` is 0-based, -1 where
   /// unknown.
   std::string location(const std::string& path, int line) const;
@@ -52,6 +56,7 @@ class Document {
     std::string text;
   };
 
+  Document() = default;
   static std::shared_ptr<Document> load_chain(const std::string& path,
                                               std::vector<std::string>& chain);
   std::string take_base(std::string& where);

@@ -54,6 +54,29 @@ std::string shown(const YAML::Node& node) {
   return node.IsMap() ? "a mapping" : "nothing";
 }
 
+/// YAML in one style, whatever the style of the source.
+std::string flow_text(const YAML::Node& node) {
+  YAML::Emitter text;
+  const auto emit = [&text](const auto& self, const YAML::Node& part) -> void {
+    if (part.IsMap()) {
+      text << YAML::Flow << YAML::BeginMap;
+      for (const auto& entry : part) {
+        text << YAML::Key << entry.first.Scalar() << YAML::Value;
+        self(self, entry.second);
+      }
+      text << YAML::EndMap;
+    } else if (part.IsSequence()) {
+      text << YAML::Flow << YAML::BeginSeq;
+      for (const auto& item : part) self(self, item);
+      text << YAML::EndSeq;
+    } else {
+      text << part;
+    }
+  };
+  emit(emit, node);
+  return text.c_str();
+}
+
 }  // namespace
 
 struct Node::Impl {
@@ -335,6 +358,19 @@ void Node::check_all_used() const {
 void Node::fail(const std::string& key, const std::string& what) const {
   impl_->fail(key, key.empty() ? impl_->line : impl_->peek(key).line, what);
 }
+
+Node Node::changed(const std::string& path, const std::string& text, bool replace,
+                   const std::string& name) const {
+  const std::shared_ptr<Document> document = impl_->document->changed(path, text, replace, name);
+  return Node(std::make_shared<Impl>(Impl{document, document->root(), "", 0}));
+}
+
+std::string Node::dump(const std::string& key) const {
+  const Impl::Entry entry = impl_->peek(key);
+  return entry.present ? flow_text(entry.value) : "";
+}
+
+std::string Node::dump() const { return flow_text(impl_->node); }
 
 std::int64_t Node::hash() const { return impl_->document->hash(); }
 

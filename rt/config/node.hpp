@@ -75,6 +75,17 @@ class Node {
   /// Throws Error at `key` of this node (or at the node itself where it is empty).
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
 
+  /// A copy of the whole document, which this is the root of, where the mapping `text` (YAML) has
+  /// been put over that at `path` ("sensing.0"; "": the root), or has taken its place. Nothing in
+  /// it counts as asked for. Throws Error, which calls the text `name`.
+  Node changed(const std::string& path, const std::string& text, bool replace,
+               const std::string& name) const;
+
+  /// The entry as YAML, to compare it with another's; empty where it is absent.
+  std::string dump(const std::string& key) const;
+  /// The node itself.
+  std::string dump() const;
+
   /// 64-bit hash of the whole document after overrides.
   std::int64_t hash() const;
 

@@ -16,13 +16,15 @@ Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std:
       stamp_(session),
       events_(housekeeping, "COMPONENT_EVENT") {}
 
-void Commands::handle(component::Pipeline& pipeline, std::int64_t utime) noexcept {
+void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+                      std::int64_t utime) noexcept {
   std::int64_t arrival_ns = 0;
-  while (commands_.take(command_, arrival_ns)) handle_command(pipeline, utime);
+  while (commands_.take(command_, arrival_ns)) handle_command(pipeline, replacing, cycle, utime);
   while (targets_.take(target_, arrival_ns)) handle_target(pipeline, utime);
 }
 
-void Commands::handle_command(component::Pipeline& pipeline, std::int64_t utime) noexcept {
+void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacing,
+                              std::int64_t cycle, std::int64_t utime) noexcept {
   const char* slot = get_text(command_.slot);
   const Event event = component::event_from(get_text(command_.event));
   const bool repeated = command_.session == last_session_ && command_.counter <= last_counter_;
@@ -51,8 +53,8 @@ void Commands::handle_command(component::Pipeline& pipeline, std::int64_t utime)
       pipeline.zero();
       break;
     case Event::kReplace:
-      done = "refused";
-      reason = "this slot keeps its component while the daemon runs";
+      reason = replacing.request(command_, cycle);
+      done = *reason == '\0' ? "replacing" : "refused";
       break;
     case Event::kUnknown:
       done = "refused";
@@ -81,6 +83,18 @@ void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) 
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
+void Commands::announce(const Replacing& replacing, Replacing::Outcome outcome,
+                        std::int64_t utime) noexcept {
+  const component_command_t& command = replacing.command();
+  put_text(event_.instance, get_text(command.instance));
+  put_text(event_.component, get_text(command.component));
+  const bool replaced = outcome == Replacing::Outcome::kReplaced;
+  answer(get_text(command.slot), replaced ? "replaced" : "refused", command.counter,
+         replacing.reason(), utime);
+  put_text(event_.instance, "");
+  put_text(event_.component, "");
+}
+
 void Commands::announce(const component::Condition& condition, std::int64_t utime) noexcept {
   answer("all", component::name(condition.state), -1, condition.reason, utime);
 }
@@ -93,7 +107,10 @@ void Commands::answer(const char* slot, const char* event, std::int64_t counter,
   put_text(event_.reason, reason);
   event_.command_counter = counter;
   events_.publish(event_);
-  log_.push({event, reason});
+  EventRecord record;
+  put_text(record.event, event);
+  put_text(record.reason, reason);
+  log_.push(record);
 }
 
 }  // namespace palpate::daemon

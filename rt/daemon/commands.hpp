@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <boost/lockfree/spsc_queue.hpp>
 #include <palpate/component_command_t.hpp>
 #include <palpate/component_event_t.hpp>
@@ -8,13 +9,14 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
+#include "rt/daemon/replacing.hpp"
 
 namespace palpate::daemon {
 
-/// What happened, for the log; texts are literals.
+/// What happened, for the log.
 struct EventRecord {
-  const char* event = "";
-  const char* reason = "";
+  std::array<char, 32> event{};
+  std::array<char, 256> reason{};
 };
 
 /// Commands and targets of users: checked, carried out once however often they are sent, answered
@@ -24,7 +26,12 @@ class Commands {
   Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session);
 
   /// Carries out what has arrived since the last cycle.
-  void handle(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+              std::int64_t utime) noexcept;
+
+  /// Says how a replacement ended.
+  void announce(const Replacing& replacing, Replacing::Outcome outcome,
+                std::int64_t utime) noexcept;
 
   /// Announces a change of the whole's condition that nobody asked for.
   void announce(const component::Condition& condition, std::int64_t utime) noexcept;
@@ -33,7 +40,8 @@ class Commands {
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }
 
  private:
-  void handle_command(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void handle_command(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+                      std::int64_t utime) noexcept;
   void handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept;
   void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
               std::int64_t utime) noexcept;

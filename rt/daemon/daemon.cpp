@@ -17,6 +17,8 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       telemetry_(control, housekeeping, pipeline_, session),
       health_(housekeeping, session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
+      replacing_(root, pipeline_, telemetry_, housekeeping,
+                 mode == Mode::kRealTime ? -1 : settings_.replace_delay),
       overruns_(settings_.overruns) {
   root.check_all_used();
 }
@@ -56,9 +58,10 @@ void Daemon::tick(const Now& now) noexcept {
   supervise(now);
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
-  commands_.handle(pipeline_, now.utime);
+  commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
   mark(Phase::kRead);
   pipeline_.sense(inputs_.signals(), inputs_.signals(1));
+  replace(now);
   mark(Phase::kSensing);
   pipeline_.distribute();
   mark(Phase::kContact);
@@ -85,6 +88,14 @@ void Daemon::tick(const Now& now) noexcept {
   if (mode_ == Mode::kRealTime) {
     counters_.latency[static_cast<int>(Phase::kAll)].record(loop::monotonic_ns() - began_ns);
   }
+}
+
+void Daemon::replace(const Now& now) noexcept {
+  const Replacing::Outcome outcome = replacing_.service(refactoring_, counters_.cycles);
+  if (outcome == Replacing::Outcome::kNothing) return;
+  if (outcome == Replacing::Outcome::kReplaced)
+    health_.describe(replacing_.configuration_hash(), pipeline_.object().hash);
+  commands_.announce(replacing_, outcome, now.utime);
 }
 
 void Daemon::publish(const Now& now) noexcept {

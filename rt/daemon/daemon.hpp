@@ -7,6 +7,7 @@
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/overrun_monitor.hpp"
 #include "rt/daemon/refactoring.hpp"
+#include "rt/daemon/replacing.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/daemon/telemetry.hpp"
 
@@ -41,12 +42,14 @@ class Daemon {
   const Settings& settings() const noexcept { return settings_; }
   component::Pipeline& pipeline() noexcept { return pipeline_; }
   const Counters& counters() const noexcept { return counters_; }
+  const Replacing& replacing() const noexcept { return replacing_; }
   const Inputs& inputs() const noexcept { return inputs_; }
   bool take_record(EventRecord& record) noexcept { return commands_.take_record(record); }
 
  private:
   void supervise(const Now& now) noexcept;
   void mark(Phase phase) noexcept;
+  void replace(const Now& now) noexcept;
   void publish(const Now& now) noexcept;
 
   Mode mode_;
@@ -57,6 +60,7 @@ class Daemon {
   Telemetry telemetry_;
   Health health_;
   Refactoring refactoring_;
+  Replacing replacing_;
   OverrunMonitor overruns_;
   Counters counters_;
   component::LifeCycle announced_ = component::LifeCycle::kUnconfigured;

@@ -22,6 +22,10 @@ Health::Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t
       health_(housekeeping, "HEALTH"),
       config_(housekeeping, "CONFIG") {
   put_text(config_message_.version, PALPATE_VERSION);
+  describe(configuration_hash, mesh_hash);
+}
+
+void Health::describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept {
   config_message_.configuration_hash = configuration_hash;
   config_message_.mesh_hash = mesh_hash;
 }

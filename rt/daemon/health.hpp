@@ -50,6 +50,8 @@ class Health {
   void publish(const Counters& counters, const component::Condition& condition,
                const Inputs& inputs, const std::vector<component::RunningModel>& models,
                std::int64_t utime) noexcept;
+  /// What CONFIG says from now on.
+  void describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept;
   void publish_config(std::int64_t utime) noexcept;
 
  private:

@@ -41,7 +41,8 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
     const int signal = sigtimedwait(&signals, nullptr, &interval);
     palpate::daemon::EventRecord record;
     while (daemon.take_record(record)) {
-      spdlog::info("{}{}{}", record.event, *record.reason ? ": " : "", record.reason);
+      const char* reason = record.reason.data();
+      spdlog::info("{}{}{}", record.event.data(), *reason != '\0' ? ": " : "", reason);
     }
     if (signal > 0) {
       spdlog::info("{}: ends", strsignal(signal));

@@ -21,7 +21,7 @@ class Refactoring {
       void* done = delay_ < 0 ? worker_.finished() : worker_.wait();
       if (done != nullptr) model.install(*static_cast<elasticity::Refactorisation*>(done));
     }
-    if (worker_.busy()) return;
+    if (worker_.busy() || paused_) return;
     if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
       worker_.submit(
           [](void* argument) noexcept {
@@ -32,8 +32,13 @@ class Refactoring {
     }
   }
 
+  /// While paused none is begun.
+  void pause(bool paused) noexcept { paused_ = paused; }
+  bool idle() const noexcept { return !worker_.busy(); }
+
  private:
   int delay_;
+  bool paused_ = false;
   loop::BackgroundWorker worker_;
   std::int64_t due_ = 0;
 };

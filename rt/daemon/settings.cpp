@@ -18,6 +18,7 @@ Settings read_settings(const config::Node& root) {
   overruns.window = loop.number("overrun_window_ms", {1, 1e4}, 20) * 1e-3;
   overruns.safe_stop_after = loop.number("safe_stop_after_ms", {1, 1e4}, 20) * 1e-3;
   settings.refactor_delay = loop.integer("refactor_delay", {1, 1000}, settings.refactor_delay);
+  settings.replace_delay = loop.integer("replace_delay", {1, 100000}, settings.replace_delay);
   const double shape_rate = loop.number("shape_rate", {1, 1000}, 100);
   settings.shape_every =
       std::max(1, static_cast<int>(std::lround(1 / (shape_rate * settings.loop.period))));

@@ -20,8 +20,9 @@ struct Settings {
   OverrunPolicy overruns;
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
-  int shape_every = 10;    // cycles between two SHAPE messages
-  int refactor_delay = 5;  // deterministic mode: cycles between asking for a factor and taking it
+  int shape_every = 10;     // cycles between two SHAPE messages
+  int refactor_delay = 5;   // deterministic mode: cycles between asking for a factor and taking it
+  int replace_delay = 200;  // likewise for new components
 };
 
 /// Throws config::Error.

@@ -1,17 +1,17 @@
 #pragma once
 
+#include <memory>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
-#include <palpate/shape_mesh_t.hpp>
-#include <palpate/shape_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
+#include "rt/daemon/mesh_telemetry.hpp"
 
 namespace palpate::daemon {
 
@@ -27,15 +27,22 @@ class Telemetry {
                        std::int64_t utime) noexcept;
   void publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept;
   /// At the rate of SHAPE. `age_us`: how old the shape is.
-  void publish_shape(component::Pipeline& pipeline, std::int64_t age_us,
-                     std::int64_t utime) noexcept;
+  void publish_shape(const component::Pipeline& pipeline, std::int64_t age_us,
+                     std::int64_t utime) noexcept {
+    mesh_->publish_shape(pipeline, age_us, shape_stamp_, utime);
+  }
   /// One chunk of SHAPE_MESH; call again for the next one.
-  void publish_mesh_chunk(std::int64_t utime) noexcept;
-  int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
+  void publish_mesh_chunk(std::int64_t utime) noexcept {
+    mesh_->publish_mesh_chunk(mesh_stamp_, utime);
+  }
+  int mesh_chunks() const noexcept { return mesh_->mesh_chunks(); }
+
+  /// After components of the pipeline have been replaced; with the messages of its new mesh, which
+  /// are exchanged for those of the old one.
+  void take(const component::Pipeline& pipeline) noexcept;
+  void take(std::unique_ptr<MeshTelemetry>& mesh) noexcept { mesh_.swap(mesh); }
 
  private:
-  void prepare_mesh(const component::Pipeline& pipeline);
-
   /// TWIST_COMMAND of one arm.
   struct Command {
     Command(bus::MessageBus& control, const char* channel, std::int64_t session)
@@ -51,15 +58,11 @@ class Telemetry {
   bus::TypedPublisher<contacts_t> contacts_;
   bus::TypedPublisher<estimate_t> estimate_;
   bus::TypedPublisher<feature_t> feature_;
-  bus::TypedPublisher<shape_t> shape_;
-  bus::TypedPublisher<shape_mesh_t> mesh_publisher_;
 
   contacts_t contacts_message_{};
   estimate_t estimate_message_{};
   feature_t feature_message_{};
-  shape_t shape_message_{};
-  std::vector<shape_mesh_t> mesh_;
-  std::size_t next_chunk_ = 0;
+  std::unique_ptr<MeshTelemetry> mesh_;
 };
 
 }  // namespace palpate::daemon

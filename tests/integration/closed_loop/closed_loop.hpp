@@ -5,6 +5,7 @@
 #include <cstring>
 #include <memory>
 #include <palpate/component_command_t.hpp>
+#include <palpate/component_event_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <string_view>
@@ -56,7 +57,8 @@ class ClosedLoop {
                 *daemon_bus_, daemon::Mode::kDeterministic, 1),
         commands_(*user_bus_, "COMPONENT_COMMAND"),
         targets_(*user_bus_, "SHAPE_TARGET"),
-        twists_(*user_bus_, "TWIST_COMMAND", 16) {}
+        twists_(*user_bus_, "TWIST_COMMAND", 16),
+        events_(*user_bus_, "COMPONENT_EVENT", 64) {}
 
   /// Advances both; `each` is called after every millisecond.
   template <class F>
@@ -83,6 +85,30 @@ class ClosedLoop {
     daemon::put_text(message.slot, "all");
     daemon::put_text(message.event, event);
     commands_.publish(message);
+  }
+
+  /// Asks for a replacement; parameters are YAML.
+  void send_replace(const char* slot, const char* component, const std::string& parameters,
+                    const char* instance = "") {
+    component_command_t message{};
+    message.session = 1;
+    message.counter = ++counter_;
+    daemon::put_text(message.slot, slot);
+    daemon::put_text(message.instance, instance);
+    daemon::put_text(message.event, "replace");
+    daemon::put_text(message.component, component);
+    daemon::put_text(message.parameters, parameters);
+    commands_.publish(message);
+  }
+  /// Events that the daemon told since the last call, as "event: reason".
+  std::vector<std::string> take_events() {
+    std::vector<std::string> texts;
+    component_event_t event;
+    std::int64_t arrival_ns = 0;
+    while (events_.take(event, arrival_ns))
+      texts.push_back(std::string(daemon::get_text(event.event)) + ": " +
+                      daemon::get_text(event.reason));
+    return texts;
   }
 
   void send_target(const char* kind, const Eigen::VectorXd& value) {
@@ -128,6 +154,7 @@ class ClosedLoop {
   bus::TypedPublisher<component_command_t> commands_;
   bus::TypedPublisher<shape_target_t> targets_;
   bus::TypedSubscription<twist_command_t> twists_;
+  bus::TypedSubscription<component_event_t> events_;
   std::int64_t counter_ = 0;
   std::int32_t revision_ = 0;
 };

@@ -1,0 +1,212 @@
+#include "rt/component/slots.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace palpate::component {
+namespace {
+
+/// Which sources a contact instance serves, by the words of its list `sources`.
+std::array<bool, 8> read_sources(const config::Node& node) {
+  std::array<bool, 8> served{};
+  const std::string text =
+      node.choice("sources", {"wrist", "second_wrist", "fingers", "manual", "all"}, "all");
+  const bool all = text == "all";
+  if (all || text == "wrist") served[0] = true;
+  if (all || text == "second_wrist") served[1] = true;
+  if (all || text == "fingers") std::fill(served.begin() + 2, served.begin() + 7, true);
+  if (all || text == "manual") served[7] = true;
+  return served;
+}
+
+}  // namespace
+
+Changes Changes::all(const config::Node& root) {
+  Changes changes{true, true, true, true, {}};
+  changes.sensing.assign(root.list("sensing").size(), true);
+  return changes;
+}
+
+bool Changes::any() const noexcept {
+  return object || contact || mechanics || steering ||
+         std::find(sensing.begin(), sensing.end(), true) != sensing.end();
+}
+
+Slots::Slots(const config::Node& root, const Context& cell, const Changes& changes,
+             std::shared_ptr<const Object> present)
+    : object(std::move(present)), context(cell) {
+  if (changes.object) object = std::make_shared<Object>(read_object(root, context.frames));
+  context.object = object.get();
+  build_sensing(root, changes);
+  if (changes.contact) build_contact(root);
+  if (changes.mechanics) {
+    model = make_deformation_model(root.child("deformation"), context);
+    estimator = make_estimator(root.child("estimation"), context);
+  }
+  if (changes.steering) build_steering(root);
+}
+
+void Slots::build_sensing(const config::Node& root, const Changes& changes) {
+  std::size_t index = 0;
+  for (const config::Node& node : root.list("sensing")) {
+    Sensing instance;
+    instance.name = node.text("name", node.text("component"));
+    instance.arm = read_arm(node, context);
+    if (changes.sensing[index++]) {
+      instance.model = make_sensor_model(node, context);
+      list_running_models(instance);
+    }
+    sensing.push_back(std::move(instance));
+  }
+}
+
+void Slots::list_running_models(const Sensing& instance) {
+  for (int i = 0; const sensing::Executor* executor = instance.model->executor(i); ++i)
+    running_models.push_back({instance.name + (i == 0 ? "" : "/" + std::to_string(i)), executor});
+}
+
+void Slots::build_contact(const config::Node& root) {
+  int max_nodes = 0;
+  for (const config::Node& node : root.list("contact")) {
+    Contact instance;
+    instance.name = node.text("name", node.text("component"));
+    instance.sources = read_sources(node);
+    instance.transformer = make_force_transformer(node, context);
+    max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
+    contact.push_back(std::move(instance));
+  }
+  loads.resize(sensing::ContactSet().contacts.size());
+  for (contact::ContactLoads& of_contact : loads) of_contact.loads.reserve(max_nodes);
+}
+
+void Slots::build_steering(const config::Node& root) {
+  feature = make_feature(root.child("feature"), context);
+  provider = make_jacobian_provider(root.child("control"), context);
+  law = make_control_law(root.child("control"), context, *feature);
+  moving = read_moving_arms(root.child("control"), context);
+
+  const int dimension = feature->dimension();
+  feature_state.value = Eigen::VectorXd::Zero(feature->value_count());
+  feature_state.error = Eigen::VectorXd::Zero(dimension);
+  feature_state.unreachable = Eigen::VectorXd::Zero(dimension);
+  target.value = Eigen::VectorXd::Zero(feature->value_count());
+  jacobian = Eigen::MatrixXd::Zero(dimension, moving == MovingArms::kBoth ? 12 : 6);
+  law_output.unreachable = Eigen::VectorXd::Zero(dimension);
+}
+
+void Slots::warm_up() {
+  if (!model) return;
+  model->prepare();
+  estimator->activate(*model);
+  while (elasticity::Refactorisation* job = model->wanted_refactorisation()) {
+    job->run();
+    model->install(*job);
+    if (model->step(context.period).status != elasticity::StepStatus::kFailed) break;
+  }
+  if (feature) feature->evaluate(model->positions(), feature_state.value);
+}
+
+void Slots::adopt(Slots& other, const Changes& changes,
+                  const std::vector<int>& successors) noexcept {
+  for (std::size_t i = 0; i < sensing.size(); ++i) {
+    if (successors[i] < 0) continue;
+    Sensing& before = other.sensing[successors[i]];
+    sensing[i].condition = before.condition;
+    if (!sensing[i].model) {
+      sensing[i].model.swap(before.model);
+    } else if (before.condition.state == LifeCycle::kFaulted) {
+      sensing[i].condition = {LifeCycle::kActive, ""};  // a sound one has come in its place
+    }
+  }
+  if (!changes.contact) {
+    contact.swap(other.contact);
+    loads.swap(other.loads);
+  }
+  estimate = other.estimate;
+  estimation_condition = other.estimation_condition;
+  control_condition = other.control_condition;
+  if (!changes.mechanics) {
+    model.swap(other.model);
+    estimator.swap(other.estimator);
+  } else if (estimation_condition.state == LifeCycle::kFaulted) {
+    estimation_condition = {LifeCycle::kActive, ""};
+  }
+  if (!changes.steering) {
+    feature.swap(other.feature);
+    provider.swap(other.provider);
+    law.swap(other.law);
+    moving = other.moving;
+    target.value.swap(other.target.value);
+    target.revision = other.target.revision;
+    feature_state.value.swap(other.feature_state.value);
+    feature_state.error.swap(other.feature_state.error);
+    feature_state.unreachable.swap(other.feature_state.unreachable);
+    jacobian.swap(other.jacobian);
+    std::swap(law_output, other.law_output);
+    return;
+  }
+  law->reset();
+  feature->evaluate(model->positions(), feature_state.value);
+  const char* reason = "";
+  const std::vector<Eigen::Vector3d>& points = other.feature->rest_points();
+  static_assert(sizeof(Eigen::Vector3d) == sizeof(double[3]));
+  set_target(other.target.revision, other.feature->kind(),
+             reinterpret_cast<const double(*)[3]>(points.data()), static_cast<int>(points.size()),
+             other.target.value.data(), static_cast<int>(other.target.value.size()), reason);
+}
+
+void Slots::start() noexcept {
+  estimation_condition = control_condition = {LifeCycle::kActive, ""};
+  for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
+  law->reset();
+}
+
+void Slots::reset() noexcept {
+  for (Sensing& instance : sensing) instance.model->reset();
+  estimator->reset();
+  model->reset();
+  estimator->activate(*model);
+  law->reset();
+  target.revision = -1;
+}
+
+bool Slots::set_target(int revision, const char* kind, const double (*rest_points)[3],
+                       int point_count, const double* values, int value_count,
+                       const char*& reason) noexcept {
+  if (std::strcmp(kind, feature->kind()) != 0) {
+    reason = "target is for another kind of feature";
+    return false;
+  }
+  const std::vector<Eigen::Vector3d>& points = feature->rest_points();
+  if (point_count != 0 && point_count != static_cast<int>(points.size())) {
+    reason = "target names another number of points than the feature has";
+    return false;
+  }
+  for (int i = 0; i < point_count; ++i) {
+    const Eigen::Map<const Eigen::Vector3d> p(rest_points[i]);
+    if (!((p - points[i]).norm() < 1e-6)) {
+      reason = "target names other points than the feature has";
+      return false;
+    }
+  }
+  if (!feature->is_valid_target(values, value_count)) {
+    reason = "target values are not valid for the feature";
+    return false;
+  }
+  target.value = Eigen::Map<const Eigen::VectorXd>(values, value_count);
+  target.revision = revision;
+  return true;
+}
+
+Condition Slots::worst_of(const Condition& whole) const noexcept {
+  Condition worst = whole;
+  const auto consider = [&worst](const Condition& other) {
+    if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
+  };
+  for (const Sensing& instance : sensing) consider(instance.condition);
+  consider(estimation_condition);
+  consider(control_condition);
+  return worst;
+}
+
+}  // namespace palpate::component

@@ -1,0 +1,110 @@
+#pragma once
+
+#include <array>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "rt/component/life_cycle.hpp"
+#include "rt/component/registry.hpp"
+
+namespace palpate::component {
+
+/// Where the feature shall go.
+struct Target {
+  int revision = -1;  // -1: none
+  Eigen::VectorXd value;
+};
+
+/// What the feature and control slots hold after a tick.
+struct FeatureState {
+  Eigen::VectorXd value;
+  Eigen::VectorXd error;        // target minus value; zero without a target
+  Eigen::VectorXd unreachable;  // the part of error that no motion of the grasp removes
+};
+
+/// A learned model that a component runs.
+struct RunningModel {
+  std::string name;  // of the component's instance, "name/1" for its second model
+  const sensing::Executor* executor = nullptr;
+};
+
+/// What of a configuration is to be built. Components that refer to each other are built together:
+/// estimator and deformation model, feature and controller; a new object takes all of them and the
+/// contacts.
+struct Changes {
+  bool object = false;
+  bool contact = false;
+  bool mechanics = false;     // estimation and deformation
+  bool steering = false;      // feature and control
+  std::vector<bool> sensing;  // by instance
+  static Changes all(const config::Node& root);
+  bool any() const noexcept;
+};
+
+/// The components in the six slots, the object that they speak of and the room that they compute
+/// in. Sensing and contact hold lists, the other slots one component each.
+struct Slots {
+  struct Sensing {
+    std::string name;
+    int arm = 0;
+    std::unique_ptr<sensing::SensorModel> model;
+    Condition condition{LifeCycle::kInactive, ""};
+  };
+  struct Contact {
+    std::string name;
+    std::unique_ptr<contact::ForceTransformer> transformer;
+    std::array<bool, 8> sources{};  // by sensing::Source
+  };
+
+  /// Builds and configures what `changes` names; the rest stays empty. `cell` tells frames, period
+  /// and mode; `present`: the object that stays where it does not change. Throws config::Error.
+  Slots(const config::Node& root, const Context& cell, const Changes& changes,
+        std::shared_ptr<const Object> present);
+
+  /// Gives the model the grasps that the estimator holds, factors for them and lets every component
+  /// compute once, so that nothing is done for the first time in the loop. Of those that were
+  /// built.
+  void warm_up();
+
+  /// Takes from `other` the components that `changes` does not name, and the state of those that it
+  /// does. `successors`: by sensor model, that of the other in whose place it comes, or -1.
+  void adopt(Slots& other, const Changes& changes, const std::vector<int>& successors) noexcept;
+
+  void start() noexcept;
+  void reset() noexcept;
+  /// False, with the reason, where kind, points or values do not fit the feature.
+  bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
+                  const double* values, int value_count, const char*& reason) noexcept;
+  Condition worst_of(const Condition& whole) const noexcept;
+
+  std::shared_ptr<const Object> object;
+  Context context;
+  std::vector<Sensing> sensing;
+  std::vector<RunningModel> running_models;
+  std::vector<Contact> contact;
+  std::unique_ptr<elasticity::DeformationModel> model;
+  std::unique_ptr<estimation::Estimator> estimator;
+  std::unique_ptr<shape::Feature> feature;
+  std::unique_ptr<control::JacobianProvider> provider;
+  std::unique_ptr<control::ControlLaw> law;
+  MovingArms moving = MovingArms::kFirst;
+
+  Condition estimation_condition;
+  Condition control_condition;
+
+  std::vector<contact::ContactLoads> loads;  // by contact of the tick
+  estimation::Estimate estimate;
+  Target target;
+  FeatureState feature_state;
+  Eigen::MatrixXd jacobian;
+  control::LawOutput law_output;
+
+ private:
+  void list_running_models(const Sensing& instance);
+  void build_sensing(const config::Node& root, const Changes& changes);
+  void build_contact(const config::Node& root);
+  void build_steering(const config::Node& root);
+};
+
+}  // namespace palpate::component

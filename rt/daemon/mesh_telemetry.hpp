@@ -1,0 +1,37 @@
+#pragma once
+
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <vector>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "rt/component/object.hpp"
+#include "rt/component/pipeline.hpp"
+
+namespace palpate::daemon {
+
+/// SHAPE and SHAPE_MESH of one mesh: everything whose size follows from it. Sized by the
+/// constructor; nothing allocates afterwards.
+class MeshTelemetry {
+ public:
+  MeshTelemetry(bus::MessageBus& housekeeping, const component::Object& object);
+
+  /// `age_us`: how old the shape is.
+  void publish_shape(const component::Pipeline& pipeline, std::int64_t age_us, bus::Stamp& stamp,
+                     std::int64_t utime) noexcept;
+  /// One chunk of SHAPE_MESH; call again for the next one.
+  void publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept;
+  int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
+
+ private:
+  void prepare_mesh(const component::Object& object);
+
+  bus::TypedPublisher<shape_t> shape_;
+  bus::TypedPublisher<shape_mesh_t> mesh_publisher_;
+  shape_t shape_message_{};
+  std::vector<shape_mesh_t> mesh_;
+  std::size_t next_chunk_ = 0;
+};
+
+}  // namespace palpate::daemon

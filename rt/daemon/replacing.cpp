@@ -1,0 +1,114 @@
+#include "rt/daemon/replacing.hpp"
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::daemon {
+
+Replacing::Replacing(const config::Node& root, component::Pipeline& pipeline, Telemetry& telemetry,
+                     bus::MessageBus& housekeeping, int delay)
+    : pipeline_(pipeline),
+      telemetry_(telemetry),
+      housekeeping_(housekeeping),
+      delay_(delay),
+      root_{root, root.hash()},
+      snapshot_(pipeline.room_for_shape()) {}
+
+const char* Replacing::request(const component_command_t& command, std::int64_t cycle) noexcept {
+  if (state_ != State::kIdle) return "another replacement is under way";
+  command_ = command;
+  pipeline_.copy_shape(snapshot_);
+  reason_.fill('\0');
+  due_ = cycle + delay_;
+  state_ = State::kBuilding;
+  worker_.submit([](void* self) noexcept { static_cast<Replacing*>(self)->build(); }, this);
+  return "";
+}
+
+/// In the worker's thread.
+void Replacing::build() noexcept {
+  try {
+    component::ReplaceRequest request;
+    request.slot = get_text(command_.slot);
+    request.instance = get_text(command_.instance);
+    request.component = get_text(command_.component);
+    request.parameters = get_text(command_.parameters);
+    config::Node wanted = component::apply_request(root_.node, request);
+    wanted_ = std::make_unique<Root>(Root{wanted, wanted.hash()});
+    auto replacement =
+        std::make_unique<component::Replacement>(root_.node, wanted, pipeline_.slots(), snapshot_);
+    if (replacement->changes().object) {
+      const component::Object& object = *replacement->slots().object;
+      mesh_ = std::make_unique<MeshTelemetry>(housekeeping_, object);
+      const Eigen::Matrix3Xd nodes = object.body.mesh.nodes;
+      next_snapshot_ = std::make_unique<component::ShapeSnapshot>(
+          component::ShapeSnapshot{nodes, nodes, snapshot_.estimate});
+    }
+    replacement_ = std::move(replacement);
+  } catch (const std::exception& error) {
+    put_text(reason_, error.what());
+  }
+}
+
+void Replacing::clean() noexcept {
+  wanted_.reset();
+  replacement_.reset();
+  mesh_.reset();
+  next_snapshot_.reset();
+}
+
+Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cycle) noexcept {
+  if (state_ == State::kIdle) return Outcome::kNothing;
+  if (state_ == State::kCleaning) {
+    if ((delay_ < 0 ? worker_.finished() : worker_.wait()) != nullptr) state_ = State::kIdle;
+    return Outcome::kNothing;
+  }
+  if (state_ == State::kBuilding) {
+    if (delay_ >= 0 && cycle < due_) return Outcome::kNothing;
+    if ((delay_ < 0 ? worker_.finished() : worker_.wait()) == nullptr) return Outcome::kNothing;
+    if (replacement_ == nullptr) return submit_clean(Outcome::kRefused);
+    state_ = State::kRunningAlong;
+  }
+  if (state_ == State::kRunningAlong) {
+    const char* reason = "";
+    switch (pipeline_.run_along(*replacement_, reason)) {
+      case component::Pipeline::Along::kWaits:
+        return Outcome::kNothing;
+      case component::Pipeline::Along::kRefused:
+        return refuse(reason);
+      case component::Pipeline::Along::kReady:
+        state_ = State::kWaitingForFactor;
+        refactoring.pause(true);
+    }
+  }
+  // The present model must not be destroyed under the thread that makes a factor for it.
+  if (!refactoring.idle()) return Outcome::kNothing;
+  return put_in(refactoring);
+}
+
+Replacing::Outcome Replacing::put_in(Refactoring& refactoring) noexcept {
+  refactoring.pause(false);
+  if (!pipeline_.take(*replacement_)) return refuse("the present shape cannot be carried over");
+  ++replaced_;
+  std::swap(root_.hash, wanted_->hash);
+  std::swap(root_.node, wanted_->node);
+  if (mesh_ != nullptr) telemetry_.take(mesh_);
+  telemetry_.take(pipeline_);
+  if (next_snapshot_ != nullptr) {
+    snapshot_.positions.swap(next_snapshot_->positions);
+    snapshot_.velocities.swap(next_snapshot_->velocities);
+  }
+  return submit_clean(Outcome::kReplaced);
+}
+
+Replacing::Outcome Replacing::refuse(const char* reason) noexcept {
+  put_text(reason_, reason);
+  return submit_clean(Outcome::kRefused);
+}
+
+Replacing::Outcome Replacing::submit_clean(Outcome outcome) noexcept {
+  state_ = State::kCleaning;
+  worker_.submit([](void* self) noexcept { static_cast<Replacing*>(self)->clean(); }, this);
+  return outcome;
+}
+
+}  // namespace palpate::daemon

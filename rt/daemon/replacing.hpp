@@ -1,0 +1,74 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <memory>
+#include <palpate/component_command_t.hpp>
+
+#include "rt/component/pipeline.hpp"
+#include "rt/daemon/refactoring.hpp"
+#include "rt/daemon/telemetry.hpp"
+#include "rt/loop/background_worker.hpp"
+
+namespace palpate::daemon {
+
+/// Replaces components while the loop runs, one request after the other: the new ones are built and
+/// warmed up by a thread of their own, run along in the loop where they are sensor models, are put
+/// in at once between two phases of a cycle, and the old ones are destroyed by that thread. The
+/// loop's side neither allocates nor waits.
+class Replacing {
+ public:
+  enum class Outcome { kNothing, kReplaced, kRefused };
+
+  /// `delay` >= 0, in deterministic mode: cycles from a request to when the new components must be
+  /// there, which are waited for; below 0: as soon as they are.
+  Replacing(const config::Node& root, component::Pipeline& pipeline, Telemetry& telemetry,
+            bus::MessageBus& housekeeping, int delay);
+
+  /// Takes the event "replace" of a command; "" or why it is refused at once.
+  const char* request(const component_command_t& command, std::int64_t cycle) noexcept;
+
+  /// Once a cycle, after the sensors were read. After kRefused nothing has changed.
+  Outcome service(Refactoring& refactoring, std::int64_t cycle) noexcept;
+
+  /// Of the last outcome.
+  const component_command_t& command() const noexcept { return command_; }
+  const char* reason() const noexcept { return reason_.data(); }
+  std::int64_t configuration_hash() const noexcept { return root_.hash; }
+  std::int64_t replaced() const noexcept { return replaced_; }
+
+ private:
+  enum class State { kIdle, kBuilding, kRunningAlong, kWaitingForFactor, kCleaning };
+
+  void build() noexcept;
+  void clean() noexcept;
+  Outcome refuse(const char* reason) noexcept;
+  Outcome put_in(Refactoring& refactoring) noexcept;
+  Outcome submit_clean(Outcome outcome) noexcept;
+
+  struct Root {
+    config::Node node;
+    std::int64_t hash;
+  };
+
+  component::Pipeline& pipeline_;
+  Telemetry& telemetry_;
+  bus::MessageBus& housekeeping_;
+  int delay_;
+  State state_ = State::kIdle;
+  std::int64_t due_ = 0;
+  component_command_t command_{};
+  std::array<char, 256> reason_{};
+  std::int64_t replaced_ = 0;
+
+  Root root_;  // of what runs
+  component::ShapeSnapshot snapshot_;
+  // Made by the worker.
+  std::unique_ptr<Root> wanted_;
+  std::unique_ptr<component::Replacement> replacement_;
+  std::unique_ptr<MeshTelemetry> mesh_;
+  std::unique_ptr<component::ShapeSnapshot> next_snapshot_;
+  loop::BackgroundWorker worker_;
+};
+
+}  // namespace palpate::daemon
