@@ -316,5 +316,42 @@ TEST_F(ConfigFile, HashFollowsContentNotComments) {
   EXPECT_EQ(hash("base: low.yaml\nb: 2"), hash("a: 1\nb: 2"));
 }
 
+TEST(Node, ChangedPutsEntriesOverOrInPlace) {
+  const Node root = Node::from_text("a: {b: 1, c: [1, 2]}\nd: [{e: 1}, {e: 2, f: 3}]", "file");
+  const Node over = root.changed("a", "{b: 5}", false, "change");
+  EXPECT_EQ(over.child("a").number("b", {}), 5);
+  EXPECT_EQ(over.child("a").numbers("c", 2)[1], 2);
+  const Node in_place = root.changed("d.1", "{g: 7}", true, "change");
+  EXPECT_EQ(in_place.list("d")[1].number("g", {}), 7);
+  EXPECT_FALSE(in_place.list("d")[1].has("f"));
+  EXPECT_EQ(in_place.list("d")[0].number("e", {}), 1);
+  const Node top = root.changed("", "{a: {b: 6}, h: 1}", false, "change");
+  EXPECT_EQ(top.child("a").number("b", {}), 6);
+  EXPECT_EQ(top.number("h", {}), 1);
+  EXPECT_EQ(root.child("a").number("b", {}), 1) << "the original changed";
+  EXPECT_NE(root.hash(), over.hash());
+}
+
+TEST(Node, ChangedNamesItselfInErrors) {
+  const Node root = Node::from_text("a: {b: 1}", "file");
+  EXPECT_THROW(root.changed("a", "{b: ", false, "change"), Error);
+  EXPECT_THROW(root.changed("z", "{b: 1}", false, "change"), Error);
+  try {
+    root.changed("a", "{b: 50}", false, "change").child("a").number("b", {0, 1});
+    FAIL();
+  } catch (const Error& error) {
+    EXPECT_NE(std::string(error.what()).find("override 'change'"), std::string::npos)
+        << error.what();
+  }
+}
+
+TEST(Node, DumpForgetsTheStyle) {
+  const Node flow = Node::from_text("a: {b: 1, c: [1, x]}", "flow");
+  const Node block = Node::from_text("a:\n  b: 1\n  c:\n    - 1\n    - x\n", "block");
+  EXPECT_EQ(flow.child("a").dump("b"), "1");
+  EXPECT_EQ(flow.dump("z"), "");
+  EXPECT_EQ(flow.dump("a"), block.dump("a"));
+}
+
 }  // namespace
 }  // namespace palpate::config
