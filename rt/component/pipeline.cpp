@@ -245,8 +245,7 @@ void Pipeline::control(double dt) noexcept {
   Slots& slots = *slots_;
   for (Arm& arm : arms_) arm.requested_W_E = math::Twist();
   if (!is_running() || slots.target.revision < 0 || !moving_arms_known()) return;
-  // A shape that is not known well must not move the robot.
-  if (slots.estimation_condition.state != LifeCycle::kActive) return;
+  if (!is_trusted()) return;
 
   const int first = slots.moving == MovingArms::kSecond ? 1 : 0;
   const math::Pose& X_OG = estimation_inputs_.grasps[first].X_OG;
@@ -266,6 +265,14 @@ void Pipeline::control(double dt) noexcept {
 
   request(first, slots.law_output.V_O_G);
   if (slots.moving == MovingArms::kBoth) request(1, slots.law_output.V_O_G_second);
+}
+
+/// A shape that is not known well must not move the robot, nor must a hand that does not feel.
+bool Pipeline::is_trusted() const noexcept {
+  for (const Slots::Sensing& instance : slots_->sensing) {
+    if (instance.condition.state != LifeCycle::kActive) return false;
+  }
+  return slots_->estimation_condition.state == LifeCycle::kActive;
 }
 
 bool Pipeline::moving_arms_known() const noexcept {
@@ -295,7 +302,7 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
     Arm& arm = arms_[i];
     control::GateInputs inputs;
     inputs.dt = dt;
-    inputs.active = is_running() && arm.known && !held_back[i];
+    inputs.active = is_running() && is_trusted() && arm.known && !held_back[i];
     inputs.requested_W_E = arm.requested_W_E;
     if (arm.known) inputs.X_WE = arm.signals->robot.latest.X_WE;
     for (int c = 0; c < contacts_.count; ++c) {

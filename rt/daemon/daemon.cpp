@@ -12,7 +12,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
     : mode_(mode),
       settings_(read_settings(root)),
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
-      inputs_(control, pipeline_.arm_count()),
+      inputs_(control, pipeline_.arm_count(), settings_.frozen_after),
       commands_(control, housekeeping, session),
       telemetry_(control, housekeeping, pipeline_, session),
       health_(housekeeping, session, root.hash(), pipeline_.object().hash),

@@ -63,6 +63,7 @@ void Health::publish(const Counters& counters, const component::Condition& condi
     message_.received[i] = report.received;
     message_.lost[i] = report.lost;
     message_.rejected[i] = report.rejected;
+    message_.frozen[i] = report.frozen;
     message_.age_ms[i] = report.age < 0 ? -1.0F : static_cast<float>(report.age * 1e3);
   }
 

@@ -95,21 +95,57 @@ constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
   return convert(message, out);
 };
 
+/// Whether two samples hold the same numbers, whatever their times.
+bool same(const sensing::ForceTorque& a, const sensing::ForceTorque& b) noexcept {
+  return a.F_S.force == b.F_S.force && a.F_S.torque == b.F_S.torque;
+}
+bool same(const sensing::Inertial& a, const sensing::Inertial& b) noexcept {
+  return a.acceleration_I == b.acceleration_I && a.angular_velocity_I == b.angular_velocity_I;
+}
+bool same(const sensing::RobotState& a, const sensing::RobotState& b) noexcept {
+  return a.q == b.q && a.dq == b.dq && a.X_WE.matrix() == b.X_WE.matrix() &&
+         a.V_W_E.linear == b.V_W_E.linear && a.V_W_E.angular == b.V_W_E.angular;
+}
+bool same(const sensing::BioTac& a, const sensing::BioTac& b) noexcept {
+  return a.electrodes == b.electrodes && a.pac == b.pac && a.pdc == b.pdc && a.tac == b.tac &&
+         a.tdc == b.tdc;
+}
+template <class Sample>
+bool same(const Sample&, const Sample&) noexcept {
+  return false;
+}
+
 }  // namespace
 
-Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names)
-    : force_torque(bus, names[0], 64),
-      inertial(bus, names[1], 32),
-      robot(bus, names[2], 32),
+Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names,
+                                 const FrozenAfter& frozen_after)
+    : force_torque(bus, names[0], 64, frozen_after.force_torque),
+      inertial(bus, names[1], 32, frozen_after.inertial),
+      robot(bus, names[2], 32, frozen_after.robot),
       hand(bus, names[3], 8) {}
 
-Inputs::Inputs(bus::MessageBus& control, int arms)
-    : first_(control, kArmChannels[0]),
-      second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1]) : nullptr),
+Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after)
+    : first_(control, kArmChannels[0], frozen_after),
+      second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1], frozen_after)
+                       : nullptr),
       manual_(control, "MANUAL_FORCE", 8) {
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
-    biotac_[i] = std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8);
+    biotac_[i] =
+        std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
   }
+}
+
+template <class Message, class Sample>
+bool Inputs::is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
+                       std::int64_t arrival_ns) noexcept {
+  constexpr int kRepeats = 10;  // at least, so that a gap between two messages is none
+  if (channel.frozen_after_ns == 0 || !same(before, now)) {
+    channel.changed_ns = arrival_ns;
+    channel.repeats = 0;
+    return false;
+  }
+  ++channel.repeats;
+  return channel.repeats >= kRepeats && arrival_ns - channel.changed_ns > channel.frozen_after_ns;
 }
 
 template <class Message, class Stream, class Convert>
@@ -124,8 +160,13 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
       ++channel.invalid;
       continue;
     }
+    if (stepped) arrival_ns = now_ns;
+    if (is_frozen(channel, stream.latest, candidate, arrival_ns)) {
+      ++channel.frozen;
+      continue;
+    }
     stream.latest = candidate;
-    channel.arrival_ns = stepped ? now_ns : arrival_ns;
+    channel.arrival_ns = arrival_ns;
     if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
       stream.fresh[stream.fresh_count++] = stream.latest;
     } else {  // keep the newest ones
@@ -167,6 +208,7 @@ InputReport Inputs::report_of(const Channel<Message>& channel) noexcept {
   report.lost = channel.sequence.lost() + queue.dropped;
   report.rejected =
       queue.wrong_size + queue.wrong_type + channel.sequence.rejected() + channel.invalid;
+  report.frozen = channel.frozen;
   report.age = channel.age;
   return report;
 }

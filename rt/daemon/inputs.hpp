@@ -24,15 +24,26 @@ struct InputReport {
   std::int64_t received = 0;
   std::int64_t lost = 0;      // gaps in the sequence, and what a full queue dropped
   std::int64_t rejected = 0;  // wrong size, type or order, or numbers that are not valid
-  double age = -1;            // s; below zero: nothing was ever received
+  std::int64_t frozen = 0;    // the same numbers for too long, though new in order
+  double age = -1;            // s since the last good one; below zero: nothing was ever received
+};
+
+/// s that a sensor may repeat the same numbers, bit for bit, until its messages no longer count: it
+/// has noise, unless it has stopped. 0: for ever.
+struct FrozenAfter {
+  double force_torque = 0.5;
+  double inertial = 0.5;
+  double biotac = 0.5;
+  double robot = 0;  // encoders at rest may well stand still
 };
 
 /// Sensor channels of the control bus as Signals: checks every message (finite numbers, unit
-/// quaternions, counts in range, sequence) before anybody sees it. A second arm has channels of its
-/// own, whose names end in _1, for all but fingertips and manual forces.
+/// quaternions, counts in range, sequence, whether the sensor still moves) before anybody sees it.
+/// A second arm has channels of its own, whose names end in _1, for all but fingertips and manual
+/// forces.
 class Inputs {
  public:
-  explicit Inputs(bus::MessageBus& control, int arms = 1);
+  explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {});
 
   /// Drains all queues into the streams, as seen at `now_ns` (CLOCK_MONOTONIC or virtual).
   /// `stepped`: messages count as arrived at `now_ns`, since they came by another clock.
@@ -47,13 +58,19 @@ class Inputs {
  private:
   template <class Message>
   struct Channel {
-    Channel(bus::MessageBus& bus, const char* channel, int depth)
-        : name(channel), queue(bus, channel, depth) {}
+    Channel(bus::MessageBus& bus, const char* channel, int depth, double frozen_after = 0)
+        : name(channel),
+          queue(bus, channel, depth),
+          frozen_after_ns(static_cast<std::int64_t>(frozen_after * 1e9)) {}
     const char* name;
     bus::TypedSubscription<Message> queue;
     bus::SequenceTracker sequence;
     std::int64_t invalid = 0;
     std::int64_t arrival_ns = 0;
+    std::int64_t frozen_after_ns;  // 0: never
+    std::int64_t changed_ns = 0;   // when the numbers last changed
+    int repeats = 0;               // messages with the same numbers since
+    std::int64_t frozen = 0;
     double age = -1;
     Message message;
   };
@@ -61,12 +78,17 @@ class Inputs {
   template <class Message, class Stream, class Convert>
   void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
              Convert convert) noexcept;
+  /// Counts the numbers' repeats; true where the sensor has stopped.
+  template <class Message, class Sample>
+  static bool is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
+                        std::int64_t arrival_ns) noexcept;
   template <class Message>
   static InputReport report_of(const Channel<Message>& channel) noexcept;
 
   /// What an arm and its hand tell of themselves; `names` in the order of the members.
   struct ArmChannels {
-    ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names);
+    ArmChannels(bus::MessageBus& bus, const std::array<const char*, 4>& names,
+                const FrozenAfter& frozen_after);
     Channel<ft_wrench_t> force_torque;
     Channel<imu_t> inertial;
     Channel<robot_state_t> robot;

@@ -23,6 +23,15 @@ Settings read_settings(const config::Node& root) {
   settings.shape_every =
       std::max(1, static_cast<int>(std::lround(1 / (shape_rate * settings.loop.period))));
 
+  const config::Node frozen = root.child_or_empty("inputs").child_or_empty("frozen_after_ms");
+  const auto read_frozen = [&frozen](const char* key, double& seconds) {
+    seconds = frozen.number(key, {0, 1e6}, seconds * 1e3) * 1e-3;
+  };
+  read_frozen("force_torque", settings.frozen_after.force_torque);
+  read_frozen("inertial", settings.frozen_after.inertial);
+  read_frozen("biotac", settings.frozen_after.biotac);
+  read_frozen("robot", settings.frozen_after.robot);
+
   const config::Node bus = root.child_or_empty("bus");
   settings.control_url = bus.text("control", settings.control_url);
   settings.housekeeping_url = bus.text("housekeeping", settings.housekeeping_url);

@@ -83,5 +83,42 @@ TEST_F(InputsTest, WhatIsBadOrMissingOfTheSecondArmIsCountedAndNeverUsed) {
   EXPECT_EQ(report(inputs, "ROBOT_STATE").rejected, 0);
 }
 
+TEST_F(InputsTest, ASensorThatRepeatsItselfGrowsOldUntilItMoves) {
+  Inputs inputs(*bus_);
+  ft_wrench_t wrench{};
+  int seq = 0;
+  const auto second = [&](auto&& force) {
+    for (int i = 0; i < 1000; ++i) {
+      const std::int64_t now_ns = std::int64_t{++seq} * 1'000'000;
+      bus::set_time(*hub_, now_ns);
+      wrench.wrench[0] = force(i);
+      send("FT_WRENCH", wrench, seq);
+      inputs.read(now_ns, 1e-3);
+    }
+  };
+  second([](int i) { return i % 2; });
+  EXPECT_EQ(report(inputs, "FT_WRENCH").frozen, 0);
+  EXPECT_LT(inputs.signals().force_torque.age, 2e-3);
+  second([](int) { return 7.0; });
+  EXPECT_NEAR(static_cast<double>(report(inputs, "FT_WRENCH").frozen), 500, 3);
+  EXPECT_NEAR(inputs.signals().force_torque.age, 0.5, 3e-3) << "since it last counted";
+  EXPECT_EQ(inputs.signals().force_torque.freshness, sensing::Freshness::kOld);
+  second([](int i) { return 7.5 + i % 2; });
+  EXPECT_LT(inputs.signals().force_torque.age, 2e-3);
+}
+
+TEST_F(InputsTest, ARobotAtRestAndAGapAreNotFrozen) {
+  Inputs inputs(*bus_);
+  for (int seq = 1; seq <= 1000; ++seq) {
+    const std::int64_t now_ns = std::int64_t{seq} * 2'000'000;
+    bus::set_time(*hub_, now_ns);
+    send("ROBOT_STATE", robot_at(0.1), seq);
+    if (seq % 300 == 1) send("FT_WRENCH", ft_wrench_t{}, seq);
+    inputs.read(now_ns, 1e-3);
+  }
+  EXPECT_EQ(report(inputs, "ROBOT_STATE").frozen, 0);
+  EXPECT_EQ(report(inputs, "FT_WRENCH").frozen, 0);
+}
+
 }  // namespace
 }  // namespace palpate::daemon
