@@ -1,0 +1,111 @@
+#include "tools/evaluate/sensors_score.hpp"
+
+#include <algorithm>
+
+namespace palpate::evaluate {
+namespace {
+
+std::vector<SensorTare> tares_of(SensorKind kind) {
+  if (kind != SensorKind::kWrist) return {SensorTare::kNone};
+  return {SensorTare::kRecording, SensorTare::kFirstSeconds};
+}
+
+Eigen::MatrixXd tared(Eigen::MatrixXd answers, const SensorTrack& track, SensorTare tare) {
+  Eigen::Index rows = track.time.size();
+  if (tare == SensorTare::kNone) return answers;
+  if (tare == SensorTare::kFirstSeconds)
+    rows = std::count_if(track.time.begin(), track.time.end(),
+                         [](double t) { return t < kFirstSeconds; });
+  const Eigen::RowVectorXd mean =
+      (answers.topRows(rows) - track.truth.topRows(rows)).colwise().mean();
+  return answers.rowwise() - mean;
+}
+
+Eigen::MatrixXd gather(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted) {
+  Eigen::MatrixXd result(std::count(wanted.begin(), wanted.end(), true), rows.cols());
+  Eigen::Index next = 0;
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    if (wanted[k]) result.row(next++) = rows.row(static_cast<Eigen::Index>(k));
+  return result;
+}
+
+/// What is scored of one recording.
+struct Part {
+  const SensorTrack* track;
+  std::vector<bool> rows;
+  Eigen::MatrixXd truth;
+};
+
+Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::Index count = 0;
+  for (const Eigen::MatrixXd& part : parts) count += part.rows();
+  Eigen::MatrixXd all(count, parts.front().cols());
+  count = 0;
+  for (const Eigen::MatrixXd& part : parts) {
+    all.middleRows(count, part.rows()) = part;
+    count += part.rows();
+  }
+  return all;
+}
+
+}  // namespace
+
+std::string name_of(SensorTare tare) {
+  switch (tare) {
+    case SensorTare::kRecording:
+      return "recording mean";
+    case SensorTare::kFirstSeconds:
+      return "first 2 s";
+    case SensorTare::kNone:
+      break;
+  }
+  return "";
+}
+
+SensorComparison compare_sensors(const std::vector<SensorTrack>& tracks,
+                                 const SensorTraining& training,
+                                 const std::vector<SensorMethod>& methods) {
+  SensorComparison comparison;
+  std::vector<Part> parts;
+  for (const SensorTrack& track : tracks) {
+    const ScoredRows scored = rows_to_score(training, track);
+    if (std::count(scored.rows.begin(), scored.rows.end(), true) < 2) continue;
+    parts.push_back({&track, scored.rows, gather(track.truth, scored.rows)});
+    comparison.origin = scored.origin;
+    comparison.recordings.push_back(track.recording.name);
+  }
+  if (parts.empty()) return comparison;
+  comparison.kind = tracks.front().recording.kind;
+  comparison.file = tracks.front().recording.file;
+  const auto& groups = plan_of(comparison.kind).data.outputs;
+  std::size_t largest = 0;
+  std::vector<Eigen::MatrixXd> truths;
+  for (std::size_t i = 0; i < parts.size(); ++i) {
+    truths.push_back(parts[i].truth);
+    if (parts[i].truth.rows() > parts[largest].truth.rows()) largest = i;
+  }
+  const Eigen::MatrixXd truth = stacked(truths);
+  comparison.time = gather(parts[largest].track->time, parts[largest].rows);
+  comparison.truth = parts[largest].truth;
+
+  for (const SensorMethod& method : methods) {
+    std::vector<Eigen::MatrixXd> raw;
+    for (const Part& part : parts) raw.push_back(method.answer(*part.track));
+    comparison.methods.push_back(method.name);
+    for (const SensorTare tare : tares_of(comparison.kind)) {
+      std::vector<Eigen::MatrixXd> answers;
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        answers.push_back(gather(tared(raw[i], *parts[i].track, tare), parts[i].rows));
+      if (tare == tares_of(comparison.kind).front()) comparison.answers.push_back(answers[largest]);
+      comparison.scores.push_back({method.name, method.is_model, "", tare,
+                                   train::measure_errors(stacked(answers), truth, groups)});
+      if (parts.size() == 1) continue;
+      for (std::size_t i = 0; i < parts.size(); ++i)
+        comparison.scores.push_back({method.name, method.is_model, comparison.recordings[i], tare,
+                                     train::measure_errors(answers[i], parts[i].truth, groups)});
+    }
+  }
+  return comparison;
+}
+
+}  // namespace palpate::evaluate
