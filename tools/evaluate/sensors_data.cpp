@@ -191,14 +191,15 @@ SensorFolder read_sensor_folder(const std::filesystem::path& folder) {
   for (const std::filesystem::path& path : files) {
     const std::string name = std::filesystem::relative(path, folder).string();
     try {
-      std::string lacks;
+      std::string nearest;  // what it lacks of the kind of which it lacks least
       bool fits = false;
       for (const SensorKind kind : kKinds) {
         const std::string missing = read_as(kind, path, name, result.recordings);
         fits = fits || missing.empty();
-        lacks += std::string(lacks.empty() ? "" : ";") + " for " + name_of(kind) + missing;
+        if (nearest.empty() || missing.size() < nearest.size())
+          nearest = missing + " of a recording of a " + name_of(kind);
       }
-      if (!fits) result.unfit.push_back(name + ": lacks" + lacks);
+      if (!fits) result.unfit.push_back(name + ": lacks" + nearest);
     } catch (const std::exception& error) {
       result.damaged.push_back(error.what());
     }

@@ -38,7 +38,7 @@ struct SensorRecording {
 
 struct SensorFolder {
   std::vector<SensorRecording> recordings;
-  std::vector<std::string> unfit;    // file: the columns that it lacks, by kind
+  std::vector<std::string> unfit;    // file: columns that it lacks of the nearest kind
   std::vector<std::string> damaged;  // file of the right columns that cannot be used, and why
 };
 
