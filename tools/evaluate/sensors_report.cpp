@@ -86,6 +86,24 @@ const SensorScore* with_tare(const SensorComparison& comparison, const SensorSco
   return nullptr;
 }
 
+/// How the errors of a kind are to be read.
+std::string legend_of(SensorKind kind) {
+  const train::DataPlan& plan = plan_of(kind).data;
+  switch (kind) {
+    case SensorKind::kForce:
+      return "counts and forces are tared on " + number(plan.tare, 1) + " s at rest";
+    case SensorKind::kDirection:
+      return "rows in contact (PDC " + number(plan.contact_threshold, 0) +
+             " counts above rest); mm on a skin of " + number(1e3 * sensing::kSkinRadius, 0) +
+             " mm radius";
+    case SensorKind::kWrist:
+      break;
+  }
+  return "at " + number(plan.rate, 0) + " Hz, means over " + number(plan.average, 1) +
+         " s; of every method alike, the mean error over the whole recording (or its first " +
+         number(kFirstSeconds, 0) + " s) is taken off, as the sensor's bias of that session";
+}
+
 std::string quoted(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string result = "\"";
@@ -186,7 +204,7 @@ void print_sensors(const std::vector<SensorComparison>& comparisons, std::ostrea
     }
     if (!any) continue;
     table.print(out);
-    out << "\n";
+    out << legend_of(kind) << "\n\n";
   }
 }
 

@@ -37,8 +37,6 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
                                                         const SensorTrainingOptions& options,
                                                         int position, int count) {
   const std::filesystem::path program = program_folder() / "palpate-train";
-  if (!std::filesystem::exists(program))
-    throw std::runtime_error(program.string() + ": is absent; give models by --model");
   std::vector<std::string> overrides;
   if (!options.refit) overrides.push_back("training.refit=false");
   const config::Node node = config::Node::load_file(
@@ -46,6 +44,8 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
   const train::Plan plan = train::read_plan(node);
   for (const train::RecordingPlan& recording : plan.data.recordings)
     if (!std::filesystem::exists(options.data / recording.file)) return {};
+  if (!std::filesystem::exists(program))
+    throw std::runtime_error(program.string() + ": is absent; give models by --model");
 
   const std::string stem = preset + "-" + hash_of_training(node, plan, options.data, program);
   const std::filesystem::path model = options.output / (stem + ".pt");

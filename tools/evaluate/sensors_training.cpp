@@ -22,6 +22,7 @@ bool same(const std::vector<train::Interval>& a, const std::vector<train::Interv
 
 std::vector<train::Interval> intervals(const YAML::Node& ends) {
   std::vector<train::Interval> list;
+  if (!ends.IsDefined()) return list;
   for (std::size_t i = 0; i + 1 < ends.size(); i += 2)
     list.push_back({ends[i].as<double>(), ends[i + 1].as<double>()});
   return list;

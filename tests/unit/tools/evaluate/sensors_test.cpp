@@ -325,6 +325,16 @@ TEST_F(Sensors, WhatCannotBeScoredIsSaidClearly) {
   EXPECT_THAT(complaint(), HasSubstr("takes an input 'tac'"));
 }
 
+TEST_F(Sensors, PresetsWithoutTheirRecordingsAreLeftOut) {
+  const std::vector<std::string>& presets = default_sensor_models();
+  for (const SensorKind kind : {SensorKind::kForce, SensorKind::kDirection, SensorKind::kWrist})
+    EXPECT_TRUE(std::any_of(presets.begin(), presets.end(), [kind](const std::string& preset) {
+      return kind_of_preset(preset) == kind;
+    })) << name_of(kind);
+  for (const std::string& preset : presets)
+    EXPECT_FALSE(train_sensor_model(preset, {train(), root_ / "out"}, 1, 1)) << preset;
+}
+
 SensorTraining usual_training(SensorKind kind) {
   return training_of(plan_of(kind).data, support::recordings(), false);
 }
