@@ -82,7 +82,9 @@ std::vector<FittedMethods> methods_of(SensorKind kind, const SensorsOptions& opt
       return entry.training == training;
     });
     if (found == list.end()) found = list.insert(list.end(), {training, {}});
-    for (SensorMethod& method : make_methods(model, options.executor))
+    std::optional<FingertipFrame> frame;
+    if (kind == SensorKind::kDirection) frame = fit_frame(training, known);
+    for (SensorMethod& method : make_methods(model, options.executor, frame))
       found->methods.push_back(std::move(method));
   }
   if (list.empty()) list.push_back({usual, {}});

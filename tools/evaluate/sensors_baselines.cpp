@@ -16,26 +16,6 @@ namespace {
 constexpr Eigen::Index kFewestRows = 50;
 constexpr double kGravity = 9.81;  // m/s^2
 
-Eigen::MatrixXd gather(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted) {
-  Eigen::MatrixXd result(std::count(wanted.begin(), wanted.end(), true), rows.cols());
-  Eigen::Index next = 0;
-  for (std::size_t k = 0; k < wanted.size(); ++k)
-    if (wanted[k]) result.row(next++) = rows.row(static_cast<Eigen::Index>(k));
-  return result;
-}
-
-Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
-  Eigen::Index count = 0;
-  for (const Eigen::MatrixXd& part : parts) count += part.rows();
-  Eigen::MatrixXd all(count, parts.empty() ? 0 : parts.front().cols());
-  count = 0;
-  for (const Eigen::MatrixXd& part : parts) {
-    all.middleRows(count, part.rows()) = part;
-    count += part.rows();
-  }
-  return all;
-}
-
 /// The inputs of the kind's plan, scaled as a network of it would have them scaled.
 class LinearMap {
  public:
@@ -128,21 +108,7 @@ Eigen::MatrixXd located_normals(const SensorTrack& track, sensing::LocalizationO
   return normals;
 }
 
-void add_localization(const SensorTraining& training, const std::vector<SensorTrack>& known,
-                      std::vector<SensorMethod>& methods) {
-  std::vector<SensorTrack> learned;
-  std::vector<Eigen::MatrixXd> located, measured;
-  for (const SensorTrack& track : known)
-    if (training.find(track.recording) != nullptr) learned.push_back(track);
-  const sensing::LocalizationOptions base = localization_of(learned);
-  for (const SensorTrack& track : learned) {
-    const std::vector<bool> rows = rows_to_learn(training, track);
-    located.push_back(
-        gather(located_normals(track, base, sensing::ElectrodeScatter::kNominal), rows));
-    measured.push_back(gather(track.truth, rows));
-  }
-  const Eigen::Matrix3d R_NT =
-      rotation_between(stacked(located).transpose(), stacked(measured).transpose());
+void add_localization(const FingertipFrame& frame, std::vector<SensorMethod>& methods) {
   for (const auto& [weighting, weighting_name] :
        {std::pair{sensing::Weighting::kCentroid, "centroid"},
         std::pair{sensing::Weighting::kPublished, "published"}})
@@ -150,10 +116,10 @@ void add_localization(const SensorTraining& training, const std::vector<SensorTr
          {std::pair{sensing::ElectrodeScatter::kNominal, "nominal"},
           std::pair{sensing::ElectrodeScatter::kGaussian, "gaussian"},
           std::pair{sensing::ElectrodeScatter::kInvertedGaussian, "inverted gaussian"}}) {
-      sensing::LocalizationOptions options = base;
+      sensing::LocalizationOptions options = frame.localization;
       options.weighting = weighting;
       methods.push_back({std::string("localised: ") + weighting_name + ", " + scatter_name, false,
-                         [options, scatter = scatter, R_NT](const SensorTrack& track) {
+                         [options, scatter = scatter, R_NT = frame.R_NT](const SensorTrack& track) {
                            return Eigen::MatrixXd(located_normals(track, options, scatter) *
                                                   R_NT.transpose());
                          }});
@@ -211,8 +177,8 @@ std::vector<SensorMethod> wrist_baselines(const SensorTraining& training,
   const train::DataSet resting = identify(training, tracks, false);
   for (std::size_t r = 0; r < tracks.size(); ++r) {
     const std::vector<bool> rows = rows_to_learn(training, tracks[r]);
-    inputs.push_back(gather(tracks[r].input, rows));
-    outputs.push_back(gather(moving.recordings[r].outputs, rows));
+    inputs.push_back(wanted_rows(tracks[r].input, rows));
+    outputs.push_back(wanted_rows(moving.recordings[r].outputs, rows));
   }
   const LinearMap ridge(SensorKind::kWrist, stacked(inputs), stacked(outputs));
   return {
@@ -232,15 +198,15 @@ std::vector<SensorMethod> make_baselines(SensorKind kind, const SensorTraining& 
   std::vector<Eigen::MatrixXd> inputs, truths;
   for (const SensorTrack& track : known) {
     const std::vector<bool> rows = rows_to_learn(training, track);
-    inputs.push_back(gather(track.input, rows));
-    truths.push_back(gather(track.truth, rows));
+    inputs.push_back(wanted_rows(track.input, rows));
+    truths.push_back(wanted_rows(track.truth, rows));
   }
   const Eigen::MatrixXd input = stacked(inputs), truth = stacked(truths);
   if (truth.rows() < kFewestRows) return {};
   if (kind == SensorKind::kWrist) return wrist_baselines(training, known);
 
   std::vector<SensorMethod> methods;
-  if (kind == SensorKind::kDirection) add_localization(training, known, methods);
+  if (kind == SensorKind::kDirection) add_localization(*fit_frame(training, known), methods);
   const LinearMap ridge(kind, input, truth);
   methods.push_back({"ridge", false, [ridge](const SensorTrack& t) { return ridge(t.input); }});
   const Eigen::RowVectorXd mean = truth.colwise().mean();
@@ -248,6 +214,26 @@ std::vector<SensorMethod> make_baselines(SensorKind kind, const SensorTraining& 
                        return mean.replicate(t.truth.rows(), 1).eval();
                      }});
   return methods;
+}
+
+std::optional<FingertipFrame> fit_frame(const SensorTraining& training,
+                                        const std::vector<SensorTrack>& known) {
+  std::vector<SensorTrack> learned;
+  for (const SensorTrack& track : known)
+    if (training.find(track.recording) != nullptr) learned.push_back(track);
+  FingertipFrame frame;
+  frame.localization = localization_of(learned);
+  std::vector<Eigen::MatrixXd> located, measured;
+  for (const SensorTrack& track : learned) {
+    const std::vector<bool> rows = rows_to_learn(training, track);
+    located.push_back(wanted_rows(
+        located_normals(track, frame.localization, sensing::ElectrodeScatter::kNominal), rows));
+    measured.push_back(wanted_rows(track.truth, rows));
+  }
+  const Eigen::MatrixXd from = stacked(located);
+  if (from.rows() < kFewestRows) return {};
+  frame.R_NT = rotation_between(from.transpose(), stacked(measured).transpose());
+  return frame;
 }
 
 double polarity_of(const std::vector<SensorTrack>& tracks) {

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "core/sensing/biotac_geometry.hpp"
 #include "tools/evaluate/sensors_training.hpp"
 
 namespace palpate::evaluate {
@@ -23,6 +25,17 @@ struct SensorMethod {
 /// holds too few such rows.
 std::vector<SensorMethod> make_baselines(SensorKind kind, const SensorTraining& training,
                                          const std::vector<SensorTrack>& known);
+
+/// How a fingertip stands in the frame N of recorded directions, and what its localisation is set
+/// to: from centroids and directions of the rows that may be used. Full intensity is what the most
+/// pressed electrode stays below in 99 of 100 rows in contact.
+struct FingertipFrame {
+  Eigen::Matrix3d R_NT = Eigen::Matrix3d::Identity();
+  sensing::LocalizationOptions localization;
+};
+/// Nothing where there are too few rows.
+std::optional<FingertipFrame> fit_frame(const SensorTraining& training,
+                                        const std::vector<SensorTrack>& known);
 
 /// 1 where pressed electrodes count up, -1 where they count down: the sign of the electrode that
 /// moves most, over the rows in contact.

@@ -114,7 +114,8 @@ SensorModelFile read_sensor_model(const std::filesystem::path& path) {
   return model;
 }
 
-std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::string& executor) {
+std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::string& executor,
+                                       const std::optional<FingertipFrame>& frame) {
   const inference::ModelFile file = inference::read_model_file(model.path.string());
   network_of(file, model.kind, executor);  // says now what would not fit
   std::vector<SensorMethod> methods;
@@ -138,6 +139,11 @@ std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::
       break;
   }
   methods.push_back(streamed);
+  if (model.kind == SensorKind::kDirection && frame)
+    methods.push_back({model.name + ", placed on the skin", true,
+                       [path, executor, card = file.card, frame = *frame](const SensorTrack& t) {
+                         return stream_place(path, card, frame, executor, t);
+                       }});
   if (model.window > 0)
     methods.push_back({model.name + ", windows of " + std::to_string(model.window), true,
                        [file, executor, window = model.window](const SensorTrack& track) {

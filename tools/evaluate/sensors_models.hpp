@@ -22,11 +22,13 @@ struct SensorModelFile {
 /// is scored.
 SensorModelFile read_sensor_model(const std::filesystem::path& path);
 
-/// The model within the daemon's own component (force, wrist) or what that is made of (direction),
-/// fed sample by sample; and, where it learned from windows, run anew on each window beside that.
+/// The model within the daemon's own component (force, wrist), or what that is made of (direction;
+/// and within the component where `frame` is given), fed sample by sample; and, where it learned
+/// from windows, run anew on each window beside that.
 /// `executor`: compiled or torch. Answering throws std::runtime_error where the model fails, and
 /// config::Error where the component refuses it.
-std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::string& executor);
+std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::string& executor,
+                                       const std::optional<FingertipFrame>& frame = {});
 
 /// Names of the presets that are scored unless models are given.
 const std::vector<std::string>& default_sensor_models();

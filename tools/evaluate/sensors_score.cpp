@@ -21,32 +21,12 @@ Eigen::MatrixXd tared(Eigen::MatrixXd answers, const SensorTrack& track, SensorT
   return answers.rowwise() - mean;
 }
 
-Eigen::MatrixXd gather(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted) {
-  Eigen::MatrixXd result(std::count(wanted.begin(), wanted.end(), true), rows.cols());
-  Eigen::Index next = 0;
-  for (std::size_t k = 0; k < wanted.size(); ++k)
-    if (wanted[k]) result.row(next++) = rows.row(static_cast<Eigen::Index>(k));
-  return result;
-}
-
 /// What is scored of one recording.
 struct Part {
   const SensorTrack* track;
   std::vector<bool> rows;
   Eigen::MatrixXd truth;
 };
-
-Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
-  Eigen::Index count = 0;
-  for (const Eigen::MatrixXd& part : parts) count += part.rows();
-  Eigen::MatrixXd all(count, parts.front().cols());
-  count = 0;
-  for (const Eigen::MatrixXd& part : parts) {
-    all.middleRows(count, part.rows()) = part;
-    count += part.rows();
-  }
-  return all;
-}
 
 }  // namespace
 
@@ -70,7 +50,7 @@ SensorComparison compare_sensors(const std::vector<SensorTrack>& tracks,
   for (const SensorTrack& track : tracks) {
     const ScoredRows scored = rows_to_score(training, track);
     if (std::count(scored.rows.begin(), scored.rows.end(), true) < 2) continue;
-    parts.push_back({&track, scored.rows, gather(track.truth, scored.rows)});
+    parts.push_back({&track, scored.rows, wanted_rows(track.truth, scored.rows)});
     comparison.origin = scored.origin;
     comparison.recordings.push_back(track.recording.name);
   }
@@ -85,7 +65,7 @@ SensorComparison compare_sensors(const std::vector<SensorTrack>& tracks,
     if (parts[i].truth.rows() > parts[largest].truth.rows()) largest = i;
   }
   const Eigen::MatrixXd truth = stacked(truths);
-  comparison.time = gather(parts[largest].track->time, parts[largest].rows);
+  comparison.time = wanted_rows(parts[largest].track->time, parts[largest].rows);
   comparison.truth = parts[largest].truth;
 
   for (const SensorMethod& method : methods) {
@@ -95,7 +75,7 @@ SensorComparison compare_sensors(const std::vector<SensorTrack>& tracks,
     for (const SensorTare tare : tares_of(comparison.kind)) {
       std::vector<Eigen::MatrixXd> answers;
       for (std::size_t i = 0; i < parts.size(); ++i)
-        answers.push_back(gather(tared(raw[i], *parts[i].track, tare), parts[i].rows));
+        answers.push_back(wanted_rows(tared(raw[i], *parts[i].track, tare), parts[i].rows));
       if (tare == tares_of(comparison.kind).front()) comparison.answers.push_back(answers[largest]);
       comparison.scores.push_back({method.name, method.is_model, "", tare,
                                    train::measure_errors(stacked(answers), truth, groups)});

@@ -1,13 +1,17 @@
 #include "tools/evaluate/sensors_stream.hpp"
 
+#include <unistd.h>
+
 #include <Eigen/Geometry>
 #include <cmath>
+#include <filesystem>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/linear_tactile.hpp"
 #include "rt/component/learned_sensors.hpp"
+#include "rt/inference/model_file.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -49,25 +53,19 @@ Eigen::Matrix3d orientation(const train::Table& table, Eigen::Index row) {
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
 }
 
-}  // namespace
-
-inference::TorchExecutorOptions patient_executor() {
-  inference::TorchExecutorOptions options;
-  options.wait = options.patience = kPatience;
-  return options;
+std::string tare_and_no_gate(const SensorTrack& track) {
+  return ", tare_samples: " + std::to_string(track.tare_rows) +
+         ", contact_force: 0, release_force: 0";
 }
 
-Eigen::MatrixXd stream_fingertip(const std::string& model, const std::string& executor,
-                                 const SensorTrack& track) {
+/// Feeds a track to the component that `node` describes: first the rows at rest, then all from the
+/// start, each followed by visit(row, component, contacts).
+template <class Visit>
+void run_fingertip(const config::Node& node, const SensorTrack& track, Visit visit) {
   component::Context context;
   context.deterministic = true;
-  const auto component =
-      component::make_biotac_lstm(section("biotac_lstm", model, executor,
-                                          ", tare_samples: " + std::to_string(track.tare_rows) +
-                                              ", contact_force: 0, release_force: 0"),
-                                  context);
+  const auto component = component::make_biotac_lstm(node, context);
   const auto& fingertip = dynamic_cast<const sensing::BiotacLstm&>(*component);
-
   const train::Table& table = track.recording.table;
   const double interval =
       table.time[table.time.size() - 1] / static_cast<double>(table.time.size());
@@ -78,16 +76,85 @@ Eigen::MatrixXd stream_fingertip(const std::string& model, const std::string& ex
     contacts.count = 0;
     const sensing::UpdateResult result = component->update(signals, contacts);
     if (result.status == sensing::Status::kFault)
-      throw std::runtime_error(model + ": on " + track.recording.name + ": " + result.reason);
+      throw std::runtime_error("on " + track.recording.name + ": " + result.reason);
   };
   for (Eigen::Index k = 0; k < track.tare_rows; ++k)
     take(track.tare_begin + k, static_cast<double>(k - track.tare_rows) * interval);
-  Eigen::MatrixXd forces(table.time.size(), 3);
-  for (Eigen::Index k = 0; k < forces.rows(); ++k) {
+  for (Eigen::Index k = 0; k < table.time.size(); ++k) {
     take(k, table.time[k]);
-    forces.row(k) = fingertip.force().transpose();
+    visit(k, fingertip, contacts);
   }
+}
+
+/// The file of a network that says 1 N whatever comes; gone with this object.
+class ConstantForce {
+ public:
+  explicit ConstantForce(double rate)
+      : path_((std::filesystem::temp_directory_path() /
+               ("palpate-constant-force-" + std::to_string(getpid()) + ".pt"))
+                  .string()) {
+    inference::ModelCard card;
+    card.name = "constant_force";
+    card.rate = rate;
+    card.inputs = {{"pdc", "count"}};
+    card.outputs = {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
+    sensing::RecurrentWeights weights = sensing::RecurrentWeights::zero(1, 3, {1});
+    weights.offset[2] = 1;
+    inference::write_model_file(path_, weights, card);
+  }
+  ~ConstantForce() {
+    std::error_code ignored;
+    std::filesystem::remove(path_, ignored);
+    std::filesystem::remove(inference::card_path(path_), ignored);
+  }
+  ConstantForce(const ConstantForce&) = delete;
+  ConstantForce& operator=(const ConstantForce&) = delete;
+  const std::string& path() const { return path_; }
+
+ private:
+  std::string path_;
+};
+
+}  // namespace
+
+inference::TorchExecutorOptions patient_executor() {
+  inference::TorchExecutorOptions options;
+  options.wait = options.patience = kPatience;
+  return options;
+}
+
+Eigen::MatrixXd stream_fingertip(const std::string& model, const std::string& executor,
+                                 const SensorTrack& track) {
+  Eigen::MatrixXd forces(track.time.size(), 3);
+  run_fingertip(
+      section("biotac_lstm", model, executor, tare_and_no_gate(track)), track,
+      [&](Eigen::Index row, const sensing::BiotacLstm& fingertip, const sensing::ContactSet&) {
+        forces.row(row) = fingertip.force().transpose();
+      });
   return forces;
+}
+
+Eigen::MatrixXd stream_place(const std::string& direction, const inference::ModelCard& card,
+                             const FingertipFrame& frame, const std::string& executor,
+                             const SensorTrack& track) {
+  const ConstantForce force(card.rate);
+  const Eigen::Quaterniond q(Eigen::Matrix3d(frame.R_NT.transpose()));
+  const nlohmann::json wxyz{q.w(), q.x(), q.y(), q.z()};
+  const config::Node node =
+      section("biotac_lstm", force.path(), executor,
+              tare_and_no_gate(track) + ", direction_file: " + nlohmann::json(direction).dump() +
+                  ", direction_frame: {quaternion: " + wxyz.dump() +
+                  "}, polarity: " + (polarity_of({track}) < 0 ? "-1" : "1") +
+                  ", saturation: " + std::to_string(std::max(1.0, frame.localization.saturation)));
+  Eigen::Vector3d normal(0, 0, -1);
+  Eigen::MatrixXd normals(track.time.size(), 3);
+  run_fingertip(
+      node, track,
+      [&](Eigen::Index row, const sensing::BiotacLstm&, const sensing::ContactSet& contacts) {
+        if (contacts.count > 0) normal = sensing::skin_normal(contacts.contacts[0].location);
+        normals.row(row) = (frame.R_NT * normal).transpose();
+      });
+  return normals;
 }
 
 Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& executor,

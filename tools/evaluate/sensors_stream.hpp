@@ -4,7 +4,7 @@
 
 #include "rt/inference/model_card.hpp"
 #include "rt/inference/torch_executor.hpp"
-#include "tools/evaluate/sensors_data.hpp"
+#include "tools/evaluate/sensors_baselines.hpp"
 
 namespace palpate::evaluate {
 
@@ -17,6 +17,13 @@ inference::TorchExecutorOptions patient_executor();
 /// fails.
 Eigen::MatrixXd stream_fingertip(const std::string& model, const std::string& executor,
                                  const SensorTrack& track);
+
+/// Outward normal of the skin (n x 3, in N) at the place where the component puts the contact by a
+/// network of its direction; a stand-in says a constant force. Rows before the first contact hold
+/// the pad's middle. Throws the same.
+Eigen::MatrixXd stream_place(const std::string& direction, const inference::ModelCard& card,
+                             const FingertipFrame& frame, const std::string& executor,
+                             const SensorTrack& track);
 
 /// Contact wrench (n x 6, N and N m) that the daemon's component ft_rnnob, not tared, reports at
 /// each row of a wrist's track; the loop runs at the recording's own rate, or the next multiple of

@@ -54,12 +54,19 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
     return model;
 
   std::filesystem::create_directories(options.output);
-  // Under another name until it is whole: what is there is trusted by the next run.
+  // Under another name until it is whole: what is there is trusted by the next run. What an
+  // interrupted run has left is gone on with, since the name stands for all that matters.
   const std::filesystem::path fresh = options.output / (stem + ".new.pt");
   const std::filesystem::path log = options.output / (stem + ".log");
-  std::vector<std::string> command{
-      program.string(), preset,         "--data",    options.data.string(),
-      "--out",          fresh.string(), "--picture", (options.output / (stem + ".png")).string()};
+  std::vector<std::string> command{program.string(),
+                                   preset,
+                                   "--data",
+                                   options.data.string(),
+                                   "--out",
+                                   fresh.string(),
+                                   "--resume",
+                                   "--picture",
+                                   (options.output / (stem + ".png")).string()};
   for (const std::string& item : overrides) {
     command.push_back("--set");
     command.push_back(item);

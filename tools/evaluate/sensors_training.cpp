@@ -108,4 +108,24 @@ ScoredRows rows_to_score(const SensorTraining& training, const SensorTrack& trac
   return scored;
 }
 
+Eigen::MatrixXd wanted_rows(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted) {
+  Eigen::MatrixXd result(std::count(wanted.begin(), wanted.end(), true), rows.cols());
+  Eigen::Index next = 0;
+  for (std::size_t k = 0; k < wanted.size(); ++k)
+    if (wanted[k]) result.row(next++) = rows.row(static_cast<Eigen::Index>(k));
+  return result;
+}
+
+Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts) {
+  Eigen::Index count = 0;
+  for (const Eigen::MatrixXd& part : parts) count += part.rows();
+  Eigen::MatrixXd all(count, parts.empty() ? 0 : parts.front().cols());
+  count = 0;
+  for (const Eigen::MatrixXd& part : parts) {
+    all.middleRows(count, part.rows()) = part;
+    count += part.rows();
+  }
+  return all;
+}
+
 }  // namespace palpate::evaluate

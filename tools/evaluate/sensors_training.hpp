@@ -41,4 +41,8 @@ struct ScoredRows {
 };
 ScoredRows rows_to_score(const SensorTraining& training, const SensorTrack& track);
 
+/// Rows that are wanted; rows of several recordings one below the other.
+Eigen::MatrixXd wanted_rows(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted);
+Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts);
+
 }  // namespace palpate::evaluate

@@ -254,6 +254,28 @@ TEST_F(Sensors, TheFrameOfDirectionsIsFoundWhateverTheSign) {
   EXPECT_GT(lists[0][1].errors.median_angle[0], lists[0][0].errors.median_angle[0]);  // scattered
 }
 
+TEST_F(Sensors, TheComponentPlacesATouchWhereTheNormalOfANetworkSays) {
+  write(train() / "plate.csv", presses(5, -1, kMount, 3), false);
+  const Eigen::Vector3d normal = Eigen::Vector3d(0.3, -0.4, -0.8).normalized();  // in T
+  inference::ModelCard card;
+  card.name = "constant";
+  card.rate = 100;
+  card.inputs = {{"pdc", "count"}};
+  card.outputs = {{"nx", "1"}, {"ny", "1"}, {"nz", "1"}};
+  auto weights = sensing::RecurrentWeights::zero(1, 3, {2});
+  weights.offset = (kMount * normal).cast<float>();
+  const std::string path = (root_ / "constant.pt").string();
+  inference::write_model_file(path, weights, card);
+  FingertipFrame frame;
+  frame.R_NT = kMount;
+  const SensorTrack scored = track(train());
+  const auto methods = make_methods(read_sensor_model(path), "compiled", frame);
+  ASSERT_EQ(methods.size(), 2u);
+  for (const SensorMethod& method : methods)
+    EXPECT_LT((method.answer(scored).row(300).transpose() - kMount * normal).norm(), 1e-5)
+        << method.name;
+}
+
 TEST(RotationBetween, IsFound) {
   const Eigen::Matrix3Xd from = Eigen::Matrix3Xd::Random(3, 20);
   EXPECT_LT((rotation_between(from, kMount * from) - kMount).norm(), 1e-9);
