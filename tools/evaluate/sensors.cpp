@@ -4,6 +4,7 @@
 #include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "tools/evaluate/interruption.hpp"
@@ -37,9 +38,15 @@ Tracks make_tracks(const SensorFolder& folder, std::vector<std::string>& damaged
   return tracks;
 }
 
-bool same_folder(const std::filesystem::path& a, const std::filesystem::path& b) {
-  std::error_code code;
-  return std::filesystem::equivalent(a, b, code);
+/// Whether a file of `scored` is none of `known`.
+bool has_new_file(const Tracks& scored, const Tracks& known) {
+  std::set<std::string> hashes;
+  for (const auto& [kind, tracks] : known)
+    for (const SensorTrack& track : tracks) hashes.insert(track.recording.sha256);
+  for (const auto& [kind, tracks] : scored)
+    for (const SensorTrack& track : tracks)
+      if (hashes.count(track.recording.sha256) == 0) return true;
+  return false;
 }
 
 std::vector<SensorModelFile> models_of(const SensorsOptions& options, const Tracks& tracks,
@@ -118,12 +125,12 @@ std::vector<SensorComparison> compare(const SensorsOptions& options, std::ostrea
     throw std::runtime_error(options.data.string() + ": no recording of a sensor that is scored (" +
                              std::to_string(folder.unfit.size()) +
                              " files of other columns; --verbose names what they lack)");
-  const bool refit = !same_folder(options.train, options.data);
   std::vector<std::string> unused;
-  const Tracks known = !refit ? scored
-                       : std::filesystem::is_directory(options.train)
+  const Tracks known = std::filesystem::is_directory(options.train)
                            ? make_tracks(read_sensor_folder(options.train), unused)
                            : Tracks{};
+  // For recordings that are new, models may learn all that there is; else their tests stay unseen.
+  const bool refit = has_new_file(scored, known);
 
   const std::vector<SensorModelFile> models = models_of(options, scored, refit, out);
   std::vector<SensorComparison> comparisons;

@@ -22,7 +22,9 @@ struct SensorsOptions {
 };
 
 /// Scores every model and baseline on every recording below `data` that fits it, on rows that it
-/// was not fitted to where there are such, and says what of it was seen. Throws std::runtime_error
+/// was not fitted to where there are such, and says what of it was seen. Presets keep their
+/// validation and test parts unseen where all that is scored is found below `train`; else they
+/// learn from all parts. Throws std::runtime_error
 /// where no recording fits, config::Error where a card cannot be used, Interrupted.
 std::vector<SensorComparison> compare_all_sensors(const SensorsOptions& options, std::ostream& out);
 
