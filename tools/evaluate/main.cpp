@@ -12,6 +12,7 @@
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
+#include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/soak.hpp"
 #include "tools/evaluate/tactile.hpp"
 #include "tools/evaluate/thesis.hpp"
@@ -100,6 +101,8 @@ int run(CLI::App& app, int argc, char** argv) {
   tactile_command->add_flag("--emulated", emulated,
                             "fit the simulator's BioTac on random presses instead of a recording");
 
+  SensorsCommand sensors(app);
+
   ThesisCommand thesis(app);
 
   CaseCommands cases(app);
@@ -107,6 +110,7 @@ int run(CLI::App& app, int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;
+  if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = thesis.run(root, std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;
