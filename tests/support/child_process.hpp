@@ -52,6 +52,8 @@ class ChildProcess {
     if (pid_ > 0) kill(pid_, signal);
   }
 
+  int pid() const { return pid_; }
+
   bool running() {
     if (pid_ <= 0 || ended_) return false;
     ended_ = waitpid(pid_, &status_, WNOHANG) == pid_;

@@ -1,0 +1,246 @@
+#include <atomic>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <palpate/component_event_t.hpp>
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/imu_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <random>
+
+#include "tests/process/daemon/daemon_process.hpp"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+using support::ChildProcess;
+
+/// A robot that holds the bar of the example and sways a little, with its sensors.
+class Robot {
+ public:
+  explicit Robot(bus::MessageBus& control)
+      : state_(control, "ROBOT_STATE"), wrench_(control, "FT_WRENCH"), inertial_(control, "IMU") {
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Robot() {
+    stop_ = true;
+    thread_.join();
+  }
+
+ private:
+  void run() {
+    auto next = std::chrono::steady_clock::now();
+    for (int tick = 0; !stop_; ++tick) {
+      publish(tick);
+      next += milliseconds(1);
+      std::this_thread::sleep_until(next);
+    }
+  }
+  double noise() { return normal_(random_); }
+  template <class Message>
+  void stamp(Message& message, int tick) {
+    message.utime = 1000 * tick;
+    message.seq = tick;
+    message.session = 5;
+  }
+  void publish(int tick) {
+    ft_wrench_t wrench{};
+    stamp(wrench, tick);
+    for (double& w : wrench.wrench) w = 0.02 * noise();
+    wrench.wrench[0] += -4.8 * 9.81;  // x of the sensor points up there
+    wrench_.publish(wrench);
+    if (tick % 2 == 0) {
+      robot_state_t state{};
+      stamp(state, tick);
+      state.joint_count = 7;
+      // The flange that holds the grasp where it is at rest: frames of the example.
+      state.position[0] = 1.36 - 0.47 - 0.30;
+      state.position[2] = 0.31 + 0.005 * std::sin(0.004 * tick);
+      state.quaternion[0] = state.quaternion[2] = std::sqrt(0.5);
+      state_.publish(state);
+    }
+    if (tick % 3 == 0) {
+      imu_t inertial{};
+      stamp(inertial, tick);
+      for (double& a : inertial.acceleration) a = 0.03 * noise();
+      for (double& w : inertial.angular_velocity) w = 0.002 * noise();
+      inertial_.publish(inertial);
+    }
+  }
+
+  bus::TypedPublisher<robot_state_t> state_;
+  bus::TypedPublisher<ft_wrench_t> wrench_;
+  bus::TypedPublisher<imu_t> inertial_;
+  std::mt19937 random_{1};
+  std::normal_distribution<double> normal_;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
+struct Request {
+  const char* slot;
+  const char* component;
+  const char* parameters;
+  bool good;
+};
+
+// After one round everything is as it was.
+constexpr Request kRound[] = {
+    {"object", "", "order: linear", true},
+    {"deformation", "corotational_dynamic", "", true},
+    {"control", "", "provider: kinematic", true},
+    {"deformation", "no_such_model", "", false},
+    {"estimation", "force_driven", "variant: repaired", true},
+    {"sensing", "ft_tare_only", "", true},
+    {"object", "", "mesh: {box: {size: [2, 0.06, 0.06], cells: [5, 1, 1]}}", false},
+    {"all", "",
+     "{object: {order: quadratic}, deformation: {component: corotational_quasistatic}, "
+     "control: {provider: fem}, estimation: {component: pose_driven, variant: nothing}}",
+     false},
+    {"estimation", "pose_driven", "", true},
+    {"sensing", "ft_newton_euler",
+     "payload: {mass: 4.8, center_of_mass: [0.0015, -0.00065, 0.1137]}", true},
+    {"all", "",
+     "{object: {order: quadratic}, deformation: {component: corotational_quasistatic}, "
+     "control: {provider: fem}}",
+     true},
+};
+
+double resident_megabytes(int pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+  double pages = 0;
+  file >> pages >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576;
+}
+
+class ReplacementProcess : public DaemonProcess {
+ protected:
+  void SetUp() override {
+    DaemonProcess::SetUp();
+    if (IsSkipped()) return;
+    events_ = std::make_unique<bus::TypedSubscription<component_event_t>>(late_bus(),
+                                                                          "COMPONENT_EVENT", 64);
+    late_->start();
+  }
+  void TearDown() override {
+    if (late_) late_->stop();
+    DaemonProcess::TearDown();
+  }
+  bus::MessageBus& late_bus() {
+    late_ = bus::make_lcm_bus(housekeeping_url_);
+    return *late_;
+  }
+
+  void send(const Request& request, std::int64_t counter) {
+    component_command_t message{};
+    message.session = 42;
+    message.counter = counter;
+    daemon::put_text(message.slot, request.slot);
+    daemon::put_text(message.event, "replace");
+    daemon::put_text(message.component, request.component);
+    daemon::put_text(message.parameters, request.parameters);
+    bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
+  }
+  /// The last word on a command; empty where none came in 20 s.
+  std::string outcome(std::int64_t counter) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    component_event_t event;
+    std::int64_t arrival_ns = 0;
+    while (std::chrono::steady_clock::now() < end) {
+      watch_commands();
+      while (events_->take(event, arrival_ns)) {
+        const std::string text = daemon::get_text(event.event);
+        reason_ = daemon::get_text(event.reason);
+        if (event.command_counter == counter && text != "replacing") return text;
+      }
+      std::this_thread::sleep_for(std::chrono::microseconds(200));
+    }
+    return "";
+  }
+  /// Commands must be finite and, one after the other, keep the gate's acceleration.
+  void watch_commands() {
+    twist_command_t twist;
+    std::int64_t arrival_ns = 0;
+    while (twist_->take(twist, arrival_ns)) {
+      const double gap = last_seq_ > 0 ? twist.seq - last_seq_ : 1;
+      for (int i = 0; i < 3; ++i) {
+        if (!std::isfinite(twist.twist[i])) ++not_finite_;
+        const double change = std::abs(twist.twist[i] - last_twist_[i]) / gap;
+        largest_change_ = std::max(largest_change_, change);
+        last_twist_[i] = twist.twist[i];
+      }
+      last_seq_ = twist.seq;
+      ++commands_;
+    }
+  }
+
+  std::unique_ptr<bus::MessageBus> late_;
+  std::unique_ptr<bus::TypedSubscription<component_event_t>> events_;
+  std::string reason_;
+  double last_twist_[3] = {};
+  std::int32_t last_seq_ = 0;
+  int not_finite_ = 0, commands_ = 0;
+  double largest_change_ = 0;  // m/s a tick
+};
+
+/// PALPATE_REPLACEMENTS=10000 for the long run.
+TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
+  const char* wanted = std::getenv("PALPATE_REPLACEMENTS");
+  const int count = wanted != nullptr ? std::max(22, std::atoi(wanted)) : 44;
+  ChildProcess daemon(command());
+  health_t health;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
+      << daemon.output();
+  Robot robot(*control_);
+  std::this_thread::sleep_for(milliseconds(300));
+  send_event("start", 1);
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.state == 2; }, health))
+      << daemon::get_text(health.reason);
+  shape_target_t target{};
+  target.session = 42;
+  target.revision = 1;
+  target.chunks = 1;
+  daemon::put_text(target.kind, "point");
+  target.value_count = 3;
+  target.values[0] = 0.25, target.values[1] = 0.03, target.values[2] = 0.08;
+  bus::TypedPublisher<shape_target_t>(*control_, "SHAPE_TARGET").publish(target);
+
+  constexpr int kRoundLength = static_cast<int>(std::size(kRound));
+  std::int64_t counter = 1;
+  int replaced = 0, refused = 0;
+  double resident = 0;
+  for (int i = 0; i < count; ++i) {
+    const Request& request = kRound[i % kRoundLength];
+    std::string ended;
+    do {
+      send(request, ++counter);
+      ended = outcome(counter);
+    } while (ended == "refused" && reason_ == "another replacement is under way");
+    ASSERT_EQ(ended, request.good ? "replaced" : "refused")
+        << i << " " << request.slot << ": " << reason_ << "\n"
+        << daemon.output();
+    ++(request.good ? replaced : refused);
+    if (i == 2 * kRoundLength - 1) resident = resident_megabytes(daemon.pid());
+  }
+  const double growth = resident_megabytes(daemon.pid()) - resident;
+  const std::int64_t cycles = health.cycles;
+  ASSERT_TRUE(wait_health([&](const health_t& h) { return h.cycles > cycles + 1000; }, health));
+  std::printf(
+      "%d replaced, %d refused in %lld cycles; %lld overruns, %lld allocations of the loop, memory "
+      "%+.2f MB, %d commands, largest change %.2e m/s a tick\n",
+      replaced, refused, static_cast<long long>(health.cycles),
+      static_cast<long long>(health.overruns), static_cast<long long>(health.allocations), growth,
+      commands_, largest_change_);
+  EXPECT_EQ(not_finite_, 0);
+  EXPECT_GT(commands_, 0);
+  // Braking may take 0.08 m/s in 100 ms (the gate's stop), which is above the acceleration limit.
+  EXPECT_LE(largest_change_, 1.02e-3 * 0.8);
+  EXPECT_LE(health.allocations, 0);
+  EXPECT_LT(growth, 1.0);
+  EXPECT_TRUE(daemon.running());
+}
+
+}  // namespace
+}  // namespace palpate
