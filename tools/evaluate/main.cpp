@@ -10,6 +10,7 @@
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/interruption.hpp"
+#include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/soak.hpp"
@@ -100,6 +101,34 @@ int run(CLI::App& app, int argc, char** argv) {
   tactile_command->add_flag("--emulated", emulated,
                             "fit the simulator's BioTac on random presses instead of a recording");
 
+  ObserverOptions observer;
+  observer.output = "out/observer";
+  CLI::App* observer_command = app.add_subcommand(
+      "observer",
+      "the wrist observer on the simulated payload arm: records, trains, runs the daemon; residual "
+      "without contact and a collision");
+  observer_command->add_option("--output", observer.output, "folder for everything that it writes")
+      ->capture_default_str();
+  observer_command->add_option("--models", observer.models, "newton_euler, ft_rnnob, thesis")
+      ->check(CLI::IsMember({"newton_euler", "ft_rnnob", "thesis"}));
+  observer_command
+      ->add_option("--motions", observer.motions, "manual, rotation_y, rotation_z, collision")
+      ->check(CLI::IsMember({"manual", "rotation_y", "rotation_z", "collision"}));
+  observer_command->add_option("--executor", observer.executor, "of the learned models")
+      ->check(CLI::IsMember({"torch", "compiled"}))
+      ->capture_default_str();
+  observer_command
+      ->add_option("--iterations", observer.iterations, "of training (default: presets')")
+      ->check(CLI::Range(1, 1000000));
+  observer_command
+      ->add_option("--recordings", observer.recordings,
+                   "to learn from, of slow and quick motion each")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  observer_command->add_option("--longest", observer.longest, "s, at which recordings are cut off")
+      ->check(CLI::Range(5.0, 3600.0));
+  observer_command->add_option("--json", json, "write the result to this file");
+
   ThesisCommand thesis(app);
 
   CaseCommands cases(app);
@@ -123,6 +152,11 @@ int run(CLI::App& app, int argc, char** argv) {
     payload.data = data;
     payload.json = json;
     return run_payload(payload, std::cout);
+  }
+  if (observer_command->parsed()) {
+    observer.root = root;
+    observer.json = json;
+    return run_observer(observer, std::cout);
   }
   if (tactile_command->parsed()) {
     if (emulated) return run_emulated_tactile(tactile.model, std::cout);
