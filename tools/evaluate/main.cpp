@@ -109,8 +109,10 @@ int run(CLI::App& app, int argc, char** argv) {
       "without contact and a collision");
   observer_command->add_option("--output", observer.output, "folder for everything that it writes")
       ->capture_default_str();
-  observer_command->add_option("--models", observer.models, "newton_euler, ft_rnnob, thesis")
-      ->check(CLI::IsMember({"newton_euler", "ft_rnnob", "thesis"}));
+  observer_command
+      ->add_option("--models", observer.models,
+                   "newton_euler, newton_euler_smooth, ft_rnnob, thesis")
+      ->check(CLI::IsMember({"newton_euler", "newton_euler_smooth", "ft_rnnob", "thesis"}));
   observer_command
       ->add_option("--motions", observer.motions, "manual, rotation_y, rotation_z, collision")
       ->check(CLI::IsMember({"manual", "rotation_y", "rotation_z", "collision"}));

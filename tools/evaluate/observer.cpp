@@ -28,8 +28,11 @@ constexpr double kTrackingBar = 0.05;  // of the peak of the true force
 constexpr double kSettled = 2;         // s, when every model has tared
 constexpr double kPatience = 1800;     // s, for a program
 constexpr const char* kMotions[] = {"manual", "rotation_y", "rotation_z", "collision"};
-constexpr const char* kModels[] = {"newton_euler", "ft_rnnob", "thesis"};
+constexpr const char* kModels[] = {"newton_euler", "newton_euler_smooth", "ft_rnnob", "thesis"};
+constexpr double kSmooth = 16;  // Hz, which delays as much as the mean over 20 ms of ft_rnnob
 constexpr const char* kCollision = "collision";
+
+bool is_learned(const std::string& model) { return model == "ft_rnnob" || model == "thesis"; }
 
 template <std::size_t n>
 std::vector<std::string> chosen(const std::vector<std::string>& names,
@@ -61,7 +64,7 @@ class Experiment {
     record_training();
     record_tests();
     for (const std::string& model : models_)
-      if (model != "newton_euler") train(model);
+      if (is_learned(model)) train(model);
     identify_payload();
     for (const std::string& motion : motions_)
       for (const std::string& model : models_) score(motion, model);
@@ -170,12 +173,16 @@ class Experiment {
       for (Eigen::Index i = 0; i < values.size(); ++i) text << (i == 0 ? "[" : ", ") << values(i);
       return text.str() + "]";
     };
-    if (name == "newton_euler") {
+    if (!is_learned(name)) {
       std::ostringstream mass;
       mass.precision(12);
       mass << payload_.mass;
-      return {"sensing.0.payload={mass: " + mass.str() + ", center_of_mass: " +
-              list(payload_.center_of_mass()) + ", inertia: " + list(payload_.inertia) + "}"};
+      std::vector<std::string> settings{"sensing.0.payload={mass: " + mass.str() +
+                                        ", center_of_mass: " + list(payload_.center_of_mass()) +
+                                        ", inertia: " + list(payload_.inertia) + "}"};
+      if (name == "newton_euler_smooth")
+        settings.push_back("sensing.0.cutoff_hz=" + std::to_string(kSmooth));
+      return settings;
     }
     return {"sensing=[{name: wrist, component: ft_rnnob, model_file: " +
             fs::absolute(model(name)).string() + ", executor: " + options_.executor +

@@ -17,7 +17,8 @@ struct ObserverOptions {
   double longest = 0;                 // s, at which every recording is cut off; 0: never
   /// Names of test motions; empty: all of manual, rotation_y, rotation_z, collision.
   std::vector<std::string> motions;
-  /// Names of models; empty: all of newton_euler, ft_rnnob, thesis.
+  /// Names of models; empty: all of newton_euler, newton_euler_smooth (with a
+  /// low-pass), ft_rnnob, thesis.
   std::vector<std::string> models;
 };
 
