@@ -127,6 +127,8 @@ int run(CLI::App& app, int argc, char** argv) {
                    "to learn from, of slow and quick motion each")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
+  observer_command->add_flag("--keep", observer.keep,
+                             "use the recordings and models that the folder holds already");
   observer_command->add_option("--longest", observer.longest, "s, at which recordings are cut off")
       ->check(CLI::Range(5.0, 3600.0));
   observer_command->add_option("--json", json, "write the result to this file");

@@ -100,12 +100,15 @@ class Experiment {
       for (int i = 1; i <= count; ++i) {
         const std::string name = std::string(motion) + "_" + std::to_string(i);
         const int seed = 10 * i + (motion[0] == 's' ? 1 : 2);
-        const MotionLogs logs = record_motion(
-            scene(motion),
-            {"seed=" + std::to_string(seed), "motion.wander.seed=" + std::to_string(seed)},
-            options_.output / "logs", name, options_.longest);
-        fs::create_directories(training());
-        write_wrist_csv(logs.control, frames, rate, training() / (name + ".csv"));
+        const fs::path csv = training() / (name + ".csv");
+        if (!options_.keep || !fs::exists(csv)) {
+          const MotionLogs logs = record_motion(
+              scene(motion),
+              {"seed=" + std::to_string(seed), "motion.wander.seed=" + std::to_string(seed)},
+              options_.output / "logs", name, options_.longest);
+          fs::create_directories(training());
+          write_wrist_csv(logs.control, frames, rate, csv);
+        }
         recordings_ += (done == 0 ? "{file: " : ", {file: ") + name + ".csv" +
                        (i == count ? ", validation: [0, 100000]}" : "}");
         progress.show(static_cast<double>(++done) / (2 * count));
@@ -128,6 +131,8 @@ class Experiment {
 
   void train(const std::string& name) {
     Progress progress(++step_, steps_, "training " + name);
+    if (options_.keep && fs::exists(inference::card_path(model(name).string())))
+      return progress.finish(true, "kept");
     fs::create_directories(model(name).parent_path());
     const bool ours = name == "ft_rnnob";
     std::vector<std::string> command{(program_folder() / "palpate-train").string(),

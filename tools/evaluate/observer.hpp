@@ -15,6 +15,7 @@ struct ObserverOptions {
   int iterations = 0;                 // of training; 0: what the presets say
   int recordings = 3;                 // to learn from, of each of slow and quick motion
   double longest = 0;                 // s, at which every recording is cut off; 0: never
+  bool keep = false;                  // recordings to learn from and models that are there already
   /// Names of test motions; empty: all of manual, rotation_y, rotation_z, collision.
   std::vector<std::string> motions;
   /// Names of models; empty: all of newton_euler, newton_euler_smooth (with a
