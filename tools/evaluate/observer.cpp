@@ -162,7 +162,11 @@ class Experiment {
   /// From the recordings to learn from: what palpate-train found of them.
   void identify_payload() {
     const std::string learned = model("ft_rnnob").replace_extension(".yaml").string();
-    if (fs::exists(learned)) payload_ = *inference::read_card(learned).payload;
+    if (!fs::exists(learned))
+      throw config::Error(
+          "the payload is what the training of ft_rnnob finds: name it among the "
+          "models, or keep one that was trained before");
+    payload_ = *inference::read_card(learned).payload;
   }
 
   static void run_program(const std::vector<std::string>& command, const fs::path& output) {
