@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
-#include "core/math/rigid.hpp"
+#include "sim/scenes/motion_point.hpp"
+#include "sim/scenes/wander.hpp"
 
 namespace palpate::scenes {
 
@@ -14,28 +16,22 @@ struct Leg {
   Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     // rotation vector, rad, in O
 };
 
-/// Where the grasp shall be and how fast it moves, relative to where it was at first, axes of O.
-struct MotionPoint {
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // m
-  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
-  math::Twist velocity;  // m/s, rad/s
-};
-
-/// A sequence of poses, joined by minimum-jerk motions (Flash and Hogan 1985) along straight lines
-/// and about fixed axes.
+/// A sequence of poses, joined by minimum-jerk motions along straight lines and about fixed axes;
+/// then, where there is one, a wander about the last of them.
 class MotionPlan {
  public:
   /// `start_delay`: s before the first leg.
-  MotionPlan(std::vector<Leg> legs, double start_delay);
+  MotionPlan(std::vector<Leg> legs, double start_delay, std::optional<Wander> wander = {});
 
   MotionPoint at(double time) const;
-  double duration() const { return duration_; }  // s, with the last hold
+  double duration() const { return duration_; }  // s, with the last hold and the wander
   const std::vector<Leg>& legs() const { return legs_; }
   double start_delay() const { return start_delay_; }
 
  private:
   std::vector<Leg> legs_;
   double start_delay_;
+  std::optional<Wander> wander_;
   double duration_;
 };
 

@@ -155,6 +155,22 @@ std::vector<HandAction> read_hand(const config::Node& node) {
   return actions;
 }
 
+/// Motion that no list of poses says: `duration` and `rise` (s), `seed`, `periods` (s, shortest and
+/// longest of its waves), most of each axis of `translation` (m) and `rotation_deg`.
+Wander read_wander(const config::Node& node) {
+  WanderOptions options;
+  options.duration = node.number("duration", {0.1, 3600});
+  options.rise = node.number("rise", {0.05, 60}, options.rise);
+  options.seed = node.integer("seed", {0, std::numeric_limits<int>::max()}, 1);
+  const std::vector<double> periods = node.numbers("periods", 2, {0.1, 600});
+  if (!(periods[0] <= periods[1])) node.fail("periods", "must be the shortest, then the longest");
+  options.shortest = periods[0];
+  options.longest = periods[1];
+  options.translation = node.vector3("translation", {0, 10}, Eigen::Vector3d::Zero());
+  options.rotation = kPi / 180 * node.vector3("rotation_deg", {0, 180}, Eigen::Vector3d::Zero());
+  return Wander(options);
+}
+
 MotionPlan read_motion(const config::Node& node) {
   std::vector<Leg> legs;
   for (const config::Node& item : node.list("poses")) {
@@ -166,8 +182,10 @@ MotionPlan read_motion(const config::Node& node) {
     leg.rotation = kPi / 180 * item.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero());
     legs.push_back(leg);
   }
-  if (legs.empty()) node.fail("poses", "at least one pose is needed");
-  return MotionPlan(std::move(legs), node.number("start_delay", {0, 3600}, 1));
+  std::optional<Wander> wander;
+  if (node.has("wander")) wander = read_wander(node.child("wander"));
+  if (legs.empty() && !wander) node.fail("poses", "at least one pose is needed, or a wander");
+  return MotionPlan(std::move(legs), node.number("start_delay", {0, 3600}, 1), wander);
 }
 
 /// The keys of `robot`, the pose of its base in that of the first arm, and what is its own of

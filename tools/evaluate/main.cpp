@@ -10,6 +10,7 @@
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/interruption.hpp"
+#include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/sensors.hpp"
@@ -102,6 +103,7 @@ int run(CLI::App& app, int argc, char** argv) {
                             "fit the simulator's BioTac on random presses instead of a recording");
 
   SensorsCommand sensors(app);
+  ObserverCommand observer(app);
 
   ThesisCommand thesis(app);
 
@@ -111,6 +113,7 @@ int run(CLI::App& app, int argc, char** argv) {
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
+  if (const auto code = observer.run(root, std::cout)) return *code;
   if (const auto code = thesis.run(root, std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;

@@ -46,12 +46,28 @@ std::string write_force_network() {
   return path;
 }
 
+/// An observer of zeros, likewise.
+std::string write_observer_network() {
+  const std::string path = ::testing::TempDir() + "/palpate_examples_observer.pt";
+  inference::ModelCard card;
+  card.name = "zeros";
+  card.rate = 200;
+  card.inputs = {{"gravity_x", "1"}};
+  card.outputs = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
+                  {"tx", "N m"}, {"ty", "N m"}, {"tz", "N m"}};
+  card.payload = sensing::PayloadParameters{};
+  inference::write_model_file(path, sensing::RecurrentWeights::zero(1, 6, {2}), card);
+  return path;
+}
+
 /// What an example's sensor model is replaced by, where the tree does not hold it.
 std::vector<std::string> stand_ins(const std::string& path) {
   const config::Node sensor = config::Node::load_file(path).list("sensing")[0];
   if (!sensor.has("model_file")) return {};
-  const bool is_network = sensor.text("component") == "biotac_lstm";
-  return {"sensing.0.model_file=" + (is_network ? write_force_network() : write_tactile_model())};
+  const std::string component = sensor.text("component");
+  return {"sensing.0.model_file=" + (component == "biotac_lstm" ? write_force_network()
+                                     : component == "ft_rnnob"  ? write_observer_network()
+                                                                : write_tactile_model())};
 }
 
 class EveryExample : public ::testing::TestWithParam<std::string> {};
@@ -59,7 +75,8 @@ class EveryExample : public ::testing::TestWithParam<std::string> {};
 TEST_P(EveryExample, IsConfiguredAndStarts) {
   const std::string path = PALPATE_SOURCE_DIR "/rt/config/examples/" + GetParam() + ".yaml";
 #ifdef PALPATE_WITHOUT_TORCH
-  if (GetParam() == "foam_bar_tactile_lstm") GTEST_SKIP() << "this build has no libtorch";
+  if (GetParam() == "foam_bar_tactile_lstm" || GetParam() == "payload_arm_rnnob")
+    GTEST_SKIP() << "this build has no libtorch";
 #endif
   Pipeline pipeline(config::Node::load_file(path, stand_ins(path)), 1e-3);
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive) << pipeline.condition().reason;
