@@ -32,9 +32,21 @@ struct ForceTorqueDisturbance {
   double warm_up_time = 600;  // s, time constant
 };
 
+/// The skin of a BioTac (sim/sensors/biotac_skin.hpp).
+struct SkinTable {
+  double foundation = 3e7;                 // N/m^3: pressure that a depth takes
+  double spread = 1.5e-3;                  // m: how far the skin carries a point load
+  double shear_stiffness = 1e3;            // N/m
+  double friction = 0;                     // m: how far a dent stays behind what presses
+  double fast_share = 0, fast_time = 0.1;  // part of a dent that comes late, s
+  double slow_share = 0, slow_time = 3;
+};
+
 /// Of every BioTac; signals in counts.
 struct BiotacTable {
   Timing timing;
+  SkinTable skin;
+  double pressure_area = 1.8e-4;  // m^2: pressing force over the fluid's pressure
   double polarity = 1;  // 1: electrodes rise under pressure, -1: they fall; both kinds exist
   Faults electrode, pressure, vibration, temperature;
   double warm_up = 300;  // s, time constant after switching on
