@@ -17,15 +17,15 @@ std::int16_t counts(double value) {
   return static_cast<std::int16_t>(std::clamp(std::round(value), kLeast, kMost));
 }
 
-/// Counts across a divider of an electrode and a fixed resistor that gives `rest` where
-/// `resistance` (over that at rest) is 1; across the electrode, or else across the resistor.
-double divide(double rest, double resistance, bool across_electrode) {
-  const double other = kMost / rest - 1;
-  return across_electrode ? kMost * resistance / (resistance + other)
-                          : kMost / (1 + other * resistance);
+}  // namespace
+
+double electrode_counts(double rest, double resistance, double polarity) {
+  const double other = kMost / rest - 1;  // the divider's fixed resistor
+  return polarity > 0 ? kMost * resistance / (resistance + other)
+                      : kMost / (1 + other * resistance);
 }
 
-}  // namespace
+double pressure_counts(double pressure) { return pressure / kPressureStep; }
 
 double radius_of(double area) { return std::sqrt(area / kPi); }
 
@@ -55,10 +55,10 @@ BiotacReading Biotac::read() {
   const sensing::ElectrodeVector resistance = skin_.resistance();
   for (int i = 0; i < kElectrodeCount; ++i)
     reading.electrodes[i] =
-        counts(divide(rest_[i], resistance[i], table_.polarity > 0) +
+        counts(electrode_counts(rest_[i], resistance[i], table_.polarity) +
                table_.warm_up_electrode * cold + noisy(table_.electrode, walk_[i]));
-  reading.pdc = counts(rest_pressure_ + pressure_ / kPressureStep + table_.warm_up_pressure * cold +
-                       noisy(table_.pressure, pressure_walk_));
+  reading.pdc = counts(rest_pressure_ + pressure_counts(pressure_) +
+                       table_.warm_up_pressure * cold + noisy(table_.pressure, pressure_walk_));
   // The steps since the last reading, as many times as the electronics sample them.
   for (int k = 0; k < kVibrationSamples; ++k) {
     const auto steps = vibration_.size();

@@ -15,6 +15,13 @@ namespace palpate::sensors {
 /// Radius (m) of a circle of this area (m^2).
 double radius_of(double area);
 
+/// Counts of an electrode that gives `rest` at rest while `resistance` is what it is over that at
+/// rest: across a divider, where they rise (polarity 1) or fall (-1) as the fluid thins.
+double electrode_counts(double rest, double resistance, double polarity);
+
+/// Counts of PDC that a pressure (Pa) adds.
+double pressure_counts(double pressure);
+
 inline constexpr int kVibrationSamples = 22;  // of one BioTac reading, at 2.2 kHz
 
 /// One reading in 12-bit counts.

@@ -13,7 +13,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kShearReach = 10e-3;  // m, about a touch, that the skin shifts with it
 // Parts of the depth at rest: folds of the skin keep it open, the nail holds what bulges.
 constexpr double kLeastDepth = 0.05, kMostDepth = 1.5;
 
@@ -63,9 +62,9 @@ VectorXd BiotacSkin::equilibrium(const std::vector<Touch>& touches) const {
     dent.array() += depth * bell(centre, variance);
     // Skin that shifts comes nearer to the core on one side of it and farther on the other.
     const ArrayXd shift = (film.normals.transpose() * (centre - at)).array();
-    dent.array() -= bell(at, kShearReach * kShearReach) * shift;
+    dent.array() -= bell(at, table_.shear_reach * table_.shear_reach) * shift;
   }
-  dent.array() -= dent.dot(film.areas) / film.areas.sum();
+  dent.array() -= table_.bulge * dent.dot(film.areas) / film.areas.sum();
   return dent;
 }
 

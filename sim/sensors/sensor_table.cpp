@@ -45,6 +45,8 @@ void read(const config::Node& node, SkinTable& skin) {
   skin.foundation = node.number("foundation", {1e5, 1e10}, skin.foundation);
   skin.spread = node.number("spread", {1e-4, 1e-2}, skin.spread);
   skin.shear_stiffness = node.number("shear_stiffness", {10, 1e6}, skin.shear_stiffness);
+  skin.shear_reach = node.number("shear_reach", {1e-3, 1}, skin.shear_reach);
+  skin.bulge = node.number("bulge", {0, 1}, skin.bulge);
   skin.friction = node.number("friction", {0, 1e-3}, skin.friction);
   skin.fast_share = node.number("fast_share", {0, 1}, skin.fast_share);
   skin.fast_time = node.number("fast_time", {1e-3, 1e4}, skin.fast_time);

@@ -34,11 +34,14 @@ struct ForceTorqueDisturbance {
 
 /// The skin of a BioTac (sim/sensors/biotac_skin.hpp).
 struct SkinTable {
-  double foundation = 3e7;                 // N/m^3: pressure that a depth takes
-  double spread = 1.5e-3;                  // m: how far the skin carries a point load
-  double shear_stiffness = 1e3;            // N/m
-  double friction = 0;                     // m: how far a dent stays behind what presses
-  double fast_share = 0, fast_time = 0.1;  // part of a dent that comes late, s
+  double foundation = 3e7;       // N/m^3: pressure that a depth takes
+  double spread = 1.5e-3;        // m: how far the skin carries a point load
+  double shear_stiffness = 1e3;  // N/m
+  double shear_reach = 10e-3;    // m about a touch, that the skin shifts with it
+  double bulge = 1;              // part of the displaced fluid that stays below the pad
+  double friction = 0;           // m: how far a dent stays behind what presses
+  // Parts of a dent that come late, and their time constants, s.
+  double fast_share = 0, fast_time = 0.1;
   double slow_share = 0, slow_time = 3;
 };
 
