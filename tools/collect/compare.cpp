@@ -28,7 +28,7 @@ constexpr double kPressureWeight = 0.3;  // of PDC beside the electrodes, whose 
 
 /// What the search turns, each of order one: what shows at rest, then what lags.
 struct Unknowns {
-  static constexpr int kStatic = 10, kCount = 15;
+  static constexpr int kPlace = 6, kStatic = 10, kCount = 15;
 
   static VectorXd from(const TouchPlace& place, const sensors::BiotacTable& table) {
     const sensors::SkinTable& skin = table.skin;
@@ -135,7 +135,7 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
                      int evaluations) {
   const PressRecording sparse = first_rows(recording, rows, 10);
   const PressRecording dense = first_rows(recording, rows, 1);
-  evaluate::Progress progress(1, 1, "calibration on the first half");
+  evaluate::Progress progress(1, 1, "calibration on the first rows");
   int count = 0;
   Comparison trial;
   const auto cost = [&](const PressRecording& part, const VectorXd& x) {
@@ -145,6 +145,8 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
     return misfit(part, trial.place, trial.table);
   };
   constexpr double kXs[] = {-12e-3, -8e-3, -4e-3, 0}, kAngles[] = {-0.8, 0.8};
+  const Index at_rest_count = fit_skin ? Unknowns::kStatic : Unknowns::kPlace;
+  const Index all_count = fit_skin ? Unknowns::kCount : Unknowns::kPlace;
   const int each = evaluations / 2 / 8;
   VectorXd best;
   double least = std::numeric_limits<double>::infinity();
@@ -155,20 +157,23 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
       place.angle = angle;
       VectorXd x = Unknowns::from(place, table);
       const auto at_rest = [&](const VectorXd& head) {
-        x.head<Unknowns::kStatic>() = head;
+        x.head(at_rest_count) = head;
         return cost(sparse, x);
       };
-      VectorXd head = x.head<Unknowns::kStatic>();
+      VectorXd head = x.head(at_rest_count);
       for (int repeat = 0; repeat < 2; ++repeat)  // a new simplex where one has collapsed
-        head = minimise(at_rest, head, Unknowns::steps().head<Unknowns::kStatic>(), each / 2);
+        head = minimise(at_rest, head, Unknowns::steps().head(at_rest_count), each / 2);
       const double value = at_rest(head);
       if (value >= least && best.size() > 0) continue;
       least = value;
       best = x;
     }
-  const auto all = [&](const VectorXd& x) { return cost(dense, x); };
-  best = minimise(all, best, Unknowns::steps(), evaluations / 2);
-  cost(dense, best);
+  VectorXd x = best;
+  const auto all = [&](const VectorXd& head) {
+    x.head(all_count) = head;
+    return cost(dense, x);
+  };
+  all(minimise(all, best.head(all_count), Unknowns::steps().head(all_count), evaluations / 2));
   progress.finish(true);
   return trial;
 }
@@ -231,15 +236,16 @@ MatrixXd emulate(const PressRecording& recording, const sensors::BiotacTable& ta
 }
 
 Comparison compare_press(const PressRecording& recording, const sensors::BiotacTable& table,
-                         int evaluations) {
-  const Index half = recording.time.size() / 2, rest = recording.time.size() - half;
-  Comparison best = calibrate(recording, half, table, evaluations);
+                         bool fit_skin, double part, int evaluations) {
+  const auto first = static_cast<Index>(part * static_cast<double>(recording.time.size()));
+  const Index rest = recording.time.size() - first;
+  Comparison best = calibrate(recording, first, table, fit_skin, evaluations);
   const MatrixXd emulated = emulate(recording, best.table, best.place);
   const VectorXd force = recording.forces.rowwise().norm();
   for (int i = 0; i < kSignals; ++i) {
     const VectorXd measured = recording.changes.col(i), model = emulated.col(i);
     const VectorXd late = measured.tail(rest), late_model = model.tail(rest);
-    const double own = gain_of(measured.head(half), model.head(half));
+    const double own = gain_of(measured.head(first), model.head(first));
     SignalScore score;
     score.name = i < kElectrodeCount ? "E" + std::to_string(i + 1) : "PDC";
     score.correlation = correlation_of(late, late_model);
@@ -254,13 +260,14 @@ Comparison compare_press(const PressRecording& recording, const sensors::BiotacT
   return best;
 }
 
-void run_compare(const std::filesystem::path& data, int evaluations, std::ostream& out) {
+void run_compare(const std::filesystem::path& data, bool fit_skin, double part, int evaluations,
+                 std::ostream& out) {
   using evaluate::number;
   const PressRecording recording = read_press(data / "biotac_foam_bar" / "ring_finger_dev.csv");
   const sensors::BiotacTable table =
       sensors::read_sensors(config::Node::from_text("{}", "sensors")).biotac;
-  const Comparison found = compare_press(recording, table, evaluations);
-  evaluate::Table rows({"second half", "correlation", "counts/N", "emulated", "RMS counts",
+  const Comparison found = compare_press(recording, table, fit_skin, part, evaluations);
+  evaluate::Table rows({"never seen", "correlation", "counts/N", "emulated", "RMS counts",
                         "with own gain", "loop counts N", "emulated "});
   VectorXd measured(kElectrodeCount), emulated(kElectrodeCount);
   double sum = 0, sum_own = 0;
@@ -276,8 +283,8 @@ void run_compare(const std::filesystem::path& data, int evaluations, std::ostrea
     sum_own += s.rms_own_gain * s.rms_own_gain / kElectrodeCount;
   }
   rows.print(out);
-  const Index half = recording.time.size() / 2;
-  const auto late = recording.changes.bottomRows(recording.time.size() - half);
+  const auto first = static_cast<Index>(part * static_cast<double>(recording.time.size()));
+  const auto late = recording.changes.bottomRows(recording.time.size() - first);
   const double size = std::sqrt(late.leftCols(kElectrodeCount).squaredNorm() /
                                 static_cast<double>(late.rows() * kElectrodeCount));
   out << "electrodes: RMS " << number(std::sqrt(sum), 2) << " of " << number(size, 2)

@@ -49,12 +49,14 @@ struct Comparison {
   std::vector<SignalScore> signals;  // electrodes, then PDC
 };
 
-/// Finds place, skin and pressure area on the first half of the recording and scores the rest.
+/// Finds place, pressure area and, with `fit_skin`, the skin on the first `part` of the recording
+/// and scores the rest.
 /// `evaluations`: of the emulation, in the search.
 Comparison compare_press(const PressRecording& recording, const sensors::BiotacTable& table,
-                         int evaluations);
+                         bool fit_skin, double part, int evaluations);
 
 /// Prints it all; the recording is DATA/biotac_foam_bar/ring_finger_dev.csv.
-void run_compare(const std::filesystem::path& data, int evaluations, std::ostream& out);
+void run_compare(const std::filesystem::path& data, bool fit_skin, double part, int evaluations,
+                 std::ostream& out);
 
 }  // namespace palpate::collect

@@ -56,6 +56,13 @@ int main(int argc, char** argv) {
   compare->add_option("--data", data, "Folder of the recordings")
       ->required()
       ->check(CLI::ExistingDirectory);
+  bool skin_as_is = false;
+  compare->add_flag("--skin-as-is", skin_as_is,
+                    "Find place and pressure area only; the skin is that of sensors.yaml");
+  double part = 0.5;
+  compare->add_option("--split", part, "Part of the recording that is calibrated on")
+      ->check(CLI::Range(0.2, 0.8))
+      ->capture_default_str();
   int evaluations = 12000;
   compare->add_option("--evaluations", evaluations, "Of the emulation, in the calibration")
       ->check(CLI::Range(100, 1000000))
@@ -103,7 +110,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
-    if (*compare) collect::run_compare(data, evaluations, std::cout);
+    if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
     if (*localise) collect::run_localise(collection, localization, std::cout);
     return 0;
