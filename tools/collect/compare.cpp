@@ -132,7 +132,7 @@ double misfit(const PressRecording& recording, const TouchPlace& place,
 /// The search is local: from several places of the pad for what shows at rest, on few rows; then
 /// for all of it from the best.
 Comparison calibrate(const PressRecording& recording, Index rows, const sensors::BiotacTable& table,
-                     int evaluations) {
+                     bool fit_skin, int evaluations) {
   const PressRecording sparse = first_rows(recording, rows, 10);
   const PressRecording dense = first_rows(recording, rows, 1);
   evaluate::Progress progress(1, 1, "calibration on the first rows");
