@@ -1,18 +1,16 @@
 #include "tools/collect/collection.hpp"
 
 #include <algorithm>
-#include <cstring>
 #include <fstream>
 #include <iomanip>
 #include <iterator>
-#include <lcm/lcm-cpp.hpp>
 #include <palpate/biotac_t.hpp>
-#include <palpate/component_event_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <sstream>
 #include <stdexcept>
 
 #include "rt/bus/session.hpp"
+#include "tools/collect/event_log.hpp"
 #include "tools/import/csv_reader.hpp"
 
 namespace palpate::collect {
@@ -84,20 +82,10 @@ class CsvCollection : public CollectionFile {
 
 class LogCollection : public CollectionFile {
  public:
-  explicit LogCollection(const std::filesystem::path& path)
-      : path_(path.string()), file_(path_, "w") {
-    if (!file_.good()) throw std::runtime_error(path_ + ": cannot be written");
-  }
+  explicit LogCollection(const std::filesystem::path& path) : log_(path) {}
 
   void add(const Trial& trial, const std::vector<Sample>& samples) override {
-    component_event_t mark{};
-    const auto put = [](auto& field, const std::string& text) {
-      std::memcpy(field, text.data(), std::min(text.size(), std::size(field) - 1));
-    };
-    put(mark.slot, "collect");
-    put(mark.event, "trial");
-    put(mark.reason, name_of(trial));
-    mark.command_counter = trial.number;
+    component_event_t mark = trial_event(trial.number, name_of(trial));
     mark_stamp_.put(mark, start_us_);
     write("COMPONENT_EVENT", mark);
     for (const Sample& sample : samples) {
@@ -130,19 +118,10 @@ class LogCollection : public CollectionFile {
 
   template <class Message>
   void write(const char* channel, const Message& message) {
-    buffer_.resize(message.getEncodedSize());
-    message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
-    lcm::LogEvent event{};
-    event.timestamp = message.utime;
-    event.channel = channel;
-    event.datalen = static_cast<int>(buffer_.size());
-    event.data = buffer_.data();
-    if (file_.writeEvent(&event) != 0) throw std::runtime_error(path_ + ": cannot be written");
+    log_.write(channel, message.utime, message);
   }
 
-  std::string path_;
-  lcm::LogFile file_;
-  std::vector<std::uint8_t> buffer_;
+  EventLog log_;
   std::int64_t session_ = bus::random_session();
   bus::Stamp mark_stamp_{session_}, wrench_stamp_{session_}, biotac_stamp_{session_};
   std::int64_t start_us_ = 1000000;

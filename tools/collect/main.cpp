@@ -5,7 +5,9 @@
 #include "rt/config/node.hpp"
 #include "tools/collect/collection.hpp"
 #include "tools/collect/compare.hpp"
+#include "tools/collect/hand.hpp"
 #include "tools/collect/localise.hpp"
+#include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/progress.hpp"
 
 namespace {
@@ -108,10 +110,36 @@ int main(int argc, char** argv) {
   localise->add_option("--saturation", localization.saturation, "Counts that make full intensity")
       ->check(CLI::Range(1.0, 4095.0))
       ->capture_default_str();
+
+  CLI::App* hand = app.add_subcommand(
+      "hand",
+      "Presses of a hand over LCM, a real one or palpate-sim's: HAND_COMMAND, log of what comes");
+  collect::HandProtocol protocol;
+  std::string url = "udpm://239.255.76.67:7667?ttl=0", log = "presses.log", name = "presses";
+  hand->add_option("--url", url, "Of the control bus")->capture_default_str();
+  hand->add_option("-o,--out", log, "LCM log to write")->capture_default_str();
+  hand->add_option("--name", name, "Of probe and area, for the log")->capture_default_str();
+  hand->add_option("--finger", protocol.finger)->check(CLI::Range(0, 4))->capture_default_str();
+  hand->add_option("--trials", protocol.trials)->check(CLI::Range(1, 10000))->capture_default_str();
+  hand->add_option("--force", protocol.force, "N, that a finger holds")
+      ->check(CLI::Range(0.05, 20.0))
+      ->capture_default_str();
+  hand->add_option("--hold", protocol.hold, "s")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  hand->add_option("--release", protocol.release, "s")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
   CLI11_PARSE(app, argc, argv);
   try {
     if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
+    if (*hand) {
+      evaluate::catch_interruptions();
+      const auto bus = bus::make_lcm_bus(url);
+      const collect::HandCount count = collect::collect_from_hand(*bus, protocol, name, log);
+      std::cout << count.touches << " tactile samples, " << count.wrenches << " wrenches\n";
+    }
     if (*localise) collect::run_localise(collection, localization, std::cout);
     return 0;
   } catch (const config::Error& error) {
