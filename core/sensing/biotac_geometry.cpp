@@ -45,6 +45,15 @@ Eigen::Matrix<double, 3, kElectrodeCount> table(const double (Electrode::*field)
 const Eigen::Matrix<double, 3, kElectrodeCount> kPositions = table(&Electrode::position_mm, 1e-3);
 const Eigen::Matrix<double, 3, kElectrodeCount> kNormals = table(&Electrode::normal, 1.0);
 
+// The published file gives area 8 the y of area 9; they are mirror images as 4, 5 and 6, 7 are.
+const Eigen::Matrix<double, 3, kAreaCount> kAreas =
+    1e-3 * (Eigen::Matrix<double, 3, kAreaCount>() <<  //
+                -11.7,
+            -6.2, 3, -11.9, -11.9, -6.2, -6.2, 3, 3,       //
+            0, 0, 0, -3.513, 3.513, -3.513, 3.513, -3, 3,  //
+            -5.08, -5.08, -3.33, -3.5, -3.5, -3.67, -3.67, -2.5, -2.5)
+               .finished();
+
 }  // namespace
 
 const Eigen::Matrix<double, 3, kElectrodeCount>& electrode_positions() noexcept {
@@ -64,6 +73,21 @@ Eigen::Vector3d skin_normal(const Eigen::Vector3d& p) noexcept {
 
 Eigen::Vector3d project_on_skin(const Eigen::Vector3d& p) noexcept {
   return kSkinRadius * skin_normal(p) + std::min(p.x(), 0.0) * Eigen::Vector3d::UnitX();
+}
+
+const Eigen::Matrix<double, 3, kAreaCount>& area_centres() noexcept { return kAreas; }
+
+int nearest_area(const Eigen::Vector3d& location) noexcept {
+  const Eigen::Vector3d at = project_on_skin(location);
+  int nearest = 0;
+  double least = 0;
+  for (int i = 0; i < kAreaCount; ++i) {
+    const double distance = (project_on_skin(kAreas.col(i)) - at).squaredNorm();
+    if (nearest > 0 && distance >= least) continue;
+    nearest = i + 1;
+    least = distance;
+  }
+  return nearest;
 }
 
 double electrode_intensity(double counts, const LocalizationOptions& options) noexcept {

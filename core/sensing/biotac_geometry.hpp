@@ -22,6 +22,16 @@ Eigen::Vector3d project_on_skin(const Eigen::Vector3d& p) noexcept;
 /// Outward normal of the skin at a point of it.
 Eigen::Vector3d skin_normal(const Eigen::Vector3d& p) noexcept;
 
+inline constexpr int kAreaCount = 9;
+
+/// Centres (m, in T, on the core) of the contact areas 1 to 9, a column each (Lin et al. 2013): 1
+/// to 3 along the middle towards the tip, 4, 6 and 8 beside them at y < 0, 5, 7 and 9 at y > 0.
+const Eigen::Matrix<double, 3, kAreaCount>& area_centres() noexcept;
+
+/// Number, 1 to 9, of the area whose centre is nearest to a place of the skin (m, in T), measured
+/// between points of the skin.
+int nearest_area(const Eigen::Vector3d& location) noexcept;
+
 enum class Weighting {
   kPublished,  // thesis 3.2: the pull of the intensities is divided by the number of electrodes
   kCentroid,   // centroid weighted by the intensities

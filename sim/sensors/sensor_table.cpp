@@ -41,11 +41,28 @@ void read(const config::Node& node, ForceTorqueDisturbance& disturbance) {
   read(warm_up, "wrench", disturbance.warm_up);
 }
 
+void read(const config::Node& node, SkinTable& skin) {
+  skin.foundation = node.number("foundation", {1e5, 1e10}, skin.foundation);
+  skin.spread = node.number("spread", {1e-4, 1e-2}, skin.spread);
+  skin.shear_stiffness = node.number("shear_stiffness", {10, 1e6}, skin.shear_stiffness);
+  skin.shear_reach = node.number("shear_reach", {1e-3, 1}, skin.shear_reach);
+  skin.bulge = node.number("bulge", {0, 1}, skin.bulge);
+  skin.friction = node.number("friction", {0, 1e-3}, skin.friction);
+  skin.fast_share = node.number("fast_share", {0, 1}, skin.fast_share);
+  skin.fast_time = node.number("fast_time", {1e-3, 1e4}, skin.fast_time);
+  skin.slow_share = node.number("slow_share", {0, 1}, skin.slow_share);
+  skin.slow_time = node.number("slow_time", {1e-3, 1e4}, skin.slow_time);
+  if (skin.fast_share + skin.slow_share > 1)
+    node.fail("slow_share", "and fast_share must not exceed 1 together");
+}
+
 void read(const config::Node& node, BiotacTable& table) {
   constexpr config::Range kCounts{-4095, 4095};
   read(node, table.timing);
   table.polarity = node.number("polarity", {-1, 1}, table.polarity);
   if (std::abs(table.polarity) != 1) node.fail("polarity", "wants 1 or -1");
+  read(node.child_or_empty("skin"), table.skin);
+  table.pressure_area = node.number("pressure_area", {1e-5, 1e-2}, table.pressure_area);
   read(node, "electrode", table.electrode);
   read(node, "pressure", table.pressure);
   read(node, "vibration", table.vibration);

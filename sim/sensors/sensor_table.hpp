@@ -32,9 +32,24 @@ struct ForceTorqueDisturbance {
   double warm_up_time = 600;  // s, time constant
 };
 
+/// The skin of a BioTac (sim/sensors/biotac_skin.hpp).
+struct SkinTable {
+  double foundation = 3e7;       // N/m^3: pressure that a depth takes
+  double spread = 1.5e-3;        // m: how far the skin carries a point load
+  double shear_stiffness = 1e3;  // N/m
+  double shear_reach = 10e-3;    // m about a touch, that the skin shifts with it
+  double bulge = 1;              // part of the displaced fluid that stays below the pad
+  double friction = 0;           // m: how far a dent stays behind what presses
+  // Parts of a dent that come late, and their time constants, s.
+  double fast_share = 0, fast_time = 0.1;
+  double slow_share = 0, slow_time = 3;
+};
+
 /// Of every BioTac; signals in counts.
 struct BiotacTable {
   Timing timing;
+  SkinTable skin;
+  double pressure_area = 1.8e-4;  // m^2: pressing force over the fluid's pressure
   double polarity = 1;  // 1: electrodes rise under pressure, -1: they fall; both kinds exist
   Faults electrode, pressure, vibration, temperature;
   double warm_up = 300;  // s, time constant after switching on

@@ -1,5 +1,6 @@
 #include "tools/train/data_set.hpp"
 
+#include <filesystem>
 #include <fstream>
 #include <sstream>
 #include <stdexcept>
@@ -31,15 +32,25 @@ bool in_any(const std::vector<Interval>& intervals, double t) {
   return false;
 }
 
-/// Parts by time; every row counts.
-Recording begin_recording(const Table& table, const RecordingPlan& plan) {
+std::string find_file(const std::vector<std::string>& folders, const std::string& file) {
+  for (const std::string& folder : folders)
+    if (std::filesystem::exists(folder + "/" + file)) return folder + "/" + file;
+  std::string where;
+  for (const std::string& folder : folders) where += " " + folder;
+  throw std::runtime_error(file + ": not found below" + where);
+}
+
+/// Parts by time, or by the recording's `number` in its file; every row counts.
+Recording begin_recording(const Table& table, const RecordingPlan& plan, int number) {
+  const bool validates =
+      plan.validate_every > 0 && number % plan.validate_every == plan.validate_every - 1;
   Recording recording;
   recording.name = table.name;
   recording.time = table.time;
   for (const double t : table.time)
-    recording.parts.push_back(in_any(plan.test, t)         ? Part::kTest
-                              : in_any(plan.validation, t) ? Part::kValidation
-                                                           : Part::kTraining);
+    recording.parts.push_back(in_any(plan.test, t)                      ? Part::kTest
+                              : validates || in_any(plan.validation, t) ? Part::kValidation
+                                                                        : Part::kTraining);
   recording.counts.assign(recording.parts.size(), true);
   return recording;
 }
@@ -54,6 +65,7 @@ void load_columns(const DataPlan& plan, const RecordingPlan& entry, const std::s
   columns.insert(columns.end(), output_columns.begin(), output_columns.end());
   if (!plan.contact_column.empty()) columns.push_back(plan.contact_column);
 
+  int number = 0;
   for (const Table& raw : read_tables(path, plan.time, columns, entry.column)) {
     Table table = resample(raw, plan.rate, plan.average);
     if (plan.tare > 0) {
@@ -63,7 +75,7 @@ void load_columns(const DataPlan& plan, const RecordingPlan& entry, const std::s
       if (!plan.tare_outputs) mean.segment(inputs, outputs).setZero();
       table.rows.rowwise() -= mean;
     }
-    Recording recording = begin_recording(table, entry);
+    Recording recording = begin_recording(table, entry, number++);
     recording.inputs = table.rows.leftCols(inputs);
     recording.outputs = table.rows.middleCols(inputs, outputs);
     if (!plan.contact_column.empty())
@@ -76,23 +88,24 @@ void load_columns(const DataPlan& plan, const RecordingPlan& entry, const std::s
 
 }  // namespace
 
-DataSet load_data(const DataPlan& plan, const std::string& folder) {
+DataSet load_data(const DataPlan& plan, const std::vector<std::string>& folders) {
   DataSet data;
   data.inputs = channels(plan.inputs);
   data.outputs = channels(plan.outputs);
   std::vector<WristRecording> wrists;
   for (const RecordingPlan& entry : plan.recordings) {
-    const std::string path = folder + "/" + entry.file;
+    const std::string path = find_file(folders, entry.file);
     if (!plan.is_wrist) {
       load_columns(plan, entry, path, data);
     } else {
+      int number = 0;
       for (const Table& raw :
            read_tables(path, plan.time, wrist_columns(plan.wrist), entry.column)) {
         wrists.push_back(load_wrist(plan, raw));
         Table table;
         table.name = raw.name;
         table.time = wrists.back().time;
-        data.recordings.push_back(begin_recording(table, entry));
+        data.recordings.push_back(begin_recording(table, entry, number++));
       }
     }
     data.files.push_back({entry.file, hash_of_file(path)});

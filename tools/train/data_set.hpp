@@ -39,9 +39,9 @@ struct DataSet {
   std::optional<sensing::PayloadParameters> payload;  // of the training part; without bias
 };
 
-/// Reads, aligns, tares and resamples all recordings of a plan below `folder`. Throws
-/// import::CsvError or std::runtime_error naming the file.
-DataSet load_data(const DataPlan& plan, const std::string& folder);
+/// Reads, aligns, tares and resamples all recordings of a plan, each from the first of `folders`
+/// that has it. Throws import::CsvError or std::runtime_error naming the file.
+DataSet load_data(const DataPlan& plan, const std::vector<std::string>& folders);
 
 /// Rows of one part that count, of all recordings, one below the other.
 Eigen::MatrixXd gather(const DataSet& data, const std::vector<Eigen::MatrixXd>& of_recordings,

@@ -37,6 +37,9 @@ Errors measure_errors(const Eigen::MatrixXd& predicted, const Eigen::MatrixXd& t
   for (const ColumnGroup& group : outputs) {
     const auto count = static_cast<Eigen::Index>(group.columns.size());
     result.norms.push_back(error.middleCols(first, count).norm() / std::sqrt(n));
+    const Eigen::VectorXd longer = predicted.middleCols(first, count).rowwise().norm() -
+                                   truth.middleCols(first, count).rowwise().norm();
+    result.lengths.push_back(longer.norm() / std::sqrt(n));
     std::vector<double> angles;
     if (group.is_direction)
       for (Eigen::Index k = 0; k < truth.rows(); ++k) {

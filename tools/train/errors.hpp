@@ -15,6 +15,7 @@ struct Errors {
   Eigen::VectorXd mean_absolute;  // per output
   Eigen::VectorXd correlation;    // per output; 0 where one of the two does not move
   std::vector<double> norms;      // per group: RMS of the length of the error
+  std::vector<double> lengths;    // per group: RMS of the error of the length, free of frames
   /// Per group, directions only (else 0): median and 90th percentile of the angle, rad.
   std::vector<double> median_angle;
   std::vector<double> angle_90;

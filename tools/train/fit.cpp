@@ -30,10 +30,32 @@ struct Scale {
                     .transpose()
                     .cwiseMax(floor);
   }
+  Scale(const Eigen::VectorXf& known_mean, const Eigen::VectorXf& known_deviation)
+      : mean(known_mean.cast<double>()), deviation(known_deviation.cast<double>()) {}
+  static Scale of_inputs(const RecurrentWeights& w) { return {w.input_mean, w.input_deviation}; }
+  static Scale of_outputs(const RecurrentWeights& w) { return {w.output_mean, w.output_deviation}; }
+
   Eigen::MatrixXd apply(const Eigen::MatrixXd& rows) const {
     return (rows.rowwise() - mean.transpose()) * deviation.cwiseInverse().asDiagonal();
   }
 };
+
+/// As many rows as `like` has, each this vector.
+Eigen::MatrixXd ones_times(const Eigen::VectorXd& row, const Eigen::MatrixXd& like) {
+  return row.transpose().replicate(like.rows(), 1);
+}
+
+/// Throws where a network to go on from is not of the plan's shape.
+void check_start(const RecurrentWeights& start, const RecurrentWeights& plan) {
+  bool same = start.inputs() == plan.inputs() && start.outputs() == plan.outputs() &&
+              start.layers.size() == plan.layers.size() && start.unit_mask == plan.unit_mask &&
+              start.unit_floor == plan.unit_floor;
+  for (std::size_t k = 0; same && k < plan.layers.size(); ++k)
+    same = start.layers[k].size() == plan.layers[k].size();
+  if (!same)
+    throw std::runtime_error(
+        "start_from: the network has other inputs, outputs, layers or unit_length than the plan");
+}
 
 void set_unit_length(const std::vector<ColumnGroup>& inputs, RecurrentWeights& weights) {
   Eigen::Index first = 0;
@@ -114,7 +136,8 @@ RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
 }
 
 double validation_error(const RecurrentWeights& weights, const DataSet& data, int window) {
-  const Eigen::MatrixXd predicted = gather(data, predict(weights, data, window), Part::kValidation);
+  const Eigen::MatrixXd predicted =
+      gather(data, predict(weights, data, window, Part::kValidation), Part::kValidation);
   const Eigen::MatrixXd truth = gather(data, outputs_of(data), Part::kValidation);
   const Eigen::VectorXd scale = weights.output_deviation.cast<double>().cwiseInverse();
   return ((predicted - truth) * scale.asDiagonal()).squaredNorm() /
@@ -153,30 +176,54 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     throw std::runtime_error(
         "no row of the validation part counts: the recordings are shorter than the plan says, or "
         "without contact there");
-  const Scale in(used_x, floors(plan.data.inputs));
-  const Scale out(used_y, floors(plan.data.outputs));
+  const Scale in =
+      options.start ? Scale::of_inputs(*options.start) : Scale(used_x, floors(plan.data.inputs));
+  const Scale out =
+      options.start ? Scale::of_outputs(*options.start) : Scale(used_y, floors(plan.data.outputs));
   base.input_mean = in.mean.cast<float>();
   base.input_deviation = in.deviation.cast<float>();
   base.output_mean = out.mean.cast<float>();
   base.output_deviation = out.deviation.cast<float>();
+  if (options.start) {
+    check_start(*options.start, base);
+    base.linear = options.start->linear;
+    base.offset = options.start->offset;
+  }
 
-  Fit fit;
-  const Ridge ridge = fit_ridge(in.apply(used_x), out.apply(used_y), plan.network.penalties);
-  fit.penalty = ridge.penalty;
-  fit.linear = base;
-  fit.linear.linear = ridge.matrix.cast<float>();
-  fit.linear.offset = ridge.offset.cast<float>();
-  if (plan.network.linear) base = fit.linear;
-
-  // What the cells are to answer: what the linear path leaves, brought to unit size.
+  // What the ridge is to answer: what the start, if there is one, leaves.
   for (Eigen::MatrixXd& rows : x) rows = in.apply(rows);
+  std::vector<Eigen::MatrixXd> left = y;
+  if (options.start) {
+    const std::vector<Eigen::MatrixXd> known = predict(*options.start, data);
+    for (std::size_t r = 0; r < y.size(); ++r)
+      left[r] = y[r] - known[r] + ones_times(out.mean, y[r]);
+  }
+  for (Eigen::MatrixXd& rows : left) rows = out.apply(rows);
+  Fit fit;
+  const Ridge ridge = fit_ridge(gather_used(data, x, options.all_parts),
+                                gather_used(data, left, options.all_parts), plan.network.penalties);
+  fit.penalty = ridge.penalty;
+  fit.linear = options.start ? *options.start : base;
+  fit.linear.linear += ridge.matrix.cast<float>();
+  fit.linear.offset += ridge.offset.cast<float>();
+  if (plan.network.linear) {
+    base.linear += ridge.matrix.cast<float>();
+    base.offset += ridge.offset.cast<float>();
+  }
+
+  // What the cells are to answer: what the linear path leaves, brought to unit size; a start has
+  // its own size.
   for (std::size_t r = 0; r < y.size(); ++r) {
     y[r] = out.apply(y[r]);
-    if (plan.network.linear) y[r] -= ridge.predict(x[r]);
+    y[r] -= x[r] * base.linear.cast<double>().transpose();
+    y[r].rowwise() -= base.offset.cast<double>().transpose();
     y[r] = y[r] * out.deviation.asDiagonal();
   }
   const Eigen::VectorXd target_deviation =
-      Scale(gather_used(data, y, options.all_parts), 1e-3 * floors(plan.data.outputs)).deviation;
+      options.start
+          ? out.deviation
+          : Scale(gather_used(data, y, options.all_parts), 1e-3 * floors(plan.data.outputs))
+                .deviation;
   for (Eigen::MatrixXd& rows : y) rows = rows * target_deviation.cwiseInverse().asDiagonal();
 
   TrainerHooks hooks;
@@ -190,6 +237,11 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   hooks.checkpoint = options.checkpoint;
   hooks.resume = options.resume;
   hooks.start_at_zero = plan.network.linear;
+  Cells start;
+  if (options.start) {
+    start = {options.start->layers, options.start->dense, Eigen::VectorXf::Zero(outputs)};
+    hooks.start = &start;
+  }
   const TrainerResult result = train_cells(stretches(data, x, y, options.all_parts),
                                            plan.network.layers, plan.training, hooks);
   fit.network = assemble(base, result.cells, target_deviation);
@@ -206,14 +258,19 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
 }
 
 std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const DataSet& data,
-                                     int window) {
+                                     int window, std::optional<Part> only) {
   sensing::RecurrentNetwork network(weights);
   std::vector<float> state(network.states());
   Eigen::VectorXf answer(network.outputs());
   std::vector<Eigen::MatrixXd> list;
   for (const Recording& recording : data.recordings) {
     const Eigen::MatrixXf x = recording.inputs.cast<float>().transpose();
-    Eigen::MatrixXd y(x.cols(), network.outputs());
+    Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.cols(), network.outputs());
+    if (only &&
+        std::find(recording.parts.begin(), recording.parts.end(), *only) == recording.parts.end()) {
+      list.push_back(std::move(y));
+      continue;
+    }
     std::fill(state.begin(), state.end(), 0.f);
     for (Eigen::Index k = 0; k < x.cols(); ++k) {
       if (window > 0) std::fill(state.begin(), state.end(), 0.f);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/sensing/recurrent_network.hpp"
@@ -25,6 +26,8 @@ struct FitOptions {
   std::function<bool(const CurvePoint&)> progress;  // false ends the training
   std::string checkpoint;
   bool resume = false;
+  /// Network to go on from: its scales stay; the ridge and the cells learn what it leaves.
+  const sensing::RecurrentWeights* start = nullptr;
 };
 
 /// Normalises on the training rows that count, fits the ridge and trains the cells: on what it
@@ -33,7 +36,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options);
 
 /// Answers for every row of every recording, streamed from its start; where `window` is above 0,
 /// from a state of zero over the last `window` rows each (before the start: copies of the first).
+/// With `only`, recordings without a row of that part are not run; their answers are zero.
 std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const DataSet& data,
-                                     int window = 0);
+                                     int window = 0, std::optional<Part> only = {});
 
 }  // namespace palpate::train

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iostream>
+#include <optional>
 
 #include "rt/config/node.hpp"
 #include "rt/inference/model_file.hpp"
@@ -14,7 +15,8 @@ using namespace palpate;
 
 struct Options {
   std::string plan;
-  std::string data;
+  std::vector<std::string> data;
+  std::string start_from;
   std::string out = "model.pt";
   std::vector<std::string> overrides;
   std::string picture;
@@ -31,12 +33,14 @@ std::string plan_path(const std::string& text) {
 }
 
 train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data,
-                             const Options& options, const train::Fit* before = nullptr) {
+                             const Options& options, const sensing::RecurrentWeights* start,
+                             const train::Fit* before = nullptr) {
   const bool all_parts = before != nullptr;
   evaluate::Progress progress(all_parts ? 2 : 1, plan.training.refit ? 2 : 1,
                               plan.name + (all_parts ? " on all parts" : ""));
   train::FitOptions fit_options;
   fit_options.all_parts = all_parts;
+  fit_options.start = start;
   if (all_parts) fit_options.trust = before->trust;
   double best = 1e300;
   fit_options.progress = [&](const train::CurvePoint& point) {
@@ -58,11 +62,30 @@ train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data
   return fit;
 }
 
+/// Throws where the module is damaged or takes or gives other columns than the plan.
+sensing::RecurrentWeights read_start(const train::Plan& plan) {
+  const inference::ModelFile file = inference::read_model_file(plan.start_from);
+  const auto same = [](const std::vector<inference::Channel>& channels,
+                       const std::vector<std::string>& columns) {
+    return std::equal(
+        channels.begin(), channels.end(), columns.begin(), columns.end(),
+        [](const inference::Channel& a, const std::string& b) { return a.name == b; });
+  };
+  if (!same(file.card.inputs, train::columns_of(plan.data.inputs)) ||
+      !same(file.card.outputs, train::columns_of(plan.data.outputs)))
+    throw std::runtime_error(plan.start_from + ": its columns are not those of the plan");
+  return inference::read_recurrent_weights(file.bytes);
+}
+
 int run(const Options& options) {
-  const train::Plan plan =
+  train::Plan plan =
       train::read_plan(config::Node::load_file(plan_path(options.plan), options.overrides));
+  if (!options.start_from.empty()) plan.start_from = options.start_from;
   const train::DataSet data = train::load_data(plan.data, options.data);
-  const train::Fit fit = fit_with_progress(plan, data, options);
+  std::optional<sensing::RecurrentWeights> start;
+  if (!plan.start_from.empty()) start = read_start(plan);
+  const auto* const from = start ? &*start : nullptr;
+  const train::Fit fit = fit_with_progress(plan, data, options, from);
   const train::Score score = train::score_fit(plan, data, fit);
   print_score(plan, data, score, std::cout);
   const inference::ModelCard card = train::make_card(plan, data, fit, score);
@@ -77,7 +100,7 @@ int run(const Options& options) {
     train::Plan again = plan;
     again.training.iterations = fit.best_iteration;
     again.training.patience = 1000000;
-    weights = fit_with_progress(again, data, options, &fit).network;
+    weights = fit_with_progress(again, data, options, from, &fit).network;
   }
   inference::write_model_file(options.out, weights, card);
   inference::make_compiled_model(inference::read_model_file(options.out));
@@ -97,15 +120,20 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.add_option("plan", options.plan,
                  "YAML file, or a preset: biotac_linear_lstm, "
-                 "biotac_direction, biotac_lstm, ft_rnnob, ft_rnnob_blocks, ft_rnnob_thesis")
+                 "biotac_direction, biotac_lstm, biotac_emulated, biotac_emulated_lstm, "
+                 "biotac_emulated_tuned, ft_rnnob, ft_rnnob_blocks, ft_rnnob_thesis")
       ->required();
-  app.add_option("--data", options.data, "Folder of the recordings")
+  app.add_option("--data", options.data,
+                 "Folder of the recordings; of several, the first that has a file")
       ->required()
       ->check(CLI::ExistingDirectory);
   app.add_option("-o,--out", options.out, "Module to write; its card is the same name with .yaml")
       ->capture_default_str();
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_option("--picture", options.picture, "PNG or SVG of curve and predictions");
+  app.add_option("--start-from", options.start_from,
+                 "Module to go on from, in place of the plan's start_from")
+      ->check(CLI::ExistingFile);
   app.add_flag("--resume", options.resume, "Go on from the checkpoint beside --out");
   CLI11_PARSE(app, argc, argv);
   try {

@@ -91,7 +91,8 @@ DataPlan read_data(const config::Node& node) {
   }
   for (const config::Node& entry : node.list("recordings"))
     data.recordings.push_back({entry.text("file"), entry.text("column", ""),
-                               read_intervals(entry, "validation"), read_intervals(entry, "test")});
+                               read_intervals(entry, "validation"), read_intervals(entry, "test"),
+                               entry.integer("validate_every", {0, 1e6}, 0)});
   if (data.recordings.empty()) node.fail("recordings", "must hold one or more");
   return data;
 }
@@ -136,6 +137,7 @@ TrainingPlan read_training(const config::Node& node) {
 Plan read_plan(const config::Node& node) {
   Plan plan;
   plan.name = node.text("name");
+  plan.start_from = node.text("start_from", "");
   plan.data = read_data(node.child("data"));
   plan.network = read_network(node.child("network"));
   plan.training = read_training(node.child_or_empty("training"));

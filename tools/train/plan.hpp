@@ -30,6 +30,7 @@ struct RecordingPlan {
   std::string column;  // that names the recordings of the file, one behind the other; empty: one
   std::vector<Interval> validation;
   std::vector<Interval> test;
+  int validate_every = 0;  // above 0: each so many-th recording of the file is validation, whole
 };
 
 /// Where the signals of a wrist sensor stand, three (quaternion: four, w first) columns each.
@@ -92,6 +93,7 @@ struct TrainingPlan {
 
 struct Plan {
   std::string name;
+  std::string start_from;  // module that the training goes on from; empty: none
   DataPlan data;
   NetworkPlan network;
   TrainingPlan training;

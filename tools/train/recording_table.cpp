@@ -3,13 +3,22 @@
 #include <algorithm>
 #include <cmath>
 
+#include <stdexcept>
+
 #include "tools/import/csv_reader.hpp"
+#include "tools/train/log_table.hpp"
 
 namespace palpate::train {
 
 std::vector<Table> read_tables(const std::string& path, const std::string& time,
                                const std::vector<std::string>& columns,
                                const std::string& separator) {
+  if (is_log(path)) {
+    if (!separator.empty())
+      throw std::runtime_error(path + ": a log has no column '" + separator +
+                               "' that separates recordings");
+    return read_log_tables(path, time, columns);
+  }
   import::CsvReader csv(path);
   const int time_column = csv.column(time);
   const int separator_column = separator.empty() ? -1 : csv.column(separator);

@@ -13,9 +13,10 @@ struct Table {
   Eigen::MatrixXd rows;  // a row a sample, a column for each that was asked for
 };
 
-/// Reads `columns` of a CSV, plain or .gz. Where `separator` names a column, a new recording begins
-/// whenever its text changes. Throws import::CsvError naming file, line and column where a cell is
-/// not a finite number, time does not rise, or a recording has fewer than two rows.
+/// Reads `columns` of a CSV, plain or .gz, or of an LCM event log (log_table.hpp). Where
+/// `separator` names a column, a new recording begins whenever its text changes. Throws
+/// import::CsvError naming file, line and column where a cell is not a finite number, time does not
+/// rise, or a recording has fewer than two rows.
 std::vector<Table> read_tables(const std::string& path, const std::string& time,
                                const std::vector<std::string>& columns,
                                const std::string& separator);

@@ -58,6 +58,7 @@ YAML::Node to_yaml(const Method& method, const std::vector<ColumnGroup>& outputs
   node["correlation"] = flow(method.errors.correlation);
   for (std::size_t g = 0; g < outputs.size(); ++g) {
     node[outputs[g].name + "_rms"] = method.errors.norms[g];
+    node[outputs[g].name + "_length_rms"] = method.errors.lengths[g];
     if (!outputs[g].is_direction) continue;
     node[outputs[g].name + "_median_angle"] = method.errors.median_angle[g];
     node[outputs[g].name + "_angle_90"] = method.errors.angle_90[g];
@@ -108,6 +109,7 @@ void print_score(const Plan& plan, const DataSet& data, const Score& score, std:
     header.push_back(channel.name + " " + channel.unit);
   for (const ColumnGroup& group : plan.data.outputs) {
     header.push_back("|" + group.name + "| " + group.unit);
+    header.push_back("its length");
     if (group.is_direction) header.insert(header.end(), {"median deg", "90 % deg"});
   }
   evaluate::Table table(header);
@@ -116,6 +118,7 @@ void print_score(const Plan& plan, const DataSet& data, const Score& score, std:
     for (const double rms : method.errors.rms) row.push_back(evaluate::number(rms, 4));
     for (std::size_t g = 0; g < plan.data.outputs.size(); ++g) {
       row.push_back(evaluate::number(method.errors.norms[g], 4));
+      row.push_back(evaluate::number(method.errors.lengths[g], 4));
       if (!plan.data.outputs[g].is_direction) continue;
       row.push_back(evaluate::number(method.errors.median_angle[g] / kDegree, 2));
       row.push_back(evaluate::number(method.errors.angle_90[g] / kDegree, 2));

@@ -27,6 +27,11 @@ Eigen::VectorXf to_vector(const at::Tensor& tensor) {
   return Eigen::Map<const Eigen::VectorXf>(t.data_ptr<float>(), t.size(0));
 }
 
+at::Tensor to_tensor(const Eigen::MatrixXf& matrix) {
+  RowMajor rows = matrix;
+  return torch::from_blob(rows.data(), {rows.rows(), rows.cols()}).clone();
+}
+
 struct Network : torch::nn::Module {
   Network(int inputs, int outputs, const std::vector<int>& sizes, bool start_at_zero) {
     int below = inputs;
@@ -42,6 +47,20 @@ struct Network : torch::nn::Module {
     torch::NoGradGuard no_grad;
     if (start_at_zero) dense->weight.zero_();
     dense->bias.zero_();
+  }
+
+  /// Takes over cells of the same shapes.
+  void put(const Cells& cells) {
+    torch::NoGradGuard no_grad;
+    for (std::size_t k = 0; k < lstms.size(); ++k) {
+      auto parameters = lstms[k]->named_parameters();
+      parameters["weight_ih_l0"].copy_(to_tensor(cells.layers[k].input));
+      parameters["weight_hh_l0"].copy_(to_tensor(cells.layers[k].hidden));
+      parameters["bias_ih_l0"].copy_(to_tensor(cells.layers[k].bias).flatten());
+      parameters["bias_hh_l0"].zero_();
+    }
+    dense->weight.copy_(to_tensor(cells.dense));
+    dense->bias.copy_(to_tensor(cells.offset).flatten());
   }
 
   using State = std::vector<std::tuple<at::Tensor, at::Tensor>>;
@@ -261,6 +280,7 @@ TrainerResult train_cells(const std::vector<Sequence>& sequences, const std::vec
   const int outputs = static_cast<int>(sequences.front().targets.cols());
   Network network(inputs, outputs, layers, hooks.start_at_zero);
   Network best(inputs, outputs, layers, hooks.start_at_zero);
+  if (hooks.start != nullptr) network.put(*hooks.start);
   torch::optim::Adam adam(network.parameters(),
                           torch::optim::AdamOptions(plan.rate).weight_decay(plan.weight_decay));
   Feeder feeder(sequences, plan);

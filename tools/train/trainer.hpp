@@ -42,8 +42,9 @@ struct TrainerHooks {
   std::function<bool(const CurvePoint&)> progress;
   /// File that holds all that is needed to go on, rewritten at each validation; empty: none.
   std::string checkpoint;
-  bool resume = false;         // from it, where it is there
-  bool start_at_zero = false;  // the dense map is zero at first
+  bool resume = false;           // from it, where it is there
+  bool start_at_zero = false;    // the dense map is zero at first
+  const Cells* start = nullptr;  // cells to go on from, of the same layers
 };
 
 /// Truncated back-propagation through time with Adam. The same seed and data give the same cells,

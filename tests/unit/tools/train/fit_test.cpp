@@ -100,7 +100,7 @@ TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
   const WristRecordingFile file;
   Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
   plan.data.recordings = {{"wrist.csv", "", {{8, 9}}, {{9, 12}}}};
-  const DataSet data = load_data(plan.data, file.folder());
+  const DataSet data = load_data(plan.data, {file.folder()});
   ASSERT_EQ(data.delays.size(), 2u);
   EXPECT_NEAR(data.delays[0].seconds, 0.005, 2e-3);
   EXPECT_NEAR(data.delays[1].seconds, 0.020, 2e-3);
@@ -114,7 +114,7 @@ TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
 TEST(FoamBar, ForceIsWithinItsBarOnLoadsNeverTrainedOn) {
   PALPATE_REQUIRE_RECORDING("biotac_foam_bar");
   const Plan plan = preset("biotac_linear_lstm", {"training.iterations=50"});
-  const DataSet data = load_data(plan.data, support::recordings().string());
+  const DataSet data = load_data(plan.data, {support::recordings().string()});
   const Fit fit = fit_model(plan, data, quiet());
   const Score score = score_fit(plan, data, fit);
   EXPECT_EQ(score.part, Part::kTest);
