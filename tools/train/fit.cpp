@@ -149,7 +149,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   const Eigen::MatrixXd used_x = gather_used(data, x, options.all_parts);
   const Eigen::MatrixXd used_y = gather_used(data, y, options.all_parts);
   if (used_x.rows() < 10) throw std::runtime_error("fewer than ten rows of training data count");
-  if (!options.all_parts && gather(data, y, Part::kValidation).rows() == 0)
+  const bool is_validated = gather(data, y, Part::kValidation).rows() > 0;
+  if (!options.all_parts && !is_validated && (!plan.training.keep_last || plan.network.shrink))
     throw std::runtime_error(
         "no row of the validation part counts: the recordings are shorter than the plan says, or "
         "without contact there");
@@ -181,17 +182,18 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
 
   TrainerHooks hooks;
   const int window = plan.training.carry ? 0 : plan.training.steps;
-  int calls = 0;
   hooks.validate = [&](const Cells& cells) -> double {
-    if (options.all_parts) return -(calls++);  // the last is the best
+    if (options.all_parts || !is_validated) return 0;
     return validation_error(assemble(base, cells, target_deviation), data, window);
   };
   hooks.progress = options.progress;
   hooks.checkpoint = options.checkpoint;
   hooks.resume = options.resume;
   hooks.start_at_zero = plan.network.linear;
-  const TrainerResult result = train_cells(stretches(data, x, y, options.all_parts),
-                                           plan.network.layers, plan.training, hooks);
+  TrainingPlan training = plan.training;
+  training.keep_last = training.keep_last || options.all_parts;
+  const TrainerResult result =
+      train_cells(stretches(data, x, y, options.all_parts), plan.network.layers, training, hooks);
   fit.network = assemble(base, result.cells, target_deviation);
   fit.trust = Eigen::VectorXd::Ones(outputs);
   if (plan.network.shrink) {

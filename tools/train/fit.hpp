@@ -13,7 +13,7 @@ namespace palpate::train {
 struct Fit {
   sensing::RecurrentWeights network;
   sensing::RecurrentWeights linear;  // the ridge regression of the same inputs alone
-  double penalty = 0;                // of the ridge
+  Eigen::VectorXd penalty;           // of the ridge, per output
   Eigen::VectorXd trust;             // per output: by what the cells' part was multiplied
   int best_iteration = 0;
   std::vector<CurvePoint> curve;

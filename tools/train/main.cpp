@@ -76,7 +76,6 @@ int run(const Options& options) {
   if (plan.training.refit) {
     train::Plan again = plan;
     again.training.iterations = fit.best_iteration;
-    again.training.patience = 1000000;
     weights = fit_with_progress(again, data, options, &fit).network;
   }
   inference::write_model_file(options.out, weights, card);

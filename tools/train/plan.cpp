@@ -127,6 +127,7 @@ TrainingPlan read_training(const config::Node& node) {
   t.clip = node.number("clip", {1e-6, 1e6}, t.clip);
   t.weight_decay = node.number("weight_decay", {0, 10}, t.weight_decay);
   t.input_noise = node.number("input_noise", {0, 10}, t.input_noise);
+  t.keep_last = node.choice("keep", {"best", "last"}, "best") == "last";
   t.refit = node.flag("refit", t.refit);
   return t;
 }

@@ -87,6 +87,7 @@ struct TrainingPlan {
   double clip = 1;          // largest norm of the gradient
   double weight_decay = 0;
   double input_noise = 0;  // standard deviation, of normalised inputs
+  bool keep_last = false;  // the cells of the last iteration, not those best on validation
   bool refit = false;      // the file holds a network trained once more on all parts
 };
 

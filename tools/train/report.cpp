@@ -167,7 +167,7 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   training["seed"] = plan.training.seed;
   training["layers"] = flow(plan.network.layers);
   training["linear_path"] = plan.network.linear;
-  training["ridge_penalty"] = fit.penalty;
+  training["ridge_penalty"] = flow(fit.penalty);
   training["trusted_part_of_cells"] = flow(fit.trust);
   training["best_iteration"] = fit.best_iteration;
   training["refit_on_all_parts"] = plan.training.refit;

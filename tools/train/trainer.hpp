@@ -31,7 +31,7 @@ struct CurvePoint {
 };
 
 struct TrainerResult {
-  Cells cells;  // the best on validation
+  Cells cells;  // the best on validation, or the last
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
 };
