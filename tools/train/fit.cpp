@@ -183,7 +183,7 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   TrainerHooks hooks;
   const int window = plan.training.carry ? 0 : plan.training.steps;
   hooks.validate = [&](const Cells& cells) -> double {
-    if (options.all_parts || !is_validated) return 0;
+    if (options.all_parts || !is_validated) return std::nan("");
     return validation_error(assemble(base, cells, target_deviation), data, window);
   };
   hooks.progress = options.progress;
@@ -202,13 +202,17 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     fit.network.dense = trust.asDiagonal() * fit.network.dense;
     fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
   }
+  if (plan.network.domain_points > 0)
+    fit.domain = sensing::cover(gather_used(data, inputs_of(data), options.all_parts),
+                                in.deviation, plan.network.domain_points, plan.network.domain_near,
+                                plan.network.domain_far);
   fit.best_iteration = result.best_iteration;
   fit.curve = result.curve;
   return fit;
 }
 
 std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const DataSet& data,
-                                     int window) {
+                                     int window, const sensing::InputDomain& domain) {
   sensing::RecurrentNetwork network(weights);
   std::vector<float> state(network.states());
   Eigen::VectorXf answer(network.outputs());
@@ -222,7 +226,8 @@ std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const Data
       const Eigen::Index first = window > 0 ? k - window + 1 : k;
       for (Eigen::Index i = first; i <= k; ++i)
         network.step(x.col(std::max<Eigen::Index>(i, 0)).data(), state.data(), answer.data());
-      y.row(k) = answer.cast<double>().transpose();
+      y.row(k) = domain.trust(recording.inputs.row(k).transpose()) *
+                 answer.cast<double>().transpose();
     }
     list.push_back(std::move(y));
   }

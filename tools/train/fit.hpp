@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "core/sensing/input_domain.hpp"
 #include "core/sensing/recurrent_network.hpp"
 #include "tools/train/data_set.hpp"
 #include "tools/train/plan.hpp"
@@ -14,6 +15,7 @@ struct Fit {
   sensing::RecurrentWeights network;
   sensing::RecurrentWeights linear;  // the ridge regression of the same inputs alone
   Eigen::VectorXd penalty;           // of the ridge, per output
+  sensing::InputDomain domain;       // of the network; without points where the plan has none
   Eigen::VectorXd trust;             // per output: by what the cells' part was multiplied
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
@@ -33,7 +35,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options);
 
 /// Answers for every row of every recording, streamed from its start; where `window` is above 0,
 /// from a state of zero over the last `window` rows each (before the start: copies of the first).
+/// They fade to zero outside of `domain`.
 std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const DataSet& data,
-                                     int window = 0);
+                                     int window = 0, const sensing::InputDomain& domain = {});
 
 }  // namespace palpate::train

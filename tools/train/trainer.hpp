@@ -27,7 +27,7 @@ struct Cells {
 struct CurvePoint {
   int iteration = 0;
   double training = 0;    // mean squared error of scaled targets since the point before
-  double validation = 0;  // as the caller measures it
+  double validation = 0;  // as the caller measures it; NaN: not at all
 };
 
 struct TrainerResult {

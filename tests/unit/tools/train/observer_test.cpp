@@ -33,6 +33,7 @@ void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
               const Eigen::Vector3d& gravity_W, sensing::Signals& signals) {
   sensing::RobotState robot;
   robot.X_WE.linear() = orientation(row);
+  robot.X_WE.translation() = row.segment<3>(19).transpose();
   robot.V_W_E.linear = row.segment<3>(4).transpose();
   feed(signals.robot, robot);
   sensing::Inertial inertial;
