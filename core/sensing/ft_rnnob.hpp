@@ -31,8 +31,8 @@ class FtRnnob : public SensorModel {
     /// False: the network's outputs are all that is no contact, and `payload` serves the fallback.
     bool network_gives_rest = true;
     PayloadParameters payload;
-    /// Of the network's inputs: away from it the network's part fades, and the payload alone is left.
-    /// Only where the network gives the rest.
+    /// Of the network's inputs: away from it the network's part fades, and the payload alone is
+    /// left. Only where the network gives the rest.
     InputDomain domain;
     /// Goes on with the payload alone, degraded, where the network fails. False: that is a fault.
     bool fall_back = false;
@@ -77,7 +77,7 @@ class FtRnnob : public SensorModel {
   Eigen::Vector3d p_SI_;  // origin of I in S
   int ticks_per_step_;
   double pose_delay_, inertial_delay_, wrench_delay_;  // ticks, behind the latest stream
-  Eigen::VectorXd input_;  // of the network, as the domain has them
+  Eigen::VectorXd input_;                              // of the network, as the domain has them
   StreamedModel network_;
   SignalHistory history_;
   Tare<6> tare_;

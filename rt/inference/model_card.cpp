@@ -71,10 +71,9 @@ std::string card_path(const std::string& module_path) {
 
 ModelCard read_card(const std::string& path) {
   const config::Node node = config::Node::load_file(path);
-  static const std::set<std::string> kKnown = {"format",  "name",    "architecture", "sha256",
-                                               "rate",    "average", "states",       "inputs",
-                                               "outputs", "payload", "domain",       "delays",
-                                               "training"};
+  static const std::set<std::string> kKnown = {
+      "format", "name",    "architecture", "sha256", "rate",   "average", "states",
+      "inputs", "outputs", "payload",      "domain", "delays", "training"};
   for (const std::string& key : node.keys())
     if (kKnown.count(key) == 0) node.fail(key, "is not a key of a model card");
 

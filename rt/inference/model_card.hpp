@@ -36,7 +36,8 @@ struct StreamDelay {
 ///   inputs: [{name: e1, unit: count}, ...]
 ///   outputs: [{name: fx, unit: N}, ...]
 ///   payload: {mass: ..., first_moment: [...], inertia: [...]}  # where the outputs are the rest
-///   domain: {near: 2, far: 4, deviation: [...], points: [...]}  # with a payload: where the rest is
+///   domain: {near: 2, far: 4, deviation: [...], points: [...]}  # with a payload: where the rest
+///   is
 ///                                     # believed; points one behind the other
 ///   delays: [{stream: force_torque, seconds: 0.004}, ...]      # that this leaves
 ///   training: anything                # data and their hashes, split, errors, seed, versions

@@ -203,8 +203,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
   }
   if (plan.network.domain_points > 0)
-    fit.domain = sensing::cover(gather_used(data, inputs_of(data), options.all_parts),
-                                in.deviation, plan.network.domain_points, plan.network.domain_near,
+    fit.domain = sensing::cover(gather_used(data, inputs_of(data), options.all_parts), in.deviation,
+                                plan.network.domain_points, plan.network.domain_near,
                                 plan.network.domain_far);
   fit.best_iteration = result.best_iteration;
   fit.curve = result.curve;
@@ -226,8 +226,8 @@ std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const Data
       const Eigen::Index first = window > 0 ? k - window + 1 : k;
       for (Eigen::Index i = first; i <= k; ++i)
         network.step(x.col(std::max<Eigen::Index>(i, 0)).data(), state.data(), answer.data());
-      y.row(k) = domain.trust(recording.inputs.row(k).transpose()) *
-                 answer.cast<double>().transpose();
+      y.row(k) =
+          domain.trust(recording.inputs.row(k).transpose()) * answer.cast<double>().transpose();
     }
     list.push_back(std::move(y));
   }

@@ -118,8 +118,7 @@ NetworkPlan read_network(const config::Node& node) {
   network.shrink = node.flag("shrink", network.shrink);
   if (node.has("domain")) {
     const config::Node domain = node.child("domain");
-    network.domain_points =
-        domain.integer("points", {0, sensing::InputDomain::kLargestPoints}, 64);
+    network.domain_points = domain.integer("points", {0, sensing::InputDomain::kLargestPoints}, 64);
     network.domain_near = domain.number("near", {0, 1e6}, network.domain_near);
     network.domain_far = domain.number("far", {0, 1e6}, network.domain_far);
     if (!(network.domain_near < network.domain_far)) domain.fail("far", "must be above near");

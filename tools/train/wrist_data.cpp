@@ -154,9 +154,9 @@ std::vector<Bias> fit_biases(const DataPlan& plan, const std::vector<WristRecord
 
 std::vector<std::string> wrist_columns(const WristColumns& columns) {
   std::vector<std::string> list;
-  for (const auto* part : {&columns.quaternion, &columns.velocity, &columns.rate,
-                           &columns.acceleration, &columns.force, &columns.torque,
-                           &columns.position})
+  for (const auto* part :
+       {&columns.quaternion, &columns.velocity, &columns.rate, &columns.acceleration,
+        &columns.force, &columns.torque, &columns.position})
     list.insert(list.end(), part->begin(), part->end());
   return list;
 }
@@ -192,8 +192,7 @@ WristRecording load_wrist(const DataPlan& plan, const Table& raw) {
     sample.F_S = {row.segment<3>(kForce).transpose(), row.segment<3>(kForce + 3).transpose()};
     math::Pose X_WS = math::Pose::Identity();
     X_WS.linear() = R_WS;
-    if (!plan.wrist.position.empty())
-      X_WS.translation() = row.segment<3>(kPosition).transpose();
+    if (!plan.wrist.position.empty()) X_WS.translation() = row.segment<3>(kPosition).transpose();
     const sensing::ObserverInputs inputs = sensing::observer_inputs(
         X_WS, row.segment<3>(kVelocity).transpose(), sample.motion, kGravity, quaternion);
     quaternion = inputs.head<4>();
@@ -230,8 +229,8 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
     for (std::size_t r = 0; r < wrists.size(); ++r)
       for (const std::size_t k : training_rows(data.recordings[r])) {
         samples.push_back(wrists[r].samples[k]);
-        samples.back().F_S = math::Wrench::from(samples.back().F_S.vector() -
-                                                biases[r].at(wrists[r].time[row(k)]));
+        samples.back().F_S =
+            math::Wrench::from(samples.back().F_S.vector() - biases[r].at(wrists[r].time[row(k)]));
       }
     payload = sensing::identify_motion(samples).parameters;
     payload.bias = {};
