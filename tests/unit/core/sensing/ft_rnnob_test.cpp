@@ -138,8 +138,9 @@ TEST_F(FtRnnobTest, FarFromItsTrainingThePayloadAloneIsLeft) {
   options_.domain.deviation = Eigen::Vector2d(1, 1);
   options_.domain.near = 0.1;
   options_.domain.far = 0.3;
-  script_.answer = [](const float*, float* y) { std::fill_n(y, 6, 0.f); };
-  FtRnnob silent = make();
+  Script nothing = script_;
+  nothing.answer = [](const float*, float* y) { std::fill_n(y, 6, 0.f); };
+  FtRnnob silent(options_, std::make_unique<ScriptedExecutor>(nothing));
   script_.answer = [](const float*, float* y) { std::fill_n(y, 6, 2.f); };
   FtRnnob speaking = make();
   int far = 0, near = 0;
