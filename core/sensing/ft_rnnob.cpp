@@ -8,10 +8,10 @@
 namespace palpate::sensing {
 namespace {
 
-// Places in a row of the history. Quaternion: x, y, z, w of S in W; velocity of S in W; rate and
-// specific force at I in the axes of S; reading in S.
-constexpr int kPose = 0, kVelocity = 4, kInertial = 7, kWrench = 13;
-constexpr int kPoseSize = 7, kInertialSize = 6, kWrenchSize = 6;
+// Places in a row of the history. Quaternion: x, y, z, w of S in W; velocity and position of S in
+// W; rate and specific force at I in the axes of S; reading in S.
+constexpr int kPose = 0, kVelocity = 4, kPosition = 7, kInertial = 10, kWrench = 16;
+constexpr int kPoseSize = 10, kInertialSize = 6, kWrenchSize = 6;
 
 int checked_ticks(const FtRnnob::Options& options) {
   if (!(options.rate > 0) || !(options.period > 0))
@@ -44,6 +44,7 @@ SignalHistory make_history(const FtRnnob::Options& options, int width) {
 FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
     : options_(options),
       ticks_per_step_(checked_ticks(options)),
+      input_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options.inputs.size()))),
       network_(std::move(executor), options.inputs, options.outputs),
       history_(make_history(options, kWidth)),
       tare_(options.tare_samples) {
@@ -52,6 +53,9 @@ FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
     if (input >= kObserverInputCount) throw std::invalid_argument("there is no such input");
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
   if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+  options.domain.check(static_cast<int>(options.inputs.size()));
+  if (options.domain.points.cols() > 0 && !options.network_gives_rest)
+    throw std::invalid_argument("domain wants a network that gives the rest of a payload");
   if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
   const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
   R_SI_ = X_SI.linear();
@@ -99,6 +103,7 @@ void FtRnnob::take(const Signals& signals) noexcept {
   if (quaternion.dot(row_.segment<4>(kPose)) < 0) quaternion = -quaternion;
   row_.segment<4>(kPose) = quaternion;
   const Eigen::Vector3d p_ES_W = robot.X_WE.linear() * options_.X_ES.translation();
+  row_.segment<3>(kPosition) = robot.X_WE.translation() + p_ES_W;
   row_.segment<3>(kVelocity) = robot.V_W_E.linear + robot.V_W_E.angular.cross(p_ES_W);
 
   Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
@@ -159,15 +164,20 @@ void FtRnnob::step() noexcept {
   history_.mean(kWrench, wrench_delay_, reading);
 
   const Eigen::Quaterniond orientation(Eigen::Vector4d(pose.head<4>()));
-  const Eigen::Matrix3d R_WS = orientation.normalized().toRotationMatrix();
+  math::Pose X_WS = math::Pose::Identity();
+  X_WS.linear() = orientation.normalized().toRotationMatrix();
+  X_WS.translation() = pose.segment<3>(kPosition);
   const LoadMotion motion = mean_motion(inertial);
   const ObserverInputs inputs =
-      observer_inputs(R_WS, pose.tail<3>(), motion, options_.gravity_W, previous_xyzw_);
+      observer_inputs(X_WS, pose.segment<3>(kVelocity), motion, options_.gravity_W, previous_xyzw_);
   previous_xyzw_ = inputs.head<4>();
   network_.step(inputs);
   if (!network_.has_answer() && !(network_.has_failed() && options_.fall_back)) return;
 
-  rest_ = reading - network_.answer();  // of zeros where it has failed
+  for (std::size_t i = 0; i < options_.inputs.size(); ++i)
+    input_[static_cast<Eigen::Index>(i)] = inputs[options_.inputs[i]];
+  // The answer is of zeros where the network has failed.
+  rest_ = reading - options_.domain.trust(input_) * network_.answer();
   if (options_.network_gives_rest || network_.has_failed())
     rest_ -= load_wrench(options_.payload, motion).vector();
   has_rest_ = true;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 
+#include "core/sensing/input_domain.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "core/sensing/sensor_model.hpp"
@@ -30,6 +31,9 @@ class FtRnnob : public SensorModel {
     /// False: the network's outputs are all that is no contact, and `payload` serves the fallback.
     bool network_gives_rest = true;
     PayloadParameters payload;
+    /// Of the network's inputs: away from it the network's part fades, and the payload alone is
+    /// left. Only where the network gives the rest.
+    InputDomain domain;
     /// Goes on with the payload alone, degraded, where the network fails. False: that is a fault.
     bool fall_back = false;
 
@@ -65,7 +69,7 @@ class FtRnnob : public SensorModel {
   std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
-  static constexpr int kWidth = 19;  // numbers in a row of the history
+  static constexpr int kWidth = 22;  // numbers in a row of the history
   using Row = Eigen::Matrix<double, kWidth, 1>;
 
   const char* missing(const Signals& signals) const noexcept;
@@ -79,6 +83,7 @@ class FtRnnob : public SensorModel {
   Eigen::Vector3d p_SI_;  // origin of I in S
   int ticks_per_step_;
   double pose_delay_, inertial_delay_, wrench_delay_;  // ticks, behind the latest stream
+  Eigen::VectorXd input_;                              // of the network, as the domain has them
   StreamedModel network_;
   SignalHistory history_;
   Tare<6> tare_;

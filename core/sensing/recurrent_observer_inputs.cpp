@@ -36,6 +36,9 @@ constexpr Entry kEntries[kObserverInputCount] = {
     {"rate_change_S_x", "rad/s^2"},
     {"rate_change_S_y", "rad/s^2"},
     {"rate_change_S_z", "rad/s^2"},
+    {"position_x", "m"},
+    {"position_y", "m"},
+    {"position_z", "m"},
 };
 
 }  // namespace
@@ -54,9 +57,10 @@ int observer_input_index(const std::string& name) noexcept {
   return -1;
 }
 
-ObserverInputs observer_inputs(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& velocity_W,
+ObserverInputs observer_inputs(const math::Pose& X_WS, const Eigen::Vector3d& velocity_W,
                                const LoadMotion& motion, const Eigen::Vector3d& gravity_W,
                                const Eigen::Vector4d& previous) noexcept {
+  const Eigen::Matrix3d R_WS = X_WS.linear();
   Eigen::Vector4d quaternion = Eigen::Quaterniond(R_WS).coeffs();
   const double likeness = previous.squaredNorm() > 0 ? quaternion.dot(previous) : quaternion.w();
   if (likeness < 0) quaternion = -quaternion;
@@ -69,6 +73,7 @@ ObserverInputs observer_inputs(const Eigen::Matrix3d& R_WS, const Eigen::Vector3
   inputs.segment<3>(16) = R_WS.transpose() * velocity_W;
   inputs.segment<3>(19) = motion.angular_velocity;
   inputs.segment<3>(22) = motion.angular_acceleration;
+  inputs.segment<3>(25) = X_WS.translation();
   return inputs;
 }
 

@@ -195,6 +195,7 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   }
   options.network_gives_rest = card.payload.has_value();
   if (card.payload) options.payload = *card.payload;
+  options.domain = card.domain;
   const bool given = node.has("payload");
   if (given) options.payload = read_payload(node);
   options.fall_back = node.choice("fallback", {"none", "newton_euler"}, "none") == "newton_euler";

@@ -71,9 +71,9 @@ std::string card_path(const std::string& module_path) {
 
 ModelCard read_card(const std::string& path) {
   const config::Node node = config::Node::load_file(path);
-  static const std::set<std::string> kKnown = {"format",  "name",    "architecture", "sha256",
-                                               "rate",    "average", "states",       "inputs",
-                                               "outputs", "payload", "delays",       "training"};
+  static const std::set<std::string> kKnown = {
+      "format", "name",    "architecture", "sha256", "rate",   "average", "states",
+      "inputs", "outputs", "payload",      "domain", "delays", "training"};
   for (const std::string& key : node.keys())
     if (kKnown.count(key) == 0) node.fail(key, "is not a key of a model card");
 
@@ -103,6 +103,27 @@ ModelCard read_card(const std::string& path) {
     payload.check_all_used();
     card.payload = parameters;
   }
+  if (node.has("domain")) {
+    const config::Node domain = node.child("domain");
+    if (!card.payload) node.fail("domain", "wants a payload, which is left alone outside of it");
+    const auto inputs = static_cast<Eigen::Index>(card.inputs.size());
+    const std::vector<double> deviation = domain.numbers("deviation", -1, {1e-9, 1e9});
+    const std::vector<double> points = domain.numbers("points", -1, {-1e9, 1e9});
+    const auto count = static_cast<Eigen::Index>(points.size()) / inputs;
+    if (count == 0 || count * inputs != static_cast<Eigen::Index>(points.size()))
+      domain.fail("points", "must hold a number for each input, point after point");
+    card.domain.deviation = Eigen::Map<const Eigen::VectorXd>(
+        deviation.data(), static_cast<Eigen::Index>(deviation.size()));
+    card.domain.points = Eigen::Map<const Eigen::MatrixXd>(points.data(), inputs, count);
+    card.domain.near = domain.number("near", {0, 1e9});
+    card.domain.far = domain.number("far", {0, 1e9});
+    domain.check_all_used();
+    try {
+      card.domain.check(static_cast<int>(inputs));
+    } catch (const std::invalid_argument& error) {
+      node.fail("domain", error.what());
+    }
+  }
   for (const config::Node& delay : node.list("delays")) {
     card.delays.push_back({delay.text("stream"), delay.number("seconds", {-10, 10})});
     delay.check_all_used();
@@ -128,6 +149,14 @@ void write_card(const ModelCard& card, const std::string& path) {
     payload["first_moment"] = numbers_to_yaml(card.payload->first_moment);
     payload["inertia"] = numbers_to_yaml(card.payload->inertia);
     node["payload"] = payload;
+  }
+  if (card.domain.points.cols() > 0) {
+    YAML::Node domain;
+    domain["near"] = card.domain.near;
+    domain["far"] = card.domain.far;
+    domain["deviation"] = numbers_to_yaml(card.domain.deviation);
+    domain["points"] = numbers_to_yaml(card.domain.points.reshaped());
+    node["domain"] = domain;
   }
   for (const StreamDelay& delay : card.delays) {
     YAML::Node entry;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "core/sensing/input_domain.hpp"
 #include "core/sensing/payload.hpp"
 #include "rt/inference/sequence_model.hpp"
 
@@ -35,6 +36,9 @@ struct StreamDelay {
 ///   inputs: [{name: e1, unit: count}, ...]
 ///   outputs: [{name: fx, unit: N}, ...]
 ///   payload: {mass: ..., first_moment: [...], inertia: [...]}  # where the outputs are the rest
+///   domain: {near: 2, far: 4, deviation: [...], points: [...]}  # with a payload: where the rest
+///   is
+///                                     # believed; points one behind the other
 ///   delays: [{stream: force_torque, seconds: 0.004}, ...]      # that this leaves
 ///   training: anything                # data and their hashes, split, errors, seed, versions
 struct ModelCard {
@@ -49,6 +53,7 @@ struct ModelCard {
   std::vector<Channel> inputs;
   std::vector<Channel> outputs;
   std::optional<sensing::PayloadParameters> payload;  // without bias
+  sensing::InputDomain domain;
   std::vector<StreamDelay> delays;
   YAML::Node training;
 

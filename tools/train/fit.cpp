@@ -172,7 +172,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   const Eigen::MatrixXd used_x = gather_used(data, x, options.all_parts);
   const Eigen::MatrixXd used_y = gather_used(data, y, options.all_parts);
   if (used_x.rows() < 10) throw std::runtime_error("fewer than ten rows of training data count");
-  if (!options.all_parts && gather(data, y, Part::kValidation).rows() == 0)
+  const bool is_validated = gather(data, y, Part::kValidation).rows() > 0;
+  if (!options.all_parts && !is_validated && (!plan.training.keep_last || plan.network.shrink))
     throw std::runtime_error(
         "no row of the validation part counts: the recordings are shorter than the plan says, or "
         "without contact there");
@@ -228,9 +229,8 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
 
   TrainerHooks hooks;
   const int window = plan.training.carry ? 0 : plan.training.steps;
-  int calls = 0;
   hooks.validate = [&](const Cells& cells) -> double {
-    if (options.all_parts) return -(calls++);  // the last is the best
+    if (options.all_parts || !is_validated) return std::nan("");
     return validation_error(assemble(base, cells, target_deviation), data, window);
   };
   hooks.progress = options.progress;
@@ -242,8 +242,10 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     start = {options.start->layers, options.start->dense, Eigen::VectorXf::Zero(outputs)};
     hooks.start = &start;
   }
-  const TrainerResult result = train_cells(stretches(data, x, y, options.all_parts),
-                                           plan.network.layers, plan.training, hooks);
+  TrainingPlan training = plan.training;
+  training.keep_last = training.keep_last || options.all_parts;
+  const TrainerResult result =
+      train_cells(stretches(data, x, y, options.all_parts), plan.network.layers, training, hooks);
   fit.network = assemble(base, result.cells, target_deviation);
   fit.trust = Eigen::VectorXd::Ones(outputs);
   if (plan.network.shrink) {
@@ -252,13 +254,18 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     fit.network.dense = trust.asDiagonal() * fit.network.dense;
     fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
   }
+  if (plan.network.domain_points > 0)
+    fit.domain = sensing::cover(gather_used(data, inputs_of(data), options.all_parts), in.deviation,
+                                plan.network.domain_points, plan.network.domain_near,
+                                plan.network.domain_far);
   fit.best_iteration = result.best_iteration;
   fit.curve = result.curve;
   return fit;
 }
 
 std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const DataSet& data,
-                                     int window, std::optional<Part> only) {
+                                     int window, const sensing::InputDomain& domain,
+                                     std::optional<Part> only) {
   sensing::RecurrentNetwork network(weights);
   std::vector<float> state(network.states());
   Eigen::VectorXf answer(network.outputs());
@@ -277,7 +284,8 @@ std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const Data
       const Eigen::Index first = window > 0 ? k - window + 1 : k;
       for (Eigen::Index i = first; i <= k; ++i)
         network.step(x.col(std::max<Eigen::Index>(i, 0)).data(), state.data(), answer.data());
-      y.row(k) = answer.cast<double>().transpose();
+      y.row(k) =
+          domain.trust(recording.inputs.row(k).transpose()) * answer.cast<double>().transpose();
     }
     list.push_back(std::move(y));
   }

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "core/sensing/input_domain.hpp"
 #include "core/sensing/recurrent_network.hpp"
 #include "tools/train/data_set.hpp"
 #include "tools/train/plan.hpp"
@@ -14,7 +15,8 @@ namespace palpate::train {
 struct Fit {
   sensing::RecurrentWeights network;
   sensing::RecurrentWeights linear;  // the ridge regression of the same inputs alone
-  double penalty = 0;                // of the ridge
+  Eigen::VectorXd penalty;           // of the ridge, per output
+  sensing::InputDomain domain;       // of the network; without points where the plan has none
   Eigen::VectorXd trust;             // per output: by what the cells' part was multiplied
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
@@ -36,8 +38,10 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options);
 
 /// Answers for every row of every recording, streamed from its start; where `window` is above 0,
 /// from a state of zero over the last `window` rows each (before the start: copies of the first).
-/// With `only`, recordings without a row of that part are not run; their answers are zero.
+/// They fade to zero outside of `domain`. With `only`, recordings without a row of that part are
+/// not run; their answers are zero.
 std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const DataSet& data,
-                                     int window = 0, std::optional<Part> only = {});
+                                     int window = 0, const sensing::InputDomain& domain = {},
+                                     std::optional<Part> only = {});
 
 }  // namespace palpate::train

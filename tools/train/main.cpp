@@ -1,5 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <iostream>
 #include <optional>
@@ -46,7 +47,7 @@ train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data
   fit_options.progress = [&](const train::CurvePoint& point) {
     best = std::min(best, point.validation);
     std::string note = "iteration " + std::to_string(point.iteration);
-    if (!all_parts)
+    if (std::isfinite(point.validation))
       note += ", validation " + std::to_string(std::sqrt(point.validation)) + ", best " +
               std::to_string(std::sqrt(best)) + " deviations";
     progress.show(plan.training.iterations > 0
@@ -88,7 +89,7 @@ int run(const Options& options) {
   const train::Fit fit = fit_with_progress(plan, data, options, from);
   const train::Score score = train::score_fit(plan, data, fit);
   print_score(plan, data, score, std::cout);
-  const inference::ModelCard card = train::make_card(plan, data, fit, score);
+  inference::ModelCard card = train::make_card(plan, data, fit, score);
   const std::string picture =
       options.picture.empty()
           ? std::filesystem::path(options.out).replace_extension(".png").string()
@@ -99,8 +100,14 @@ int run(const Options& options) {
   if (plan.training.refit) {
     train::Plan again = plan;
     again.training.iterations = fit.best_iteration;
-    again.training.patience = 1000000;
-    weights = fit_with_progress(again, data, options, from, &fit).network;
+    for (train::RecordingPlan& recording : again.data.recordings)
+      recording.test.clear(), recording.validation.clear();
+    const train::DataSet all = train::load_data(again.data, options.data);
+    const train::Fit last = fit_with_progress(again, all, options, from, &fit);
+    weights = last.network;
+    // What goes with these weights; errors stay those of the parts left out.
+    card.domain = last.domain;
+    if (card.payload) card.payload = all.payload;
   }
   inference::write_model_file(options.out, weights, card);
   inference::make_compiled_model(inference::read_model_file(options.out));
@@ -121,7 +128,8 @@ int main(int argc, char** argv) {
   app.add_option("plan", options.plan,
                  "YAML file, or a preset: biotac_linear_lstm, "
                  "biotac_direction, biotac_lstm, biotac_emulated, biotac_emulated_lstm, "
-                 "biotac_emulated_tuned, ft_rnnob, ft_rnnob_blocks, ft_rnnob_thesis")
+                 "biotac_emulated_tuned, ft_rnnob, ft_rnnob_other_day, ft_rnnob_simulated, "
+                 "ft_rnnob_thesis_pose, ft_rnnob_thesis_twist, ft_rnnob_thesis")
       ->required();
   app.add_option("--data", options.data,
                  "Folder of the recordings; of several, the first that has a file")

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "core/sensing/input_domain.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
 
 namespace palpate::train {
@@ -55,6 +56,8 @@ WristColumns read_wrist(const config::Node& node) {
   wrist.acceleration = read("acceleration", 3);
   wrist.force = read("force", 3);
   wrist.torque = read("torque", 3);
+  if (node.has("position")) wrist.position = read("position", 3);
+  if (node.has("drifting")) wrist.drifting = node.texts("drifting");
   wrist.acceleration_has_gravity = node.flag("acceleration_has_gravity", true);
   wrist.largest_delay = node.number("largest_delay", {0, 2}, 0.2);
   return wrist;
@@ -84,6 +87,12 @@ DataPlan read_data(const config::Node& node) {
     for (const std::string& name : columns_of(data.inputs))
       if (sensing::observer_input_index(name) < 0)
         node.fail("inputs", "'" + name + "' is not an input of a wrist's observer");
+      else if (name.rfind("position_", 0) == 0 && data.wrist.position.empty())
+        node.fail("inputs", "'" + name + "' wants wrist.position");
+    const std::vector<std::string> outputs = columns_of(data.outputs);
+    for (const std::string& name : data.wrist.drifting)
+      if (std::find(outputs.begin(), outputs.end(), name) == outputs.end())
+        node.fail("wrist", "'" + name + "' of drifting is not an output");
     if (columns_of(data.outputs).size() != 6)
       node.fail("outputs", "of a wrist must be three forces and three torques");
   } else if (data.target == Target::kResidual) {
@@ -108,6 +117,13 @@ NetworkPlan read_network(const config::Node& node) {
     node.fail("layers", "must be one to eight");
   network.linear = node.flag("linear", network.linear);
   network.shrink = node.flag("shrink", network.shrink);
+  if (node.has("domain")) {
+    const config::Node domain = node.child("domain");
+    network.domain_points = domain.integer("points", {0, sensing::InputDomain::kLargestPoints}, 64);
+    network.domain_near = domain.number("near", {0, 1e6}, network.domain_near);
+    network.domain_far = domain.number("far", {0, 1e6}, network.domain_far);
+    if (!(network.domain_near < network.domain_far)) domain.fail("far", "must be above near");
+  }
   if (node.has("penalties")) network.penalties = node.numbers("penalties", -1, {0, 1e9});
   if (network.penalties.empty()) node.fail("penalties", "must be one or more");
   return network;
@@ -128,6 +144,7 @@ TrainingPlan read_training(const config::Node& node) {
   t.clip = node.number("clip", {1e-6, 1e6}, t.clip);
   t.weight_decay = node.number("weight_decay", {0, 10}, t.weight_decay);
   t.input_noise = node.number("input_noise", {0, 10}, t.input_noise);
+  t.keep_last = node.choice("keep", {"best", "last"}, "best") == "last";
   t.refit = node.flag("refit", t.refit);
   return t;
 }
@@ -141,6 +158,8 @@ Plan read_plan(const config::Node& node) {
   plan.data = read_data(node.child("data"));
   plan.network = read_network(node.child("network"));
   plan.training = read_training(node.child_or_empty("training"));
+  if (plan.network.domain_points > 0 && plan.data.target != Target::kResidual)
+    node.fail("network", "domain wants the target residual");
   node.check_all_used();
   return plan;
 }

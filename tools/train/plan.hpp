@@ -41,6 +41,8 @@ struct WristColumns {
   std::vector<std::string> acceleration;  // m/s^2 in S
   std::vector<std::string> force;         // N in S
   std::vector<std::string> torque;        // N m in S
+  std::vector<std::string> position;      // m in W; may be empty where no input wants it
+  std::vector<std::string> drifting;      // outputs whose bias drifts evenly along a recording
   bool acceleration_has_gravity = true;   // false: gravity was taken out of it
   double largest_delay = 0.2;             // s, that is looked for between streams
 };
@@ -72,6 +74,11 @@ struct NetworkPlan {
   bool linear = true;  // a ridge regression beside the cells, which learn what it leaves
   /// Each output takes of the cells' part only what served it on the validation rows.
   bool shrink = false;
+  /// Points that cover the training's inputs, away from which the network's answer fades; 0: none.
+  int domain_points = 0;
+  /// Where it begins to fade and where it is gone, in the distance within which all of them lie.
+  double domain_near = 1;
+  double domain_far = 2;
   std::vector<double> penalties{1e-6, 1e-5, 1e-4, 1e-3, 1e-2, 1e-1, 1, 10};
 };
 
@@ -88,6 +95,7 @@ struct TrainingPlan {
   double clip = 1;          // largest norm of the gradient
   double weight_decay = 0;
   double input_noise = 0;  // standard deviation, of normalised inputs
+  bool keep_last = false;  // the cells of the last iteration, not those best on validation
   bool refit = false;      // the file holds a network trained once more on all parts
 };
 

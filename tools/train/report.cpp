@@ -86,7 +86,7 @@ Score score_fit(const Plan& plan, const DataSet& data, const Fit& fit) {
     predictions = tare_again(data, std::move(predictions), plan.data.retare);
     score.methods.push_back({name, predictions, measure(predictions), true});
   };
-  add(plan.name, predict(fit.network, data));
+  add(plan.name, predict(fit.network, data, 0, fit.domain));
   if (!plan.training.carry)
     add(plan.name + ", windows", predict(fit.network, data, plan.training.steps));
   add("ridge", predict(fit.linear, data));
@@ -162,6 +162,7 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   card.inputs = data.inputs;
   card.outputs = data.outputs;
   if (plan.data.target == Target::kResidual) card.payload = data.payload;
+  card.domain = fit.domain;
   card.delays = data.delays;
 
   YAML::Node training;
@@ -170,7 +171,7 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   training["seed"] = plan.training.seed;
   training["layers"] = flow(plan.network.layers);
   training["linear_path"] = plan.network.linear;
-  training["ridge_penalty"] = fit.penalty;
+  training["ridge_penalty"] = flow(fit.penalty);
   training["trusted_part_of_cells"] = flow(fit.trust);
   training["best_iteration"] = fit.best_iteration;
   training["refit_on_all_parts"] = plan.training.refit;
@@ -205,10 +206,14 @@ bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score
       curve.curves[0].x.push_back(point.iteration);
       curve.curves[0].y.push_back(point.training);
     }
+    if (!std::isfinite(point.validation)) continue;
     curve.curves[1].x.push_back(point.iteration);
     curve.curves[1].y.push_back(point.validation);
   }
-  plots.push_back(curve);
+  const auto is_empty = [](const evaluate::Curve& c) { return c.x.empty(); };
+  curve.curves.erase(std::remove_if(curve.curves.begin(), curve.curves.end(), is_empty),
+                     curve.curves.end());
+  if (!curve.curves.empty()) plots.push_back(curve);
 
   for (std::size_t r = 0; r < data.recordings.size(); ++r) {
     const Recording& recording = data.recordings[r];

@@ -38,7 +38,6 @@ struct Moments {
     Ridge ridge;
     ridge.matrix = normal.ldlt().solve(xy - count * mean_x * mean_y.transpose()).transpose();
     ridge.offset = mean_y - ridge.matrix * mean_x;
-    ridge.penalty = penalty;
     return ridge;
   }
 };
@@ -51,20 +50,31 @@ Ridge fit_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
   if (y.rows() != n || n < 2 * blocks)
     throw std::invalid_argument("ridge: too few rows of training data (" + std::to_string(n) + ")");
   const Moments all(x, y);
-  std::vector<double> error(penalties.size(), 0);
+  const auto choices = static_cast<Eigen::Index>(penalties.size());
+  Eigen::MatrixXd error = Eigen::MatrixXd::Zero(choices, y.cols());
   for (int block = 0; block < blocks; ++block) {
     const Eigen::Index begin = n * block / blocks;
     const Eigen::Index size = n * (block + 1) / blocks - begin;
     const Eigen::MatrixXd left_x = x.middleRows(begin, size);
     const Eigen::MatrixXd left_y = y.middleRows(begin, size);
     const Moments rest = all.without(Moments(left_x, left_y));
-    for (std::size_t k = 0; k < penalties.size(); ++k)
-      error[k] += (rest.solve(penalties[k]).predict(left_x) - left_y).squaredNorm();
+    for (Eigen::Index k = 0; k < choices; ++k)
+      error.row(k) += (rest.solve(penalties[static_cast<std::size_t>(k)]).predict(left_x) - left_y)
+                          .colwise()
+                          .squaredNorm();
   }
-  std::size_t best = 0;
-  for (std::size_t k = 0; k < penalties.size(); ++k)
-    if (error[k] < error[best]) best = k;
-  return all.solve(penalties.at(best));
+  Ridge ridge{Eigen::MatrixXd(y.cols(), x.cols()), Eigen::VectorXd(y.cols()),
+              Eigen::VectorXd(y.cols())};
+  for (Eigen::Index output = 0; output < y.cols(); ++output) {
+    Eigen::Index best = 0;
+    error.col(output).minCoeff(&best);
+    const double penalty = penalties.at(static_cast<std::size_t>(best));
+    const Ridge answer = all.solve(penalty);
+    ridge.matrix.row(output) = answer.matrix.row(output);
+    ridge.offset[output] = answer.offset[output];
+    ridge.penalty[output] = penalty;
+  }
+  return ridge;
 }
 
 }  // namespace palpate::train

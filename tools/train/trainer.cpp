@@ -290,7 +290,7 @@ TrainerResult train_cells(const std::vector<Sequence>& sequences, const std::vec
   const auto evaluate = [&](double training) {
     const CurvePoint point{standing.iteration, training, hooks.validate(network.cells())};
     standing.curve.push_back(point);
-    if (standing.curve.size() == 1 || point.validation < standing.best) {
+    if (plan.keep_last || standing.curve.size() == 1 || point.validation < standing.best) {
       standing.best = point.validation;
       standing.best_iteration = standing.iteration;
       copy_parameters(network, best);

@@ -27,11 +27,11 @@ struct Cells {
 struct CurvePoint {
   int iteration = 0;
   double training = 0;    // mean squared error of scaled targets since the point before
-  double validation = 0;  // as the caller measures it
+  double validation = 0;  // as the caller measures it; NaN: not at all
 };
 
 struct TrainerResult {
-  Cells cells;  // the best on validation
+  Cells cells;  // the best on validation, or the last
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
 };

@@ -28,8 +28,9 @@ std::vector<std::string> wrist_columns(const WristColumns& columns);
 WristRecording load_wrist(const DataPlan& plan, const Table& raw);
 
 /// Identifies the payload, with a bias for each recording, on training rows, and fills in the
-/// inputs and outputs of data.recordings: outputs are the wrench less the recording's bias and,
-/// where the target is the residual, less what the payload explains.
+/// inputs and outputs of data.recordings: outputs are the wrench less the recording's bias (on
+/// training rows also less its drift, where the plan lets it drift) and, where the target is the
+/// residual, less what the payload explains.
 void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wrists, DataSet& data);
 
 }  // namespace palpate::train

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "tests/unit/core/sensing/scripted_executor.hpp"
@@ -130,6 +131,40 @@ TEST_F(FtRnnobTest, AStreamMayLead) {
   options_.inertial_delay = inertial_lag_;
   FtRnnob sensor = make();
   EXPECT_LT(largest_error(sensor), 0.05);
+}
+
+TEST_F(FtRnnobTest, FarFromItsTrainingThePayloadAloneIsLeft) {
+  options_.domain.points = Eigen::Vector2d(0, -1);  // upright
+  options_.domain.deviation = Eigen::Vector2d(1, 1);
+  options_.domain.near = 0.1;
+  options_.domain.far = 0.3;
+  Script nothing = script_;
+  nothing.answer = [](const float*, float* y) { std::fill_n(y, 6, 0.f); };
+  FtRnnob silent(options_, std::make_unique<ScriptedExecutor>(nothing));
+  script_.answer = [](const float*, float* y) { std::fill_n(y, 6, 2.f); };
+  FtRnnob speaking = make();
+  int far = 0, near = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const double t = time_;
+    ContactSet from_payload;
+    tick(speaking);
+    silent.update(signals_, from_payload);
+    if (contacts_.count == 0) continue;
+    const math::Vector6d part =
+        from_payload.contacts[0].wrench.vector() - contacts_.contacts[0].wrench.vector();
+    const double chord = 2 * std::sin(std::abs(angle(t - options_.average / 2)) / 2);
+    if (chord > 0.33) {
+      EXPECT_EQ(part, math::Vector6d::Zero());
+      ++far;
+    } else if (chord < 0.07) {
+      EXPECT_TRUE(part.isApproxToConstant(2, 1e-9));
+      ++near;
+    }
+  }
+  EXPECT_GT(far, 200);
+  EXPECT_GT(near, 50);
+  options_.network_gives_rest = false;
+  EXPECT_THROW(make(), std::invalid_argument);
 }
 
 TEST_F(FtRnnobTest, PolarityTurnsTheReading) {

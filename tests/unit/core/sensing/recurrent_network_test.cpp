@@ -175,20 +175,21 @@ TEST(ObserverInputs, NamesAndIndicesGoTogether) {
 }
 
 TEST(ObserverInputs, TurnWithTheSensorAndKeepTheQuaternionsSign) {
-  const Eigen::Matrix3d R_WS = math::exp_rotation({0, 0, M_PI / 2});
+  const math::Pose X_WS = math::make_pose(math::exp_rotation({0, 0, M_PI / 2}), {7, 8, 9});
   LoadMotion motion;
   motion.angular_velocity = {1, 0, 0};
   motion.specific_force = {4, 5, 6};
   const Eigen::Vector3d gravity(0, 0, -9.81);
   const ObserverInputs inputs =
-      observer_inputs(R_WS, {0, 2, 0}, motion, gravity, Eigen::Vector4d::Zero());
+      observer_inputs(X_WS, {0, 2, 0}, motion, gravity, Eigen::Vector4d::Zero());
   EXPECT_TRUE(inputs.segment<3>(7).isApprox(Eigen::Vector3d(0, 1, 0)));    // rate in W
   EXPECT_TRUE(inputs.segment<3>(16).isApprox(Eigen::Vector3d(2, 0, 0)));   // velocity in S
   EXPECT_TRUE(inputs.segment<3>(13).isApprox(Eigen::Vector3d(0, 0, -1)));  // gravity in S
   EXPECT_TRUE(inputs.segment<3>(10).isApprox(Eigen::Vector3d(4, 5, 6)));
+  EXPECT_TRUE(inputs.segment<3>(25).isApprox(Eigen::Vector3d(7, 8, 9)));
   EXPECT_GT(inputs[3], 0);
   const Eigen::Vector4d other = -inputs.head<4>();
-  EXPECT_TRUE(observer_inputs(R_WS, {0, 2, 0}, motion, gravity, other).head<4>().isApprox(other));
+  EXPECT_TRUE(observer_inputs(X_WS, {0, 2, 0}, motion, gravity, other).head<4>().isApprox(other));
 }
 
 }  // namespace

@@ -51,6 +51,11 @@ ModelCard sample_card() {
   card.payload = sensing::PayloadParameters{};
   card.payload->mass = 1.15;
   card.payload->first_moment = {0, 0.01, 0.12};
+  const auto places = static_cast<Eigen::Index>(card.inputs.size());
+  card.domain.deviation = Eigen::VectorXd::LinSpaced(places, 1, 2);
+  card.domain.points = Eigen::MatrixXd::Identity(places, 3) / 3;
+  card.domain.near = 1.5;
+  card.domain.far = 3;
   card.delays = {{"inertial", 0.004}};
   card.training["seed"] = 7;
   return card;
@@ -110,6 +115,11 @@ TEST_F(ModelFileTest, ComesBackAsItWasWritten) {
   EXPECT_EQ(file.card.inputs.size(), 6u);
   EXPECT_EQ(file.card.outputs[1].unit, "N m");
   EXPECT_EQ(file.card.payload->mass, 1.15);
+  EXPECT_EQ(file.card.domain.near, 1.5);
+  EXPECT_EQ(file.card.domain.far, 3);
+  EXPECT_EQ(file.card.domain.points.cols(), 3);
+  EXPECT_TRUE(
+      file.card.domain.points.isApprox(Eigen::MatrixXd::Identity(file.card.sizes().inputs, 3) / 3));
   EXPECT_EQ(file.card.delays[0].stream, "inertial");
   EXPECT_EQ(file.card.training["seed"].as<int>(), 7);
   const sensing::RecurrentWeights weights = read_recurrent_weights(file.bytes);
@@ -197,6 +207,7 @@ TEST_F(ModelFileTest, AbsentFilesAreNamed) {
 TEST_F(ModelFileTest, WrongSizesAreRefused) {
   ModelCard card = read_model_file(path_).card;
   card.inputs.pop_back();
+  card.domain = {};
   vouch(bytes_, card);
   EXPECT_THAT(complaint(), HasSubstr("fails"));
   EXPECT_THAT(complaint(ExecutorKind::kCompiled),

@@ -120,11 +120,11 @@ TEST(Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   const Eigen::MatrixXd x = noise(200, 4);
   const Eigen::MatrixXd y = (x * map.transpose()).rowwise() + Eigen::RowVector2d(3, -1);
   const Ridge exact = fit_ridge(x, y, {1e-9, 1e-3, 1});
-  EXPECT_EQ(exact.penalty, 1e-9);
+  EXPECT_EQ(exact.penalty[0], 1e-9);
   EXPECT_LT((exact.matrix - map).norm(), 1e-6);
   EXPECT_NEAR(exact.offset[0], 3, 1e-6);
-  const Ridge noisy = fit_ridge(noise(30, 20), noise(30, 1), {1e-9, 1e-3, 100});
-  EXPECT_EQ(noisy.penalty, 100);
+  const Ridge noisy = fit_ridge(noise(40, 20), noise(40, 1), {1e-9, 1e-3, 100});
+  EXPECT_EQ(noisy.penalty[0], 100);
   EXPECT_THROW(fit_ridge(x.topRows(5), y.topRows(5), {1}), std::invalid_argument);
 }
 

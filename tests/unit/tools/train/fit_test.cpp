@@ -46,10 +46,15 @@ TEST(Presets, MistakesAreNamed) {
   EXPECT_THROW(preset("biotac_linear_lstm", {"data.recordings.0.test=[3, 2]"}), config::Error);
 }
 
-/// A wrist that turns and shakes a load of 1.2 kg; the inertial unit is 5 ms late, the wrench 20.
+constexpr double kInertialDelay = 0.0053;  // s, no whole number of samples
+constexpr double kWrenchDelay = 0.0207;
+constexpr double kSample = 2e-3;
+
+/// A wrist that turns and shakes a load of 1.2 kg; inertial unit and wrench are late, and the axial
+/// force drifts by `drift`, N/s.
 class WristRecordingFile {
  public:
-  WristRecordingFile()
+  explicit WristRecordingFile(double drift = 0)
       : folder_(std::filesystem::temp_directory_path() /
                 ("palpate-wrist-" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
@@ -75,14 +80,16 @@ class WristRecordingFile {
       return m;
     };
     std::ofstream file(folder_ / "wrist.csv");
-    file << "t_s,qw,qx,qy,qz,vx,vy,vz,gyr_x,gyr_y,gyr_z,acc_x,acc_y,acc_z,fx,fy,fz,tx,ty,tz\n"
+    file << "t_s,px,py,pz,qw,qx,qy,qz,vx,vy,vz,gyr_x,gyr_y,gyr_z,acc_x,acc_y,acc_z,fx,fy,fz,tx,ty,"
+            "tz\n"
          << std::setprecision(10);
     for (int k = 0; k < 6000; ++k) {
-      const double t = 1 + 2e-3 * k;
+      const double t = 1 + kSample * k;
       const Eigen::Quaterniond q(rotation(t));
-      const sensing::LoadMotion imu = motion(t - 0.005);
-      const math::Wrench wrench = sensing::load_wrench(payload, motion(t - 0.020));
-      file << t << ',' << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ",0,0,0";
+      const sensing::LoadMotion imu = motion(t - kInertialDelay);
+      math::Wrench wrench = sensing::load_wrench(payload, motion(t - kWrenchDelay));
+      wrench.force.z() += drift * (t - 1);
+      file << t << ",0,0,0," << q.w() << ',' << q.x() << ',' << q.y() << ',' << q.z() << ",0,0,0";
       for (const Eigen::Vector3d& v :
            {imu.angular_velocity, imu.specific_force, wrench.force, wrench.torque})
         file << ',' << v.x() << ',' << v.y() << ',' << v.z();
@@ -102,13 +109,46 @@ TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
   plan.data.recordings = {{"wrist.csv", "", {{8, 9}}, {{9, 12}}}};
   const DataSet data = load_data(plan.data, {file.folder()});
   ASSERT_EQ(data.delays.size(), 2u);
-  EXPECT_NEAR(data.delays[0].seconds, 0.005, 2e-3);
-  EXPECT_NEAR(data.delays[1].seconds, 0.020, 2e-3);
+  EXPECT_NEAR(data.delays[0].seconds, kInertialDelay, kSample / 2);
+  EXPECT_NEAR(data.delays[1].seconds, kWrenchDelay, kSample / 2);
+  // The card says what was found.
+  const inference::ModelCard card = make_card(plan, data, {}, {});
+  ASSERT_EQ(card.delays.size(), 2u);
+  EXPECT_EQ(card.delays[0].stream, "inertial");
+  EXPECT_EQ(card.delays[0].seconds, data.delays[0].seconds);
+  EXPECT_EQ(card.delays[1].stream, "force_torque");
+  EXPECT_EQ(card.delays[1].seconds, data.delays[1].seconds);
   EXPECT_NEAR(data.payload->mass, 1.2, 0.012);
   EXPECT_LT((data.payload->first_moment - Eigen::Vector3d(0.01, -0.02, 0.12)).norm(), 2e-3);
   const Eigen::MatrixXd& rest = data.recordings[0].outputs;
   EXPECT_LT(rest.leftCols(3).bottomRows(rest.rows() - 20).cwiseAbs().maxCoeff(), 0.15);  // N of 12
   EXPECT_LT(rest.rightCols(3).bottomRows(rest.rows() - 20).cwiseAbs().maxCoeff(), 0.02);
+}
+
+TEST(WristData, TakesADriftOutOfTheTrainingButNotOutOfTheScore) {
+  const double drift = 0.2;  // N/s
+  const WristRecordingFile file(drift);
+  Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
+  plan.data.recordings = {{"wrist.csv", "", {}, {{4, 6}}}};
+  const DataSet data = load_data(plan.data, file.folder());
+  const Recording& recording = data.recordings[0];
+  EXPECT_NEAR(data.payload->mass, 1.2, 0.012);
+  const auto slope_of_fz = [&](Part part) {
+    double t_mean = 0, y_mean = 0, ty = 0, tt = 0, n = 0;
+    for (const bool sums : {false, true})
+      for (std::size_t k = 20; k < recording.parts.size(); ++k) {
+        if (recording.parts[k] != part) continue;
+        const auto row = static_cast<Eigen::Index>(k);
+        const double t = recording.time[row], y = recording.outputs(row, 2);
+        if (!sums)
+          t_mean += t, y_mean += y, ++n;
+        else
+          ty += (t - t_mean / n) * (y - y_mean / n), tt += std::pow(t - t_mean / n, 2);
+      }
+    return ty / tt;
+  };
+  EXPECT_NEAR(slope_of_fz(Part::kTraining), 0, 0.02 * drift);
+  EXPECT_NEAR(slope_of_fz(Part::kTest), drift, 0.1 * drift);
 }
 
 TEST(FoamBar, ForceIsWithinItsBarOnLoadsNeverTrainedOn) {

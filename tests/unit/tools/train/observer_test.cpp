@@ -33,6 +33,7 @@ void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
               const Eigen::Vector3d& gravity_W, sensing::Signals& signals) {
   sensing::RobotState robot;
   robot.X_WE.linear() = orientation(row);
+  robot.X_WE.translation() = row.segment<3>(19).transpose();
   robot.V_W_E.linear = row.segment<3>(4).transpose();
   feed(signals.robot, robot);
   sensing::Inertial inertial;
@@ -56,6 +57,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   sensing::FtRnnob::Options options;
   for (const std::string& name : columns_of(plan.data.inputs))
     options.inputs.push_back(sensing::observer_input_index(name));
+  const auto inputs = static_cast<int>(options.inputs.size());
   options.rate = plan.data.rate;
   options.average = plan.data.average;
   options.inertial_delay = recording.delays[0].seconds;
@@ -64,8 +66,14 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   delay_columns(felt, 0, 4, options.inertial_delay);
   options.payload.mass = 1.15;
   options.payload.first_moment = {0, 0.004, 0.12};
+  // Such that the network's part comes and goes along the recording.
+  Eigen::MatrixXd covered(recording.inputs.rows(), inputs);
+  for (int i = 0; i < inputs; ++i)
+    covered.col(i) = recording.inputs.col(options.inputs[static_cast<std::size_t>(i)]);
+  Eigen::VectorXd deviation(inputs);
+  deviation << 0.2, 0.1, 0.1, 0.05, 0.05, 0.05, 0.1, 0.1, 0.1, 2, 0.6, 1;
+  options.domain = sensing::cover(covered.topRows(400), deviation, 16, 0.5, 1.5);
 
-  const auto inputs = static_cast<int>(options.inputs.size());
   std::mt19937 random(2);
   std::normal_distribution<float> normal(0, 0.4f);
   sensing::RecurrentWeights weights = sensing::RecurrentWeights::zero(inputs, 6, {15, 10});
@@ -80,7 +88,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   std::vector<float> state(network.states(), 0.f), input(inputs);
   Eigen::Matrix<float, 6, 1> output;
   sensing::Signals signals;
-  double largest = 0;
+  double largest = 0, least = 1, most = 0;
   const auto steps = static_cast<int>(recording.samples.size()) - 1;
   for (int tick = 0; tick < 10 * steps; ++tick) {
     feed_row(table.rows.row(tick), felt.rows.row(tick), options.gravity_W, signals);
@@ -92,13 +100,18 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
       input[i] = static_cast<float>(recording.inputs(k, options.inputs[i]));
     network.step(input.data(), state.data(), output.data());
     const sensing::MotionSample& sample = recording.samples[k];
+    const double trust = options.domain.trust(covered.row(k).transpose());
+    least = std::min(least, trust);
+    most = std::max(most, trust);
     const math::Vector6d expected = sample.F_S.vector() -
                                     sensing::load_wrench(options.payload, sample.motion).vector() -
-                                    output.cast<double>();
+                                    trust * output.cast<double>();
     ASSERT_EQ(contacts.count, 1);
     largest =
         std::max(largest, (contacts.contacts[0].wrench.vector() - expected).cwiseAbs().maxCoeff());
   }
+  EXPECT_EQ(least, 0);
+  EXPECT_EQ(most, 1);
   // Means of gravity in turning axes are not quite gravity in mean axes.
   EXPECT_LT(largest, 2e-3);
 }

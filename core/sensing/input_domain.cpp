@@ -1,0 +1,67 @@
+#include "core/sensing/input_domain.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace palpate::sensing {
+
+double InputDomain::trust(const Eigen::Ref<const Eigen::VectorXd>& input) const noexcept {
+  if (points.cols() == 0) return 1;
+  double nearest = far * far;
+  for (Eigen::Index p = 0; p < points.cols(); ++p) {
+    double square = 0;
+    for (Eigen::Index i = 0; i < points.rows(); ++i) {
+      const double distance = (input[i] - points(i, p)) / deviation[i];
+      square += distance * distance;
+    }
+    if (square < nearest) nearest = square;  // never of NaN
+  }
+  const double way = std::clamp((std::sqrt(nearest) - near) / (far - near), 0.0, 1.0);
+  return 1 - way * way * (3 - 2 * way);
+}
+
+void InputDomain::check(int inputs) const {
+  const auto refuse = [](const char* what) {
+    throw std::invalid_argument(std::string("domain: ") + what);
+  };
+  if (points.cols() == 0) return;
+  if (points.cols() > kLargestPoints) refuse("more than 1024 points");
+  if (points.rows() != inputs) refuse("points must have a number for each input");
+  if (deviation.size() != inputs) refuse("deviation must have a number for each input");
+  if (!points.allFinite()) refuse("points must be finite");
+  if (!deviation.allFinite() || !(deviation.array() > 0).all())
+    refuse("deviation must be finite and above 0");
+  if (!(near >= 0) || !(far > near) || !std::isfinite(far))
+    refuse("near must be 0 or more, far above it");
+}
+
+InputDomain cover(const Eigen::MatrixXd& rows, const Eigen::VectorXd& deviation, int count,
+                  double near_factor, double far_factor) {
+  if (rows.rows() == 0) throw std::invalid_argument("domain: there is no row to cover");
+  const Eigen::MatrixXd scaled = rows * deviation.cwiseInverse().asDiagonal();
+  const auto square_distances = [&](const Eigen::RowVectorXd& point) -> Eigen::VectorXd {
+    return (scaled.rowwise() - point).rowwise().squaredNorm();
+  };
+  InputDomain domain;
+  domain.deviation = deviation;
+  count = static_cast<int>(std::min<Eigen::Index>(count, rows.rows()));
+  domain.points.resize(rows.cols(), count);
+  Eigen::Index next = 0;
+  square_distances(scaled.colwise().mean()).minCoeff(&next);
+  Eigen::VectorXd nearest = square_distances(scaled.row(next));
+  for (int p = 0; p < count; ++p) {
+    domain.points.col(p) = rows.row(next).transpose();
+    nearest = nearest.cwiseMin(square_distances(scaled.row(next)));
+    nearest.maxCoeff(&next);
+  }
+  // Rows that are all points leave no distance; a step from trust to none is not wanted.
+  const double left = std::max(std::sqrt(nearest.maxCoeff()), 1e-3);
+  domain.near = near_factor * left;
+  domain.far = far_factor * left;
+  domain.check(static_cast<int>(rows.cols()));
+  return domain;
+}
+
+}  // namespace palpate::sensing
