@@ -29,6 +29,8 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   build_arms(root);
   context_.period = period;
   context_.deterministic = deterministic;
+  context_.inference = read_inference(root, deterministic);
+  context_.remarks = &remarks_;
   object_ = read_object(root, context_.frames);
   context_.object = &object_;
 
@@ -67,7 +69,8 @@ void Pipeline::build_arms(const config::Node& root) {
 void Pipeline::build_sensing(const config::Node& root) {
   for (const config::Node& node : root.list("sensing")) {
     Sensing instance;
-    instance.name = node.text("name", node.text("component"));
+    instance.component = node.text("component");
+    instance.name = node.text("name", instance.component);
     instance.arm = read_arm(node, context_);
     instance.model = make_sensor_model(node, context_);
     instance.condition = {LifeCycle::kInactive, ""};
@@ -356,13 +359,21 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
   return arms_[0].output;
 }
 
+SensorReport Pipeline::sensor_report(int index) const noexcept {
+  const Sensing& instance = sensing_[index];
+  SensorReport report{instance.name.c_str(), instance.component.c_str(), instance.condition,
+                      instance.model.get()};
+  report.condition.component = report.name;
+  return report;
+}
+
 Condition Pipeline::condition() const noexcept {
   if (!is_running()) return whole_;
   Condition worst = whole_;
   const auto consider = [&worst](const Condition& other) {
     if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
   };
-  for (const Sensing& instance : sensing_) consider(instance.condition);
+  for (int i = 0; i < sensor_count(); ++i) consider(sensor_report(i).condition);
   consider(estimation_condition_);
   consider(control_condition_);
   return worst;

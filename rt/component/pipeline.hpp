@@ -30,6 +30,14 @@ struct RunningModel {
   const sensing::Executor* executor = nullptr;
 };
 
+/// How one instance of the sensing slot does.
+struct SensorReport {
+  const char* name = "";       // of the instance
+  const char* component = "";  // what it is, e.g. ft_rnnob
+  Condition condition;
+  const sensing::SensorModel* model = nullptr;
+};
+
 /// The six slots: sensing and contact hold lists, the others one component each. Everything is
 /// built and configured by the constructor; the phases of a tick neither allocate, lock, log nor
 /// throw.
@@ -73,6 +81,10 @@ class Pipeline {
 
   const Object& object() const noexcept { return object_; }
   const std::vector<RunningModel>& running_models() const noexcept { return running_models_; }
+  int sensor_count() const noexcept { return static_cast<int>(sensing_.size()); }
+  SensorReport sensor_report(int index) const noexcept;
+  /// What the system did not grant to threads of components, a line each.
+  const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
   elasticity::DeformationModel& model() noexcept { return *model_; }
@@ -96,6 +108,7 @@ class Pipeline {
   };
   struct Sensing {
     std::string name;
+    std::string component;
     int arm = 0;
     std::unique_ptr<sensing::SensorModel> model;
     Condition condition;
@@ -118,6 +131,7 @@ class Pipeline {
   void request(int arm, const math::Twist& V_O_G) noexcept;
   bool other_refused(int arm) const noexcept;
 
+  std::vector<std::string> remarks_;
   Context context_;
   Object object_;
   std::vector<Arm> arms_;  // one or two

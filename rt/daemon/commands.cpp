@@ -1,6 +1,7 @@
 #include "rt/daemon/commands.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 
 #include "rt/daemon/text.hpp"
@@ -82,7 +83,18 @@ void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) 
 }
 
 void Commands::announce(const component::Condition& condition, std::int64_t utime) noexcept {
-  answer("all", component::name(condition.state), -1, condition.reason, utime);
+  char reason[200];
+  put_reason(condition, reason);
+  answer("all", component::name(condition.state), -1, reason, utime);
+}
+
+void Commands::announce(const char* slot, const char* instance, const char* component,
+                        const char* event, const char* reason, std::int64_t utime) noexcept {
+  put_text(event_.instance, instance);
+  put_text(event_.component, component);
+  answer(slot, event, -1, reason, utime);
+  put_text(event_.instance, "");
+  put_text(event_.component, "");
 }
 
 void Commands::answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
@@ -93,7 +105,11 @@ void Commands::answer(const char* slot, const char* event, std::int64_t counter,
   put_text(event_.reason, reason);
   event_.command_counter = counter;
   events_.publish(event_);
-  log_.push({event, reason});
+  EventRecord record;
+  std::snprintf(record.event, sizeof(record.event), "%s", event);
+  std::snprintf(record.component, sizeof(record.component), "%s", get_text(event_.instance));
+  std::snprintf(record.reason, sizeof(record.reason), "%s", reason);
+  log_.push(record);
 }
 
 }  // namespace palpate::daemon

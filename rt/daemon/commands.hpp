@@ -11,10 +11,11 @@
 
 namespace palpate::daemon {
 
-/// What happened, for the log; texts are literals.
+/// What happened, for the log.
 struct EventRecord {
-  const char* event = "";
-  const char* reason = "";
+  char event[32] = "";
+  char component[32] = "";  // the instance, "" where it is the whole
+  char reason[200] = "";
 };
 
 /// Commands and targets of users: checked, carried out once however often they are sent, answered
@@ -28,6 +29,10 @@ class Commands {
 
   /// Announces a change of the whole's condition that nobody asked for.
   void announce(const component::Condition& condition, std::int64_t utime) noexcept;
+
+  /// The same of one component.
+  void announce(const char* slot, const char* instance, const char* component, const char* event,
+                const char* reason, std::int64_t utime) noexcept;
 
   /// For the thread that writes the log.
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }

@@ -14,6 +14,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
       inputs_(control, pipeline_.arm_count()),
       commands_(control, housekeeping, session),
+      reports_(pipeline_),
       telemetry_(control, housekeeping, pipeline_, session),
       health_(housekeeping, session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
@@ -97,6 +98,7 @@ void Daemon::publish(const Now& now) noexcept {
     announced_ = condition.state;
     commands_.announce(condition, now.utime);
   }
+  reports_.service(pipeline_, commands_, now.monotonic_ns, now.utime);
   telemetry_.publish_state(pipeline_, now.utime);
 
   const elasticity::StepStatus status = pipeline_.estimate().step.status;

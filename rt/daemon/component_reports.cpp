@@ -1,0 +1,60 @@
+#include "rt/daemon/component_reports.hpp"
+
+#include <cstdio>
+#include <cstring>
+
+namespace palpate::daemon {
+namespace {
+
+constexpr std::int64_t kInterval = 100'000'000;  // ns
+constexpr const char* kSlot = "sensing";
+
+bool same(const component::Condition& a, const component::Condition& b) noexcept {
+  return a.state == b.state && std::strcmp(a.reason, b.reason) == 0;
+}
+
+}  // namespace
+
+ComponentReports::ComponentReports(const component::Pipeline& pipeline)
+    : told_(static_cast<std::size_t>(pipeline.sensor_count())) {
+  for (int i = 0; i < pipeline.sensor_count(); ++i) {
+    const sensing::SensorModel* model = pipeline.sensor_report(i).model;
+    for (int k = 0; model->executor(k) != nullptr; ++k) told_[i].faults.push_back(0);
+  }
+}
+
+void ComponentReports::service(const component::Pipeline& pipeline, Commands& commands,
+                               std::int64_t now_ns, std::int64_t utime) noexcept {
+  for (int i = 0; i < pipeline.sensor_count(); ++i) {
+    const component::SensorReport report = pipeline.sensor_report(i);
+    Told& told = told_[i];
+    tell_faults(report, told, commands, utime);
+    if (same(report.condition, told.condition)) continue;
+    const bool fault = report.condition.state == component::LifeCycle::kFaulted &&
+                       told.condition.state != component::LifeCycle::kFaulted;
+    if (!fault && told.ns != 0 && now_ns - told.ns < kInterval) continue;
+    told.condition = report.condition;
+    told.ns = now_ns;
+    commands.announce(kSlot, report.name, report.component, component::name(report.condition.state),
+                      report.condition.reason, utime);
+  }
+}
+
+void ComponentReports::tell_faults(const component::SensorReport& report, Told& told,
+                                   Commands& commands, std::int64_t utime) noexcept {
+  for (std::size_t k = 0; k < told.faults.size(); ++k) {
+    const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
+    const sensing::ExecutorCounters counters = executor->counters();
+    if (counters.faults == told.faults[k]) continue;
+    told.faults[k] = counters.faults;
+    char reason[200];
+    std::snprintf(reason, sizeof(reason),
+                  "executor %s, model %zu: the network fails or hangs; steps %lld, late %lld, "
+                  "dropped %lld",
+                  executor->kind(), k, static_cast<long long>(counters.steps),
+                  static_cast<long long>(counters.late), static_cast<long long>(counters.dropped));
+    commands.announce(kSlot, report.name, report.component, "model_fault", reason, utime);
+  }
+}
+
+}  // namespace palpate::daemon
