@@ -235,7 +235,7 @@ TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
   card.name = "wrist";
   card.rate = 100;
   card.states = 1;
-  card.inputs = {{"acceleration_x", "m/s^2"}};
+  card.inputs = {{"acceleration_y", "m/s^2"}};  // of S, which is x of I
   card.outputs = {{"fx", "N"},   {"fy", "N"},   {"fz", "N"},
                   {"tx", "N m"}, {"ty", "N m"}, {"tz", "N m"}};
   card.payload = sensing::PayloadParameters{};
