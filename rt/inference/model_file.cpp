@@ -69,6 +69,7 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string&, const Model
 sensing::RecurrentWeights read_recurrent_weights(const std::string&) { throw ModelError(kWithout); }
 std::string write_torch_module(const sensing::RecurrentWeights&) { throw ModelError(kWithout); }
 std::string torch_version() { return "none"; }
+void probe_module(const std::string&, const ModelSizes&) {}  // loading says what is missing
 #endif
 
 ModelFile read_model_file(const std::string& path) {

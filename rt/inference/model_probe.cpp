@@ -1,3 +1,5 @@
+#ifndef PALPATE_WITHOUT_TORCH
+
 #include "rt/inference/model_probe.hpp"
 
 #include <fcntl.h>
@@ -155,3 +157,5 @@ void probe_module(const std::string& bytes, const ModelSizes& sizes) {
 }
 
 }  // namespace palpate::inference
+
+#endif

@@ -170,7 +170,8 @@ void TorchExecutor::report_refusals() {
 void TorchExecutor::demote() noexcept {
   if (options_.fifo_priority == 0) return;
   const sched_param none{};
-  pthread_setschedparam(shared_->thread.native_handle(), SCHED_OTHER, &none);
+  // Without the flag, which take_fifo() set, this is a privilege.
+  pthread_setschedparam(shared_->thread.native_handle(), SCHED_OTHER | SCHED_RESET_ON_FORK, &none);
   shared_->demoted = true;
 }
 
