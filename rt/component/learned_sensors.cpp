@@ -2,6 +2,7 @@
 
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/ft_rnnob.hpp"
+#include "rt/component/sensor_fallback.hpp"
 #include "rt/inference/model_file.hpp"
 
 namespace palpate::component {
@@ -20,6 +21,9 @@ class Model {
     options_.wait = node.number("wait_us", {0, 1e5}, options_.wait * 1e6) * 1e-6;
     if (context.deterministic) options_.wait = options_.patience = kPatience;
     options_.patience = std::max(options_.patience, options_.wait);
+    options_.fifo_priority = context.inference.priority;
+    options_.cpu = context.inference.cpu;
+    options_.remarks = context.remarks;
     try {
       file_ = inference::read_model_file(node.path(key));
     } catch (const inference::ModelError& error) {
@@ -148,6 +152,17 @@ sensing::LocalizationOptions read_localization(const config::Node& node) {
   return options;
 }
 
+/// Null where the section names none.
+std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
+  if (node.choice("fallback", {"none", "biotac_linear"}, "none") == "none") {
+    if (node.has("fallback_file")) node.fail("fallback_file", "wants fallback: biotac_linear");
+    return nullptr;
+  }
+  if (!node.has("fallback_file"))
+    node.fail("fallback", "wants fallback_file, a model written by palpate-evaluate tactile");
+  return make_biotac_linear(node, "fallback_file");
+}
+
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context) {
   const Model model(node, "model_file", context);
@@ -169,8 +184,13 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
   options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
   options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
   auto direction = read_direction(node, context, options.rate);
-  return std::make_unique<sensing::BiotacLstm>(options, model.make_executor(),
-                                               std::move(direction));
+  std::unique_ptr<sensing::SensorModel> fallback = make_tactile_fallback(node);
+  auto learned =
+      std::make_unique<sensing::BiotacLstm>(options, model.make_executor(), std::move(direction));
+  if (!fallback) return learned;
+  return std::make_unique<SensorFallback>(
+      std::move(learned), std::move(fallback),
+      "the network of the force fails or hangs: biotac_linear has taken over");
 }
 
 std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, const Frames& frames,

@@ -14,7 +14,8 @@ namespace palpate::component {
 /// (torch, compiled), wait_us; localisation (nominal, gaussian, inverted_gaussian), or
 /// direction_file (a module with outputs nx, ny, nz) and direction_frame ({rpy_deg: ...}, of its
 /// answers in T); polarity, threshold, saturation, weighting, tare_samples, contact_force,
-/// release_force, max_age_ms, force_deviation as of biotac_linear; largest_force. Throws
+/// release_force, max_age_ms, force_deviation as of biotac_linear; largest_force; fallback (none,
+/// biotac_linear) that takes over where the network fails, with fallback_file, its model. Throws
 /// config::Error, also for a model that cannot be taken, naming its file and why.
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context);
@@ -25,6 +26,11 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
 /// polarity, max_age_ms, force_deviation as of ft_newton_euler.
 std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, const Frames& frames,
                                                     const Context& context);
+
+/// Component `biotac_linear`, whose model is in this section or in the file that the key `file_key`
+/// names.
+std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,
+                                                         const std::string& file_key);
 
 /// Keys `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
 /// torque).

@@ -26,7 +26,8 @@ Event event_from(const char* text) noexcept;
 /// State and the reason for it, of one slot or of the whole.
 struct Condition {
   LifeCycle state = LifeCycle::kUnconfigured;
-  const char* reason = "";  // a string literal
+  const char* reason = "";     // a string literal
+  const char* component = "";  // name of the instance that is so; "" where it is the whole
 
   /// Takes over the outcome of an update: kFault latches, kDegraded passes.
   void apply(const sensing::UpdateResult& result) noexcept;

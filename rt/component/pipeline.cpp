@@ -14,6 +14,8 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   build_arms(root);
   cell_.period = period;
   cell_.deterministic = deterministic;
+  cell_.inference = read_inference(root, deterministic);
+  cell_.remarks = &remarks_;
   slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
   slots_->warm_up();
   whole_ = {LifeCycle::kInactive, "waits for start"};

@@ -72,6 +72,10 @@ class Pipeline {
   const std::vector<RunningModel>& running_models() const noexcept {
     return slots_->running_models;
   }
+  int sensor_count() const noexcept { return static_cast<int>(slots_->sensing.size()); }
+  SensorReport sensor_report(int index) const noexcept { return slots_->sensor_report(index); }
+  /// What the system did not grant to threads of components, a line each; of the constructor.
+  const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
   elasticity::DeformationModel& model() noexcept { return *slots_->model; }
@@ -104,6 +108,7 @@ class Pipeline {
   void request(int arm, const math::Twist& V_O_G) noexcept;
   bool other_refused(int arm) const noexcept;
 
+  std::vector<std::string> remarks_;
   Context cell_;
   std::vector<Arm> arms_;  // one or two
   std::unique_ptr<Slots> slots_;

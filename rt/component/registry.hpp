@@ -9,6 +9,7 @@
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
 #include "rt/component/frames.hpp"
+#include "rt/component/inference_settings.hpp"
 #include "rt/component/object.hpp"
 #include "rt/config/node.hpp"
 
@@ -22,6 +23,8 @@ struct Context {
   double period = 1e-3;                 // s, of the loop
   /// Nothing may depend on scheduling: an inference is awaited however long it takes.
   bool deterministic = false;
+  InferenceSettings inference;
+  std::vector<std::string>* remarks = nullptr;  // what the system did not grant, a line each
 };
 
 /// One function a slot: builds the component that `node` names under the key "component" (the

@@ -6,6 +6,12 @@
 namespace palpate::component {
 namespace {
 
+/// Remarks are for a start; nobody may read them while another thread writes.
+Context without_remarks(Context context) {
+  context.remarks = nullptr;
+  return context;
+}
+
 /// Of the new mesh beyond the present one, as a share of the present one's size: what is farther
 /// out belongs to another object, whose shape nobody knows.
 constexpr double kReach = 0.02;
@@ -82,7 +88,8 @@ Changes find_changes(const config::Node& present, const config::Node& wanted) {
 Replacement::Replacement(const config::Node& present_root, const config::Node& wanted,
                          const Slots& present, const ShapeSnapshot& snapshot)
     : changes_(find_changes(present_root, wanted)),
-      slots_(std::make_unique<Slots>(wanted, present.context, changes_, present.object)) {
+      slots_(std::make_unique<Slots>(wanted, without_remarks(present.context), changes_,
+                                     present.object)) {
   name_successors(present);
   check_keys(present_root, wanted);
   if (!changes_.mechanics) return;

@@ -50,12 +50,14 @@ sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const st
   return matrix;
 }
 
-/// Section `model`, of this file or of `model_file` as written by palpate-evaluate tactile:
-/// features (counts: E1 to E19, PAC, PDC; products: see TactileFeatures); force_x, force_y, force_z
-/// (N, a number a feature), offset (N); and place_x, place_y, place_z, which may be absent.
-sensing::LinearTactileModel read_tactile_model(const config::Node& node) {
+/// Section `model`, of this file or of the one that `file_key` names, as written by
+/// palpate-evaluate tactile: features (counts: E1 to E19, PAC, PDC; products: see TactileFeatures);
+/// force_x, force_y, force_z (N, a number a feature), offset (N); and place_x, place_y, place_z,
+/// which may be absent.
+sensing::LinearTactileModel read_tactile_model(const config::Node& node,
+                                               const std::string& file_key) {
   const config::Node holder =
-      node.has("model_file") ? config::Node::load_file(node.path("model_file")) : node;
+      node.has(file_key) ? config::Node::load_file(node.path(file_key)) : node;
   const config::Node model = holder.child("model");
   sensing::LinearTactileModel result;
   if (model.choice("features", {"counts", "products"}, "counts") == "products")
@@ -67,19 +69,6 @@ sensing::LinearTactileModel read_tactile_model(const config::Node& node) {
   return result;
 }
 
-std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node) {
-  sensing::BiotacLinear::Options options;
-  options.finger = node.integer("finger", {0, 4}, options.finger);
-  options.model = read_tactile_model(node);
-  options.localization = read_localization(node);
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
-  options.release_force = node.number("release_force", {0, 100}, options.release_force);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
-  return std::make_unique<sensing::BiotacLinear>(options);
-}
-
 std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
   sensing::Manual::Options options;
   options.expires_after = node.number("expires_after_ms", {1, 1e4}, 100) * 1e-3;
@@ -88,6 +77,20 @@ std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
 }
 
 }  // namespace
+
+std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,
+                                                         const std::string& file_key) {
+  sensing::BiotacLinear::Options options;
+  options.finger = node.integer("finger", {0, 4}, options.finger);
+  options.model = read_tactile_model(node, file_key);
+  options.localization = read_localization(node);
+  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
+  options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
+  options.release_force = node.number("release_force", {0, 100}, options.release_force);
+  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
+  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  return std::make_unique<sensing::BiotacLinear>(options);
+}
 
 int read_arm(const config::Node& node, const Context& context) {
   const int arm = node.integer("arm", {0, 1}, 0);
@@ -107,7 +110,7 @@ std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node
     if (name == "ft_rnnob") return make_ft_rnnob(node, frames, context);
     if (name == "ft_tare_only") return make_tare_only(node);
     if (name == "biotac_lstm") return make_biotac_lstm(node, context);
-    if (name == "biotac_linear") return make_biotac_linear(node);
+    if (name == "biotac_linear") return make_biotac_linear(node, "model_file");
     return make_manual(node);
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());

@@ -48,9 +48,12 @@ Slots::Slots(const config::Node& root, const Context& cell, const Changes& chang
 
 void Slots::build_sensing(const config::Node& root, const Changes& changes) {
   std::size_t index = 0;
+  if (root.list("sensing").size() > kMostSensors)
+    root.fail("sensing", "more than " + std::to_string(kMostSensors) + " sensor models");
   for (const config::Node& node : root.list("sensing")) {
     Sensing instance;
-    instance.name = node.text("name", node.text("component"));
+    instance.component = node.text("component");
+    instance.name = node.text("name", instance.component);
     instance.arm = read_arm(node, context);
     if (changes.sensing[index++]) {
       instance.model = make_sensor_model(node, context);
@@ -198,12 +201,21 @@ bool Slots::set_target(int revision, const char* kind, const double (*rest_point
   return true;
 }
 
+SensorReport Slots::sensor_report(int index) const noexcept {
+  const Sensing& instance = sensing[index];
+  SensorReport report{instance.name.c_str(), instance.component.c_str(), instance.condition,
+                      instance.model.get()};
+  report.condition.component = report.name;
+  return report;
+}
+
 Condition Slots::worst_of(const Condition& whole) const noexcept {
   Condition worst = whole;
   const auto consider = [&worst](const Condition& other) {
     if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
   };
-  for (const Sensing& instance : sensing) consider(instance.condition);
+  for (std::size_t i = 0; i < sensing.size(); ++i)
+    consider(sensor_report(static_cast<int>(i)).condition);
   consider(estimation_condition);
   consider(control_condition);
   return worst;

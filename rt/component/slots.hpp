@@ -29,6 +29,14 @@ struct RunningModel {
   const sensing::Executor* executor = nullptr;
 };
 
+/// How one instance of the sensing slot does.
+struct SensorReport {
+  const char* name = "";       // of the instance
+  const char* component = "";  // what it is, e.g. ft_rnnob
+  Condition condition;
+  const sensing::SensorModel* model = nullptr;
+};
+
 /// What of a configuration is to be built. Components that refer to each other are built together:
 /// estimator and deformation model, feature and controller; a new object takes all of them and the
 /// contacts.
@@ -45,8 +53,10 @@ struct Changes {
 /// The components in the six slots, the object that they speak of and the room that they compute
 /// in. Sensing and contact hold lists, the other slots one component each.
 struct Slots {
+  static constexpr std::size_t kMostSensors = 16;
   struct Sensing {
     std::string name;
+    std::string component;
     int arm = 0;
     std::unique_ptr<sensing::SensorModel> model;
     Condition condition{LifeCycle::kInactive, ""};
@@ -76,6 +86,7 @@ struct Slots {
   /// False, with the reason, where kind, points or values do not fit the feature.
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
                   const double* values, int value_count, const char*& reason) noexcept;
+  SensorReport sensor_report(int index) const noexcept;
   Condition worst_of(const Condition& whole) const noexcept;
 
   std::shared_ptr<const Object> object;

@@ -1,6 +1,7 @@
 #include "rt/daemon/commands.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 
 #include "rt/daemon/text.hpp"
@@ -96,7 +97,18 @@ void Commands::announce(const Replacing& replacing, Replacing::Outcome outcome,
 }
 
 void Commands::announce(const component::Condition& condition, std::int64_t utime) noexcept {
-  answer("all", component::name(condition.state), -1, condition.reason, utime);
+  char reason[200];
+  put_reason(condition, reason);
+  answer("all", component::name(condition.state), -1, reason, utime);
+}
+
+void Commands::announce(const char* slot, const char* instance, const char* component,
+                        const char* event, const char* reason, std::int64_t utime) noexcept {
+  put_text(event_.instance, instance);
+  put_text(event_.component, component);
+  answer(slot, event, -1, reason, utime);
+  put_text(event_.instance, "");
+  put_text(event_.component, "");
 }
 
 void Commands::answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
@@ -109,6 +121,7 @@ void Commands::answer(const char* slot, const char* event, std::int64_t counter,
   events_.publish(event_);
   EventRecord record;
   put_text(record.event, event);
+  put_text(record.component, get_text(event_.instance));
   put_text(record.reason, reason);
   log_.push(record);
 }

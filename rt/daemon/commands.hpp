@@ -16,6 +16,7 @@ namespace palpate::daemon {
 /// What happened, for the log.
 struct EventRecord {
   std::array<char, 32> event{};
+  std::array<char, 32> component{};  // the instance, "" where it is the whole
   std::array<char, 256> reason{};
 };
 
@@ -35,6 +36,10 @@ class Commands {
 
   /// Announces a change of the whole's condition that nobody asked for.
   void announce(const component::Condition& condition, std::int64_t utime) noexcept;
+
+  /// The same of one component.
+  void announce(const char* slot, const char* instance, const char* component, const char* event,
+                const char* reason, std::int64_t utime) noexcept;
 
   /// For the thread that writes the log.
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }

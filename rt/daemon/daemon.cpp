@@ -14,6 +14,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
       inputs_(control, pipeline_.arm_count(), settings_.frozen_after),
       commands_(control, housekeeping, session),
+      reports_(pipeline_),
       telemetry_(control, housekeeping, pipeline_, session),
       health_(housekeeping, session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
@@ -93,8 +94,10 @@ void Daemon::tick(const Now& now) noexcept {
 void Daemon::replace(const Now& now) noexcept {
   const Replacing::Outcome outcome = replacing_.service(refactoring_, counters_.cycles);
   if (outcome == Replacing::Outcome::kNothing) return;
-  if (outcome == Replacing::Outcome::kReplaced)
+  if (outcome == Replacing::Outcome::kReplaced) {
     health_.describe(replacing_.configuration_hash(), pipeline_.object().hash);
+    reports_.begin(pipeline_);
+  }
   commands_.announce(replacing_, outcome, now.utime);
 }
 
@@ -108,6 +111,7 @@ void Daemon::publish(const Now& now) noexcept {
     announced_ = condition.state;
     commands_.announce(condition, now.utime);
   }
+  reports_.service(pipeline_, commands_, now.monotonic_ns, now.utime);
   telemetry_.publish_state(pipeline_, now.utime);
 
   const elasticity::StepStatus status = pipeline_.estimate().step.status;

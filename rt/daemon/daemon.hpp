@@ -3,6 +3,7 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/component/pipeline.hpp"
 #include "rt/daemon/commands.hpp"
+#include "rt/daemon/component_reports.hpp"
 #include "rt/daemon/health.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/overrun_monitor.hpp"
@@ -57,6 +58,7 @@ class Daemon {
   component::Pipeline pipeline_;
   Inputs inputs_;
   Commands commands_;
+  ComponentReports reports_;
   Telemetry telemetry_;
   Health health_;
   Refactoring refactoring_;

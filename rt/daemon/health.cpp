@@ -35,7 +35,9 @@ void Health::publish(const Counters& counters, const component::Condition& condi
                      std::int64_t utime) noexcept {
   health_stamp_.put(message_, utime);
   message_.state = static_cast<int>(condition.state);
-  put_text(message_.reason, condition.reason);
+  char reason[sizeof(message_.reason)];
+  put_reason(condition, reason);
+  put_text(message_.reason, reason);
   message_.cycles = counters.cycles;
   message_.overruns = counters.overruns;
   message_.overrun_us = counters.overrun_ns / 1000;

@@ -41,8 +41,10 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
     const int signal = sigtimedwait(&signals, nullptr, &interval);
     palpate::daemon::EventRecord record;
     while (daemon.take_record(record)) {
+      const char* component = record.component.data();
       const char* reason = record.reason.data();
-      spdlog::info("{}{}{}", record.event.data(), *reason != '\0' ? ": " : "", reason);
+      spdlog::info("{}{}{}{}{}", component, *component != '\0' ? " " : "", record.event.data(),
+                   *reason != '\0' ? ": " : "", reason);
     }
     if (signal > 0) {
       spdlog::info("{}: ends", strsignal(signal));
@@ -145,6 +147,7 @@ int run(const Options& options) {
       PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),
       object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
       object.body.fixed_nodes.size());
+  for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
   control->stop();
   if (options.stepped) warn_of_losses(daemon);

@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdio>
 #include <cstring>
 #include <string_view>
+
+#include "rt/component/life_cycle.hpp"
 
 namespace palpate::daemon {
 
@@ -27,6 +30,14 @@ void put_text(std::array<char, kSize>& field, std::string_view text) noexcept {
 template <std::size_t kSize>
 const char* get_text(const std::uint8_t (&field)[kSize]) noexcept {
   return std::memchr(field, 0, kSize) != nullptr ? reinterpret_cast<const char*>(field) : "";
+}
+
+/// The reason of a condition, with the component that is in it where one is.
+template <std::size_t kSize>
+void put_reason(const component::Condition& condition, char (&text)[kSize]) noexcept {
+  const char* separator = *condition.component != '\0' && *condition.reason != '\0' ? ": " : "";
+  std::snprintf(text, kSize, "%s%s%s", *separator != '\0' ? condition.component : "", separator,
+                condition.reason);
 }
 
 }  // namespace palpate::daemon

@@ -6,15 +6,20 @@
 
 #include "rt/config/node.hpp"
 #include "rt/inference/compiled_executor.hpp"
+#include "rt/inference/model_probe.hpp"
 
 namespace palpate::inference {
 namespace {
 
-constexpr std::size_t kLargestCard = std::size_t{1} << 20;
-
-std::string read_bytes(const std::string& path, std::size_t largest) {
+/// Neither a directory nor a pipe that nobody writes to.
+void require_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ModelError(path + ": is not a file");
+}
+
+std::string read_bytes(const std::string& path, std::size_t largest) {
+  require_file(path);
+  std::error_code error;
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   if (error) throw ModelError(path + ": " + error.message());
   if (size > largest)
@@ -35,6 +40,12 @@ auto named(const ModelFile& file, Make make) {
   } catch (const std::exception& error) {
     throw ModelError(file.path + ": " + error.what());
   }
+}
+
+/// In libtorch, once another process has come through the same unharmed.
+std::unique_ptr<SequenceModel> load(const ModelFile& file) {
+  probe_module(file.bytes, file.card.sizes());
+  return load_torch_module(file.bytes, file.card.sizes());
 }
 
 bool same(const ModelSizes& a, const ModelSizes& b) {
@@ -58,6 +69,7 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string&, const Model
 sensing::RecurrentWeights read_recurrent_weights(const std::string&) { throw ModelError(kWithout); }
 std::string write_torch_module(const sensing::RecurrentWeights&) { throw ModelError(kWithout); }
 std::string torch_version() { return "none"; }
+void probe_module(const std::string&, const ModelSizes&) {}  // loading says what is missing
 #endif
 
 ModelFile read_model_file(const std::string& path) {
@@ -65,7 +77,7 @@ ModelFile read_model_file(const std::string& path) {
   file.path = path;
   file.bytes = read_bytes(path, kLargestModule);
   const std::string beside = card_path(path);
-  read_bytes(beside, kLargestCard);
+  require_file(beside);
   try {
     file.card = read_card(beside);
   } catch (const std::exception& error) {
@@ -79,7 +91,7 @@ ModelFile read_model_file(const std::string& path) {
 }
 
 std::unique_ptr<SequenceModel> make_torch_model(const ModelFile& file) {
-  return named(file, [&] { return load_torch_module(file.bytes, file.card.sizes()); });
+  return named(file, [&] { return load(file); });
 }
 
 std::unique_ptr<SequenceModel> make_compiled_model(const ModelFile& file) {
@@ -87,11 +99,12 @@ std::unique_ptr<SequenceModel> make_compiled_model(const ModelFile& file) {
     if (file.card.architecture != kRecurrentNetwork)
       throw ModelError("architecture '" + file.card.architecture +
                        "' runs with `executor: torch` only; compiled runs " + kRecurrentNetwork);
+    probe_module(file.bytes, file.card.sizes());
     auto compiled = std::make_unique<CompiledModel>(read_recurrent_weights(file.bytes));
     if (!same(compiled->sizes(), file.card.sizes()))
       throw ModelError("it has " + to_text(compiled->sizes()) + ", its card says " +
                        to_text(file.card.sizes()));
-    const auto torch = load_torch_module(file.bytes, file.card.sizes());
+    const auto torch = load(file);
     const double difference = largest_difference(*compiled, *torch);
     if (!(difference <= kAgreement)) {
       std::ostringstream text;
@@ -107,10 +120,7 @@ std::unique_ptr<Executor> make_executor(const ModelFile& file, ExecutorKind kind
                                         const TorchExecutorOptions& options) {
   if (kind == ExecutorKind::kCompiled)
     return std::make_unique<DirectExecutor>(make_compiled_model(file));
-  return named(file, [&] {
-    return std::make_unique<TorchExecutor>(load_torch_module(file.bytes, file.card.sizes()),
-                                           options);
-  });
+  return named(file, [&] { return std::make_unique<TorchExecutor>(load(file), options); });
 }
 
 void write_model_file(const std::string& path, const sensing::RecurrentWeights& weights,

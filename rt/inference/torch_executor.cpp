@@ -1,5 +1,6 @@
 #include "rt/inference/torch_executor.hpp"
 
+#include <pthread.h>
 #include <semaphore.h>
 #include <time.h>
 
@@ -83,7 +84,13 @@ struct TorchExecutor::Shared {
     ready.ring();
   }
 
-  void work() noexcept {
+  /// Of this thread, as far as granted.
+  void take_schedule(const TorchExecutorOptions& options) {
+    if (options.cpu >= 0) refusals.push_back(loop::take_cpu(options.cpu));
+    if (options.fifo_priority > 0) refusals.push_back(loop::take_fifo(options.fifo_priority));
+  }
+
+  void work(int fifo_priority) noexcept {
     std::int64_t sequence = 0;
     for (;;) {
       sample_bell.wait();
@@ -91,6 +98,7 @@ struct TorchExecutor::Shared {
       while (Parcel* sample = samples.take()) {
         if (sample->sequence != sequence) {
           sequence = sample->sequence;
+          if (demoted.exchange(false)) loop::take_fifo(fifo_priority);
           std::fill(state.begin(), state.end(), 0.f);
         }
         Parcel& answer = answers.back();
@@ -109,6 +117,8 @@ struct TorchExecutor::Shared {
   loop::HandoverRing<Parcel> samples;
   loop::HandoverRing<Parcel> answers;
   Bell sample_bell, answer_bell, ready, ended;
+  std::vector<std::string> refusals;  // written before `ready` is rung
+  std::atomic<bool> demoted{false};
   std::atomic<bool> warm{true};  // false where a step of the warm-up failed
   std::atomic<bool> stop{false};
   std::thread thread;
@@ -129,13 +139,17 @@ TorchExecutor::TorchExecutor(std::unique_ptr<SequenceModel> model,
   shared_ = std::make_shared<Shared>(std::move(model), options.depth);
   shared_->thread =
       loop::start_helper_thread("palpate-infer", [shared = shared_, options]() mutable {
-        if (options.fifo_priority > 0) loop::take_fifo(options.fifo_priority);
+        shared->take_schedule(options);
         shared->warm_up(options.warm_up);
-        shared->work();
+        shared->work(options.fifo_priority);
         shared.reset();
       });
   const bool came_back = shared_->ready.wait_until(now() + kWarmUpLimit);
-  if (came_back && shared_->warm) return;
+  if (came_back && shared_->warm) {
+    report_refusals();
+    return;
+  }
+  demote();
   leave();
   throw std::runtime_error(came_back ? "the model fails while it warms up"
                                      : "the model hangs while it warms up");
@@ -143,14 +157,32 @@ TorchExecutor::TorchExecutor(std::unique_ptr<SequenceModel> model,
 
 TorchExecutor::~TorchExecutor() { leave(); }
 
+void TorchExecutor::report_refusals() {
+  if (options_.remarks == nullptr) return;
+  for (const std::string& refusal : shared_->refusals) {
+    const std::string line = "inference thread: " + refusal;
+    std::vector<std::string>& lines = *options_.remarks;
+    const bool known = std::find(lines.begin(), lines.end(), line) != lines.end();
+    if (!refusal.empty() && !known) lines.push_back(line);
+  }
+}
+
+void TorchExecutor::demote() noexcept {
+  if (options_.fifo_priority == 0) return;
+  const sched_param none{};
+  // Without the flag, which take_fifo() set, this is a privilege.
+  pthread_setschedparam(shared_->thread.native_handle(), SCHED_OTHER | SCHED_RESET_ON_FORK, &none);
+  shared_->demoted = true;
+}
+
 void TorchExecutor::leave() noexcept {
-  std::thread thread = std::move(shared_->thread);
   shared_->stop.store(true, std::memory_order_release);
   shared_->sample_bell.ring();
   if (shared_->ended.wait_until(now() + kSecond)) {
-    thread.join();
+    shared_->thread.join();
   } else {
-    thread.detach();
+    demote();
+    shared_->thread.detach();
   }
 }
 
@@ -192,6 +224,7 @@ Answer TorchExecutor::step(const float* input, float* output) noexcept {
   if (now() - since_ >= std::llround(options_.patience * 1e9)) {
     failed_ = true;
     ++counters_.faults;
+    demote();
     return Answer::kFault;
   }
   if (!has_answer_) return Answer::kNone;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <string>
 #include <vector>
 
 #include "rt/inference/sequence_model.hpp"
@@ -12,7 +13,10 @@ struct TorchExecutorOptions {
   double patience = 0.1;  // s without an answer to a sample after which the model is said to hang
   int depth = 16;         // samples and answers that may queue up, 1 to 1000
   int fifo_priority = 0;  // of the inference thread; 0: it stays SCHED_OTHER
-  int warm_up = 20;       // steps on zeros before the first sample, 0 to 1000
+  int cpu = -1;           // that it is bound to; -1: any
+  /// Gets a line for each of the two that the system did not grant, unless it has that line.
+  std::vector<std::string>* remarks = nullptr;
+  int warm_up = 20;  // steps on zeros before the first sample, 0 to 1000
 };
 
 /// Runs a model, libtorch's as a rule since that allocates, on a thread of its own. The loop's side
@@ -20,7 +24,8 @@ struct TorchExecutorOptions {
 /// a bounded time. A late answer is taken by a later step and counted. Each sample is run, in
 /// order, also those whose answers come late, so that the model's state misses none. Where wait and
 /// patience are the same each answer is that of its sample, or there is a fault: then nothing that
-/// comes of it depends on scheduling.
+/// comes of it depends on scheduling. A thread that hangs loses its real-time priority, so that it
+/// starves nobody, until it has come back and reset() was called.
 class TorchExecutor final : public Executor {
  public:
   /// To be made before the loop takes an affinity, which the thread would inherit. Throws
@@ -42,6 +47,8 @@ class TorchExecutor final : public Executor {
 
  private:
   struct Shared;
+  void report_refusals();
+  void demote() noexcept;
   void leave() noexcept;
   std::shared_ptr<Shared> shared_;  // kept alive by a thread that hangs
   TorchExecutorOptions options_;

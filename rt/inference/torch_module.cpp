@@ -31,10 +31,18 @@ void hold_pools_to_one_thread() {
   done = true;
 }
 
-/// The first line of what libtorch says; the rest is its call stack.
-std::string first_line(const std::exception& error) {
-  const std::string text = error.what();
-  const std::string line = text.substr(0, text.find('\n'));
+/// One line of what libtorch says: the first, or, where TorchScript itself failed, the last; all
+/// else is where in the code it was.
+std::string gist(const std::exception& error) {
+  std::istringstream text(error.what());
+  std::string first, last;
+  for (std::string line; std::getline(text, line);) {
+    if (line.find_first_not_of(" ~<-") == std::string::npos) continue;
+    if (first.empty()) first = line;
+    last = line;
+  }
+  const bool in_script = first.find("operation failed in the TorchScript") != std::string::npos;
+  const std::string& line = in_script ? last : first;
   return line.size() > 300 ? line.substr(0, 300) + " ..." : line;
 }
 
@@ -46,7 +54,7 @@ torch::jit::Module load(const std::string& bytes) {
     module.eval();
     return module;
   } catch (const std::exception& error) {
-    throw ModelError("libtorch cannot read it: " + first_line(error));
+    throw ModelError("libtorch cannot read it: " + gist(error));
   }
 }
 
@@ -63,7 +71,7 @@ class TorchModel final : public SequenceModel {
     try {
       module_ = torch::jit::freeze(module);
     } catch (const std::exception& error) {
-      throw ModelError("it cannot be frozen: " + first_line(error));
+      throw ModelError("it cannot be frozen: " + gist(error));
     }
     x_ = torch::zeros({1, sizes.inputs});
     state_ = torch::zeros({1, sizes.states});
@@ -118,7 +126,7 @@ class TorchModel final : public SequenceModel {
       throw;
     } catch (const std::exception& error) {
       throw ModelError("forward(x[1, " + std::to_string(sizes_.inputs) + "], state[1, " +
-                       std::to_string(sizes_.states) + "]) fails: " + first_line(error));
+                       std::to_string(sizes_.states) + "]) fails: " + gist(error));
     }
     for (const at::Tensor& tensor : {first.first, first.second})
       if (!torch::isfinite(tensor).all().item<bool>())

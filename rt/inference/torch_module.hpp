@@ -20,9 +20,9 @@ class ModelError : public std::runtime_error {
 /// A TorchScript module of the signature
 ///   forward(x: Tensor[batch, inputs], state: Tensor[batch, states])
 ///       -> (y: Tensor[batch, outputs], next_state: Tensor[batch, states])
-/// in single precision. It is frozen, tried on zeros (shapes and types of the answer, finite, the
-/// same twice) and warmed up; every thread pool is held to one thread. `bytes` is the content of
-/// its file. Throws ModelError.
+/// in single precision (README.md tells how to make one). It is frozen, tried on zeros (shapes and
+/// types of the answer, finite, the same twice) and warmed up; every thread pool is held to one
+/// thread. `bytes` is the content of its file. Throws ModelError.
 std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes, const ModelSizes& sizes);
 
 /// The weights of a module that write_torch_module() wrote. Throws ModelError where a parameter is

@@ -137,7 +137,7 @@ RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
 
 double validation_error(const RecurrentWeights& weights, const DataSet& data, int window) {
   const Eigen::MatrixXd predicted =
-      gather(data, predict(weights, data, window, Part::kValidation), Part::kValidation);
+      gather(data, predict(weights, data, window, {}, Part::kValidation), Part::kValidation);
   const Eigen::MatrixXd truth = gather(data, outputs_of(data), Part::kValidation);
   const Eigen::VectorXd scale = weights.output_deviation.cast<double>().cwiseInverse();
   return ((predicted - truth) * scale.asDiagonal()).squaredNorm() /

@@ -1,6 +1,7 @@
 #include "rt/inference/torch_executor.hpp"
 
 #include <gtest/gtest.h>
+#include <sched.h>
 
 #include <atomic>
 #include <chrono>
@@ -161,6 +162,65 @@ TEST(TorchExecutor, RefusesOptionsOutOfRangeAndAModelThatFailsAtOnce) {
   EXPECT_THROW(make(options), std::invalid_argument);
   remote.fails = true;
   EXPECT_THROW(make({}), std::runtime_error);
+}
+
+TEST(TorchExecutor, SaysInOneLineWhatIsNotGranted) {
+  Remote remote;
+  std::vector<std::string> remarks;
+  TorchExecutorOptions options = patient();
+  options.remarks = &remarks;
+  options.cpu = 1023;  // no test machine has so many
+  TorchExecutor first(std::make_unique<Adder>(remote), options);
+  TorchExecutor second(std::make_unique<Adder>(remote), options);
+  ASSERT_EQ(remarks.size(), 1u);
+  EXPECT_EQ(remarks[0].rfind("inference thread: not bound to processor 1023", 0), 0u) << remarks[0];
+  EXPECT_EQ(remarks[0].find('\n'), std::string::npos);
+  float input = 2, output = 0;
+  EXPECT_EQ(first.step(&input, &output), Answer::kFresh);  // it runs nevertheless
+  EXPECT_EQ(output, 2);
+}
+
+/// Answers with the priority of its thread, 0 without SCHED_FIFO; may be held up.
+struct Asking final : SequenceModel {
+  explicit Asking(Remote& r) : remote(r) {}
+  ModelSizes sizes() const noexcept override { return {1, 1, 1}; }
+  bool step(const float*, float*, float* output) noexcept override {
+    do {
+      sched_param parameters{};
+      sched_getparam(0, &parameters);
+      remote.begun = parameters.sched_priority;
+      std::this_thread::sleep_for(std::chrono::microseconds(50));
+    } while (!remote.open);
+    output[0] = static_cast<float>(remote.begun);
+    return true;
+  }
+  const char* kind() const noexcept override { return "asking"; }
+  Remote& remote;
+};
+
+TEST(TorchExecutor, TakesAPriorityAndGivesItBackWhileItHangs) {
+  Remote remote;
+  std::vector<std::string> remarks;
+  TorchExecutorOptions options;
+  options.wait = options.patience = 0.05;
+  options.remarks = &remarks;
+  options.fifo_priority = 1;
+  TorchExecutor executor(std::make_unique<Asking>(remote), options);
+  if (!remarks.empty()) {
+    EXPECT_NE(remarks[0].find("no SCHED_FIFO priority 1"), std::string::npos);
+    GTEST_SKIP() << remarks[0];
+  }
+  EXPECT_EQ(remote.begun, 1);
+  float input = 0, output = -1;
+  remote.open = false;
+  while (executor.step(&input, &output) != Answer::kFault) {
+  }
+  while (remote.begun != 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  remote.open = true;
+  do {
+    executor.reset();
+  } while (executor.step(&input, &output) != Answer::kFresh);
+  EXPECT_EQ(output, 1);
 }
 
 TEST(DirectExecutor, CarriesTheStateAndLatchesFaults) {

@@ -1,0 +1,65 @@
+#include "rt/daemon/component_reports.hpp"
+
+#include <cstdio>
+#include <cstring>
+
+namespace palpate::daemon {
+namespace {
+
+constexpr std::int64_t kInterval = 100'000'000;  // ns
+constexpr const char* kSlot = "sensing";
+
+bool same(const component::Condition& a, const component::Condition& b) noexcept {
+  return a.state == b.state && std::strcmp(a.reason, b.reason) == 0;
+}
+
+}  // namespace
+
+void ComponentReports::begin(const component::Pipeline& pipeline) noexcept {
+  told_.fill(Told());
+  for (int i = 0; i < pipeline.sensor_count(); ++i) {
+    const component::SensorReport report = pipeline.sensor_report(i);
+    told_[i].condition.state = report.condition.state;
+    for (std::size_t k = 0; k < told_[i].faults.size(); ++k) {
+      const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
+      if (executor != nullptr) told_[i].faults[k] = executor->counters().faults;
+    }
+  }
+}
+
+void ComponentReports::service(const component::Pipeline& pipeline, Commands& commands,
+                               std::int64_t now_ns, std::int64_t utime) noexcept {
+  for (int i = 0; i < pipeline.sensor_count(); ++i) {
+    const component::SensorReport report = pipeline.sensor_report(i);
+    Told& told = told_[i];
+    tell_faults(report, told, commands, utime);
+    if (same(report.condition, told.condition)) continue;
+    const bool fault = report.condition.state == component::LifeCycle::kFaulted &&
+                       told.condition.state != component::LifeCycle::kFaulted;
+    if (!fault && told.ns != 0 && now_ns - told.ns < kInterval) continue;
+    told.condition = report.condition;
+    told.ns = now_ns;
+    commands.announce(kSlot, report.name, report.component, component::name(report.condition.state),
+                      report.condition.reason, utime);
+  }
+}
+
+void ComponentReports::tell_faults(const component::SensorReport& report, Told& told,
+                                   Commands& commands, std::int64_t utime) noexcept {
+  for (std::size_t k = 0; k < told.faults.size(); ++k) {
+    const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
+    if (executor == nullptr) return;
+    const sensing::ExecutorCounters counters = executor->counters();
+    if (counters.faults == told.faults[k]) continue;
+    told.faults[k] = counters.faults;
+    char reason[200];
+    std::snprintf(reason, sizeof(reason),
+                  "executor %s, model %zu: the network fails or hangs; steps %lld, late %lld, "
+                  "dropped %lld",
+                  executor->kind(), k, static_cast<long long>(counters.steps),
+                  static_cast<long long>(counters.late), static_cast<long long>(counters.dropped));
+    commands.announce(kSlot, report.name, report.component, "model_fault", reason, utime);
+  }
+}
+
+}  // namespace palpate::daemon

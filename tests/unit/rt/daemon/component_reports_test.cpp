@@ -1,0 +1,71 @@
+#include "rt/daemon/component_reports.hpp"
+
+#include <gtest/gtest.h>
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::daemon {
+namespace {
+
+/// A pipeline with one wrist sensor that has readings or none, and what is told of it.
+class ComponentReportsTest : public ::testing::Test {
+ protected:
+  ComponentReportsTest() {
+    bus_->start();
+    pipeline_.start();
+  }
+
+  /// One cycle, a millisecond after the last.
+  void cycle(bool has_readings) {
+    sensing::Signals signals;
+    if (has_readings) {
+      signals.robot.freshness = signals.force_torque.freshness = sensing::Freshness::kNew;
+      signals.inertial.freshness = sensing::Freshness::kNew;
+      signals.robot.age = signals.force_torque.age = signals.inertial.age = 0;
+      signals.force_torque.fresh_count = signals.inertial.fresh_count = 1;
+    }
+    pipeline_.sense(signals);
+    now_ns_ += 1'000'000;
+    bus::record(*hub_, &published_);
+    reports_.service(pipeline_, commands_, now_ns_, now_ns_ / 1000);
+    bus::record(*hub_, nullptr);
+  }
+
+  std::vector<std::string> told() {
+    std::vector<std::string> texts;
+    for (const bus::Published& message : published_) {
+      component_event_t event{};
+      event.decode(message.data.data(), 0, static_cast<int>(message.data.size()));
+      texts.push_back(std::string(get_text(event.slot)) + " " + get_text(event.instance) + " " +
+                      get_text(event.component) + " " + get_text(event.event));
+    }
+    published_.clear();
+    return texts;
+  }
+
+  std::shared_ptr<bus::MemoryHub> hub_ = bus::make_memory_hub();
+  std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
+  component::Pipeline pipeline_{
+      config::Node::load_file(PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml"), 1e-3};
+  Commands commands_{*bus_, *bus_, 1};
+  ComponentReports reports_{pipeline_};
+  std::vector<bus::Published> published_;
+  std::int64_t now_ns_ = 1'000'000'000;
+};
+
+TEST_F(ComponentReportsTest, NameTheComponentWhereItsStateChanges) {
+  for (int i = 0; i < 300; ++i) cycle(false);
+  EXPECT_EQ(told(), std::vector<std::string>{"sensing wrist ft_newton_euler degraded"});
+  for (int i = 0; i < 300; ++i) cycle(true);
+  EXPECT_EQ(told(), std::vector<std::string>{"sensing wrist ft_newton_euler active"});
+}
+
+TEST_F(ComponentReportsTest, AreNoFloodWhereAStateFlickers) {
+  for (int i = 0; i < 2000; ++i) cycle(i % 2 == 0);
+  const std::size_t count = told().size();
+  EXPECT_GE(count, 10u);
+  EXPECT_LE(count, 20u);  // ten a second
+}
+
+}  // namespace
+}  // namespace palpate::daemon
