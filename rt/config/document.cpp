@@ -210,7 +210,7 @@ void Document::apply_override(const std::string& text) {
     throw Error(where + ": not valid YAML: " + error.msg);
   }
   assign(root_, parts, 0, value, where);
-  overrides_.push_back({path, text});
+  add_override(path, text);
   check_keys(value, path, 0);
 }
 
@@ -224,8 +224,7 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
   result->overrides_ = overrides_;
   if (path.empty()) {
     result->root_ = replace ? YAML::Clone(change.root_) : merged(result->root_, change.root_);
-    for (const auto& entry : change.root_)
-      result->overrides_.push_back({entry.first.Scalar(), name});
+    for (const auto& entry : change.root_) result->add_override(entry.first.Scalar(), name);
     return result;
   }
   YAML::Node value = YAML::Clone(change.root_);
@@ -241,8 +240,18 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
     value = merged(present, value);
   }
   assign(result->root_, split(path), 0, value, name);
-  result->overrides_.push_back({path, name});
+  result->add_override(path, name);
   return result;
+}
+
+void Document::add_override(const std::string& path, const std::string& text) {
+  // However often something is changed, it is remembered once.
+  overrides_.erase(std::remove_if(overrides_.begin(), overrides_.end(),
+                                  [&](const Override& before) {
+                                    return before.path == path && before.text == text;
+                                  }),
+                   overrides_.end());
+  overrides_.push_back({path, text});
 }
 
 std::string Document::location(const std::string& path, int line) const {

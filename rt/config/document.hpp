@@ -63,6 +63,7 @@ class Document {
   void put_over(const Document& base);
   void claim(const YAML::Node& node, const std::string& path);
   const Source& source(const std::string& path) const;
+  void add_override(const std::string& path, const std::string& text);
   void check_keys(const YAML::Node& node, const std::string& path, int depth) const;
 
   YAML::Node root_;
