@@ -77,9 +77,18 @@ class MessageBus {
   /// False where the message does not fit one datagram or the system refuses it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
   const DatagramCounters& datagrams() const noexcept { return datagrams_; }
+  /// In the order of subscribing.
+  const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
 
  protected:
+  Subscription& listed(Subscription& subscription) {
+    listed_.push_back(&subscription);
+    return subscription;
+  }
   DatagramCounters datagrams_;
+
+ private:
+  std::vector<const Subscription*> listed_;
 };
 
 /// LCM's UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. liblcm publishes; receiving

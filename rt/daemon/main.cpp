@@ -95,13 +95,21 @@ struct Options {
 };
 
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
+  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate promises half of it
   std::atomic<bool> stop{false};
   std::thread thread([&] {
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
-    loop.run(stop, [&daemon](const palpate::loop::FixedRateLoop::Tick& tick) {
-      daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns});
+    std::atomic<bool> ended{false};
+    std::int64_t stopped_ns = 0;
+    loop.run(ended, [&](const palpate::loop::FixedRateLoop::Tick& tick) {
+      if (stop && stopped_ns == 0) {
+        stopped_ns = tick.now_ns;
+        daemon.pipeline().stop();
+      }
+      daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns, tick.missed});
+      ended = stopped_ns != 0 && (daemon.is_still() || tick.now_ns - stopped_ns > kLongestRamp);
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
