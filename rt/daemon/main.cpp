@@ -1,7 +1,5 @@
 // palpated: feels the shape of a soft object and steers it. See README.md and --help.
 
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
 #include <csignal>
 #include <fstream>
@@ -10,6 +8,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "rt/daemon/log.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
 namespace {
@@ -51,6 +50,14 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
   }
 }
 
+/// Pairs of a fraction of cycles and the us that it exceeds; the fractions four a decade.
+nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
+  nlohmann::json pairs = nlohmann::json::array();
+  for (double above = 1; above * static_cast<double>(latency.count()) >= 1; above /= 1.7782794)
+    pairs.push_back({above, latency.quantile_ns(1 - above) * 1e-3});
+  return pairs;
+}
+
 nlohmann::json statistics(const Daemon& daemon) {
   const palpate::daemon::Counters& counters = daemon.counters();
   nlohmann::json json = {{"cycles", counters.cycles},
@@ -67,7 +74,8 @@ nlohmann::json statistics(const Daemon& daemon) {
         {"p50", latency.quantile_ns(0.5) * 1e-3},
         {"p99", latency.quantile_ns(0.99) * 1e-3},
         {"p99.9", latency.quantile_ns(0.999) * 1e-3},
-        {"max", latency.max_ns() * 1e-3}};
+        {"max", latency.max_ns() * 1e-3},
+        {"tail", tail(latency)}};
   }
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
@@ -132,9 +140,8 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   thread.join();
 }
 
-int run(const Options& options) {
+int run(const Options& options, const sigset_t& signals) {
   namespace bus = palpate::bus;
-  const sigset_t signals = block_end_signals();
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
   const bus::InstanceLock lock(settings.control_url);
@@ -185,14 +192,16 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   CLI11_PARSE(app, argc, argv);
 
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  const sigset_t signals = block_end_signals();
+  palpate::daemon::start_log();
+  int code = 1;
   try {
-    return run(options);
+    code = run(options, signals);
   } catch (const palpate::config::Error& error) {
     spdlog::error("{}", error.what());
-    return palpate::config::kExitCode;
+    code = palpate::config::kExitCode;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return 1;
   }
+  return palpate::daemon::end_log(code);
 }

@@ -39,6 +39,7 @@ TEST_F(BlockedListener, StoppedLoggerIsNotWaitedFor) {
         {"/usr/bin/lcm-logger", "-q", "-f", "--lcm-url=" + control_url_, control_log});
     ChildProcess housekeeping(
         {"/usr/bin/lcm-logger", "-q", "-f", "--lcm-url=" + housekeeping_url_, housekeeping_log});
+    watch_for(5);  // to the target
     const Seen logged = watch_for(2);
     ASSERT_TRUE(control.running() && housekeeping.running());
     control.send(SIGSTOP);

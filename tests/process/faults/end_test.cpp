@@ -39,20 +39,20 @@ TEST_P(End, OnASignalBrakesAndIsClean) {
   const double took = seconds_since(begin);
 
   std::this_thread::sleep_for(milliseconds(50));
-  double last = speed_of(twist), largest_step = 0;
-  std::int32_t seq = twist.seq;
+  twist_command_t last = twist;
+  double largest_step = 0;
   int commands = 0;
   while (command_->take(twist, arrival_ns)) {
-    const double gap = std::max(1, twist.seq - seq);
-    largest_step = std::max(largest_step, std::abs(speed_of(twist) - last) / gap);
-    last = speed_of(twist);
-    seq = twist.seq;
+    const double gap = std::max(1, twist.seq - last.seq);
+    for (int i = 0; i < 3; ++i)
+      largest_step = std::max(largest_step, std::abs(twist.twist[i] - last.twist[i]) / gap);
+    last = twist;
     ++commands;
   }
   std::printf("ended after %.3f s; %d commands meanwhile, largest step %.2e m/s a tick\n", took,
               commands, largest_step);
-  EXPECT_EQ(last, 0);
-  EXPECT_EQ(twist.valid, 0);
+  for (double v : last.twist) EXPECT_EQ(v, 0);
+  EXPECT_EQ(last.valid, 0);
   // From the gate's speed limit to rest in 100 ms at the earliest.
   EXPECT_LE(largest_step, 1.05 * kSpeedLimit / 100);
 }

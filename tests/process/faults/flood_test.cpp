@@ -18,7 +18,7 @@ class Flood : public FaultProcess {
     robot_ = std::make_unique<Robot>(control_url_, true);
     ASSERT_TRUE(activate()) << daemon_->output();
     send_target();
-    watch_for(1);
+    watch_for(6);  // to the target
   }
   void TearDown() override {
     robot_.reset();

@@ -29,7 +29,7 @@ TEST_F(Malformed, PacketsLeaveTheLoopAlone) {
   Robot robot(control_url_, true);
   ASSERT_TRUE(activate()) << daemon.output();
   send_target();
-  watch_for(2.5);  // to the target
+  watch_for(6);  // to the target
 
   const Seen quiet = watch_for(std::max(2.0, static_cast<double>(count) / rate));
   const health_t before = health_now();
