@@ -1,6 +1,8 @@
 // palpated: feels the shape of a soft object and steers it. See README.md and --help.
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -58,6 +60,12 @@ nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
   return pairs;
 }
 
+/// Share of cycles that exceed a period, in s.
+double above_period(const palpate::loop::LatencyHistogram& latency, double period) {
+  const auto all = static_cast<double>(std::max<std::int64_t>(1, latency.count()));
+  return static_cast<double>(latency.count_above(std::llround(period * 1e9))) / all;
+}
+
 nlohmann::json statistics(const Daemon& daemon) {
   const palpate::daemon::Counters& counters = daemon.counters();
   nlohmann::json json = {{"cycles", counters.cycles},
@@ -75,6 +83,7 @@ nlohmann::json statistics(const Daemon& daemon) {
         {"p99", latency.quantile_ns(0.99) * 1e-3},
         {"p99.9", latency.quantile_ns(0.999) * 1e-3},
         {"max", latency.max_ns() * 1e-3},
+        {"above_period", above_period(latency, daemon.settings().loop.period)},
         {"tail", tail(latency)}};
   }
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
