@@ -38,6 +38,9 @@ class LcmBus final : public MessageBus {
                           int depth) override {
     return listed(receiver_.subscribe(channel, encoded_size, fingerprint, depth));
   }
+  void set_receiver_priority(int fifo_priority) noexcept override {
+    receiver_.set_priority(fifo_priority);
+  }
   void start() override { receiver_.start(url_); }
   void start_without_thread() override { receiver_.open(url_); }
   bool receive(std::int64_t timeout_ns) noexcept override { return receiver_.receive(timeout_ns); }

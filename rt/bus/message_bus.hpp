@@ -65,6 +65,9 @@ class MessageBus {
   /// Before start(). The bus owns the subscription.
   virtual Subscription& subscribe(const std::string& channel, int encoded_size,
                                   std::int64_t fingerprint, int depth) = 0;
+  /// Before start(): SCHED_FIFO for the receiver's thread, as far as the system grants it, so that
+  /// a busy machine does not make inputs old; 0, as it is without this call: ordinary scheduling.
+  virtual void set_receiver_priority(int) noexcept {}
   virtual void start() = 0;  // receiver's thread, where there is one; throws std::runtime_error
   /// In place of start(), for a program that waits for messages: no thread receives but the one
   /// that calls receive(), so that none has to be woken for another. Throws as start() does.

@@ -160,6 +160,7 @@ int run(const Options& options, const sigset_t& signals) {
   Daemon daemon(root, *control, *housekeeping,
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
   palpate::daemon::SteppedClock clock(*control, session);
+  control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   // Nothing is read from the housekeeping bus.
   options.stepped ? control->start_without_thread() : control->start();
 
