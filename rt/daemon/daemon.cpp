@@ -36,12 +36,15 @@ void Daemon::supervise(const Now& now) noexcept {
   if (mode_ != Mode::kRealTime) return;
   counters_.latency[static_cast<int>(Phase::kWakeUp)].record(now.lateness_ns);
   const auto period_ns = static_cast<std::int64_t>(settings_.loop.period * 1e9);
-  // A wake-up that came late, or a cycle that lasted beyond the next one's time.
+  // A wake-up that came late, or a cycle that lasted beyond the next one's time. The cycle of a
+  // late wake-up may well do so: that is no overrun of its own.
   const std::int64_t late_ns = std::max(now.lateness_ns, now.missed * period_ns);
+  const bool woke_late = now.lateness_ns >= period_ns;
   if (late_ns >= period_ns) {
-    ++counters_.overruns;
+    if (woke_late || !woke_late_) ++counters_.overruns;
     counters_.overrun_ns += late_ns;
   }
+  woke_late_ = woke_late;
   const OverrunMonitor::Verdict verdict =
       overruns_.record(now.monotonic_ns, late_ns, settings_.loop.period);
   if (verdict == OverrunMonitor::Verdict::kSafeStop && pipeline_.is_running()) {
