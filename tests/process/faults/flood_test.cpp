@@ -18,7 +18,7 @@ class Flood : public FaultProcess {
     robot_ = std::make_unique<Robot>(control_url_, true);
     ASSERT_TRUE(activate()) << daemon_->output();
     send_target();
-    watch_for(6);  // to the target
+    watch_for(std::min(6, seconds()));  // to the target, where there is time
   }
   void TearDown() override {
     robot_.reset();
@@ -26,15 +26,16 @@ class Flood : public FaultProcess {
     FaultProcess::TearDown();
   }
 
+  static int seconds() { return amount("PALPATE_FLOOD_SECONDS", 2); }
+
   /// The same time without the flood, then with it.
   std::pair<Seen, Seen> compare(const std::string& url, const std::vector<std::string>& what) {
-    const int seconds = amount("PALPATE_FLOOD_SECONDS", 2);
-    const Seen quiet = watch_for(seconds);
+    const Seen quiet = watch_for(seconds());
     std::vector<std::string> words = {kInjector,
                                       "flood",
                                       url,
                                       "--seconds",
-                                      std::to_string(seconds),
+                                      std::to_string(seconds()),
                                       "--rate",
                                       std::to_string(amount("PALPATE_FLOOD_RATE", 20000))};
     words.insert(words.end(), what.begin(), what.end());
