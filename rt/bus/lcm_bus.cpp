@@ -36,7 +36,10 @@ class LcmBus final : public MessageBus {
 
   Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
                           int depth) override {
-    return receiver_.subscribe(channel, encoded_size, fingerprint, depth);
+    return listed(receiver_.subscribe(channel, encoded_size, fingerprint, depth));
+  }
+  void set_receiver_priority(int fifo_priority) noexcept override {
+    receiver_.set_priority(fifo_priority);
   }
   void start() override { receiver_.start(url_); }
   void start_without_thread() override { receiver_.open(url_); }

@@ -39,7 +39,7 @@ class MemoryBus final : public MessageBus {
                           int depth) override {
     subscriptions_.push_back(
         std::make_unique<Subscription>(channel, encoded_size, fingerprint, depth));
-    return *subscriptions_.back();
+    return listed(*subscriptions_.back());
   }
   void start() override {}
   void start_without_thread() override {}

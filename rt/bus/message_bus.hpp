@@ -65,6 +65,9 @@ class MessageBus {
   /// Before start(). The bus owns the subscription.
   virtual Subscription& subscribe(const std::string& channel, int encoded_size,
                                   std::int64_t fingerprint, int depth) = 0;
+  /// Before start(): SCHED_FIFO for the receiver's thread, as far as the system grants it, so that
+  /// a busy machine does not make inputs old; 0, as it is without this call: ordinary scheduling.
+  virtual void set_receiver_priority(int) noexcept {}
   virtual void start() = 0;  // receiver's thread, where there is one; throws std::runtime_error
   /// In place of start(), for a program that waits for messages: no thread receives but the one
   /// that calls receive(), so that none has to be woken for another. Throws as start() does.
@@ -77,9 +80,18 @@ class MessageBus {
   /// False where the message does not fit one datagram or the system refuses it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
   const DatagramCounters& datagrams() const noexcept { return datagrams_; }
+  /// In the order of subscribing.
+  const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
 
  protected:
+  Subscription& listed(Subscription& subscription) {
+    listed_.push_back(&subscription);
+    return subscription;
+  }
   DatagramCounters datagrams_;
+
+ private:
+  std::vector<const Subscription*> listed_;
 };
 
 /// LCM's UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. liblcm publishes; receiving

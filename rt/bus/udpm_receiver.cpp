@@ -7,11 +7,13 @@
 
 #include <cerrno>
 #include <cstring>
+#include <ctime>
 #include <stdexcept>
 
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/helper_thread.hpp"
+#include "rt/loop/real_time.hpp"
 
 namespace palpate::bus {
 namespace {
@@ -20,6 +22,7 @@ namespace {
 constexpr std::size_t kBufferSize = 65536;
 // Without recv_buf_size; the kernel cuts it down to net.core.rmem_max.
 constexpr int kWantedReceiveBuffer = 16 << 20;
+constexpr std::int64_t kLongestWork = 800'000;  // ns, without a rest
 
 void increment(std::atomic<std::int64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
@@ -102,11 +105,22 @@ void UdpmReceiver::join_group(const UdpmUrl& url) {
 }
 
 void UdpmReceiver::receive_until_stopped() noexcept {
+  if (fifo_priority_ > 0) loop::take_fifo(fifo_priority_);
   pollfd watched[] = {{socket_.get(), POLLIN, 0}, {wake_.get(), POLLIN, 0}};
   while (!stop_.load(std::memory_order_relaxed)) {
     poll(watched, 2, -1);
-    receive_all();
+    busy_since_ns_ = loop::monotonic_ns();
+    while (!stop_.load(std::memory_order_relaxed) && receive_one()) rest_if_flooded();
   }
+}
+
+/// With the priority of a real-time thread, whoever floods could take a processor from all others,
+/// and what the system then allows such threads from the loop.
+void UdpmReceiver::rest_if_flooded() noexcept {
+  if (fifo_priority_ == 0 || arrival_ns_ - busy_since_ns_ < kLongestWork) return;
+  constexpr timespec kRest{0, 200'000};
+  clock_nanosleep(CLOCK_MONOTONIC, 0, &kRest, nullptr);
+  busy_since_ns_ = loop::monotonic_ns();
 }
 
 bool UdpmReceiver::receive(std::int64_t timeout_ns) noexcept {
@@ -136,7 +150,7 @@ bool UdpmReceiver::receive_one() noexcept {
   header.msg_controllen = sizeof(control);
   const ssize_t size = recvmsg(socket_.get(), &header, 0);
   if (size < 0) return errno == EINTR;
-  const std::int64_t arrival_ns = loop::monotonic_ns();
+  arrival_ns_ = loop::monotonic_ns();
   for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
        part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
     if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
@@ -145,7 +159,7 @@ bool UdpmReceiver::receive_one() noexcept {
     counters_.overflowed.fetch_add(overflows - overflows_seen_, std::memory_order_relaxed);
     overflows_seen_ = overflows;
   }
-  handle(buffer_.data(), static_cast<int>(size), arrival_ns);
+  handle(buffer_.data(), static_cast<int>(size), arrival_ns_);
   return true;
 }
 

@@ -31,6 +31,8 @@ class UdpmReceiver {
   /// nothing came or it is not open.
   bool receive(std::int64_t timeout_ns) noexcept;
 
+  /// SCHED_FIFO for the thread, where it is granted; 0: ordinary. Before start().
+  void set_priority(int fifo_priority) noexcept { fifo_priority_ = fifo_priority; }
   /// Joins the group and starts the receiver's thread. Throws as open() does.
   void start(const UdpmUrl& url);
   void stop() noexcept;
@@ -60,6 +62,7 @@ class UdpmReceiver {
   void receive_until_stopped() noexcept;
   bool receive_all() noexcept;
   bool receive_one() noexcept;
+  void rest_if_flooded() noexcept;
 
   DatagramCounters& counters_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
@@ -67,6 +70,9 @@ class UdpmReceiver {
   Descriptor socket_;
   Descriptor wake_;
   int receive_buffer_size_ = 0;
+  int fifo_priority_ = 0;
+  std::int64_t busy_since_ns_ = 0;    // without a pause
+  std::int64_t arrival_ns_ = 0;       // of the last datagram
   std::uint32_t overflows_seen_ = 0;  // the kernel's running number
   std::atomic<bool> stop_{false};
   std::thread thread_;

@@ -1,6 +1,7 @@
 #include "rt/daemon/commands.hpp"
 
 #include <algorithm>
+#include <charconv>
 #include <cstdio>
 #include <cstring>
 
@@ -11,6 +12,24 @@ namespace palpate::daemon {
 using component::Event;
 using component::LifeCycle;
 
+namespace {
+
+// Whoever sends without end shall not hold up the cycle.
+constexpr int kMostPerCycle = 4;
+
+/// Appends to `text` as far as there is room; returns the new end.
+char* append(char* at, char* end, std::string_view text) noexcept {
+  const std::size_t length = std::min(text.size(), static_cast<std::size_t>(end - at));
+  return std::copy_n(text.data(), length, at);
+}
+
+char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
+  at = append(at, end, "0x");
+  return std::to_chars(at, end, static_cast<std::uint64_t>(number), 16).ptr;
+}
+
+}  // namespace
+
 Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session)
     : commands_(control, "COMPONENT_COMMAND", 8),
       targets_(control, "SHAPE_TARGET", 4),
@@ -20,8 +39,10 @@ Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std:
 void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept {
   std::int64_t arrival_ns = 0;
-  while (commands_.take(command_, arrival_ns)) handle_command(pipeline, replacing, cycle, utime);
-  while (targets_.take(target_, arrival_ns)) handle_target(pipeline, utime);
+  for (int i = 0; i < kMostPerCycle && commands_.take(command_, arrival_ns); ++i)
+    handle_command(pipeline, replacing, cycle, utime);
+  for (int i = 0; i < kMostPerCycle && targets_.take(target_, arrival_ns); ++i)
+    handle_target(pipeline, utime);
 }
 
 void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacing,
@@ -30,7 +51,8 @@ void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacin
   const Event event = component::event_from(get_text(command_.event));
   const bool repeated = command_.session == last_session_ && command_.counter <= last_counter_;
   if (repeated) {
-    answer(slot, "repeated", command_.counter, "was carried out before", utime);
+    // Not for the log, which a sender that repeats itself without end would fill.
+    say(slot, "repeated", command_.counter, "was carried out before", utime);
     return;
   }
   last_session_ = command_.session;
@@ -111,19 +133,36 @@ void Commands::announce(const char* slot, const char* instance, const char* comp
   put_text(event_.component, "");
 }
 
+void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_t utime) noexcept {
+  char reason[200];
+  char* const end = reason + sizeof reason - 1;
+  char* at = append(reason, end, channel.channel());
+  at = append(at, end, ": messages of type ");
+  at = append_hexadecimal(at, end, channel.counters().last_wrong_fingerprint);
+  at = append(at, end, " are refused, ");
+  at = append_hexadecimal(at, end, channel.fingerprint());
+  *append(at, end, " is expected") = '\0';
+  answer("bus", "wrong type", -1, reason, utime);
+}
+
 void Commands::answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
                       std::int64_t utime) noexcept {
+  say(slot, event, counter, reason, utime);
+  EventRecord record;
+  put_text(record.event, event);
+  put_text(record.component, get_text(event_.instance));
+  put_text(record.reason, reason);
+  log_.push(record);
+}
+
+void Commands::say(const char* slot, const char* event, std::int64_t counter, const char* reason,
+                   std::int64_t utime) noexcept {
   stamp_.put(event_, utime);
   put_text(event_.slot, slot);
   put_text(event_.event, event);
   put_text(event_.reason, reason);
   event_.command_counter = counter;
   events_.publish(event_);
-  EventRecord record;
-  put_text(record.event, event);
-  put_text(record.component, get_text(event_.instance));
-  put_text(record.reason, reason);
-  log_.push(record);
 }
 
 }  // namespace palpate::daemon

@@ -40,6 +40,8 @@ class Commands {
   /// The same of one component.
   void announce(const char* slot, const char* instance, const char* component, const char* event,
                 const char* reason, std::int64_t utime) noexcept;
+  /// Announces that messages of another type come on a channel, and of which.
+  void announce_wrong_type(const bus::Subscription& channel, std::int64_t utime) noexcept;
 
   /// For the thread that writes the log.
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }
@@ -48,8 +50,11 @@ class Commands {
   void handle_command(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept;
   void handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  /// By COMPONENT_EVENT, and in the log.
   void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
               std::int64_t utime) noexcept;
+  void say(const char* slot, const char* event, std::int64_t counter, const char* reason,
+           std::int64_t utime) noexcept;
 
   bus::TypedSubscription<component_command_t> commands_;
   bus::TypedSubscription<shape_target_t> targets_;

@@ -1,5 +1,6 @@
 #include "rt/daemon/daemon.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -16,10 +17,11 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       commands_(control, housekeeping, session),
       reports_(pipeline_),
       telemetry_(control, housekeeping, pipeline_, session),
-      health_(housekeeping, session, root.hash(), pipeline_.object().hash),
+      health_(housekeeping, control.datagrams(), session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
       replacing_(root, pipeline_, telemetry_, housekeeping,
                  mode == Mode::kRealTime ? -1 : settings_.replace_delay),
+      types_(control),
       overruns_(settings_.overruns) {
   root.check_all_used();
 }
@@ -35,12 +37,17 @@ void Daemon::supervise(const Now& now) noexcept {
   if (mode_ != Mode::kRealTime) return;
   counters_.latency[static_cast<int>(Phase::kWakeUp)].record(now.lateness_ns);
   const auto period_ns = static_cast<std::int64_t>(settings_.loop.period * 1e9);
-  if (now.lateness_ns >= period_ns) {
-    ++counters_.overruns;
-    counters_.overrun_ns += now.lateness_ns;
+  // A wake-up that came late, or a cycle that lasted beyond the next one's time. The cycle of a
+  // late wake-up may well do so: that is no overrun of its own.
+  const std::int64_t late_ns = std::max(now.lateness_ns, now.missed * period_ns);
+  const bool woke_late = now.lateness_ns >= period_ns;
+  if (late_ns >= period_ns) {
+    if (woke_late || !woke_late_) ++counters_.overruns;
+    counters_.overrun_ns += late_ns;
   }
+  woke_late_ = woke_late;
   const OverrunMonitor::Verdict verdict =
-      overruns_.record(now.monotonic_ns, now.lateness_ns, settings_.loop.period);
+      overruns_.record(now.monotonic_ns, late_ns, settings_.loop.period);
   if (verdict == OverrunMonitor::Verdict::kSafeStop && pipeline_.is_running()) {
     pipeline_.fault("no command for too long: safe stop");
   } else {
@@ -60,6 +67,8 @@ void Daemon::tick(const Now& now) noexcept {
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
+  if (const bus::Subscription* channel = types_.look(now.monotonic_ns))
+    commands_.announce_wrong_type(*channel, now.utime);
   mark(Phase::kRead);
   pipeline_.sense(inputs_.signals(), inputs_.signals(1));
   replace(now);
@@ -140,6 +149,12 @@ void Daemon::publish(const Now& now) noexcept {
   for (int chunk = 0; chunk < telemetry_.mesh_chunks(); ++chunk) {
     if (every(1.0, 11 + 2 * chunk)) telemetry_.publish_mesh_chunk(now.utime);
   }
+}
+
+bool Daemon::is_still() const noexcept {
+  for (int arm = 0; arm < pipeline_.arm_count(); ++arm)
+    if (!pipeline_.gate_output(arm).V_W_E.vector().isZero(0)) return false;
+  return true;
 }
 
 void Daemon::finish(const Now& now) noexcept {

@@ -11,6 +11,7 @@
 #include "rt/daemon/replacing.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/daemon/telemetry.hpp"
+#include "rt/daemon/type_watch.hpp"
 
 namespace palpate::daemon {
 
@@ -23,6 +24,7 @@ struct Now {
   std::int64_t monotonic_ns = 0;  // CLOCK_MONOTONIC, or virtual
   std::int64_t utime = 0;         // us, for messages
   std::int64_t lateness_ns = 0;   // of this wake-up
+  std::int64_t missed = 0;        // grid points without a cycle, since the last one took too long
   bool stepped = false;           // messages count as arrived now, whenever that was
 };
 
@@ -36,6 +38,9 @@ class Daemon {
 
   /// One cycle. Neither allocates, locks, logs nor throws.
   void tick(const Now& now) noexcept;
+
+  /// Whether no arm is commanded to move.
+  bool is_still() const noexcept;
 
   /// Zero command, once more, before the process ends.
   void finish(const Now& now) noexcept;
@@ -63,9 +68,11 @@ class Daemon {
   Health health_;
   Refactoring refactoring_;
   Replacing replacing_;
+  TypeWatch types_;
   OverrunMonitor overruns_;
   Counters counters_;
   component::LifeCycle announced_ = component::LifeCycle::kUnconfigured;
+  bool woke_late_ = false;  // in the last cycle
   std::int64_t phase_began_ns_ = 0;
   std::int64_t shape_ns_ = 0;  // when the shape was last brought up to date
   std::int64_t faults_at_start_ = 0;

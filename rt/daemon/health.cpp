@@ -15,9 +15,10 @@ const char* name(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
-Health::Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t configuration_hash,
-               std::int64_t mesh_hash)
-    : health_stamp_(session),
+Health::Health(bus::MessageBus& housekeeping, const bus::DatagramCounters& datagrams,
+               std::int64_t session, std::int64_t configuration_hash, std::int64_t mesh_hash)
+    : datagrams_(datagrams),
+      health_stamp_(session),
       config_stamp_(session),
       health_(housekeeping, "HEALTH"),
       config_(housekeeping, "CONFIG") {
@@ -68,6 +69,12 @@ void Health::publish(const Counters& counters, const component::Condition& condi
     message_.frozen[i] = report.frozen;
     message_.age_ms[i] = report.age < 0 ? -1.0F : static_cast<float>(report.age * 1e3);
   }
+
+  message_.datagrams = datagrams_.received;
+  message_.malformed = datagrams_.malformed;
+  message_.fragmented = datagrams_.fragmented;
+  message_.unsubscribed = datagrams_.unsubscribed;
+  message_.overflowed = datagrams_.overflowed;
 
   message_.model_count = std::min(kMostModels, static_cast<int>(models.size()));
   for (int i = 0; i < message_.model_count; ++i) {

@@ -45,8 +45,9 @@ struct Counters {
 /// HEALTH (10 Hz) and CONFIG (1 Hz) on the housekeeping bus.
 class Health {
  public:
-  Health(bus::MessageBus& housekeeping, std::int64_t session, std::int64_t configuration_hash,
-         std::int64_t mesh_hash);
+  /// `datagrams`: of the control bus.
+  Health(bus::MessageBus& housekeeping, const bus::DatagramCounters& datagrams,
+         std::int64_t session, std::int64_t configuration_hash, std::int64_t mesh_hash);
   void publish(const Counters& counters, const component::Condition& condition,
                const Inputs& inputs, const std::vector<component::RunningModel>& models,
                std::int64_t utime) noexcept;
@@ -55,6 +56,7 @@ class Health {
   void publish_config(std::int64_t utime) noexcept;
 
  private:
+  const bus::DatagramCounters& datagrams_;
   bus::Stamp health_stamp_, config_stamp_;
   bus::TypedPublisher<health_t> health_;
   bus::TypedPublisher<config_t> config_;

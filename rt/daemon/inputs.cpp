@@ -5,6 +5,9 @@
 namespace palpate::daemon {
 namespace {
 
+// Of one channel; whoever sends without end shall not hold up the cycle.
+constexpr int kMostPerCycle = 64;
+
 constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
                                                         "BIOTAC_3", "BIOTAC_4"};
 
@@ -153,7 +156,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
   std::int64_t arrival_ns = 0;
-  while (channel.queue.take(channel.message, arrival_ns)) {
+  for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
     if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
     auto candidate = stream.latest;
     if (!to_signal(channel.message, candidate)) {

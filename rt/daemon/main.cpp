@@ -1,8 +1,8 @@
 // palpated: feels the shape of a soft object and steers it. See README.md and --help.
 
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -10,6 +10,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "rt/daemon/log.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
 namespace {
@@ -53,6 +54,20 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
   }
 }
 
+/// Pairs of a fraction of cycles and the us that it exceeds; the fractions four a decade.
+nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
+  nlohmann::json pairs = nlohmann::json::array();
+  for (double above = 1; above * static_cast<double>(latency.count()) >= 1; above /= 1.7782794)
+    pairs.push_back({above, latency.quantile_ns(1 - above) * 1e-3});
+  return pairs;
+}
+
+/// Share of cycles that exceed a period, in s.
+double above_period(const palpate::loop::LatencyHistogram& latency, double period) {
+  const auto all = static_cast<double>(std::max<std::int64_t>(1, latency.count()));
+  return static_cast<double>(latency.count_above(std::llround(period * 1e9))) / all;
+}
+
 nlohmann::json statistics(const Daemon& daemon) {
   const palpate::daemon::Counters& counters = daemon.counters();
   nlohmann::json json = {{"cycles", counters.cycles},
@@ -69,7 +84,9 @@ nlohmann::json statistics(const Daemon& daemon) {
         {"p50", latency.quantile_ns(0.5) * 1e-3},
         {"p99", latency.quantile_ns(0.99) * 1e-3},
         {"p99.9", latency.quantile_ns(0.999) * 1e-3},
-        {"max", latency.max_ns() * 1e-3}};
+        {"max", latency.max_ns() * 1e-3},
+        {"above_period", above_period(latency, daemon.settings().loop.period)},
+        {"tail", tail(latency)}};
   }
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
@@ -97,13 +114,21 @@ struct Options {
 };
 
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
+  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate promises half of it
   std::atomic<bool> stop{false};
   std::thread thread([&] {
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
-    loop.run(stop, [&daemon](const palpate::loop::FixedRateLoop::Tick& tick) {
-      daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns});
+    std::atomic<bool> ended{false};
+    std::int64_t stopped_ns = 0;
+    loop.run(ended, [&](const palpate::loop::FixedRateLoop::Tick& tick) {
+      if (stop && stopped_ns == 0) {
+        stopped_ns = tick.now_ns;
+        daemon.pipeline().stop();
+      }
+      daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns, tick.missed});
+      ended = stopped_ns != 0 && (daemon.is_still() || tick.now_ns - stopped_ns > kLongestRamp);
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
@@ -126,9 +151,8 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   thread.join();
 }
 
-int run(const Options& options) {
+int run(const Options& options, const sigset_t& signals) {
   namespace bus = palpate::bus;
-  const sigset_t signals = block_end_signals();
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
   const bus::InstanceLock lock(settings.control_url);
@@ -138,6 +162,7 @@ int run(const Options& options) {
   Daemon daemon(root, *control, *housekeeping,
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
   palpate::daemon::SteppedClock clock(*control, session);
+  control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   // Nothing is read from the housekeeping bus.
   options.stepped ? control->start_without_thread() : control->start();
 
@@ -180,14 +205,16 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   CLI11_PARSE(app, argc, argv);
 
-  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+  const sigset_t signals = block_end_signals();
+  palpate::daemon::start_log();
+  int code = 1;
   try {
-    return run(options);
+    code = run(options, signals);
   } catch (const palpate::config::Error& error) {
     spdlog::error("{}", error.what());
-    return palpate::config::kExitCode;
+    code = palpate::config::kExitCode;
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
-    return 1;
   }
+  return palpate::daemon::end_log(code);
 }

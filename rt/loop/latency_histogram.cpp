@@ -55,4 +55,11 @@ std::int64_t LatencyHistogram::quantile_ns(double fraction) const noexcept {
   return max_ns_;
 }
 
+std::int64_t LatencyHistogram::count_above(std::int64_t nanoseconds) const noexcept {
+  std::int64_t above = 0;
+  for (int i = bucket_of(std::max<std::int64_t>(nanoseconds, 0)) + 1; i < kBuckets; ++i)
+    above += buckets_[i];
+  return above;
+}
+
 }  // namespace palpate::loop

@@ -16,6 +16,8 @@ class LatencyHistogram {
   std::int64_t max_ns() const noexcept { return max_ns_; }
   /// Smallest bucket bound that at least `fraction` of the samples do not exceed; 0 when empty.
   std::int64_t quantile_ns(double fraction) const noexcept;
+  /// How many lie above, to the width of a bucket.
+  std::int64_t count_above(std::int64_t nanoseconds) const noexcept;
 
  private:
   static constexpr int kBuckets = 32 * 31;

@@ -55,7 +55,8 @@ std::string file_name(const std::string& title) {
 
 LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     : plan_(plan),
-      files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json"} {
+      files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json",
+             folder / "palpated.json"} {
   if (plan.lock_step && (!plan.source.log.empty() || !(plan.source.duration > 0)))
     throw std::invalid_argument("a lock-step run wants a simulator that ends by itself");
   std::filesystem::create_directories(folder);
@@ -72,7 +73,8 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
   }
   const std::string palpated = (program_folder() / "palpated").string();
-  std::vector<std::string> command{palpated, plan.configuration.string()};
+  std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
+                                   files_.daemon.string()};
   if (plan.lock_step) command.push_back("--stepped");
   daemon_ = std::make_unique<Process>("palpated", with_settings(command, plan.overrides, urls),
                                       folder / "palpated.txt");

@@ -46,6 +46,7 @@ struct RunFiles {
   std::filesystem::path control;       // log of the control URL
   std::filesystem::path housekeeping;  // log of the housekeeping URL
   std::filesystem::path simulator;     // summary of palpate-sim, JSON
+  std::filesystem::path daemon;        // statistics of palpated, JSON
 };
 
 /// The programs of one run over LCM on private ports: two loggers, the daemon, its source. All of

@@ -10,6 +10,7 @@
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/interruption.hpp"
+#include "tools/evaluate/latency.hpp"
 #include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
@@ -70,6 +71,24 @@ int run(CLI::App& app, int argc, char** argv) {
       ->capture_default_str();
   soak_command->add_option("--json", json, "write the result to this file");
 
+  LatencyOptions latency;
+  latency.output = "out/latency";
+  bool unstressed = false;
+  CLI::App* latency_command = app.add_subcommand(
+      "latency",
+      "the loop's wake-up and cycle beside cyclictest in the same minute, with and without "
+      "stress-ng");
+  latency_command->add_option("--seconds", latency.seconds, "each of the two")
+      ->check(CLI::Range(5.0, 1e5))
+      ->capture_default_str();
+  latency_command->add_flag("--no-stress", unstressed, "only as the machine is");
+  latency_command
+      ->add_option("--daemon-set", latency.overrides, "override a key of palpated (repeatable)")
+      ->allow_extra_args(false);
+  latency_command->add_option("--output", latency.output, "folder for picture and outputs")
+      ->capture_default_str();
+  latency_command->add_option("--json", json, "write the result to this file");
+
   ScoreOptions score;
   CLI::App* score_command = app.add_subcommand("score", "scores recorded logs of a simulated run");
   score_command->add_option("--control", score.control, "log of the control URL")
@@ -125,6 +144,12 @@ int run(CLI::App& app, int argc, char** argv) {
     soak.root = root;
     soak.json = json;
     return run_soak(soak);
+  }
+  if (latency_command->parsed()) {
+    latency.root = root;
+    latency.json = json;
+    latency.stressed = !unstressed;
+    return run_latency(latency);
   }
   if (payload_command->parsed()) {
     payload.data = data;

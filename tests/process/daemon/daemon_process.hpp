@@ -17,6 +17,14 @@ inline const std::string kDaemon = std::string(PALPATE_BIN_DIR) + "/palpated";
 inline const std::string kExample =
     std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
 
+/// Resident memory of a process.
+inline double resident_megabytes(int pid) {
+  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
+  double pages = 0;
+  file >> pages >> pages;
+  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576;
+}
+
 /// A daemon on private URLs and both ends of them.
 class DaemonProcess : public ::testing::Test {
  protected:

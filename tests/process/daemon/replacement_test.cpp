@@ -1,83 +1,16 @@
-#include <atomic>
 #include <cmath>
 #include <cstdlib>
-#include <fstream>
 #include <palpate/component_event_t.hpp>
-#include <palpate/ft_wrench_t.hpp>
-#include <palpate/imu_t.hpp>
-#include <palpate/robot_state_t.hpp>
 #include <palpate/shape_target_t.hpp>
-#include <random>
 
 #include "tests/process/daemon/daemon_process.hpp"
+#include "tests/process/daemon/robot.hpp"
 
 namespace palpate {
 namespace {
 
 using std::chrono::milliseconds;
 using support::ChildProcess;
-
-/// A robot that holds the bar of the example and sways a little, with its sensors.
-class Robot {
- public:
-  explicit Robot(bus::MessageBus& control)
-      : state_(control, "ROBOT_STATE"), wrench_(control, "FT_WRENCH"), inertial_(control, "IMU") {
-    thread_ = std::thread([this] { run(); });
-  }
-  ~Robot() {
-    stop_ = true;
-    thread_.join();
-  }
-
- private:
-  void run() {
-    auto next = std::chrono::steady_clock::now();
-    for (int tick = 0; !stop_; ++tick) {
-      publish(tick);
-      next += milliseconds(1);
-      std::this_thread::sleep_until(next);
-    }
-  }
-  double noise() { return normal_(random_); }
-  template <class Message>
-  void stamp(Message& message, int tick) {
-    message.utime = 1000 * tick;
-    message.seq = tick;
-    message.session = 5;
-  }
-  void publish(int tick) {
-    ft_wrench_t wrench{};
-    stamp(wrench, tick);
-    for (double& w : wrench.wrench) w = 0.02 * noise();
-    wrench.wrench[0] += -4.8 * 9.81;  // x of the sensor points up there
-    wrench_.publish(wrench);
-    if (tick % 2 == 0) {
-      robot_state_t state{};
-      stamp(state, tick);
-      state.joint_count = 7;
-      // The flange that holds the grasp where it is at rest: frames of the example.
-      state.position[0] = 1.36 - 0.47 - 0.30;
-      state.position[2] = 0.31 + 0.005 * std::sin(0.004 * tick);
-      state.quaternion[0] = state.quaternion[2] = std::sqrt(0.5);
-      state_.publish(state);
-    }
-    if (tick % 3 == 0) {
-      imu_t inertial{};
-      stamp(inertial, tick);
-      for (double& a : inertial.acceleration) a = 0.03 * noise();
-      for (double& w : inertial.angular_velocity) w = 0.002 * noise();
-      inertial_.publish(inertial);
-    }
-  }
-
-  bus::TypedPublisher<robot_state_t> state_;
-  bus::TypedPublisher<ft_wrench_t> wrench_;
-  bus::TypedPublisher<imu_t> inertial_;
-  std::mt19937 random_{1};
-  std::normal_distribution<double> normal_;
-  std::atomic<bool> stop_{false};
-  std::thread thread_;
-};
 
 struct Request {
   const char* slot;
@@ -107,13 +40,6 @@ constexpr Request kRound[] = {
      "control: {provider: fem}}",
      true},
 };
-
-double resident_megabytes(int pid) {
-  std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
-  double pages = 0;
-  file >> pages >> pages;
-  return pages * static_cast<double>(sysconf(_SC_PAGESIZE)) / 1048576;
-}
 
 class ReplacementProcess : public DaemonProcess {
  protected:
@@ -193,7 +119,7 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   health_t health;
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
       << daemon.output();
-  Robot robot(*control_);
+  Robot robot(control_url_);
   std::this_thread::sleep_for(milliseconds(300));
   send_event("start", 1);
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.state == 2; }, health))

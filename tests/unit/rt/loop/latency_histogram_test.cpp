@@ -60,6 +60,15 @@ TEST(LatencyHistogram, TakesWhatIsOutOfRange) {
   EXPECT_EQ(histogram.quantile_ns(1), hour);
 }
 
+TEST(LatencyHistogram, CountsWhatLiesAbove) {
+  LatencyHistogram histogram;
+  for (int i = 1; i <= 100; ++i) histogram.record(i * 20'000);
+  EXPECT_EQ(histogram.count_above(2'000'000), 0);
+  EXPECT_EQ(histogram.count_above(0), 100);
+  // Within the width of a bucket, 3 %.
+  EXPECT_NEAR(static_cast<double>(histogram.count_above(1'000'000)), 50, 2);
+}
+
 TEST(LatencyHistogram, MergingEqualsRecordingAll) {
   LatencyHistogram all;
   LatencyHistogram even;

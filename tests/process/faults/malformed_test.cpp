@@ -1,0 +1,158 @@
+// Packets that nobody may accept, at a daemon that holds its closed loop.
+
+#include "tests/process/faults/fault_process.hpp"
+#include "tools/inject/packets.hpp"
+
+namespace palpate {
+namespace {
+
+class Malformed : public FaultProcess {
+ protected:
+  std::vector<std::string> injection(int count, int rate,
+                                     const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {kInjector,           "malformed",           control_url_,
+                                      "--count",           std::to_string(count), "--rate",
+                                      std::to_string(rate)};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+};
+
+/// PALPATE_PACKETS=1000000 for the long run, PALPATE_PACKET_RATE of them a second.
+TEST_F(Malformed, PacketsLeaveTheLoopAlone) {
+  const int count = amount("PALPATE_PACKETS", 20000);
+  const int rate = amount("PALPATE_PACKET_RATE", 10000);
+  ChildProcess daemon(patient_command());
+  health_t health{};
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
+      << daemon.output();
+  Robot robot(control_url_, true);
+  ASSERT_TRUE(activate()) << daemon.output();
+  send_target();
+  watch_for(6);  // to the target
+
+  const Seen quiet = watch_for(std::max(2.0, static_cast<double>(count) / rate));
+  const health_t before = health_now();
+  const double resident = resident_megabytes(daemon.pid());
+  ChildProcess injector(injection(count, rate));
+  const Seen attacked = watch([&] { return !injector.running(); });
+  const double growth = resident_megabytes(daemon.pid()) - resident;
+  ASSERT_EQ(injector.wait(milliseconds(0)), 0) << injector.output();
+  ASSERT_TRUE(daemon.running()) << daemon.output();
+  const health_t after = health_now();
+  print("quiet", quiet);
+  print("attacked", attacked);
+  std::int64_t rejected = 0;
+  for (int i = 0; i < after.input_count; ++i) rejected += after.rejected[i] - before.rejected[i];
+  std::printf(
+      "%s%lld malformed, %lld fragments, %lld unsubscribed, %lld wrong type or size on inputs; "
+      "%lld "
+      "lost in the socket; memory %+.2f MB\n",
+      injector.output().c_str(), static_cast<long long>(after.malformed - before.malformed),
+      static_cast<long long>(after.fragmented - before.fragmented),
+      static_cast<long long>(after.unsubscribed - before.unsubscribed),
+      static_cast<long long>(rejected),
+      static_cast<long long>(after.overflowed - before.overflowed), growth);
+
+  EXPECT_TRUE(after.state == 2 || after.state == 3) << daemon::get_text(after.reason);
+  // Every kind was seen and counted; what the socket lost was never seen.
+  EXPECT_GT(after.malformed - before.malformed, 0);
+  EXPECT_GT(after.fragmented - before.fragmented, 0);
+  EXPECT_GT(after.unsubscribed - before.unsubscribed, 0);
+  EXPECT_GT(rejected, 0);
+  EXPECT_GE(after.datagrams - before.datagrams + after.overflowed - before.overflowed, count);
+  EXPECT_EQ(attacked.not_finite, 0);
+  EXPECT_LE(attacked.largest_speed, 1.001 * kSpeedLimit);
+  EXPECT_LT(growth, 1.0);
+  EXPECT_LE(after.allocations, 0);
+  EXPECT_LE(attacked.rms_error, 2 * quiet.rms_error + 1e-3);
+}
+
+TEST_F(Malformed, WellFormedRubbishMovesNothingBeyondTheLimits) {
+  ChildProcess daemon(patient_command());
+  health_t health{};
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
+      << daemon.output();
+  Robot robot(control_url_, true);
+  ASSERT_TRUE(activate()) << daemon.output();
+  send_target();
+  watch_for(0.5);
+  const double resident = resident_megabytes(daemon.pid());
+  ChildProcess injector(injection(amount("PALPATE_PACKETS", 20000),
+                                  amount("PALPATE_PACKET_RATE", 10000),
+                                  {"--kind", "random_payload"}));
+  const Seen attacked = watch([&] { return !injector.running(); });
+  print("rubbish", attacked);
+  ASSERT_TRUE(daemon.running()) << daemon.output();
+  EXPECT_GT(attacked.commands, 0);
+  EXPECT_EQ(attacked.not_finite, 0);
+  EXPECT_LE(attacked.largest_speed, 1.001 * kSpeedLimit);
+  EXPECT_LT(resident_megabytes(daemon.pid()) - resident, 1.0);
+  daemon.send(SIGTERM);
+  EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
+}
+
+TEST_F(Malformed, AnotherTypeIsRefusedByName) {
+  ChildProcess daemon(patient_command());
+  health_t health{};
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
+      << daemon.output();
+  imu_t wrong{};
+  bus::TypedPublisher<imu_t> publisher(*control_, "FT_WRENCH");
+  const auto began = Clock::now();
+  publisher.publish(wrong);
+  component_event_t event{};
+  ASSERT_TRUE(wait_event("wrong type", 10, event));
+  const double first = seconds_since(began);
+  const std::string reason = daemon::get_text(event.reason);
+  const auto hexadecimal = [](std::int64_t number) {
+    char text[20];
+    std::snprintf(text, sizeof text, "0x%llx", static_cast<unsigned long long>(number));
+    return std::string(text);
+  };
+  EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
+  EXPECT_NE(reason.find(hexadecimal(imu_t::getHash())), std::string::npos) << reason;
+  EXPECT_NE(reason.find(hexadecimal(ft_wrench_t::getHash())), std::string::npos) << reason;
+  // Many more in half a second: at most once a second is told.
+  for (int i = 0; i < 500; ++i) {
+    publisher.publish(wrong);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  int told = 0;
+  std::int64_t arrival_ns = 0;
+  while (events_->take(event, arrival_ns))
+    if (std::string(daemon::get_text(event.event)) == "wrong type") ++told;
+  std::printf("told after %.1f ms; %d more for 500 in %.2f s\n", 1e3 * first, told,
+              seconds_since(began));
+  EXPECT_LE(told, static_cast<int>(seconds_since(began)));
+}
+
+/// The same packets at a program that receives through liblcm, kind by kind: how it ends.
+TEST_F(Malformed, StockReceiverForComparison) {
+  const std::string receiver = std::string(PALPATE_BIN_DIR) + "/stock_lcm_receiver";
+  const std::string count = std::to_string(amount("PALPATE_STOCK_PACKETS", 500));
+  int survived = 0;
+  for (int i = 0; i < inject::kKinds; ++i) {
+    const char* kind = inject::name(static_cast<inject::Kind>(i));
+    ChildProcess stock({receiver, control_url_});
+    const auto begin = Clock::now();
+    while (stock.output().find("listens") == std::string::npos && seconds_since(begin) < 10)
+      std::this_thread::sleep_for(milliseconds(5));
+    ASSERT_NE(stock.output().find("listens"), std::string::npos) << stock.output();
+    ChildProcess injector(
+        {kInjector, "malformed", control_url_, "--kind", kind, "--count", count, "--rate", "5000"});
+    ASSERT_EQ(injector.wait(milliseconds(30000)), 0) << injector.output();
+    const int ended = stock.wait(milliseconds(200));
+    std::printf("%-20s %s\n", kind,
+                ended < 0      ? "survived"
+                : ended == 139 ? "SIGSEGV"
+                : ended == 134 ? "SIGABRT"
+                               : ("ended with " + std::to_string(ended)).c_str());
+    if (ended < 0) ++survived;
+  }
+  std::printf("stock liblcm receiver: survived %d of %d kinds\n", survived, inject::kKinds);
+  EXPECT_GT(survived, 0) << "a receiver that always ends compares with nothing";
+}
+
+}  // namespace
+}  // namespace palpate
