@@ -24,6 +24,9 @@ namespace {
 
 namespace bus = palpate::bus;
 namespace math = palpate::math;
+using palpate::ft_wrench_t;
+using palpate::robot_state_t;
+using palpate::twist_command_t;
 
 constexpr double kPeriod = 1e-3;                // s
 constexpr std::int64_t kSilence = 100'000'000;  // ns without a command, after which the arm stops

@@ -5,9 +5,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -194,20 +194,27 @@ TEST(Access, SealingAndCheckingAllocateNothing) {
   EXPECT_EQ(scope.count(), 0);
 }
 
+/// us of this thread's own time.
+double thread_time_us() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
 template <class Message>
 double cost_us(int count) {
   const Key key = key_of(1);
   Message message{};
   int good = 0;
-  const auto begin = std::chrono::steady_clock::now();
+  const double begin = thread_time_us();
   for (int i = 0; i < count; ++i) {
     message.counter = i;
     seal(key, kChannel, message);
     good += verify(key, kChannel, message);
   }
-  const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - begin;
+  const double took = thread_time_us() - begin;
   EXPECT_EQ(good, count);
-  return took.count() / count;
+  return took / count;
 }
 
 TEST(Access, TellsWhatItCosts) {

@@ -19,8 +19,8 @@ TEST(Request, BecomesACommand) {
 }
 
 TEST(Request, IsNeverCut) {
-  EXPECT_NO_THROW(make_command({"start", std::string(31, 'a')}));
-  EXPECT_THROW(make_command({"start", std::string(32, 'a')}), std::invalid_argument);
+  EXPECT_NO_THROW(make_command({"start", std::string(31, 'a'), "", "", ""}));
+  EXPECT_THROW(make_command({"start", std::string(32, 'a'), "", "", ""}), std::invalid_argument);
   EXPECT_THROW(make_command({"replace", "all", "", "", std::string(2048, ' ')}),
                std::invalid_argument);
   EXPECT_THROW(make_target("point", std::vector<double>(4), {}), std::invalid_argument);
