@@ -197,6 +197,38 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
   EXPECT_NE(arm->output().find("0 obeyed"), std::string::npos) << arm->output();
 }
 
+TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
+  if (!std::filesystem::exists(kBin + "palpate-sim")) GTEST_SKIP() << "no simulator in this build";
+  ChildProcess simulator({kBin + "palpate-sim", kSource + "/sim/scenes/payload.yaml", "--set",
+                          "bus.control=" + control_url_, "--set",
+                          "bus.housekeeping=" + housekeeping_url_, "--set",
+                          "access.key_file=" + key_file_});
+  constexpr double kAtRest = 1e-3;  // m: noise, and what the arm gives way
+  Eigen::Vector3d start, now;
+  ASSERT_TRUE(flange(start)) << simulator.output();
+  steer(300, nullptr, 11);
+  ASSERT_TRUE(flange(now));
+  EXPECT_LT((now - start).norm(), kAtRest) << "moved by a program without the key";
+  recorded(*twists_);
+
+  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  steer(300, &sealer, 12);
+  std::this_thread::sleep_for(milliseconds(500));
+  Eigen::Vector3d moved;
+  ASSERT_TRUE(flange(moved));
+  EXPECT_GT(moved.z() - start.z(), 5 * kAtRest) << simulator.output();
+  bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
+  for (const twist_command_t& message : recorded(*twists_)) {
+    publisher.publish(message);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  ASSERT_TRUE(flange(now));
+  EXPECT_LT((now - moved).norm(), kAtRest) << "moved by a replayed log";
+  simulator.send(SIGTERM);
+  EXPECT_EQ(simulator.wait(milliseconds(20000)), 0);
+  EXPECT_NE(simulator.output().find("without access"), std::string::npos) << simulator.output();
+}
+
 TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
   auto palpated = std::make_unique<ChildProcess>(daemon());
   ChildProcess arm(driver());
