@@ -52,20 +52,21 @@ Key read_key_file(const std::string& path) {
 
   constexpr int kDigits = 2 * kKeySize;
   char text[kDigits + 3];  // digits, an end of line, and one byte to see that there is more
-  const ssize_t size = read(file.fd(), text, sizeof(text));
+  ssize_t size = read(file.fd(), text, sizeof(text));
   Key key;
-  if (size == kKeySize) {
+  bool good = size == kKeySize;
+  if (good) {
     std::memcpy(key.data(), text, kKeySize);
-    return key;
+  } else {
+    while (size > kDigits && std::isspace(static_cast<unsigned char>(text[size - 1]))) --size;
+    std::size_t made = 0;
+    good = size == kDigits &&
+           sodium_hex2bin(key.data(), key.size(), text, kDigits, nullptr, &made, nullptr) == 0 &&
+           made == key.size();
   }
-  ssize_t digits = size;
-  while (digits > kDigits && std::isspace(static_cast<unsigned char>(text[digits - 1]))) --digits;
-  std::size_t made = 0;
-  if (digits != kDigits ||
-      sodium_hex2bin(key.data(), key.size(), text, kDigits, nullptr, &made, nullptr) != 0 ||
-      made != key.size())
-    fail(path, "must hold 32 bytes or 64 hexadecimal digits; palpate-command --make-key makes one");
   sodium_memzero(text, sizeof(text));
+  if (!good)
+    fail(path, "must hold 32 bytes or 64 hexadecimal digits; palpate-command --make-key makes one");
   return key;
 }
 
