@@ -30,9 +30,12 @@ char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
 
 }  // namespace
 
-Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session)
+Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
+                   const bus::Access& access)
     : commands_(control, "COMPONENT_COMMAND", 8),
       targets_(control, "SHAPE_TARGET", 4),
+      command_admission_("COMPONENT_COMMAND", access),
+      target_admission_("SHAPE_TARGET", access),
       stamp_(session),
       events_(housekeeping, "COMPONENT_EVENT") {}
 
@@ -47,11 +50,18 @@ void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::
 
 void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacing,
                               std::int64_t cycle, std::int64_t utime) noexcept {
+  const bus::Admitted admitted = command_admission_.judge(command_);
+  if (admitted == bus::Admitted::kRefused) return;
   const char* slot = get_text(command_.slot);
   const Event event = component::event_from(get_text(command_.event));
-  const bool repeated = command_.session == last_session_ && command_.counter <= last_counter_;
-  if (repeated) {
-    // Not for the log, which a sender that repeats itself without end would fill.
+  if (command_.session == last_session_ && command_.counter == last_counter_) {
+    // Whoever sends again has not heard the answer. Not for the log, which a sender that repeats
+    // itself without end would fill.
+    say(slot, last_answer_.data(), command_.counter, last_reason_.data(), utime);
+    return;
+  }
+  if (admitted == bus::Admitted::kRepeated ||
+      (command_.session == last_session_ && command_.counter < last_counter_)) {
     say(slot, "repeated", command_.counter, "was carried out before", utime);
     return;
   }
@@ -84,10 +94,12 @@ void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacin
       reason = "unknown event; known: start, stop, reset, zero, calibrate, replace";
       break;
   }
+  remember_answer(done, reason);
   answer(slot, done, command_.counter, reason, utime);
 }
 
 void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept {
+  if (target_admission_.judge(target_) != bus::Admitted::kFresh) return;
   if (target_.session == target_session_ && target_.revision <= target_revision_) return;
   target_session_ = target_.session;
   target_revision_ = target_.revision;
@@ -106,14 +118,35 @@ void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) 
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
+void Commands::announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+                                std::int64_t utime) noexcept {
+  constexpr std::int64_t kInterval = 1'000'000'000;  // ns
+  if (refused_told_ns_ != 0 && monotonic_ns - refused_told_ns_ < kInterval) return;
+  const bus::Admission* admissions[] = {&command_admission_, &target_admission_, &manual};
+  for (std::size_t i = 0; i < refused_told_.size(); ++i) {
+    const std::int64_t more = admissions[i]->refused() - refused_told_[i];
+    if (more == 0) continue;
+    refused_told_[i] += more;
+    refused_told_ns_ = monotonic_ns;
+    char reason[200];
+    std::snprintf(reason, sizeof(reason), "%lld of %s, the last one: %s",
+                  static_cast<long long>(more), admissions[i]->channel().c_str(),
+                  admissions[i]->reason());
+    answer("all", "no_access", -1, reason, utime);
+    return;  // the next channel a second later
+  }
+}
+
 void Commands::announce(const Replacing& replacing, Replacing::Outcome outcome,
                         std::int64_t utime) noexcept {
   const component_command_t& command = replacing.command();
   put_text(event_.instance, get_text(command.instance));
   put_text(event_.component, get_text(command.component));
   const bool replaced = outcome == Replacing::Outcome::kReplaced;
-  answer(get_text(command.slot), replaced ? "replaced" : "refused", command.counter,
-         replacing.reason(), utime);
+  const char* done = replaced ? "replaced" : "refused";
+  if (command.session == last_session_ && command.counter == last_counter_)
+    remember_answer(done, replacing.reason());
+  answer(get_text(command.slot), done, command.counter, replacing.reason(), utime);
   put_text(event_.instance, "");
   put_text(event_.component, "");
 }
@@ -143,6 +176,11 @@ void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_
   at = append_hexadecimal(at, end, channel.fingerprint());
   *append(at, end, " is expected") = '\0';
   answer("bus", "wrong type", -1, reason, utime);
+}
+
+void Commands::remember_answer(const char* event, const char* reason) noexcept {
+  put_text(last_answer_, event);
+  put_text(last_reason_, reason);
 }
 
 void Commands::answer(const char* slot, const char* event, std::int64_t counter, const char* reason,

@@ -6,6 +6,7 @@
 #include <palpate/component_event_t.hpp>
 #include <palpate/shape_target_t.hpp>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
@@ -21,14 +22,24 @@ struct EventRecord {
 };
 
 /// Commands and targets of users: checked, carried out once however often they are sent, answered
-/// by COMPONENT_EVENT.
+/// by COMPONENT_EVENT. Where a key is configured, those that are not sealed with it, or come again,
+/// are refused.
 class Commands {
  public:
-  Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session);
+  Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
+           const bus::Access& access = {});
 
   /// Carries out what has arrived since the last cycle.
   void handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
               std::int64_t utime) noexcept;
+
+  /// Tells, once a second at most, that messages were refused: its own and those of `manual`.
+  void announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+                        std::int64_t utime) noexcept;
+  /// Commands and targets without a valid code or with an old counter.
+  std::int64_t refused() const noexcept {
+    return command_admission_.refused() + target_admission_.refused();
+  }
 
   /// Says how a replacement ended.
   void announce(const Replacing& replacing, Replacing::Outcome outcome,
@@ -50,6 +61,7 @@ class Commands {
   void handle_command(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept;
   void handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void remember_answer(const char* event, const char* reason) noexcept;
   /// By COMPONENT_EVENT, and in the log.
   void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
               std::int64_t utime) noexcept;
@@ -58,12 +70,17 @@ class Commands {
 
   bus::TypedSubscription<component_command_t> commands_;
   bus::TypedSubscription<shape_target_t> targets_;
+  bus::Admission command_admission_, target_admission_;
   component_command_t command_{};
   shape_target_t target_{};
   std::int64_t last_session_ = 0;
   std::int64_t last_counter_ = -1;
+  std::array<char, 32> last_answer_{};  // to the last command
+  std::array<char, 256> last_reason_{};
   std::int64_t target_session_ = 0;
   std::int32_t target_revision_ = -1;
+  std::array<std::int64_t, 3> refused_told_{};  // commands, targets, manual forces
+  std::int64_t refused_told_ns_ = 0;
 
   bus::Stamp stamp_;
   bus::TypedPublisher<component_event_t> events_;

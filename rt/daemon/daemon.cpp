@@ -12,11 +12,12 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
                Mode mode, std::int64_t session)
     : mode_(mode),
       settings_(read_settings(root)),
+      access_{settings_.key, mode == Mode::kRealTime ? bus::wall_clock_us() : 0},
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
-      inputs_(control, pipeline_.arm_count(), settings_.frozen_after),
-      commands_(control, housekeeping, session),
+      inputs_(control, pipeline_.arm_count(), settings_.frozen_after, access_),
+      commands_(control, housekeeping, session, access_),
       reports_(pipeline_),
-      telemetry_(control, housekeeping, pipeline_, session),
+      telemetry_(control, housekeeping, pipeline_, session, access_),
       health_(housekeeping, control.datagrams(), session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
       replacing_(root, pipeline_, telemetry_, housekeeping,
@@ -120,6 +121,7 @@ void Daemon::publish(const Now& now) noexcept {
     announced_ = condition.state;
     commands_.announce(condition, now.utime);
   }
+  commands_.announce_refused(inputs_.manual_admission(), now.monotonic_ns, now.utime);
   reports_.service(pipeline_, commands_, now.monotonic_ns, now.utime);
   telemetry_.publish_state(pipeline_, now.utime);
 
@@ -143,6 +145,7 @@ void Daemon::publish(const Now& now) noexcept {
       const std::int64_t allocations = loop::allocations_of_this_thread();
       counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
     }
+    counters_.commands_refused = commands_.refused() + inputs_.manual_admission().refused();
     health_.publish(counters_, condition, inputs_, pipeline_.running_models(), now.utime);
   }
   if (every(1.0, 7)) health_.publish_config(now.utime);

@@ -60,6 +60,7 @@ class Daemon {
 
   Mode mode_;
   Settings settings_;
+  bus::Access access_;
   component::Pipeline pipeline_;
   Inputs inputs_;
   Commands commands_;

@@ -48,6 +48,7 @@ void Health::publish(const Counters& counters, const component::Condition& condi
   message_.telemetry_dropped = counters.telemetry_dropped;
   message_.gate_limited = counters.gate_limited;
   message_.gate_refused = counters.gate_refused;
+  message_.commands_refused = counters.commands_refused;
 
   const auto microseconds = [](std::int64_t ns) { return static_cast<float>(ns) * 1e-3F; };
   message_.phase_count = kPhases;

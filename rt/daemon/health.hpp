@@ -39,6 +39,7 @@ struct Counters {
   std::int64_t telemetry_dropped = 0;
   std::int64_t gate_limited = 0;
   std::int64_t gate_refused = 0;
+  std::int64_t commands_refused = 0;
   std::array<loop::LatencyHistogram, kPhases> latency;
 };
 

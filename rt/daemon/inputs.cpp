@@ -127,11 +127,13 @@ Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const ch
       robot(bus, names[2], 32, frozen_after.robot),
       hand(bus, names[3], 8) {}
 
-Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after)
+Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
+               const bus::Access& access)
     : first_(control, kArmChannels[0], frozen_after),
       second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1], frozen_after)
                        : nullptr),
-      manual_(control, "MANUAL_FORCE", 8) {
+      manual_(control, "MANUAL_FORCE", 8),
+      manual_admission_("MANUAL_FORCE", access) {
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =
         std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
@@ -151,12 +153,24 @@ bool Inputs::is_frozen(Channel<Message>& channel, const Sample& before, const Sa
   return channel.repeats >= kRepeats && arrival_ns - channel.changed_ns > channel.frozen_after_ns;
 }
 
+template <class Message>
+bool Inputs::admitted(const Message& message) noexcept {
+  if constexpr (std::is_same_v<Message, manual_force_t>) {
+    return manual_admission_.judge(message) == bus::Admitted::kFresh;
+  }
+  return true;
+}
+
 template <class Message, class Stream, class Convert>
 void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
   std::int64_t arrival_ns = 0;
   for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
+    if (!admitted(channel.message)) {
+      ++channel.invalid;
+      continue;
+    }
     if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
     auto candidate = stream.latest;
     if (!to_signal(channel.message, candidate)) {

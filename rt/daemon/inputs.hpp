@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "core/sensing/signals.hpp"
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 
@@ -43,7 +44,9 @@ struct FrozenAfter {
 /// forces.
 class Inputs {
  public:
-  explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {});
+  /// `access`: of manual forces.
+  explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {},
+                  const bus::Access& access = {});
 
   /// Drains all queues into the streams, as seen at `now_ns` (CLOCK_MONOTONIC or virtual).
   /// `stepped`: messages count as arrived at `now_ns`, since they came by another clock.
@@ -53,6 +56,7 @@ class Inputs {
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
   int arm_count() const noexcept { return second_ ? 2 : 1; }
   int channel_count() const noexcept { return second_ ? 14 : 10; }
+  const bus::Admission& manual_admission() const noexcept { return manual_admission_; }
   InputReport report(int channel) const noexcept;  // the second arm's come last
 
  private:
@@ -78,6 +82,9 @@ class Inputs {
   template <class Message, class Stream, class Convert>
   void drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
              Convert convert) noexcept;
+  /// Whether the sender may say so; asked of manual forces alone.
+  template <class Message>
+  bool admitted(const Message& message) noexcept;
   /// Counts the numbers' repeats; true where the sensor has stopped.
   template <class Message, class Sample>
   static bool is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
@@ -102,6 +109,7 @@ class Inputs {
   ArmChannels first_;
   std::unique_ptr<ArmChannels> second_;
   Channel<manual_force_t> manual_;
+  bus::Admission manual_admission_;
   std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
 };
 

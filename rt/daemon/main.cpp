@@ -15,15 +15,10 @@
 
 namespace {
 
+using palpate::bus::wall_clock_us;
 using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
-
-std::int64_t wall_clock_us() {
-  timespec now{};
-  clock_gettime(CLOCK_REALTIME, &now);
-  return static_cast<std::int64_t>(now.tv_sec) * 1000000 + now.tv_nsec / 1000;
-}
 
 /// Blocks the signals that end the program, for all threads; wait_for_end() then receives them.
 sigset_t block_end_signals() {
@@ -77,7 +72,8 @@ nlohmann::json statistics(const Daemon& daemon) {
                          {"page_faults", counters.page_faults},
                          {"allocations", counters.allocations},
                          {"gate_limited", counters.gate_limited},
-                         {"gate_refused", counters.gate_refused}};
+                         {"gate_refused", counters.gate_refused},
+                         {"commands_refused", counters.commands_refused}};
   for (int i = 0; i < palpate::daemon::kPhases; ++i) {
     const palpate::loop::LatencyHistogram& latency = counters.latency[i];
     json["latency_us"][name(static_cast<palpate::daemon::Phase>(i))] = {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rt/config/key_file.hpp"
+
 namespace palpate::daemon {
 
 Settings read_settings(const config::Node& root) {
@@ -35,6 +37,7 @@ Settings read_settings(const config::Node& root) {
   const config::Node bus = root.child_or_empty("bus");
   settings.control_url = bus.text("control", settings.control_url);
   settings.housekeeping_url = bus.text("housekeeping", settings.housekeeping_url);
+  settings.key = config::read_key(root);
   return settings;
 }
 

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/config/node.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
@@ -15,14 +17,15 @@ struct OverrunPolicy {
   double safe_stop_after = 20e-3;  // s without a command; latched
 };
 
-/// Sections `loop`, `inputs` and `bus`.
+/// Sections `loop`, `inputs`, `bus` and `access`.
 struct Settings {
   loop::LoopOptions loop;
   OverrunPolicy overruns;
   FrozenAfter frozen_after;
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
-  int shape_every = 10;     // cycles between two SHAPE messages
+  std::optional<bus::Key> key;  // of commands, in and out; none: nothing is checked
+  int shape_every = 10;         // cycles between two SHAPE messages
   int refactor_delay = 5;   // deterministic mode: cycles between asking for a factor and taking it
   int replace_delay = 200;  // likewise for new components
 };

@@ -16,7 +16,8 @@ void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 
 }  // namespace
 
 Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
-                     const component::Pipeline& pipeline, std::int64_t session)
+                     const component::Pipeline& pipeline, std::int64_t session,
+                     const bus::Access& access)
     : contacts_stamp_(session),
       estimate_stamp_(session),
       feature_stamp_(session),
@@ -27,7 +28,7 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       feature_(control, "FEATURE"),
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
-    commands_.emplace_back(control, kCommandChannels[arm], session);
+    commands_.emplace_back(control, kCommandChannels[arm], session, access);
   take(pipeline);
 }
 
@@ -39,10 +40,10 @@ void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool v
                                 std::int64_t utime) noexcept {
   Command& command = commands_[arm];
   command.stamp.put(command.message, utime);
-  command.message.counter = ++command.counter;
   command.message.grasp = arm;
   command.message.valid = valid ? 1 : 0;
   put(gate.V_W_E.vector(), command.message.twist);
+  command.sealer.put(command.message, utime);
   command.publisher.publish(command.message);
 }
 

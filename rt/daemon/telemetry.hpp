@@ -8,6 +8,7 @@
 #include <palpate/twist_command_t.hpp>
 #include <vector>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
@@ -20,7 +21,8 @@ namespace palpate::daemon {
 class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
-            const component::Pipeline& pipeline, std::int64_t session);
+            const component::Pipeline& pipeline, std::int64_t session,
+            const bus::Access& access = {});
 
   /// Each cycle, on the control bus. `arm`: 0, or 1 where the pipeline has a second one.
   void publish_command(int arm, const control::GateOutput& gate, bool valid,
@@ -45,11 +47,12 @@ class Telemetry {
  private:
   /// TWIST_COMMAND of one arm.
   struct Command {
-    Command(bus::MessageBus& control, const char* channel, std::int64_t session)
-        : stamp(session), publisher(control, channel) {}
+    Command(bus::MessageBus& control, const char* channel, std::int64_t session,
+            const bus::Access& access)
+        : stamp(session), sealer(channel, access), publisher(control, channel) {}
     bus::Stamp stamp;
+    bus::Sealer sealer;
     bus::TypedPublisher<twist_command_t> publisher;
-    std::int64_t counter = 0;
     twist_command_t message{};
   };
 

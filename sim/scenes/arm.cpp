@@ -71,7 +71,7 @@ Arm::Arm(const config::Node& root, const ArmScene& scene, int index, std::uint64
       X_OG_first_(grasp_in_object()),
       hand_(*robot_),
       sensors_(scene_.sensors, seed, scene_.X_EG, robot_->joint_count()),
-      commands_(control, index),
+      commands_(control, index, scene_.key),
       publisher_(control, session, start_utime, index) {}
 
 math::Pose Arm::grasp_in_object() const {

@@ -34,6 +34,7 @@ struct ArmScene {
 
   sensors::SensorTable sensors;
   std::optional<MotionPlan> motion;  // none: the arm obeys the daemon
+  std::optional<bus::Key> key;       // of commands; none: nothing is checked
 };
 
 /// One arm with its hand and sensors, which holds the object by the plant's grasp of the same
@@ -46,7 +47,10 @@ class Arm {
   Arm(const config::Node& root, const ArmScene& scene, int index, std::uint64_t seed,
       bus::MessageBus& control, std::int64_t session, std::int64_t start_utime);
 
-  void start_clock(std::int64_t start_utime) { publisher_.start_clock(start_utime); }
+  void start_clock(std::int64_t start_utime) {
+    publisher_.start_clock(start_utime);
+    commands_.begin(start_utime);
+  }
 
   /// Takes the commands that have arrived, for the next step.
   void obey();

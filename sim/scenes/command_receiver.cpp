@@ -7,15 +7,25 @@ namespace {
 constexpr int kDepth = 64;
 }
 
-CommandReceiver::CommandReceiver(bus::MessageBus& control, int arm)
+CommandReceiver::CommandReceiver(bus::MessageBus& control, int arm,
+                                 const std::optional<bus::Key>& key)
     : arm_(arm),
       twists_(control, channel_of("TWIST_COMMAND", arm), kDepth),
       joints_(control, channel_of("JOINT_VELOCITY_COMMAND", arm), kDepth),
-      hands_(control, channel_of("HAND_COMMAND", arm), kDepth) {}
+      hands_(control, channel_of("HAND_COMMAND", arm), kDepth),
+      twist_admission_(channel_of("TWIST_COMMAND", arm), {key, 0}),
+      joint_admission_(channel_of("JOINT_VELOCITY_COMMAND", arm), {key, 0}),
+      hand_admission_(channel_of("HAND_COMMAND", arm), {key, 0}) {}
+
+void CommandReceiver::begin(std::int64_t start_us) {
+  for (bus::Admission* admission : {&twist_admission_, &joint_admission_, &hand_admission_})
+    admission->begin(start_us);
+}
 
 void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot) {
   const Eigen::Map<const math::Vector6d> twist(message.twist);
-  if (!twist_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
+  if (twist_admission_.judge(message) != bus::Admitted::kFresh ||
+      !twist_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
       !twist.allFinite()) {
     ++rejected_;
     return;
@@ -31,7 +41,8 @@ void CommandReceiver::apply(const twist_command_t& message, robot::Robot& robot)
 void CommandReceiver::apply(const joint_velocity_command_t& message, robot::Robot& robot) {
   const int count = robot.joint_count();
   const Eigen::Map<const Eigen::VectorXd> velocity(message.dq, count);
-  if (!joint_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
+  if (joint_admission_.judge(message) != bus::Admitted::kFresh ||
+      !joint_order_.accept(message.session, message.seq) || message.grasp != arm_ ||
       message.joint_count != count || !velocity.allFinite()) {
     ++rejected_;
     return;
@@ -52,6 +63,10 @@ void CommandReceiver::apply(robot::Robot& robot) {
   while (joints_.take(joints, arrival_ns)) apply(joints, robot);
 }
 
+std::int64_t CommandReceiver::refused() const {
+  return twist_admission_.refused() + joint_admission_.refused() + hand_admission_.refused();
+}
+
 std::int64_t CommandReceiver::lost() const {
   return twist_order_.lost() + joint_order_.lost() + hand_order_.lost() +
          twists_.counters().dropped + joints_.counters().dropped + hands_.counters().dropped;
@@ -61,7 +76,8 @@ void CommandReceiver::apply(HandControl& hand) {
   std::int64_t arrival_ns = 0;
   hand_command_t message;
   while (hands_.take(message, arrival_ns)) {
-    const bool good = hand_order_.accept(message.session, message.seq) && hand.accept(message);
+    const bool good = hand_admission_.judge(message) == bus::Admitted::kFresh &&
+                      hand_order_.accept(message.session, message.seq) && hand.accept(message);
     ++(good ? accepted_ : rejected_);
   }
 }

@@ -5,6 +5,7 @@
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/twist_command_t.hpp>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "sim/robot/robot.hpp"
@@ -13,11 +14,16 @@
 namespace palpate::scenes {
 
 /// Hands the daemon's commands to arm and hand as a robot's driver does: the newest counts, one
-/// that is not valid stops the arm, one that is broken is rejected and counted.
+/// that is not valid stops the arm, one that is broken is rejected and counted. With a key, so is
+/// one that was not sealed with it, or that came before: a stray program cannot steer the arm.
 class CommandReceiver {
  public:
   /// Of arm 0 or 1. Before the bus starts.
-  explicit CommandReceiver(bus::MessageBus& control, int arm = 0);
+  explicit CommandReceiver(bus::MessageBus& control, int arm = 0,
+                           const std::optional<bus::Key>& key = {});
+
+  /// From now on rejects what was sealed before `start_us`, wall clock.
+  void begin(std::int64_t start_us);
 
   /// What moves the arm.
   void apply(robot::Robot& robot);
@@ -25,6 +31,8 @@ class CommandReceiver {
 
   std::int64_t accepted() const { return accepted_; }
   std::int64_t rejected() const { return rejected_; }
+  /// Of those rejected, the ones without a valid code or with an old counter.
+  std::int64_t refused() const;
   /// That never came: gaps in the sequences, and what a full queue dropped.
   std::int64_t lost() const;
 
@@ -36,6 +44,7 @@ class CommandReceiver {
   bus::TypedSubscription<twist_command_t> twists_;
   bus::TypedSubscription<joint_velocity_command_t> joints_;
   bus::TypedSubscription<hand_command_t> hands_;
+  bus::Admission twist_admission_, joint_admission_, hand_admission_;
   bus::SequenceTracker twist_order_, joint_order_, hand_order_;
   std::int64_t accepted_ = 0;
   std::int64_t rejected_ = 0;

@@ -15,6 +15,7 @@
 #include <string>
 #include <vector>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/instance_lock.hpp"
 #include "sim/scenes/lock_step.hpp"
 #include "sim/scenes/real_time_pacer.hpp"
@@ -38,11 +39,6 @@ struct Options {
   double duration = 0;  // s, 0: until a signal
   bool fast = false;
 };
-
-std::int64_t wall_clock_us() {
-  using namespace std::chrono;
-  return duration_cast<microseconds>(system_clock::now().time_since_epoch()).count();
-}
 
 nlohmann::json run_real_time(Simulation& simulation, bus::MessageBus& control, std::int64_t ticks) {
   simulation.let_camera_lag();
@@ -88,9 +84,10 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
     std::printf(", %lld overruns, at most %.1f ms late, %.1f ms lost",
                 result["overruns"].get<long long>(), result["worst_lateness_ms"].get<double>(),
                 result["time_lost_ms"].get<double>());
-  std::printf("\ncommands: %lld accepted, %lld rejected, %lld lost\n",
+  std::printf("\ncommands: %lld accepted, %lld rejected (%lld without access), %lld lost\n",
               static_cast<long long>(simulation.commands().accepted()),
               static_cast<long long>(simulation.commands().rejected()),
+              static_cast<long long>(simulation.commands().refused()),
               static_cast<long long>(simulation.commands().lost()));
   if (simulation.camera() != nullptr)
     std::printf("camera: %lld pictures left out because one was still being drawn\n",
@@ -115,7 +112,7 @@ int run(const Options& options) {
 
   const auto begin = Clock::now();
   // What is made of time stamps depends on them to the bit, through rounding.
-  simulation.start_clock(options.fast ? 0 : wall_clock_us());
+  simulation.start_clock(options.fast ? 0 : bus::wall_clock_us());
   const std::int64_t ticks = options.duration > 0
                                  ? std::llround(options.duration / Simulation::kPeriod)
                                  : std::numeric_limits<std::int64_t>::max();
@@ -133,6 +130,7 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
+  result["commands_refused"] = simulation.commands().refused();
   result["commands_lost"] = simulation.commands().lost();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();

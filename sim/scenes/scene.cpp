@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "rt/config/key_file.hpp"
 #include "sim/scenes/camera_settings.hpp"
 
 namespace palpate::scenes {
@@ -194,6 +195,7 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   if (scene.plant.grasps.size() < 2)
     node.fail("", "needs object.second_grasp_box, which says where its hand holds the object");
   ArmScene arm;
+  arm.key = scene.key;
   read_robot(node, arm);
   const math::Pose X_base = node.pose("base_in_first");
   arm.X_WO = X_base.inverse() * scene.X_WO;
@@ -210,6 +212,7 @@ Scene read_scene(const config::Node& node) {
   constexpr double kMostSeed = std::numeric_limits<int>::max();
   scene.seed = static_cast<std::uint64_t>(node.integer("seed", {0, kMostSeed}, 1));
   read_bus(node.child_or_empty("bus"), scene.bus);
+  scene.key = config::read_key(node);
   read_object(node.child("object"), scene);
   scene.pokes = read_pokes(node, scene.plant.size);
   read_robot(node.child("robot"), scene);

@@ -66,8 +66,12 @@ Urls private_urls() {
   return urls;
 }
 
-Operator::Operator(const Urls& urls)
-    : control_(urls.control), housekeeping_(urls.housekeeping), session_(wall_clock()) {
+Operator::Operator(const Urls& urls, const std::optional<bus::Key>& key)
+    : control_(urls.control),
+      housekeeping_(urls.housekeeping),
+      session_(wall_clock()),
+      command_sealer_("COMPONENT_COMMAND", {key, session_}),
+      target_sealer_("SHAPE_TARGET", {key, session_}) {
   for (const auto& [lcm, url] :
        {std::pair{&control_, urls.control}, std::pair{&housekeeping_, urls.housekeeping}})
     if (!lcm->good())
@@ -114,6 +118,7 @@ void Operator::spin(double seconds) {
     if (target_ && now - target_sent_ >= kTargetPeriod) {
       target_->utime = now;
       target_->seq = seq_++;
+      target_sealer_.put(*target_, now);
       control_.publish("SHAPE_TARGET", &*target_);
       target_sent_ = now;
     }
@@ -130,16 +135,15 @@ void Operator::send_event(const std::string& event) {
   command.utime = wall_clock();
   command.seq = seq_++;
   command.session = session_;
-  command.counter = command.utime;
   put(command.slot, "all");
   put(command.event, event);
+  command_sealer_.put(command, command.utime);
   control_.publish("COMPONENT_COMMAND", &command);
 }
 
 void Operator::set_target(const ControlTarget& wanted) {
   shape_target_t target = {};
   target.session = session_;
-  target.counter = wall_clock();
   target.revision = target_ ? target_->revision + 1 : 1;
   target.chunk = 0;
   target.chunks = 1;

@@ -10,6 +10,7 @@
 #include <palpate/twist_command_t.hpp>
 #include <string>
 
+#include "rt/bus/authentication.hpp"
 #include "tools/evaluate/experiments.hpp"
 
 namespace palpate::evaluate {
@@ -25,8 +26,9 @@ Urls private_urls();
 /// What a user does with a running daemon: starts it, gives targets, looks at its health.
 class Operator {
  public:
-  /// Throws std::runtime_error where a URL cannot be opened.
-  explicit Operator(const Urls& urls);
+  /// `key`: that the daemon is configured with. Throws std::runtime_error where a URL cannot be
+  /// opened.
+  explicit Operator(const Urls& urls, const std::optional<bus::Key>& key = {});
 
   /// Handles what arrives for `seconds` and repeats the target at 2 Hz; throws Interrupted.
   void spin(double seconds);
@@ -59,6 +61,7 @@ class Operator {
   lcm::LCM housekeeping_;
   std::int64_t session_;
   std::int32_t seq_ = 0;
+  bus::Sealer command_sealer_, target_sealer_;
   std::optional<shape_target_t> target_;
   std::int64_t target_sent_ = 0;  // us
   std::optional<health_t> health_;

@@ -26,12 +26,12 @@ bool is_own(const std::string& channel) {
   return false;
 }
 
-void send_start(bus::MessageBus& bus) {
+void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   component_command_t command{};
   command.session = kSession;
-  command.counter = 1;
   daemon::put_text(command.slot, "all");
   daemon::put_text(command.event, "start");
+  bus::Sealer("COMPONENT_COMMAND", {key, 0}).put(command, 0);
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
 }
 
@@ -84,7 +84,7 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
   const std::int64_t first_us = event->timestamp;
   std::int64_t now_ns = first_us * 1000;
   bus::set_time(*hub, now_ns);
-  if (options.start) send_start(*input);
+  if (options.start) send_start(*input, daemon.settings().key);
 
   while (event != nullptr) {
     bus::record(*hub, nullptr);

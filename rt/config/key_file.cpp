@@ -1,0 +1,18 @@
+#include "rt/config/key_file.hpp"
+
+#include <stdexcept>
+
+namespace palpate::config {
+
+std::optional<bus::Key> read_key(const Node& root) {
+  if (!root.has("access")) return {};
+  const Node access = root.child("access");
+  const std::string path = access.path("key_file");
+  try {
+    return bus::read_key_file(path);
+  } catch (const std::runtime_error& error) {
+    access.fail("key_file", error.what());
+  }
+}
+
+}  // namespace palpate::config

@@ -1,0 +1,331 @@
+// Programs of ours with a key, and others that have none, on one multicast group.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <palpate/component_command_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/twist_command_t.hpp>
+#include <vector>
+
+#include "rt/bus/authentication.hpp"
+#include "rt/bus/message_bus.hpp"
+#include "rt/daemon/text.hpp"
+#include "tests/support/child_process.hpp"
+
+namespace palpate {
+namespace {
+
+using std::chrono::milliseconds;
+using support::ChildProcess;
+
+const std::string kBin = std::string(PALPATE_BIN_DIR) + "/";
+const std::string kSource = PALPATE_SOURCE_DIR;
+
+/// Both buses, as anybody on the network has them, and a key that not everybody has.
+class AccessProcess : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    try {
+      control_ = bus::make_lcm_bus(control_url_);
+      housekeeping_ = bus::make_lcm_bus(housekeeping_url_);
+    } catch (const std::runtime_error& error) {
+      GTEST_SKIP() << error.what();
+    }
+    std::string folder =
+        (std::filesystem::temp_directory_path() / "palpate_access_XXXXXX").string();
+    ASSERT_NE(mkdtemp(folder.data()), nullptr);
+    folder_ = folder;
+    key_file_ = folder_ / "key";
+    ChildProcess make({kBin + "palpate-command", "--make-key", key_file_});
+    ASSERT_EQ(make.wait(milliseconds(20000)), 0) << make.output();
+    states_ = std::make_unique<bus::TypedSubscription<robot_state_t>>(*control_, "ROBOT_STATE", 64);
+    twists_ =
+        std::make_unique<bus::TypedSubscription<twist_command_t>>(*control_, "TWIST_COMMAND", 512);
+    commands_ = std::make_unique<bus::TypedSubscription<component_command_t>>(
+        *control_, "COMPONENT_COMMAND", 64);
+    health_ = std::make_unique<bus::TypedSubscription<health_t>>(*housekeeping_, "HEALTH", 8);
+    control_->start();
+    housekeeping_->start();
+  }
+  void TearDown() override {
+    if (control_) control_->stop();
+    if (housekeeping_) housekeeping_->stop();
+    std::error_code ignored;
+    std::filesystem::remove_all(folder_, ignored);
+  }
+
+  std::vector<std::string> driver() const {
+    return {kBin + "driver_template", "--url", control_url_, "--key", key_file_};
+  }
+  std::vector<std::string> daemon(const std::vector<std::string>& more = {}) const {
+    std::vector<std::string> words = {kBin + "palpated",
+                                      kSource + "/rt/config/examples/bar_long_soft.yaml"};
+    for (const std::string& value :
+         {"bus.control=" + control_url_, "bus.housekeeping=" + housekeeping_url_,
+          "access.key_file=" + key_file_,
+          std::string("sensing=[{name: wrist, component: ft_tare_only}]")})
+      words.insert(words.end(), {"--set", value});
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  /// palpate-command; its exit code, and what it printed.
+  int command(const std::vector<std::string>& words, std::string& said,
+              bool with_key = true) const {
+    std::vector<std::string> all = {kBin + "palpate-command", "--url", control_url_,
+                                    "--housekeeping", housekeeping_url_};
+    if (with_key) all.insert(all.end(), {"--key", key_file_});
+    all.insert(all.end(), words.begin(), words.end());
+    ChildProcess program(all);
+    const int code = program.wait(milliseconds(60000));
+    said = program.output();
+    return code;
+  }
+
+  /// Where the flange is; waits for a state that comes after the call, at most 20 s.
+  bool flange(Eigen::Vector3d& position) {
+    robot_state_t state{};
+    std::int64_t arrival_ns = 0;
+    while (states_->take(state, arrival_ns)) {
+    }
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    while (std::chrono::steady_clock::now() < end) {
+      bool any = false;
+      while (states_->take(state, arrival_ns)) any = true;
+      if (any) {
+        position = Eigen::Map<const Eigen::Vector3d>(state.position);
+        return true;
+      }
+      std::this_thread::sleep_for(milliseconds(2));
+    }
+    return false;
+  }
+  template <class Condition>
+  bool wait_health(Condition condition, health_t& health) {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+    std::int64_t arrival_ns = 0;
+    while (std::chrono::steady_clock::now() < end) {
+      while (health_->take(health, arrival_ns)) {
+        if (condition(health)) return true;
+      }
+      std::this_thread::sleep_for(milliseconds(5));
+    }
+    return false;
+  }
+  /// Twists upwards for `count` ms, sealed or not.
+  void steer(int count, bus::Sealer* sealer, std::int64_t session) {
+    bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
+    twist_command_t message{};
+    message.session = session;
+    message.valid = 1;
+    message.twist[2] = 0.1;
+    for (int i = 0; i < count; ++i) {
+      message.utime = bus::wall_clock_us();
+      ++message.seq;
+      if (sealer != nullptr) sealer->put(message, message.utime);
+      publisher.publish(message);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  }
+  template <class Message>
+  std::vector<Message> recorded(bus::TypedSubscription<Message>& queue) {
+    std::vector<Message> messages;
+    Message message{};
+    std::int64_t arrival_ns = 0;
+    while (queue.take(message, arrival_ns)) messages.push_back(message);
+    return messages;
+  }
+
+  std::string control_url_ = support::private_url(0);
+  std::string housekeeping_url_ = support::private_url(1);
+  std::filesystem::path folder_;
+  std::string key_file_;
+  std::unique_ptr<bus::MessageBus> control_, housekeeping_;
+  std::unique_ptr<bus::TypedSubscription<robot_state_t>> states_;
+  std::unique_ptr<bus::TypedSubscription<twist_command_t>> twists_;
+  std::unique_ptr<bus::TypedSubscription<component_command_t>> commands_;
+  std::unique_ptr<bus::TypedSubscription<health_t>> health_;
+};
+
+TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
+  auto arm = std::make_unique<ChildProcess>(driver());
+  Eigen::Vector3d start, now;
+  ASSERT_TRUE(flange(start)) << arm->output();
+
+  steer(300, nullptr, 11);  // a stray program
+  ASSERT_TRUE(flange(now));
+  EXPECT_EQ(now, start) << "moved by a program without the key";
+  recorded(*twists_);
+
+  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  steer(300, &sealer, 12);
+  std::this_thread::sleep_for(milliseconds(300));  // silence: it stops
+  Eigen::Vector3d moved, later;
+  ASSERT_TRUE(flange(moved));
+  EXPECT_GT(moved.z() - start.z(), 0.01);
+  std::this_thread::sleep_for(milliseconds(200));
+  ASSERT_TRUE(flange(later));
+  EXPECT_EQ(later, moved) << "goes on without commands";
+
+  // What a log player sends: the same datagrams, in the same order, to the same arm and to the
+  // next.
+  const std::vector<twist_command_t> log = recorded(*twists_);
+  ASSERT_GT(log.size(), 100u);
+  const auto replay = [&] {
+    bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
+    for (const twist_command_t& message : log) {
+      publisher.publish(message);
+      std::this_thread::sleep_for(milliseconds(1));
+    }
+  };
+  replay();
+  ASSERT_TRUE(flange(now));
+  EXPECT_EQ(now, moved) << "moved by a replayed log";
+
+  arm->send(SIGTERM);
+  ASSERT_EQ(arm->wait(milliseconds(10000)), 0);
+  std::printf("%s", arm->output().c_str());
+  arm = std::make_unique<ChildProcess>(driver());
+  ASSERT_TRUE(flange(start));
+  replay();
+  ASSERT_TRUE(flange(now));
+  EXPECT_EQ(now, start) << "moved by a log of the time before its start";
+  arm->send(SIGTERM);
+  ASSERT_EQ(arm->wait(milliseconds(10000)), 0);
+  EXPECT_NE(arm->output().find("0 obeyed"), std::string::npos) << arm->output();
+}
+
+TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
+  if (!std::filesystem::exists(kBin + "palpate-sim")) GTEST_SKIP() << "no simulator in this build";
+  ChildProcess simulator({kBin + "palpate-sim", kSource + "/sim/scenes/payload.yaml", "--set",
+                          "bus.control=" + control_url_, "--set",
+                          "bus.housekeeping=" + housekeeping_url_, "--set",
+                          "access.key_file=" + key_file_});
+  constexpr double kAtRest = 1e-3;  // m: noise, and what the arm gives way
+  Eigen::Vector3d start, now;
+  ASSERT_TRUE(flange(start)) << simulator.output();
+  steer(300, nullptr, 11);
+  ASSERT_TRUE(flange(now));
+  EXPECT_LT((now - start).norm(), kAtRest) << "moved by a program without the key";
+  recorded(*twists_);
+
+  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  steer(300, &sealer, 12);
+  std::this_thread::sleep_for(milliseconds(500));
+  Eigen::Vector3d moved;
+  ASSERT_TRUE(flange(moved));
+  EXPECT_GT(moved.z() - start.z(), 5 * kAtRest) << simulator.output();
+  bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
+  for (const twist_command_t& message : recorded(*twists_)) {
+    publisher.publish(message);
+    std::this_thread::sleep_for(milliseconds(1));
+  }
+  ASSERT_TRUE(flange(now));
+  EXPECT_LT((now - moved).norm(), kAtRest) << "moved by a replayed log";
+  simulator.send(SIGTERM);
+  EXPECT_EQ(simulator.wait(milliseconds(20000)), 0);
+  EXPECT_NE(simulator.output().find("without access"), std::string::npos) << simulator.output();
+}
+
+TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
+  auto palpated = std::make_unique<ChildProcess>(daemon());
+  ChildProcess arm(driver());
+  health_t health;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 100; }, health))
+      << palpated->output();
+  std::string said;
+  EXPECT_EQ(command({"--timeout", "2", "start"}, said, false), 1) << said;
+  EXPECT_NE(said.find("no_access"), std::string::npos) << said;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.commands_refused > 0; }, health));
+  EXPECT_EQ(health.state, 1) << "still inactive";
+  recorded(*commands_);
+
+  EXPECT_EQ(command({"start"}, said), 0) << said;
+  EXPECT_EQ(said, "start\n");
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.state >= 2; }, health));
+  EXPECT_EQ(command({"replace", "control", "--set", "provider=kinematic"}, said), 0) << said;
+  EXPECT_NE(said.find("replaced"), std::string::npos) << said;
+  EXPECT_EQ(command({"replace", "deformation", "--component", "no_such_model"}, said), 1) << said;
+  EXPECT_NE(said.find("refused: "), std::string::npos) << said;
+  EXPECT_EQ(command({"target", "no_such_feature", "1", "-2", "3"}, said), 1) << said;
+  EXPECT_EQ(command({"stop"}, said), 0) << said;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.state == 1; }, health));
+
+  const std::vector<component_command_t> log = recorded(*commands_);
+  ASSERT_GE(log.size(), 4u);
+  const auto replay = [&] {
+    for (const component_command_t& message : log)
+      bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
+  };
+  const std::int64_t refused = health.commands_refused;
+  replay();
+  ASSERT_TRUE(wait_health([&](const health_t& h) { return h.commands_refused > refused; }, health));
+  EXPECT_EQ(health.state, 1);
+  palpated->send(SIGTERM);
+  ASSERT_EQ(palpated->wait(milliseconds(20000)), 0) << palpated->output();
+
+  palpated = std::make_unique<ChildProcess>(daemon());
+  ASSERT_TRUE(
+      wait_health([](const health_t& h) { return h.cycles < 2000 && h.cycles > 100; }, health));
+  replay();
+  const auto all = static_cast<std::int64_t>(log.size());
+  ASSERT_TRUE(wait_health([&](const health_t& h) { return h.commands_refused == all; }, health))
+      << health.commands_refused << " of " << all;
+  EXPECT_EQ(health.state, 1);
+}
+
+/// The whole chain: command -> daemon -> driver -> daemon, each link sealed.
+TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
+  ChildProcess palpated(daemon());
+  ChildProcess arm(driver());
+  health_t health;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 100; }, health))
+      << palpated.output();
+  Eigen::Vector3d before, now;
+  ASSERT_TRUE(flange(before));
+  std::string said;
+  ASSERT_EQ(command({"start"}, said), 0) << said;
+  ASSERT_EQ(command({"target", "point", "0.25", "0.03", "0.08"}, said), 0) << said;
+  double rise = 0;
+  for (int i = 0; i < 1000 && rise < 0.005; ++i) {
+    std::this_thread::sleep_for(milliseconds(10));
+    ASSERT_TRUE(flange(now));
+    rise = now.z() - before.z();
+  }
+  EXPECT_GT(rise, 0.005) << palpated.output();
+  arm.send(SIGTERM);
+  EXPECT_EQ(arm.wait(milliseconds(10000)), 0);
+  EXPECT_NE(arm.output().find(" 0 refused, 0 rejected"), std::string::npos) << arm.output();
+}
+
+TEST_F(AccessProcess, KeysThatOthersCanReadAreRefusedByEveryProgram) {
+  std::filesystem::permissions(key_file_, std::filesystem::perms::group_read,
+                               std::filesystem::perm_options::add);
+  ChildProcess palpated(daemon());
+  EXPECT_EQ(palpated.wait(milliseconds(20000)), 78);
+  EXPECT_NE(palpated.output().find("chmod 600"), std::string::npos) << palpated.output();
+  ChildProcess arm(driver());
+  EXPECT_EQ(arm.wait(milliseconds(20000)), 1);
+  EXPECT_NE(arm.output().find("chmod 600"), std::string::npos) << arm.output();
+  std::string said;
+  EXPECT_EQ(command({"start"}, said), 1);
+  EXPECT_NE(said.find("chmod 600"), std::string::npos) << said;
+}
+
+TEST_F(AccessProcess, CommandSaysWhatIsWrong) {
+  std::string said;
+  EXPECT_EQ(command({"--timeout", "0.5", "start"}, said), 1);
+  EXPECT_NE(said.find("is palpated running"), std::string::npos) << said;
+  EXPECT_EQ(command({}, said), 1);
+  EXPECT_EQ(command({"jump"}, said), 1);
+  EXPECT_EQ(command({"replace"}, said), 1);
+  EXPECT_EQ(command({"--make-key", key_file_}, said), 1);
+  EXPECT_NE(said.find("exists"), std::string::npos) << said;
+  EXPECT_EQ(command({"--help"}, said), 0);
+  EXPECT_NE(said.find("calibrate"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate

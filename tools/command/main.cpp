@@ -1,0 +1,125 @@
+// palpate-command: tells a running palpated what to do. See --help.
+
+#include <CLI/CLI.hpp>
+#include <cstdio>
+
+#include "tools/command/conversation.hpp"
+#include "tools/command/request.hpp"
+
+namespace {
+
+namespace bus = palpate::bus;
+namespace command = palpate::command;
+
+struct Options {
+  std::string control = "udpm://239.255.76.67:7667?ttl=0";
+  std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
+  std::string key_file, new_key_file;
+  double timeout = 10;  // s
+
+  command::Request request;
+  std::vector<std::string> parameters;  // key=value
+  std::string kind;
+  std::vector<double> points, values;
+};
+
+void add_events(CLI::App& app, Options& options) {
+  const std::pair<const char*, const char*> events[] = {
+      {"start", "activate: sense, and follow a target"},
+      {"stop", "zero command, inactive"},
+      {"reset", "leave a fault; start afterwards"},
+      {"zero", "tare the sensors; nothing may be held"},
+      {"calibrate", "the same, by its other name"}};
+  for (const auto& [name, what] : events) app.add_subcommand(name, what);
+
+  CLI::App* replace = app.add_subcommand("replace", "another component, or other parameters");
+  replace
+      ->add_option("slot", options.request.slot,
+                   "object, sensing, contact, estimation, deformation, feature, control; all")
+      ->required();
+  replace->add_option("--instance", options.request.instance,
+                      "which one, in a slot that holds several: number or name");
+  replace->add_option("--component", options.request.component,
+                      "the new one; without it the present one gets other parameters");
+  CLI::Option* yaml = replace->add_option("--parameters", options.request.parameters,
+                                          "YAML mapping, e.g. '{order: linear}'");
+  replace->add_option("--set", options.parameters, "key=value (repeatable)")
+      ->allow_extra_args(false)
+      ->excludes(yaml);
+
+  CLI::App* target = app.add_subcommand("target", "where the feature of the shape shall be");
+  target->add_option("kind", options.kind, "name of the feature, as configured")->required();
+  target->add_option("values", options.values, "m, rad; a pose as position and quaternion w x y z")
+      ->required();
+  target->add_option("--points", options.points,
+                     "x y z of rest points in O, m, where not as configured");
+  for (CLI::App* sub : app.get_subcommands({})) sub->fallthrough();
+}
+
+int run(const CLI::App& app, Options& options) {
+  if (!options.new_key_file.empty()) {
+    bus::make_key_file(options.new_key_file);
+    std::printf("%s: a new key; name it under access.key_file\n", options.new_key_file.c_str());
+    return 0;
+  }
+  bus::Access access;
+  access.start_us = bus::wall_clock_us();
+  if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
+  const std::string name = app.get_subcommands().at(0)->get_name();
+  const auto control = bus::make_lcm_bus(options.control);
+  const auto housekeeping = bus::make_lcm_bus(options.housekeeping);
+  command::Conversation conversation(*control, *housekeeping, access);
+
+  command::Answer answer;
+  if (name == "target") {
+    answer = conversation.ask(command::make_target(options.kind, options.points, options.values),
+                              options.timeout);
+  } else {
+    command::Request& request = options.request;
+    request.event = name;
+    if (!options.parameters.empty())
+      request.parameters = command::make_parameters(options.parameters);
+    answer = conversation.ask(command::make_command(request), options.timeout);
+  }
+  if (answer.event.empty()) {
+    std::fprintf(stderr, "no answer in %g s%s%s\n", options.timeout,
+                 answer.reason.empty() ? ": is palpated running on " : "; ",
+                 answer.reason.empty() ? (options.control + "?").c_str() : answer.reason.c_str());
+    return 1;
+  }
+  std::printf("%s%s%s\n", answer.event.c_str(), answer.reason.empty() ? "" : ": ",
+              answer.reason.c_str());
+  return answer.done() ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "palpate-command tells a running palpated what to do, and prints what it answers.\n"
+      "Exit codes: 0 done, 1 refused, no answer, or wrong arguments.");
+  Options options;
+  app.add_option("--url", options.control, "control URL of the daemon")->capture_default_str();
+  app.add_option("--housekeeping", options.housekeeping, "its housekeeping URL")
+      ->capture_default_str();
+  app.add_option("--key", options.key_file, "file of the key that the daemon has");
+  app.add_option("--timeout", options.timeout, "s, to wait for an answer")
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+  CLI::Option* make_key =
+      app.add_option("--make-key", options.new_key_file, "write a new key to this file, and end");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  add_events(app, options);
+  try {
+    app.parse(argc, argv);
+    if (make_key->empty() && app.get_subcommands().empty()) throw CLI::RequiredError("A command");
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  try {
+    return run(app, options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

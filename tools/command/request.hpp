@@ -1,0 +1,31 @@
+#pragma once
+
+#include <palpate/component_command_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <string>
+#include <vector>
+
+namespace palpate::command {
+
+/// What a user asks of the components of the daemon.
+struct Request {
+  std::string event;  // start, stop, reset, zero, calibrate, replace
+  std::string slot = "all";
+  std::string instance;
+  std::string component;
+  std::string parameters;  // YAML mapping
+};
+
+/// Throws std::invalid_argument where a text is too long for the message.
+component_command_t make_command(const Request& request);
+
+/// `points`: x, y, z of rest points in O, m; none: those that the feature was configured with.
+/// Throws std::invalid_argument for texts and lists that the message cannot hold.
+shape_target_t make_target(const std::string& kind, const std::vector<double>& points,
+                           const std::vector<double>& values);
+
+/// A YAML mapping of "path.to.key=value" items, whose values are YAML. Throws
+/// std::invalid_argument.
+std::string make_parameters(const std::vector<std::string>& items);
+
+}  // namespace palpate::command
