@@ -10,6 +10,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "rt/daemon/service_manager.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
 namespace {
@@ -24,33 +25,71 @@ std::int64_t wall_clock_us() {
   return static_cast<std::int64_t>(now.tv_sec) * 1000000 + now.tv_nsec / 1000;
 }
 
-/// Blocks the signals that end the program, for all threads; wait_for_end() then receives them.
-sigset_t block_end_signals() {
+/// Blocks the signals that end the program or ask for a record, for all threads; wait_for_end()
+/// then receives them.
+sigset_t block_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   return set;
 }
 
-/// Logs what the loop has to tell until a signal asks to end or the loop has ended.
-void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop) {
+/// Says what the loop has to tell.
+void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
+  palpate::daemon::EventRecord record;
+  while (daemon.take_record(record)) {
+    const char* component = record.component.data();
+    const char* reason = record.reason.data();
+    const std::string line = fmt::format("{}{}{}{}{}", component, *component != '\0' ? " " : "",
+                                         record.event.data(), *reason != '\0' ? ": " : "", reason);
+    spdlog::info(line);
+    watch.set_status(line);
+  }
+}
+
+/// Writes the record that a fault or somebody asked for, where there is one to be written.
+void write_record(Daemon& daemon) {
+  if (daemon.crash_record() == nullptr) return;
+  try {
+    const std::string path = daemon.crash_record()->write_handed_over();
+    if (!path.empty()) spdlog::warn("record of the last seconds: {}", path);
+  } catch (const std::runtime_error& error) {
+    spdlog::error("no record: {}", error.what());
+  }
+}
+
+/// Supervises the loop until a signal asks to end or the loop has ended. `cycles`: of the loop.
+void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
+                  const std::atomic<std::int64_t>& cycles) {
+  using palpate::daemon::LoopWatch;
   const timespec interval{0, 50'000'000};
+  palpate::daemon::ServiceManager manager;
+  LoopWatch watch(manager);
   while (!stop) {
     const int signal = sigtimedwait(&signals, nullptr, &interval);
-    palpate::daemon::EventRecord record;
-    while (daemon.take_record(record)) {
-      const char* component = record.component.data();
-      const char* reason = record.reason.data();
-      spdlog::info("{}{}{}{}{}", component, *component != '\0' ? " " : "", record.event.data(),
-                   *reason != '\0' ? ": " : "", reason);
+    tell_events(daemon, watch);
+    write_record(daemon);
+    switch (watch.look(palpate::loop::monotonic_ns(), cycles)) {
+      case LoopWatch::Verdict::kStalled:
+        spdlog::error("the loop does not move");
+        break;
+      case LoopWatch::Verdict::kRecovered:
+        spdlog::warn("the loop moves again");
+        break;
+      case LoopWatch::Verdict::kNothing:
+        break;
     }
-    if (signal > 0) {
+    if (signal == SIGUSR1) {
+      if (daemon.crash_record() != nullptr) daemon.crash_record()->request();
+    } else if (signal > 0) {
       spdlog::info("{}: ends", strsignal(signal));
-      return;
+      break;
     }
   }
+  manager.tell("STOPPING=1");
 }
 
 nlohmann::json statistics(const Daemon& daemon) {
@@ -96,18 +135,37 @@ struct Options {
   bool stepped = false;
 };
 
+bool is_at_rest(palpate::component::Pipeline& pipeline) {
+  for (int arm = 0; arm < pipeline.arm_count(); ++arm)
+    if (!pipeline.gate_output(arm).V_W_E.vector().isZero(0)) return false;
+  return true;
+}
+
+void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
+
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
-  std::atomic<bool> stop{false};
+  constexpr auto kLongestBraking = std::chrono::milliseconds(200);
+  std::atomic<bool> brakes{false}, stop{false};
+  std::atomic<std::int64_t> cycles{0};
   std::thread thread([&] {
+    name_this_thread("palpated-loop");
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
-    loop.run(stop, [&daemon](const palpate::loop::FixedRateLoop::Tick& tick) {
+    loop.run(stop, [&](const palpate::loop::FixedRateLoop::Tick& tick) {
+      const bool last = brakes.load(std::memory_order_relaxed);
+      if (last) daemon.pipeline().stop();
       daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns});
+      if (last && is_at_rest(daemon.pipeline())) stop = true;
+      cycles.fetch_add(1, std::memory_order_relaxed);
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
-  wait_for_end(signals, daemon, stop);
+  wait_for_end(signals, daemon, stop, cycles);
+  brakes = true;
+  const auto latest = std::chrono::steady_clock::now() + kLongestBraking;
+  while (!stop && std::chrono::steady_clock::now() < latest)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
   stop = true;
   thread.join();
 }
@@ -116,19 +174,22 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
                  palpate::bus::MessageBus& control, const sigset_t& signals) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
+  std::atomic<std::int64_t> rounds{0};  // which go on where no tick comes
   std::thread thread([&] {
+    name_this_thread("palpated-loop");
     while (!stop) {
       if (control.receive(kLookAtStop)) clock.run_pending(daemon);
+      rounds.fetch_add(1, std::memory_order_relaxed);
     }
   });
-  wait_for_end(signals, daemon, stop);
+  wait_for_end(signals, daemon, stop, rounds);
   stop = true;
   thread.join();
 }
 
 int run(const Options& options) {
   namespace bus = palpate::bus;
-  const sigset_t signals = block_end_signals();
+  const sigset_t signals = block_signals();
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
   const bus::InstanceLock lock(settings.control_url);
@@ -148,7 +209,9 @@ int run(const Options& options) {
       object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
       object.body.fixed_nodes.size());
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
+  const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
+  write_record(daemon);
   control->stop();
   if (options.stepped) warn_of_losses(daemon);
   if (!options.json.empty()) {
@@ -166,6 +229,9 @@ int main(int argc, char** argv) {
       "palpated feels the shape of a soft object through force and touch, and steers it.\n"
       "It reads sensors from the control URL and starts inactive with zero command; it moves the\n"
       "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
+      "With record.folder it writes its last seconds there as an LCM log when it faults, on "
+      "SIGUSR1,\n"
+      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
       "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")

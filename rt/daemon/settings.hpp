@@ -3,6 +3,7 @@
 #include <string>
 
 #include "rt/config/node.hpp"
+#include "rt/daemon/crash_record.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 
@@ -15,11 +16,12 @@ struct OverrunPolicy {
   double safe_stop_after = 20e-3;  // s without a command; latched
 };
 
-/// Sections `loop`, `inputs` and `bus`.
+/// Sections `loop`, `inputs`, `record` and `bus`.
 struct Settings {
   loop::LoopOptions loop;
   OverrunPolicy overruns;
   FrozenAfter frozen_after;
+  RecordSettings record;
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
   int shape_every = 10;     // cycles between two SHAPE messages
