@@ -11,6 +11,7 @@
 #include <ctime>
 #include <fstream>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 namespace palpate::daemon {
@@ -100,6 +101,7 @@ void CrashRecord::begin_cycle(std::int64_t monotonic_ns, std::int64_t utime) noe
   clock_set_ = true;
   now_us_ = monotonic_ns / 1000 + clock_offset_us_;
   if (requested_.exchange(false, std::memory_order_relaxed)) hand_over("request");
+  if (wanted_ != nullptr) exchange_rings();
 }
 
 void CrashRecord::note(const std::string& channel, const void* data, int size) noexcept {
@@ -107,7 +109,8 @@ void CrashRecord::note(const std::string& channel, const void* data, int size) n
   rings_[filled_.load(std::memory_order_relaxed)].add(now_us_, channel, data, size);
 }
 
-void CrashRecord::hand_over(const char* cause) noexcept {
+void CrashRecord::exchange_rings() noexcept {
+  const char* cause = std::exchange(wanted_, nullptr);
   if (handed_over_.load(std::memory_order_acquire) != kNone) return;
   const int full = filled_.load(std::memory_order_relaxed);
   rings_[1 - full].clear();

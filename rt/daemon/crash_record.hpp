@@ -33,8 +33,9 @@ class CrashRecord final : public bus::MessageTap {
   /// with the monotonic clock.
   void begin_cycle(std::int64_t monotonic_ns, std::int64_t utime) noexcept;
   void note(const std::string& channel, const void* data, int size) noexcept override;
-  /// Loop: hands over what is there, to be written. Nothing where the last one is not written yet.
-  void hand_over(const char* cause) noexcept;
+  /// Loop: hands over what is there when this cycle is done, to be written; `cause` ("fault"), a
+  /// string literal, is part of the file's name. Nothing where the last one is not written yet.
+  void hand_over(const char* cause) noexcept { wanted_ = cause; }
 
   /// Any thread: a record is wanted without a fault.
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
@@ -49,6 +50,7 @@ class CrashRecord final : public bus::MessageTap {
 
  private:
   static constexpr int kNone = -1;
+  void exchange_rings() noexcept;
   void remove_old_ones() const;
 
   RecordSettings settings_;
@@ -60,6 +62,7 @@ class CrashRecord final : public bus::MessageTap {
   std::atomic<int> handed_over_{kNone};
   std::atomic<const char*> cause_{""};
   std::atomic<bool> requested_{false}, stopped_{false};
+  const char* wanted_ = nullptr;  // why a record shall be handed over
   bool clock_set_ = false;
   std::int64_t clock_offset_us_ = 0;
   std::int64_t now_us_ = 0;
