@@ -57,6 +57,16 @@ class Subscription {
   std::unique_ptr<Queue> queue_;
 };
 
+/// Hears of messages that pass by, in the thread that takes or publishes them.
+class MessageTap {
+ public:
+  /// `data`: the encoded message with its fingerprint.
+  virtual void note(const std::string& channel, const void* data, int size) noexcept = 0;
+
+ protected:
+  ~MessageTap() = default;
+};
+
 /// Where messages go to and come from. Set-up: subscribe, then start. publish() neither allocates
 /// nor throws and may be called by one thread at a time.
 class MessageBus {
@@ -83,6 +93,10 @@ class MessageBus {
   /// In the order of subscribing.
   const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
 
+  /// Hears of all that the typed views of this bus take and publish; nullptr: nobody does.
+  void set_tap(MessageTap* tap) noexcept { tap_ = tap; }
+  MessageTap* tap() const noexcept { return tap_; }
+
  protected:
   Subscription& listed(Subscription& subscription) {
     listed_.push_back(&subscription);
@@ -92,6 +106,7 @@ class MessageBus {
 
  private:
   std::vector<const Subscription*> listed_;
+  MessageTap* tap_ = nullptr;
 };
 
 /// LCM's UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. liblcm publishes; receiving
@@ -121,17 +136,21 @@ template <class T>
 class TypedSubscription {
  public:
   TypedSubscription(MessageBus& bus, const std::string& channel, int depth)
-      : raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)),
+      : bus_(&bus),
+        raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)),
         buffer_(raw_->encoded_size()) {}
 
   /// False when there is none. Does not allocate for types of fixed size.
   bool take(T& message, std::int64_t& arrival_ns) noexcept {
     if (!raw_->take(buffer_.data(), arrival_ns)) return false;
+    if (MessageTap* tap = bus_->tap())
+      tap->note(raw_->channel(), buffer_.data(), raw_->encoded_size());
     return message.decode(buffer_.data(), 0, static_cast<int>(buffer_.size())) >= 0;
   }
   const SubscriptionCounters& counters() const noexcept { return raw_->counters(); }
 
  private:
+  MessageBus* bus_;
   Subscription* raw_;
   std::vector<std::uint8_t> buffer_;
 };
@@ -153,6 +172,7 @@ class TypedPublisher {
     const int size = message.getEncodedSize();
     if (size > static_cast<int>(buffer_.size())) buffer_.resize(size);
     if (message.encode(buffer_.data(), 0, size) < 0) return false;
+    if (MessageTap* tap = bus_->tap()) tap->note(channel_, buffer_.data(), size);
     return bus_->publish(channel_.c_str(), buffer_.data(), size);
   }
 

@@ -7,12 +7,21 @@
 #include "rt/loop/allocation_counter.hpp"
 
 namespace palpate::daemon {
+namespace {
+
+std::unique_ptr<CrashRecord> make_record(const Settings& settings, bus::MessageBus& control) {
+  if (settings.record.folder.empty()) return nullptr;
+  return std::make_unique<CrashRecord>(settings.record, settings.loop.period, control);
+}
+
+}  // namespace
 
 Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
                Mode mode, std::int64_t session)
     : mode_(mode),
       settings_(read_settings(root)),
       access_{settings_.key, mode == Mode::kRealTime ? bus::wall_clock_us() : 0},
+      record_(mode == Mode::kRealTime ? make_record(settings_, control) : nullptr),
       pipeline_(root, settings_.loop.period, mode == Mode::kDeterministic),
       inputs_(control, pipeline_.arm_count(), settings_.frozen_after, access_),
       commands_(control, housekeeping, session, access_),
@@ -64,6 +73,7 @@ void Daemon::tick(const Now& now) noexcept {
   const std::int64_t began_ns = mode_ == Mode::kRealTime ? loop::monotonic_ns() : 0;
   phase_began_ns_ = began_ns;
   ++counters_.cycles;
+  if (record_) record_->begin_cycle(now.monotonic_ns, now.utime);
   supervise(now);
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
@@ -119,6 +129,7 @@ void Daemon::publish(const Now& now) noexcept {
       allocations_at_start_ = loop::allocations_of_this_thread();
     }
     announced_ = condition.state;
+    if (record_ && condition.state == component::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
   commands_.announce_refused(inputs_.manual_admission(), now.monotonic_ns, now.utime);

@@ -4,6 +4,7 @@
 #include "rt/component/pipeline.hpp"
 #include "rt/daemon/commands.hpp"
 #include "rt/daemon/component_reports.hpp"
+#include "rt/daemon/crash_record.hpp"
 #include "rt/daemon/health.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/overrun_monitor.hpp"
@@ -50,6 +51,8 @@ class Daemon {
   const Counters& counters() const noexcept { return counters_; }
   const Replacing& replacing() const noexcept { return replacing_; }
   const Inputs& inputs() const noexcept { return inputs_; }
+  /// nullptr where none is kept: in deterministic mode, or without a folder.
+  CrashRecord* crash_record() noexcept { return record_.get(); }
   bool take_record(EventRecord& record) noexcept { return commands_.take_record(record); }
 
  private:
@@ -61,6 +64,7 @@ class Daemon {
   Mode mode_;
   Settings settings_;
   bus::Access access_;
+  std::unique_ptr<CrashRecord> record_;
   component::Pipeline pipeline_;
   Inputs inputs_;
   Commands commands_;

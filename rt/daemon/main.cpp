@@ -11,6 +11,7 @@
 #include "rt/bus/instance_lock.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
+#include "rt/daemon/service_manager.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
 namespace {
@@ -20,33 +21,71 @@ using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
 
-/// Blocks the signals that end the program, for all threads; wait_for_end() then receives them.
-sigset_t block_end_signals() {
+/// Blocks the signals that end the program or ask for a record, for all threads; wait_for_end()
+/// then receives them.
+sigset_t block_signals() {
   sigset_t set;
   sigemptyset(&set);
   sigaddset(&set, SIGINT);
   sigaddset(&set, SIGTERM);
+  sigaddset(&set, SIGUSR1);
   pthread_sigmask(SIG_BLOCK, &set, nullptr);
   return set;
 }
 
-/// Logs what the loop has to tell until a signal asks to end or the loop has ended.
-void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop) {
+/// Says what the loop has to tell.
+void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
+  palpate::daemon::EventRecord record;
+  while (daemon.take_record(record)) {
+    const char* component = record.component.data();
+    const char* reason = record.reason.data();
+    const std::string line = fmt::format("{}{}{}{}{}", component, *component != '\0' ? " " : "",
+                                         record.event.data(), *reason != '\0' ? ": " : "", reason);
+    spdlog::info(line);
+    watch.set_status(line);
+  }
+}
+
+/// Writes the record that a fault or somebody asked for, where there is one to be written.
+void write_record(Daemon& daemon) {
+  if (daemon.crash_record() == nullptr) return;
+  try {
+    const std::string path = daemon.crash_record()->write_handed_over();
+    if (!path.empty()) spdlog::warn("record of the last seconds: {}", path);
+  } catch (const std::runtime_error& error) {
+    spdlog::error("no record: {}", error.what());
+  }
+}
+
+/// Supervises the loop until a signal asks to end or the loop has ended. `cycles`: of the loop.
+void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
+                  const std::atomic<std::int64_t>& cycles) {
+  using palpate::daemon::LoopWatch;
   const timespec interval{0, 50'000'000};
+  palpate::daemon::ServiceManager manager;
+  LoopWatch watch(manager);
   while (!stop) {
     const int signal = sigtimedwait(&signals, nullptr, &interval);
-    palpate::daemon::EventRecord record;
-    while (daemon.take_record(record)) {
-      const char* component = record.component.data();
-      const char* reason = record.reason.data();
-      spdlog::info("{}{}{}{}{}", component, *component != '\0' ? " " : "", record.event.data(),
-                   *reason != '\0' ? ": " : "", reason);
+    tell_events(daemon, watch);
+    write_record(daemon);
+    switch (watch.look(palpate::loop::monotonic_ns(), cycles)) {
+      case LoopWatch::Verdict::kStalled:
+        spdlog::error("the loop does not move");
+        break;
+      case LoopWatch::Verdict::kRecovered:
+        spdlog::warn("the loop moves again");
+        break;
+      case LoopWatch::Verdict::kNothing:
+        break;
     }
-    if (signal > 0) {
+    if (signal == SIGUSR1) {
+      if (daemon.crash_record() != nullptr) daemon.crash_record()->request();
+    } else if (signal > 0) {
       spdlog::info("{}: ends", strsignal(signal));
-      return;
+      break;
     }
   }
+  manager.tell("STOPPING=1");
 }
 
 /// Pairs of a fraction of cycles and the us that it exceeds; the fractions four a decade.
@@ -109,10 +148,14 @@ struct Options {
   bool stepped = false;
 };
 
+void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
+
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
   constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate promises half of it
   std::atomic<bool> stop{false};
+  std::atomic<std::int64_t> cycles{0};
   std::thread thread([&] {
+    name_this_thread("palpated-loop");
     palpate::loop::FixedRateLoop loop(daemon.settings().loop);
     const palpate::loop::RealTimeGrant grant = loop.acquire_real_time();
     if (!grant.remarks.empty()) spdlog::warn("real time: {}", grant.remarks);
@@ -125,10 +168,11 @@ void run_real_time(Daemon& daemon, const sigset_t& signals) {
       }
       daemon.tick({tick.now_ns, wall_clock_us(), tick.lateness_ns, tick.missed});
       ended = stopped_ns != 0 && (daemon.is_still() || tick.now_ns - stopped_ns > kLongestRamp);
+      cycles.fetch_add(1, std::memory_order_relaxed);
     });
     daemon.finish({palpate::loop::monotonic_ns(), wall_clock_us(), 0});
   });
-  wait_for_end(signals, daemon, stop);
+  wait_for_end(signals, daemon, stop, cycles);
   stop = true;
   thread.join();
 }
@@ -137,12 +181,15 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
                  palpate::bus::MessageBus& control, const sigset_t& signals) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
+  std::atomic<std::int64_t> rounds{0};  // which go on where no tick comes
   std::thread thread([&] {
+    name_this_thread("palpated-loop");
     while (!stop) {
       if (control.receive(kLookAtStop)) clock.run_pending(daemon);
+      rounds.fetch_add(1, std::memory_order_relaxed);
     }
   });
-  wait_for_end(signals, daemon, stop);
+  wait_for_end(signals, daemon, stop, rounds);
   stop = true;
   thread.join();
 }
@@ -169,7 +216,9 @@ int run(const Options& options, const sigset_t& signals) {
       object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
       object.body.fixed_nodes.size());
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
+  const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
+  write_record(daemon);
   control->stop();
   if (options.stepped) warn_of_losses(daemon);
   if (!options.json.empty()) {
@@ -187,6 +236,9 @@ int main(int argc, char** argv) {
       "palpated feels the shape of a soft object through force and touch, and steers it.\n"
       "It reads sensors from the control URL and starts inactive with zero command; it moves the\n"
       "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
+      "With record.folder it writes its last seconds there as an LCM log when it faults, on "
+      "SIGUSR1,\n"
+      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
       "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
@@ -201,7 +253,7 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   CLI11_PARSE(app, argc, argv);
 
-  const sigset_t signals = block_end_signals();
+  const sigset_t signals = block_signals();
   palpate::daemon::start_log();
   int code = 1;
   try {

@@ -34,6 +34,11 @@ Settings read_settings(const config::Node& root) {
   read_frozen("biotac", settings.frozen_after.biotac);
   read_frozen("robot", settings.frozen_after.robot);
 
+  const config::Node record = root.child_or_empty("record");
+  if (record.has("folder")) settings.record.folder = record.path("folder");
+  settings.record.seconds = record.number("seconds", {0.1, 60}, settings.record.seconds);
+  settings.record.keep = record.integer("keep", {1, 10000}, settings.record.keep);
+
   const config::Node bus = root.child_or_empty("bus");
   settings.control_url = bus.text("control", settings.control_url);
   settings.housekeeping_url = bus.text("housekeeping", settings.housekeeping_url);

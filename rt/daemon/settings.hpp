@@ -5,6 +5,7 @@
 
 #include "rt/bus/authentication.hpp"
 #include "rt/config/node.hpp"
+#include "rt/daemon/crash_record.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 
@@ -17,11 +18,12 @@ struct OverrunPolicy {
   double safe_stop_after = 20e-3;  // s without a command; latched
 };
 
-/// Sections `loop`, `inputs`, `bus` and `access`.
+/// Sections `loop`, `inputs`, `record`, `bus` and `access`.
 struct Settings {
   loop::LoopOptions loop;
   OverrunPolicy overruns;
   FrozenAfter frozen_after;
+  RecordSettings record;
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
   std::optional<bus::Key> key;  // of commands, in and out; none: nothing is checked
