@@ -31,6 +31,12 @@ void Pipeline::build_arms(const config::Node& root) {
   arms_.push_back({*cell_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
 }
 
+std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
+    int instance, std::unique_ptr<sensing::SensorModel> model) {
+  slots_->sensing.at(instance).model.swap(model);
+  return model;
+}
+
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
