@@ -133,6 +133,11 @@ UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts)
   contact.wrench = math::Wrench::from(low_pass_.value() - tare_.offset());
   contact.force_deviation = options_.force_deviation;
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
+  // Gravity alone goes on explaining the payload, but no longer what moves it.
+  const Stream<Inertial>& inertial = signals.inertial;
+  if (options_.use_imu && inertial.freshness != Freshness::kNoData &&
+      inertial.age > options_.imu_max_age)
+    return {Status::kDegraded, "inertial reading is too old"};
   return {};
 }
 

@@ -28,7 +28,7 @@ class Pipeline {
 
   // Events; each is safe in the loop.
   void start() noexcept;
-  void stop() noexcept;
+  void stop(const char* reason = "stopped") noexcept;
   void reset() noexcept;                    // rest shape, faults cleared, inactive
   void zero() noexcept;                     // tare of every sensor model
   void fault(const char* reason) noexcept;  // latched by a supervisor outside

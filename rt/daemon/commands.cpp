@@ -1,6 +1,7 @@
 #include "rt/daemon/commands.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstring>
 
 #include "rt/daemon/text.hpp"
@@ -93,6 +94,14 @@ void Commands::announce(const Replacing& replacing, Replacing::Outcome outcome,
          replacing.reason(), utime);
   put_text(event_.instance, "");
   put_text(event_.component, "");
+}
+
+void Commands::announce(const WrongType& wrong, std::int64_t utime) noexcept {
+  std::array<char, 160> reason{};
+  std::snprintf(reason.data(), reason.size(), "%s: messages of type %016llx, not %016llx",
+                wrong.channel, static_cast<unsigned long long>(wrong.received),
+                static_cast<unsigned long long>(wrong.expected));
+  answer("inputs", "wrong type", -1, reason.data(), utime);
 }
 
 void Commands::announce(const component::Condition& condition, std::int64_t utime) noexcept {

@@ -9,6 +9,7 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
+#include "rt/daemon/inputs.hpp"
 #include "rt/daemon/replacing.hpp"
 
 namespace palpate::daemon {
@@ -32,6 +33,9 @@ class Commands {
   /// Says how a replacement ended.
   void announce(const Replacing& replacing, Replacing::Outcome outcome,
                 std::int64_t utime) noexcept;
+
+  /// Tells of messages that nobody here can read.
+  void announce(const WrongType& wrong, std::int64_t utime) noexcept;
 
   /// Announces a change of the whole's condition that nobody asked for.
   void announce(const component::Condition& condition, std::int64_t utime) noexcept;

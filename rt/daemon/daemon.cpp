@@ -58,6 +58,10 @@ void Daemon::tick(const Now& now) noexcept {
   supervise(now);
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
+  if (inputs_.any_began_anew())
+    pipeline_.stop("a sensor, hand or robot has started anew: waits for start");
+  WrongType wrong;
+  while (inputs_.take_wrong_type(now.monotonic_ns, wrong)) commands_.announce(wrong, now.utime);
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
   mark(Phase::kRead);
   pipeline_.sense(inputs_.signals(), inputs_.signals(1));

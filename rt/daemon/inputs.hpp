@@ -28,6 +28,12 @@ struct InputReport {
   double age = -1;            // s since the last good one; below zero: nothing was ever received
 };
 
+/// A message of another type, or of another version of it, than its channel has.
+struct WrongType {
+  const char* channel = "";
+  std::int64_t expected = 0, received = 0;  // fingerprints
+};
+
 /// s that a sensor may repeat the same numbers, bit for bit, until its messages no longer count: it
 /// has noise, unless it has stopped. 0: for ever.
 struct FrozenAfter {
@@ -37,10 +43,10 @@ struct FrozenAfter {
   double robot = 0;  // encoders at rest may well stand still
 };
 
-/// Sensor channels of the control bus as Signals: checks every message (finite numbers, unit
-/// quaternions, counts in range, sequence, whether the sensor still moves) before anybody sees it.
-/// A second arm has channels of its own, whose names end in _1, for all but fingertips and manual
-/// forces.
+/// Sensor channels of the control bus as Signals: checks every message (numbers finite and within
+/// what can be, unit quaternions, counts in range, sequence, whether the sensor still moves) before
+/// anybody sees it. A second arm has channels of its own, whose names end in _1, for all but
+/// fingertips and manual forces.
 class Inputs {
  public:
   explicit Inputs(bus::MessageBus& control, int arms = 1, const FrozenAfter& frozen_after = {});
@@ -54,6 +60,12 @@ class Inputs {
   int arm_count() const noexcept { return second_ ? 2 : 1; }
   int channel_count() const noexcept { return second_ ? 14 : 10; }
   InputReport report(int channel) const noexcept;  // the second arm's come last
+
+  /// Whether by the last read() an arm's sensor, hand or robot has started anew: what was known of
+  /// it (offsets, where it stood) need not hold any more.
+  bool any_began_anew() const noexcept;
+  /// The next channel that got messages of another type, each once a second at most; false: none.
+  bool take_wrong_type(std::int64_t now_ns, WrongType& wrong) noexcept;
 
  private:
   template <class Message>
@@ -71,6 +83,9 @@ class Inputs {
     std::int64_t changed_ns = 0;   // when the numbers last changed
     int repeats = 0;               // messages with the same numbers since
     std::int64_t frozen = 0;
+    std::int64_t sessions = 0;  // of the sender, so far
+    bool began_anew = false;    // by the last read
+    std::int64_t wrong_types_told = 0, wrong_type_due_ns = 0;
     double age = -1;
     Message message;
   };
@@ -82,6 +97,9 @@ class Inputs {
   template <class Message, class Sample>
   static bool is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
                         std::int64_t arrival_ns) noexcept;
+  template <class Message>
+  static bool take_wrong_type(Channel<Message>& channel, std::int64_t now_ns,
+                              WrongType& wrong) noexcept;
   template <class Message>
   static InputReport report_of(const Channel<Message>& channel) noexcept;
 
@@ -96,6 +114,7 @@ class Inputs {
   };
   void drain(ArmChannels& arm, sensing::Signals& signals, std::int64_t now_ns,
              bool stepped) noexcept;
+  static bool take_wrong_type(ArmChannels& arm, std::int64_t now_ns, WrongType& wrong) noexcept;
   static InputReport report_of(const ArmChannels& arm, int channel) noexcept;
 
   std::array<sensing::Signals, 2> signals_;

@@ -9,6 +9,7 @@
 #include "tools/evaluate/case_commands.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
+#include "tools/evaluate/faults.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
@@ -105,6 +106,8 @@ int run(CLI::App& app, int argc, char** argv) {
 
   ThesisCommand thesis(app);
 
+  FaultsCommand faults(app);
+
   CaseCommands cases(app);
 
   CLI11_PARSE(app, argc, argv);
@@ -112,6 +115,7 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = thesis.run(root, std::cout)) return *code;
+  if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;
     demo.data = data;

@@ -18,11 +18,11 @@ double since(std::int64_t time_ns, double from) {
 }
 
 bool differs(const HealthNote& a, const HealthNote& b) {
-  constexpr double kSlack = 6;  // ms, two periods of the slowest of them
+  constexpr double kSlack = 2;  // ms
   return a.state != b.state || a.lost != b.lost || a.rejected != b.rejected ||
          a.frozen != b.frozen || a.not_converged > b.not_converged + 10 ||
          a.gate_refused != b.gate_refused || a.overruns != b.overruns ||
-         a.oldest_ms > b.oldest_ms + kSlack || a.hand_ms > b.hand_ms + 4 * kSlack;
+         a.oldest_ms > b.oldest_ms + kSlack || a.hand_ms > b.hand_ms + kSlack;
 }
 
 }  // namespace

@@ -120,5 +120,64 @@ TEST_F(InputsTest, ARobotAtRestAndAGapAreNotFrozen) {
   EXPECT_EQ(report(inputs, "FT_WRENCH").frozen, 0);
 }
 
+TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
+  Inputs inputs(*bus_);
+  ft_wrench_t wrench{};
+  wrench.wrench[1] = 2;
+  send("FT_WRENCH", wrench, 1);
+  inputs.read(0, 1e-3);
+  int seq = 1;
+  for (const double number : {1e308, -1e308, 1e7, HUGE_VAL, std::nan("")}) {
+    wrench.wrench[1] = number;
+    send("FT_WRENCH", wrench, ++seq);
+    send("ROBOT_STATE", robot_at(number), seq);
+    inputs.read(1'000'000, 1e-3);
+    EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 2) << number;
+    EXPECT_EQ(inputs.signals().robot.freshness, sensing::Freshness::kNoData) << number;
+  }
+  EXPECT_EQ(report(inputs, "FT_WRENCH").rejected, 5);
+  wrench.wrench[1] = 5e-324;  // tiny is none the worse
+  send("FT_WRENCH", wrench, ++seq);
+  inputs.read(2'000'000, 1e-3);
+  EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 5e-324);
+}
+
+TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
+  Inputs inputs(*bus_, 2);
+  const auto read = [&](std::int64_t session, int seq) {
+    imu_t message{};
+    message.session = session;
+    message.seq = seq;
+    bus::TypedPublisher<imu_t>(*sender_, "IMU_1").publish(message);
+    inputs.read(1'000'000, 1e-3);
+    return inputs.any_began_anew();
+  };
+  EXPECT_FALSE(read(5, 70)) << "the first is no restart";
+  EXPECT_FALSE(read(5, 71));
+  EXPECT_TRUE(read(6, 1));
+  EXPECT_FALSE(read(6, 2));
+  EXPECT_FALSE(read(5, 72)) << "what is left of the old one";
+}
+
+TEST_F(InputsTest, MessagesOfAnotherTypeAreToldWithBothTypesOnceASecond) {
+  Inputs inputs(*bus_);
+  const auto send_wrong = [&] {
+    const std::array<std::uint8_t, 16> message = {0, 0, 0, 0, 0, 0, 1, 2};
+    sender_->publish("IMU", message.data(), message.size());
+  };
+  WrongType wrong;
+  EXPECT_FALSE(inputs.take_wrong_type(0, wrong));
+  int told = 0;
+  for (std::int64_t now_ns = 0; now_ns < 2'500'000'000; now_ns += 10'000'000) {
+    send_wrong();
+    inputs.read(now_ns, 1e-3);
+    while (inputs.take_wrong_type(now_ns, wrong)) ++told;
+  }
+  EXPECT_EQ(told, 3);
+  EXPECT_STREQ(wrong.channel, "IMU");
+  EXPECT_EQ(wrong.received, 0x0102);
+  EXPECT_EQ(wrong.expected, imu_t::getHash());
+}
+
 }  // namespace
 }  // namespace palpate::daemon
