@@ -124,6 +124,12 @@ RunResult judge(const Trace& trace, const Trace& reference, const Window& window
         result.outcome = Outcome::kSafeStop;
     }
   }
+  const auto refused = [](const Trace& t) {
+    return t.health.empty() ? 0 : t.health.back().gate_refused;
+  };
+  // The gate holds the command back though every component is content.
+  if (refused(trace) > 0 && result.outcome == Outcome::kUnaffected)
+    result.outcome = Outcome::kDegraded;
   result.visible = visible_after(trace, reference, window.begin);
   if (!trace.sound()) result.fail(trace.complaint);
   const bool shows =

@@ -71,11 +71,16 @@ RunResult run_saturated(const Bench& bench, std::uint64_t seed) {
   const Which which = sensors_in(window, channel);
   for (bus::Published& message : faulted)
     if (which(message)) put_number(message, number_offsets(message)[number], scale);
-  const Trace trace = Replay(bench.recording).run(faulted, 850);
+  constexpr int kTicks = 1700;
+  const Trace trace = Replay(bench.recording).run(faulted, kTicks);
   RunResult result = judge(trace, bench.reference, window, true);
   const double zero = zero_after(trace, window.begin, window.end);
   result.measured = 1e3 * zero;
   if (zero < 0) result.fail("the command does not come to zero");
+  int moves = static_cast<int>(window.end / kTick);
+  while (moves < kTicks && !(trace.cycles[moves].speed > 1e-3)) ++moves;
+  result.recovered = kTick * moves - window.end;
+  if (moves == kTicks) result.note("stands still for another second and more");
   return result;
 }
 

@@ -104,6 +104,7 @@ TEST_F(PoseDrivenTest, ApproachesAFarPoseAtItsSpeed) {
 
 TEST_F(PoseDrivenTest, AGapOfTwentyMillisecondsOfAMovingHandIsNoTrouble) {
   math::Pose& X_OG = inputs_.grasps[0].X_OG;
+  update(estimator_);
   for (int gap = 0; gap < 5; ++gap) {
     for (int i = 0; i < 22; ++i) {
       X_OG.translation().z() += 0.1e-3;

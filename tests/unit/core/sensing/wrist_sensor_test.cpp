@@ -94,10 +94,10 @@ TEST(FtTareOnly, DegradesWithoutFreshReadingsAndRecovers) {
   EXPECT_EQ(sensor.update(signals, contacts).status, Status::kDegraded);
   feed_wrench(signals, {{1, 0, 0}, {0, 0, 0}});
   EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
-  grow_old(signals, 0.019);
+  grow_old(signals, 0.024);
   EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
   EXPECT_EQ(contacts.count, 1);
-  grow_old(signals, 0.021);
+  grow_old(signals, 0.026);
   const UpdateResult late = sensor.update(signals, contacts = {});
   EXPECT_EQ(late.status, Status::kDegraded);
   EXPECT_STRNE(late.reason, "");
