@@ -58,6 +58,13 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
   block += static_cast<int>(plot.curves.size());
 }
 
+/// A label on an axis, where % begins a format.
+std::string tic_label(const std::string& text) {
+  std::string result;
+  for (const char c : text) result += c == '%' ? std::string("%%") : std::string(1, c);
+  return quoted(result);
+}
+
 /// A field is white where its share is nil; what is there at all can be told from that.
 void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int column, int object) {
   const double share = matrix.shares[row][column];
@@ -122,10 +129,10 @@ bool draw(const ColourMatrix& matrix, const std::filesystem::path& picture) {
         << "set lmargin at screen 0.5\nset rmargin at screen 0.98\nset xrange [0:"
         << matrix.columns.size() << "]\nset yrange [" << rows << ":0]\nset xtics (";
     for (std::size_t i = 0; i < matrix.columns.size(); ++i)
-      out << (i == 0 ? "" : ", ") << quoted(matrix.columns[i]) << ' ' << i + 0.5;
+      out << (i == 0 ? "" : ", ") << tic_label(matrix.columns[i]) << ' ' << i + 0.5;
     out << ")\nset ytics (";
     for (int i = 0; i < rows; ++i)
-      out << (i == 0 ? "" : ", ") << quoted(matrix.rows[i]) << ' ' << i + 0.5;
+      out << (i == 0 ? "" : ", ") << tic_label(matrix.rows[i]) << ' ' << i + 0.5;
     out << ")\n";
     int object = 0;
     for (int row = 0; row < rows; ++row)

@@ -236,6 +236,24 @@ TEST(FtNewtonEuler, FollowsAnOffsetOfTheAccelerometer) {
   EXPECT_LT(std::sqrt(sum / count), 0.9);
 }
 
+TEST(FtNewtonEuler, AnOverloadedAccelerometerIsNotTakenForAnOffset) {
+  const ShakenHand hand;
+  FtNewtonEuler sensor(hand.options);
+  Signals signals;
+  ContactSet contacts;
+  const auto force = [&](int tick, double overload) {
+    hand.feed_all(signals, tick * kPeriod, {});
+    if (overload != 0) signals.inertial.fresh[0].acceleration_I.x() = overload;
+    sensor.update(signals, contacts = {});
+    return contacts.count == 1 ? contacts.contacts[0].wrench.force.norm() : -1;
+  };
+  for (int tick = 0; tick < 300; ++tick) force(tick, 0);
+  for (int tick = 300; tick < 600; ++tick) EXPECT_GT(force(tick, 157), 20);
+  double largest = 0;
+  for (int tick = 600; tick < 1500; ++tick) largest = std::max(largest, force(tick, 0));
+  EXPECT_LT(largest, 2);
+}
+
 TEST(FtNewtonEuler, FallsBackOnGravityAndSaysSoWhenTheInertialUnitFallsSilent) {
   const ShakenHand hand;
   FtNewtonEuler sensor(hand.options);
