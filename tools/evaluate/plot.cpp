@@ -60,9 +60,10 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
 
 /// A label on an axis, where % begins a format.
 std::string tic_label(const std::string& text) {
-  std::string result;
-  for (const char c : text) result += c == '%' ? std::string("%%") : std::string(1, c);
-  return quoted(result);
+  std::string escaped;
+  for (const char c : text) escaped += c == '%' ? std::string("%%") : std::string(1, c);
+  const std::string& label = escaped;
+  return quoted(label);
 }
 
 /// A field is white where its share is nil; what is there at all can be told from that.

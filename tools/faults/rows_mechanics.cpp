@@ -73,7 +73,8 @@ bool comes_back(elasticity::DeformationModel& model, Stepper& stepper, const Eig
   const auto away = [&rest](const Eigen::Matrix3Xd& now) {
     return (now - rest).colwise().norm().maxCoeff();
   };
-  const double allowed = 0.01 * away(x);
+  constexpr double kAccuracy = 1e-6;  // m; a force on a node that is held moves nothing
+  const double allowed = std::max(kAccuracy, 0.01 * away(x));
   for (int i = 0; i < 500 && !(away(model.positions()) <= allowed); ++i) step();
   return away(model.positions()) <= allowed;
 }
