@@ -251,6 +251,8 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
+  tangled_ = 0;
+  untangled_ = false;          // whatever became of the shape before
   ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
   follow_rotations();
   return true;

@@ -111,20 +111,22 @@ const char* PoseDriven::follow(int grasp, const GraspInput& input, double dt,
   return trouble;
 }
 
-/// True where the held pose is the hand's.
+/// True where the held pose is the hand's, or will be in a few steps: after a gap between two poses
+/// the hand has gone on.
 bool PoseDriven::approach(Hand& hand, double dt) const noexcept {
   const Eigen::Vector3d way = hand.hand.translation() - hand.held.translation();
   const Eigen::Vector3d turn =
       math::log_rotation(hand.hand.linear() * hand.held.linear().transpose());
   const double share = std::max(way.norm() / (options_.approach_speed * dt),
                                 turn.norm() / (options_.approach_angular_speed * dt));
+  constexpr double kSoon = 5;  // steps
   if (!(share > 1)) {
     hand.held = hand.hand;
     return true;
   }
   hand.held.translation() += way / share;
   hand.held.linear() = math::exp_rotation(turn / share) * hand.held.linear();
-  return false;
+  return share <= kSoon;
 }
 
 }  // namespace palpate::estimation

@@ -25,7 +25,8 @@ class PoseDriven : public Estimator {
   /// Holds every grasp at its rest pose.
   void activate(elasticity::DeformationModel& model) noexcept override;
 
-  /// Degraded while a pose is missing, stale (the last one holds), not finite, or not yet reached.
+  /// Degraded while a pose is missing, stale (the last one holds), not finite, or not to be reached
+  /// within some steps.
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;

@@ -88,7 +88,8 @@ LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
       R_SI_ * inertial_.acceleration_I + motion.angular_acceleration.cross(offset) +
       motion.angular_velocity.cross(motion.angular_velocity.cross(offset));
   const Eigen::Vector3d acceleration = specific_force - motion.specific_force;
-  if (options_.imu_offset_time > 0 && inertial_step_ > 0) {
+  constexpr double kLargestMotion = 30;  // m/s^2 of an arm; more is an overload, or no measurement
+  if (options_.imu_offset_time > 0 && inertial_step_ > 0 && acceleration.norm() < kLargestMotion) {
     // An arm accelerates as often as it brakes: what stays in the mean is an offset. The first
     // seconds take a plain mean, so that a start at rest is right at once.
     offset_age_ += inertial_step_;
@@ -133,6 +134,11 @@ UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts)
   contact.wrench = math::Wrench::from(low_pass_.value() - tare_.offset());
   contact.force_deviation = options_.force_deviation;
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
+  // Gravity alone goes on explaining the payload, but no longer what moves it.
+  const Stream<Inertial>& inertial = signals.inertial;
+  if (options_.use_imu && inertial.freshness != Freshness::kNoData &&
+      inertial.age > options_.imu_max_age)
+    return {Status::kDegraded, "inertial reading is too old"};
   return {};
 }
 

@@ -30,8 +30,8 @@ class FtNewtonEuler : public SensorModel {
     double cutoff = 0;             // Hz, first-order low-pass of the output; 0: none
     double sample_rate = 1000;     // Hz, of the readings, for the cutoff
     double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.02;         // s, of the latest reading and robot state
-    double imu_max_age = 0.02;     // s; with older inertial data gravity alone is used
+    double max_age = 0.025;        // s, of the latest reading and robot state
+    double imu_max_age = 0.025;    // s; with older inertial data gravity alone is used: degraded
     double force_deviation = 0.1;  // N, standard, of each axis of the output
     Source source = Source::kWrist0;
   };

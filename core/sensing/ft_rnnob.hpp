@@ -44,7 +44,7 @@ class FtRnnob : public SensorModel {
     int tare_samples = 50;                     // steps
     bool tare_at_start = false;
     double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.02;         // s, of every stream
+    double max_age = 0.025;        // s, of every stream
     double force_deviation = 0.1;  // N, standard, of each axis of the output
     Source source = Source::kWrist0;
   };

@@ -18,7 +18,7 @@ class FtTareOnly : public SensorModel {
     int moving_average = 1;        // samples; 1: none (2018: 50 for control)
     int delay = 0;                 // samples, to align with a slower signal (2018: 6 for control)
     double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.02;         // s, of the latest reading
+    double max_age = 0.025;        // s, of the latest reading
     double force_deviation = 0.1;  // N, standard, of each axis of the output
     Source source = Source::kWrist0;
   };

@@ -6,6 +6,16 @@ namespace {
 using sensing::Source;
 
 bool is_wrist(Source source) { return source == Source::kWrist0 || source == Source::kWrist1; }
+/// What is larger overflows where wrenches change their frame.
+bool is_plausible(const sensing::Contact& contact) noexcept {
+  constexpr double kLargest = 1e6;  // m, N, N m
+  return contact.location.lpNorm<Eigen::Infinity>() <= kLargest &&
+         contact.wrench.force.lpNorm<Eigen::Infinity>() <= kLargest &&
+         contact.wrench.torque.lpNorm<Eigen::Infinity>() <= kLargest &&
+         contact.location.allFinite() && contact.wrench.force.allFinite() &&
+         contact.wrench.torque.allFinite();
+}
+
 int wrist(Source source) { return source == Source::kWrist1 ? 1 : 0; }
 
 }  // namespace
@@ -33,6 +43,12 @@ void Pipeline::build_arms(const config::Node& root) {
   arms_.push_back({*cell_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
 }
 
+std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
+    int instance, std::unique_ptr<sensing::SensorModel> model) {
+  slots_->sensing.at(instance).model.swap(model);
+  return model;
+}
+
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
@@ -40,9 +56,9 @@ void Pipeline::start() noexcept {
   slots_->start();
 }
 
-void Pipeline::stop() noexcept {
+void Pipeline::stop(const char* reason) noexcept {
   if (!is_running()) return;
-  whole_ = {LifeCycle::kInactive, "stopped"};
+  whole_ = {LifeCycle::kInactive, reason};
 }
 
 void Pipeline::reset() noexcept {
@@ -135,7 +151,13 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
   contacts_.count = 0;
   for (Slots::Sensing& instance : slots_->sensing) {
     const int first = contacts_.count;
-    instance.condition.apply(instance.model->update(*by_arm[instance.arm], contacts_));
+    sensing::UpdateResult result = instance.model->update(*by_arm[instance.arm], contacts_);
+    for (int i = first; i < contacts_.count; ++i) {
+      if (is_plausible(contacts_.contacts[i])) continue;
+      contacts_.count = first;
+      result = {sensing::Status::kDegraded, "a contact is not finite or beyond what can be"};
+    }
+    instance.condition.apply(result);
     // A model knows one arm, its own.
     for (int i = first; instance.arm == 1 && i < contacts_.count; ++i) {
       if (is_wrist(contacts_.contacts[i].source)) contacts_.contacts[i].source = Source::kWrist1;

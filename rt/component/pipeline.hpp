@@ -21,9 +21,14 @@ class Pipeline {
   Pipeline(const config::Node& root, double period, bool deterministic = false);
   ~Pipeline();
 
+  /// Set-up, before the first tick: puts a sensor model that was made elsewhere in the place of the
+  /// one that `instance` holds, and gives that one away.
+  std::unique_ptr<sensing::SensorModel> exchange_sensor_model(
+      int instance, std::unique_ptr<sensing::SensorModel> model);
+
   // Events; each is safe in the loop.
   void start() noexcept;
-  void stop() noexcept;
+  void stop(const char* reason = "stopped") noexcept;
   void reset() noexcept;                    // rest shape, faults cleared, inactive
   void zero() noexcept;                     // tare of every sensor model
   void fault(const char* reason) noexcept;  // latched by a supervisor outside

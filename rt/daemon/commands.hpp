@@ -10,6 +10,7 @@
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
 #include "rt/component/pipeline.hpp"
+#include "rt/daemon/inputs.hpp"
 #include "rt/daemon/replacing.hpp"
 
 namespace palpate::daemon {

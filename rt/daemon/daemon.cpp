@@ -77,6 +77,8 @@ void Daemon::tick(const Now& now) noexcept {
   supervise(now);
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
+  if (inputs_.any_began_anew())
+    pipeline_.stop("a sensor, hand or robot has started anew: waits for start");
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
   if (const bus::Subscription* channel = types_.look(now.monotonic_ns))
     commands_.announce_wrong_type(*channel, now.utime);

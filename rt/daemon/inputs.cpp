@@ -16,9 +16,13 @@ constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
     {{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"},
      {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"}}};
 
-bool all_finite(const double* numbers, int count) noexcept {
+/// Beyond every force, speed and length of a robot's cell in SI units: no measurement. What is
+/// finite but larger overflows where it is squared.
+constexpr double kLargest = 1e6;
+
+bool all_plausible(const double* numbers, int count) noexcept {
   for (int i = 0; i < count; ++i) {
-    if (!std::isfinite(numbers[i])) return false;
+    if (!(std::abs(numbers[i]) <= kLargest)) return false;
   }
   return true;
 }
@@ -26,14 +30,14 @@ bool all_finite(const double* numbers, int count) noexcept {
 double seconds(std::int64_t utime) noexcept { return static_cast<double>(utime) * 1e-6; }
 
 bool convert(const ft_wrench_t& m, sensing::ForceTorque& out) noexcept {
-  if (!all_finite(m.wrench, 6)) return false;
+  if (!all_plausible(m.wrench, 6)) return false;
   out.time = seconds(m.utime);
   out.F_S = math::Wrench::from(Eigen::Map<const math::Vector6d>(m.wrench));
   return true;
 }
 
 bool convert(const imu_t& m, sensing::Inertial& out) noexcept {
-  if (!all_finite(m.acceleration, 3) || !all_finite(m.angular_velocity, 3)) return false;
+  if (!all_plausible(m.acceleration, 3) || !all_plausible(m.angular_velocity, 3)) return false;
   out.time = seconds(m.utime);
   out.acceleration_I = Eigen::Map<const Eigen::Vector3d>(m.acceleration);
   out.angular_velocity_I = Eigen::Map<const Eigen::Vector3d>(m.angular_velocity);
@@ -41,9 +45,9 @@ bool convert(const imu_t& m, sensing::Inertial& out) noexcept {
 }
 
 bool convert(const robot_state_t& m, sensing::RobotState& out) noexcept {
-  if (m.joint_count < 0 || m.joint_count > 16 || !all_finite(m.q, m.joint_count) ||
-      !all_finite(m.dq, m.joint_count) || !all_finite(m.position, 3) || !all_finite(m.twist, 6) ||
-      !math::is_unit_quaternion(m.quaternion)) {
+  if (m.joint_count < 0 || m.joint_count > 16 || !all_plausible(m.q, m.joint_count) ||
+      !all_plausible(m.dq, m.joint_count) || !all_plausible(m.position, 3) ||
+      !all_plausible(m.twist, 6) || !math::is_unit_quaternion(m.quaternion)) {
     return false;
   }
   out.time = seconds(m.utime);
@@ -62,7 +66,7 @@ bool convert(const hand_state_t& m, sensing::HandState& out) noexcept {
     return false;
   }
   for (int i = 0; i < m.fingertip_count; ++i) {
-    if (!all_finite(m.fingertip_position[i], 3) ||
+    if (!all_plausible(m.fingertip_position[i], 3) ||
         !math::is_unit_quaternion(m.fingertip_quaternion[i])) {
       return false;
     }
@@ -76,7 +80,7 @@ bool convert(const hand_state_t& m, sensing::HandState& out) noexcept {
 }
 
 bool convert(const manual_force_t& m, sensing::ManualForce& out) noexcept {
-  if (!all_finite(m.rest_point, 3) || !all_finite(m.force, 3)) return false;
+  if (!all_plausible(m.rest_point, 3) || !all_plausible(m.force, 3)) return false;
   out.rest_point_O = Eigen::Map<const Eigen::Vector3d>(m.rest_point);
   out.force_O = Eigen::Map<const Eigen::Vector3d>(m.force);
   return true;
@@ -165,6 +169,7 @@ template <class Message, class Stream, class Convert>
 void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
+  channel.began_anew = false;
   std::int64_t arrival_ns = 0;
   for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
     if (!admitted(channel.message)) {
@@ -172,6 +177,10 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
       continue;
     }
     if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
+    if (channel.sequence.sessions() > channel.sessions) {
+      channel.began_anew = channel.sessions > 0;
+      channel.sessions = channel.sequence.sessions();
+    }
     auto candidate = stream.latest;
     if (!to_signal(channel.message, candidate)) {
       ++channel.invalid;
@@ -214,6 +223,14 @@ void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     drain(*biotac_[i], signals_[0].biotac[i], now_ns, stepped, kConvert);
   }
+}
+
+bool Inputs::any_began_anew() const noexcept {
+  const auto began_anew = [](const ArmChannels& arm) {
+    return arm.force_torque.began_anew || arm.inertial.began_anew || arm.robot.began_anew ||
+           arm.hand.began_anew;
+  };
+  return began_anew(first_) || (second_ && began_anew(*second_));
 }
 
 template <class Message>

@@ -38,10 +38,10 @@ struct FrozenAfter {
   double robot = 0;  // encoders at rest may well stand still
 };
 
-/// Sensor channels of the control bus as Signals: checks every message (finite numbers, unit
-/// quaternions, counts in range, sequence, whether the sensor still moves) before anybody sees it.
-/// A second arm has channels of its own, whose names end in _1, for all but fingertips and manual
-/// forces.
+/// Sensor channels of the control bus as Signals: checks every message (numbers finite and within
+/// what can be, unit quaternions, counts in range, sequence, whether the sensor still moves) before
+/// anybody sees it. A second arm has channels of its own, whose names end in _1, for all but
+/// fingertips and manual forces.
 class Inputs {
  public:
   /// `access`: of manual forces.
@@ -59,6 +59,10 @@ class Inputs {
   const bus::Admission& manual_admission() const noexcept { return manual_admission_; }
   InputReport report(int channel) const noexcept;  // the second arm's come last
 
+  /// Whether by the last read() an arm's sensor, hand or robot has started anew: what was known of
+  /// it (offsets, where it stood) need not hold any more.
+  bool any_began_anew() const noexcept;
+
  private:
   template <class Message>
   struct Channel {
@@ -75,6 +79,8 @@ class Inputs {
     std::int64_t changed_ns = 0;   // when the numbers last changed
     int repeats = 0;               // messages with the same numbers since
     std::int64_t frozen = 0;
+    std::int64_t sessions = 0;  // of the sender, so far
+    bool began_anew = false;    // by the last read
     double age = -1;
     Message message;
   };

@@ -9,6 +9,7 @@
 #include "tools/evaluate/case_commands.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
+#include "tools/evaluate/faults.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/latency.hpp"
 #include "tools/evaluate/observer.hpp"
@@ -126,6 +127,8 @@ int run(CLI::App& app, int argc, char** argv) {
 
   ThesisCommand thesis(app);
 
+  FaultsCommand faults(app);
+
   CaseCommands cases(app);
 
   CLI11_PARSE(app, argc, argv);
@@ -134,6 +137,7 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
   if (const auto code = thesis.run(root, std::cout)) return *code;
+  if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;
     demo.data = data;

@@ -1,8 +1,10 @@
 #include "tools/evaluate/plot.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
+#include <functional>
 #include <sstream>
 #include <stdexcept>
 
@@ -56,9 +58,36 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
   block += static_cast<int>(plot.curves.size());
 }
 
-}  // namespace
+/// A label on an axis, where % begins a format.
+std::string tic_label(const std::string& text) {
+  std::string escaped;
+  for (const char c : text) escaped += c == '%' ? std::string("%%") : std::string(1, c);
+  const std::string& label = escaped;
+  return quoted(label);
+}
 
-bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) {
+/// A field is white where its share is nil; what is there at all can be told from that.
+void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int column, int object) {
+  const double share = matrix.shares[row][column];
+  const double strength = share > 0 ? 0.2 + 0.8 * share : 0;
+  unsigned colour = 0;
+  for (const int shift : {16, 8, 0}) {
+    const double full = static_cast<double>(matrix.colours[column] >> shift & 0xffU);
+    colour |= static_cast<unsigned>(255 + strength * (full - 255)) << shift;
+  }
+  char text[8];
+  std::snprintf(text, sizeof text, "%06x", colour);
+  out << "set object " << object << " rectangle from " << column << ',' << row << " to "
+      << column + 1 << ',' << row + 1 << " fillcolor rgb '#" << text
+      << "' fillstyle solid border rgb '#c0c0c0'\n";
+  if (share > 0)
+    out << "set label " << object << " '" << 100 * share << "' at " << column + 0.5 << ','
+        << row + 0.5 << " center front\n";
+}
+
+/// Lets gnuplot draw what `write` says, `height` pixels high.
+bool run_gnuplot(const std::filesystem::path& picture, int height,
+                 const std::function<void(std::ostream&)>& write) {
   if (!is_installed("gnuplot")) return false;
   std::filesystem::path script = picture, messages = picture;
   script.replace_extension(".gnuplot");
@@ -66,15 +95,9 @@ bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) 
   {
     std::ofstream out(script);
     out << "set terminal " << (picture.extension() == ".svg" ? "svg" : "pngcairo")
-        << " noenhanced size " << kWidth << ',' << kHeight * static_cast<int>(plots.size())
-        << "\nset output " << quoted(picture.string())
-        << "\nset grid\nset key outside right top\n"
-        // All as wide, whatever their legends: times stand above each other.
-        << "set lmargin at screen 0.08\nset rmargin at screen 0.66\nset multiplot layout "
-        << plots.size() << ",1\n";
-    int block = 0;
-    for (const Plot& plot : plots) write_plot(out, plot, block);
-    out << "unset multiplot\n";
+        << " noenhanced size " << kWidth << ',' << height << "\nset output "
+        << quoted(picture.string()) << '\n';
+    write(out);
     if (!out) throw std::runtime_error("cannot write " + script.string());
   }
   const int code = run_to_end({"gnuplot", script.string()}, messages, 60);
@@ -83,6 +106,41 @@ bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) 
   std::filesystem::remove(messages);
   std::filesystem::remove(script);
   return true;
+}
+
+}  // namespace
+
+bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) {
+  return run_gnuplot(picture, kHeight * static_cast<int>(plots.size()), [&](std::ostream& out) {
+    out << "set grid\nset key outside right top\n"
+        // All as wide, whatever their legends: times stand above each other.
+        << "set lmargin at screen 0.08\nset rmargin at screen 0.66\nset multiplot layout "
+        << plots.size() << ",1\n";
+    int block = 0;
+    for (const Plot& plot : plots) write_plot(out, plot, block);
+    out << "unset multiplot\n";
+  });
+}
+
+bool draw(const ColourMatrix& matrix, const std::filesystem::path& picture) {
+  constexpr int kRowHeight = 22, kBorder = 80;
+  const auto rows = static_cast<int>(matrix.rows.size());
+  return run_gnuplot(picture, kBorder + kRowHeight * rows, [&](std::ostream& out) {
+    out << "set title " << quoted(matrix.title) << "\nunset key\nunset border\nset tics scale 0\n"
+        << "set lmargin at screen 0.5\nset rmargin at screen 0.98\nset xrange [0:"
+        << matrix.columns.size() << "]\nset yrange [" << rows << ":0]\nset xtics (";
+    for (std::size_t i = 0; i < matrix.columns.size(); ++i)
+      out << (i == 0 ? "" : ", ") << tic_label(matrix.columns[i]) << ' ' << i + 0.5;
+    out << ")\nset ytics (";
+    for (int i = 0; i < rows; ++i)
+      out << (i == 0 ? "" : ", ") << tic_label(matrix.rows[i]) << ' ' << i + 0.5;
+    out << ")\n";
+    int object = 0;
+    for (int row = 0; row < rows; ++row)
+      for (std::size_t column = 0; column < matrix.columns.size(); ++column)
+        write_field(out, matrix, row, static_cast<int>(column), ++object);
+    out << "plot -1\n";
+  });
 }
 
 }  // namespace palpate::evaluate

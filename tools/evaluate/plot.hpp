@@ -30,4 +30,17 @@ struct Plot {
 /// std::runtime_error where it fails.
 bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture);
 
+/// Fields by row and column; each column has its colour, which a field takes on as far as its share
+/// goes.
+struct ColourMatrix {
+  std::string title;
+  std::vector<std::string> columns;
+  std::vector<unsigned> colours;  // 0xRRGGBB
+  std::vector<std::string> rows;
+  std::vector<std::vector<double>> shares;  // by row and column, 0 to 1
+};
+
+/// As above.
+bool draw(const ColourMatrix& matrix, const std::filesystem::path& picture);
+
 }  // namespace palpate::evaluate

@@ -198,6 +198,24 @@ TEST(CorotationalQuasistatic, RestoreRefusesWhatDoesNotFit) {
   EXPECT_EQ(model.positions(), body.mesh.nodes);
 }
 
+TEST(CorotationalQuasistatic, ARestoredShapeIsUntangledWhateverBecameOfTheOneBefore) {
+  const Body body = bar();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  const Matrix3Xd still = Matrix3Xd::Zero(3, body.mesh.node_count());
+  std::srand(1);
+  const auto tangled = [&] {
+    return Matrix3Xd(body.mesh.nodes + 0.4 * Matrix3Xd::Random(3, body.mesh.node_count()));
+  };
+  for (int steps = 1; steps <= 20; ++steps) {
+    ASSERT_TRUE(model.restore(tangled(), still));
+    settle(model, true, steps);
+    ASSERT_TRUE(model.restore(tangled(), still));
+    settle(model, true, 500);
+    EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 1e-3) << steps;
+  }
+}
+
 template <class Model>
 void expect_nan_does_no_harm() {
   const Body body = bar();

@@ -158,6 +158,37 @@ TEST(Pipeline, TargetsThatDoNotFitAreRefusedWithAReason) {
   EXPECT_TRUE(pipeline.set_target(1, "point", nullptr, 0, good, 3, reason));
 }
 
+/// Gives a contact with one number that is wrong.
+class WrongContact : public sensing::SensorModel {
+ public:
+  explicit WrongContact(double number) : number_(number) {}
+  sensing::UpdateResult update(const sensing::Signals&,
+                               sensing::ContactSet& contacts) noexcept override {
+    sensing::Contact contact;
+    contact.source = sensing::Source::kWrist0;
+    contact.wrench.torque.y() = number_;
+    contacts.push(contact);
+    return {};
+  }
+
+ private:
+  double number_;
+};
+
+TEST(Pipeline, AContactThatCannotBeGoesNoFartherAndDegrades) {
+  for (const double number : {0.5, std::nan(""), HUGE_VAL, 1e308}) {
+    Pipeline pipeline(example(), 1e-3);
+    pipeline.exchange_sensor_model(0, std::make_unique<WrongContact>(number));
+    const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+    pipeline.start();
+    run(pipeline, signals, 200);
+    const bool good = number == 0.5;
+    EXPECT_EQ(pipeline.contacts().count, good ? 1 : 0) << number;
+    EXPECT_EQ(pipeline.condition().state, good ? LifeCycle::kActive : LifeCycle::kDegraded)
+        << number << pipeline.condition().reason;
+  }
+}
+
 TEST(Pipeline, FaultIsLatchedUntilReset) {
   Pipeline pipeline(example(), 1e-3);
   const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());

@@ -120,5 +120,44 @@ TEST_F(InputsTest, ARobotAtRestAndAGapAreNotFrozen) {
   EXPECT_EQ(report(inputs, "FT_WRENCH").frozen, 0);
 }
 
+TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
+  Inputs inputs(*bus_);
+  ft_wrench_t wrench{};
+  wrench.wrench[1] = 2;
+  send("FT_WRENCH", wrench, 1);
+  inputs.read(0, 1e-3);
+  int seq = 1;
+  for (const double number : {1e308, -1e308, 1e7, HUGE_VAL, std::nan("")}) {
+    wrench.wrench[1] = number;
+    send("FT_WRENCH", wrench, ++seq);
+    send("ROBOT_STATE", robot_at(number), seq);
+    inputs.read(1'000'000, 1e-3);
+    EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 2) << number;
+    EXPECT_EQ(inputs.signals().robot.freshness, sensing::Freshness::kNoData) << number;
+  }
+  EXPECT_EQ(report(inputs, "FT_WRENCH").rejected, 5);
+  wrench.wrench[1] = 5e-324;  // tiny is none the worse
+  send("FT_WRENCH", wrench, ++seq);
+  inputs.read(2'000'000, 1e-3);
+  EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 5e-324);
+}
+
+TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
+  Inputs inputs(*bus_, 2);
+  const auto read = [&](std::int64_t session, int seq) {
+    imu_t message{};
+    message.session = session;
+    message.seq = seq;
+    bus::TypedPublisher<imu_t>(*sender_, "IMU_1").publish(message);
+    inputs.read(1'000'000, 1e-3);
+    return inputs.any_began_anew();
+  };
+  EXPECT_FALSE(read(5, 70)) << "the first is no restart";
+  EXPECT_FALSE(read(5, 71));
+  EXPECT_TRUE(read(6, 1));
+  EXPECT_FALSE(read(6, 2));
+  EXPECT_FALSE(read(5, 72)) << "what is left of the old one";
+}
+
 }  // namespace
 }  // namespace palpate::daemon

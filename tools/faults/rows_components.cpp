@@ -1,0 +1,182 @@
+// Components that fail, cycles that come late, replacement under load.
+
+#include <cmath>
+
+#include "tools/faults/faulty_sensor.hpp"
+#include "tools/faults/rows.hpp"
+#include "tools/faults/transforms.hpp"
+
+namespace palpate::faults {
+namespace {
+
+using component::LifeCycle;
+
+FaultySensor& put_faulty_sensor(Replay& replay) {
+  component::Pipeline& pipeline = replay.daemon().pipeline();
+  auto faulty = std::make_unique<FaultySensor>(pipeline.exchange_sensor_model(0, nullptr));
+  FaultySensor& reference = *faulty;
+  pipeline.exchange_sensor_model(0, std::move(faulty));
+  return reference;
+}
+
+/// Braking must begin in the cycle of the error; the fault stays until a reset.
+RunResult run_error(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "error");
+  const int begin = 250 + static_cast<int>(random.below(100));
+  const int length = 1 + static_cast<int>(random.below(50));
+  constexpr int kReset = 600, kStart = 610, kTicks = 900;
+  Replay replay(bench.recording);
+  FaultySensor& sensor = put_faulty_sensor(replay);
+  const Trace trace = replay.run(bench.recording.stream, kTicks, [&](int tick, daemon::Now&) {
+    const bool wrong = tick >= begin && tick < begin + length;
+    sensor.trouble = wrong ? FaultySensor::Trouble::kError : FaultySensor::Trouble::kNone;
+    if (tick == kReset) replay.user().send("reset");
+    if (tick == kStart) replay.user().send("start");
+    return true;
+  });
+  const Window window{1e-3 * begin, 1e-3 * kStart};
+  RunResult result = judge(trace, bench.reference, window, true);
+  result.outcome = std::max(result.outcome, Outcome::kSafeStop);
+  int braked = begin;
+  while (braked < kReset && !(trace.cycles[braked - 1].speed < trace.cycles[braked - 2].speed))
+    ++braked;
+  result.measured = 1e3 * kTick * (braked - begin);
+  const double zero = zero_after(trace, window.begin, 1e-3 * kReset);
+  if (zero < 0 || zero > kZeroWithin) result.fail("no zero command within 100 ms");
+  if (trace.cycles[kReset - 2].state != LifeCycle::kFaulted) result.fail("the fault is not kept");
+  if (trace.cycles.back().state != LifeCycle::kActive) result.note("not active after reset");
+  return result;
+}
+
+RunResult run_bad_output(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "bad output");
+  const Window window{0.25 + random.uniform(0, 0.1), 0.5};
+  constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(),
+                             std::numeric_limits<double>::infinity(), 1e308, -1e12};
+  Replay replay(bench.recording);
+  FaultySensor& sensor = put_faulty_sensor(replay);
+  sensor.number = static_cast<int>(random.below(6));
+  sensor.value = kBad[random.below(4)];
+  const Trace trace = replay.run(bench.recording.stream, 700, [&](int, daemon::Now& now) {
+    sensor.trouble = window.holds(now.monotonic_ns) ? FaultySensor::Trouble::kBadNumbers
+                                                    : FaultySensor::Trouble::kNone;
+    return true;
+  });
+  RunResult result = judge(trace, bench.reference, window, true);
+  const double zero = zero_after(trace, window.begin, window.end);
+  if (zero < 0) result.fail("the command does not come to zero");
+  result.measured = 1e3 * zero;
+  return result;
+}
+
+/// Cycles that the loop misses, by the overrun policy: 6 ms of lateness within 20 ms degrade it, 20
+/// ms without a command stop it until a reset.
+RunResult run_overruns(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "overruns");
+  const int begin = 250 + static_cast<int>(random.below(100));
+  struct Case {
+    int bursts, missed;
+    LifeCycle expected;
+  };
+  const Case cases[] = {
+      {3, 2, LifeCycle::kDegraded},
+      {1, 6 + static_cast<int>(random.below(13)), LifeCycle::kDegraded},
+      {1, 21 + static_cast<int>(random.below(40)), LifeCycle::kFaulted},
+      {1, 1 + static_cast<int>(random.below(5)), LifeCycle::kActive},
+      {2, 2, LifeCycle::kActive},
+  };
+  const Case& chosen = cases[random.below(5)];
+  const int end = begin + chosen.bursts * (chosen.missed + 1);  // the last wake-up is at end - 1
+  int missed = 0;
+  Replay replay(bench.recording, {}, daemon::Mode::kRealTime);
+  const Trace trace = replay.run(bench.recording.stream, 700, [&](int tick, daemon::Now& now) {
+    const bool misses =
+        tick >= begin && tick < end && (tick - begin) % (chosen.missed + 1) != chosen.missed;
+    if (misses) return ++missed, false;
+    now.lateness_ns = 1'000'000LL * std::exchange(missed, 0);
+    return true;
+  });
+  const Window window{1e-3 * (end - 1), 1e-3 * end};
+  RunResult result = judge(trace, bench.reference, window, true);
+  int seen = end - 1;
+  while (seen <= 700 && trace.cycles[seen - 1].state == LifeCycle::kActive) ++seen;
+  const LifeCycle state = seen > 700 ? LifeCycle::kActive : trace.cycles[seen - 1].state;
+  result.measured = seen > 700 ? 0 : 1e3 * kTick * (seen - (end - 1));
+  if (state != chosen.expected)
+    result.fail(std::string("state ") + component::name(state) + ", not " +
+                component::name(chosen.expected));
+  const LifeCycle last =
+      chosen.expected == LifeCycle::kFaulted ? LifeCycle::kFaulted : LifeCycle::kActive;
+  if (trace.cycles.back().state != last)
+    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+  return result;
+}
+
+struct Wish {
+  const char* slot;
+  const char* component;
+  const char* parameters;
+};
+
+constexpr Wish kWishes[] = {
+    {"object", "", "order: quadratic"},
+    {"object", "", "order: linear"},
+    {"object", "", "mesh: {box: {size: [0.5, 0.06, 0.06], cells: [4, 1, 1]}}"},
+    {"object", "", "mesh: {box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}"},
+    {"deformation", "corotational_dynamic", ""},
+    {"deformation", "corotational_quasistatic", ""},
+    {"control", "", "provider: kinematic"},
+    {"control", "", "provider: fem"},
+    {"control", "", "gain: 0.7"},
+    {"sensing", "ft_newton_euler", "payload: {mass: 4.8, center_of_mass: [0, 0, 0.11]}"},
+    {"all", "", "{object: {order: quadratic}, control: {provider: kinematic}}"},
+    // These must be refused.
+    {"slot", "", "a: 1"},
+    {"gate", "", "force: 100"},
+    {"deformation", "corotational_dynamic", "iterations: 1000"},
+    {"deformation", "no_such_model", ""},
+    {"deformation", "corotational_dynamic", "{iterations: 3"},
+    {"object", "", "mesh: {box: {size: [1.5, 0.06, 0.06], cells: [6, 1, 1]}}"},
+    {"object", "", "mesh: {file: no_such_file.msh}"},
+    {"object", "", "material: {young_modulus: .nan}"},
+    {"sensing", "biotac_lstm", "{finger: 0, model_file: no_such_model.pt}"},
+};
+constexpr int kRequests = 10;
+
+RunResult run_replacement(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "replacement");
+  const Window window{0.25, 1.6};
+  const Stream faulted = lose(bench.recording.stream, sensors_in(window), 0.05, random);
+  Replay replay(bench.recording);
+  const Trace trace = replay.run(faulted, 1700, [&](int tick, daemon::Now&) {
+    if (tick < 250 || (tick - 250) % 130 != 0 || tick >= 250 + 130 * kRequests) return true;
+    const Wish& wish = kWishes[random.below(std::size(kWishes))];
+    replay.user().send("replace", wish.slot, wish.component, wish.parameters);
+    return true;
+  });
+  RunResult result = judge(trace, bench.reference, window, true);
+  result.measured = trace.largest_step;
+  int answered = 0;
+  for (const EventNote& event : trace.events)
+    answered += event.event == "replaced" || event.event == "refused" ? 1 : 0;
+  if (answered != kRequests) result.fail(std::to_string(answered) + " answers to 10 requests");
+  if (trace.cycles.back().state != LifeCycle::kActive) result.note("does not end active");
+  return result;
+}
+
+}  // namespace
+
+std::vector<Row> component_rows() {
+  return {
+      {"12", "component returns an error", "command brakes within 1 T, kept until reset", "ms", 1,
+       false, run_error},
+      {"12", "component gives bad numbers", "zero command in 100 ms", "ms", 100, false,
+       run_bad_output},
+      {"12", "cycles overrun", "degraded at 6 ms, safe stop at 20 ms, within 1 T", "ms", 1, false,
+       run_overruns},
+      {"14", "10 replacements, some failing", "command step within the limit of the gate",
+       "of limit", 1 + 1e-6, false, run_replacement},
+  };
+}
+
+}  // namespace palpate::faults

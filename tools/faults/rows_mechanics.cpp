@@ -1,0 +1,160 @@
+// Elements turned inside out, solvers that do not get there.
+
+#include <cmath>
+
+#include "tools/faults/rows.hpp"
+#include "tools/faults/transforms.hpp"
+
+namespace palpate::faults {
+namespace {
+
+constexpr int kRefactorDelay = 5;
+
+/// A step, with the factor that it asks for some steps later, as in the loop.
+class Stepper {
+ public:
+  explicit Stepper(elasticity::DeformationModel& model) : model_(model) {}
+  void step() {
+    if (job_ == nullptr && (job_ = model_.wanted_refactorisation()) != nullptr) {
+      job_->run();
+      due_ = kRefactorDelay;
+    }
+    if (job_ != nullptr && due_-- <= 0) model_.install(*std::exchange(job_, nullptr));
+    model_.step(kTick);
+  }
+
+ private:
+  elasticity::DeformationModel& model_;
+  elasticity::Refactorisation* job_ = nullptr;
+  int due_ = 0;
+};
+
+/// How the mechanics come into a state that no object has.
+enum class Disturbance {
+  kNodes,    // each node thrown up to three times the object's size away
+  kContact,  // a contact force of 1 N, a hundred times too large, on some node
+  kLoads,    // so much on every node
+};
+
+void load(elasticity::DeformationModel& model, Disturbance disturbance, math::Random& random) {
+  constexpr double kForce = 100;  // N
+  Eigen::Matrix3Xd& loads = model.loads();
+  if (disturbance == Disturbance::kContact) {
+    auto force = loads.col(static_cast<Eigen::Index>(random.below(loads.cols())));
+    for (double& x : force) x = random.normal();
+    force *= kForce / force.norm();
+  } else {
+    for (double& x : loads.reshaped()) x = random.uniform(-kForce, kForce);
+  }
+}
+
+/// The model in one such state, and back: false where 500 steps without it do not lead to rest.
+bool comes_back(elasticity::DeformationModel& model, Stepper& stepper, const Eigen::Matrix3Xd& rest,
+                Disturbance disturbance, math::Random& random, RunResult& result) {
+  Eigen::Matrix3Xd x = rest;
+  const double size = (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).maxCoeff();
+  const double reach = random.uniform(0, 3) * size;
+  if (disturbance == Disturbance::kNodes)
+    for (double& number : x.reshaped()) number += random.uniform(-reach, reach);
+  const Eigen::Matrix3Xd still = Eigen::Matrix3Xd::Zero(3, rest.cols());
+  if (!model.restore(x, still)) result.fail("a finite state is refused");
+  model.loads().setZero();
+  const auto step = [&] {
+    stepper.step();
+    if (!model.positions().allFinite() || !model.reaction(0).vector().allFinite())
+      result.fail("a number is not finite");
+  };
+  if (disturbance != Disturbance::kNodes) {
+    load(model, disturbance, random);
+    for (int i = 0; i < 20; ++i) step();
+    x = model.positions();
+    model.loads().setZero();
+  }
+  const auto away = [&rest](const Eigen::Matrix3Xd& now) {
+    return (now - rest).colwise().norm().maxCoeff();
+  };
+  constexpr double kAccuracy = 1e-6;  // m; a force on a node that is held moves nothing
+  const double allowed = std::max(kAccuracy, 0.01 * away(x));
+  for (int i = 0; i < 500 && !(away(model.positions()) <= allowed); ++i) step();
+  return away(model.positions()) <= allowed;
+}
+
+Row states_row(const std::string& name, Disturbance disturbance, int states, double limit) {
+  Row row{"17",
+          std::to_string(states) + " states: " + name,
+          "0 NaN, 99.9 % back at rest in 500 steps",
+          "% strayed",
+          limit,
+          true,
+          {}};
+  row.run = [=](const Bench&, std::uint64_t seed) {
+    math::Random random(seed, name);
+    component::Pipeline pipeline(configuration(), kTick, true);
+    Stepper stepper(pipeline.model());
+    for (int i = 0; i < 300; ++i) stepper.step();
+    const Eigen::Matrix3Xd rest = pipeline.model().positions();
+    RunResult result;
+    int strayed = 0;
+    for (int i = 0; i < states && result.outcome != Outcome::kFailed; ++i)
+      strayed += comes_back(pipeline.model(), stepper, rest, disturbance, random, result) ? 0 : 1;
+    result.measured = 100.0 * strayed / states;
+    return result;
+  };
+  return row;
+}
+
+RunResult run_thrown(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "thrown");
+  const Window window{0.25 + random.uniform(0, 0.05), 0.55};
+  const Stream faulted =
+      throw_about(bench.recording.stream, window, 1.5, random);  // m, three times the size
+  const Trace trace = Replay(bench.recording).run(faulted, 1200);
+  const Window from{first_difference(faulted, bench.recording.stream), window.end};
+  RunResult result = judge(trace, bench.reference, from, true);
+  result.measured = trace.not_finite + trace.beyond_limits;
+  if (trace.cycles.back().state != component::LifeCycle::kActive)
+    result.note("not active 0.65 s later");
+  return result;
+}
+
+/// One iteration a cycle and a tolerance that nobody can meet, while the hand is shaken.
+RunResult run_not_converging(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "iterations");
+  const Window window{1e-3 * kStartTick, 0.6};
+  const Stream shaken =
+      throw_about(bench.recording.stream, {0.1, 0.6}, random.uniform(0, 0.01), random);
+  Replay replay(bench.recording, {"deformation={component: corotational_quasistatic, iterations: "
+                                  "1, tolerance: 1e-12, accuracy: 0}"});
+  bool bounded = true, reported = true;
+  const Trace trace = replay.run(shaken, 600, [&](int, daemon::Now&) {
+    const elasticity::StepReport& step = replay.daemon().pipeline().estimate().step;
+    bounded = bounded && step.iterations <= 1;
+    reported = reported && std::isfinite(step.residual);
+    return true;
+  });
+  RunResult result = judge(trace, bench.reference, window, true);
+  result.measured = 1e3 * result.visible;
+  if (!bounded) result.fail("more than one iteration in a cycle");
+  if (!reported) result.fail("the residual is not finite");
+  if (replay.daemon().counters().shapes_not_converged < 100)
+    result.note("steps are said to converge");
+  return result;
+}
+
+}  // namespace
+
+std::vector<Row> mechanics_rows() {
+  return {
+      states_row("nodes thrown 3 sizes far", Disturbance::kNodes, 100, 0.1),
+      states_row("contact force x100", Disturbance::kContact, 20, 0.1),
+      // Such a bar may well be left twisted, in balance: no figure but that all is finite.
+      states_row("100 N on every node", Disturbance::kLoads, 20,
+                 std::numeric_limits<double>::infinity()),
+      {"17", "hand's pose thrown 3 sizes far", "0 NaN, 0 commands beyond limits", "", 0, false,
+       run_thrown},
+      {"18", "one iteration, no convergence", "bounded, shown in 100 ms", "ms", 100, false,
+       run_not_converging},
+  };
+}
+
+}  // namespace palpate::faults
