@@ -4,16 +4,17 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/config/node.hpp"
+#include "rt/config/yaml_limits.hpp"
 
 namespace palpate::config {
 namespace {
 
-/// Deeper nesting than any configuration has; an alias that contains itself is endlessly deep.
-constexpr int kMaxDepth = 50;
+/// Far beyond what any configuration has; texts that replace components come from the network.
+constexpr YamlLimits kLimits{"configuration", 50, 100000, true};
+constexpr std::size_t kLargestFile = std::size_t{4} << 20;  // bytes
 
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts(1);
@@ -30,9 +31,12 @@ std::vector<std::string> split(const std::string& path) {
 std::string read_text(const std::string& path) {
   std::ifstream file(path);
   if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  std::string text(kLargestFile + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kLargestFile)
+    throw Error(path + ": has more than " + std::to_string(kLargestFile) + " bytes");
+  return text;
 }
 
 /// `upper` over `lower`, both mappings. The nodes of keys are kept, since they know their lines.
@@ -97,6 +101,7 @@ std::string join(const std::string& path, const std::string& key) {
 
 Document::Document(const std::string& text, const std::string& name, const std::string& folder)
     : top_{name, folder} {
+  check_limits(text, name, kLimits);
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) throw Error(name + ": holds more than one YAML document");
@@ -106,7 +111,7 @@ Document::Document(const std::string& text, const std::string& name, const std::
   }
   if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
   if (!root_.IsMap()) throw Error(location("", root_.Mark().line) + ": not a mapping of keys");
-  check_keys(root_, "", 0);
+  check_keys(root_, "");
   claim(root_, "");
 }
 
@@ -168,15 +173,12 @@ const Document::Source& Document::source(const std::string& path) const {
   return top_;
 }
 
-void Document::check_keys(const YAML::Node& node, const std::string& path, int depth) const {
-  if (depth > kMaxDepth) {
-    throw Error(location(path, node.Mark().line) + ": " + path + ": nested too deeply");
-  }
+void Document::check_keys(const YAML::Node& node, const std::string& path) const {
   std::set<std::string> seen;
   int index = 0;
   for (const auto& entry : node) {
     if (!node.IsMap()) {
-      check_keys(entry, join(path, std::to_string(index++)), depth + 1);
+      check_keys(entry, join(path, std::to_string(index++)));
       continue;
     }
     if (!entry.first.IsScalar()) {
@@ -188,7 +190,7 @@ void Document::check_keys(const YAML::Node& node, const std::string& path, int d
     if (!seen.insert(key).second) {
       throw Error(location(key, entry.first.Mark().line) + ": " + key + ": given twice");
     }
-    check_keys(entry.second, key, depth + 1);
+    check_keys(entry.second, key);
   }
 }
 
@@ -204,6 +206,7 @@ void Document::apply_override(const std::string& text) {
     if (part.empty()) throw Error(where + ": the path has an empty key");
   }
   YAML::Node value;
+  check_limits(text.substr(equals + 1), where, kLimits);
   try {
     value = YAML::Load(text.substr(equals + 1));
   } catch (const YAML::Exception& error) {
@@ -211,7 +214,7 @@ void Document::apply_override(const std::string& text) {
   }
   assign(root_, parts, 0, value, where);
   overrides_.push_back({path, text});
-  check_keys(value, path, 0);
+  check_keys(value, path);
 }
 
 std::shared_ptr<Document> Document::changed(const std::string& path, const std::string& text,
