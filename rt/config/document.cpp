@@ -63,18 +63,24 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
+/// Place of the item that `part` names in a list.
+std::size_t item_of(const YAML::Node& list, const std::string& part, const std::string& where) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  if (error != std::errc() || end != part.data() + part.size() || index >= list.size()) {
+    throw Error(where + ": '" + part + "' is no item of the list; allowed: 0 to " +
+                std::to_string(static_cast<long>(list.size()) - 1));
+  }
+  return index;
+}
+
 /// Sets the value at parts[i...] below `node`, a handle to the tree itself.
 void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t i,
             const YAML::Node& value, const std::string& where) {
   const std::string& part = parts[i];
   const bool last = i + 1 == parts.size();
   if (node.IsSequence()) {
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
-    if (error != std::errc() || end != part.data() + part.size() || index >= node.size()) {
-      throw Error(where + ": '" + part + "' is no item of the list; allowed: 0 to " +
-                  std::to_string(static_cast<long>(node.size()) - 1));
-    }
+    const std::size_t index = item_of(node, part, where);
     if (last) {
       node[index] = value;
     } else {
@@ -89,7 +95,8 @@ void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t 
       node[part] = YAML::Node(YAML::NodeType::Map);
     assign(node[part], parts, i + 1, value, where);
   } else {
-    throw Error(where + ": '" + parts[i - 1] + "' is a value and has no key '" + part + "'");
+    const std::string above = i == 0 ? "" : parts[i - 1];
+    throw Error(where + ": '" + above + "' is a value and has no key '" + part + "'");
   }
 }
 
@@ -236,9 +243,11 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
     YAML::Node present = result->root_;
     for (const std::string& part : split(path)) {
       // Assignment would write to the tree; a handle is moved on by reset().
-      const YAML::Node next = present.IsSequence() ? present[std::stoul(part)] : present[part];
+      const bool in_list = present.IsSequence();
+      const bool known = in_list || (present.IsMap() && present[part].IsDefined());
+      if (!known) throw Error(name + ": there is no " + path);
+      const YAML::Node next = in_list ? present[item_of(present, part, name)] : present[part];
       present.reset(next);
-      if (!present.IsDefined()) throw Error(name + ": there is no " + path);
     }
     if (!present.IsMap()) throw Error(name + ": " + path + " is not a mapping of keys");
     value = merged(present, value);

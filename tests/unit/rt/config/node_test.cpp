@@ -373,9 +373,13 @@ TEST(Node, ChangedPutsEntriesOverOrInPlace) {
 }
 
 TEST(Node, ChangedNamesItselfInErrors) {
-  const Node root = Node::from_text("a: {b: 1}", "file");
+  const Node root = Node::from_text("a: {b: 1}\nd: [{e: 1}, {f: 3}]", "file");
   EXPECT_THROW(root.changed("a", "{b: ", false, "change"), Error);
   EXPECT_THROW(root.changed("z", "{b: 1}", false, "change"), Error);
+  for (const char* nowhere :
+       {"a.b.c", "d.x", "d.9", "d.-1", "d.99999999999999999999999", "d.1.f.h"})
+    for (const bool replace : {false, true})
+      EXPECT_THROW(root.changed(nowhere, "{b: 1}", replace, "change"), Error) << nowhere;
   try {
     root.changed("a", "{b: 50}", false, "change").child("a").number("b", {0, 1});
     FAIL();
