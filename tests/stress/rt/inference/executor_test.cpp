@@ -46,7 +46,9 @@ TEST(TorchExecutorStress, SamplesAndAnswersChangeHandsWhole) {
     // The model has seen as many samples as came before, but for those that were dropped.
     ASSERT_LE(output[0], output[1]);
     ASSERT_GE(output[0], output[1] - static_cast<float>(executor.counters().dropped));
-    if (answer == Answer::kFresh) ASSERT_EQ(output[1], static_cast<float>(i));
+    if (answer == Answer::kFresh) {
+      ASSERT_EQ(output[1], static_cast<float>(i));
+    }
   }
   EXPECT_GT(answers, 0);
 }
