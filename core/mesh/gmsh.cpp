@@ -18,6 +18,8 @@ constexpr long kTenNodes = 11;
 // Edges of a 10-node tetrahedron in Gmsh's order of their nodes.
 constexpr int kEdges[6][2] = {{0, 1}, {1, 2}, {2, 0}, {3, 0}, {3, 2}, {3, 1}};
 
+constexpr int kMostGroups = 100;  // of an entity
+
 class GmshReader {
  public:
   GmshReader(std::istream& stream, const std::string& name) : reader_(stream, name, '\0') {}
@@ -101,6 +103,8 @@ class GmshReader {
         reader_.require("an entity");
         std::vector<long>& groups = entity_groups_[{d, reader_.integer(0)}];
         const int number = reader_.count(1 + box);
+        // Each element gets its entity's groups, so that long lists of both would multiply.
+        if (number > kMostGroups) reader_.fail("an entity is in too many physical groups");
         for (int g = 0; g < number; ++g) groups.push_back(reader_.integer(2 + box + g));
       }
     }

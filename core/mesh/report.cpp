@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -23,25 +24,32 @@ double longest_edge(const TetrahedralMesh& mesh, int t) {
   return longest;
 }
 
-/// Nodes that lie on an earlier one, found among neighbours in the order of x.
+/// Nodes that lie on another, found among neighbours along a line that no grid has planes across:
+/// along an axis, a grid of a million nodes has ten thousand at every place.
 std::vector<int> find_duplicates(const Eigen::Matrix3Xd& nodes) {
   const int count = static_cast<int>(nodes.cols());
   const double tolerance = 1e-9 * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
+  const Eigen::Vector3d line = Eigen::Vector3d(1, std::sqrt(2) - 1, std::sqrt(3) - 1).normalized();
+  const Eigen::VectorXd place = nodes.transpose() * line;
   std::vector<int> order(count);
   std::iota(order.begin(), order.end(), 0);
-  std::sort(order.begin(), order.end(), [&](int a, int b) {
-    return std::make_pair(nodes(0, a), a) < std::make_pair(nodes(0, b), b);
+  std::sort(order.begin(), order.end(), [&place](int a, int b) {
+    return std::make_pair(place[a], a) < std::make_pair(place[b], b);
   });
-  std::vector<int> duplicates;
+  std::vector<bool> marked(count, false);
   for (int i = 0; i < count; ++i) {
-    for (int j = i + 1; j < count && nodes(0, order[j]) - nodes(0, order[i]) <= tolerance; ++j) {
+    // Who is marked needs no company of its own: of a heap of nodes, one is compared with all.
+    for (int j = i + 1; j < count && !marked[order[i]]; ++j) {
+      if (!(place[order[j]] - place[order[i]] <= tolerance)) break;
       if ((nodes.col(order[i]) - nodes.col(order[j])).norm() <= tolerance) {
-        duplicates.push_back(std::max(order[i], order[j]));
+        marked[std::max(order[i], order[j])] = true;
       }
     }
   }
-  std::sort(duplicates.begin(), duplicates.end());
-  duplicates.erase(std::unique(duplicates.begin(), duplicates.end()), duplicates.end());
+  std::vector<int> duplicates;
+  for (int n = 0; n < count; ++n) {
+    if (marked[n]) duplicates.push_back(n);
+  }
   return duplicates;
 }
 
@@ -64,8 +72,7 @@ int count_parts(const TetrahedralMesh& mesh) {
   return parts;
 }
 
-int count_non_manifold_edges(const TetrahedralMesh& mesh) {
-  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+int count_non_manifold_edges(const Surface& surface) {
   std::map<std::pair<int, int>, int> triangles;
   for (int t = 0; t < surface.triangles.cols(); ++t) {
     for (int i = 0; i < 3; ++i) {
@@ -74,6 +81,57 @@ int count_non_manifold_edges(const TetrahedralMesh& mesh) {
   }
   return static_cast<int>(std::count_if(triangles.begin(), triangles.end(),
                                         [](const auto& edge) { return edge.second != 2; }));
+}
+
+/// Surface nodes whose triangles are more than one fan: there the parts touch in a point.
+int count_non_manifold_nodes(const Surface& surface) {
+  std::map<int, std::map<int, int>> around;  // of a node: each neighbour's root
+  const auto root = [](std::map<int, int>& parent, int n) {
+    while (parent[n] != n) n = parent[n];
+    return n;
+  };
+  for (int t = 0; t < surface.triangles.cols(); ++t) {
+    for (int i = 0; i < 3; ++i) {
+      std::map<int, int>& parent = around[surface.triangles(i, t)];
+      const int a = surface.triangles((i + 1) % 3, t), b = surface.triangles((i + 2) % 3, t);
+      parent.emplace(a, a);
+      parent.emplace(b, b);
+      parent[root(parent, a)] = root(parent, b);
+    }
+  }
+  return static_cast<int>(std::count_if(around.begin(), around.end(), [](const auto& node) {
+    return std::count_if(node.second.begin(), node.second.end(), [](const auto& neighbour) {
+             return neighbour.first == neighbour.second;
+           }) > 1;
+  }));
+}
+
+/// Tetrahedra at a face that more than two share, or two on the same side of it: they fill the same
+/// space.
+std::vector<int> find_overlapping(const TetrahedralMesh& mesh) {
+  std::map<std::array<int, 3>, std::vector<int>> faces;
+  for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
+    for (int left_out = 0; left_out < 4; ++left_out) {
+      std::array<int, 3> face;
+      for (int i = 0, k = 0; i < 4; ++i) {
+        if (i != left_out) face[k++] = mesh.tetrahedra(i, t);
+      }
+      std::sort(face.begin(), face.end());
+      faces[face].push_back(t);
+    }
+  }
+  std::set<int> overlapping;
+  for (const auto& [face, at] : faces) {
+    const auto side = [&mesh, &face = face](int t) {  // of the face, where the tetrahedron lies
+      const Eigen::Vector3d a = mesh.nodes.col(face[0]);
+      const Eigen::Vector3d normal =
+          (mesh.nodes.col(face[1]) - a).cross(mesh.nodes.col(face[2]) - a);
+      return normal.dot(mesh.nodes(Eigen::all, mesh.tetrahedra.col(t)).rowwise().mean() - a) > 0;
+    };
+    if (at.size() < 2 || (at.size() == 2 && side(at[0]) != side(at[1]))) continue;
+    overlapping.insert(at.begin(), at.end());
+  }
+  return {overlapping.begin(), overlapping.end()};
 }
 
 void append(std::ostream& text, const std::vector<int>& indices, const std::string& what) {
@@ -122,7 +180,8 @@ MeshReport check(const TetrahedralMesh& mesh) {
   report.quality_min = 1;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
     const double v = volume(mesh, t);
-    if (std::abs(v) <= 1e-12 * std::pow(longest_edge(mesh, t), 3)) {
+    // Also where sizes are so large that the volume is no number.
+    if (!(std::abs(v) > 1e-12 * std::pow(longest_edge(mesh, t), 3))) {
       report.zero_volume.push_back(t);
     } else if (v < 0) {
       report.negative_volume.push_back(t);
@@ -138,14 +197,17 @@ MeshReport check(const TetrahedralMesh& mesh) {
   }
   report.duplicate_nodes = find_duplicates(mesh.nodes);
   report.parts = count_parts(mesh);
-  report.non_manifold_edges = count_non_manifold_edges(mesh);
+  report.overlapping = find_overlapping(mesh);
+  const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+  report.non_manifold_edges = count_non_manifold_edges(surface);
+  report.non_manifold_nodes = count_non_manifold_nodes(surface);
   return report;
 }
 
 bool MeshReport::ok() const {
   return tetrahedron_count > 0 && index_out_of_range.empty() && not_finite.empty() &&
          zero_volume.empty() && negative_volume.empty() && duplicate_nodes.empty() &&
-         unused_nodes.empty() && parts == 1;
+         unused_nodes.empty() && overlapping.empty() && parts == 1;
 }
 
 std::string MeshReport::text() const {
@@ -159,8 +221,10 @@ std::string MeshReport::text() const {
   append(text, negative_volume, "tetrahedra turned inside out");
   append(text, duplicate_nodes, "nodes on top of another");
   append(text, unused_nodes, "nodes in no tetrahedron");
+  append(text, overlapping, "tetrahedra that overlap a neighbour");
   if (parts > 1) text << "; " << parts << " parts that do not touch";
   if (non_manifold_edges > 0) text << "; " << non_manifold_edges << " non-manifold surface edges";
+  if (non_manifold_nodes > 0) text << "; " << non_manifold_nodes << " non-manifold surface nodes";
   return text.str();
 }
 

@@ -21,6 +21,7 @@ class VegaReader {
     while (more) {
       const std::string section = reader_.words()[0];
       if (section == "*VERTICES") {
+        if (has_nodes_) reader_.fail("*VERTICES comes twice");
         read_section([this](LineReader& r) { result_.mesh.nodes = read_tetgen_nodes(r, first_); });
         has_nodes_ = true;
         more = reader_.next();
@@ -64,6 +65,7 @@ class VegaReader {
 
   void read_elements() {
     if (!has_nodes_) reader_.fail("*ELEMENTS come before *VERTICES");
+    if (has_elements_) reader_.fail("*ELEMENTS come twice");
     reader_.require("the kind of elements");
     if (reader_.words()[0] != "TET" && reader_.words()[0] != "TETS") {
       reader_.fail("elements are '" + reader_.words()[0] + "'; only TETS can be read");

@@ -1,10 +1,22 @@
 #include "rt/component/object.hpp"
 
+#include <cmath>
+
 #include "core/mesh/report.hpp"
 #include "rt/config/mesh_file.hpp"
 
 namespace palpate::component {
 namespace {
+
+/// Ten times what a loop can follow in any way. Beyond it factors would take all memory there is,
+/// and objects can be replaced from the network.
+constexpr int kMostNodes = 100000;
+
+void check_size(const config::Node& node, const std::string& key, double count) {
+  if (count > kMostNodes)
+    node.fail(key, "the mesh would have " + std::to_string(std::llround(count)) +
+                       " nodes; allowed: at most " + std::to_string(kMostNodes));
+}
 
 mesh::TetrahedralMesh read_mesh(const config::Node& object) {
   const config::Node node = object.child("mesh");
@@ -14,6 +26,7 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object) {
     const config::Node box = node.child("box");
     const Eigen::Vector3d size = box.vector3("size", {1e-3, 10});
     const std::vector<double> cells = box.numbers("cells", 3, {1, 200});
+    check_size(box, "cells", (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
     mesh = mesh::make_box(
         size, {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])});
   } else {
@@ -23,6 +36,7 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object) {
       node.fail("file", error.what());
     }
   }
+  check_size(node, "", mesh.node_count());
   const mesh::MeshReport report = mesh::check(mesh);
   if (!report.ok()) node.fail("", "the mesh is broken: " + report.text());
   return mesh;
@@ -63,6 +77,7 @@ Object read_object(const config::Node& root, const Frames& frames) {
       object.corners, node.choice("order", {"linear", "quadratic"}, "quadratic") == "linear"
                           ? mesh::ElementOrder::kLinear
                           : mesh::ElementOrder::kQuadratic);
+  check_size(node, "order", body.mesh.node_count());
   object.surface = mesh::extract_surface(body.mesh);
 
   const config::Node material = node.child("material");

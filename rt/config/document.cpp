@@ -4,16 +4,17 @@
 #include <charconv>
 #include <filesystem>
 #include <fstream>
-#include <sstream>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/config/node.hpp"
+#include "rt/config/yaml_limits.hpp"
 
 namespace palpate::config {
 namespace {
 
-/// Deeper nesting than any configuration has; an alias that contains itself is endlessly deep.
-constexpr int kMaxDepth = 50;
+/// Far beyond what any configuration has; texts that replace components come from the network.
+constexpr YamlLimits kLimits{"configuration", 50, 100000, true};
+constexpr std::size_t kLargestFile = std::size_t{4} << 20;  // bytes
 
 std::vector<std::string> split(const std::string& path) {
   std::vector<std::string> parts(1);
@@ -30,9 +31,12 @@ std::vector<std::string> split(const std::string& path) {
 std::string read_text(const std::string& path) {
   std::ifstream file(path);
   if (!file || std::filesystem::is_directory(path)) throw Error(path + ": cannot be read");
-  std::ostringstream text;
-  text << file.rdbuf();
-  return text.str();
+  std::string text(kLargestFile + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kLargestFile)
+    throw Error(path + ": has more than " + std::to_string(kLargestFile) + " bytes");
+  return text;
 }
 
 /// `upper` over `lower`, both mappings. The nodes of keys are kept, since they know their lines.
@@ -59,18 +63,24 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
+/// Place of the item that `part` names in a list.
+std::size_t item_of(const YAML::Node& list, const std::string& part, const std::string& where) {
+  std::size_t index = 0;
+  const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
+  if (error != std::errc() || end != part.data() + part.size() || index >= list.size()) {
+    throw Error(where + ": '" + part + "' is no item of the list; allowed: 0 to " +
+                std::to_string(static_cast<long>(list.size()) - 1));
+  }
+  return index;
+}
+
 /// Sets the value at parts[i...] below `node`, a handle to the tree itself.
 void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t i,
             const YAML::Node& value, const std::string& where) {
   const std::string& part = parts[i];
   const bool last = i + 1 == parts.size();
   if (node.IsSequence()) {
-    std::size_t index = 0;
-    const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
-    if (error != std::errc() || end != part.data() + part.size() || index >= node.size()) {
-      throw Error(where + ": '" + part + "' is no item of the list; allowed: 0 to " +
-                  std::to_string(static_cast<long>(node.size()) - 1));
-    }
+    const std::size_t index = item_of(node, part, where);
     if (last) {
       node[index] = value;
     } else {
@@ -85,7 +95,8 @@ void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t 
       node[part] = YAML::Node(YAML::NodeType::Map);
     assign(node[part], parts, i + 1, value, where);
   } else {
-    throw Error(where + ": '" + parts[i - 1] + "' is a value and has no key '" + part + "'");
+    const std::string above = i == 0 ? "" : parts[i - 1];
+    throw Error(where + ": '" + above + "' is a value and has no key '" + part + "'");
   }
 }
 
@@ -97,6 +108,7 @@ std::string join(const std::string& path, const std::string& key) {
 
 Document::Document(const std::string& text, const std::string& name, const std::string& folder)
     : top_{name, folder} {
+  check_limits(text, name, kLimits);
   try {
     const std::vector<YAML::Node> documents = YAML::LoadAll(text);
     if (documents.size() > 1) throw Error(name + ": holds more than one YAML document");
@@ -106,7 +118,7 @@ Document::Document(const std::string& text, const std::string& name, const std::
   }
   if (root_.IsNull()) root_ = YAML::Node(YAML::NodeType::Map);
   if (!root_.IsMap()) throw Error(location("", root_.Mark().line) + ": not a mapping of keys");
-  check_keys(root_, "", 0);
+  check_keys(root_, "");
   claim(root_, "");
 }
 
@@ -168,15 +180,12 @@ const Document::Source& Document::source(const std::string& path) const {
   return top_;
 }
 
-void Document::check_keys(const YAML::Node& node, const std::string& path, int depth) const {
-  if (depth > kMaxDepth) {
-    throw Error(location(path, node.Mark().line) + ": " + path + ": nested too deeply");
-  }
+void Document::check_keys(const YAML::Node& node, const std::string& path) const {
   std::set<std::string> seen;
   int index = 0;
   for (const auto& entry : node) {
     if (!node.IsMap()) {
-      check_keys(entry, join(path, std::to_string(index++)), depth + 1);
+      check_keys(entry, join(path, std::to_string(index++)));
       continue;
     }
     if (!entry.first.IsScalar()) {
@@ -188,7 +197,7 @@ void Document::check_keys(const YAML::Node& node, const std::string& path, int d
     if (!seen.insert(key).second) {
       throw Error(location(key, entry.first.Mark().line) + ": " + key + ": given twice");
     }
-    check_keys(entry.second, key, depth + 1);
+    check_keys(entry.second, key);
   }
 }
 
@@ -204,6 +213,7 @@ void Document::apply_override(const std::string& text) {
     if (part.empty()) throw Error(where + ": the path has an empty key");
   }
   YAML::Node value;
+  check_limits(text.substr(equals + 1), where, kLimits);
   try {
     value = YAML::Load(text.substr(equals + 1));
   } catch (const YAML::Exception& error) {
@@ -211,7 +221,7 @@ void Document::apply_override(const std::string& text) {
   }
   assign(root_, parts, 0, value, where);
   add_override(path, text);
-  check_keys(value, path, 0);
+  check_keys(value, path);
 }
 
 std::shared_ptr<Document> Document::changed(const std::string& path, const std::string& text,
@@ -232,9 +242,11 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
     YAML::Node present = result->root_;
     for (const std::string& part : split(path)) {
       // Assignment would write to the tree; a handle is moved on by reset().
-      const YAML::Node next = present.IsSequence() ? present[std::stoul(part)] : present[part];
+      const bool in_list = present.IsSequence();
+      const bool known = in_list || (present.IsMap() && present[part].IsDefined());
+      if (!known) throw Error(name + ": there is no " + path);
+      const YAML::Node next = in_list ? present[item_of(present, part, name)] : present[part];
       present.reset(next);
-      if (!present.IsDefined()) throw Error(name + ": there is no " + path);
     }
     if (!present.IsMap()) throw Error(name + ": " + path + " is not a mapping of keys");
     value = merged(present, value);

@@ -15,7 +15,8 @@ namespace palpate::config {
 /// keys have been asked for. `path` is the full key of a node, "" the root, "a.0.b" below a list.
 class Document {
  public:
-  /// Throws Error where `text` is not one YAML mapping with unique plain keys.
+  /// Throws Error where `text` is not one YAML mapping with unique plain keys, or is larger or
+  /// deeper than any configuration (aliases count as what they stand for).
   Document(const std::string& text, const std::string& name, const std::string& folder);
 
   /// Reads a file. Where it says `base: FILE` (relative to its own folder), its entries are put
@@ -64,7 +65,7 @@ class Document {
   void claim(const YAML::Node& node, const std::string& path);
   const Source& source(const std::string& path) const;
   void add_override(const std::string& path, const std::string& text);
-  void check_keys(const YAML::Node& node, const std::string& path, int depth) const;
+  void check_keys(const YAML::Node& node, const std::string& path) const;
 
   YAML::Node root_;
   Source top_;                             // the file that was asked for

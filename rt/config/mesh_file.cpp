@@ -17,7 +17,8 @@ using std::filesystem::path;
 
 std::ifstream open(const path& file) {
   std::ifstream stream(file);
-  if (!stream || std::filesystem::is_directory(file)) {
+  // Neither a folder nor a device that never ends.
+  if (!stream || !std::filesystem::is_regular_file(file)) {
     throw Error(file.string() + ": cannot be read");
   }
   return stream;

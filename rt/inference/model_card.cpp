@@ -1,7 +1,6 @@
 #include "rt/inference/model_card.hpp"
 
 #include <sodium.h>
-#include <yaml-cpp/eventhandler.h>
 
 #include <algorithm>
 #include <fstream>
@@ -11,6 +10,7 @@
 #include <stdexcept>
 
 #include "rt/config/node.hpp"
+#include "rt/config/yaml_limits.hpp"
 
 namespace palpate::inference {
 namespace {
@@ -22,52 +22,7 @@ constexpr int kLargestStates = 8192;
 constexpr std::size_t kLargestName = 64;
 
 constexpr std::size_t kLargestCard = std::size_t{1} << 20;  // bytes
-constexpr int kDeepest = 20;
-constexpr int kMostItems = 100000;
-
-/// Looks at a card as it is written, before anything is built of it. Aliases, by which a few lines
-/// stand for a billion, are no part of a card.
-class Inspector final : public YAML::EventHandler {
- public:
-  explicit Inspector(const std::string& path) : path_(path) {}
-  void OnDocumentStart(const YAML::Mark&) override {}
-  void OnDocumentEnd() override {}
-  void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { count(mark); }
-  void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    fail(mark, "has an alias (*name); allowed: none");
-  }
-  void OnScalar(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                const std::string&) override {
-    count(mark);
-  }
-  void OnSequenceStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                       YAML::EmitterStyle::value) override {
-    enter(mark);
-  }
-  void OnSequenceEnd() override { --depth_; }
-  void OnMapStart(const YAML::Mark& mark, const std::string&, YAML::anchor_t,
-                  YAML::EmitterStyle::value) override {
-    enter(mark);
-  }
-  void OnMapEnd() override { --depth_; }
-
- private:
-  void enter(const YAML::Mark& mark) {
-    count(mark);
-    if (++depth_ > kDeepest)
-      fail(mark, "is nested more than " + std::to_string(kDeepest) + " deep");
-  }
-  void count(const YAML::Mark& mark) {
-    if (++items_ > kMostItems) fail(mark, "has more than " + std::to_string(kMostItems) + " items");
-  }
-  [[noreturn]] void fail(const YAML::Mark& mark, const std::string& what) const {
-    throw config::Error(path_ + ":" + std::to_string(mark.line + 1) + ": the card " + what);
-  }
-
-  const std::string& path_;
-  int depth_ = 0;
-  int items_ = 0;
-};
+constexpr config::YamlLimits kLimits{"card", 20, 100000, false};
 
 std::string read_text(const std::string& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -79,19 +34,6 @@ std::string read_text(const std::string& path) {
   if (text.size() > kLargestCard)
     throw config::Error(path + ": has more than " + std::to_string(kLargestCard) + " bytes");
   return text;
-}
-
-void inspect(const std::string& text, const std::string& path) {
-  try {
-    std::istringstream stream(text);
-    YAML::Parser parser(stream);
-    Inspector inspector(path);
-    while (parser.HandleNextDocument(inspector)) {
-    }
-  } catch (const YAML::Exception& error) {
-    throw config::Error(path + ":" + std::to_string(error.mark.line + 1) +
-                        ": not valid YAML: " + error.msg);
-  }
 }
 
 std::vector<Channel> read_channels(const config::Node& card, const std::string& key, int largest) {
@@ -147,7 +89,7 @@ std::string card_path(const std::string& module_path) {
 
 ModelCard read_card(const std::string& path) {
   const std::string text = read_text(path);
-  inspect(text, path);
+  config::check_limits(text, path, kLimits);
   const config::Node node = config::Node::from_text(text, path);
   static const std::set<std::string> kKnown = {
       "format", "name",    "architecture", "sha256", "rate",   "average", "states",

@@ -20,6 +20,8 @@
 #include <string>
 #include <vector>
 
+#include "rt/bus/checked_decode.hpp"
+
 namespace palpate::evaluate {
 
 /// Which time a message of a log has.
@@ -38,7 +40,7 @@ class LogReader {
   void collect(const std::string& channel, std::vector<Message>& into) {
     handlers_[channel] = [&into, clock = clock_](const lcm::LogEvent& event) {
       Message message;
-      if (message.decode(event.data, 0, event.datalen) < 0) return false;
+      if (!bus::checked_decode(message, event.data, event.datalen)) return false;
       if (clock == LogClock::kReceived) message.utime = event.timestamp;
       into.push_back(std::move(message));
       return true;

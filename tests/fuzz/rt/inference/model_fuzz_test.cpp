@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "rt/inference/model_file.hpp"
-#include "tests/fuzz/rt/inference/mutation.hpp"
+#include "tests/fuzz/mutation.hpp"
 
 namespace palpate::inference {
 namespace {

@@ -210,6 +210,14 @@ TEST(GmshTenNodes, MiddlesOfEdgesAreKept) {
   EXPECT_THAT(error_of([&] { gmsh(text); }), HasSubstr("no node 11"));
 }
 
+TEST(GmshErrors, AnEntityInManyGroupsIsRefusedBeforeEachElementIs) {
+  std::string entities =
+      "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n0 0 0 1\n1 0 0 0 1 1 1 101";
+  for (int i = 0; i < 101; ++i) entities += " " + std::to_string(i + 1);
+  EXPECT_THAT(error_of([&] { gmsh(entities + " 0\n$EndEntities\n"); }),
+              AllOf(StartsWith("a.msh:6: "), HasSubstr("too many physical groups")));
+}
+
 TEST(GmshErrors, NameFileAndLine) {
   const std::string good = kGmsh2;
   const auto changed = [&](const std::string& from, const std::string& to) {
@@ -262,6 +270,11 @@ TEST(Vega, ErrorsNameFileAndLine) {
               AllOf(StartsWith("a.veg:4: "), HasSubstr("CUBIC")));
   EXPECT_THAT(error_of([&] { vega("*ELEMENTS\nTETS\n"); }), HasSubstr("before *VERTICES"));
   EXPECT_THAT(error_of([&] { vega(vertices); }), HasSubstr("no *ELEMENTS"));
+  // Fewer vertices than the elements name, fewer elements than a set.
+  const std::string whole = vertices + "*ELEMENTS\nTETS\n*INCLUDE a.ele\n";
+  EXPECT_THAT(error_of([&] { vega(whole + "*VERTICES\n1 3\n1 0 0 0\n"); }),
+              AllOf(StartsWith("a.veg:6: "), HasSubstr("twice")));
+  EXPECT_THAT(error_of([&] { vega(whole + "*ELEMENTS\nTETS\n0 4\n"); }), HasSubstr("twice"));
   EXPECT_THAT(error_of([&] { vega(""); }), HasSubstr("no *VERTICES"));
   EXPECT_THAT(error_of([&] { vega(vertices + "*ELEMENTS\nTETS\n*INCLUDE a.ele\n*SET s\n1, 3\n"); }),
               AllOf(StartsWith("a.veg:7: "), HasSubstr("no element 3")));

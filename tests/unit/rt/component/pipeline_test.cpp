@@ -78,6 +78,15 @@ TEST(Pipeline, MissingMeshIsNamed) {
   EXPECT_NE(error.find("nowhere.msh"), std::string::npos) << error;
 }
 
+TEST(Pipeline, MeshesBeyondAnyLoopAreRefusedBeforeTheyAreMade) {
+  const std::string error = error_of({"object.mesh={box: {size: [1, 1, 1], cells: [200, 99, 5]}}"});
+  EXPECT_NE(error.find("cells: the mesh would have 120600 nodes"), std::string::npos) << error;
+  // 41004 corners and the middles of their edges.
+  const std::string middles =
+      error_of({"object.mesh={box: {size: [1, 1, 1], cells: [200, 50, 3]}}"});
+  EXPECT_NE(middles.find("order: the mesh would have"), std::string::npos) << middles;
+}
+
 TEST(Pipeline, OutOfRangeMaterialIsNamedWithItsRange) {
   const std::string error = error_of({"object.material.poisson_ratio=0.5"});
   EXPECT_NE(error.find("poisson_ratio"), std::string::npos) << error;

@@ -207,6 +207,46 @@ map: {d: 4}
   EXPECT_NO_THROW(node.check_all_used());
 }
 
+/// Lists of ten of the list before: few lines that stand for 10^rows texts.
+std::string grown_by_aliases(int rows) {
+  std::string text = "a0: &a0 lol\n";
+  for (int i = 1; i <= rows; ++i) {
+    const std::string below = "*a" + std::to_string(i - 1);
+    text += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [" + below;
+    for (int k = 1; k < 10; ++k) text += ", " + below;
+    text += "]\n";
+  }
+  return text;
+}
+
+TEST(Node, AliasesCountAsWhatTheyStandFor) {
+  EXPECT_EQ(Node::from_text("a: &a [1, 2, 3]\nb: *a").numbers("b", 3).at(2), 3);
+  EXPECT_NO_THROW(Node::from_text(grown_by_aliases(4)));
+  EXPECT_THAT(error_of([] { Node::from_text(grown_by_aliases(12), "f"); }),
+              StartsWith("f:6: the configuration has more than 100000 items"));
+  EXPECT_THAT(error_of([] { Node::from_text("a: &a [1, *a]", "f"); }),
+              StartsWith("f:1: the configuration has an alias (*name) of what it is a part of"));
+  std::string deeper = "a0: &a0 []\n";
+  for (int i = 1; i < 60; ++i)
+    deeper += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [*a" +
+              std::to_string(i - 1) + "]\n";
+  EXPECT_THAT(error_of([&] { Node::from_text(deeper, "f"); }),
+              AllOf(StartsWith("f:50: "), HasSubstr("nested more than 50 deep")));
+}
+
+TEST(Node, RefusesWhatIsDeeperOrLargerThanAnyConfiguration) {
+  const std::string list = std::string(49, '[') + std::string(49, ']');
+  EXPECT_NO_THROW(Node::from_text("a: " + list));
+  EXPECT_THAT(error_of([&] { Node::from_text("a: [" + list + "]", "f"); }),
+              StartsWith("f:1: the configuration is nested more than 50 deep"));
+  EXPECT_THAT(error_of([] { Node::from_text("a: " + std::string(100000, '['), "f"); }),
+              StartsWith("f:1: "));
+  std::string long_list = "a: [0";
+  for (int i = 0; i < 100000; ++i) long_list += ", 0";
+  EXPECT_THAT(error_of([&] { Node::from_text(long_list + "]", "f"); }),
+              HasSubstr("more than 100000 items"));
+}
+
 TEST(Node, RefusesTextThatIsNotOneMapping) {
   EXPECT_THAT(error_of([] { Node::from_text("a: [1\nb: 2", "f"); }),
               AllOf(StartsWith("f:"), HasSubstr("not valid YAML")));
@@ -333,9 +373,13 @@ TEST(Node, ChangedPutsEntriesOverOrInPlace) {
 }
 
 TEST(Node, ChangedNamesItselfInErrors) {
-  const Node root = Node::from_text("a: {b: 1}", "file");
+  const Node root = Node::from_text("a: {b: 1}\nd: [{e: 1}, {f: 3}]", "file");
   EXPECT_THROW(root.changed("a", "{b: ", false, "change"), Error);
   EXPECT_THROW(root.changed("z", "{b: 1}", false, "change"), Error);
+  for (const char* nowhere :
+       {"a.b.c", "d.x", "d.9", "d.-1", "d.99999999999999999999999", "d.1.f.h"})
+    for (const bool replace : {false, true})
+      EXPECT_THROW(root.changed(nowhere, "{b: 1}", replace, "change"), Error) << nowhere;
   try {
     root.changed("a", "{b: 50}", false, "change").child("a").number("b", {0, 1});
     FAIL();

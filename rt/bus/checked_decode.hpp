@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <cstring>
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_t.hpp>
+
+namespace palpate::bus {
+
+/// Where an encoded type holds arrays of a length of its own, all of numbers of 4 bytes: how many
+/// bytes lie in front of each array's count, since the array before or the fingerprint's begin.
+template <class Message>
+inline constexpr std::array<int, 0> kBeforeCounts{};
+template <>
+inline constexpr std::array<int, 2> kBeforeCounts<shape_t>{48, 0};
+template <>
+inline constexpr std::array<int, 4> kBeforeCounts<shape_mesh_t>{52, 4, 0, 0};
+
+/// Whether `size` bytes hold exactly what the counts among them say. Generated code makes room for
+/// as many numbers as a count says before it looks for them, and reads beyond the end where their
+/// size does not go into an int.
+template <class Message>
+bool counts_fit(const std::uint8_t* data, std::int64_t size) noexcept {
+  std::int64_t place = 0;
+  for (const int before : kBeforeCounts<Message>) {
+    place += before;
+    if (place + 4 > size) return false;
+    std::uint32_t big_endian = 0;
+    std::memcpy(&big_endian, data + place, sizeof(big_endian));
+    const auto count = static_cast<std::int32_t>(__builtin_bswap32(big_endian));
+    if (count < 0) return false;
+    place += 4 + std::int64_t{4} * count;
+  }
+  return place == size;
+}
+
+/// Decodes one whole message, of any bytes. False where it is of another type or size.
+template <class Message>
+bool checked_decode(Message& message, const void* data, int size) {
+  if (size < 8) return false;
+  if constexpr (!kBeforeCounts<Message>.empty()) {
+    if (!counts_fit<Message>(static_cast<const std::uint8_t*>(data), size)) return false;
+  }
+  return message.decode(data, 0, size) == size;
+}
+
+}  // namespace palpate::bus

@@ -1,0 +1,98 @@
+// Mesh files: the first byte is the format, '%' separates the two files of TetGen and what a .veg
+// includes.
+
+#include <cmath>
+#include <sstream>
+
+#include "core/mesh/gmsh.hpp"
+#include "core/mesh/report.hpp"
+#include "core/mesh/tetgen.hpp"
+#include "core/mesh/vega.hpp"
+#include "tests/fuzz/target.hpp"
+
+namespace palpate::fuzz {
+namespace {
+
+const char* kNode = "5 3 1 1\n1 0 0 0 9 1\n2 1 0 0 9 1\n3 0 1 0 9 1\n4 0 0 1 9 1\n5 1 1 1 9 0\n";
+const char* kEle = "2 4 0\n1 1 2 3 4\n2 5 3 2 4\n";
+
+const char* kGmsh2 =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n2 3 \"held face\"\n3 1 \"body\"\n"
+    "$EndPhysicalNames\n$Nodes\n6\n10 0 0 0\n20 1 0 0\n30 0 1 0\n40 0 0 1\n50 1 1 1\n60 9 9 9\n"
+    "$EndNodes\n$Elements\n4\n1 15 2 0 1 60\n2 2 2 3 5 10 30 20\n3 4 2 1 5 10 20 30 40\n"
+    "4 4 2 1 5 50 30 20 40\n$EndElements\n";
+const char* kGmsh4 =
+    "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$PhysicalNames\n1\n3 7 \"body\"\n$EndPhysicalNames\n"
+    "$Entities\n1 0 1 1\n1 0 0 0 0\n2 0 0 0 1 1 1 1 7 0\n3 0 0 0 1 1 1 1 7 1 2\n$EndEntities\n"
+    "$Nodes\n1 5 1 5\n3 3 0 5\n1\n2\n3\n4\n5\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n1 1 1\n$EndNodes\n"
+    "$Elements\n2 3 1 3\n2 2 2 1\n1 1 3 2\n3 3 4 2\n2 1 2 3 4\n3 5 3 2 4\n$EndElements\n";
+const char* kTenNodes =
+    "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n10\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n"
+    "5 .5 0 0\n6 .53 .53 0\n7 0 .5 0\n8 0 0 .5\n9 0 .53 .53\n10 .53 0 .53\n$EndNodes\n"
+    "$Elements\n1\n1 11 2 1 1 1 2 3 4 5 6 7 8 9 10\n$EndElements\n";
+
+mesh::MeshWithGroups read(char format, const std::string& first, const std::string& second) {
+  std::istringstream stream(first), other(second);
+  if (format == 'g') return mesh::read_gmsh(stream, "a.msh");
+  if (format == 'v')
+    return mesh::read_vega(stream, "a.veg", [&second](const std::string&) { return second; });
+  return {mesh::read_tetgen(stream, "a.node", other, "a.ele"), {}, {}};
+}
+
+/// What a reader promises of a mesh that it returns.
+void check(const mesh::MeshWithGroups& read) {
+  const mesh::TetrahedralMesh& mesh = read.mesh;
+  const mesh::MeshReport report = mesh::check(mesh);
+  require(report.index_out_of_range.empty(), "indices in range");
+  require(report.not_finite.empty(), "finite coordinates");
+  if (report.ok()) {
+    require(report.volume > 0 && std::isfinite(report.volume), "a good mesh has a volume");
+    require(report.quality_min > 0, "a good mesh has no flat tetrahedron");
+  }
+  require(!report.text().empty(), "a report says something");
+  for (const auto& [name, group] : read.groups) {
+    for (const int t : group.tetrahedra)
+      require(t >= 0 && t < mesh.tetrahedron_count(), "tetrahedra of a group");
+    for (const int n : group.nodes) require(n >= 0 && n < mesh.node_count(), "nodes of a group");
+    if (group.triangles.size() > 0)
+      require(group.triangles.minCoeff() >= 0 && group.triangles.maxCoeff() < mesh.node_count(),
+              "triangles of a group");
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> seeds() {
+  const std::string node = kNode, ele = kEle;
+  return {"t" + node + "%" + ele,
+          "t" + node + "%1 10 0\n1 1 2 3 4 5 5 5 5 5 5\n",
+          std::string("g") + kGmsh2,
+          std::string("g") + kGmsh4,
+          std::string("g") + kTenNodes,
+          "v*VERTICES\n" + node + "*ELEMENTS\nTETS\n" + ele + "*SET middle\n1, 2\n*REGION\n",
+          "v*VERTICES\n*INCLUDE a.node\n*ELEMENTS\nTET\n" + ele + "%" + node};
+}
+
+}  // namespace palpate::fuzz
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace palpate;
+  if (size == 0) return 0;
+  const std::string text(reinterpret_cast<const char*>(data) + 1, size - 1);
+  const std::size_t cut = text.find('%');
+  const std::string second = cut == std::string::npos ? "" : text.substr(cut + 1);
+  try {
+    mesh::MeshWithGroups read = fuzz::read(static_cast<char>(data[0]), text.substr(0, cut), second);
+    mesh::orient(read.mesh);
+    try {
+      mesh::keep_curved_volume(read.mesh, read.middles);
+    } catch (const std::invalid_argument&) {
+    }
+    fuzz::check(read);
+  } catch (const mesh::ParseError& error) {
+    const std::string what = error.what();
+    // What a .veg includes may have a name of any bytes, a zero among them.
+    fuzz::require(data[0] == 'v' || what.find("a.") == 0, "an error names its file");
+  }
+  return 0;
+}

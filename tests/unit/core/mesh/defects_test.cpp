@@ -1,0 +1,256 @@
+// Each kind of defect, put into random good meshes at random places: found each time, and nothing
+// is said of the good ones.
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <random>
+#include <set>
+
+#include "core/mesh/grid_mesh.hpp"
+#include "core/mesh/report.hpp"
+#include "core/mesh/surface.hpp"
+
+namespace palpate::mesh {
+namespace {
+
+constexpr int kMeshes = 1000;
+
+/// Meshes of all kinds that files hold: boxes and grids with cells left out, cut in two ways, nodes
+/// moved by up to a sixth of a cell, turned anywhere, in mm or m, numbered in any order.
+class RandomMeshes {
+ public:
+  explicit RandomMeshes(unsigned seed) : random_(seed) {}
+
+  int below(int count) { return std::uniform_int_distribution<int>(0, count - 1)(random_); }
+  double between(double lower, double upper) {
+    return std::uniform_real_distribution<double>(lower, upper)(random_);
+  }
+
+  TetrahedralMesh make() {
+    GridPlanes planes;
+    double smallest = 1;
+    for (auto& axis : planes) {
+      axis.push_back(between(-1, 1));
+      for (int i = 1 + below(4); i > 0; --i) {
+        const double cell = between(0.2, 1);
+        smallest = std::min(smallest, cell);
+        axis.push_back(axis.back() + cell);
+      }
+    }
+    TetrahedralMesh mesh = make_grid(planes, below(2) == 0 ? CellCut::kSix : CellCut::kFive);
+    // One part stays one: an inner node never meets another, nor does a tetrahedron turn over.
+    for (double& coordinate : mesh.nodes.reshaped()) coordinate += between(-1, 1) * smallest / 12;
+    const Eigen::Vector3d axis(between(-1, 1), between(-1, 1), 1);
+    const double scale = below(2) == 0 ? 1e-3 : 0.1;
+    const Eigen::Matrix3d turned =
+        Eigen::AngleAxisd(between(0, 3), axis.normalized()).toRotationMatrix();
+    mesh.nodes = scale * turned * mesh.nodes;
+    renumber(mesh);
+    return mesh;
+  }
+
+ private:
+  void renumber(TetrahedralMesh& mesh) {
+    std::vector<int> number(mesh.node_count());
+    for (int n = 0; n < mesh.node_count(); ++n) number[n] = n;
+    std::shuffle(number.begin(), number.end(), random_);
+    const Eigen::Matrix3Xd nodes = mesh.nodes;
+    for (int n = 0; n < mesh.node_count(); ++n) mesh.nodes.col(number[n]) = nodes.col(n);
+    for (int& index : mesh.tetrahedra.reshaped()) index = number[index];
+  }
+
+  std::mt19937 random_;
+};
+
+TEST(MeshDefects, NothingIsSaidOfGoodMeshes) {
+  RandomMeshes random(1);
+  for (int i = 0; i < kMeshes; ++i) {
+    const MeshReport report = check(random.make());
+    ASSERT_TRUE(report.ok()) << "mesh " << i << ": " << report.text();
+    ASSERT_EQ(report.non_manifold_edges + report.non_manifold_nodes, 0) << "mesh " << i;
+  }
+}
+
+using Damage = std::function<void(TetrahedralMesh&, RandomMeshes&)>;
+using Sees = std::function<bool(const MeshReport&)>;
+
+void expect_found(const Damage& damage, const Sees& sees, bool refused = true) {
+  RandomMeshes random(2);
+  int found = 0;
+  for (int i = 0; i < kMeshes; ++i) {
+    TetrahedralMesh mesh = random.make();
+    damage(mesh, random);
+    const MeshReport report = check(mesh);
+    found += sees(report) && report.ok() != refused ? 1 : 0;
+  }
+  EXPECT_EQ(found, kMeshes);
+}
+
+int add_node(TetrahedralMesh& mesh, const Eigen::Vector3d& place) {
+  mesh.nodes.conservativeResize(3, mesh.node_count() + 1);
+  mesh.nodes.rightCols<1>() = place;
+  return mesh.node_count() - 1;
+}
+
+void add_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
+  mesh.tetrahedra.conservativeResize(4, mesh.tetrahedron_count() + 1);
+  mesh.tetrahedra.rightCols<1>() = corners;
+}
+
+/// One more tetrahedron, outside of the mesh but for its first corners, which it shares.
+void add_outside(TetrahedralMesh& mesh, const std::vector<int>& shared) {
+  const Eigen::Vector3d lower = mesh.nodes.rowwise().minCoeff(),
+                        size = mesh.nodes.rowwise().maxCoeff() - lower;
+  Eigen::Vector4i corners;
+  for (int i = 0; i < 4; ++i) {
+    const Eigen::Vector3d away =
+        (Eigen::Vector3d(2, 2, 2) + Eigen::Vector3d::Unit(i % 3) * (1 + i)).cwiseProduct(size);
+    corners[i] = i < static_cast<int>(shared.size()) ? shared[i] : add_node(mesh, lower + away);
+  }
+  add_tetrahedron(mesh, corners);
+  orient(mesh);
+}
+
+TEST(MeshDefects, BadIndex) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        const int bad[] = {-1, mesh.node_count(), std::numeric_limits<int>::max(),
+                           std::numeric_limits<int>::min()};
+        mesh.tetrahedra(random.below(4), random.below(mesh.tetrahedron_count())) =
+            bad[random.below(4)];
+      },
+      [](const MeshReport& report) { return report.index_out_of_range.size() == 1; });
+}
+
+TEST(MeshDefects, NotFinite) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        const double infinite = std::numeric_limits<double>::infinity();
+        const double bad[] = {infinite, -infinite, std::numeric_limits<double>::quiet_NaN()};
+        mesh.nodes(random.below(3), random.below(mesh.node_count())) = bad[random.below(3)];
+      },
+      [](const MeshReport& report) { return report.not_finite.size() == 1; });
+}
+
+TEST(MeshDefects, TooLargeForNumbers) {
+  for (const double scale : {1e110, 1e160, 1e300}) {
+    expect_found([scale](TetrahedralMesh& mesh, RandomMeshes&) { mesh.nodes *= scale * 10; },
+                 [](const MeshReport& report) { return !report.zero_volume.empty(); });
+  }
+}
+
+TEST(MeshDefects, ZeroVolume) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        // One corner goes onto the plane, an edge, or a corner of the other three.
+        const int t = random.below(mesh.tetrahedron_count());
+        Eigen::Vector3d share(random.between(0, 1), random.between(0, 1), random.between(0, 1));
+        for (int i = random.below(3); i > 0; --i) share[i] = 0;
+        share /= share.sum();
+        Eigen::Matrix3d others;
+        for (int i = 0; i < 3; ++i) others.col(i) = mesh.nodes.col(mesh.tetrahedra(i + 1, t));
+        mesh.nodes.col(mesh.tetrahedra(0, t)) = others * share;
+      },
+      [](const MeshReport& report) { return !report.zero_volume.empty(); });
+}
+
+TEST(MeshDefects, Flipped) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        auto corners = mesh.tetrahedra.col(random.below(mesh.tetrahedron_count()));
+        const int a = random.below(4);
+        std::swap(corners[a], corners[(a + 1 + random.below(3)) % 4]);
+      },
+      [](const MeshReport& report) { return report.negative_volume.size() == 1; });
+}
+
+TEST(MeshDefects, DuplicateNode) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        // The faces of one tetrahedron come open, as where two meshes were put side by side.
+        const double size =
+            (mesh.nodes.rowwise().maxCoeff() - mesh.nodes.rowwise().minCoeff()).norm();
+        int& corner = mesh.tetrahedra(random.below(4), random.below(mesh.tetrahedron_count()));
+        const Eigen::Vector3d apart =
+            Eigen::Vector3d::Constant(random.between(-1, 1) * 0.5e-9 * size);
+        corner = add_node(mesh, mesh.nodes.col(corner) + apart);
+      },
+      [](const MeshReport& report) { return !report.duplicate_nodes.empty(); });
+}
+
+TEST(MeshDefects, UnusedNode) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes&) {
+        add_node(mesh, mesh.nodes.rowwise().maxCoeff() * 2 + Eigen::Vector3d::Ones());
+      },
+      [](const MeshReport& report) { return report.unused_nodes.size() == 1; });
+}
+
+TEST(MeshDefects, Disconnected) {
+  expect_found([](TetrahedralMesh& mesh, RandomMeshes&) { add_outside(mesh, {}); },
+               [](const MeshReport& report) { return report.parts == 2; });
+}
+
+TEST(MeshDefects, HingedAtANode) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes&) {
+        int first = 0;  // a corner of the hull
+        mesh.nodes.row(0).maxCoeff(&first);
+        add_outside(mesh, {first});
+      },
+      [](const MeshReport& report) { return report.parts == 1 && report.non_manifold_nodes == 1; },
+      false);
+}
+
+TEST(MeshDefects, HingedAtAnEdge) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes&) {
+        const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+        add_outside(mesh, {surface.triangles(0, 0), surface.triangles(1, 0)});
+      },
+      [](const MeshReport& report) { return report.parts == 1 && report.non_manifold_edges == 1; },
+      false);
+}
+
+TEST(MeshDefects, TheSameTetrahedronTwice) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        const Eigen::Vector4i again = mesh.tetrahedra.col(random.below(mesh.tetrahedron_count()));
+        add_tetrahedron(mesh, {again[1], again[2], again[0], again[3]});
+      },
+      [](const MeshReport& report) { return report.overlapping.size() >= 2; });
+}
+
+TEST(MeshDefects, AFaceOfThreeTetrahedra) {
+  expect_found(
+      [](TetrahedralMesh& mesh, RandomMeshes& random) {
+        const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
+        std::set<std::set<int>> outside;
+        for (const auto& triangle : surface.triangle_nodes)
+          outside.insert({triangle.begin(), triangle.end()});
+        Eigen::Vector4i at;
+        do {
+          at = mesh.tetrahedra.col(random.below(mesh.tetrahedron_count()));
+          std::swap(at[3], at[random.below(4)]);
+        } while (outside.count({at[0], at[1], at[2]}) > 0);
+        add_outside(mesh, {at[0], at[1], at[2]});
+      },
+      [](const MeshReport& report) { return !report.overlapping.empty(); });
+}
+
+TEST(MeshDefects, ThirtyThousandNodesAreLookedAtInTheTimeOfASort) {
+  // Planes of a thousand nodes at the same place of each axis, and as many on one point.
+  TetrahedralMesh mesh = make_box({1, 1, 1}, {30, 30, 30});
+  EXPECT_TRUE(check(mesh).ok());
+  const int count = mesh.node_count();
+  mesh.nodes.conservativeResize(3, 2 * count);
+  mesh.nodes.rightCols(count).colwise() = Eigen::Vector3d(0.5, 0.123, 0.7);
+  EXPECT_EQ(check(mesh).duplicate_nodes.size(), static_cast<std::size_t>(count - 1));
+}
+
+}  // namespace
+}  // namespace palpate::mesh
