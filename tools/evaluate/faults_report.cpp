@@ -106,8 +106,8 @@ void write_faults_csv(const std::vector<RowReport>& reports, const std::filesyst
 
 bool draw_faults(const std::vector<RowReport>& reports, const std::filesystem::path& picture) {
   ColourMatrix matrix;
-  matrix.title = "Faults by outcome, share of " + std::to_string(reports.front().seeds) +
-                 " seeds, % (longest time until the state tells / until it is back)";
+  matrix.title = "% of " + std::to_string(reports.front().seeds) +
+                 " seeds (longest time until the state tells / is back)";
   constexpr unsigned kColours[] = {0x2e9e4f, 0xe8b923, 0x2f6fb5, 0xc8322b};
   for (int i = 0; i < kOutcomes; ++i) {
     matrix.columns.push_back(name(static_cast<faults::Outcome>(i)));

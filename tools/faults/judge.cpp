@@ -46,7 +46,7 @@ double visible_after(const Trace& trace, const Trace& reference, double from) {
   double first = -1;
   const auto seen = [&](std::int64_t time_ns) {
     const double t = since(time_ns, from);
-    if (t >= 0 && (first < 0 || t < first)) first = t;
+    if (t >= -0.5 * kTick && (first < 0 || t < first)) first = std::max(0.0, t);
   };
   const std::size_t count = std::min(trace.health.size(), reference.health.size());
   for (std::size_t i = 0; i < count; ++i)
@@ -64,7 +64,7 @@ double visible_after(const Trace& trace, const Trace& reference, double from) {
 double inactive_after(const Trace& trace, double from, double until) {
   const int end = std::min<int>(index_of(until), static_cast<int>(trace.cycles.size()));
   for (int i = index_of(from); i < end; ++i)
-    if (trace.cycles[i].state != LifeCycle::kActive) return time_of(i) - from;
+    if (trace.cycles[i].state != LifeCycle::kActive) return std::max(0.0, time_of(i) - from);
   return -1;
 }
 
