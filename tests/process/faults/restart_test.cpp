@@ -35,11 +35,14 @@ class Restart : public FaultProcess {
     const double took = seconds_since(begin);
     session_ = health.session;
     EXPECT_EQ(health.state, 1) << daemon::get_text(health.reason);
-    std::this_thread::sleep_for(milliseconds(20));
     Seen seen;
     twist_command_t twist{};
-    while (command_->take(twist, arrival_ns))
-      if (twist.session == session_) count(twist, seen);
+    const auto heard = Clock::now();
+    do {
+      std::this_thread::sleep_for(milliseconds(20));
+      while (command_->take(twist, arrival_ns))
+        if (twist.session == session_) count(twist, seen);
+    } while (seen.commands == 0 && seconds_since(heard) < 5);
     EXPECT_GT(seen.commands, 0);
     EXPECT_EQ(seen.valid, 0);
     EXPECT_EQ(seen.moving, 0);
