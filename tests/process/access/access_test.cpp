@@ -60,7 +60,7 @@ class AccessProcess : public ::testing::Test {
   std::vector<std::string> driver() const {
     return {kBin + "driver_template", "--url", control_url_, "--key", key_file_};
   }
-  std::vector<std::string> daemon(const std::vector<std::string>& more = {}) const {
+  std::vector<std::string> palpated_with(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words = {kBin + "palpated",
                                       kSource + "/rt/config/examples/bar_long_soft.yaml"};
     for (const std::string& value :
@@ -230,7 +230,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
 }
 
 TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
-  auto palpated = std::make_unique<ChildProcess>(daemon());
+  auto palpated = std::make_unique<ChildProcess>(palpated_with());
   ChildProcess arm(driver());
   health_t health;
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 100; }, health))
@@ -255,30 +255,29 @@ TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
 
   const std::vector<component_command_t> log = recorded(*commands_);
   ASSERT_GE(log.size(), 4u);
-  const auto replay = [&] {
-    for (const component_command_t& message : log)
-      bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
+  // One after the other, so that none is lost unseen.
+  const auto refuses = [&](const component_command_t& message) {
+    const std::int64_t before = health.commands_refused;
+    bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
+    return wait_health([&](const health_t& h) { return h.commands_refused > before; }, health);
   };
-  const std::int64_t refused = health.commands_refused;
-  replay();
-  ASSERT_TRUE(wait_health([&](const health_t& h) { return h.commands_refused > refused; }, health));
+  ASSERT_STREQ(daemon::get_text(log.front().event), "start");
+  EXPECT_TRUE(refuses(log.front())) << "replayed to the same daemon";
   EXPECT_EQ(health.state, 1);
   palpated->send(SIGTERM);
   ASSERT_EQ(palpated->wait(milliseconds(20000)), 0) << palpated->output();
 
-  palpated = std::make_unique<ChildProcess>(daemon());
+  palpated = std::make_unique<ChildProcess>(palpated_with());
   ASSERT_TRUE(
       wait_health([](const health_t& h) { return h.cycles < 2000 && h.cycles > 100; }, health));
-  replay();
-  const auto all = static_cast<std::int64_t>(log.size());
-  ASSERT_TRUE(wait_health([&](const health_t& h) { return h.commands_refused == all; }, health))
-      << health.commands_refused << " of " << all;
+  for (const component_command_t& message : log)
+    EXPECT_TRUE(refuses(message)) << "replayed to the next daemon";
   EXPECT_EQ(health.state, 1);
 }
 
 /// The whole chain: command -> daemon -> driver -> daemon, each link sealed.
 TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
-  ChildProcess palpated(daemon());
+  ChildProcess palpated(palpated_with());
   ChildProcess arm(driver());
   health_t health;
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 100; }, health))
@@ -297,13 +296,20 @@ TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
   EXPECT_GT(rise, 0.005) << palpated.output();
   arm.send(SIGTERM);
   EXPECT_EQ(arm.wait(milliseconds(10000)), 0);
-  EXPECT_NE(arm.output().find(" 0 refused, 0 rejected"), std::string::npos) << arm.output();
+  long long obeyed = 0, refused = 0, rejected = 0;
+  ASSERT_EQ(std::sscanf(arm.output().c_str(), "%lld obeyed, %lld refused, %lld rejected", &obeyed,
+                        &refused, &rejected),
+            3)
+      << arm.output();
+  // What was sealed just before the driver's start may arrive just after it.
+  EXPECT_LT(10 * refused, obeyed) << arm.output();
+  EXPECT_EQ(rejected, 0);
 }
 
 TEST_F(AccessProcess, KeysThatOthersCanReadAreRefusedByEveryProgram) {
   std::filesystem::permissions(key_file_, std::filesystem::perms::group_read,
                                std::filesystem::perm_options::add);
-  ChildProcess palpated(daemon());
+  ChildProcess palpated(palpated_with());
   EXPECT_EQ(palpated.wait(milliseconds(20000)), 78);
   EXPECT_NE(palpated.output().find("chmod 600"), std::string::npos) << palpated.output();
   ChildProcess arm(driver());
