@@ -122,6 +122,11 @@ void Daemon::publish(const Now& now) noexcept {
     if (record_ && condition.state == component::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
+  if (pipeline_.fallbacks_taken() != told_fallbacks_) {
+    told_fallbacks_ = pipeline_.fallbacks_taken();
+    if (record_) record_->hand_over("fallback");
+    commands_.announce("all", "", "", "fallback", pipeline_.fallback_reason(), now.utime);
+  }
   reports_.service(pipeline_, commands_, now.monotonic_ns, now.utime);
   telemetry_.publish_state(pipeline_, now.utime);
 
