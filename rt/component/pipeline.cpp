@@ -1,5 +1,8 @@
 #include "rt/component/pipeline.hpp"
 
+#include <cstdio>
+#include <utility>
+
 namespace palpate::component {
 namespace {
 
@@ -28,6 +31,7 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   cell_.remarks = &remarks_;
   slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
   slots_->warm_up();
+  fallbacks_ = std::make_unique<Fallbacks>(root, *slots_, room_for_shape());
   whole_ = {LifeCycle::kInactive, "waits for start"};
 }
 
@@ -62,6 +66,8 @@ void Pipeline::stop(const char* reason) noexcept {
 }
 
 void Pipeline::reset() noexcept {
+  for (Fallback* fallback : {&fallbacks_->steering, &fallbacks_->mechanics})
+    if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
   slots_->reset();
   for (Arm& arm : arms_) arm.gate.stop();
   whole_ = {LifeCycle::kInactive, "reset"};
@@ -131,14 +137,34 @@ Pipeline::Along Pipeline::run_along(Replacement& replacement, const char*& reaso
 }
 
 bool Pipeline::take(Replacement& replacement) noexcept {
-  Slots& incoming = *replacement.slots_;
-  Slots& present = *slots_;
+  const Slots& present = *slots_;
   if (replacement.changes_.mechanics &&
       !replacement.give_shape(present.model->positions(), present.model->velocities(),
                               present.estimate))
     return false;
-  incoming.adopt(present, replacement.changes_, replacement.successors_);
+  put_in(replacement);
+  return true;
+}
+
+void Pipeline::put_in(Replacement& replacement) noexcept {
+  replacement.slots_->adopt(*slots_, replacement.changes_, replacement.successors_);
   slots_.swap(replacement.slots_);
+}
+
+/// False where there is none, or it runs already.
+bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
+  if (!fallback.components || fallback.in_use) return false;
+  fallback.in_use = true;
+  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
+                reason);
+  ++fallbacks_taken_;
+  if (take(*fallback.components)) return true;
+  // Nothing is left of the shape.
+  Slots& incoming = *fallback.components->slots_;
+  incoming.estimator->reset();
+  incoming.model->reset();
+  incoming.estimator->activate(*incoming.model);
+  put_in(*fallback.components);
   return true;
 }
 
@@ -251,6 +277,11 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = slots.loads.data();
   slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
+  if (slots.estimation_condition.state != LifeCycle::kFaulted ||
+      !fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason))
+    return;
+  Slots& now = *slots_;
+  now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
 }
 
 void Pipeline::evaluate_feature() noexcept {
@@ -266,16 +297,28 @@ void Pipeline::evaluate_feature() noexcept {
 }
 
 void Pipeline::control(double dt) noexcept {
-  Slots& slots = *slots_;
   for (Arm& arm : arms_) arm.requested_W_E = math::Twist();
-  if (!is_running() || slots.target.revision < 0 || !moving_arms_known()) return;
+  if (!is_running() || slots_->target.revision < 0 || !moving_arms_known()) return;
   if (!is_trusted()) return;
 
-  const int first = slots.moving == MovingArms::kSecond ? 1 : 0;
+  const int first = slots_->moving == MovingArms::kSecond ? 1 : 0;
+  const bool steers = steer(dt, first) || (slots_->control_condition.state == LifeCycle::kFaulted &&
+                                           fall_back(fallbacks_->steering, "control",
+                                                     slots_->control_condition.reason) &&
+                                           steer(dt, first));
+  if (!steers) return;
+  request(first, slots_->law_output.V_O_G);
+  if (slots_->moving == MovingArms::kBoth) request(1, slots_->law_output.V_O_G_second);
+}
+
+/// False where the controller has no command.
+bool Pipeline::steer(double dt, int first) noexcept {
+  Slots& slots = *slots_;
+  if (slots.control_condition.state == LifeCycle::kFaulted) return false;
   const math::Pose& X_OG = estimation_inputs_.grasps[first].X_OG;
   if (!slots.provider->update(*slots.feature, *slots.model, X_OG, slots.jacobian)) {
     slots.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});
-    return;
+    return false;
   }
   control::LawInputs inputs;
   inputs.dt = dt;
@@ -284,11 +327,14 @@ void Pipeline::control(double dt) noexcept {
   inputs.error = &slots.feature_state.error;
   inputs.jacobian = &slots.jacobian;
   slots.law->compute(inputs, slots.law_output);
+  if (!slots.law_output.V_O_G.vector().allFinite() ||
+      !slots.law_output.V_O_G_second.vector().allFinite()) {
+    slots.control_condition.apply({sensing::Status::kFault, "the command is not finite"});
+    return false;
+  }
   slots.control_condition.apply({sensing::Status::kOk, ""});
   slots.feature_state.unreachable = slots.law_output.unreachable;
-
-  request(first, slots.law_output.V_O_G);
-  if (slots.moving == MovingArms::kBoth) request(1, slots.law_output.V_O_G_second);
+  return true;
 }
 
 /// A shape that is not known well must not move the robot, nor must a hand that does not feel.
@@ -341,7 +387,11 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
 }
 
 Condition Pipeline::condition() const noexcept {
-  return is_running() ? slots_->worst_of(whole_) : whole_;
+  if (!is_running()) return whole_;
+  const Condition worst = slots_->worst_of(whole_);
+  return on_fallback() && worst.state == LifeCycle::kActive
+             ? Condition{LifeCycle::kDegraded, fallback_reason_.data()}
+             : worst;
 }
 
 }  // namespace palpate::component

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/control/safety_gate.hpp"
-#include "rt/component/replacement.hpp"
+#include "rt/component/fallbacks.hpp"
 
 namespace palpate::component {
 
@@ -56,6 +56,15 @@ class Pipeline {
   /// nothing has changed.
   bool take(Replacement& replacement) noexcept;
 
+  /// Where a component faults that has a `fallback`, that one takes its place in the same tick and
+  /// the whole is degraded until reset(), which puts the first one back. How many did so far, and
+  /// why the last one did: "slot: fallback, since ...".
+  int fallbacks_taken() const noexcept { return fallbacks_taken_; }
+  const char* fallback_reason() const noexcept { return fallback_reason_.data(); }
+  bool on_fallback() const noexcept { return fallbacks_->in_use(); }
+  /// After components were replaced: those that fit the new ones.
+  void take(std::unique_ptr<Fallbacks>& fallbacks) noexcept { fallbacks_.swap(fallbacks); }
+
   // Phases of one tick, in this order. While inactive they keep estimating nothing and the gate
   // gives zero.
   /// `second`: what the second arm says; ignored where there is none.
@@ -104,6 +113,9 @@ class Pipeline {
     math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
   };
   void build_arms(const config::Node& root);
+  void put_in(Replacement& replacement) noexcept;
+  bool fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept;
+  bool steer(double dt, int first) noexcept;
   void to_object_frame(const sensing::ContactSet& contacts) noexcept;
   bool locate_wrist(sensing::Contact& contact) const noexcept;
   bool locate_finger(sensing::Contact& contact) const noexcept;
@@ -118,6 +130,9 @@ class Pipeline {
   std::vector<Arm> arms_;  // one or two
   std::unique_ptr<Slots> slots_;
   Condition whole_;
+  std::unique_ptr<Fallbacks> fallbacks_;
+  int fallbacks_taken_ = 0;
+  std::array<char, 200> fallback_reason_{};
 
   sensing::ContactSet contacts_;    // in the sensors' frames
   sensing::ContactSet contacts_O_;  // in O

@@ -40,6 +40,8 @@ Slots::Slots(const config::Node& root, const Context& cell, const Changes& chang
   build_sensing(root, changes);
   if (changes.contact) build_contact(root);
   if (changes.mechanics) {
+    for (const char* slot : {"deformation", "estimation"})
+      root.child(slot).leave_to_another("fallback");
     model = make_deformation_model(root.child("deformation"), context);
     estimator = make_estimator(root.child("estimation"), context);
   }
@@ -83,6 +85,7 @@ void Slots::build_contact(const config::Node& root) {
 }
 
 void Slots::build_steering(const config::Node& root) {
+  root.child("control").leave_to_another("fallback");
   feature = make_feature(root.child("feature"), context);
   provider = make_jacobian_provider(root.child("control"), context);
   law = make_control_law(root.child("control"), context, *feature);
@@ -148,6 +151,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     std::swap(law_output, other.law_output);
     return;
   }
+  if (control_condition.state == LifeCycle::kFaulted) control_condition = {LifeCycle::kActive, ""};
   law->reset();
   feature->evaluate(model->positions(), feature_state.value);
   const char* reason = "";

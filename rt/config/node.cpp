@@ -355,6 +355,22 @@ void Node::check_all_used() const {
   if (impl_->node.IsMap()) check(check, impl_->node, impl_->path);
 }
 
+void Node::leave_to_another(const std::string& key) const {
+  const auto mark = [&](const auto& self, const YAML::Node& node, const std::string& path) -> void {
+    if (node.IsMap()) {
+      for (const auto& entry : node) {
+        impl_->document->mark_used(path, entry.first.Scalar());
+        self(self, entry.second, join(path, entry.first.Scalar()));
+      }
+    } else if (node.IsSequence()) {
+      for (std::size_t i = 0; i < node.size(); ++i)
+        self(self, node[i], join(path, std::to_string(i)));
+    }
+  };
+  const Impl::Entry entry = impl_->find(key);
+  if (entry.present) mark(mark, entry.value, join(impl_->path, key));
+}
+
 void Node::fail(const std::string& key, const std::string& what) const {
   impl_->fail(key, key.empty() ? impl_->line : impl_->peek(key).line, what);
 }

@@ -72,6 +72,10 @@ class Node {
   /// that are known beside it.
   void check_all_used() const;
 
+  /// Counts everything in the mapping `key` as asked for, where it is there: another reader of the
+  /// same text checks it.
+  void leave_to_another(const std::string& key) const;
+
   /// Throws Error at `key` of this node (or at the node itself where it is empty).
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
 

@@ -135,6 +135,11 @@ void Daemon::publish(const Now& now) noexcept {
     commands_.announce(condition, now.utime);
   }
   commands_.announce_refused(inputs_.manual_admission(), now.monotonic_ns, now.utime);
+  if (pipeline_.fallbacks_taken() != told_fallbacks_) {
+    told_fallbacks_ = pipeline_.fallbacks_taken();
+    if (record_) record_->hand_over("fallback");
+    commands_.announce("all", "", "", "fallback", pipeline_.fallback_reason(), now.utime);
+  }
   reports_.service(pipeline_, commands_, now.monotonic_ns, now.utime);
   telemetry_.publish_state(pipeline_, now.utime);
 

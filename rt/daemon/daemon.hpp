@@ -78,6 +78,7 @@ class Daemon {
   Counters counters_;
   component::LifeCycle announced_ = component::LifeCycle::kUnconfigured;
   bool woke_late_ = false;  // in the last cycle
+  int told_fallbacks_ = 0;
   std::int64_t phase_began_ns_ = 0;
   std::int64_t shape_ns_ = 0;  // when the shape was last brought up to date
   std::int64_t faults_at_start_ = 0;

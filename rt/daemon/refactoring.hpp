@@ -19,7 +19,7 @@ class Refactoring {
   void service(elasticity::DeformationModel& model, std::int64_t cycle) noexcept {
     if (delay_ < 0 || cycle >= due_) {
       void* done = delay_ < 0 ? worker_.finished() : worker_.wait();
-      if (done != nullptr) model.install(*static_cast<elasticity::Refactorisation*>(done));
+      if (done != nullptr) of_->install(*static_cast<elasticity::Refactorisation*>(done));
     }
     if (worker_.busy() || paused_) return;
     if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
@@ -28,6 +28,7 @@ class Refactoring {
             static_cast<elasticity::Refactorisation*>(argument)->run();
           },
           job);
+      of_ = &model;
       due_ = cycle + delay_;
     }
   }
@@ -39,6 +40,7 @@ class Refactoring {
  private:
   int delay_;
   bool paused_ = false;
+  elasticity::DeformationModel* of_ = nullptr;  // that the job is for, also where a fallback runs
   loop::BackgroundWorker worker_;
   std::int64_t due_ = 0;
 };

@@ -14,6 +14,7 @@ Replacing::Replacing(const config::Node& root, component::Pipeline& pipeline, Te
       snapshot_(pipeline.room_for_shape()) {}
 
 const char* Replacing::request(const component_command_t& command, std::int64_t cycle) noexcept {
+  if (pipeline_.on_fallback()) return "a fallback runs: reset first";
   if (state_ != State::kIdle) return "another replacement is under way";
   command_ = command;
   pipeline_.copy_shape(snapshot_);
@@ -41,8 +42,10 @@ void Replacing::build() noexcept {
       mesh_ = std::make_unique<MeshTelemetry>(housekeeping_, object);
       const Eigen::Matrix3Xd nodes = object.body.mesh.nodes;
       next_snapshot_ = std::make_unique<component::ShapeSnapshot>(
-          component::ShapeSnapshot{nodes, nodes, snapshot_.estimate});
+          component::ShapeSnapshot{nodes, 0 * nodes, snapshot_.estimate});
     }
+    fallbacks_ = std::make_unique<component::Fallbacks>(
+        wanted, replacement->slots(), next_snapshot_ ? *next_snapshot_ : snapshot_);
     replacement_ = std::move(replacement);
   } catch (const std::exception& error) {
     put_text(reason_, error.what());
@@ -52,6 +55,7 @@ void Replacing::build() noexcept {
 void Replacing::clean() noexcept {
   wanted_.reset();
   replacement_.reset();
+  fallbacks_.reset();
   mesh_.reset();
   next_snapshot_.reset();
 }
@@ -87,7 +91,9 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
 
 Replacing::Outcome Replacing::put_in(Refactoring& refactoring) noexcept {
   refactoring.pause(false);
+  if (pipeline_.on_fallback()) return refuse("a fallback runs: reset first");
   if (!pipeline_.take(*replacement_)) return refuse("the present shape cannot be carried over");
+  pipeline_.take(fallbacks_);
   ++replaced_;
   std::swap(root_.hash, wanted_->hash);
   std::swap(root_.node, wanted_->node);

@@ -66,6 +66,7 @@ class Replacing {
   // Made by the worker.
   std::unique_ptr<Root> wanted_;
   std::unique_ptr<component::Replacement> replacement_;
+  std::unique_ptr<component::Fallbacks> fallbacks_;
   std::unique_ptr<MeshTelemetry> mesh_;
   std::unique_ptr<component::ShapeSnapshot> next_snapshot_;
   loop::BackgroundWorker worker_;

@@ -213,5 +213,100 @@ TEST(Pipeline, FaultIsLatchedUntilReset) {
   EXPECT_TRUE(pipeline.is_running());
 }
 
+/// The model in the slot fails from now on; another one in its place does not.
+void break_model(Pipeline& pipeline) {
+  pipeline.model().set_gravity(Eigen::Vector3d::Constant(std::nan("")));
+}
+
+/// Cycles until the condition is `state`; -1 where it never is. Everything must stay finite, and
+/// the whole must not be faulted on the way there.
+int cycles_until(Pipeline& pipeline, const sensing::Signals& signals, LifeCycle state,
+                 int taken_then) {
+  for (int cycle = 1; cycle <= 3000; ++cycle) {
+    run(pipeline, signals, 1);
+    EXPECT_TRUE(pipeline.gate_output(0).V_W_E.vector().allFinite());
+    if (pipeline.fallbacks_taken() == taken_then && pipeline.condition().state == state)
+      return cycle;
+    if (pipeline.condition().state == LifeCycle::kFaulted) return -1;
+  }
+  return -1;
+}
+
+TEST(Pipeline, WhereMechanicsFaultTheirFallbackGoesOnInTheSameTick) {
+  Pipeline without(example({"sensing=[]"}), 1e-3);
+  const sensing::Signals signals = at_rest(without.frames(), without.object());
+  without.start();
+  run(without, signals, 20);
+  break_model(without);
+  ASSERT_GT(cycles_until(without, signals, LifeCycle::kFaulted, 0), 0)
+      << without.condition().reason;
+
+  Pipeline pipeline(
+      example({"sensing=[]", "deformation.fallback={component: corotational_dynamic}"}), 1e-3);
+  pipeline.start();
+  run(pipeline, signals, 20);
+  break_model(pipeline);
+  ASSERT_GT(cycles_until(pipeline, signals, LifeCycle::kDegraded, 1), 0)
+      << pipeline.condition().reason;
+  EXPECT_TRUE(pipeline.on_fallback());
+  EXPECT_TRUE(pipeline.model().positions().allFinite());
+  EXPECT_STREQ(pipeline.condition().reason, pipeline.fallback_reason());
+  EXPECT_EQ(std::string(pipeline.condition().reason).rfind("estimation: fallback, since ", 0), 0u);
+
+  // It steers, too.
+  Eigen::VectorXd target = pipeline.feature_state().value;
+  target[2] += 0.03;
+  const char* reason = "";
+  ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
+  run(pipeline, signals, 300);
+  EXPECT_GT(pipeline.gate_output(0).V_W_E.linear.norm(), 0.005);
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kDegraded) << "until reset";
+
+  pipeline.reset();
+  EXPECT_FALSE(pipeline.on_fallback());
+  pipeline.start();
+  run(pipeline, signals, 20);
+  break_model(pipeline);
+  EXPECT_GT(cycles_until(pipeline, signals, LifeCycle::kDegraded, 2), 0)
+      << pipeline.fallbacks_taken() << " " << pipeline.condition().reason;
+}
+
+TEST(Pipeline, WhereTheControllerFaultsItsFallbackSteersInTheSameTick) {
+  for (const bool fallback : {false, true}) {
+    Pipeline pipeline(
+        example(
+            {"sensing=[]",
+             std::string("control={provider: fem, law: proportional_twist, gain: 50") +
+                 (fallback ? ", fallback: {provider: fem, law: proportional_twist, gain: 0.001}}"
+                           : "}")}),
+        1e-3);
+    const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+    pipeline.start();
+    run(pipeline, signals, 100);
+    const double target[3] = {1e308, 1e308, 1e308};
+    const char* reason = "";
+    ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target, 3, reason)) << reason;
+    const LifeCycle expected = fallback ? LifeCycle::kDegraded : LifeCycle::kFaulted;
+    EXPECT_EQ(cycles_until(pipeline, signals, expected, fallback ? 1 : 0), 1);
+    EXPECT_EQ(pipeline.on_fallback(), fallback);
+    EXPECT_EQ(std::string(pipeline.condition().reason),
+              fallback ? "control: fallback, since the command is not finite"
+                       : "the command is not finite");
+    pipeline.reset();
+    pipeline.start();
+    run(pipeline, signals, 10);
+    EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
+  }
+}
+
+TEST(Pipeline, FallbacksAreCheckedAsTheSlotsAre) {
+  EXPECT_NE(error_of({"deformation.fallback={component: no_such_thing}"}).find("no_such_thing"),
+            std::string::npos);
+  EXPECT_NE(
+      error_of({"deformation.fallback={component: corotational_dynamic, pity: 1}"}).find("pity"),
+      std::string::npos);
+  EXPECT_EQ(error_of({"deformation.fallback={component: corotational_dynamic}"}), "");
+}
+
 }  // namespace
 }  // namespace palpate::component

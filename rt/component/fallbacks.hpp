@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+
+#include "rt/component/replacement.hpp"
+
+namespace palpate::component {
+
+/// Components that wait beside those in the slots for one of them to fault; while they are in use
+/// the first ones wait here.
+struct Fallback {
+  std::unique_ptr<Replacement> components;  // nullptr: none is configured
+  bool in_use = false;
+};
+
+/// What the key `fallback` of estimation and deformation, which change together, and of control
+/// names: a section as that slot's own. Built, given the shape and warmed up beforehand.
+struct Fallbacks {
+  /// For any thread but the loop's. Throws config::Error, also for unknown keys.
+  Fallbacks(const config::Node& root, const Slots& present, const ShapeSnapshot& snapshot);
+
+  bool in_use() const noexcept { return mechanics.in_use || steering.in_use; }
+
+  Fallback mechanics;
+  Fallback steering;
+};
+
+}  // namespace palpate::component
