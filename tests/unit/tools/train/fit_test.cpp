@@ -130,7 +130,7 @@ TEST(WristData, TakesADriftOutOfTheTrainingButNotOutOfTheScore) {
   const WristRecordingFile file(drift);
   Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
   plan.data.recordings = {{"wrist.csv", "", {}, {{4, 6}}}};
-  const DataSet data = load_data(plan.data, file.folder());
+  const DataSet data = load_data(plan.data, {file.folder()});
   const Recording& recording = data.recordings[0];
   EXPECT_NEAR(data.payload->mass, 1.2, 0.012);
   const auto slope_of_fz = [&](Part part) {
