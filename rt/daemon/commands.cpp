@@ -24,8 +24,14 @@ char* append(char* at, char* end, std::string_view text) noexcept {
 }
 
 char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
+  constexpr int kDigits = 16;
+  char digits[kDigits];
+  const char* const last =
+      std::to_chars(digits, digits + kDigits, static_cast<std::uint64_t>(number), 16).ptr;
+  const auto count = static_cast<std::size_t>(last - digits);
   at = append(at, end, "0x");
-  return std::to_chars(at, end, static_cast<std::uint64_t>(number), 16).ptr;
+  at = append(at, end, std::string_view("0000000000000000").substr(count));
+  return append(at, end, {digits, count});
 }
 
 }  // namespace

@@ -120,8 +120,9 @@ void write_wrist_csv(const std::filesystem::path& control_log, const component::
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(csv.c_str(), "w"),
                                                              &std::fclose);
   if (!file) throw std::runtime_error(csv.string() + ": cannot be written");
-  std::fputs("t_s,qw,qx,qy,qz,vx,vy,vz,gyr_x,gyr_y,gyr_z,acc_x,acc_y,acc_z,fx,fy,fz,tx,ty,tz\n",
-             file.get());
+  std::fputs(
+      "t_s,px,py,pz,qw,qx,qy,qz,vx,vy,vz,gyr_x,gyr_y,gyr_z,acc_x,acc_y,acc_z,fx,fy,fz,tx,ty,tz\n",
+      file.get());
   const math::Pose X_SI = frames.X_ES.inverse() * frames.X_EI;
   const Eigen::Vector3d offset = -X_SI.translation();  // from I to S
   const auto step = static_cast<std::size_t>(std::lround(1e6 / (rate * kPeriodUs)));
@@ -144,6 +145,7 @@ void write_wrist_csv(const std::filesystem::path& control_log, const component::
                                   change.cross(offset) + turn.cross(turn.cross(offset));
 
     std::fprintf(file.get(), "%.3f", 1e-6 * static_cast<double>(utime - begin));
+    print(file.get(), Vector3Map(state.position) + R_WE * frames.X_ES.translation());
     print(file.get(), Eigen::Map<const Eigen::Vector4d>(wxyz));
     print(file.get(), velocity);
     print(file.get(), turn);

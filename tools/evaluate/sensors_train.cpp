@@ -25,10 +25,10 @@ std::string hash_of_training(const config::Node& preset, const train::Plan& plan
 
 const std::vector<std::string>& default_sensor_models() {
   static const std::vector<std::string> kPresets{
-      "biotac_linear_lstm", "biotac_lstm",      // force
-      "biotac_direction",                       // direction
-      "ft_rnnob",           "ft_rnnob_blocks",  // wrist
-      "ft_rnnob_thesis",
+      "biotac_linear_lstm", "biotac_lstm",         // force
+      "biotac_direction",                          // direction
+      "ft_rnnob",           "ft_rnnob_other_day",  // wrist
+      "ft_rnnob_thesis",    "ft_rnnob_thesis_twist", "ft_rnnob_thesis_pose",
   };
   return kPresets;
 }

@@ -32,9 +32,9 @@ TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
     std::printf("finger %d: force error %.3f N of %.3f N, place error %.2f mm\n", finger,
                 (contact.wrench.force - force).norm(), force.norm(),
                 1e3 * (contact.location - touch.point).norm());
-    // What the map is wrong by on random presses all over the skin, and more than it is here.
-    EXPECT_LT((contact.wrench.force - force).norm(), 0.14) << finger;
-    EXPECT_LT((contact.location - touch.point).norm(), 1.4e-3) << finger;
+    // Twice and a half what the map is wrong by on random presses all over the skin, RMS.
+    EXPECT_LT((contact.wrench.force - force).norm(), 0.21) << finger;
+    EXPECT_LT((contact.location - touch.point).norm(), 2e-3) << finger;
   }
   EXPECT_EQ(seen, 3);  // middle and ring finger, thumb
   const Eigen::VectorXd error = loop.shape_error();

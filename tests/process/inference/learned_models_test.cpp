@@ -92,6 +92,7 @@ class LearnedModelProcess : public ::testing::Test {
       sample.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
       sample.pac_count = 1;
       for (std::int16_t& count : sample.electrodes) count = static_cast<std::int16_t>(counts);
+      sample.tac = static_cast<std::int16_t>(seq_ % 2);  // one that never changes does not count
       fingertip.publish(sample);
       std::this_thread::sleep_for(milliseconds(10));
       while (health_->take(last_, arrival_ns))

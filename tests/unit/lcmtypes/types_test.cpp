@@ -28,7 +28,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"ft_wrench_t", 0x9b49e504acb98a29},
     {"hand_command_t", 0x628acb59069e93ad},
     {"hand_state_t", 0x84fa12702593254e},
-    {"health_t", 0xffb929c9f6e64b6},
+    {"health_t", 0x920d206a9e87f31c},
     {"imu_t", 0xe923169b4e838cb5},
     {"joint_velocity_command_t", 0xc9f58126e7f327c4},
     {"manual_force_t", 0x656fbfeab7f85232},

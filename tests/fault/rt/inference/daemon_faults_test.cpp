@@ -257,6 +257,8 @@ TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
   const auto run = [&](double acceleration, int ticks) {
     inertial.acceleration[0] = acceleration;
     for (int i = 0; i < ticks; ++i) {
+      // A sensor that says the same for ever does not count.
+      reading.wrench[5] = inertial.angular_velocity[2] = i % 2 == 0 ? 1e-9 : -1e-9;
       cell.say("ROBOT_STATE", robot);
       cell.say("FT_WRENCH", reading);
       cell.say("IMU", inertial);

@@ -12,7 +12,7 @@ TEST(EmulatedTactile, MapHoldsOnPressesThatItHasNotSeen) {
   EXPECT_EQ(score.rows, 2000);
   EXPECT_GT(score.mean_rms_norm, 0.3);  // there is something to feel
   EXPECT_LT(score.test_rms_norm, 0.6 * score.mean_rms_norm);
-  EXPECT_LT(score.test_rms_norm, 1.3 * score.fit.training_rms.norm());
+  EXPECT_LT(score.test_rms_norm, 1.5 * score.fit.training_rms.norm());
   EXPECT_EQ(score.fit.model.offset.norm(), 0);
 }
 

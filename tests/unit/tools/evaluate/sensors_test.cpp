@@ -405,8 +405,8 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
   PALPATE_REQUIRE_RECORDING("ft_imu_panda");
   const auto comparisons = real_baselines(SensorKind::kWrist, "ft_imu_panda");
   ASSERT_EQ(comparisons.size(), 2u);
-  EXPECT_EQ(comparisons[0].origin, "trained on");
-  EXPECT_EQ(comparisons[1].origin, "unseen");
+  EXPECT_EQ(comparisons[0].origin, "unseen blocks");
+  EXPECT_EQ(comparisons[1].origin, "unseen blocks");
   const double with_motion = named(comparisons[1], "newton_euler, inertial unit").errors.norms[0];
   EXPECT_LT(with_motion, named(comparisons[1], "newton_euler, gravity only").errors.norms[0]);
   EXPECT_LT(with_motion, 0.25 * named(comparisons[1], "tare only").errors.norms[0]);
