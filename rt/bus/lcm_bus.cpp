@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "rt/bus/message_bus.hpp"
+#include "rt/bus/telemetry_publisher.hpp"
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/bus/udpm_receiver.hpp"
 
@@ -50,6 +51,15 @@ class LcmBus final : public MessageBus {
     if (!fits_one_datagram(channel, size)) return false;
     return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
   }
+  void start_publisher(int depth, int largest) override {
+    // liblcm locks while it sends: one of the publisher's own never makes a command wait.
+    outlet_ = std::make_unique<LcmBus>(url_);
+    publisher_ = std::make_unique<TelemetryPublisher>(*outlet_, depth, largest);
+  }
+  bool publish_later(const char* channel, const void* data, int size) noexcept override {
+    return publisher_ ? publisher_->publish(channel, data, size) : publish(channel, data, size);
+  }
+  std::int64_t unpublished() const noexcept override { return publisher_ ? publisher_->lost() : 0; }
 
  private:
   struct Destroy {
@@ -58,6 +68,8 @@ class LcmBus final : public MessageBus {
   UdpmUrl url_;
   UdpmReceiver receiver_;
   std::unique_ptr<lcm_t, Destroy> lcm_;
+  std::unique_ptr<LcmBus> outlet_;
+  std::unique_ptr<TelemetryPublisher> publisher_;
 };
 
 }  // namespace

@@ -89,6 +89,17 @@ class MessageBus {
   virtual void stop() noexcept = 0;
   /// False where the message does not fit one datagram or the system refuses it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
+  /// Set-up: from now on publish_later() leaves to a thread of the bus's own, which has room for
+  /// `depth` messages of at most `largest` encoded bytes. Without this call, and on a bus whose
+  /// messages are there as soon as they are published, publish_later() is publish().
+  virtual void start_publisher(int /*depth*/, int /*largest*/) {}
+  /// As publish(), for what nobody acts upon within the cycle: costs the caller a copy. What is
+  /// lost later is counted by unpublished().
+  virtual bool publish_later(const char* channel, const void* data, int size) noexcept {
+    return publish(channel, data, size);
+  }
+  /// Messages handed to publish_later() that never reached the network.
+  virtual std::int64_t unpublished() const noexcept { return 0; }
   const DatagramCounters& datagrams() const noexcept { return datagrams_; }
   /// In the order of subscribing.
   const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
@@ -155,13 +166,19 @@ class TypedSubscription {
   std::vector<std::uint8_t> buffer_;
 };
 
+/// kNow: in the thread that publishes; kLater: by the bus's own thread, where it has one.
+enum class Urgency { kNow, kLater };
+
 /// Encodes into a buffer of its own and publishes; a type of fixed size never allocates after the
 /// first construction. Variable types allocate when they grow.
 template <class T>
 class TypedPublisher {
  public:
-  TypedPublisher(MessageBus& bus, std::string channel)
-      : bus_(&bus), channel_(std::move(channel)), buffer_(T().getEncodedSize()) {}
+  TypedPublisher(MessageBus& bus, std::string channel, Urgency urgency = Urgency::kNow)
+      : bus_(&bus),
+        channel_(std::move(channel)),
+        buffer_(T().getEncodedSize()),
+        urgency_(urgency) {}
 
   /// Room for messages of `size` encoded bytes, so that publishing them does not allocate.
   void reserve(int size) {
@@ -173,13 +190,15 @@ class TypedPublisher {
     if (size > static_cast<int>(buffer_.size())) buffer_.resize(size);
     if (message.encode(buffer_.data(), 0, size) < 0) return false;
     if (MessageTap* tap = bus_->tap()) tap->note(channel_, buffer_.data(), size);
-    return bus_->publish(channel_.c_str(), buffer_.data(), size);
+    return urgency_ == Urgency::kNow ? bus_->publish(channel_.c_str(), buffer_.data(), size)
+                                     : bus_->publish_later(channel_.c_str(), buffer_.data(), size);
   }
 
  private:
   MessageBus* bus_;
   std::string channel_;
   std::vector<std::uint8_t> buffer_;
+  Urgency urgency_;
 };
 
 }  // namespace palpate::bus

@@ -1,6 +1,7 @@
 #include "rt/bus/telemetry_publisher.hpp"
 
-#include <cerrno>
+#include <cstring>
+#include <ctime>
 #include <stdexcept>
 
 #include "rt/loop/helper_thread.hpp"
@@ -15,21 +16,54 @@ TelemetryPublisher::TelemetryPublisher(MessageBus& bus, int depth, int largest)
 
 TelemetryPublisher::~TelemetryPublisher() {
   stop_.store(true, std::memory_order_release);
-  sem_post(&wake_);
+  wake();
   thread_.join();
   sem_destroy(&wake_);
 }
 
-void TelemetryPublisher::work() noexcept {
-  bool last = false;
-  while (!last) {
-    while (sem_wait(&wake_) != 0 && errno == EINTR) {
-    }
-    last = stop_.load(std::memory_order_acquire);
-    while (const loop::TelemetryQueue::Record* record = queue_.take())
-      if (!bus_.publish(record->channel, record->data.data(), record->size))
-        failed_.fetch_add(1, std::memory_order_relaxed);
+bool TelemetryPublisher::publish(const char* channel, const void* data, int size) noexcept {
+  if (size > 0 && size <= queue_.largest())
+    std::memcpy(queue_.buffer(), data, static_cast<std::size_t>(size));
+  if (!queue_.commit(channel, size)) return false;
+  wake();
+  return true;
+}
+
+/// Either the thread finds what has been handed over when it looks once more before it sleeps, or
+/// this exchange finds it asleep: both are read-modify-writes of one flag.
+void TelemetryPublisher::wake() noexcept {
+  if (asleep_.exchange(false, std::memory_order_acq_rel)) sem_post(&wake_);
+}
+
+bool TelemetryPublisher::publish_queued() noexcept {
+  bool any = false;
+  while (const loop::TelemetryQueue::Record* record = queue_.take()) {
+    any = true;
+    if (!bus_.publish(record->channel, record->data.data(), record->size))
+      failed_.fetch_add(1, std::memory_order_relaxed);
   }
+  return any;
+}
+
+void TelemetryPublisher::work() noexcept {
+  // Between a loop's cycles the thread naps rather than sleeps: to wake a sleeping thread is a
+  // system call, and an interrupt of another processor, in the loop's time.
+  constexpr timespec kNap{0, 250'000};
+  constexpr int kNapsBeforeSleep = 8;
+  int naps = 0;
+  while (!stop_.load(std::memory_order_acquire)) {
+    if (publish_queued()) {
+      naps = 0;
+    } else if (naps < kNapsBeforeSleep) {
+      ++naps;
+      nanosleep(&kNap, nullptr);
+    } else {
+      asleep_.exchange(true, std::memory_order_acq_rel);
+      if (!publish_queued() && !stop_.load(std::memory_order_acquire)) sem_wait(&wake_);
+      naps = 0;
+    }
+  }
+  publish_queued();
 }
 
 }  // namespace palpate::bus

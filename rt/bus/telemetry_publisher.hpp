@@ -10,8 +10,9 @@
 
 namespace palpate::bus {
 
-/// Publishes from a thread of its own what the loop hands over, so that large messages cost the
-/// loop no more than their encoding. What is lost is counted, never waited for.
+/// Publishes from a thread of its own what the loop hands over: sending to a multicast group runs
+/// the receiving side of the network in the sender's time, ten times that of the copy that the loop
+/// pays here. What is lost is counted, never waited for.
 class TelemetryPublisher {
  public:
   /// Room for `depth` messages of at most `largest` encoded bytes. From now on the publisher's
@@ -22,15 +23,9 @@ class TelemetryPublisher {
   TelemetryPublisher(const TelemetryPublisher&) = delete;
   TelemetryPublisher& operator=(const TelemetryPublisher&) = delete;
 
-  /// From the loop's thread. False where the message is larger than `largest` or not encodable.
-  template <class T>
-  bool publish(const char* channel, const T& message) noexcept {
-    int size = message.getEncodedSize();
-    if (size <= queue_.largest()) size = message.encode(queue_.buffer(), 0, size);
-    if (!queue_.commit(channel, size)) return false;
-    sem_post(&wake_);
-    return true;
-  }
+  /// From the loop's thread: an encoded message. False where it is larger than `largest` or the
+  /// channel's name too long.
+  bool publish(const char* channel, const void* data, int size) noexcept;
 
   /// Messages that did not reach the network: queue full, too large, or refused by the bus.
   std::int64_t lost() const noexcept {
@@ -38,12 +33,15 @@ class TelemetryPublisher {
   }
 
  private:
+  void wake() noexcept;
   void work() noexcept;
+  bool publish_queued() noexcept;  // false where there was nothing
 
   MessageBus& bus_;
   loop::TelemetryQueue queue_;
   std::atomic<std::int64_t> failed_{0};
   std::atomic<bool> stop_{false};
+  std::atomic<bool> asleep_{false};
   sem_t wake_;
   std::thread thread_;
 };

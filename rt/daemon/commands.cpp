@@ -43,7 +43,7 @@ Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std:
       command_admission_("COMPONENT_COMMAND", access),
       target_admission_("SHAPE_TARGET", access),
       stamp_(session),
-      events_(housekeeping, "COMPONENT_EVENT") {}
+      events_(housekeeping, "COMPONENT_EVENT", bus::Urgency::kLater) {}
 
 void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept {

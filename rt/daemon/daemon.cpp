@@ -27,7 +27,7 @@ Daemon::Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageB
       commands_(control, housekeeping, session, access_),
       reports_(pipeline_),
       telemetry_(control, housekeeping, pipeline_, session, access_),
-      health_(housekeeping, control.datagrams(), session, root.hash(), pipeline_.object().hash),
+      health_(control, housekeeping, session, root.hash(), pipeline_.object().hash),
       refactoring_(mode == Mode::kRealTime ? -1 : settings_.refactor_delay),
       replacing_(root, pipeline_, telemetry_, housekeeping,
                  mode == Mode::kRealTime ? -1 : settings_.replace_delay),

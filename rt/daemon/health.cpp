@@ -15,13 +15,14 @@ const char* name(Phase phase) noexcept {
   return kNames[static_cast<int>(phase)];
 }
 
-Health::Health(bus::MessageBus& housekeeping, const bus::DatagramCounters& datagrams,
-               std::int64_t session, std::int64_t configuration_hash, std::int64_t mesh_hash)
-    : datagrams_(datagrams),
+Health::Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
+               std::int64_t configuration_hash, std::int64_t mesh_hash)
+    : control_(control),
+      housekeeping_(housekeeping),
       health_stamp_(session),
       config_stamp_(session),
-      health_(housekeeping, "HEALTH"),
-      config_(housekeeping, "CONFIG") {
+      health_(housekeeping, "HEALTH", bus::Urgency::kLater),
+      config_(housekeeping, "CONFIG", bus::Urgency::kLater) {
   put_text(config_message_.version, PALPATE_VERSION);
   describe(configuration_hash, mesh_hash);
 }
@@ -45,7 +46,7 @@ void Health::publish(const Counters& counters, const component::Condition& condi
   message_.shapes_not_converged = counters.shapes_not_converged;
   message_.page_faults = counters.page_faults;
   message_.allocations = counters.allocations;
-  message_.telemetry_dropped = counters.telemetry_dropped;
+  message_.telemetry_dropped = control_.unpublished() + housekeeping_.unpublished();
   message_.gate_limited = counters.gate_limited;
   message_.gate_refused = counters.gate_refused;
   message_.commands_refused = counters.commands_refused;
@@ -71,11 +72,12 @@ void Health::publish(const Counters& counters, const component::Condition& condi
     message_.age_ms[i] = report.age < 0 ? -1.0F : static_cast<float>(report.age * 1e3);
   }
 
-  message_.datagrams = datagrams_.received;
-  message_.malformed = datagrams_.malformed;
-  message_.fragmented = datagrams_.fragmented;
-  message_.unsubscribed = datagrams_.unsubscribed;
-  message_.overflowed = datagrams_.overflowed;
+  const bus::DatagramCounters& datagrams = control_.datagrams();
+  message_.datagrams = datagrams.received;
+  message_.malformed = datagrams.malformed;
+  message_.fragmented = datagrams.fragmented;
+  message_.unsubscribed = datagrams.unsubscribed;
+  message_.overflowed = datagrams.overflowed;
 
   message_.model_count = std::min(kMostModels, static_cast<int>(models.size()));
   for (int i = 0; i < message_.model_count; ++i) {

@@ -36,7 +36,6 @@ struct Counters {
   std::int64_t shapes_not_converged = 0;
   std::int64_t page_faults = 0;
   std::int64_t allocations = -1;
-  std::int64_t telemetry_dropped = 0;
   std::int64_t gate_limited = 0;
   std::int64_t gate_refused = 0;
   std::int64_t commands_refused = 0;
@@ -46,9 +45,9 @@ struct Counters {
 /// HEALTH (10 Hz) and CONFIG (1 Hz) on the housekeeping bus.
 class Health {
  public:
-  /// `datagrams`: of the control bus.
-  Health(bus::MessageBus& housekeeping, const bus::DatagramCounters& datagrams,
-         std::int64_t session, std::int64_t configuration_hash, std::int64_t mesh_hash);
+  /// Tells of both buses what they lost; publishes on the second one.
+  Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
+         std::int64_t configuration_hash, std::int64_t mesh_hash);
   void publish(const Counters& counters, const component::Condition& condition,
                const Inputs& inputs, const std::vector<component::RunningModel>& models,
                std::int64_t utime) noexcept;
@@ -57,7 +56,8 @@ class Health {
   void publish_config(std::int64_t utime) noexcept;
 
  private:
-  const bus::DatagramCounters& datagrams_;
+  const bus::MessageBus& control_;
+  const bus::MessageBus& housekeeping_;
   bus::Stamp health_stamp_, config_stamp_;
   bus::TypedPublisher<health_t> health_;
   bus::TypedPublisher<config_t> config_;

@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "rt/bus/instance_lock.hpp"
+#include "rt/bus/udpm_frame.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
 #include "rt/daemon/service_manager.hpp"
@@ -206,6 +207,11 @@ int run(const Options& options, const sigset_t& signals) {
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
   palpate::daemon::SteppedClock clock(*control, session);
   control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
+  if (!options.stepped) {
+    // Contacts, estimate and feature of a hundred cycles; half a second of shapes.
+    control->start_publisher(300, 4096);
+    housekeeping->start_publisher(64, bus::kLargestShortMessage);
+  }
   // Nothing is read from the housekeeping bus.
   options.stepped ? control->start_without_thread() : control->start();
 

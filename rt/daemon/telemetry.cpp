@@ -23,9 +23,9 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
-      contacts_(control, "CONTACTS"),
-      estimate_(control, "ESTIMATE"),
-      feature_(control, "FEATURE"),
+      contacts_(control, "CONTACTS", bus::Urgency::kLater),
+      estimate_(control, "ESTIMATE", bus::Urgency::kLater),
+      feature_(control, "FEATURE", bus::Urgency::kLater),
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
     commands_.emplace_back(control, kCommandChannels[arm], session, access);

@@ -74,6 +74,37 @@ TEST(LcmBus, CarriesMessagesBetweenTwoBuses) {
   EXPECT_FALSE(subscription.take(message, arrival_ns));
 }
 
+TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
+  const UdpmUrl url = private_group();
+  PALPATE_REQUIRE_MULTICAST(url);
+  const auto receiver = make_lcm_bus(url.text());
+  TypedSubscription<ft_wrench_t> subscription(*receiver, "FT_WRENCH", 1000);
+  receiver->start();
+  constexpr int kMessages = 200;
+  {
+    const auto sender = make_lcm_bus(url.text());
+    sender->start_publisher(kMessages, 200);
+    TypedPublisher<ft_wrench_t> publisher(*sender, "FT_WRENCH", Urgency::kLater);
+    TypedPublisher<imu_t> now(*sender, "IMU");
+    const loop::NoAllocationScope scope;
+    for (int i = 0; i < kMessages; ++i) {
+      EXPECT_TRUE(publisher.publish(wrench_number(i)));
+      EXPECT_TRUE(now.publish(imu_t{}));
+    }
+    EXPECT_EQ(scope.count(), 0);
+    const std::vector<char> large(201);
+    EXPECT_FALSE(sender->publish_later("FT_WRENCH", large.data(), 201));
+    EXPECT_EQ(sender->unpublished(), 1);
+  }  // ends only when all that was handed over is on its way
+  ASSERT_TRUE(eventually([&] { return subscription.counters().received == kMessages; }));
+  ft_wrench_t message{};
+  std::int64_t arrival_ns = 0;
+  for (int i = 0; i < kMessages; ++i) {
+    ASSERT_TRUE(subscription.take(message, arrival_ns));
+    EXPECT_EQ(message.seq, i);
+  }
+}
+
 TEST(LcmBus, WithoutAThreadReceivesInTheCallersAndIsWokenByWhatComes) {
   const UdpmUrl url = private_group();
   PALPATE_REQUIRE_MULTICAST(url);

@@ -1,8 +1,16 @@
 // What a datagram costs the receiver's thread, by what is wrong with it: one iteration, one
-// datagram, drawn beforehand.
+// datagram, drawn beforehand. And what three messages cost the loop that publishes them in a cycle,
+// sent at once or handed over; nobody subscribes.
 
 #include <benchmark/benchmark.h>
 
+#include <chrono>
+#include <memory>
+#include <palpate/estimate_t.hpp>
+#include <stdexcept>
+#include <thread>
+
+#include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_receiver.hpp"
 #include "tools/inject/packets.hpp"
 
@@ -27,6 +35,26 @@ void handle(benchmark::State& state, std::vector<Kind> kinds) {
   state.SetItemsProcessed(state.iterations());
 }
 
+void publish(benchmark::State& state, bus::Urgency urgency) {
+  std::unique_ptr<bus::MessageBus> bus;
+  try {
+    bus = bus::make_lcm_bus("udpm://239.255.76.41:47641?ttl=0");
+    bus->start_publisher(300, 4096);
+  } catch (const std::runtime_error& error) {
+    state.SkipWithError(error.what());
+    return;
+  }
+  bus::TypedPublisher<estimate_t> publisher(*bus, "ESTIMATE", urgency);
+  const estimate_t message{};
+  for (auto _ : state) {
+    for (int i = 0; i < 3; ++i) publisher.publish(message);
+    state.PauseTiming();
+    std::this_thread::sleep_for(std::chrono::microseconds(300));
+    state.ResumeTiming();
+  }
+  state.counters["lost"] = static_cast<double>(bus->unpublished());
+}
+
 const int registered = [] {
   for (int i = 0; i < kKinds; ++i) {
     const auto kind = static_cast<Kind>(i);
@@ -35,6 +63,12 @@ const int registered = [] {
   }
   benchmark::RegisterBenchmark("handle/all_malformed",
                                [](benchmark::State& state) { handle(state, malformed_kinds()); });
+  benchmark::RegisterBenchmark("publish/now", [](benchmark::State& state) {
+    publish(state, bus::Urgency::kNow);
+  })->UseRealTime();
+  benchmark::RegisterBenchmark("publish/later", [](benchmark::State& state) {
+    publish(state, bus::Urgency::kLater);
+  })->UseRealTime();
   return 0;
 }();
 

@@ -18,6 +18,11 @@ shape_t shape_number(int number, int values) {
   return shape;
 }
 
+bool hand_over(TelemetryPublisher& publisher, const char* channel,
+               const std::vector<std::uint8_t>& message) {
+  return publisher.publish(channel, message.data(), static_cast<int>(message.size()));
+}
+
 TEST(TelemetryPublisher, PublishesFromItsThreadWhatTheLoopHandsOver) {
   const auto hub = make_memory_hub();
   const auto bus = make_memory_bus(hub);
@@ -27,7 +32,7 @@ TEST(TelemetryPublisher, PublishesFromItsThreadWhatTheLoopHandsOver) {
   {
     TelemetryPublisher publisher(*bus, kShapes, 5000);
     for (int i = 0; i < kShapes; ++i)
-      EXPECT_TRUE(publisher.publish("SHAPE", shape_number(i, 1 + i * 5)));
+      EXPECT_TRUE(hand_over(publisher, "SHAPE", testing::encoded(shape_number(i, 1 + i * 5))));
     EXPECT_EQ(publisher.lost(), 0);
   }
   ASSERT_EQ(published.size(), static_cast<std::size_t>(kShapes));
@@ -42,8 +47,8 @@ TEST(TelemetryPublisher, CountsWhatIsTooLarge) {
   const auto hub = make_memory_hub();
   const auto bus = make_memory_bus(hub);
   TelemetryPublisher publisher(*bus, 4, 500);
-  EXPECT_FALSE(publisher.publish("SHAPE", shape_number(1, 1000)));
-  EXPECT_FALSE(publisher.publish("", shape_number(1, 1)));
+  EXPECT_FALSE(hand_over(publisher, "SHAPE", testing::encoded(shape_number(1, 1000))));
+  EXPECT_FALSE(hand_over(publisher, "", testing::encoded(shape_number(1, 1))));
   EXPECT_EQ(publisher.lost(), 2);
 }
 
@@ -51,9 +56,9 @@ TEST(TelemetryPublisher, TheLoopsSideDoesNotAllocate) {
   const auto hub = make_memory_hub();
   const auto bus = make_memory_bus(hub);
   TelemetryPublisher publisher(*bus, 4, 50'000);
-  const shape_t shape = shape_number(1, 9000);
+  const std::vector<std::uint8_t> shape = testing::encoded(shape_number(1, 9000));
   const loop::NoAllocationScope scope;
-  for (int i = 0; i < 50; ++i) publisher.publish("SHAPE", shape);
+  for (int i = 0; i < 50; ++i) hand_over(publisher, "SHAPE", shape);
   EXPECT_EQ(scope.count(), 0);
 }
 
