@@ -15,6 +15,7 @@ struct SubscriptionCounters {
   std::atomic<std::int64_t> wrong_size{0};
   std::atomic<std::int64_t> wrong_type{0};  // fingerprint of another type or version
   std::atomic<std::int64_t> last_wrong_fingerprint{0};
+  std::atomic<std::int64_t> other_sender{0};  // beside the one that is heard
 };
 
 /// What a receiver saw of whole datagrams, before any subscription; zero on a bus without
@@ -37,6 +38,12 @@ class Subscription {
   Subscription(std::string channel, int encoded_size, std::int64_t fingerprint, int depth);
   ~Subscription();
 
+  /// Before the bus starts: of several senders, told apart by the session of their messages, only
+  /// one is heard, until nothing has come from it for `silence_ns`; should it go on after all
+  /// within five times that, it is heard again. What a stray one sends, however much, takes no
+  /// place in the queue.
+  void hear_one_sender(std::int64_t silence_ns) noexcept { silence_ns_ = silence_ns; }
+
   /// Receiver's side. `arrival_ns`: CLOCK_MONOTONIC (or virtual time).
   void offer(const void* data, int size, std::int64_t arrival_ns) noexcept;
 
@@ -49,9 +56,18 @@ class Subscription {
   const SubscriptionCounters& counters() const noexcept { return counters_; }
 
  private:
+  bool is_heard(const void* data, std::int64_t arrival_ns) noexcept;
+
   std::string channel_;
   int encoded_size_;
   std::int64_t fingerprint_;
+  struct Sender {
+    std::int64_t session = 0;
+    std::int64_t heard_ns = 0;  // its last message
+    bool any = false;
+  };
+  std::int64_t silence_ns_ = -1;  // below zero: everybody is heard
+  Sender heard_, before_;
   SubscriptionCounters counters_;
   struct Queue;
   std::unique_ptr<Queue> queue_;
@@ -159,6 +175,7 @@ class TypedSubscription {
     return message.decode(buffer_.data(), 0, static_cast<int>(buffer_.size())) >= 0;
   }
   const SubscriptionCounters& counters() const noexcept { return raw_->counters(); }
+  void hear_one_sender(std::int64_t silence_ns) noexcept { raw_->hear_one_sender(silence_ns); }
 
  private:
   MessageBus* bus_;

@@ -9,6 +9,7 @@ namespace palpate::bus {
 namespace {
 
 constexpr int kFingerprintSize = 8;
+constexpr int kSessionAt = kFingerprintSize + 8 + 4;  // behind utime and seq
 constexpr int kLargestEncodedSize = 65000;
 
 struct Slot {
@@ -16,8 +17,8 @@ struct Slot {
   std::int64_t arrival_ns = 0;
 };
 
-/// Encoded messages begin with the fingerprint of their type in network order.
-std::int64_t fingerprint_of(const void* data) noexcept {
+/// The number at `data`, in network order. Encoded messages begin with their type's fingerprint.
+std::int64_t number_at(const void* data) noexcept {
   std::uint64_t big_endian = 0;
   std::memcpy(&big_endian, data, sizeof(big_endian));
   return static_cast<std::int64_t>(__builtin_bswap64(big_endian));
@@ -60,16 +61,32 @@ Subscription::~Subscription() = default;
 void Subscription::offer(const void* data, int size, std::int64_t arrival_ns) noexcept {
   if (size < kFingerprintSize) return increment(counters_.wrong_size);
   // The type first: another version of a type differs in size as well, and its name is of more use.
-  if (const std::int64_t fingerprint = fingerprint_of(data); fingerprint != fingerprint_) {
+  if (const std::int64_t fingerprint = number_at(data); fingerprint != fingerprint_) {
     counters_.last_wrong_fingerprint.store(fingerprint, std::memory_order_relaxed);
     return increment(counters_.wrong_type);
   }
   if (size != encoded_size_) return increment(counters_.wrong_size);
+  if (!is_heard(data, arrival_ns)) return increment(counters_.other_sender);
   Slot& slot = queue_->ring.back();
   std::memcpy(slot.data.data(), data, static_cast<std::size_t>(size));
   slot.arrival_ns = arrival_ns;
   if (queue_->ring.publish()) increment(counters_.dropped);
   increment(counters_.received);
+}
+
+bool Subscription::is_heard(const void* data, std::int64_t arrival_ns) noexcept {
+  if (silence_ns_ < 0 || encoded_size_ < kSessionAt + 8) return true;
+  const std::int64_t session = number_at(static_cast<const std::uint8_t*>(data) + kSessionAt);
+  if (heard_.any && session != heard_.session) {
+    constexpr int kPatience = 5;
+    const bool goes_on = before_.any && session == before_.session &&
+                         arrival_ns - before_.heard_ns < kPatience * silence_ns_;
+    const bool is_silent = arrival_ns - heard_.heard_ns >= silence_ns_;
+    if (!goes_on && !is_silent) return false;
+    before_ = goes_on ? Sender() : heard_;
+  }
+  heard_ = {session, arrival_ns, true};
+  return true;
 }
 
 bool Subscription::take(void* buffer, std::int64_t& arrival_ns) noexcept {

@@ -129,7 +129,12 @@ Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const ch
     : force_torque(bus, names[0], 64, frozen_after.force_torque),
       inertial(bus, names[1], 32, frozen_after.inertial),
       robot(bus, names[2], 32, frozen_after.robot),
-      hand(bus, names[3], 8) {}
+      hand(bus, names[3], 8) {
+  force_torque.hear_one_sender();
+  inertial.hear_one_sender();
+  robot.hear_one_sender();
+  hand.hear_one_sender();
+}
 
 Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
                const bus::Access& access)
@@ -141,6 +146,7 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =
         std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
+    biotac_[i]->hear_one_sender();
   }
 }
 
@@ -240,8 +246,8 @@ InputReport Inputs::report_of(const Channel<Message>& channel) noexcept {
   report.name = channel.name;
   report.received = queue.received;
   report.lost = channel.sequence.lost() + queue.dropped;
-  report.rejected =
-      queue.wrong_size + queue.wrong_type + channel.sequence.rejected() + channel.invalid;
+  report.rejected = queue.wrong_size + queue.wrong_type + queue.other_sender +
+                    channel.sequence.rejected() + channel.invalid;
   report.frozen = channel.frozen;
   report.age = channel.age;
   return report;

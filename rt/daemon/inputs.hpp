@@ -24,7 +24,7 @@ struct InputReport {
   const char* name = "";
   std::int64_t received = 0;
   std::int64_t lost = 0;      // gaps in the sequence, and what a full queue dropped
-  std::int64_t rejected = 0;  // wrong size, type or order, or numbers that are not valid
+  std::int64_t rejected = 0;  // wrong size, type, sender or order, or numbers not valid
   std::int64_t frozen = 0;    // the same numbers for too long, though new in order
   double age = -1;            // s since the last good one; below zero: nothing was ever received
 };
@@ -70,6 +70,10 @@ class Inputs {
         : name(channel),
           queue(bus, channel, depth),
           frozen_after_ns(static_cast<std::int64_t>(frozen_after * 1e9)) {}
+    void hear_one_sender() noexcept { queue.hear_one_sender(kSilence); }
+    /// ns until another sensor of the same name is heard: long after this one counts as silent, so
+    /// that a stray one does not take its place when a machine stalls.
+    static constexpr std::int64_t kSilence = 200'000'000;
     const char* name;
     bus::TypedSubscription<Message> queue;
     bus::SequenceTracker sequence;

@@ -56,6 +56,30 @@ TEST(Subscription, KeepsTheNewestWhenNobodyTakes) {
   }
 }
 
+TEST(Subscription, HearsOneSenderUntilThatOneIsSilent) {
+  Subscription subscription = wrench_subscription(8);
+  subscription.hear_one_sender(100);
+  const auto offer_of = [&](std::int64_t session, std::int64_t arrival_ns) {
+    ft_wrench_t message = wrench_number(1);
+    message.session = session;
+    offer(subscription, message, arrival_ns);
+    return subscription.counters().received.load();
+  };
+  EXPECT_EQ(offer_of(7, 1000), 1);
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(offer_of(8, 1001), 1) << "a flood beside it";
+  EXPECT_EQ(offer_of(7, 1050), 2);
+  EXPECT_EQ(offer_of(8, 1149), 2);
+  EXPECT_EQ(offer_of(8, 1150), 3) << "nothing of the first for 100 ns";
+  EXPECT_EQ(offer_of(8, 1540), 4);
+  EXPECT_EQ(offer_of(7, 1549), 5) << "had only paused, and is heard again at once";
+  EXPECT_EQ(offer_of(8, 1550), 5);
+  EXPECT_EQ(offer_of(8, 1649), 6) << "after another silence";
+  EXPECT_EQ(offer_of(8, 2100), 7);
+  EXPECT_EQ(offer_of(7, 2150), 7) << "too late: it has ended";
+  EXPECT_EQ(subscription.counters().other_sender, 1003);
+  EXPECT_EQ(subscription.counters().dropped, 0);
+}
+
 TEST(Subscription, RefusesAnotherSizeOrType) {
   Subscription subscription = wrench_subscription(4);
   auto data = testing::encoded(wrench_number(1));

@@ -144,19 +144,22 @@ TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
 
 TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
   Inputs inputs(*bus_, 2);
-  const auto read = [&](std::int64_t session, int seq) {
+  const auto read = [&](std::int64_t session, int seq, std::int64_t now_ns) {
     imu_t message{};
     message.session = session;
     message.seq = seq;
+    bus::set_time(*hub_, now_ns);
     bus::TypedPublisher<imu_t>(*sender_, "IMU_1").publish(message);
-    inputs.read(1'000'000, 1e-3);
+    inputs.read(now_ns, 1e-3);
     return inputs.any_began_anew();
   };
-  EXPECT_FALSE(read(5, 70)) << "the first is no restart";
-  EXPECT_FALSE(read(5, 71));
-  EXPECT_TRUE(read(6, 1));
-  EXPECT_FALSE(read(6, 2));
-  EXPECT_FALSE(read(5, 72)) << "what is left of the old one";
+  EXPECT_FALSE(read(5, 70, 1'000'000)) << "the first is no restart";
+  EXPECT_FALSE(read(5, 71, 2'000'000));
+  EXPECT_FALSE(read(6, 0, 3'000'000)) << "beside one that still speaks";
+  EXPECT_TRUE(read(6, 1, 210'000'000));
+  EXPECT_FALSE(read(6, 2, 211'000'000));
+  EXPECT_FALSE(read(5, 72, 420'000'000)) << "what is left of the old one";
+  EXPECT_EQ(report(inputs, "IMU_1").rejected, 2);
 }
 
 }  // namespace
