@@ -23,14 +23,36 @@ struct EstimationInputs {
   const contact::ContactLoads* contacts = nullptr;  // contact_count of them
 };
 
+/// A force on the object that no sensor tells of, found by what it does to the wrenches.
+struct UnknownContact {
+  bool found = false;
+  Eigen::Vector3d location_O = Eigen::Vector3d::Zero();
+  Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
+  double deviation = -1;                              // N, of the force's worst direction
+};
+
 /// What the estimator holds to be true beside the shape itself, which stands in the model.
-/// A negative deviation: not estimated.
+/// A negative deviation: not estimated, or not observable.
 struct Estimate {
   elasticity::StepReport step;
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};
   double log_young_modulus = 0;
   double poisson_ratio = 0;
+
+  /// (m, rad), in G; (N, N m), at G in O; bias of the wrench of the hand, at G in G.
+  std::array<math::Vector6d, 2> pose_deviation{kNotEstimated, kNotEstimated};
+  std::array<math::Vector6d, 2> reaction_deviation{kNotEstimated, kNotEstimated};
+  std::array<math::Vector6d, 2> bias{math::Vector6d::Zero(), math::Vector6d::Zero()};
+  std::array<math::Vector6d, 2> bias_deviation{kNotEstimated, kNotEstimated};
+  double log_young_modulus_deviation = -1;
+  double innovation_test = -1;  // normalised innovation squared, over its degrees of freedom
+  UnknownContact unknown_contact;
+  /// Of each mesh node's position, m, root mean square of the axes; nullptr: not estimated.
+  const std::vector<float>* node_deviation = nullptr;
+
+ private:
+  static inline const math::Vector6d kNotEstimated = math::Vector6d::Constant(-1);
 };
 
 /// Decides what drives the deformation model and steps it once per update.

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/force_transformer.hpp"
+#include "core/estimation/estimator.hpp"
 
 namespace palpate::estimation {
 
@@ -11,6 +11,24 @@ inline bool is_wrist(sensing::Source source) noexcept {
 /// True where the node exists and the force is finite.
 inline bool is_valid(const contact::NodalLoad& load, int node_count) noexcept {
   return load.node >= 0 && load.node < node_count && load.force.allFinite();
+}
+
+/// The loads of `model` become `scale` times those of the contacts but the wrists'. False where one
+/// was not valid and was left out.
+inline bool load_with_contacts(const EstimationInputs& inputs, double scale,
+                               elasticity::DeformationModel& model) noexcept {
+  bool all_valid = true;
+  model.loads().setZero();
+  for (int i = 0; i < inputs.contact_count; ++i) {
+    const contact::ContactLoads& contact = inputs.contacts[i];
+    if (!contact.accepted || is_wrist(contact.source)) continue;
+    for (const contact::NodalLoad& load : contact.loads) {
+      const bool valid = is_valid(load, model.body().mesh.node_count());
+      if (valid) model.loads().col(load.node) += scale * load.force;
+      all_valid = all_valid && valid;
+    }
+  }
+  return all_valid;
 }
 
 }  // namespace palpate::estimation

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/estimation/estimator.hpp"
+#include "core/estimation/hand_follower.hpp"
 #include "core/estimation/step_watch.hpp"
 
 namespace palpate::estimation {
@@ -12,15 +12,12 @@ namespace palpate::estimation {
 class PoseDriven : public Estimator {
  public:
   struct Options {
-    double pose_timeout = 0.05;  // s without a new pose until it counts as stale
-    /// The held nodes approach a far pose, as at the start, no faster than this.
-    double approach_speed = 1.0;          // m/s
-    double approach_angular_speed = 5.0;  // rad/s
+    HandFollower::Options hand;
     StepWatch::Options step;
   };
 
   /// Throws std::invalid_argument where an option is not positive.
-  explicit PoseDriven(const Options& options);
+  explicit PoseDriven(const Options& options) : hands_(options.hand), step_watch_(options.step) {}
 
   /// Holds every grasp at its rest pose.
   void activate(elasticity::DeformationModel& model) noexcept override;
@@ -34,19 +31,7 @@ class PoseDriven : public Estimator {
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 
  private:
-  struct Hand {
-    math::Pose hand = math::Pose::Identity();  // last good pose of the hand, in O
-    math::Pose held = math::Pose::Identity();  // where the model holds the grasp
-    double age = 0;                            // s since a new pose came
-    bool seen = false;
-  };
-
-  const char* follow(int grasp, const GraspInput& input, double dt,
-                     elasticity::DeformationModel& model) noexcept;
-  bool approach(Hand& hand, double dt) const noexcept;
-
-  Options options_;
-  std::array<Hand, 2> hands_;
+  HandFollower hands_;
   StepGuard step_guard_;
   StepWatch step_watch_;
 };

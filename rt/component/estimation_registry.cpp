@@ -1,6 +1,7 @@
 #include "core/estimation/fingertip_driven.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
+#include "core/estimation/pose_wrench_filter.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -34,19 +35,51 @@ std::unique_ptr<estimation::Estimator> make_fingertip_driven(const config::Node&
   return std::make_unique<FingertipDriven>(context.object->body, context.object->surface, options);
 }
 
+estimation::HandFollower::Options read_hand(const config::Node& node) {
+  estimation::HandFollower::Options options;
+  options.pose_timeout =
+      node.number("pose_timeout_ms", {1, 1e4}, options.pose_timeout * 1e3) * 1e-3;
+  options.approach_speed = node.number("approach_speed", {1e-3, 10}, options.approach_speed);
+  return options;
+}
+
+std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Node& node,
+                                                               const Context& context) {
+  using estimation::PoseWrenchFilter;
+  PoseWrenchFilter::Options options;
+  options.hand = read_hand(node);
+  estimation::WrenchFilter::Options& prior = options.filter;
+  prior.position = node.number("pose_position_deviation", {1e-6, 0.1}, prior.position);
+  prior.rotation = node.number("pose_rotation_deviation", {1e-6, 1}, prior.rotation);
+  prior.log_young = node.number("log_young_modulus_deviation", {1e-3, 3}, prior.log_young);
+  prior.bias_force = node.number("bias_force_deviation", {1e-6, 100}, prior.bias_force);
+  prior.bias_torque = node.number("bias_torque_deviation", {1e-7, 10}, prior.bias_torque);
+  prior.memory = node.number("memory_s", {0.1, 1e6}, prior.memory);
+  options.period = node.number("wrench_period_ms", {0.1, 1e3}, options.period * 1e3) * 1e-3;
+  options.force = node.number("force_deviation", {1e-5, 10}, options.force);
+  options.torque = node.number("torque_deviation", {1e-6, 1}, options.torque);
+  options.relative = node.number("relative_error", {0, 1}, options.relative);
+  options.lag = node.number("wrench_lag_ms", {0.01, 1e3}, options.lag * 1e3) * 1e-3;
+  options.lag_deviation =
+      node.number("wrench_lag_deviation_ms", {0.01, 1e3}, options.lag_deviation * 1e3) * 1e-3;
+  options.gate = node.number("innovation_gate", {6, 1e6}, options.gate);
+  options.search.spacing = node.number("contact_spacing", {1e-3, 1}, options.search.spacing);
+  options.search.friction = node.number("contact_friction", {0.01, 10}, options.search.friction);
+  return std::make_unique<PoseWrenchFilter>(context.object->body, context.object->surface, options);
+}
+
 }  // namespace
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const std::string name =
-      node.choice("component", {"pose_driven", "force_driven", "fingertip_driven"});
+  const std::string name = node.choice(
+      "component", {"pose_driven", "force_driven", "fingertip_driven", "pose_wrench_filter"});
   try {
     if (name == "force_driven") return make_force_driven(node, context);
+    if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);
     if (name == "fingertip_driven") return make_fingertip_driven(node, context);
     estimation::PoseDriven::Options options;
-    options.pose_timeout =
-        node.number("pose_timeout_ms", {1, 1e4}, options.pose_timeout * 1e3) * 1e-3;
-    options.approach_speed = node.number("approach_speed", {1e-3, 10}, options.approach_speed);
+    options.hand = read_hand(node);
     return std::make_unique<estimation::PoseDriven>(options);
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());

@@ -26,6 +26,11 @@ MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const component::Obj
   shape_message_.node_count = object.corners.node_count();
   shape_message_.xyz_count = 3 * shape_message_.node_count;
   shape_message_.xyz.resize(shape_message_.xyz_count);
+  // Deviations go along where a datagram has room for them.
+  constexpr int kBytesPerNode = 16, kRoom = 60'000;
+  if (kBytesPerNode * shape_message_.node_count < kRoom)
+    shape_message_.deviation.resize(shape_message_.node_count);
+  shape_message_.deviation_count = static_cast<std::int32_t>(shape_message_.deviation.size());
   shape_.reserve(shape_message_.getEncodedSize());
   prepare_mesh(object);
 }
@@ -39,6 +44,11 @@ void MeshTelemetry::publish_shape(const component::Pipeline& pipeline, std::int6
   for (int i = 0; i < shape_message_.xyz_count; ++i) {
     shape_message_.xyz[i] = static_cast<float>(x.data()[i]);
   }
+  const std::vector<float>* deviation = pipeline.estimate().node_deviation;
+  shape_message_.deviation_count =
+      deviation == nullptr ? 0 : static_cast<std::int32_t>(shape_message_.deviation.size());
+  std::copy_n(deviation == nullptr ? nullptr : deviation->data(), shape_message_.deviation_count,
+              shape_message_.deviation.data());
   shape_.publish(shape_message_);
 }
 

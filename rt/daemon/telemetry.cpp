@@ -1,7 +1,6 @@
 #include "rt/daemon/telemetry.hpp"
 
 #include <algorithm>
-#include <cmath>
 
 #include "rt/daemon/text.hpp"
 
@@ -68,17 +67,20 @@ void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t 
     std::copy_n(estimate.X_OG[g].translation().data(), 3, estimate_message_.grasp_position[g]);
     math::wxyz_from_rotation(estimate.X_OG[g].linear(), estimate_message_.grasp_quaternion[g]);
     put(estimate.reaction[g].vector(), estimate_message_.reaction[g]);
-    std::fill_n(estimate_message_.grasp_deviation[g], 6, kNotEstimated);
-    std::fill_n(estimate_message_.reaction_deviation[g], 6, kNotEstimated);
-    std::fill_n(estimate_message_.bias_deviation[g], 6, kNotEstimated);
+    put(estimate.bias[g], estimate_message_.bias[g]);
+    put(estimate.pose_deviation[g], estimate_message_.grasp_deviation[g]);
+    put(estimate.reaction_deviation[g], estimate_message_.reaction_deviation[g]);
+    put(estimate.bias_deviation[g], estimate_message_.bias_deviation[g]);
   }
-  const elasticity::Material& material = pipeline.object().body.material;
-  estimate_message_.log_young_modulus = std::log(material.young_modulus);
-  estimate_message_.log_young_modulus_deviation = kNotEstimated;
-  estimate_message_.poisson_ratio = material.poisson_ratio;
+  estimate_message_.log_young_modulus = estimate.log_young_modulus;
+  estimate_message_.log_young_modulus_deviation = estimate.log_young_modulus_deviation;
+  estimate_message_.poisson_ratio = estimate.poisson_ratio;
   estimate_message_.poisson_ratio_deviation = kNotEstimated;
-  estimate_message_.innovation_test = kNotEstimated;
-  estimate_message_.unknown_contact_deviation = kNotEstimated;
+  estimate_message_.innovation_test = estimate.innovation_test;
+  const estimation::UnknownContact& unknown = estimate.unknown_contact;
+  std::copy_n(unknown.location_O.data(), 3, estimate_message_.unknown_contact_location);
+  std::copy_n(unknown.force_O.data(), 3, estimate_message_.unknown_contact_force);
+  estimate_message_.unknown_contact_deviation = unknown.deviation;
   estimate_.publish(estimate_message_);
 
   const component::FeatureState& feature = pipeline.feature_state();

@@ -298,7 +298,7 @@ TEST_F(ForceDrivenTest, SensingLaunchIsSlower) {
 
 TEST(Estimators, RefuseBadOptions) {
   PoseDriven::Options pose;
-  pose.approach_speed = 0;
+  pose.hand.approach_speed = 0;
   EXPECT_THROW(PoseDriven{pose}, std::invalid_argument);
   ForceDriven::Options force;
   force.period = 0;

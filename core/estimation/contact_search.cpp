@@ -1,0 +1,130 @@
+#include "core/estimation/contact_search.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::estimation {
+namespace {
+
+/// Barycentric middles of the cells of a triangle whose sides are cut into `parts`.
+template <class Visit>
+void for_each_cell(int parts, Visit&& visit) {
+  const double h = 1.0 / (3 * parts);
+  for (int i = 0; i < parts; ++i) {
+    for (int j = 0; j < parts - i; ++j) {
+      visit((3 * i + 1) * h, (3 * j + 1) * h);
+      if (j < parts - i - 1) visit((3 * i + 2) * h, (3 * j + 2) * h);
+    }
+  }
+}
+
+constexpr double kLeastSideways = 0.02;  // N
+
+}  // namespace
+
+ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& surface,
+                             const Options& options)
+    : options_(options) {
+  if (!(options.spacing > 0) || !(options.friction > 0) || !(options.usual > 0) ||
+      !(options.deviation > 0))
+    throw std::invalid_argument("spacing, friction and deviation of a search must be positive");
+  std::vector<bool> bound(static_cast<std::size_t>(body.mesh.node_count()), false);
+  for (const int node : body.fixed_nodes) bound[node] = true;
+  for (const elasticity::GraspRegion& grasp : body.grasps)
+    for (const int node : grasp.nodes) bound[node] = true;
+  const mesh::PointLocator locator(body.mesh);
+  const Eigen::Matrix3Xd& rest = body.mesh.nodes;
+  for (int t = 0; t < surface.triangles.cols(); ++t) {
+    const Eigen::Vector3i corners = surface.triangles.col(t);
+    if (bound[corners[0]] && bound[corners[1]] && bound[corners[2]]) continue;
+    const Eigen::Vector3d a = rest.col(corners[0]);
+    const Eigen::Vector3d ab = rest.col(corners[1]) - a;
+    const Eigen::Vector3d ac = rest.col(corners[2]) - a;
+    const double side = std::max({ab.norm(), ac.norm(), (ab - ac).norm()});
+    const int parts = std::max(1, static_cast<int>(std::ceil(side / options.spacing)));
+    for_each_cell(parts, [&](double u, double v) {
+      places_.push_back({locator.locate(a + u * ab + v * ac), corners});
+    });
+  }
+  if (places_.empty()) throw std::invalid_argument("the object has no free surface to search");
+  next_ = place_count();
+}
+
+Eigen::Matrix<double, 6, 3> ContactSearch::response(const mesh::PointWeights& point,
+                                                    const elasticity::Sensitivity& sensitivity,
+                                                    int grasp) noexcept {
+  Eigen::Matrix<double, 6, 3> dw_df = Eigen::Matrix<double, 6, 3>::Zero();
+  for (int i = 0; i < point.count; ++i)
+    dw_df.noalias() -=
+        point.weights[i] * sensitivity.dx_dxi[grasp].middleRows<3>(3 * point.nodes[i]).transpose();
+  return dw_df;
+}
+
+void ContactSearch::begin(const WrenchFilter::Wrenches& y, const WrenchFilter::Noise& S,
+                          const std::array<bool, 2>& held) noexcept {
+  held_ = held;
+  best_ = Found();
+  next_ = 0;
+  const Eigen::LLT<WrenchFilter::Noise> factor(S);
+  whiten_ = WrenchFilter::Noise::Identity(S.rows(), S.cols());
+  factor.matrixL().solveInPlace(whiten_);
+  whitened_ = whiten_ * y;
+  if (factor.info() != Eigen::Success || !whitened_.allFinite()) next_ = place_count();
+}
+
+ContactSearch::Found ContactSearch::judge(
+    int index, const elasticity::DeformationModel& model) const noexcept {
+  const Place& place = places_[index];
+  Eigen::Matrix<double, Eigen::Dynamic, 3, 0, WrenchFilter::kMostRows, 3> H(whitened_.size(), 3);
+  for (int g = 0, row = 0; g < 2; ++g) {
+    if (!held_[g]) continue;
+    H.middleRows<6>(row) = response(place.point, model.sensitivity(), g);
+    row += 6;
+  }
+  H = (whiten_ * H).eval();
+
+  const double weight = 1 / (options_.deviation * options_.deviation);
+  Eigen::Matrix3d A = H.transpose() * H;
+  A.diagonal().array() += weight;
+  const Eigen::Vector3d b = H.transpose() * whitened_;
+  const Eigen::Matrix3Xd& x = model.positions();
+  const Eigen::Vector3d corner = x.col(place.corners[0]);
+  const Eigen::Vector3d inward =
+      -(x.col(place.corners[1]) - corner).cross(x.col(place.corners[2]) - corner).normalized();
+  const double before = whitened_.squaredNorm();
+  const auto explained_by = [&](const Eigen::Vector3d& force, double improbability) {
+    const double after = (whitened_ - H * force).squaredNorm();
+    Found found;
+    found.place = index;
+    found.force_O = force;
+    const Eigen::Matrix3d along = inward * inward.transpose();
+    const double sideways = std::max(kLeastSideways, options_.usual * force.norm());
+    found.covariance = options_.deviation * options_.deviation * along +
+                       sideways * sideways * (Eigen::Matrix3d::Identity() - along);
+    found.cost = after + weight * force.squaredNorm() + improbability;
+    found.share = before > 0 ? 1 - after / before : 0;
+    return found;
+  };
+  const double straight = std::max(0.0, inward.dot(b) / inward.dot(A * inward));
+  const Found pressed = explained_by(straight * inward, 0);
+  const Eigen::Vector3d force = A.ldlt().solve(b);
+  const double normal = inward.dot(force);
+  const double across = (force - normal * inward).norm();
+  if (!(across <= options_.friction * normal)) return pressed;  // what touches cannot do that
+  const double slope = across / (options_.usual * normal);
+  const Found rubbed = explained_by(force, slope * slope);
+  return rubbed.cost < pressed.cost ? rubbed : pressed;
+}
+
+bool ContactSearch::advance(const elasticity::DeformationModel& model, int places) noexcept {
+  const int end = std::min(place_count(), next_ + places);
+  for (; next_ < end; ++next_) {
+    const Found found = judge(next_, model);
+    if (best_.place < 0 || found.cost < best_.cost) best_ = found;
+  }
+  return !is_searching();
+}
+
+}  // namespace palpate::estimation

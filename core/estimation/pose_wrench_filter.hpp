@@ -1,0 +1,101 @@
+#pragma once
+
+#include "core/estimation/contact_search.hpp"
+#include "core/estimation/hand_follower.hpp"
+#include "core/estimation/step_watch.hpp"
+#include "core/estimation/wrench_filter.hpp"
+
+namespace palpate::estimation {
+
+/// E3: the pose of the hand drives the mesh, and the wrench at the wrist says in a Kalman filter
+/// how stiff the object is, how the grasp is shifted, what the sensor's bias is and, where nothing
+/// of these explains it, where something else pushes (control.md 6.4). Trust goes to the pose where
+/// its deviation is below that of the wrench over the stiffness of the grasp, direction by
+/// direction, as the covariances have it. Shape, deviations of the shape and wrench follow.
+///
+/// Young's modulus is changed without a new factor: an object k times as stiff has the shape of the
+/// nominal one under 1 / k of weight and loads, and k times its wrenches.
+class PoseWrenchFilter : public Estimator {
+ public:
+  struct Options {
+    HandFollower::Options hand;
+    StepWatch::Options step;
+    WrenchFilter::Options filter;
+    ContactSearch::Options search;
+    double period = 0.01;          // s, between two wrenches that the filter takes
+    double force = 0.03;           // N, deviation of a wrench taken; of the model's error, too
+    double torque = 0.003;         // N m
+    double relative = 0.02;        // of the predicted wrench: what the model itself may be wrong by
+    double lag = 0.01;             // s, of the wrench behind the pose
+    double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
+    double gate = 40;              // normalised square of a hand's innovation that is not believed
+    int suspicions = 3;            // in a row, before a contact is looked for
+  };
+
+  /// Throws std::invalid_argument where an option is out of range.
+  PoseWrenchFilter(const elasticity::Body& body, const mesh::Surface& surface,
+                   const Options& options);
+
+  void activate(elasticity::DeformationModel& model) noexcept override;
+  /// Degraded as the pose-driven estimator is, and while the wrench cannot be explained. Without a
+  /// wrench the pose alone drives.
+  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                               Estimate& estimate) noexcept override;
+  void reset() noexcept override;
+  void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
+
+  const WrenchFilter& filter() const noexcept { return filter_; }
+
+ private:
+  struct Hand {
+    math::Vector6d lagged = math::Vector6d::Zero();  // predicted wrench, as late as the measured
+    math::Vector6d sum = math::Vector6d::Zero();     // of the wrenches since the last one taken
+    int count = 0;
+    math::Pose X_OG_before = math::Pose::Identity();
+    math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
+    bool known = false;
+  };
+  /// Innovation of all held hands that told of a wrench, with what it follows.
+  struct Innovation {
+    std::array<bool, 2> held{};
+    WrenchFilter::Rows H;
+    WrenchFilter::Wrenches y;
+    WrenchFilter::Noise R;
+  };
+
+  double stiffness() const noexcept;  // Young's modulus over its nominal value
+  math::Pose correction(int grasp) const noexcept;
+  void load_with_unknown(elasticity::DeformationModel& model) const noexcept;
+  void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
+                      double dt) noexcept;
+  Innovation innovation(const elasticity::DeformationModel& model) noexcept;
+  void take(const elasticity::DeformationModel& model) noexcept;
+  void correct(const Innovation& innovation) noexcept;
+  void suspect(const Innovation& innovation) noexcept;
+  void place_contact(const ContactSearch::Found& found,
+                     const elasticity::DeformationModel& model) noexcept;
+  void judge_search(const elasticity::DeformationModel& model) noexcept;
+  void judge_contact(double dt) noexcept;
+  void drop_contact(const elasticity::DeformationModel& model) noexcept;
+  void tell(const elasticity::DeformationModel& model, int grasps, Estimate& estimate) noexcept;
+  void tell_nodes(const elasticity::DeformationModel& model, int grasps) noexcept;
+
+  Options options_;
+  HandFollower follower_;
+  StepGuard step_guard_;
+  StepWatch step_watch_;
+  WrenchFilter filter_;
+  ContactSearch search_;
+  std::array<Hand, 2> hands_;
+  double since_taken_ = 0;              // s
+  double innovation_test_ = -1;         // over its degrees of freedom
+  int suspicions_ = 0;                  // innovations in a row that were not believed
+  int place_ = -1;                      // of the contact
+  double weak_for_ = 0;                 // s that the contact's force has not stood out
+  WrenchFilter::Wrenches unexplained_;  // innovation without the contact, mean since it began
+  int unexplained_count_ = 0;
+  int next_node_ = 0;
+  std::vector<float> node_deviation_;
+};
+
+}  // namespace palpate::estimation

@@ -1,0 +1,107 @@
+#include "core/estimation/wrench_filter.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::estimation {
+
+WrenchFilter::WrenchFilter(int grasps, const Options& options)
+    : grasps_(grasps), options_(options) {
+  if (grasps < 1 || grasps > 2)
+    throw std::invalid_argument("a wrench filter needs one or two grasps");
+  for (const double value : {options.position, options.rotation, options.log_young,
+                             options.bias_force, options.bias_torque, options.memory}) {
+    if (!(value > 0 && std::isfinite(value)))
+      throw std::invalid_argument("deviations and memory of a wrench filter must be positive");
+  }
+  prior_ = Vector::Zero(size());
+  for (int g = 0; g < grasps; ++g) {
+    prior_.segment<3>(offset(g)).setConstant(options.position * options.position);
+    prior_.segment<3>(offset(g) + 3).setConstant(options.rotation * options.rotation);
+    prior_.segment<3>(bias(g)).setConstant(options.bias_force * options.bias_force);
+    prior_.segment<3>(bias(g) + 3).setConstant(options.bias_torque * options.bias_torque);
+  }
+  prior_[log_young()] = options.log_young * options.log_young;
+  reset();
+}
+
+void WrenchFilter::reset() noexcept {
+  mean_ = Vector::Zero(size());
+  P_ = Covariance::Zero(size(), size());
+  P_.diagonal() = prior_;
+  has_contact_ = false;
+}
+
+void WrenchFilter::predict(double dt) noexcept {
+  const double kept = std::exp(-dt / options_.memory);
+  const int steady = contact();  // what wanders within its prior; the contact's force comes after
+  mean_.head(steady) *= kept;
+  P_.topRows(steady) *= kept;
+  P_.leftCols(steady) *= kept;
+  P_.diagonal().head(steady) += (1 - kept * kept) * prior_.head(steady);
+  if (has_contact_)
+    P_.bottomRightCorner<3, 3>() += std::min(1.0, 100 * dt / options_.memory) * contact_prior_;
+}
+
+double WrenchFilter::test(const Rows& H, const Wrenches& y, const Noise& R) noexcept {
+  if (!H.allFinite() || !y.allFinite() || !R.allFinite()) return -1;
+  H_ = H;
+  y_ = y;
+  R_ = R;
+  Rows HP = Rows::Zero(H.rows(), H.cols());
+  HP.noalias() = H * P_;
+  S_ = R;
+  S_.noalias() += HP * H.transpose();
+  const Eigen::LLT<Noise> factor(S_);
+  if (factor.info() != Eigen::Success) return -1;
+  Wrenches whitened = y;
+  factor.matrixL().solveInPlace(whitened);
+  return whitened.squaredNorm();
+}
+
+void WrenchFilter::correct() noexcept {
+  const int rows = static_cast<int>(H_.rows());
+  Rows gain_transposed = Rows::Zero(rows, size());
+  gain_transposed.noalias() = H_ * P_;
+  const Eigen::LLT<Noise> factor(S_);
+  factor.solveInPlace(gain_transposed);
+  if (has_contact_) gain_transposed.leftCols(contact()).setZero();
+  mean_.noalias() += gain_transposed.transpose() * y_;
+  // Joseph's form keeps the covariance symmetric and positive whatever rounding does.
+  Covariance keep = Covariance::Identity(size(), size());
+  keep.noalias() -= gain_transposed.transpose() * H_;
+  Covariance half = Covariance::Zero(size(), size());
+  half.noalias() = keep * P_;
+  P_.noalias() = half * keep.transpose();
+  Rows noisy = Rows::Zero(rows, size());
+  noisy.noalias() = R_ * gain_transposed;
+  P_.noalias() += gain_transposed.transpose() * noisy;
+}
+
+void WrenchFilter::begin_contact(const Eigen::Vector3d& force_O,
+                                 const Eigen::Matrix3d& covariance) noexcept {
+  end_contact();
+  has_contact_ = true;
+  mean_.tail<3>() = force_O;
+  contact_prior_ = covariance;
+  P_.bottomRightCorner<3, 3>() = covariance;
+}
+
+void WrenchFilter::end_contact() noexcept {
+  has_contact_ = false;
+  mean_.tail<3>().setZero();
+  P_.bottomRows<3>().setZero();
+  P_.rightCols<3>().setZero();
+}
+
+double WrenchFilter::deviation(int state) const noexcept {
+  return std::sqrt(std::max(0.0, P_(state, state)));
+}
+
+bool WrenchFilter::is_observed(int state) const noexcept {
+  constexpr double kShare = 0.8;
+  return state >= contact() ? has_contact_ : P_(state, state) < kShare * prior_[state];
+}
+
+}  // namespace palpate::estimation

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::estimation {
+
+/// What a Kalman filter on the wrenches of one or two hands knows: for each grasp its offset from
+/// where the kinematics say it is (m, rad, in G) and the bias of its wrench (N, N m, in G); the
+/// logarithm of Young's modulus over its nominal value; and one force on the object that no sensor
+/// tells of (N, in O). All but the force wander about zero within their prior deviations and forget
+/// what was learnt in `memory` seconds, so that the filter never becomes surer than its world is
+/// steady. Reference: control.md 6.4. Nothing allocates.
+class WrenchFilter {
+ public:
+  struct Options {
+    double position = 1e-3;     // m, prior deviation of each axis of a grasp's offset
+    double rotation = 9e-3;     // rad; 0.5 degree
+    double log_young = 0.5;     // 1; a factor of 1.65
+    double bias_force = 0.1;    // N
+    double bias_torque = 0.01;  // N m
+    double memory = 300;        // s
+  };
+  static constexpr int kMostStates = 28;
+  static constexpr int kMostRows = 12;
+  using Vector = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostStates, 1>;
+  using Covariance =
+      Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostStates, kMostStates>;
+  using Rows = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostStates>;
+  using Wrenches = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostRows, 1>;
+  using Noise = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kMostRows, kMostRows>;
+
+  /// Throws std::invalid_argument where `grasps` is not 1 or 2 or an option not positive.
+  WrenchFilter(int grasps, const Options& options);
+
+  /// Back to the prior, no unknown force.
+  void reset() noexcept;
+  void predict(double dt) noexcept;
+
+  /// Normalised square of the innovation `y` = measured less predicted wrenches, whose change by
+  /// the state is H and whose noise has the covariance R: chi-squared of y.size() degrees of
+  /// freedom where the filter is right. Below zero where the numbers are not finite. Nothing is
+  /// learnt until correct(), which takes the same y.
+  double test(const Rows& H, const Wrenches& y, const Noise& R) noexcept;
+  /// While there is an unknown force only that is learnt, and what else is uncertain is borne in
+  /// mind (Schmidt's filter): the force may not be quite where it is taken to be.
+  void correct() noexcept;
+  /// Covariance of the innovation of the last test.
+  const Noise& innovation_covariance() const noexcept { return S_; }
+
+  /// From now on an unknown force is estimated, at first `force_O`, which may be wrong by
+  /// `covariance` (N^2) now, and as much anew in a hundredth of the memory; or no more.
+  void begin_contact(const Eigen::Vector3d& force_O, const Eigen::Matrix3d& covariance) noexcept;
+  void end_contact() noexcept;
+  bool has_contact() const noexcept { return has_contact_; }
+
+  int grasp_count() const noexcept { return grasps_; }
+  int size() const noexcept { return 12 * grasps_ + 4; }
+  int offset(int grasp) const noexcept { return 6 * grasp; }  // where a part begins
+  int log_young() const noexcept { return 6 * grasps_; }
+  int bias(int grasp) const noexcept { return 6 * grasps_ + 1 + 6 * grasp; }
+  int contact() const noexcept { return 12 * grasps_ + 1; }
+
+  const Vector& mean() const noexcept { return mean_; }
+  const Covariance& covariance() const noexcept { return P_; }
+  double deviation(int state) const noexcept;
+  /// Whether the wrenches have told of a state: its variance is below four fifths of the prior's.
+  bool is_observed(int state) const noexcept;
+
+ private:
+  int grasps_;
+  Options options_;
+  Vector prior_;  // variances; those of the contact apart
+  Vector mean_;
+  Covariance P_;
+  bool has_contact_ = false;
+  Eigen::Matrix3d contact_prior_ = Eigen::Matrix3d::Zero();
+  Rows H_;
+  Wrenches y_;
+  Noise R_, S_;
+};
+
+}  // namespace palpate::estimation
