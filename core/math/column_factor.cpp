@@ -13,7 +13,10 @@ void ColumnFactor::clear(int length) noexcept {
 void ColumnFactor::split(const Vector& column, Vector& inside, Vector& outside) const noexcept {
   inside.setZero(count_);
   outside = column;
+  const double size = column.squaredNorm();
   for (int pass = 0; pass < 2; ++pass) {
+    // What is left of most of a column has lost no digits.
+    if (pass > 0 && outside.squaredNorm() > 0.5 * size) break;
     for (int k = 0; k < count_; ++k) {
       const double along = Q_.col(k).dot(outside);
       inside[k] += along;
@@ -36,9 +39,9 @@ void ColumnFactor::remove(int index) noexcept {
   --count_;
   // Turns rows k and k + 1 until the entry below the diagonal is gone, and Q against it.
   for (int k = index; k < count_; ++k) {
-    const double size = std::hypot(R_(k, k), R_(k + 1, k));
-    const double c = R_(k, k) / size;
-    const double s = R_(k + 1, k) / size;
+    const double length = std::hypot(R_(k, k), R_(k + 1, k));
+    const double c = R_(k, k) / length;
+    const double s = R_(k + 1, k) / length;
     for (int j = k; j < count_; ++j) {
       const double upper = R_(k, j);
       const double lower = R_(k + 1, j);
