@@ -5,7 +5,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "core/shape/angle_feature.hpp"
 #include "core/shape/distance_feature.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
@@ -69,9 +68,6 @@ FeatureOnPoints::FeatureOnPoints(const std::string& kind,
   } else if (kind == "distance") {
     feature_ = std::make_unique<shape::DistanceFeature>(
         tetrahedra_at(rest_points_), shape::DistanceFeature::Options{rest_points});
-  } else if (kind == "angle") {
-    feature_ = std::make_unique<shape::AngleFeature>(tetrahedra_at(rest_points_),
-                                                     shape::AngleFeature::Options{rest_points, {}});
   } else {
     throw std::invalid_argument("a feature \"" + kind + "\" of " +
                                 std::to_string(rest_points.size()) + " points cannot be scored");
@@ -96,19 +92,16 @@ Eigen::VectorXd FeatureOnPoints::error(const Eigen::VectorXd& value,
 bool FeatureOnPoints::is_set() const { return std::strcmp(feature_->kind(), "points") == 0; }
 
 double FeatureOnPoints::distance(const Eigen::VectorXd& error) const {
-  if (feature_->unit(0) != shape::Unit::kMetre) return 0;
   if (!is_set()) return error.head(std::min<Eigen::Index>(3, error.size())).norm();
   return std::sqrt(3 * error.squaredNorm() / static_cast<double>(error.size()));
 }
 
 double FeatureOnPoints::angle(const Eigen::VectorXd& error) const {
-  const Eigen::Index last = error.size() - 1;
-  if (feature_->unit(static_cast<int>(last)) != shape::Unit::kRadian) return 0;
-  return last == 0 ? std::abs(error[0]) : error.tail<3>().norm();
+  return !is_set() && error.size() == 6 ? error.tail<3>().norm() : 0;
 }
 
 Eigen::Vector3d FeatureOnPoints::place(const Eigen::VectorXd& value) const {
-  if (value.size() == 1) return distance(value) * Eigen::Vector3d::UnitX();
+  if (value.size() == 1) return value[0] * Eigen::Vector3d::UnitX();
   if (!is_set()) return value.head<3>();
   return value.reshaped(3, value.size() / 3).rowwise().mean();
 }
