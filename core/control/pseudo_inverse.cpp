@@ -2,14 +2,9 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cstring>
 #include <stdexcept>
 
 namespace palpate::control {
-
-bool is_rotation_row(const shape::Feature& feature, int row) noexcept {
-  return std::strcmp(feature.kind(), "pose") == 0 && row >= 3;
-}
 
 PseudoInverse::PseudoInverse(const Options& options) : options_(options) {
   if (!(options.length > 0 && options.length < 1e3)) {
@@ -36,7 +31,10 @@ void PseudoInverse::set_up(const shape::Feature& feature) {
   const int rows = feature.dimension();
   row_scale_.setOnes(rows);
   for (int row = 0; row < rows; ++row) {
-    if (is_rotation_row(feature, row)) row_scale_[row] = options_.length;
+    if (feature.unit(row) == shape::Unit::kRadian) row_scale_[row] = options_.length;
+    if (feature.unit(row) == shape::Unit::kPerMetre) {
+      row_scale_[row] = options_.length * options_.length;
+    }
   }
   scaled_.setZero(rows);
   J_.setZero(rows, columns());

@@ -7,9 +7,10 @@ namespace palpate::control {
 
 /// The motion of a grasp that moves a feature as wished, in the least-squares sense, and of all
 /// such motions the smallest: u = J^+ s. Metres and radians are made comparable by a length L:
-/// |u|^2 = |v|^2 + L^2 |w|^2, and rotation rows of the feature count L times. Two grasps may move
-/// together: u is then the first one's motion above the second one's. Works on the eigenvectors of
-/// the 6 x 6 or 12 x 12 normal matrix, so after set_up() nothing allocates whatever the feature.
+/// |u|^2 = |v|^2 + L^2 |w|^2, and rotation rows of the feature count L times, curvatures L^2 times.
+/// Two grasps may move together: u is then the first one's motion above the second one's. Works on
+/// the eigenvectors of the 6 x 6 or 12 x 12 normal matrix, so after set_up() nothing allocates
+/// whatever the feature.
 class PseudoInverse {
  public:
   struct Options {
@@ -28,7 +29,7 @@ class PseudoInverse {
   /// Throws std::invalid_argument where an option is out of range.
   explicit PseudoInverse(const Options& options);
 
-  /// Rows of the feature that are rotations. Allocates.
+  /// What the rows of the feature count in. Allocates.
   void set_up(const shape::Feature& feature);
 
   /// Takes J, dimension x 6 or 12. False where it is not finite or zero; then nothing can be
@@ -41,7 +42,7 @@ class PseudoInverse {
   /// (I - J J^+) e with the rank tolerance: what no motion removes, least squares in scaled rows.
   void unreachable(const Eigen::VectorXd& e, Eigen::VectorXd& out) noexcept;
 
-  /// 1 on rows in metres, L on rows in radians.
+  /// 1 on rows in metres, L on rows in radians, L^2 on rows in 1/m.
   const Eigen::VectorXd& row_scale() const noexcept { return row_scale_; }
 
  private:
@@ -57,8 +58,5 @@ class PseudoInverse {
   Normal V_;
   Motion lambda_;  // squares of the singular values, ascending
 };
-
-/// True for each row of the feature's error that is a rotation in rad.
-bool is_rotation_row(const shape::Feature& feature, int row) noexcept;
 
 }  // namespace palpate::control

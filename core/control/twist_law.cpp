@@ -36,11 +36,15 @@ TwistLaw::TwistLaw(const Options& options)
 void TwistLaw::configure_for(const shape::Feature& feature) {
   inverse_.set_up(feature);
   motion_.setZero(feature.dimension());
-  position_rows_.setOnes(feature.dimension());
+  position_rows_ = inverse_.row_scale();
+  angle_rows_.setZero(feature.dimension());
   for (int row = 0; row < feature.dimension(); ++row) {
-    if (is_rotation_row(feature, row)) position_rows_[row] = 0;
+    if (feature.unit(row) != shape::Unit::kRadian) continue;
+    position_rows_[row] = 0;
+    angle_rows_[row] = 1;
   }
-  point_scale_ = 1 / std::sqrt(std::max(1.0, position_rows_.sum() / 3));
+  const double points = (feature.dimension() - angle_rows_.sum()) / 3;
+  point_scale_ = 1 / std::sqrt(std::max(1.0, points));
   dead_band_.reset();
 }
 
@@ -75,7 +79,7 @@ void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
 
 bool TwistLaw::rests(const Eigen::VectorXd& reachable) noexcept {
   const double position = point_scale_ * reachable.cwiseProduct(position_rows_).norm();
-  const double angle = (reachable - reachable.cwiseProduct(position_rows_)).norm();
+  const double angle = reachable.cwiseProduct(angle_rows_).norm();
   return dead_band_.rests(position, angle);
 }
 

@@ -43,7 +43,8 @@ class TwistLaw : public ControlLaw {
   Options options_;
   PseudoInverse inverse_;
   DeadBand dead_band_;
-  Eigen::VectorXd position_rows_;  // 1 on rows in metres
+  Eigen::VectorXd position_rows_;  // what a row counts in the dead band's position, m
+  Eigen::VectorXd angle_rows_;     // the same for its angle
   double point_scale_ = 1;         // 1 / sqrt(number of points that the error speaks of)
   Eigen::VectorXd motion_;
 };

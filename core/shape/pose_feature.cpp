@@ -6,9 +6,6 @@
 namespace palpate::shape {
 namespace {
 
-/// Sine of the angle at p1 below which the points count as one line.
-constexpr double kFlattest = 1e-3;
-
 bool spans_plane(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
   const double size = a.norm() * b.norm();
   return size > 1e-12 && a.cross(b).norm() > kFlattest * size;
@@ -17,27 +14,25 @@ bool spans_plane(const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
 }  // namespace
 
 PoseFeature::PoseFeature(const mesh::ElementMesh& mesh, const Options& options)
-    : points_(mesh, {options.rest_points.begin(), options.rest_points.end()}) {
-  const std::vector<Eigen::Vector3d>& p = points_.rest_points();
+    : MaterialFeature(mesh, {options.rest_points.begin(), options.rest_points.end()}) {
+  const std::vector<Eigen::Vector3d>& p = rest_points();
   if (!spans_plane(p[1] - p[0], p[2] - p[0])) {
     throw std::invalid_argument("the three points of a pose feature lie on a line");
   }
-  const Eigen::MatrixXd& weights = points_.weights();
-  jacobian_ = Eigen::MatrixXd::Ones(6, 3 * weights.cols()).sparseView();
-  entries().setZero();
-  for (int i = 0; i < weights.cols(); ++i) {
-    entries().block<3, 3>(0, 3 * i).diagonal().setConstant(weights.col(i).sum() / 3);
-  }
+  set_dimension(6);
+  const Eigen::Matrix3d third = Eigen::Matrix3d::Identity() / 3;
+  by_points_.topRows<3>() << third, third, third;
   Eigen::VectorXd value(7);
   evaluate(mesh.nodes, value);
 }
 
 void PoseFeature::evaluate(const Eigen::Matrix3Xd& positions,
                            Eigen::Ref<Eigen::VectorXd> value) noexcept {
-  const Eigen::Vector3d p1 = points_.position(0, positions);
-  const Eigen::Vector3d p2 = points_.position(1, positions);
-  const Eigen::Vector3d p3 = points_.position(2, positions);
-  if (spans_plane(p2 - p1, p3 - p1)) turn_with(p2 - p1, p3 - p1);
+  const Eigen::Vector3d p1 = position(0, positions);
+  const Eigen::Vector3d p2 = position(1, positions);
+  const Eigen::Vector3d p3 = position(2, positions);
+  is_defined_ = spans_plane(p2 - p1, p3 - p1);
+  if (is_defined_) turn_with(p2 - p1, p3 - p1);
   value.head<3>() = (p1 + p2 + p3) / 3;
   math::wxyz_from_rotation(R_OC_, value.data() + 3);
 }
@@ -55,11 +50,8 @@ void PoseFeature::turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) 
   const Eigen::Matrix3d by_a =
       x * y.cross(b).transpose() / n.norm() + (z * y.transpose() - y * z.transpose()) / a.norm();
   const Eigen::Matrix3d by_b = -x * y.cross(a).transpose() / n.norm();
-  const Eigen::MatrixXd& weights = points_.weights();
-  for (int i = 0; i < weights.cols(); ++i) {
-    entries().block<3, 3>(3, 3 * i) =
-        (weights(1, i) - weights(0, i)) * by_a + (weights(2, i) - weights(0, i)) * by_b;
-  }
+  by_points_.bottomRows<3>() << -by_a - by_b, by_a, by_b;
+  chain(by_points_);
 }
 
 void PoseFeature::error(const Eigen::Ref<const Eigen::VectorXd>& value,

@@ -2,8 +2,7 @@
 
 #include <array>
 
-#include "core/shape/feature.hpp"
-#include "core/shape/material_points.hpp"
+#include "core/shape/material_feature.hpp"
 
 namespace palpate::shape {
 
@@ -11,7 +10,7 @@ namespace palpate::shape {
 /// along the normal (p2 - p1) x (p3 - p1), y = z x x. Value and target: p_OC (m), then the
 /// quaternion of R_OC as w, x, y, z. Error: p_target - p, then the rotation vector of
 /// R_target R^T, in O; its angle is at most pi.
-class PoseFeature : public Feature {
+class PoseFeature : public MaterialFeature {
  public:
   struct Options {
     std::array<Eigen::Vector3d, 3> rest_points{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero(),
@@ -22,30 +21,23 @@ class PoseFeature : public Feature {
   PoseFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "pose"; }
-  int dimension() const noexcept override { return 6; }
   int value_count() const noexcept override { return 7; }
-  const std::vector<Eigen::Vector3d>& rest_points() const noexcept override {
-    return points_.rest_points();
-  }
+  Unit unit(int row) const noexcept override { return row < 3 ? Unit::kMetre : Unit::kRadian; }
   /// Keeps the last orientation while the points have collapsed onto a line.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
+  bool is_defined() const noexcept override { return is_defined_; }
   void error(const Eigen::Ref<const Eigen::VectorXd>& value,
              const Eigen::Ref<const Eigen::VectorXd>& target,
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
-  const std::vector<int>& support() const noexcept override { return points_.support(); }
-  const Eigen::SparseMatrix<double>& jacobian() const noexcept override { return jacobian_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
 
  private:
   void turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
-  Eigen::Map<Eigen::MatrixXd> entries() noexcept {
-    return {jacobian_.valuePtr(), jacobian_.rows(), jacobian_.cols()};
-  }
 
-  MaterialPoints points_;
   Eigen::Matrix3d R_OC_ = Eigen::Matrix3d::Identity();
-  Eigen::SparseMatrix<double> jacobian_;  // every entry is kept, also where it is zero
+  Eigen::Matrix<double, 6, 9> by_points_;
+  bool is_defined_ = true;
 };
 
 }  // namespace palpate::shape

@@ -1,3 +1,7 @@
+#include "core/shape/angle_feature.hpp"
+#include "core/shape/curvature_feature.hpp"
+#include "core/shape/distance_feature.hpp"
+#include "core/shape/fourier_contour_feature.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
@@ -15,26 +19,63 @@ std::vector<Eigen::Vector3d> rest_points(const config::Node& node, std::size_t c
   return points;
 }
 
+std::vector<int> components(const config::Node& node) {
+  if (!node.has("components")) return {0, 1, 2};
+  std::vector<int> axes;
+  for (const double axis : node.numbers("components", -1, {0, 2})) {
+    axes.push_back(static_cast<int>(axis));
+  }
+  return axes;
+}
+
+std::optional<Eigen::Vector3d> axis(const config::Node& node) {
+  if (!node.has("axis")) return {};
+  return node.vector3("axis");
+}
+
+/// Those listed, or some spread over the whole surface.
+std::vector<Eigen::Vector3d> set_of_points(const config::Node& node,
+                                           const mesh::ElementMesh& mesh) {
+  if (!node.has("surface")) return node.points("rest_points");
+  if (node.has("rest_points")) node.fail("rest_points", "has no meaning beside \"surface\"");
+  return shape::surface_points(mesh,
+                               node.integer("surface", {1, shape::PointsFeature::kMostPoints}));
+}
+
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context) {
-  const std::string name = node.choice("component", {"point", "points", "pose"});
+  const std::string name = node.choice("component", {"point", "points", "pose", "distance", "angle",
+                                                     "curvature", "fourier_contour"});
   const mesh::ElementMesh& mesh = context.object->body.mesh;
   try {
     if (name == "point") {
-      shape::PointFeature::Options options;
-      options.rest_point = rest_points(node, 1)[0];
-      if (node.has("components")) {
-        options.components.clear();
-        for (const double axis : node.numbers("components", -1, {0, 2})) {
-          options.components.push_back(static_cast<int>(axis));
-        }
-      }
-      return std::make_unique<shape::PointFeature>(mesh, options);
+      return std::make_unique<shape::PointFeature>(
+          mesh, shape::PointFeature::Options{rest_points(node, 1)[0], components(node)});
     }
     if (name == "points") {
       return std::make_unique<shape::PointsFeature>(
-          mesh, shape::PointsFeature::Options{node.points("rest_points")});
+          mesh, shape::PointsFeature::Options{set_of_points(node, mesh)});
+    }
+    if (name == "distance") {
+      return std::make_unique<shape::DistanceFeature>(
+          mesh, shape::DistanceFeature::Options{node.points("rest_points")});
+    }
+    if (name == "angle") {
+      return std::make_unique<shape::AngleFeature>(
+          mesh, shape::AngleFeature::Options{node.points("rest_points"), axis(node)});
+    }
+    if (name == "curvature") {
+      return std::make_unique<shape::CurvatureFeature>(
+          mesh, shape::CurvatureFeature::Options{node.points("rest_points"), axis(node)});
+    }
+    if (name == "fourier_contour") {
+      shape::FourierContourFeature::Options options;
+      options.rest_points = node.points("rest_points");
+      options.harmonics = node.integer("harmonics", {1, 31}, options.harmonics);
+      options.closed = node.flag("closed", options.closed);
+      options.components = components(node);
+      return std::make_unique<shape::FourierContourFeature>(mesh, options);
     }
     shape::PoseFeature::Options options;
     const std::vector<Eigen::Vector3d> points = rest_points(node, 3);

@@ -315,6 +315,10 @@ void Pipeline::control(double dt) noexcept {
 bool Pipeline::steer(double dt, int first) noexcept {
   Slots& slots = *slots_;
   if (slots.control_condition.state == LifeCycle::kFaulted) return false;
+  if (!slots.feature->is_defined()) {
+    slots.control_condition.apply({sensing::Status::kDegraded, "no such feature in this shape"});
+    return false;
+  }
   const math::Pose& X_OG = estimation_inputs_.grasps[first].X_OG;
   if (!slots.provider->update(*slots.feature, *slots.model, X_OG, slots.jacobian)) {
     slots.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});

@@ -49,7 +49,9 @@ void add_events(CLI::App& app, Options& options) {
 
   CLI::App* target = app.add_subcommand("target", "where the feature of the shape shall be");
   target->add_option("kind", options.kind, "name of the feature, as configured")->required();
-  target->add_option("values", options.values, "m, rad; a pose as position and quaternion w x y z")
+  target
+      ->add_option("values", options.values,
+                   "m, rad, 1/m; a pose as position and quaternion w x y z")
       ->required();
   target->add_option("--points", options.points,
                      "x y z of rest points in O, m, where not as configured");

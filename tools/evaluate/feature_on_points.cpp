@@ -1,9 +1,11 @@
 #include "tools/evaluate/feature_on_points.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <stdexcept>
 
+#include "core/shape/distance_feature.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
@@ -12,7 +14,7 @@ namespace palpate::evaluate {
 namespace {
 
 /// m; less than what two points of a set are apart
-constexpr double kSmallEdge = 0.1 * shape::PointsFeature::kNearestPair;
+constexpr double kSmallEdge = 0.1 * shape::kNearestPair;
 
 /// A small tetrahedron at each point, the points first: the feature then reads nothing but them.
 mesh::ElementMesh tetrahedra_at(const Eigen::Matrix3Xd& points) {
@@ -63,6 +65,9 @@ FeatureOnPoints::FeatureOnPoints(const std::string& kind,
   } else if (kind == "points") {
     feature_ = std::make_unique<shape::PointsFeature>(tetrahedra_at(rest_points_),
                                                       shape::PointsFeature::Options{rest_points});
+  } else if (kind == "distance") {
+    feature_ = std::make_unique<shape::DistanceFeature>(
+        tetrahedra_at(rest_points_), shape::DistanceFeature::Options{rest_points});
   } else {
     throw std::invalid_argument("a feature \"" + kind + "\" of " +
                                 std::to_string(rest_points.size()) + " points cannot be scored");
@@ -87,7 +92,7 @@ Eigen::VectorXd FeatureOnPoints::error(const Eigen::VectorXd& value,
 bool FeatureOnPoints::is_set() const { return std::strcmp(feature_->kind(), "points") == 0; }
 
 double FeatureOnPoints::distance(const Eigen::VectorXd& error) const {
-  if (!is_set()) return error.head<3>().norm();
+  if (!is_set()) return error.head(std::min<Eigen::Index>(3, error.size())).norm();
   return std::sqrt(3 * error.squaredNorm() / static_cast<double>(error.size()));
 }
 
@@ -96,6 +101,7 @@ double FeatureOnPoints::angle(const Eigen::VectorXd& error) const {
 }
 
 Eigen::Vector3d FeatureOnPoints::place(const Eigen::VectorXd& value) const {
+  if (value.size() == 1) return value[0] * Eigen::Vector3d::UnitX();
   if (!is_set()) return value.head<3>();
   return value.reshaped(3, value.size() / 3).rowwise().mean();
 }

@@ -12,8 +12,9 @@ namespace palpate::evaluate {
 /// whose mesh the feature does not understand.
 class FeatureOnPoints {
  public:
-  /// kind: `point` with one rest point, `pose` with three, `points` with 1 to 64; points in O, m.
-  /// Throws std::invalid_argument for anything else.
+  /// kind: `point` with one rest point, `pose` with three, `points` with 1 to 64, `distance` with
+  /// two; points in O, m. Throws std::invalid_argument for anything else: of angles, curvatures and
+  /// contours a target does not say all that defines them.
   FeatureOnPoints(const std::string& kind, const std::vector<Eigen::Vector3d>& rest_points);
 
   int value_count() const { return feature_->value_count(); }
@@ -29,7 +30,7 @@ class FeatureOnPoints {
   double distance(const Eigen::VectorXd& error) const;
   /// rad; 0 where the feature has no orientation.
   double angle(const Eigen::VectorXd& error) const;
-  /// m, in O; of a set the centroid.
+  /// m, in O; of a set the centroid. A distance counts as a place that far out.
   Eigen::Vector3d place(const Eigen::VectorXd& value) const;
 
  private:

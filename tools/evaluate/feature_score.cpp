@@ -39,7 +39,7 @@ void add_estimate(FeatureScore& score, const std::vector<feature_t>& features,
   constexpr std::int64_t kPeriod = 10000;  // us
   std::int64_t next = 0;
   for (const feature_t& feature : features) {
-    if (feature.revision != target.revision || feature.error_count < 3) continue;
+    if (feature.revision != target.revision || feature.error_count < 1) continue;
     const auto vector = [&score](const double(&numbers)[32], int count) -> Eigen::VectorXd {
       return Eigen::Map<const Eigen::VectorXd>(numbers,
                                                score.kind == "points" ? count / 3 * 3 : count);

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string_view>
 
 #include "core/control/pseudo_inverse.hpp"
 #include "core/math/random.hpp"
@@ -18,6 +19,10 @@ class BareFeature : public shape::Feature {
   const char* kind() const noexcept override { return kind_; }
   int dimension() const noexcept override { return dimension_; }
   int value_count() const noexcept override { return dimension_; }
+  shape::Unit unit(int row) const noexcept override {
+    return std::string_view(kind_) == "pose" && row >= 3 ? shape::Unit::kRadian
+                                                         : shape::Unit::kMetre;
+  }
   const std::vector<Eigen::Vector3d>& rest_points() const noexcept override { return points_; }
   void evaluate(const Eigen::Matrix3Xd&, Eigen::Ref<VectorXd>) noexcept override {}
   void error(const Eigen::Ref<const VectorXd>&, const Eigen::Ref<const VectorXd>&,

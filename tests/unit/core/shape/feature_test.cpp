@@ -3,10 +3,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/math/random.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
+#include "tests/unit/core/shape/shapes.hpp"
 
 namespace palpate::shape {
 namespace {
@@ -17,10 +17,6 @@ using Eigen::VectorXd;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-mesh::ElementMesh bar(mesh::ElementOrder order) {
-  return mesh::make_element_mesh(mesh::make_box({0.5, 0.06, 0.06}, {6, 2, 2}), order);
-}
-
 PoseFeature::Options pose_points() {
   return {{Vector3d(0.40, 0.01, 0.02), Vector3d(0.47, 0.03, 0.05), Vector3d(0.43, 0.055, 0.01)}};
 }
@@ -28,45 +24,6 @@ PoseFeature::Options pose_points() {
 /// Some inside, one on a node.
 PointsFeature::Options set_of_points() {
   return {{{0.31, 0.02, 0.04}, {0.5, 0.06, 0.06}, {0.05, 0.06, 0.031}, {0.32, 0.02, 0.04}}};
-}
-
-/// A smooth large deformation with some noise, so that nothing is special about it.
-Eigen::Matrix3Xd deformed(const mesh::ElementMesh& mesh) {
-  math::Random random(7);
-  Eigen::Matrix3Xd x = mesh.nodes;
-  for (int i = 0; i < x.cols(); ++i) {
-    const Vector3d turn(0.5 * x(0, i), -2 * x(0, i), 1.5 * x(0, i));
-    x.col(i) = math::exp_rotation(turn) * x.col(i) + Vector3d(0.01, 0.02, -0.03);
-    for (int k = 0; k < 3; ++k) x(k, i) += random.uniform(-1e-3, 1e-3);
-  }
-  return x;
-}
-
-/// Largest difference between the analytic Jacobian and central differences of error(), relative to
-/// the largest entry. error(value, target) falls as the feature moves, hence the sign.
-double jacobian_error(Feature& feature, Eigen::Matrix3Xd x) {
-  const int dimension = feature.dimension();
-  VectorXd value(feature.value_count()), ahead(feature.value_count()),
-      behind(feature.value_count());
-  feature.evaluate(x, value);
-  const MatrixXd analytic = feature.jacobian();
-  MatrixXd numeric(dimension, analytic.cols());
-  VectorXd difference(dimension);
-  const double h = 1e-6;
-  for (int i = 0; i < static_cast<int>(feature.support().size()); ++i) {
-    for (int k = 0; k < 3; ++k) {
-      double& coordinate = x(k, feature.support()[i]);
-      const double middle = coordinate;
-      coordinate = middle + h;
-      feature.evaluate(x, ahead);
-      coordinate = middle - h;
-      feature.evaluate(x, behind);
-      coordinate = middle;
-      feature.error(behind, ahead, difference);
-      numeric.col(3 * i + k) = difference / (2 * h);
-    }
-  }
-  return (numeric - analytic).cwiseAbs().maxCoeff() / analytic.cwiseAbs().maxCoeff();
 }
 
 class FeatureTest : public ::testing::TestWithParam<mesh::ElementOrder> {};
@@ -243,6 +200,9 @@ TEST(PoseFeature, KeepsItsOrientationWhenThePointsCollapse) {
   feature.evaluate(line, after);
   EXPECT_EQ(after.tail<4>(), before.tail<4>());
   EXPECT_TRUE(MatrixXd(feature.jacobian()).allFinite());
+  EXPECT_FALSE(feature.is_defined());
+  feature.evaluate(mesh.nodes, after);
+  EXPECT_TRUE(feature.is_defined());
 }
 
 }  // namespace

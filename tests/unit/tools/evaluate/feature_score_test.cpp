@@ -119,6 +119,20 @@ TEST(FeatureScore, ErrorOfASetIsItsRootMeanSquare) {
   EXPECT_NEAR(score->unreachable, 0.002 / std::sqrt(10), 1e-12);
 }
 
+TEST(FeatureScore, OfADistanceIsItsDifference) {
+  const auto truth = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
+    return {1.1 * p.x(), p.y(), p.z()};
+  };
+  RunLog run = synthetic_run(truth, truth, 1);
+  run.targets.push_back(target_of("distance", {{0.1, 0, 0}, {0.3, 0, 0}}, {0.21}, 0));
+  const auto score = score_feature(run);
+  ASSERT_TRUE(score);
+  EXPECT_NEAR(score->rest_distance, 0.01, 1e-6);
+  EXPECT_EQ(score->rest_angle, 0);
+  run.targets[0] = target_of("curvature", {{0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}}, {1}, 0);
+  EXPECT_THROW(score_feature(run), std::invalid_argument);
+}
+
 TEST(FeatureScore, NoTargetNoScore) {
   const auto rest = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d { return p; };
   EXPECT_FALSE(score_feature(synthetic_run(rest, rest, 1)));

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+
+#include "core/shape/material_feature.hpp"
+
+namespace palpate::shape {
+
+/// Angle between two directions in the material, rad. Of three points p1, p2, p3: at p2, from
+/// a = p1 - p2 to b = p3 - p2. Of four: from a = p2 - p1 to b = p4 - p3.
+///
+/// Without an axis: 0 to pi, atan2(|a x b|, a . b); that of a straight line cannot be steered, for
+/// every bending makes it smaller. With the axis n, fixed in O: of a and b as seen along n, counted
+/// by the right hand about n, atan2(n . (a x b), a . b - (n . a)(n . b)) in (-pi, pi], and smooth
+/// through the straight line; error = target - value is then wrapped to [-pi, pi), the shorter way
+/// round. Targets lie within pi of 0, without an axis from 0 to pi.
+class AngleFeature : public MaterialFeature {
+ public:
+  struct Options {
+    std::vector<Eigen::Vector3d> rest_points;  // 3 or 4, in O, m
+    std::optional<Eigen::Vector3d> axis;       // in O, any length but 0
+  };
+
+  /// Throws std::invalid_argument unless there are three or four points of the mesh, and, without
+  /// an axis, directions that are not on one line; with one, directions not along it.
+  AngleFeature(const mesh::ElementMesh& mesh, const Options& options);
+
+  const char* kind() const noexcept override { return "angle"; }
+  Unit unit(int /*row*/) const noexcept override { return Unit::kRadian; }
+  /// Where the angle is not defined, value and Jacobian are the last ones.
+  void evaluate(const Eigen::Matrix3Xd& positions,
+                Eigen::Ref<Eigen::VectorXd> value) noexcept override;
+  bool is_defined() const noexcept override { return is_defined_; }
+  void error(const Eigen::Ref<const Eigen::VectorXd>& value,
+             const Eigen::Ref<const Eigen::VectorXd>& target,
+             Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
+  bool is_valid_target(const double* target, int count) const noexcept override;
+
+ private:
+  bool measure(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept;
+
+  std::optional<Eigen::Vector3d> axis_;
+  double angle_ = 0;
+  Eigen::RowVector3d by_a_, by_b_;
+  bool is_defined_ = true;
+};
+
+}  // namespace palpate::shape

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <optional>
+
+#include "core/shape/material_feature.hpp"
+
+namespace palpate::shape {
+
+/// Curvature of a line through three or five material points in their order, 1/m. Three points give
+/// that of the circle through them (Menger):
+///   kappa = 2 m . (a x b) / (|a| |b| |a + b|),   a = p2 - p1,   b = p3 - p2;
+/// five the mean over their three triples of neighbours. Points on one circle give 1 / radius
+/// however they are spaced.
+///
+/// Without an axis m is the line's own normal (a x b) / |a x b|, so kappa >= 0, and a straight line
+/// cannot be steered. With the axis, fixed in O, m is that: the line's curvature about it, positive
+/// where the line turns left seen from its tip, and smooth through the straight line. The error is
+/// target - value.
+class CurvatureFeature : public MaterialFeature {
+ public:
+  struct Options {
+    std::vector<Eigen::Vector3d> rest_points;  // 3 or 5 along the line, in O, m
+    std::optional<Eigen::Vector3d> axis;       // in O, any length but 0
+  };
+
+  /// Throws std::invalid_argument unless there are three or five points of the mesh, kNearestPair
+  /// apart, and, without an axis, each three neighbours not on a straight line.
+  CurvatureFeature(const mesh::ElementMesh& mesh, const Options& options);
+
+  const char* kind() const noexcept override { return "curvature"; }
+  Unit unit(int /*row*/) const noexcept override { return Unit::kPerMetre; }
+  /// Where two points come together, a triple's part of value and Jacobian is its last one; where
+  /// a triple becomes straight, without an axis, it goes by its last normal.
+  void evaluate(const Eigen::Matrix3Xd& positions,
+                Eigen::Ref<Eigen::VectorXd> value) noexcept override;
+  bool is_defined() const noexcept override { return is_defined_; }
+  bool is_valid_target(const double* target, int count) const noexcept override;
+
+ private:
+  struct Triple {
+    Eigen::Vector3d normal = Eigen::Vector3d::Zero();
+    double curvature = 0;
+    Eigen::RowVector3d by_a = Eigen::RowVector3d::Zero();
+    Eigen::RowVector3d by_b = Eigen::RowVector3d::Zero();
+  };
+  bool measure(const Eigen::Vector3d& a, const Eigen::Vector3d& b, Triple& triple) const noexcept;
+
+  std::optional<Eigen::Vector3d> axis_;
+  std::array<Triple, 3> triples_;
+  bool is_defined_ = true;
+};
+
+}  // namespace palpate::shape

@@ -1,0 +1,92 @@
+#include "core/shape/material_feature.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace palpate::shape {
+
+MaterialFeature::MaterialFeature(const mesh::ElementMesh& mesh,
+                                 std::vector<Eigen::Vector3d> rest_points)
+    : points_(mesh, std::move(rest_points)) {
+  const Eigen::MatrixXd& weights = points_.weights();
+  for (int node = 0; node < weights.cols(); ++node) {
+    for (int point = 0; point < weights.rows(); ++point) {
+      if (weights(point, node) != 0) carriers_.push_back({point, node, weights(point, node)});
+    }
+  }
+}
+
+void MaterialFeature::set_constant(const Eigen::MatrixXd& by_points) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (const Carrier& carrier : carriers_) {
+    for (int axis = 0; axis < 3; ++axis) {
+      for (int row = 0; row < by_points.rows(); ++row) {
+        const double factor = by_points(row, 3 * carrier.point + axis);
+        if (factor == 0) continue;
+        entries.emplace_back(row, 3 * carrier.node + axis, carrier.weight * factor);
+      }
+    }
+  }
+  jacobian_.resize(by_points.rows(), 3 * points_.weights().cols());
+  jacobian_.setFromTriplets(entries.begin(), entries.end());
+}
+
+void MaterialFeature::set_dimension(int dimension) {
+  jacobian_ = Eigen::MatrixXd::Ones(dimension, 3 * points_.weights().cols()).sparseView();
+  jacobian_.coeffs().setZero();
+}
+
+void MaterialFeature::chain(const Eigen::Ref<const Eigen::MatrixXd>& by_points) noexcept {
+  Eigen::Map<Eigen::MatrixXd> entries(jacobian_.valuePtr(), jacobian_.rows(), jacobian_.cols());
+  entries.setZero();
+  for (const Carrier& carrier : carriers_) {
+    entries.middleCols<3>(3 * carrier.node) +=
+        carrier.weight * by_points.middleCols<3>(3 * carrier.point);
+  }
+}
+
+void MaterialFeature::error(const Eigen::Ref<const Eigen::VectorXd>& value,
+                            const Eigen::Ref<const Eigen::VectorXd>& target,
+                            Eigen::Ref<Eigen::VectorXd> error) const noexcept {
+  error = target - value;
+}
+
+bool MaterialFeature::is_valid_target(const double* target, int count) const noexcept {
+  return count == value_count() &&
+         std::all_of(target, target + count, [](double v) { return std::isfinite(v); });
+}
+
+std::optional<Eigen::Vector3d> unit_axis(const char* kind,
+                                         const std::optional<Eigen::Vector3d>& axis) {
+  if (!axis) return {};
+  if (!axis->allFinite() || !(axis->norm() > 1e-6)) {
+    throw std::invalid_argument("feature " + std::string(kind) + ": the axis is not a direction");
+  }
+  return axis->normalized();
+}
+
+const std::vector<Eigen::Vector3d>& checked_points(const char* kind,
+                                                   const std::vector<Eigen::Vector3d>& points,
+                                                   std::size_t least, std::size_t most) {
+  const auto refuse = [kind](const std::string& why) {
+    throw std::invalid_argument("feature " + std::string(kind) + ": " + why);
+  };
+  if (points.size() < least || points.size() > most) {
+    refuse("has " + std::to_string(least) +
+           (most > least ? " to " + std::to_string(most) : std::string()) + " points, not " +
+           std::to_string(points.size()));
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if ((points[i] - points[k]).norm() < kNearestPair) {
+        refuse("points " + std::to_string(k) + " and " + std::to_string(i) +
+               " are nearer than 1 mm");
+      }
+    }
+  }
+  return points;
+}
+
+}  // namespace palpate::shape

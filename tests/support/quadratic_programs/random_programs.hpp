@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+
+#include "core/math/quadratic_program.hpp"
+#include "core/math/random.hpp"
+
+namespace palpate::testing {
+
+/// Families of random programs: plain ones and the awkward ones that a servo loop makes.
+enum class Family {
+  kPlain,          // rows around a feasible point
+  kBox,            // bounds on every variable, and rows
+  kRedundant,      // rows that repeat, scale, negate or add up others
+  kEquations,      // equations, some of them repeated, besides rows
+  kRankDeficient,  // all rows within a subspace of one to three dimensions
+  kThin,           // feasible in a slab whose width is 1e-6 of its distance
+  kInfeasible,     // rows whose weighted sum contradicts itself, by 1e-6 to 1 of its size
+  kBadlyScaled,    // rows scaled by up to 1e6, variables by up to 1e3, either way
+  kVertex,         // more rows than variables through the optimum
+  kSoft,           // rows of every level that contradict each other, a few hard ones that do not
+};
+constexpr int kFamilies = 10;
+std::string name(Family family);
+
+/// A program of 1 to `variables` variables and up to `rows` rows.
+math::QuadraticProgram random_program(Family family, int variables, int rows, math::Random& random);
+
+/// The next cycle of a servo loop: g, and the bounds that are not equations, moved by `size` of
+/// theirs.
+void drift(math::QuadraticProgram& program, double size, math::Random& random);
+
+}  // namespace palpate::testing
