@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <lcm/lcm-cpp.hpp>
 #include <stdexcept>
 
 namespace palpate::evaluate {
