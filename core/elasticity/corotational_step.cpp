@@ -339,7 +339,7 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
   for (int node = 0; node < positions_.cols(); ++node) {
     x_.col(numbering_[node]).head<3>() = blend_.position(node, held_, motions);
   }
-  if (!(static_potential() < present)) {
+  if (!(static_potential() < present - kStill * elastic_)) {
     x_ = x_kept_;
     return true;
   }
