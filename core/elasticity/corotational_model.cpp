@@ -110,8 +110,8 @@ void CorotationalModel::reset() noexcept {
   warp_.update(rotations_, factor_.rotations);
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
-  tangled_ = 0;
-  untangled_ = false;
+  doubtful_ = 0;
+  inverted_ = false;
   wanted_ = true;
   publish();
 }
@@ -251,8 +251,8 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
-  tangled_ = 0;
-  untangled_ = false;          // whatever became of the shape before
+  doubtful_ = 0;
+  inverted_ = false;
   ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
   follow_rotations();
   return true;

@@ -46,10 +46,15 @@ struct SolverOptions {
 /// one's answer and makes a few quasi-Newton corrections with a factor that may be old but with the
 /// nonlinear residual, so that what it converges to does not depend on the factor's age. The factor
 /// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
-/// correction that raises the potential is halved. Elements that stay inside out for a fifth of a
-/// second (the energy has equilibria there), or a tenth of all, which no body can be, are not
-/// waited for: the model starts again from an unstressed shape that fits its boundary, once for
-/// each entanglement. Shared by the quasi-static and the dynamic model, which minimise
+/// correction that raises the potential is halved.
+///
+/// The energy has equilibria that no body has: with elements inside out, or, where elements are
+/// few, all the right way round but twisted against each other by large strains, which a force far
+/// too large leaves behind. A shape that has elements inside out for a fifth of a second, or a
+/// tenth of all at once, or that stands still with large strains for so long, is compared with the
+/// one that RigidBlend makes of the boundary, and given up for it where that has the lower
+/// potential. Every such start descends, so that none is repeated without new loads or poses.
+/// Shared by the quasi-static and the dynamic model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
 /// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
 class CorotationalModel : public DeformationModel {
@@ -120,7 +125,8 @@ class CorotationalModel : public DeformationModel {
   void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
-  bool untangle() noexcept;
+  bool untangle(StepReport& report) noexcept;
+  double static_potential() noexcept;
   void turn_sensitivity(int begin, int end) noexcept;
   void refine_column() noexcept;
   void set_column(int g, int k) noexcept;
@@ -168,8 +174,9 @@ class CorotationalModel : public DeformationModel {
   int refined_ = 0;    // 6 grasp + motion, the one refined last
   RigidBlend blend_;
   int ticks_ = 0;
-  int tangled_ = 0;         // looks in a row that found inverted points
-  bool untangled_ = false;  // started again since the last look that found none
+  int doubtful_ = 0;            // looks in a row that found the shape a doubtful one
+  bool inverted_ = false;       // elements at the last look
+  double elastic_at_look_ = 0;  // J, with viscous potential
   bool outstanding_ = false;
   bool wanted_ = false;
 };

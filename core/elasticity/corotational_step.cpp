@@ -13,10 +13,13 @@ using Eigen::Vector3d;
 // Rotations of nodes are looked at once in so many steps, in which they change by some hundredths
 // of a radian; the sensitivity is turned with them piece by piece in between.
 constexpr int kLookPeriod = 4;
-// So many looks for inside-out elements in a row that find some, or one that finds a tenth of the
-// body like that, and the shape is given up.
+// So many looks in a row that find a doubtful shape, or one that finds a tenth of the body inside
+// out, and another is tried.
 constexpr int kPatience = 12;
 constexpr int kHopelessShare = 10;
+// Strains of equilibria that no body has are 0.44 and more; a shape stands still where its energy
+// changes by less than this share between two looks.
+constexpr double kLargeStrain = 0.35, kStill = 1e-3;
 // Steps between those that measure how fast corrections shrink.
 constexpr int kMeasurePeriod = 10;
 
@@ -63,14 +66,14 @@ StepReport CorotationalModel::step(double dt) noexcept {
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
     if (++ticks_ % kLookPeriod == 0) follow_rotations();
-    if (ticks_ % kTanglePeriod == 0 && untangle()) energy = evaluate();
+    if (ticks_ % kTanglePeriod == 0 && untangle(report)) energy = evaluate();
     const double initial = residual();
     correct(report, energy, start);
     if (dynamic_ && report.status != StepStatus::kConverged && report.residual > 0.05 * initial &&
         energy > potential_of_staying()) {
       stay_if_better(report, energy, dt, start);
     }
-    if (tangled_ > 0 && report.status == StepStatus::kConverged) {
+    if (inverted_ && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
   } else {
@@ -316,32 +319,44 @@ void CorotationalModel::learn() noexcept {
   secants_.add(step_taken_, force_change_);
 }
 
-/// Counts entanglement; true where it has put the nodes to a new start.
-bool CorotationalModel::untangle() noexcept {
-  const int inverted = element_forces_->inverted(x_);
-  if (inverted == 0) {
-    tangled_ = 0;
-    untangled_ = false;
-    return false;
-  }
-  ++tangled_;
-  const bool hopeless = inverted * kHopelessShare > elements_.element_count();
-  if (untangled_ || (tangled_ < kPatience && !hopeless)) return false;
+/// Looks whether the shape is one that a body can have; after enough doubt starts again from a
+/// better one. True where x_ is to be evaluated anew.
+bool CorotationalModel::untangle(StepReport& report) noexcept {
+  const ElementDoubts found = element_forces_->doubts(x_, kLargeStrain);
+  const bool still = std::abs(elastic_ - elastic_at_look_) <= kStill * elastic_;
+  elastic_at_look_ = elastic_;
+  inverted_ = found.inverted > 0;
+  doubtful_ = inverted_ || (found.strained > 0 && still) ? doubtful_ + 1 : 0;
+  const bool hopeless = found.inverted * kHopelessShare > elements_.element_count();
+  if (doubtful_ < kPatience && !hopeless) return false;
+  doubtful_ = 0;
+  const double present = static_potential();
   std::array<math::Pose, 2> motions{math::Pose::Identity(), math::Pose::Identity()};
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
     if (held_[g]) motions[g] = grasps_[g].applied * body_.grasps[g].X_OG_rest.inverse();
   }
+  x_kept_ = x_;
   for (int node = 0; node < positions_.cols(); ++node) {
     x_.col(numbering_[node]).head<3>() = blend_.position(node, held_, motions);
+  }
+  if (!(static_potential() < present - kStill * elastic_)) {
+    x_ = x_kept_;
+    return true;
   }
   x_begin_ = x_inertial_ = x_;
   v_.setZero();
   surprise_.setZero();
   element_forces_->reset();
   secants_.clear();
-  tangled_ = 0;
-  untangled_ = wanted_ = true;
+  inverted_ = false;
+  report.restarted = wanted_ = true;
   return true;
+}
+
+/// Of x_, without motion, J.
+double CorotationalModel::static_potential() noexcept {
+  forces_trial_.setZero();
+  return element_forces_->add(x_, 0, forces_trial_) - external_.cwiseProduct(x_ - rest_).sum();
 }
 
 }  // namespace palpate::elasticity

@@ -18,6 +18,8 @@ struct StepReport {
   StepStatus status = StepStatus::kFailed;
   int iterations = 0;
   double residual = 0;  // N, largest nodal force out of balance at the last evaluation
+  // The shape was one that the body can hardly have, and was given up for a better one: it jumps.
+  bool restarted = false;
 };
 
 /// A factorisation that runs outside the loop. The model fills it with a snapshot; somebody calls

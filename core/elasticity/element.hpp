@@ -7,6 +7,12 @@
 
 namespace palpate::elasticity {
 
+/// How many elements a body can hardly have in the state that they are in.
+struct ElementDoubts {
+  int inverted = 0;  // inside out somewhere: det F <= 0
+  int strained = 0;  // by more than a limit somewhere
+};
+
 /// Lame's constants, Pa.
 struct Lame {
   double mu = 0;

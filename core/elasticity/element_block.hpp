@@ -87,16 +87,18 @@ class alignas(64) ElementBlock {
     pack.lambda[lane] = static_cast<Real>(weight * materials[element].lambda);
   }
 
-  /// Lanes whose element is inside out: at a quadrature point, or, where its sides are bent, at a
-  /// corner.
-  int inverted(const double* x, const State& state) const noexcept {
-    int count = 0;
+  /// Counts lanes whose element is inside out (at a quadrature point, or, where its sides are bent,
+  /// at a corner), and those strained at a point by more than `limit` (the norm of E).
+  void add_doubts(const double* x, const State& state, double limit,
+                  ElementDoubts& doubts) const noexcept {
+    const Pack limit2 = math::splat<Pack>(limit * limit);
     for (int k = 0; k < kPacks; ++k) {
       const auto& pack = packs_[k];
-      auto bad = Pack{} != Pack{};
+      auto bad = Pack{} != Pack{}, strained = bad;
       for (int p = 0; p < kPoints; ++p) {
         const PackSymmetric<Pack>& E = state[kPoints * k + p].strain;
         bad |= determinant({1 + E[0], E[3], E[4], E[3], 1 + E[1], E[5], E[4], E[5], 1 + E[2]}) <= 0;
+        strained |= detail::square(E) > limit2;
       }
       for (int p = 0; p < 4 && kNodes == 10; ++p) {
         // Only the p-th barycentric coordinate is not zero: c_p = 3 x_p, c_i = 4 x_ip - x_i.
@@ -110,9 +112,11 @@ class alignas(64) ElementBlock {
         }
         bad |= determinant(pack.gradient_of({c[1], c[2], c[3]})) <= 0;
       }
-      for (int lane = 0; lane < kLanes; ++lane) count += bad[lane] && pack.mu[lane] != 0;
+      for (int lane = 0; lane < kLanes; ++lane) {
+        doubts.inverted += bad[lane] && pack.mu[lane] != 0;
+        doubts.strained += strained[lane] && pack.mu[lane] != 0;
+      }
     }
-    return count;
   }
 
   /// Adds the rotation of each element, the mean over its points, to its corners in `sums`; signs

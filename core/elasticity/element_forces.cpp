@@ -140,12 +140,12 @@ class BlockForces final : public ElementForces {
     }
   }
 
-  int inverted(const NodalField& x) const noexcept override {
-    int count = 0;
+  ElementDoubts doubts(const NodalField& x, double limit) const noexcept override {
+    ElementDoubts doubts;
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
-      count += blocks_[b].inverted(x.data(), state_[b]);
+      blocks_[b].add_doubts(x.data(), state_[b], limit, doubts);
     }
-    return count;
+    return doubts;
   }
 
  private:

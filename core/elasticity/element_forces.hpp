@@ -41,9 +41,10 @@ class ElementForces {
   /// the mean of their corners. Nodes without elements keep what they had.
   virtual void node_rotations(Eigen::Matrix4Xf& rotations) noexcept = 0;
 
-  /// How many elements are inside out somewhere (det F <= 0 at a quadrature point, or at a corner
-  /// of a quadratic element) at `x`, the positions of the last evaluation.
-  virtual int inverted(const NodalField& x) const noexcept = 0;
+  /// Elements that are inside out (at a quadrature point, or at a corner of a quadratic element) or
+  /// strained by more than `limit` (Frobenius norm at a quadrature point) at `x`, the positions of
+  /// the last evaluation.
+  virtual ElementDoubts doubts(const NodalField& x, double limit) const noexcept = 0;
 };
 
 /// `numbering[node]` is the column of a mesh node in nodal fields. `materials`: Lame's constants of

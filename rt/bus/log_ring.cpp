@@ -4,14 +4,10 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "rt/bus/event_log.hpp"
+
 namespace palpate::bus {
 namespace {
-
-// An event of a log: magic number (4 bytes), event number (8), time in us (8), lengths of channel
-// and data (4 each), all in network order, then channel and data.
-constexpr std::uint32_t kMagic = 0xEDA1DA01;
-constexpr int kTimeAt = 12, kChannelSizeAt = 20, kDataSizeAt = 24;
-constexpr std::size_t kHeaderSize = 28;
 
 class Header {
  public:
@@ -22,7 +18,7 @@ class Header {
   const std::uint8_t* data() const noexcept { return bytes_.data(); }
 
  private:
-  std::array<std::uint8_t, kHeaderSize> bytes_{};
+  std::array<std::uint8_t, kEventHeaderSize> bytes_{};
   std::size_t at_ = 0;
 };
 
@@ -37,21 +33,21 @@ LogRing::LogRing(std::size_t room, double span) : span_us_(static_cast<std::int6
 void LogRing::add(std::int64_t time_us, const std::string& channel, const void* data,
                   int size) noexcept {
   const std::size_t data_size = static_cast<std::size_t>(std::max(0, size));
-  const std::size_t total = kHeaderSize + channel.size() + data_size;
+  const std::size_t total = kEventHeaderSize + channel.size() + data_size;
   if (total > bytes_.size()) return;
   while (head() - tail() + total > bytes_.size()) forget_oldest();
   while (head() != tail() &&
-         static_cast<std::int64_t>(get(tail() + kTimeAt, 8)) < time_us - span_us_)
+         static_cast<std::int64_t>(get(tail() + kEventTimeAt, 8)) < time_us - span_us_)
     forget_oldest();
   Header header;
-  header.put(kMagic, 4);
+  header.put(kSyncWord, 4);
   header.put(static_cast<std::uint64_t>(events_++), 8);
   header.put(static_cast<std::uint64_t>(time_us), 8);
   header.put(channel.size(), 4);
   header.put(data_size, 4);
   std::uint64_t at = head();
-  put(at, header.data(), kHeaderSize);
-  put(at += kHeaderSize, channel.data(), channel.size());
+  put(at, header.data(), kEventHeaderSize);
+  put(at += kEventHeaderSize, channel.data(), channel.size());
   put(at += channel.size(), data, data_size);
   head_.store(at + data_size, std::memory_order_release);
 }
@@ -82,7 +78,7 @@ std::uint64_t LogRing::get(std::uint64_t at, int bytes) const noexcept {
 
 void LogRing::forget_oldest() noexcept {
   const std::uint64_t from = tail();
-  tail_.store(from + kHeaderSize + get(from + kChannelSizeAt, 4) + get(from + kDataSizeAt, 4),
+  tail_.store(from + kEventHeaderSize + get(from + kChannelSizeAt, 4) + get(from + kDataSizeAt, 4),
               std::memory_order_release);
 }
 

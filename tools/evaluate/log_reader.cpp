@@ -1,17 +1,18 @@
 #include "tools/evaluate/log_reader.hpp"
 
-#include <stdexcept>
+#include <iostream>
 
 namespace palpate::evaluate {
 
 void LogReader::read(const std::filesystem::path& log) {
-  lcm::LogFile file(log.string(), "r");
-  if (!file.good()) throw std::runtime_error("cannot read the log " + log.string());
-  while (const lcm::LogEvent* event = file.readNextEvent()) {
+  bus::EventLogReader file(log.string());
+  while (const bus::LoggedEvent* event = file.next()) {
     ++events_;
     const auto handler = handlers_.find(event->channel);
     if (handler != handlers_.end() && !handler->second(*event)) ++undecodable_;
   }
+  const std::string complaint = file.complaint();
+  if (!complaint.empty()) std::cerr << "warning: " << complaint << std::endl;
 }
 
 namespace {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <filesystem>
 #include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <palpate/component_event_t.hpp>
 #include <palpate/contacts_t.hpp>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "rt/bus/checked_decode.hpp"
+#include "rt/bus/event_log_reader.hpp"
 
 namespace palpate::evaluate {
 
@@ -38,23 +38,24 @@ class LogReader {
 
   template <class Message>
   void collect(const std::string& channel, std::vector<Message>& into) {
-    handlers_[channel] = [&into, clock = clock_](const lcm::LogEvent& event) {
+    handlers_[channel] = [&into, clock = clock_](const bus::LoggedEvent& event) {
       Message message;
-      if (!bus::checked_decode(message, event.data, event.datalen)) return false;
-      if (clock == LogClock::kReceived) message.utime = event.timestamp;
+      if (!bus::checked_decode(message, event.data, event.size)) return false;
+      if (clock == LogClock::kReceived) message.utime = event.utime;
       into.push_back(std::move(message));
       return true;
     };
   }
 
-  /// Throws std::runtime_error where the file cannot be read.
+  /// Says on stderr what of the file is no event, and goes on behind it. Throws std::runtime_error
+  /// where the file cannot be read or is no log.
   void read(const std::filesystem::path& log);
 
   long events() const { return events_; }
   long undecodable() const { return undecodable_; }
 
  private:
-  std::map<std::string, std::function<bool(const lcm::LogEvent&)>> handlers_;
+  std::map<std::string, std::function<bool(const bus::LoggedEvent&)>> handlers_;
   LogClock clock_;
   long events_ = 0;
   long undecodable_ = 0;

@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     const auto root = palpate::config::Node::load_file(configuration, overrides);
     const palpate::replay::ReplayResult result = palpate::replay::replay(root, options);
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
+    if (!result.complaint.empty()) std::fprintf(stderr, "warning: %s\n", result.complaint.c_str());
     std::printf("%lld messages, %lld cycles (%.1f s) in %.1f s; %lld shapes, hash %016llx\n",
                 static_cast<long long>(result.messages), static_cast<long long>(result.cycles),
                 result.duration, took.count(), static_cast<long long>(result.shapes),

@@ -1,6 +1,5 @@
 #include "tools/replay/replay.hpp"
 
-#include <unistd.h>
 #include <array>
 #include <cmath>
 #include <cstring>
@@ -8,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/math/fnv1a.hpp"
+#include "rt/bus/event_log_reader.hpp"
 #include "rt/daemon/text.hpp"
 
 namespace palpate::replay {
@@ -54,15 +54,20 @@ void collect(std::vector<bus::Published>& published, lcm::LogFile* output, math:
   published.clear();
 }
 
+/// A log that is damaged may say any time; a replay would be busy for years.
+void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int64_t now_ns) {
+  constexpr std::int64_t kLongest = 3600 * std::int64_t{1'000'000};  // us
+  const std::int64_t pause = next.utime - now_ns / 1000;
+  if (pause <= kLongest) return;
+  throw std::runtime_error(log + ": byte " + std::to_string(next.at) + ": the next message comes " +
+                           std::to_string(pause / 1'000'000) + " s later, an hour is most");
+}
+
 }  // namespace
 
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options) {
-  if (access(options.log.c_str(), R_OK) != 0) {
-    throw std::runtime_error(options.log + ": cannot be read");
-  }
-  lcm::LogFile log(options.log, "r");
-  if (!log.good()) throw std::runtime_error(options.log + ": is no LCM log");
-  const lcm::LogEvent* event = log.readNextEvent();
+  bus::EventLogReader log(options.log);
+  const bus::LoggedEvent* event = log.next();
   if (event == nullptr) throw std::runtime_error(options.log + ": holds no message");
 
   const auto hub = bus::make_memory_hub();
@@ -81,19 +86,20 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
   math::Fnv1a shapes;
   std::vector<bus::Published> published;
   const std::int64_t period_ns = std::llround(daemon.settings().loop.period * 1e9);
-  const std::int64_t first_us = event->timestamp;
+  const std::int64_t first_us = event->utime;
   std::int64_t now_ns = first_us * 1000;
   bus::set_time(*hub, now_ns);
   if (options.start) send_start(*input, daemon.settings().key);
 
   while (event != nullptr) {
     bus::record(*hub, nullptr);
-    for (; event != nullptr && event->timestamp * 1000 <= now_ns; event = log.readNextEvent()) {
+    for (; event != nullptr && event->utime * 1000 <= now_ns; event = log.next()) {
       if (is_own(event->channel)) continue;
-      bus::set_time(*hub, event->timestamp * 1000);
-      input->publish(event->channel.c_str(), event->data, event->datalen);
+      bus::set_time(*hub, event->utime * 1000);
+      input->publish(event->channel.c_str(), event->data, event->size);
       ++result.messages;
     }
+    if (event != nullptr) check_pause(options.log, *event, now_ns);
     bus::set_time(*hub, now_ns);
     bus::record(*hub, &published);
     daemon.tick({now_ns, now_ns / 1000, 0});
@@ -101,6 +107,7 @@ ReplayResult replay(const config::Node& configuration, const ReplayOptions& opti
     ++result.cycles;
     now_ns += period_ns;
   }
+  result.complaint = log.complaint();
   result.shape_hash = shapes.value();
   result.duration = static_cast<double>(now_ns - first_us * 1000) * 1e-9;
   return result;

@@ -22,11 +22,13 @@ struct ReplayResult {
   std::int64_t shapes = 0;
   std::uint64_t shape_hash = 0;  // FNV-1a over every SHAPE as published, byte by byte
   double duration = 0;           // s of the log
+  std::string complaint;         // what of the log was no message, in a line; mostly empty
 };
 
 /// Runs a daemon over a log in deterministic mode: a cycle each period of the log's own time, each
 /// message arriving at its recorded time. Nothing depends on the machine: two runs are
-/// bit-identical. Throws std::runtime_error where the log cannot be read.
+/// bit-identical. Throws std::runtime_error, with file and byte, where the
+/// log cannot be read or its time jumps by more than an hour.
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options);
 
 }  // namespace palpate::replay

@@ -1,44 +1,72 @@
-// Recordings of LCM, as the programs that score runs read them.
+// Recordings of LCM: every event of one, and as the programs that score runs read them.
 
+#include <iostream>
+
+#include "rt/bus/event_log.hpp"
+#include "rt/bus/log_ring.hpp"
+#include "rt/bus/udpm_frame.hpp"
 #include "tests/fuzz/target.hpp"
 #include "tools/evaluate/log_reader.hpp"
 
 namespace palpate::fuzz {
 namespace {
 
-constexpr std::uint32_t kSync = 0xEDA1DA01;
-
-std::string big_endian(std::uint64_t number, int bytes) {
-  std::string text;
-  for (int i = bytes; i-- > 0;) text += static_cast<char>(number >> 8 * i & 0xff);
-  return text;
+template <class Message>
+void add(bus::LogRing& log, const std::string& channel, const Message& message) {
+  std::vector<std::uint8_t> data(message.getEncodedSize());
+  message.encode(data.data(), 0, static_cast<int>(data.size()));
+  log.add(1000, channel, data.data(), static_cast<int>(data.size()));
 }
 
-template <class Message>
-std::string event(const std::string& channel, const Message& message, int number) {
-  std::string data(message.getEncodedSize(), '\0');
-  message.encode(data.data(), 0, static_cast<int>(data.size()));
-  return big_endian(kSync, 4) + big_endian(number, 8) + big_endian(1000 * number, 8) +
-         big_endian(channel.size(), 4) + big_endian(data.size(), 4) + channel + data;
+std::string bytes_of(const bus::LogRing& log) {
+  const bus::LogRing::Piece all = log.pieces()[0];
+  return {reinterpret_cast<const char*>(all.data), all.size};
 }
 
 }  // namespace
 
 std::vector<std::string> seeds() {
-  return {event("TWIST_COMMAND", twist_command_t{}, 0) + event("FEATURE", feature_t{}, 1),
-          event("COMPONENT_EVENT", component_event_t{}, 0) +
-              event("UNKNOWN", twist_command_t{}, 1) + event("TWIST_COMMAND", feature_t{}, 2) +
-              event("ROBOT_STATE", robot_state_t{}, 3),
-          event("SHAPE", shape_t{}, 0) + event("SHAPE_MESH", shape_mesh_t{}, 1) +
-              event("TRUTH_SHAPE", shape_t{}, 2)};
+  constexpr std::size_t kRoom = 10'000;
+  bus::LogRing control(kRoom, 1), strange(kRoom, 1), housekeeping(kRoom, 1);
+  add(control, "TWIST_COMMAND", twist_command_t{});
+  add(control, "FEATURE", feature_t{});
+  add(strange, "COMPONENT_EVENT", component_event_t{});
+  add(strange, "UNKNOWN", twist_command_t{});
+  add(strange, "TWIST_COMMAND", feature_t{});
+  add(strange, "ROBOT_STATE", robot_state_t{});
+  add(housekeeping, "SHAPE", shape_t{});
+  add(housekeeping, "SHAPE_MESH", shape_mesh_t{});
+  add(housekeeping, "TRUTH_SHAPE", shape_t{});
+  return {bytes_of(control), bytes_of(strange), bytes_of(housekeeping)};
+}
+
+/// Each byte of the file belongs to one event, or is counted as damage or as the last event's.
+void check_events(const std::string& path, std::int64_t size) {
+  bus::EventLogReader log(path);
+  std::int64_t read = 0, end = 0;
+  while (const bus::LoggedEvent* event = log.next()) {
+    require(event->at >= end, "events follow each other");
+    require(event->utime >= 0 && event->utime <= bus::kLatestEventTime, "a possible time");
+    require(!event->channel.empty() && event->channel.size() <= bus::kLongestChannel, "a channel");
+    const auto whole =
+        static_cast<std::int64_t>(bus::kEventHeaderSize + event->channel.size()) + event->size;
+    end = event->at + whole;
+    read += whole;
+    require(end <= size, "events are in the file");
+  }
+  const std::int64_t left = size - read - log.damage().skipped;
+  require(log.damage().cut_short ? left > 0 : left == 0, "no byte is forgotten");
 }
 
 }  // namespace palpate::fuzz
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace palpate;
+  static const bool is_quiet = std::cerr.rdbuf(nullptr) != nullptr;  // of warnings
+  (void)is_quiet;
   const fuzz::MemoryFile file({reinterpret_cast<const char*>(data), size});
   try {
+    fuzz::check_events(file.path(), static_cast<std::int64_t>(size));
     const evaluate::RunLog run = evaluate::read_run(file.path(), file.path());
     fuzz::require(run.commands.size() * sizeof(std::int64_t) <= size, "no more than was recorded");
   } catch (const std::runtime_error& error) {

@@ -4,7 +4,9 @@
 #include <unistd.h>
 
 #include <cmath>
+#include <cstring>
 #include <filesystem>
+#include <fstream>
 #include <palpate/robot_state_t.hpp>
 
 #include "rt/component/pipeline.hpp"
@@ -76,6 +78,36 @@ TEST(Replay, AnotherMotionGivesAnotherHash) {
   const ReplayResult second = run(Recording(0.5, 0.02));
   EXPECT_EQ(first.shapes, second.shapes);
   EXPECT_NE(first.shape_hash, second.shape_hash);
+}
+
+TEST(Replay, ALogThatIsCutShortIsReplayedAndSaidToBe) {
+  const Recording recording(0.5);
+  const std::int64_t whole = run(recording).messages;
+  std::filesystem::resize_file(recording.path(), std::filesystem::file_size(recording.path()) - 9);
+  const ReplayResult result = run(recording);
+  EXPECT_EQ(result.messages, whole - 1);
+  EXPECT_EQ(result.complaint, recording.path() + ": the last event is cut short");
+}
+
+TEST(Replay, ATimeThatNobodyRecordedIsRefusedWithItsByte) {
+  const Recording recording(0.1);
+  constexpr int kHeader = 28, kTimeAt = 12;
+  const int size =
+      kHeader + static_cast<int>(std::strlen("ROBOT_STATE")) + robot_state_t().getEncodedSize();
+  const auto last = static_cast<long>(std::filesystem::file_size(recording.path())) - size;
+  std::fstream file(recording.path(), std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(last + kTimeAt + 1);
+  file.put(7);  // nine years later
+  file.close();
+  try {
+    run(recording);
+    FAIL() << "nobody waits for that";
+  } catch (const std::runtime_error& error) {
+    EXPECT_EQ(
+        std::string(error.what()).find(recording.path() + ": byte " + std::to_string(last) + ": "),
+        0u)
+        << error.what();
+  }
 }
 
 TEST(Replay, MissingLogIsNamed) {

@@ -75,6 +75,41 @@ TEST(TimeBudget, EndsAStepAndKeepsTheBestState) {
   EXPECT_LT((hurried.positions() - free.positions()).colwise().norm().maxCoeff(), 1e-6);
 }
 
+// A shape is not given up for its strains alone, 0.6 of elongation here.
+TEST(LargeStrain, StaysWhereTheHandAsksForIt) {
+  const Body body = bar();
+  CorotationalQuasistatic model(body);
+  model.prepare();
+  math::Pose pulled = body.grasps[0].X_OG_rest;
+  Matrix3Xd last;
+  for (int i = 0; i < 600; ++i) {
+    pulled.translation().x() = 0.2 * (1 + std::min(0.6, 0.01 * i));
+    model.hold(0, pulled);
+    ASSERT_FALSE(model.step(kDt).restarted) << "step " << i;
+    refactor(model);
+    if (i == 300) last = model.positions();
+  }
+  EXPECT_LT((model.positions() - last).colwise().norm().maxCoeff(), 1e-6);
+}
+
+TEST(LargeStrain, GoesSlowlyWhereTheBodyIsSlow) {
+  Body body = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, mesh::ElementOrder::kLinear, {1e3, 0.3, 300});
+  body.damping = {200, 0};  // some 1 s to come back
+  CorotationalDynamic model(body);
+  model.prepare();
+  Matrix3Xd stretched = body.mesh.nodes;
+  stretched.row(0) *= 1.6;
+  ASSERT_TRUE(model.restore(stretched, Matrix3Xd::Zero(3, stretched.cols())));
+  for (int i = 0; i < 1000; ++i) {
+    ASSERT_FALSE(model.step(kDt).restarted) << "step " << i;
+    refactor(model);
+    if (i == 200) {
+      EXPECT_GT(model.positions().row(0).maxCoeff(), 1.4 * 0.2);
+    }
+  }
+  EXPECT_LT(model.positions().row(0).maxCoeff(), 1.3 * 0.2);
+}
+
 TEST(RigidBlend, CarriesARigidMotionAndFitsItsBoundary) {
   Body body = bar();
   const RigidBlend blend(body);

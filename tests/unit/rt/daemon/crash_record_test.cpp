@@ -4,10 +4,10 @@
 
 #include <chrono>
 #include <fstream>
-#include <lcm/lcm-cpp.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 
+#include "rt/bus/event_log_reader.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -53,15 +53,15 @@ TEST_F(CrashRecordTest, HoldsTheLastInputsAndOutputsBeforeTheFaultInOrder) {
   ASSERT_NE(path, "");
   EXPECT_EQ(record.write_handed_over(), "") << "once";
 
-  lcm::LogFile log(path, "r");
+  bus::EventLogReader log(path);
   int expected = 399, events = 0;
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
+  while (const bus::LoggedEvent* event = log.next()) {
     const bool input = events % 2 == 0;
     ASSERT_EQ(event->channel, input ? "FT_WRENCH" : "ESTIMATE");
-    ASSERT_EQ(event->timestamp, kWallClock + 1000 * expected);
+    ASSERT_EQ(event->utime, kWallClock + 1000 * expected);
     if (input) {
       ft_wrench_t wrench;
-      ASSERT_GE(wrench.decode(event->data, 0, event->datalen), 0);
+      ASSERT_GE(wrench.decode(event->data, 0, event->size), 0);
       ASSERT_EQ(wrench.seq, expected);
     } else {
       ++expected;
@@ -79,9 +79,9 @@ TEST_F(CrashRecordTest, WallClockThatJumpsDoesNotReorderIt) {
   estimates_.publish(estimate_t{});
   record.hand_over("fault");
   record.begin_cycle(2 * kMs, kWallClock + 2000);
-  lcm::LogFile log(record.write_handed_over(), "r");
+  bus::EventLogReader log(record.write_handed_over());
   std::int64_t last = 0;
-  while (const lcm::LogEvent* event = log.readNextEvent()) last = event->timestamp;
+  while (const bus::LoggedEvent* event = log.next()) last = event->utime;
   EXPECT_EQ(last, kWallClock + 1000);
 }
 
@@ -92,13 +92,13 @@ TEST_F(CrashRecordTest, AFaultBeforeTheLastRecordIsWrittenDoesNotTouchIt) {
   cycle(record, 1);
   record.hand_over("fault");
   cycle(record, 2);
-  lcm::LogFile log(record.write_handed_over(), "r");
-  EXPECT_EQ(log.readNextEvent()->timestamp, kWallClock);
+  bus::EventLogReader log(record.write_handed_over());
+  EXPECT_EQ(log.next()->utime, kWallClock);
   EXPECT_EQ(record.write_handed_over(), "");
   record.hand_over("fault");
   cycle(record, 3);
-  lcm::LogFile second(record.write_handed_over(), "r");
-  EXPECT_EQ(second.readNextEvent()->timestamp, kWallClock + 1000);
+  bus::EventLogReader second(record.write_handed_over());
+  EXPECT_EQ(second.next()->utime, kWallClock + 1000);
 }
 
 TEST_F(CrashRecordTest, OnRequestAndWithOldRecordsRemovedButNothingElse) {

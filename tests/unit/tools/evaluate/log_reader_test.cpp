@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <lcm/lcm-cpp.hpp>
 #include <stdexcept>
 
 namespace palpate::evaluate {
@@ -74,6 +75,25 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
   ASSERT_EQ(run.shapes.size(), 1u);
   EXPECT_EQ(run.shapes[0].utime, 30);
   EXPECT_EQ(run.features.size(), 4u);
+}
+
+TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {
+  const std::filesystem::path file =
+      std::filesystem::path(testing::TempDir()) / "palpate_log_reader_test.log";
+  {
+    lcm::LogFile log(file.string(), "w");
+    for (int i = 0; i < 3; ++i) write(log, "TWIST_COMMAND", 1000 * i, twist_command_t{});
+  }
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  LogReader reader;
+  std::vector<twist_command_t> commands;
+  reader.collect("TWIST_COMMAND", commands);
+  testing::internal::CaptureStderr();
+  reader.read(file);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "warning: " + file.string() + ": the last event is cut short\n");
+  std::filesystem::remove(file);
+  EXPECT_EQ(commands.size(), 2u);
 }
 
 TEST(LogReader, AFileThatIsAbsentIsAnError) {

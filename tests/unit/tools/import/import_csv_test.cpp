@@ -8,12 +8,12 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <lcm/lcm-cpp.hpp>
 #include <palpate/biotac_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/imu_t.hpp>
 #include <palpate/robot_state_t.hpp>
 
+#include "rt/bus/event_log_reader.hpp"
 #include "tests/support/recordings.hpp"
 #include "tools/import/csv_reader.hpp"
 
@@ -37,13 +37,11 @@ struct Event {
 };
 
 std::vector<Event> read_log(const std::string& path) {
-  lcm::LogFile log(path, "r");
-  EXPECT_TRUE(log.good());
+  bus::EventLogReader log(path);
   std::vector<Event> events;
-  while (const lcm::LogEvent* event = log.readNextEvent()) {
-    const auto* const bytes = static_cast<const std::uint8_t*>(event->data);
-    events.push_back({event->timestamp, event->channel, {bytes, bytes + event->datalen}});
-  }
+  while (const bus::LoggedEvent* event = log.next())
+    events.push_back({event->utime, event->channel, {event->data, event->data + event->size}});
+  EXPECT_EQ(log.complaint(), "");
   return events;
 }
 
