@@ -48,9 +48,13 @@ double visible_after(const Trace& trace, const Trace& reference, double from) {
     const double t = since(time_ns, from);
     if (t >= -0.5 * kTick && (first < 0 || t < first)) first = std::max(0.0, t);
   };
-  const std::size_t count = std::min(trace.health.size(), reference.health.size());
-  for (std::size_t i = 0; i < count; ++i)
-    if (differs(trace.health[i], reference.health[i])) seen(trace.health[i].time_ns);
+  auto same_time = reference.health.begin();
+  for (const HealthNote& note : trace.health) {
+    while (same_time != reference.health.end() && same_time->time_ns < note.time_ns) ++same_time;
+    if (same_time == reference.health.end()) break;
+    // What is told out of turn has a cause.
+    if (same_time->time_ns != note.time_ns || differs(note, *same_time)) seen(note.time_ns);
+  }
   for (const EventNote& event : trace.events) {
     const bool expected =
         std::any_of(reference.events.begin(), reference.events.end(), [&](const EventNote& other) {
