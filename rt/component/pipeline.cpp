@@ -333,7 +333,12 @@ bool Pipeline::steer(double dt, int first) noexcept {
     return false;
   }
   slots.control_condition.apply({sensing::Status::kOk, ""});
-  slots.feature_state.unreachable = slots.law_output.unreachable;
+  // Where that overflows, the target is beyond all reach.
+  if (slots.law_output.unreachable.allFinite()) {
+    slots.feature_state.unreachable = slots.law_output.unreachable;
+  } else {
+    slots.feature_state.unreachable = slots.feature_state.error;
+  }
   return true;
 }
 
@@ -372,7 +377,8 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
     Arm& arm = arms_[i];
     control::GateInputs inputs;
     inputs.dt = dt;
-    inputs.active = is_running() && is_trusted() && arm.known && !held_back[i];
+    inputs.active = is_running() && is_trusted() && arm.known && !held_back[i] &&
+                    slots_->control_condition.state != LifeCycle::kFaulted;
     inputs.requested_W_E = arm.requested_W_E;
     if (arm.known) inputs.X_WE = arm.signals->robot.latest.X_WE;
     for (int c = 0; c < contacts_.count; ++c) {

@@ -116,7 +116,7 @@ double first_difference(const Stream& faulted, const Stream& good) {
   return 1e-9 * static_cast<double>(good.back().time_ns);
 }
 
-RunResult judge(const Trace& trace, const Trace& reference, const Window& window, bool must_show) {
+RunResult outcome_of(const Trace& trace, const Window& window) {
   RunResult result;
   result.detected = inactive_after(trace, window.begin, time_of(1 << 20));
   if (result.detected >= 0) {
@@ -134,8 +134,13 @@ RunResult judge(const Trace& trace, const Trace& reference, const Window& window
   // The gate holds the command back though every component is content.
   if (refused(trace) > 0 && result.outcome == Outcome::kUnaffected)
     result.outcome = Outcome::kDegraded;
-  result.visible = visible_after(trace, reference, window.begin);
   if (!trace.sound()) result.fail(trace.complaint);
+  return result;
+}
+
+RunResult judge(const Trace& trace, const Trace& reference, const Window& window, bool must_show) {
+  RunResult result = outcome_of(trace, window);
+  result.visible = visible_after(trace, reference, window.begin);
   const bool shows =
       result.visible >= 0 && result.visible <= kVisibleWithin + kNextMessage + 0.5 * kTick;
   const bool harmed = result.outcome != Outcome::kUnaffected;
