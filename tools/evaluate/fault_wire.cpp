@@ -6,6 +6,7 @@
 #include <chrono>
 #include <stdexcept>
 
+#include "rt/bus/session.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/evaluate/interruption.hpp"
 
@@ -48,21 +49,23 @@ void FaultWire::listen() {
 void FaultWire::take(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
   const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
   heard_any_ = true;
-  const std::int64_t origin_ns = origin_ns_;
-  if (origin_ns == 0) return;  // before the scenario
-  heard_.push_back({channel, {bytes, bytes + buffer->data_size}, loop::monotonic_ns() - origin_ns});
+  const std::int64_t origin_us = origin_us_;
+  if (origin_us == 0) return;  // before the scenario
+  // The system's word for when it came to this machine, whenever this thread gets to see it.
+  const std::int64_t time_ns = 1000 * (buffer->recv_utime - origin_us);
+  heard_.push_back({channel, {bytes, bytes + buffer->data_size}, time_ns});
 }
 
-void FaultWire::begin() { origin_ns_ = loop::monotonic_ns(); }
+void FaultWire::begin() { origin_us_ = bus::wall_clock_us(); }
 
 double FaultWire::now() const {
-  return 1e-9 * static_cast<double>(loop::monotonic_ns() - origin_ns_);
+  return 1e-6 * static_cast<double>(bus::wall_clock_us() - origin_us_);
 }
 
 void FaultWire::play(const faults::Recording& recording, const faults::Scenario& scenario,
                      const std::function<void(int tick)>& each) {
   begin();
-  const std::int64_t origin_ns = origin_ns_;
+  const std::int64_t origin_ns = loop::monotonic_ns();
   auto next = scenario.stream.begin();
   for (int tick = 1; tick <= scenario.ticks; ++tick) {
     throw_if_interrupted();

@@ -51,7 +51,7 @@ class FaultWire {
   lcm::LCM control_, housekeeping_;
   std::vector<bus::Published> heard_;
   std::atomic<bool> heard_any_{false};
-  std::atomic<std::int64_t> origin_ns_{0};
+  std::atomic<std::int64_t> origin_us_{0};  // of the wall clock, by which LCM tells arrivals
   double latest_ = 0;
   std::atomic<bool> stop_{false};
   std::thread listener_;

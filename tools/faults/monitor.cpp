@@ -142,7 +142,11 @@ void Monitor::look_at_command(const bus::Published& message,
   const bool turns_too_fast =
       turn.norm() > allowed(limits_.angular_acceleration, limits_.angular_speed) + 1e-12;
   if (too_fast || turns_too_fast)
-    complain(beyond_limits_, "command changes faster than the limit of acceleration");
+    complain(beyond_limits_, "command " + std::to_string(command.seq) + " changes by " +
+                                 std::to_string(step.norm() / (cycles * period_)) + " m/s^2 and " +
+                                 std::to_string(turn.norm() / (cycles * period_)) +
+                                 " rad/s^2, faster than the limit, at " +
+                                 std::to_string(linear.norm()) + " m/s");
   if (restrained && linear.norm() > kRounding * last_linear_.norm() + 1e-12)
     complain(beyond_limits_, "command grows while the gate holds it back");
   if (!restrained)
