@@ -37,13 +37,25 @@ class ThesisProcess : public testing::Test {
     return nlohmann::json::parse(
         folder_.read(output + "/short_pull_pose_driven_none_1/result.json"));
   }
+  /// The same job until its log has every message: what a busy machine's logger misses is not the
+  /// run's. Ten times at most.
+  nlohmann::json run_until_logged(const std::string& output) const {
+    nlohmann::json json;
+    for (int i = 0; i < 10; ++i) {
+      std::filesystem::remove_all(folder_.file(output));
+      EXPECT_EQ(run(output), 0) << folder_.read(output + ".txt");
+      json = result(output);
+      if (json["features_lost_by_log"] == 0) return json;
+    }
+    ADD_FAILURE() << "every log has lost something: " << json["features_lost_by_log"];
+    return json;
+  }
   ThesisFolder folder_;
 };
 
 TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
   folder_.write("plan.yaml", kPlan);
-  ASSERT_EQ(run("a"), 0) << folder_.read("a.txt");
-  const nlohmann::json first = result("a");
+  const nlohmann::json first = run_until_logged("a");
   EXPECT_EQ(first["simulator"]["mode"], "lock-step");
   EXPECT_EQ(first["simulator"]["ticks"], 1500);
   // The pull has begun, towards its target.
@@ -54,9 +66,9 @@ TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
   ASSERT_EQ(run("a"), 0);
   EXPECT_NE(folder_.read("a.txt").find("0 jobs run, 1 kept"), std::string::npos)
       << folder_.read("a.txt");
-  ASSERT_EQ(run("b"), 0) << folder_.read("b.txt");
-  EXPECT_EQ(result("b")["score"]["feature"], first["score"]["feature"]);
-  EXPECT_EQ(result("b")["states"], first["states"]);
+  const nlohmann::json second = run_until_logged("b");
+  EXPECT_EQ(second["score"]["feature"], first["score"]["feature"]);
+  EXPECT_EQ(second["states"], first["states"]);
 }
 
 TEST_F(ThesisProcess, AJobThatFailsIsExitCodeOne) {
