@@ -16,10 +16,8 @@ constexpr const char* kReady = "waits for start";  // what palpated says once it
 constexpr double kSlice = 0.1;                     // s
 constexpr double kDrain = 0.1;                     // s, from one look at the logs to the next
 constexpr double kLoggersPatience = 30;            // s, to write what is under way
-// For what comes while a busy machine lets a logger wait; more than liblcm asks for by itself.
-constexpr const char* kLoggersBuffer = "&recv_buf_size=4194304";
-constexpr const char* kEndOfLog = "END_OF_LOG";  // channel of what a log ends with
-constexpr int kTail = 15;                        // lines of a failed program's output
+constexpr const char* kEndOfLog = "END_OF_LOG";    // channel of what a log ends with
+constexpr int kTail = 15;                          // lines of a failed program's output
 
 std::vector<std::string> with_settings(std::vector<std::string> command,
                                        const std::vector<std::string>& overrides,
@@ -83,10 +81,9 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   operator_ = std::make_unique<Operator>(urls);
   const auto logger = [&](const std::string& name, const std::string& url,
                           const std::filesystem::path& log) {
-    loggers_.emplace_back(name,
-                          std::vector<std::string>{"lcm-logger", "--quiet", "--force",
-                                                   "--lcm-url=" + url + kLoggersBuffer, log},
-                          folder / (name + ".txt"));
+    loggers_.emplace_back(
+        name, std::vector<std::string>{"lcm-logger", "--quiet", "--force", "--lcm-url=" + url, log},
+        folder / (name + ".txt"));
   };
   if (plan.recorded) {
     logger("logger_control", urls.control, files_.control);
