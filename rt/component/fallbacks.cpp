@@ -2,6 +2,8 @@
 
 #include <initializer_list>
 
+#include "rt/component/fallback_checks.hpp"
+
 namespace palpate::component {
 namespace {
 
@@ -26,6 +28,11 @@ std::unique_ptr<Replacement> make_replacement(const config::Node& root,
 Fallbacks::Fallbacks(const config::Node& root, const Slots& present,
                      const ShapeSnapshot& snapshot) {
   mechanics.components = make_replacement(root, {"estimation", "deformation"}, present, snapshot);
+  if (has_fallback(root.child("feature"))) {
+    check_feature(root.child("feature"), present.context);
+    check_differs(root.child("feature"));
+  }
+  feature.components = make_replacement(root, {"feature"}, present, snapshot);
   steering.components = make_replacement(root, {"control"}, present, snapshot);
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/ft_rnnob.hpp"
+#include "rt/component/fallback_checks.hpp"
 #include "rt/component/sensor_fallback.hpp"
 #include "rt/inference/model_file.hpp"
 
@@ -154,7 +155,7 @@ sensing::LocalizationOptions read_localization(const config::Node& node) {
 
 /// Null where the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
-  if (node.choice("fallback", {"none", "biotac_linear"}, "none") == "none") {
+  if (has_fallback(node) || node.choice("fallback", {"none", "biotac_linear"}, "none") == "none") {
     if (node.has("fallback_file")) node.fail("fallback_file", "wants fallback: biotac_linear");
     return nullptr;
   }
@@ -218,7 +219,8 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   options.domain = card.domain;
   const bool given = node.has("payload");
   if (given) options.payload = read_payload(node);
-  options.fall_back = node.choice("fallback", {"none", "newton_euler"}, "none") == "newton_euler";
+  options.fall_back = !has_fallback(node) &&
+                      node.choice("fallback", {"none", "newton_euler"}, "none") == "newton_euler";
   if (options.fall_back && !given && !card.payload)
     node.fail("fallback", "wants a payload, which neither the model's card nor this section has");
   if (given && !card.payload && !options.fall_back)

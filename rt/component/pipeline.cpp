@@ -9,16 +9,6 @@ namespace {
 using sensing::Source;
 
 bool is_wrist(Source source) { return source == Source::kWrist0 || source == Source::kWrist1; }
-/// What is larger overflows where wrenches change their frame.
-bool is_plausible(const sensing::Contact& contact) noexcept {
-  constexpr double kLargest = 1e6;  // m, N, N m
-  return contact.location.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.wrench.force.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.wrench.torque.lpNorm<Eigen::Infinity>() <= kLargest &&
-         contact.location.allFinite() && contact.wrench.force.allFinite() &&
-         contact.wrench.torque.allFinite();
-}
-
 int wrist(Source source) { return source == Source::kWrist1 ? 1 : 0; }
 
 }  // namespace
@@ -66,7 +56,7 @@ void Pipeline::stop(const char* reason) noexcept {
 }
 
 void Pipeline::reset() noexcept {
-  for (Fallback* fallback : {&fallbacks_->steering, &fallbacks_->mechanics})
+  for (Fallback* fallback : {&fallbacks_->feature, &fallbacks_->steering, &fallbacks_->mechanics})
     if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
   slots_->reset();
   for (Arm& arm : arms_) arm.gate.stop();
@@ -151,13 +141,17 @@ void Pipeline::put_in(Replacement& replacement) noexcept {
   slots_.swap(replacement.slots_);
 }
 
+void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
+  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
+                reason);
+  ++fallbacks_taken_;
+}
+
 /// False where there is none, or it runs already.
 bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
   if (!fallback.components || fallback.in_use) return false;
   fallback.in_use = true;
-  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
-                reason);
-  ++fallbacks_taken_;
+  tell_fallback(slot, reason);
   if (take(*fallback.components)) return true;
   // Nothing is left of the shape.
   Slots& incoming = *fallback.components->slots_;
@@ -184,6 +178,9 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
       result = {sensing::Status::kDegraded, "a contact is not finite or beyond what can be"};
     }
     instance.condition.apply(result);
+    if (instance.fallback != nullptr && instance.fallback->in_use() &&
+        !std::exchange(instance.told, true))
+      tell_fallback(instance.name.c_str(), "its sensor model has faulted");
     // A model knows one arm, its own.
     for (int i = first; instance.arm == 1 && i < contacts_.count; ++i) {
       if (is_wrist(contacts_.contacts[i].source)) contacts_.contacts[i].source = Source::kWrist1;
@@ -244,9 +241,20 @@ void Pipeline::distribute() noexcept {
       if (!instance.sources[static_cast<int>(contact.source)]) continue;
       instance.transformer->distribute(contact, slots_->model->positions(), loads);
       loads.source = contact.source;
+      check_loads(instance, loads);
       break;
     }
   }
+}
+
+void Pipeline::check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept {
+  if (instance.fallback != nullptr && instance.fallback->in_use() &&
+      !std::exchange(instance.told, true))
+    tell_fallback(instance.name.c_str(), "a load of a node is not finite");
+  if (are_plausible(loads)) return;
+  loads.accepted = false;
+  loads.loads.clear();
+  instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
 }
 
 estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
@@ -284,10 +292,28 @@ void Pipeline::estimate(double dt) noexcept {
   now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
 }
 
-void Pipeline::evaluate_feature() noexcept {
+/// False where it is not finite, which then nobody sees.
+bool Pipeline::feature_is_sound() noexcept {
   Slots& slots = *slots_;
-  if (!is_running()) return;
+  if (slots.feature_condition.state == LifeCycle::kFaulted) return false;
   slots.feature->evaluate(slots.model->positions(), slots.feature_state.value);
+  if (slots.feature_state.value.allFinite()) return true;
+  slots.feature_state.value.setZero();
+  slots.feature_condition.apply({sensing::Status::kFault, "the feature is not finite"});
+  return false;
+}
+
+void Pipeline::evaluate_feature() noexcept {
+  if (!is_running()) return;
+  if (!feature_is_sound() && !fallbacks_->steering.in_use &&
+      fall_back(fallbacks_->feature, "feature", slots_->feature_condition.reason))
+    feature_is_sound();
+  Slots& slots = *slots_;
+  if (slots.feature_condition.state == LifeCycle::kFaulted) {
+    slots.feature_state.error.setZero();
+    slots.feature_state.unreachable.setZero();
+    return;
+  }
   if (slots.target.revision >= 0) {
     slots.feature->error(slots.feature_state.value, slots.target.value, slots.feature_state.error);
   } else {
@@ -302,10 +328,11 @@ void Pipeline::control(double dt) noexcept {
   if (!is_trusted()) return;
 
   const int first = slots_->moving == MovingArms::kSecond ? 1 : 0;
-  const bool steers = steer(dt, first) || (slots_->control_condition.state == LifeCycle::kFaulted &&
-                                           fall_back(fallbacks_->steering, "control",
-                                                     slots_->control_condition.reason) &&
-                                           steer(dt, first));
+  const bool steers =
+      steer(dt, first) ||
+      (slots_->control_condition.state == LifeCycle::kFaulted && !fallbacks_->feature.in_use &&
+       fall_back(fallbacks_->steering, "control", slots_->control_condition.reason) &&
+       steer(dt, first));
   if (!steers) return;
   request(first, slots_->law_output.V_O_G);
   if (slots_->moving == MovingArms::kBoth) request(1, slots_->law_output.V_O_G_second);
@@ -337,7 +364,12 @@ bool Pipeline::steer(double dt, int first) noexcept {
     return false;
   }
   slots.control_condition.apply({sensing::Status::kOk, ""});
-  slots.feature_state.unreachable = slots.law_output.unreachable;
+  // Where that overflows, the target is beyond all reach.
+  if (slots.law_output.unreachable.allFinite()) {
+    slots.feature_state.unreachable = slots.law_output.unreachable;
+  } else {
+    slots.feature_state.unreachable = slots.feature_state.error;
+  }
   return true;
 }
 
@@ -346,7 +378,11 @@ bool Pipeline::is_trusted() const noexcept {
   for (const Slots::Sensing& instance : slots_->sensing) {
     if (instance.condition.state != LifeCycle::kActive) return false;
   }
-  return slots_->estimation_condition.state == LifeCycle::kActive;
+  for (const Slots::Contact& instance : slots_->contact) {
+    if (instance.condition.state == LifeCycle::kFaulted) return false;
+  }
+  return slots_->estimation_condition.state == LifeCycle::kActive &&
+         slots_->feature_condition.state != LifeCycle::kFaulted;
 }
 
 bool Pipeline::moving_arms_known() const noexcept {
@@ -376,7 +412,8 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
     Arm& arm = arms_[i];
     control::GateInputs inputs;
     inputs.dt = dt;
-    inputs.active = is_running() && is_trusted() && arm.known && !held_back[i];
+    inputs.active = is_running() && is_trusted() && arm.known && !held_back[i] &&
+                    slots_->control_condition.state != LifeCycle::kFaulted;
     inputs.requested_W_E = arm.requested_W_E;
     if (arm.known) inputs.X_WE = arm.signals->robot.latest.X_WE;
     for (int c = 0; c < contacts_.count; ++c) {

@@ -26,6 +26,9 @@ class Pipeline {
   std::unique_ptr<sensing::SensorModel> exchange_sensor_model(
       int instance, std::unique_ptr<sensing::SensorModel> model);
 
+  /// Set-up, before the first tick: to put in what was made elsewhere.
+  Slots& slots_at_setup() noexcept { return *slots_; }
+
   // Events; each is safe in the loop.
   void start() noexcept;
   void stop(const char* reason = "stopped") noexcept;
@@ -61,7 +64,7 @@ class Pipeline {
   /// why the last one did: "slot: fallback, since ...".
   int fallbacks_taken() const noexcept { return fallbacks_taken_; }
   const char* fallback_reason() const noexcept { return fallback_reason_.data(); }
-  bool on_fallback() const noexcept { return fallbacks_->in_use(); }
+  bool on_fallback() const noexcept { return fallbacks_->in_use() || slots_->on_fallback(); }
   /// After components were replaced: those that fit the new ones.
   void take(std::unique_ptr<Fallbacks>& fallbacks) noexcept { fallbacks_.swap(fallbacks); }
 
@@ -114,6 +117,9 @@ class Pipeline {
   };
   void build_arms(const config::Node& root);
   void put_in(Replacement& replacement) noexcept;
+  void tell_fallback(const char* slot, const char* reason) noexcept;
+  void check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept;
+  bool feature_is_sound() noexcept;
   bool fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept;
   bool steer(double dt, int first) noexcept;
   void to_object_frame(const sensing::ContactSet& contacts) noexcept;

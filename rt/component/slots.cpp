@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cstring>
 
+#include "rt/component/fallback_checks.hpp"
+
 namespace palpate::component {
 namespace {
 
@@ -48,6 +50,33 @@ Slots::Slots(const config::Node& root, const Context& cell, const Changes& chang
   if (changes.steering) build_steering(root);
 }
 
+void Slots::make_model(const config::Node& node, Sensing& instance) {
+  if (!has_fallback(node)) {
+    instance.model = make_sensor_model(node, context);
+    return;
+  }
+  check_sensor(node, context);
+  check_differs(node);
+  auto pair =
+      std::make_unique<SensorFallback>(make_sensor_model(node, context),
+                                       make_sensor_model(node.child("fallback"), context), nullptr);
+  instance.fallback = pair.get();
+  instance.model = std::move(pair);
+}
+
+void Slots::make_transformer(const config::Node& node, Contact& instance) {
+  if (!has_fallback(node)) {
+    instance.transformer = make_force_transformer(node, context);
+    return;
+  }
+  check_differs(node);
+  auto transformer =
+      std::make_unique<ContactFallback>(make_force_transformer(node, context),
+                                        make_force_transformer(node.child("fallback"), context));
+  instance.fallback = transformer.get();
+  instance.transformer = std::move(transformer);
+}
+
 void Slots::build_sensing(const config::Node& root, const Changes& changes) {
   std::size_t index = 0;
   if (root.list("sensing").size() > kMostSensors)
@@ -58,7 +87,7 @@ void Slots::build_sensing(const config::Node& root, const Changes& changes) {
     instance.name = node.text("name", instance.component);
     instance.arm = read_arm(node, context);
     if (changes.sensing[index++]) {
-      instance.model = make_sensor_model(node, context);
+      make_model(node, instance);
       list_running_models(instance);
     }
     sensing.push_back(std::move(instance));
@@ -76,7 +105,7 @@ void Slots::build_contact(const config::Node& root) {
     Contact instance;
     instance.name = node.text("name", node.text("component"));
     instance.sources = read_sources(node);
-    instance.transformer = make_force_transformer(node, context);
+    make_transformer(node, instance);
     max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
     contact.push_back(std::move(instance));
   }
@@ -85,7 +114,7 @@ void Slots::build_contact(const config::Node& root) {
 }
 
 void Slots::build_steering(const config::Node& root) {
-  root.child("control").leave_to_another("fallback");
+  for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
   feature = make_feature(root.child("feature"), context);
   provider = make_jacobian_provider(root.child("control"), context);
   law = make_control_law(root.child("control"), context, *feature);
@@ -120,6 +149,8 @@ void Slots::adopt(Slots& other, const Changes& changes,
     sensing[i].condition = before.condition;
     if (!sensing[i].model) {
       sensing[i].model.swap(before.model);
+      std::swap(sensing[i].fallback, before.fallback);
+      sensing[i].told = before.told;
     } else if (before.condition.state == LifeCycle::kFaulted) {
       sensing[i].condition = {LifeCycle::kActive, ""};  // a sound one has come in its place
     }
@@ -130,6 +161,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
   }
   estimate = other.estimate;
   estimation_condition = other.estimation_condition;
+  feature_condition = other.feature_condition;
   control_condition = other.control_condition;
   if (!changes.mechanics) {
     model.swap(other.model);
@@ -151,7 +183,8 @@ void Slots::adopt(Slots& other, const Changes& changes,
     std::swap(law_output, other.law_output);
     return;
   }
-  if (control_condition.state == LifeCycle::kFaulted) control_condition = {LifeCycle::kActive, ""};
+  for (Condition* condition : {&feature_condition, &control_condition})
+    if (condition->state == LifeCycle::kFaulted) *condition = {LifeCycle::kActive, ""};
   law->reset();
   feature->evaluate(model->positions(), feature_state.value);
   const char* reason = "";
@@ -163,13 +196,21 @@ void Slots::adopt(Slots& other, const Changes& changes,
 }
 
 void Slots::start() noexcept {
-  estimation_condition = control_condition = {LifeCycle::kActive, ""};
+  estimation_condition = feature_condition = control_condition = {LifeCycle::kActive, ""};
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
+  for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
   law->reset();
 }
 
 void Slots::reset() noexcept {
-  for (Sensing& instance : sensing) instance.model->reset();
+  for (Sensing& instance : sensing) {
+    instance.model->reset();
+    instance.told = false;
+  }
+  for (Contact& instance : contact) {
+    if (instance.fallback != nullptr) instance.fallback->reset();
+    instance.told = false;
+  }
   estimator->reset();
   model->reset();
   estimator->activate(*model);
@@ -220,9 +261,23 @@ Condition Slots::worst_of(const Condition& whole) const noexcept {
   };
   for (std::size_t i = 0; i < sensing.size(); ++i)
     consider(sensor_report(static_cast<int>(i)).condition);
+  for (const Contact& instance : contact) {
+    Condition condition = instance.condition;
+    condition.component = instance.name.c_str();
+    consider(condition);
+  }
   consider(estimation_condition);
+  consider(feature_condition);
   consider(control_condition);
   return worst;
+}
+
+bool Slots::on_fallback() const noexcept {
+  const auto in_use = [](const auto& instance) {
+    return instance.fallback != nullptr && instance.fallback->in_use();
+  };
+  return std::any_of(sensing.begin(), sensing.end(), in_use) ||
+         std::any_of(contact.begin(), contact.end(), in_use);
 }
 
 }  // namespace palpate::component

@@ -5,8 +5,10 @@
 #include <string>
 #include <vector>
 
+#include "rt/component/contact_fallback.hpp"
 #include "rt/component/life_cycle.hpp"
 #include "rt/component/registry.hpp"
+#include "rt/component/sensor_fallback.hpp"
 
 namespace palpate::component {
 
@@ -59,12 +61,17 @@ struct Slots {
     std::string component;
     int arm = 0;
     std::unique_ptr<sensing::SensorModel> model;
+    SensorFallback* fallback = nullptr;  // the model, where it has one to fall back on
     Condition condition{LifeCycle::kInactive, ""};
+    bool told = false;  // that the fallback is in use
   };
   struct Contact {
     std::string name;
     std::unique_ptr<contact::ForceTransformer> transformer;
-    std::array<bool, 8> sources{};  // by sensing::Source
+    ContactFallback* fallback = nullptr;  // the transformer, where it has one to fall back on
+    std::array<bool, 8> sources{};        // by sensing::Source
+    Condition condition{LifeCycle::kInactive, ""};
+    bool told = false;  // that the fallback is in use
   };
 
   /// Builds and configures what `changes` names; the rest stays empty. `cell` tells frames, period
@@ -88,6 +95,7 @@ struct Slots {
                   const double* values, int value_count, const char*& reason) noexcept;
   SensorReport sensor_report(int index) const noexcept;
   Condition worst_of(const Condition& whole) const noexcept;
+  bool on_fallback() const noexcept;  // of a sensor model or a contact
 
   std::shared_ptr<const Object> object;
   Context context;
@@ -102,6 +110,7 @@ struct Slots {
   MovingArms moving = MovingArms::kFirst;
 
   Condition estimation_condition;
+  Condition feature_condition;
   Condition control_condition;
 
   std::vector<contact::ContactLoads> loads;  // by contact of the tick
@@ -113,6 +122,9 @@ struct Slots {
 
  private:
   void list_running_models(const Sensing& instance);
+  /// With the fallback that the section names, where it names one.
+  void make_model(const config::Node& node, Sensing& instance);
+  void make_transformer(const config::Node& node, Contact& instance);
   void build_sensing(const config::Node& root, const Changes& changes);
   void build_contact(const config::Node& root);
   void build_steering(const config::Node& root);

@@ -160,6 +160,11 @@ Node Node::from_text(const std::string& text, const std::string& name) {
 
 bool Node::has(const std::string& key) const { return impl_->peek(key).present; }
 
+bool Node::is_mapping(const std::string& key) const {
+  const Impl::Entry entry = impl_->peek(key);
+  return entry.present && entry.value.IsMap();
+}
+
 Node Node::child(const std::string& key) const {
   const Impl::Entry entry = impl_->require(key, "a mapping");
   if (!entry.value.IsMap()) {

@@ -38,6 +38,7 @@ class Node {
   static Node from_text(const std::string& text, const std::string& name = "<text>");
 
   bool has(const std::string& key) const;
+  bool is_mapping(const std::string& key) const;         // false where absent
   Node child(const std::string& key) const;              // mapping; throws where absent
   Node child_or_empty(const std::string& key) const;     // an empty mapping where absent
   std::vector<Node> list(const std::string& key) const;  // sequence of mappings; empty where absent

@@ -157,7 +157,8 @@ void Daemon::publish(const Now& now) noexcept {
     const auto cycles = std::max<std::int64_t>(1, std::llround(seconds / settings_.loop.period));
     return cycle % cycles == offset % cycles;
   };
-  if (every(0.1, 3)) {
+  const bool news = health_.has_news(condition, inputs_, now.monotonic_ns);
+  if (every(0.1, 3) || news) {
     if (mode_ == Mode::kRealTime && pipeline_.is_running()) {
       counters_.page_faults = loop::page_faults_of_this_thread() - faults_at_start_;
       const std::int64_t allocations = loop::allocations_of_this_thread();

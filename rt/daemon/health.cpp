@@ -6,7 +6,22 @@
 
 namespace palpate::daemon {
 
-constexpr int kMostModels = 12;  // that the message has room for
+constexpr int kMostModels = 12;                        // that the message has room for
+constexpr std::int64_t kBetweenStates = 10'000'000;    // ns, from one news to the next
+constexpr std::int64_t kBetweenTroubles = 50'000'000;  // ns
+
+namespace {
+
+std::int64_t troubles_of(const Inputs& inputs) noexcept {
+  std::int64_t sum = 0;
+  for (int i = 0; i < inputs.channel_count(); ++i) {
+    const InputReport report = inputs.report(i);
+    sum += report.lost + report.rejected + report.frozen;
+  }
+  return sum;
+}
+
+}  // namespace
 
 const char* name(Phase phase) noexcept {
   constexpr std::array<const char*, kPhases> kNames = {
@@ -30,6 +45,19 @@ Health::Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, st
 void Health::describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept {
   config_message_.configuration_hash = configuration_hash;
   config_message_.mesh_hash = mesh_hash;
+}
+
+bool Health::has_news(const component::Condition& condition, const Inputs& inputs,
+                      std::int64_t now_ns) noexcept {
+  const std::int64_t since_ns = now_ns - news_ns_;
+  const bool another_state = message_.state != static_cast<int>(condition.state);
+  const std::int64_t troubles = troubles_of(inputs);
+  const bool news = (another_state && since_ns >= kBetweenStates) ||
+                    (troubles != troubles_ && since_ns >= kBetweenTroubles);
+  if (!news) return false;
+  news_ns_ = now_ns;
+  troubles_ = troubles;
+  return true;
 }
 
 void Health::publish(const Counters& counters, const component::Condition& condition,

@@ -42,7 +42,7 @@ struct Counters {
   std::array<loop::LatencyHistogram, kPhases> latency;
 };
 
-/// HEALTH (10 Hz) and CONFIG (1 Hz) on the housekeeping bus.
+/// HEALTH (10 Hz, and at once where it has news) and CONFIG (1 Hz) on the housekeeping bus.
 class Health {
  public:
   /// Tells of both buses what they lost; publishes on the second one.
@@ -51,6 +51,11 @@ class Health {
   void publish(const Counters& counters, const component::Condition& condition,
                const Inputs& inputs, const std::vector<component::RunningModel>& models,
                std::int64_t utime) noexcept;
+  /// Asked once a cycle: whether there is something to tell that must not wait for the next regular
+  /// message: another state, or a loss or a refused message after a while without. Seldom enough
+  /// that whatever comes and goes cannot flood anybody.
+  bool has_news(const component::Condition& condition, const Inputs& inputs,
+                std::int64_t now_ns) noexcept;
   /// What CONFIG says from now on.
   void describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept;
   void publish_config(std::int64_t utime) noexcept;
@@ -61,6 +66,8 @@ class Health {
   bus::Stamp health_stamp_, config_stamp_;
   bus::TypedPublisher<health_t> health_;
   bus::TypedPublisher<config_t> config_;
+  std::int64_t news_ns_ = 0;    // when there was some
+  std::int64_t troubles_ = -1;  // of inputs, by then
   health_t message_{};
   config_t config_message_{};
 };

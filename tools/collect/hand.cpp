@@ -26,12 +26,14 @@ std::int64_t now_us() {
 
 class Hand {
  public:
-  Hand(bus::MessageBus& bus, int finger, const std::filesystem::path& log)
+  Hand(bus::MessageBus& bus, int finger, const std::filesystem::path& log,
+       const std::optional<bus::Key>& key)
       : bus_(bus),
         channel_("BIOTAC_" + std::to_string(finger)),
         touches_(bus, channel_, 64),
         wrenches_(bus, "FT_WRENCH", 512),
         commands_(bus, "HAND_COMMAND"),
+        sealer_("HAND_COMMAND", {key, bus::wall_clock_us()}),
         log_(log) {
     bus.start_without_thread();
   }
@@ -67,9 +69,9 @@ class Hand {
   void command(int action, double force) noexcept {
     hand_command_t message{};
     stamp_.put(message, now_us<std::chrono::system_clock>());
-    message.counter = message.utime;  // counts up over sessions
     message.action = action;
     message.force = force;
+    sealer_.put(message, message.utime);
     commands_.publish(message);
   }
 
@@ -92,6 +94,7 @@ class Hand {
   bus::TypedSubscription<biotac_t> touches_;
   bus::TypedSubscription<ft_wrench_t> wrenches_;
   bus::TypedPublisher<hand_command_t> commands_;
+  bus::Sealer sealer_;
   bus::Stamp stamp_{bus::random_session()}, marks_{bus::random_session()};
   EventLog log_;
   HandCount count_;
@@ -100,8 +103,9 @@ class Hand {
 }  // namespace
 
 HandCount collect_from_hand(bus::MessageBus& bus, const HandProtocol& protocol,
-                            const std::string& name, const std::filesystem::path& log) {
-  Hand hand(bus, protocol.finger, log);
+                            const std::string& name, const std::filesystem::path& log,
+                            const std::optional<bus::Key>& key) {
+  Hand hand(bus, protocol.finger, log, key);
   evaluate::Progress progress(1, 1, "pressing " + name);
   for (int trial = 0; trial < protocol.trials; ++trial) {
     progress.show(static_cast<double>(trial) / protocol.trials,

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 
+#include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 
 namespace palpate::collect {
@@ -25,7 +27,9 @@ struct HandCount {
 /// nothing but these channels. `name`: what the events say, as probe and area. Ends with OPEN, also
 /// where it throws. Throws std::runtime_error where the log cannot be written or a trial brings
 /// nothing of one of the channels, evaluate::Interrupted.
+/// `key`: that the hand's side is configured with, where it is.
 HandCount collect_from_hand(bus::MessageBus& bus, const HandProtocol& protocol,
-                            const std::string& name, const std::filesystem::path& log);
+                            const std::string& name, const std::filesystem::path& log,
+                            const std::optional<bus::Key>& key = {});
 
 }  // namespace palpate::collect

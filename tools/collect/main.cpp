@@ -121,6 +121,8 @@ int main(int argc, char** argv) {
   hand->add_option("--name", name, "Of probe and area, for the log")->capture_default_str();
   hand->add_option("--finger", protocol.finger)->check(CLI::Range(0, 4))->capture_default_str();
   hand->add_option("--trials", protocol.trials)->check(CLI::Range(1, 10000))->capture_default_str();
+  std::string key_file;
+  hand->add_option("--key", key_file, "File of the key that the hand's side has");
   hand->add_option("--force", protocol.force, "N, that a finger holds")
       ->check(CLI::Range(0.05, 20.0))
       ->capture_default_str();
@@ -136,8 +138,10 @@ int main(int argc, char** argv) {
     if (*emulate) run_emulate(emulation);
     if (*hand) {
       evaluate::catch_interruptions();
+      std::optional<bus::Key> key;
+      if (!key_file.empty()) key = bus::read_key_file(key_file);
       const auto bus = bus::make_lcm_bus(url);
-      const collect::HandCount count = collect::collect_from_hand(*bus, protocol, name, log);
+      const collect::HandCount count = collect::collect_from_hand(*bus, protocol, name, log, key);
       std::cout << count.touches << " tactile samples, " << count.wrenches << " wrenches\n";
     }
     if (*localise) collect::run_localise(collection, localization, std::cout);

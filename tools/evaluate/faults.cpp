@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "tools/evaluate/faults_process.hpp"
 #include "tools/evaluate/faults_report.hpp"
 #include "tools/evaluate/progress.hpp"
 
@@ -14,13 +15,16 @@ struct FaultsCommand::Options {
   int jobs = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   std::uint64_t first_seed = 1;
   std::vector<std::string> rows;
+  bool process = false;
   std::filesystem::path json, output;
 };
 
 FaultsCommand::FaultsCommand(CLI::App& app)
     : options_(std::make_unique<Options>()),
       command_(app.add_subcommand(
-          "faults", "injects faults in virtual time; what became of each, seed by seed")) {
+          "faults", "injects faults, in virtual time or into processes; what became of each")) {
+  command_->add_flag("--process", options_->process,
+                     "done to palpated itself over LCM and in real time, on ports of its own");
   command_->add_option("--seeds", options_->seeds, "of each row")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
@@ -40,7 +44,8 @@ FaultsCommand::~FaultsCommand() = default;
 std::optional<int> FaultsCommand::run(std::ostream& out) {
   if (!command_->parsed()) return std::nullopt;
   const Options& options = *options_;
-  const std::vector<faults::Row> rows = faults::choose_rows(options.rows);
+  const std::vector<faults::Row> rows =
+      options.process ? choose_process_rows(options.rows) : faults::choose_rows(options.rows);
   const faults::Bench bench = faults::make_bench();
   std::vector<faults::RowReport> reports;
   for (std::size_t i = 0; i < rows.size(); ++i) {

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cctype>
+#include <fstream>
+#include <sstream>
+#include <utility>
 
 namespace palpate::evaluate {
 namespace {
@@ -11,7 +14,9 @@ constexpr double kActivationPatience = 30;
 constexpr double kSlowest = 0.05;  // real-time factor in lock-step below which a run is given up
 constexpr const char* kReady = "waits for start";  // what palpated says once it listens
 constexpr double kSlice = 0.1;                     // s
-constexpr double kDrain = 0.3;                     // s for loggers to write what is under way
+constexpr double kDrain = 0.1;                     // s, from one look at the logs to the next
+constexpr double kLoggersPatience = 30;            // s, to write what is under way
+constexpr const char* kEndOfLog = "END_OF_LOG";    // channel of what a log ends with
 constexpr int kTail = 15;                          // lines of a failed program's output
 
 std::vector<std::string> with_settings(std::vector<std::string> command,
@@ -44,6 +49,17 @@ std::vector<std::string> source_command(const RunPlan& plan, const RunFiles& fil
   return with_settings(command, overrides, urls);
 }
 
+/// Whether one of its last messages is the mark of its end.
+bool has_ended(const std::filesystem::path& log) {
+  constexpr std::streamoff kLastBytes = 4096;
+  std::ifstream file(log, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kLastBytes));
+  std::stringstream tail;
+  tail << file.rdbuf();
+  return tail.str().find(kEndOfLog) != std::string::npos;
+}
+
 }  // namespace
 
 std::string file_name(const std::string& title) {
@@ -60,7 +76,8 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   if (plan.lock_step && (!plan.source.log.empty() || !(plan.source.duration > 0)))
     throw std::invalid_argument("a lock-step run wants a simulator that ends by itself");
   std::filesystem::create_directories(folder);
-  const Urls urls = private_urls();
+  urls_ = private_urls();
+  const Urls& urls = urls_;
   operator_ = std::make_unique<Operator>(urls);
   const auto logger = [&](const std::string& name, const std::string& url,
                           const std::filesystem::path& log) {
@@ -179,6 +196,23 @@ void LiveRun::complete(Progress& progress) {
   }
 }
 
+/// A logger writes in the order in which messages come: what was sent before a mark that stands in
+/// its log stands there too, if it came at all.
+void LiveRun::await_loggers() {
+  if (!plan_.recorded) return;
+  for (const auto& [url, log] : {std::pair{urls_.control, files_.control},
+                                 std::pair{urls_.housekeeping, files_.housekeeping}}) {
+    lcm::LCM marker(url);
+    const std::int64_t begin = wall_clock();
+    while (!has_ended(log)) {
+      if (static_cast<double>(wall_clock() - begin) * 1e-6 > kLoggersPatience)
+        fail("the logger does not write " + log.string(), nullptr);
+      marker.publish(kEndOfLog, kEndOfLog, 1);
+      operator_->spin(kDrain);
+    }
+  }
+}
+
 RunFiles LiveRun::finish() {
   const bool healthy = operator_->health() && operator_->health()->state != 4;
   const std::string reason = operator_->health()
@@ -195,7 +229,7 @@ RunFiles LiveRun::finish() {
   };
   stop(*source_, true);
   stop(*daemon_, false);
-  operator_->spin(kDrain);
+  await_loggers();
   for (Process& logger : loggers_) logger.stop();
   if (!healthy) fail("palpated ended faulted: " + reason, daemon_.get());
   return files_;

@@ -71,11 +71,13 @@ class LiveRun {
  private:
   void start_lock_step();
   void complete_lock_step(Progress& progress);
+  void await_loggers();
   void activate();
   [[noreturn]] void fail(const std::string& what, const Process* at_fault) const;
 
   const RunPlan& plan_;
   RunFiles files_;
+  Urls urls_;
   std::unique_ptr<Operator> operator_;
   std::vector<Process> loggers_;
   std::unique_ptr<Process> daemon_;

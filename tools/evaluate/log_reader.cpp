@@ -1,5 +1,6 @@
 #include "tools/evaluate/log_reader.hpp"
 
+#include <algorithm>
 #include <iostream>
 
 namespace palpate::evaluate {
@@ -27,6 +28,15 @@ void take_times_from_features(std::vector<shape_target_t>& targets,
     }
 }
 
+/// Datagrams overtake each other on a busy machine; what was sent first has the lower number.
+template <class... Messages>
+void order_as_sent(std::vector<Messages>&... messages) {
+  const auto earlier = [](const auto& a, const auto& b) {
+    return a.utime != b.utime ? a.utime < b.utime : a.seq < b.seq;
+  };
+  (std::stable_sort(messages.begin(), messages.end(), earlier), ...);
+}
+
 }  // namespace
 
 RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
@@ -40,7 +50,10 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   loop.collect("CONTACTS", run.contacts);
   loop.collect("SHAPE_OBSERVATION", run.observations);
   loop.read(control);
-  if (clock == LogClock::kSent) take_times_from_features(run.targets, run.features);
+  if (clock == LogClock::kSent) {
+    order_as_sent(run.commands, run.features, run.robot, run.contacts, run.observations);
+    take_times_from_features(run.targets, run.features);
+  }
 
   LogReader slow(clock);
   slow.collect("SHAPE", run.shapes);
@@ -52,6 +65,9 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   slow.collect("HEALTH", run.health);
   slow.collect("COMPONENT_EVENT", run.events);
   slow.read(housekeeping);
+  if (clock == LogClock::kSent)
+    order_as_sent(run.shapes, run.shape_chunks, run.truths, run.truth_chunks, run.truth_contacts,
+                  run.truth_touches, run.health, run.events);
   return run;
 }
 

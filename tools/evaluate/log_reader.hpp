@@ -61,7 +61,7 @@ class LogReader {
   long undecodable_ = 0;
 };
 
-/// What scoring needs of one run, in the order received.
+/// What scoring needs of one run, in the order of the clock that it was read by.
 struct RunLog {
   std::vector<shape_t> shapes;  // the estimate
   std::vector<shape_mesh_t> shape_chunks;

@@ -93,6 +93,10 @@ void run_thesis_job(const ThesisJob& job, const std::string& inputs_hash, const 
   // A stepped daemon has no clock to be late by.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
   result["simulator"] = json_in(files.simulator);
+  // One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
+  const Json daemon = json_in(files.daemon);
+  result["features_lost_by_log"] =
+      daemon.value("cycles", std::int64_t{0}) - static_cast<std::int64_t>(log.features.size());
   std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
   for (std::size_t i = 0; i < states.size(); ++i) {
     Json state = to_json(states[i], scored.shape->length);

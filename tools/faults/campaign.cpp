@@ -52,7 +52,10 @@ double wilson_lower(int good, int count) {
 }
 
 std::vector<Row> choose_rows(const std::vector<std::string>& numbers) {
-  const std::vector<Row> all = all_rows();
+  return choose_rows(all_rows(), numbers);
+}
+
+std::vector<Row> choose_rows(const std::vector<Row>& all, const std::vector<std::string>& numbers) {
   if (numbers.empty()) return all;
   std::vector<Row> chosen;
   for (const std::string& number : numbers) {
@@ -60,7 +63,7 @@ std::vector<Row> choose_rows(const std::vector<std::string>& numbers) {
     for (const Row& row : all)
       if (row.number == number) chosen.push_back(row);
     if (chosen.size() == before)
-      throw std::invalid_argument("row " + number + " is not among those of virtual time");
+      throw std::invalid_argument("row " + number + " is not among these");
   }
   return chosen;
 }

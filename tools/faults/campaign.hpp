@@ -32,6 +32,8 @@ double wilson_lower(int good, int count);
 /// Rows whose numbers are in `numbers` ("1", "12"); all where it is empty. Throws
 /// std::invalid_argument for a number that no row has.
 std::vector<Row> choose_rows(const std::vector<std::string>& numbers);
+/// The same of other rows.
+std::vector<Row> choose_rows(const std::vector<Row>& all, const std::vector<std::string>& numbers);
 
 /// Runs seeds `first_seed` onwards of a row in `jobs` processes.
 RowReport run_row(const Bench& bench, const Row& row, int seeds, int jobs,

@@ -48,9 +48,13 @@ double visible_after(const Trace& trace, const Trace& reference, double from) {
     const double t = since(time_ns, from);
     if (t >= -0.5 * kTick && (first < 0 || t < first)) first = std::max(0.0, t);
   };
-  const std::size_t count = std::min(trace.health.size(), reference.health.size());
-  for (std::size_t i = 0; i < count; ++i)
-    if (differs(trace.health[i], reference.health[i])) seen(trace.health[i].time_ns);
+  auto same_time = reference.health.begin();
+  for (const HealthNote& note : trace.health) {
+    while (same_time != reference.health.end() && same_time->time_ns < note.time_ns) ++same_time;
+    if (same_time == reference.health.end()) break;
+    // What is told out of turn has a cause.
+    if (same_time->time_ns != note.time_ns || differs(note, *same_time)) seen(note.time_ns);
+  }
   for (const EventNote& event : trace.events) {
     const bool expected =
         std::any_of(reference.events.begin(), reference.events.end(), [&](const EventNote& other) {
@@ -112,7 +116,7 @@ double first_difference(const Stream& faulted, const Stream& good) {
   return 1e-9 * static_cast<double>(good.back().time_ns);
 }
 
-RunResult judge(const Trace& trace, const Trace& reference, const Window& window, bool must_show) {
+RunResult outcome_of(const Trace& trace, const Window& window) {
   RunResult result;
   result.detected = inactive_after(trace, window.begin, time_of(1 << 20));
   if (result.detected >= 0) {
@@ -130,8 +134,13 @@ RunResult judge(const Trace& trace, const Trace& reference, const Window& window
   // The gate holds the command back though every component is content.
   if (refused(trace) > 0 && result.outcome == Outcome::kUnaffected)
     result.outcome = Outcome::kDegraded;
-  result.visible = visible_after(trace, reference, window.begin);
   if (!trace.sound()) result.fail(trace.complaint);
+  return result;
+}
+
+RunResult judge(const Trace& trace, const Trace& reference, const Window& window, bool must_show) {
+  RunResult result = outcome_of(trace, window);
+  result.visible = visible_after(trace, reference, window.begin);
   const bool shows =
       result.visible >= 0 && result.visible <= kVisibleWithin + kNextMessage + 0.5 * kTick;
   const bool harmed = result.outcome != Outcome::kUnaffected;

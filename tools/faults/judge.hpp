@@ -36,6 +36,10 @@ double shape_rmse(const Trace& trace, const Window& window);
 /// When the faulted stream first differs from the good one, s.
 double first_difference(const Stream& faulted, const Stream& good);
 
+/// Outcome and times of a fault that lasts for `window`; a failure where a number is not finite or
+/// a command beyond the limits.
+RunResult outcome_of(const Trace& trace, const Window& window);
+
 /// The bars of the whole table, outcome and times of a fault that lasts for `window`:
 /// every number finite, every command within the limits, nothing silent. `must_show`: it is to be
 /// seen even where it does no harm.

@@ -79,7 +79,7 @@ bool Monitor::read(const bus::Published& message, Message& into) {
 }
 
 void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vector3d>& p_W_E,
-                   bool restrained) {
+                   std::optional<bool> restrained) {
   ++messages_;
   const std::string& channel = message.channel;
   const auto check = [&](auto into) { return read(message, into); };
@@ -117,10 +117,16 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
 /// Speed always. Where the gate follows a request: the limit of acceleration, and no way out of the
 /// workspace. Where it brakes: from full speed to zero in 100 ms, and never faster than before.
 void Monitor::look_at_command(const bus::Published& message,
-                              const std::optional<Eigen::Vector3d>& p_W_E, bool restrained) {
+                              const std::optional<Eigen::Vector3d>& p_W_E,
+                              std::optional<bool> known_restrained) {
   twist_command_t command;
   if (!read(message, command)) return;
   const Eigen::Map<const Eigen::Vector3d> linear(command.twist), angular(command.twist + 3);
+  const bool shrinks =
+      linear.norm() <= last_linear_.norm() && angular.norm() <= last_angular_.norm();
+  const bool restrained = known_restrained.value_or(shrinks);
+  // What went between was not heard.
+  const double cycles = std::max(1, command.seq - std::exchange(last_seq_, command.seq));
   if (linear.norm() > kRounding * limits_.linear_speed ||
       angular.norm() > kRounding * limits_.angular_speed)
     complain(beyond_limits_, "command above the limit of speed");
@@ -128,7 +134,7 @@ void Monitor::look_at_command(const bus::Published& message,
   constexpr double kStopTime = 0.1;  // s, of the gate
   // Braking ramps each axis on its own.
   const auto allowed = [&](double acceleration, double speed) {
-    return kRounding * period_ *
+    return kRounding * period_ * cycles *
            (restrained ? std::max(acceleration, std::sqrt(3.0) * speed / kStopTime) : acceleration);
   };
   const bool too_fast =
@@ -136,12 +142,17 @@ void Monitor::look_at_command(const bus::Published& message,
   const bool turns_too_fast =
       turn.norm() > allowed(limits_.angular_acceleration, limits_.angular_speed) + 1e-12;
   if (too_fast || turns_too_fast)
-    complain(beyond_limits_, "command changes faster than the limit of acceleration");
+    complain(beyond_limits_, "command " + std::to_string(command.seq) + " changes by " +
+                                 std::to_string(step.norm() / (cycles * period_)) + " m/s^2 and " +
+                                 std::to_string(turn.norm() / (cycles * period_)) +
+                                 " rad/s^2, faster than the limit, at " +
+                                 std::to_string(linear.norm()) + " m/s");
   if (restrained && linear.norm() > kRounding * last_linear_.norm() + 1e-12)
     complain(beyond_limits_, "command grows while the gate holds it back");
   if (!restrained)
-    largest_step_ = std::max({largest_step_, step.norm() / (period_ * limits_.linear_acceleration),
-                              turn.norm() / (period_ * limits_.angular_acceleration)});
+    largest_step_ =
+        std::max({largest_step_, step.norm() / (period_ * cycles * limits_.linear_acceleration),
+                  turn.norm() / (period_ * cycles * limits_.angular_acceleration)});
   for (int axis = 0; axis < 3 && p_W_E && !restrained; ++axis) {
     const double next = (*p_W_E)[axis] + period_ * linear[axis];
     const bool out = (next > limits_.workspace_upper[axis] && linear[axis] > 0) ||

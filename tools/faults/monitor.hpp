@@ -33,9 +33,10 @@ class Monitor {
   Monitor(const control::GateLimits& limits, double period) : limits_(limits), period_(period) {}
 
   /// `pose_E`: where the flange is by the last good state; nothing where unknown. `restrained`: the
-  /// gate brakes, since it is inactive or refuses.
+  /// gate brakes, since it is inactive or refuses; nothing: unknown from outside, any command that
+  /// does not grow may be its.
   void look(const bus::Published& message, const std::optional<Eigen::Vector3d>& p_W_E,
-            bool restrained);
+            std::optional<bool> restrained);
 
   int messages() const { return messages_; }
   int undecoded() const { return undecoded_; }  // or of a channel that nobody expects
@@ -60,7 +61,7 @@ class Monitor {
   bool read(const bus::Published& message, Message& into);
   void complain(int& counter, const std::string& what);
   void look_at_command(const bus::Published& message, const std::optional<Eigen::Vector3d>& p_W_E,
-                       bool restrained);
+                       std::optional<bool> restrained);
   void look_at_health(const bus::Published& message);
 
   control::GateLimits limits_;
@@ -69,6 +70,7 @@ class Monitor {
   std::string complaint_;
   Eigen::Vector3d last_linear_ = Eigen::Vector3d::Zero(), last_angular_ = Eigen::Vector3d::Zero();
   bool command_valid_ = false;
+  std::int32_t last_seq_ = 0;
   double largest_step_ = 0;
   std::uint64_t hash_ = 0, contact_hash_ = 0;
   std::vector<HealthNote> health_;

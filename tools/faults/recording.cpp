@@ -43,6 +43,7 @@ Recording record_loop(int ticks) {
   User user(*user_bus);
 
   Recording recording;
+  recording.target = target_of(daemon.pipeline().feature().rest_points()[0]);
   Stream all;
   bus::record(*hub, &all);
   const Eigen::Matrix3Xd rest = daemon.pipeline().object().corners.nodes;
@@ -50,8 +51,7 @@ Recording record_loop(int ticks) {
     const std::int64_t now_ns = 1'000'000LL * tick;
     bus::set_time(*hub, now_ns);
     if (tick == kStartTick) user.send("start");
-    if (tick == kTargetTick)
-      user.send_target("point", target_of(daemon.pipeline().feature().rest_points()[0]));
+    if (tick == kTargetTick) user.send_target("point", recording.target);
     simulation.step();
     daemon.tick({now_ns, now_ns / 1000, 0});
     for (bus::Published& message : all)

@@ -16,6 +16,7 @@ struct Recording {
   Stream stream;  // times from 1 ms on
   /// 3 x n in O every kTruthEvery ms from kTruthEvery on: the corner nodes of configuration().
   std::vector<Eigen::Matrix3Xd> truth;
+  Eigen::Vector3d target;  // m, that the feature is to go to
 };
 
 /// What the commands of every run ask for; ms.

@@ -12,10 +12,7 @@ Replay::Replay(const Recording& recording, const std::vector<std::string>& overr
   user_ = std::make_unique<User>(*outside_);
   monitor_ =
       std::make_unique<Monitor>(component::read_gate_limits(root), daemon_->settings().loop.period);
-  target_ = target_of(daemon_->pipeline().feature().rest_points()[0]);
 }
-
-void Replay::send_target(bool again) { user_->send_target("point", target_, again); }
 
 Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
   Trace trace;
@@ -24,7 +21,7 @@ Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
     const std::int64_t now_ns = 1'000'000LL * tick;
     bus::set_time(*hub_, now_ns);
     if (tick == kStartTick) user_->send("start");
-    if (tick == kTargetTick) send_target();
+    if (tick == kTargetTick) user_->send_target("point", recording_.target);
     for (; next != stream.end() && next->time_ns <= now_ns; ++next)
       outside_->publish(next->channel.c_str(), next->data.data(),
                         static_cast<int>(next->data.size()));

@@ -49,7 +49,6 @@ class Replay {
 
   daemon::Daemon& daemon() { return *daemon_; }
   User& user() { return *user_; }
-  void send_target(bool again = false);
 
  private:
   void observe(int tick, Trace& trace);
@@ -61,7 +60,6 @@ class Replay {
   std::unique_ptr<daemon::Daemon> daemon_;
   std::unique_ptr<User> user_;
   std::unique_ptr<Monitor> monitor_;
-  Eigen::Vector3d target_;
   std::vector<bus::Published> said_;
 };
 

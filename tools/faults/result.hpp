@@ -31,6 +31,7 @@ struct RunResult {
 };
 
 struct Bench;
+struct Scenario;
 
 /// One kind of fault.
 struct Row {
@@ -41,6 +42,8 @@ struct Row {
   double limit;        // that `measured` must not exceed; infinite: none
   bool mean = false;   // of all seeds, not the largest, is what counts
   std::function<RunResult(const Bench&, std::uint64_t seed)> run;
+  /// The same as messages, where it is done with messages: for a process.
+  std::function<Scenario(const Bench&, std::uint64_t seed)> scenario{};
 };
 
 }  // namespace palpate::faults

@@ -4,7 +4,7 @@
 
 #include "tools/faults/faulty_sensor.hpp"
 #include "tools/faults/rows.hpp"
-#include "tools/faults/transforms.hpp"
+#include "tools/faults/scenario.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -112,6 +112,87 @@ RunResult run_overruns(const Bench& bench, std::uint64_t seed) {
   return result;
 }
 
+/// A target so far away that the law's command overflows: an error of the controller. Its fallback,
+/// where it has one, steers in the same cycle; without one all stops.
+Scenario overflow(const Bench& bench, std::uint64_t seed, bool with_fallback) {
+  math::Random random(seed, "overflow");
+  Scenario scenario;
+  scenario.overrides = {
+      std::string("control={provider: fem, law: proportional_twist, gain: 50") +
+      (with_fallback ? ", fallback: {provider: fem, law: proportional_twist, gain: 0.001}}" : "}")};
+  const int tick = 250 + static_cast<int>(random.below(100));
+  scenario.stream = bench.recording.stream;
+  scenario.ticks = 800;
+  scenario.window = {1e-3 * tick, 1e-3 * 600};
+  Eigen::Vector3d target = bench.recording.target;
+  for (double& x : target)
+    if (random.below(2) == 0) x = 1e308 * (random.below(2) == 0 ? 1 : -1);
+  if (target == bench.recording.target) target.x() = 1e308;
+  scenario.acts.push_back({tick, [target](User& user) { user.send_target("point", target); }});
+  return scenario;
+}
+
+RunResult judge_overflow(const Bench& bench, const Scenario& scenario, LifeCycle expected) {
+  const Trace trace = play(bench, scenario);
+  const Window& window = scenario.window;
+  RunResult result = judge(trace, bench.reference, window, true);
+  result.measured = 1e3 * result.detected;
+  if (trace.cycles.back().state != expected)
+    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+  const double zero = zero_after(trace, window.begin, 1e-3 * scenario.ticks);
+  if (expected == LifeCycle::kFaulted && (zero < 0 || zero > kZeroWithin))
+    result.fail("no zero command within 100 ms");
+  if (expected == LifeCycle::kDegraded && !trace.cycles.back().command_valid)
+    result.fail("the fallback has no command");
+  return result;
+}
+
+Row overflow_row(bool with_fallback) {
+  const LifeCycle expected = with_fallback ? LifeCycle::kDegraded : LifeCycle::kFaulted;
+  return scenario_row(
+      {"12",
+       std::string("controller overflows") + (with_fallback ? ", with fallback" : ""),
+       with_fallback ? "the fallback commands within 1 T, told" : "faulted within 1 T, kept",
+       "ms",
+       1,
+       false,
+       {}},
+      [with_fallback](const Bench& bench, std::uint64_t seed) {
+        return overflow(bench, seed, with_fallback);
+      },
+      [expected](const Bench& bench, const Scenario& scenario) {
+        return judge_overflow(bench, scenario, expected);
+      });
+}
+
+/// The whole process is held still, far longer than a busy machine does it by itself.
+Scenario held_still(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "held still");
+  Scenario scenario;
+  scenario.overrides = {"loop.degraded_after_ms=150", "loop.overrun_window_ms=400",
+                        "loop.safe_stop_after_ms=600"};
+  scenario.stream = bench.recording.stream;
+  scenario.ticks = 1800;
+  const int tick = 250 + static_cast<int>(random.below(100));
+  const bool stops = random.below(2) == 0;
+  scenario.held = {tick, stops ? 700 + static_cast<int>(random.below(100))
+                               : 250 + static_cast<int>(random.below(100))};
+  scenario.window = {1e-3 * tick, 1e-3 * (tick + scenario.held.length)};
+  scenario.must_show = false;  // before it goes on: nobody is there to tell
+  return scenario;
+}
+
+RunResult judge_held_still(const Bench& bench, const Scenario& scenario) {
+  const Trace trace = play(bench, scenario);
+  const Window after{scenario.window.end, scenario.window.end};
+  RunResult result = judge(trace, bench.reference, after, true);
+  result.measured = 1e3 * result.detected;
+  const LifeCycle expected = scenario.held.length > 600 ? LifeCycle::kFaulted : LifeCycle::kActive;
+  if (trace.cycles.back().state != expected)
+    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+  return result;
+}
+
 struct Wish {
   const char* slot;
   const char* component;
@@ -143,18 +224,24 @@ constexpr Wish kWishes[] = {
 };
 constexpr int kRequests = 10;
 
-RunResult run_replacement(const Bench& bench, std::uint64_t seed) {
+Scenario replacements(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "replacement");
-  const Window window{0.25, 1.6};
-  const Stream faulted = lose(bench.recording.stream, sensors_in(window), 0.05, random);
-  Replay replay(bench.recording);
-  const Trace trace = replay.run(faulted, 1700, [&](int tick, daemon::Now&) {
-    if (tick < 250 || (tick - 250) % 130 != 0 || tick >= 250 + 130 * kRequests) return true;
+  Scenario scenario;
+  scenario.window = {0.25, 1.6};
+  scenario.ticks = 1700;
+  scenario.stream = lose(bench.recording.stream, sensors_in(scenario.window), 0.05, random);
+  for (int i = 0; i < kRequests; ++i) {
     const Wish& wish = kWishes[random.below(std::size(kWishes))];
-    replay.user().send("replace", wish.slot, wish.component, wish.parameters);
-    return true;
-  });
-  RunResult result = judge(trace, bench.reference, window, true);
+    scenario.acts.push_back({250 + 130 * i, [wish](User& user) {
+                               user.send("replace", wish.slot, wish.component, wish.parameters);
+                             }});
+  }
+  return scenario;
+}
+
+RunResult judge_replacements(const Bench& bench, const Scenario& scenario) {
+  const Trace trace = play(bench, scenario);
+  RunResult result = judge(trace, bench.reference, scenario.window, true);
   result.measured = trace.largest_step;
   int answered = 0;
   for (const EventNote& event : trace.events)
@@ -174,8 +261,24 @@ std::vector<Row> component_rows() {
        run_bad_output},
       {"12", "cycles overrun", "degraded at 6 ms, safe stop at 20 ms, within 1 T", "ms", 1, false,
        run_overruns},
-      {"14", "10 replacements, some failing", "command step within the limit of the gate",
-       "of limit", 1 + 1e-6, false, run_replacement},
+      overflow_row(false),
+      overflow_row(true),
+      scenario_row({"12",
+                    "process held still, 250 to 800 ms",
+                    "degraded or safe stop by its length, within 1 T of going on",
+                    "ms",
+                    1,
+                    false,
+                    {}},
+                   held_still, judge_held_still),
+      scenario_row({"14",
+                    "10 replacements, some failing",
+                    "command step within the limit of the gate",
+                    "of limit",
+                    1 + 1e-6,
+                    false,
+                    {}},
+                   replacements, judge_replacements),
   };
 }
 

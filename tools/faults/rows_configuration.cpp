@@ -4,7 +4,7 @@
 
 #include <regex>
 
-#include "core/math/random.hpp"
+#include "tools/faults/mutation.hpp"
 #include "tools/faults/rows.hpp"
 
 namespace palpate::faults {
@@ -39,16 +39,10 @@ std::string file_of(const YAML::Node& node) {
   return out.c_str();
 }
 
-/// The same without a deeper copy that shares nodes.
-YAML::Node copy_of_configuration() { return YAML::Load(configuration().dump()); }
+}  // namespace
 
-struct Mutation {
-  std::string what, key, text;
-  bool must_fail = true;
-};
-
-Mutation mutate(math::Random& random) {
-  YAML::Node root = copy_of_configuration();
+Mutation mutate_configuration(math::Random& random, const std::vector<std::string>& overrides) {
+  YAML::Node root = YAML::Load(configuration(overrides).dump());
   Places places;
   collect(root, {}, places);
   Mutation mutation;
@@ -93,6 +87,15 @@ Mutation mutate(math::Random& random) {
   return mutation;
 }
 
+bool names_its_place(const Mutation& mutation, const std::string& complaint) {
+  static const std::regex kPlace("mutated\\.yaml:[0-9]+: ");
+  const bool by_key = mutation.what == "wrong type" || mutation.what == "unknown key";
+  return std::regex_search(complaint, kPlace) &&
+         (!by_key || complaint.find(mutation.key) != std::string::npos);
+}
+
+namespace {
+
 /// Refused with file, line and key, or taken where it is right after all; never anything else.
 RunResult run_mutated(const Bench&, std::uint64_t seed) {
   math::Random random(seed, "configuration");
@@ -100,7 +103,7 @@ RunResult run_mutated(const Bench&, std::uint64_t seed) {
   result.measured = 0;
   constexpr int kMutations = 20;
   for (int i = 0; i < kMutations; ++i) {
-    const Mutation mutation = mutate(random);
+    const Mutation mutation = mutate_configuration(random, {});
     const std::string where = mutation.what + " " + mutation.key + ": ";
     try {
       const auto hub = bus::make_memory_hub();
@@ -109,14 +112,9 @@ RunResult run_mutated(const Bench&, std::uint64_t seed) {
       const daemon::Daemon daemon(root, *bus, *bus, daemon::Mode::kDeterministic, 1);
       if (mutation.must_fail) result.fail(where + "is taken");
     } catch (const config::Error& error) {
-      static const std::regex kPlace("mutated\\.yaml:[0-9]+: ");
-      const std::string text = error.what();
-      const bool named = mutation.what != "wrong type" && mutation.what != "unknown key"
-                             ? true
-                             : text.find(mutation.key) != std::string::npos;
-      if (!std::regex_search(text, kPlace) || !named) {
+      if (!names_its_place(mutation, error.what())) {
         ++result.measured;
-        result.note(where + text);
+        result.note(where + error.what());
       }
       result.outcome = std::max(result.outcome, Outcome::kSafeStop);
     } catch (const std::exception& error) {

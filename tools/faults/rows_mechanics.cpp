@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "tools/faults/rows.hpp"
-#include "tools/faults/transforms.hpp"
+#include "tools/faults/scenario.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -103,14 +103,20 @@ Row states_row(const std::string& name, Disturbance disturbance, int states, dou
   return row;
 }
 
-RunResult run_thrown(const Bench& bench, std::uint64_t seed) {
+Scenario thrown(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "thrown");
   const Window window{0.25 + random.uniform(0, 0.05), 0.55};
-  const Stream faulted =
+  Scenario scenario;
+  scenario.stream =
       throw_about(bench.recording.stream, window, 1.5, random);  // m, three times the size
-  const Trace trace = Replay(bench.recording).run(faulted, 1200);
-  const Window from{first_difference(faulted, bench.recording.stream), window.end};
-  RunResult result = judge(trace, bench.reference, from, true);
+  scenario.window = from_first(scenario.stream, bench, window);
+  scenario.ticks = 1200;
+  return scenario;
+}
+
+RunResult judge_thrown(const Bench& bench, const Scenario& scenario) {
+  const Trace trace = play(bench, scenario);
+  RunResult result = judge(trace, bench.reference, scenario.window, true);
   result.measured = trace.not_finite + trace.beyond_limits;
   if (trace.cycles.back().state != component::LifeCycle::kActive)
     result.note("not active 0.65 s later");
@@ -118,21 +124,30 @@ RunResult run_thrown(const Bench& bench, std::uint64_t seed) {
 }
 
 /// One iteration a cycle and a tolerance that nobody can meet, while the hand is shaken.
-RunResult run_not_converging(const Bench& bench, std::uint64_t seed) {
+Scenario one_iteration(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "iterations");
-  const Window window{1e-3 * kStartTick, 0.6};
-  const Stream shaken =
+  Scenario scenario;
+  scenario.window = {1e-3 * kStartTick, 0.6};
+  scenario.ticks = 600;
+  scenario.stream =
       throw_about(bench.recording.stream, {0.1, 0.6}, random.uniform(0, 0.01), random);
-  Replay replay(bench.recording, {"deformation={component: corotational_quasistatic, iterations: "
-                                  "1, tolerance: 1e-12, accuracy: 0}"});
+  scenario.overrides = {
+      "deformation={component: corotational_quasistatic, iterations: 1, tolerance: 1e-12, "
+      "accuracy: 0}"};
+  return scenario;
+}
+
+RunResult run_not_converging(const Bench& bench, std::uint64_t seed) {
+  const Scenario scenario = one_iteration(bench, seed);
+  Replay replay(bench.recording, scenario.overrides);
   bool bounded = true, reported = true;
-  const Trace trace = replay.run(shaken, 600, [&](int, daemon::Now&) {
+  const Trace trace = replay.run(scenario.stream, scenario.ticks, [&](int, daemon::Now&) {
     const elasticity::StepReport& step = replay.daemon().pipeline().estimate().step;
     bounded = bounded && step.iterations <= 1;
     reported = reported && std::isfinite(step.residual);
     return true;
   });
-  RunResult result = judge(trace, bench.reference, window, true);
+  RunResult result = judge(trace, bench.reference, scenario.window, true);
   result.measured = 1e3 * result.visible;
   if (!bounded) result.fail("more than one iteration in a cycle");
   if (!reported) result.fail("the residual is not finite");
@@ -150,10 +165,16 @@ std::vector<Row> mechanics_rows() {
       // Such a bar may well be left twisted, in balance: no figure but that all is finite.
       states_row("100 N on every node", Disturbance::kLoads, 20,
                  std::numeric_limits<double>::infinity()),
-      {"17", "hand's pose thrown 3 sizes far", "0 NaN, 0 commands beyond limits", "", 0, false,
-       run_thrown},
+      scenario_row({"17",
+                    "hand's pose thrown 3 sizes far",
+                    "0 NaN, 0 commands beyond limits",
+                    "",
+                    0,
+                    false,
+                    {}},
+                   thrown, judge_thrown),
       {"18", "one iteration, no convergence", "bounded, shown in 100 ms", "ms", 100, false,
-       run_not_converging},
+       run_not_converging, one_iteration},
   };
 }
 

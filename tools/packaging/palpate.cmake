@@ -58,6 +58,23 @@ function(palpate_program name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE palpate_flags ${ARG_DEPENDS})
+  if(name MATCHES "^palpated$|^palpate-probe$")
+    install(TARGETS ${name} RUNTIME COMPONENT daemon)
+  elseif(name MATCHES "^palpate-")
+    install(TARGETS ${name} RUNTIME COMPONENT tools)
+  endif()
+endfunction()
+
+# The unit for systemd names the program where it is installed, which is known only then.
+function(palpate_install_service unit)
+  install(CODE "set(unit \"${unit}\")" COMPONENT daemon)
+  install(CODE [[
+    get_filename_component(name ${unit} NAME)
+    file(READ ${unit} text)
+    string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_PREFIX}/bin/" text "${text}")
+    set(changed "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/systemd/system/${name}")
+    file(WRITE ${changed} "${text}")
+    message(STATUS "Installing: ${changed}")]] COMPONENT daemon)
 endfunction()
 
 # Every .cpp of the folder `dir` (below the current one) becomes the test program

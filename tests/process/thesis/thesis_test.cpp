@@ -1,9 +1,13 @@
 // palpate-evaluate thesis with real programs, on ports of its own.
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <sys/wait.h>
 
 #include <cstdlib>
+#include <cstring>
+#include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/tools/evaluate/thesis_folder.hpp"
@@ -37,13 +41,64 @@ class ThesisProcess : public testing::Test {
     return nlohmann::json::parse(
         folder_.read(output + "/short_pull_pose_driven_none_1/result.json"));
   }
+  std::filesystem::path job(const std::string& output) const {
+    return folder_.file(output + "/short_pull_pose_driven_none_1");
+  }
+  nlohmann::json json_of(const std::string& output, const std::string& name) const {
+    return nlohmann::json::parse(std::ifstream(job(output) / name));
+  }
+  /// Of messages from one program to the other: without them it is another run.
+  std::int64_t lost_between_programs(const std::string& output) const {
+    std::int64_t lost = json_of(output, "simulator.json")["commands_lost"];
+    for (const auto& input : json_of(output, "palpated.json")["inputs"])
+      lost += input["lost"].get<std::int64_t>();
+    return lost;
+  }
+  /// The job, with its logs; once more where a busy machine has lost a message between programs.
+  nlohmann::json run_whole(const std::string& output) const {
+    for (int i = 0; i < 10; ++i) {
+      std::filesystem::remove_all(folder_.file(output));
+      EXPECT_EQ(run(output, "--keep-logs"), 0) << folder_.read(output + ".txt");
+      if (lost_between_programs(output) == 0) return result(output);
+    }
+    ADD_FAILURE() << "messages were lost in every run";
+    return result(output);
+  }
+
+  /// What stands behind the header of each message of a channel, by its number.
+  static std::map<std::int32_t, std::string> messages(const std::filesystem::path& log,
+                                                      const std::string& channel) {
+    constexpr int kSeq = 16, kHeader = 28;
+    std::map<std::int32_t, std::string> found;
+    lcm::LogFile file(log.string(), "r");
+    while (const lcm::LogEvent* event = file.readNextEvent()) {
+      if (event->channel != channel || event->datalen < kHeader) continue;
+      const char* bytes = static_cast<const char*>(event->data);
+      std::uint32_t seq = 0;
+      std::memcpy(&seq, bytes + kSeq, sizeof seq);
+      found[static_cast<std::int32_t>(ntohl(seq))] = {bytes + kHeader, bytes + event->datalen};
+    }
+    return found;
+  }
+  /// Bit for bit, of all that both logs have, which must be nearly all.
+  void expect_same(const std::string& log, const std::string& channel, std::size_t sent) const {
+    const auto a = messages(job("a") / log, channel), b = messages(job("b") / log, channel);
+    std::size_t both = 0, different = 0;
+    for (const auto& [seq, bytes] : a) {
+      const auto other = b.find(seq);
+      if (other == b.end()) continue;
+      ++both;
+      different += other->second == bytes ? 0 : 1;
+    }
+    EXPECT_EQ(different, 0u) << channel << " of " << both;
+    EXPECT_GT(both, sent * 9 / 10) << channel;
+  }
   ThesisFolder folder_;
 };
 
 TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
   folder_.write("plan.yaml", kPlan);
-  ASSERT_EQ(run("a"), 0) << folder_.read("a.txt");
-  const nlohmann::json first = result("a");
+  const nlohmann::json first = run_whole("a");
   EXPECT_EQ(first["simulator"]["mode"], "lock-step");
   EXPECT_EQ(first["simulator"]["ticks"], 1500);
   // The pull has begun, towards its target.
@@ -54,9 +109,11 @@ TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
   ASSERT_EQ(run("a"), 0);
   EXPECT_NE(folder_.read("a.txt").find("0 jobs run, 1 kept"), std::string::npos)
       << folder_.read("a.txt");
-  ASSERT_EQ(run("b"), 0) << folder_.read("b.txt");
-  EXPECT_EQ(result("b")["score"]["feature"], first["score"]["feature"]);
-  EXPECT_EQ(result("b")["states"], first["states"]);
+  run_whole("b");
+  for (const char* channel : {"FEATURE", "ESTIMATE", "CONTACTS", "TWIST_COMMAND", "FT_WRENCH"})
+    expect_same("control.log", channel, 1500);
+  for (const char* channel : {"SHAPE", "TRUTH_SHAPE"})
+    expect_same("housekeeping.log", channel, 149);
 }
 
 TEST_F(ThesisProcess, AJobThatFailsIsExitCodeOne) {

@@ -96,6 +96,26 @@ TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {
   EXPECT_EQ(commands.size(), 2u);
 }
 
+TEST(LogReader, BySendersClockWhatWasOvertakenIsBackInItsPlace) {
+  const auto folder = std::filesystem::temp_directory_path();
+  const auto control = folder / "palpate_overtaken.log";
+  {
+    lcm::LogFile log(control.string(), "w");
+    feature_t feature = {};
+    for (const int seq : {1, 2, 5, 3, 4, 7, 6}) {
+      feature.seq = seq;
+      feature.utime = 1000 * (seq / 2);  // two of each time
+      write(log, "FEATURE", 5000 + seq, feature);
+    }
+  }
+  const RunLog sent = read_run(control, control, LogClock::kSent);
+  const RunLog received = read_run(control, control);
+  std::filesystem::remove(control);
+  ASSERT_EQ(sent.features.size(), 7u);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(sent.features[i].seq, i + 1);
+  EXPECT_EQ(received.features.back().seq, 6);
+}
+
 TEST(LogReader, AFileThatIsAbsentIsAnError) {
   EXPECT_THROW(LogReader().read("/nonexistent/run.log"), std::runtime_error);
 }

@@ -1,0 +1,54 @@
+// What cmake --install leaves is what the unit for systemd starts.
+
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+#include "tests/support/child_process.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace palpate {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::string text_of(const fs::path& file) {
+  std::stringstream text;
+  text << std::ifstream(file).rdbuf();
+  return text.str();
+}
+
+/// The word behind `key` in a unit.
+std::string word_behind(const std::string& key, const std::string& text) {
+  const std::size_t at = text.find(key);
+  if (at == std::string::npos) return "";
+  const std::size_t begin = at + key.size();
+  return text.substr(begin, text.find_first_of(" \n", begin) - begin);
+}
+
+TEST(Install, TheUnitStartsTheDaemonThatIsInstalled) {
+  const support::ScratchFolder folder;
+  const std::string command = "cmake --install '" + std::string(PALPATE_BUILD_DIR) +
+                              "' --component daemon --prefix '" + folder.path().string() + "' > '" +
+                              (folder.path() / "words.txt").string() + "' 2>&1";
+  ASSERT_EQ(WEXITSTATUS(std::system(command.c_str())), 0) << text_of(folder.path() / "words.txt");
+  const std::string unit = text_of(folder.path() / "lib/systemd/system/palpated.service");
+  const std::string program = word_behind("ExecStart=", unit);
+  EXPECT_EQ(program, (folder.path() / "bin/palpated").string()) << unit;
+
+  support::ChildProcess version({program, "--version"});
+  EXPECT_EQ(version.wait(std::chrono::seconds(20)), 0) << version.output();
+  EXPECT_NE(version.output().find(PALPATE_VERSION), std::string::npos) << version.output();
+  // It takes its examples for what they are: a wrong key is its only complaint.
+  support::ChildProcess wrong(
+      {program, (folder.path() / "share/palpate/examples/bar_long_soft.yaml").string(), "--set",
+       "loop.no_such_key=1"});
+  EXPECT_EQ(wrong.wait(std::chrono::seconds(20)), 78);
+  EXPECT_NE(wrong.output().find("no_such_key"), std::string::npos) << wrong.output();
+}
+
+}  // namespace
+}  // namespace palpate
