@@ -15,8 +15,10 @@ std::int64_t allocations_of_this_thread() noexcept;
 std::int64_t page_faults_of_this_thread() noexcept;
 
 /// A stretch of code that must not allocate in this thread. Counts; aborts with a line on stderr at
-/// the first allocation in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). Scopes
-/// nest and stay in their thread.
+/// the first allocation in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). With
+/// PALPATE_RTCHECK taking a mutex or a read-write lock ends it likewise, and a page fault does at
+/// the end of the scope, where the memory of the process is locked. Scopes nest and stay in their
+/// thread.
 class NoAllocationScope {
  public:
   NoAllocationScope() noexcept;
@@ -29,6 +31,7 @@ class NoAllocationScope {
 
  private:
   std::int64_t before_;
+  std::int64_t page_faults_before_ = 0;  // looked at with PALPATE_RTCHECK only
 };
 
 /// For tests of the check itself.

@@ -13,8 +13,7 @@ target_compile_options(palpate_flags INTERFACE
 target_include_directories(palpate_flags INTERFACE ${CMAKE_SOURCE_DIR})
 # DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
 target_compile_definitions(palpate_flags INTERFACE
-  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}"
-  $<$<BOOL:${PALPATE_RTCHECK}>:PALPATE_RTCHECK EIGEN_RUNTIME_NO_MALLOC>)
+  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 if(PALPATE_MARCH)
   target_compile_options(palpate_flags INTERFACE -march=${PALPATE_MARCH})
 endif()
