@@ -71,6 +71,16 @@ NoAllocationScope::~NoAllocationScope() {
 
 std::int64_t NoAllocationScope::count() const noexcept { return allocations - before_; }
 
+WatcherScope::WatcherScope() noexcept
+    : allocations_before_(allocations), forbidden_before_(forbidden) {
+  forbidden = 0;
+}
+
+WatcherScope::~WatcherScope() {
+  forbidden = forbidden_before_;
+  allocations = allocations_before_;
+}
+
 void abort_on_allocation(bool abort) noexcept {
   abort_at_once.store(abort, std::memory_order_relaxed);
 }

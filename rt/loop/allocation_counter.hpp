@@ -34,6 +34,20 @@ class NoAllocationScope {
   std::int64_t page_faults_before_ = 0;  // looked at with PALPATE_RTCHECK only
 };
 
+/// Within a NoAllocationScope, a stretch that is not of the loop but watches it, and so may
+/// allocate and lock: it is neither counted nor ended.
+class WatcherScope {
+ public:
+  WatcherScope() noexcept;
+  ~WatcherScope();
+  WatcherScope(const WatcherScope&) = delete;
+  WatcherScope& operator=(const WatcherScope&) = delete;
+
+ private:
+  std::int64_t allocations_before_;
+  int forbidden_before_;
+};
+
 /// For tests of the check itself.
 void abort_on_allocation(bool abort) noexcept;
 

@@ -162,6 +162,30 @@ TEST(NoAllocationScopeDeathTest, AbortsAtAPageFaultWhereMemoryIsLocked) {
 
 #endif
 
+TEST(WatcherScopeDeathTest, IsNeitherCountedNorEnded) {
+  SKIP_WHERE_NOT_COUNTED();
+  const auto watch = [] {
+    const WatcherScope watcher;
+    use(std::make_unique<int>(1).get());
+  };
+  abort_on_allocation(true);
+  std::int64_t counted = -1;
+  {
+    const NoAllocationScope scope;
+    watch();
+    counted = scope.count();
+  }
+  EXPECT_EQ(counted, 0);
+  EXPECT_DEATH(
+      {
+        const NoAllocationScope scope;
+        watch();
+        use(std::malloc(10));
+      },
+      "allocation where none is allowed");
+  abort_on_allocation(false);
+}
+
 TEST(NoAllocationScope, EndsWithItsBlock) {
   abort_on_allocation(true);
   { const NoAllocationScope scope; }
