@@ -3,6 +3,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/loop/allocation_counter.hpp"
 
 namespace palpate::bus {
 namespace {
@@ -69,6 +70,7 @@ class MemoryBus final : public MessageBus {
 void MemoryHub::publish(const char* channel, const void* data, int size) noexcept {
   for (MemoryBus* bus : buses_) bus->offer(channel, data, size, now_ns);
   if (recording == nullptr) return;
+  const loop::WatcherScope watcher;
   const auto* bytes = static_cast<const std::uint8_t*>(data);
   recording->push_back({channel, {bytes, bytes + size}, now_ns});
 }

@@ -1,12 +1,17 @@
 #include "rt/loop/allocation_counter.hpp"
 
+#include <dlfcn.h>
+#include <pthread.h>
 #include <sys/resource.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <cerrno>
 #include <cstdlib>
+#include <cstring>
 
+#include "rt/loop/real_time.hpp"
 #include "rt/loop/sanitizer.hpp"
 
 namespace palpate::loop {
@@ -17,21 +22,30 @@ thread_local std::int64_t allocations = 0;
 thread_local int forbidden = 0;
 
 #ifdef PALPATE_RTCHECK
-std::atomic<bool> abort_at_once{true};
+constexpr bool kChecked = true;
 #else
-std::atomic<bool> abort_at_once{false};
+constexpr bool kChecked = false;
 #endif
+std::atomic<bool> abort_at_once{kChecked};
+
+/// Ends the process where this thread is in a scope.
+[[maybe_unused]] void forbid(const char* what) noexcept {
+  if (forbidden == 0 || !abort_at_once.load(std::memory_order_relaxed)) return;
+  forbidden = 0;
+  constexpr char kBegin[] = "palpate: ";
+  constexpr char kEnd[] = " where none is allowed; see the stack of this abort\n";
+  iovec parts[] = {{const_cast<char*>(kBegin), sizeof(kBegin) - 1},
+                   {const_cast<char*>(what), std::strlen(what)},
+                   {const_cast<char*>(kEnd), sizeof(kEnd) - 1}};
+  const ssize_t written = writev(STDERR_FILENO, parts, 3);
+  static_cast<void>(written);
+  std::abort();
+}
 
 /// Called before every allocation.
 [[maybe_unused]] void count_allocation() noexcept {
   ++allocations;
-  if (forbidden == 0 || !abort_at_once.load(std::memory_order_relaxed)) return;
-  forbidden = 0;
-  constexpr char kText[] =
-      "palpate: allocation where none is allowed; see the stack of this abort\n";
-  const ssize_t written = write(STDERR_FILENO, kText, sizeof(kText) - 1);
-  static_cast<void>(written);
-  std::abort();
+  forbid("allocation");
 }
 
 }  // namespace
@@ -44,13 +58,28 @@ std::int64_t page_faults_of_this_thread() noexcept {
   return usage.ru_minflt + usage.ru_majflt;
 }
 
-NoAllocationScope::NoAllocationScope() noexcept : before_(allocations) { ++forbidden; }
+NoAllocationScope::NoAllocationScope() noexcept : before_(allocations) {
+  if (kChecked) page_faults_before_ = page_faults_of_this_thread();
+  ++forbidden;
+}
 
 NoAllocationScope::~NoAllocationScope() {
+  if (kChecked && memory_is_locked() && page_faults_of_this_thread() != page_faults_before_)
+    forbid("page fault");
   if (forbidden > 0) --forbidden;
 }
 
 std::int64_t NoAllocationScope::count() const noexcept { return allocations - before_; }
+
+WatcherScope::WatcherScope() noexcept
+    : allocations_before_(allocations), forbidden_before_(forbidden) {
+  forbidden = 0;
+}
+
+WatcherScope::~WatcherScope() {
+  forbidden = forbidden_before_;
+  allocations = allocations_before_;
+}
 
 void abort_on_allocation(bool abort) noexcept {
   abort_at_once.store(abort, std::memory_order_relaxed);
@@ -113,6 +142,45 @@ int posix_memalign(void** block, std::size_t alignment, std::size_t size) noexce
 void* valloc(std::size_t size) noexcept {
   palpate::loop::count_allocation();
   return __libc_valloc(size);
+}
+
+}  // extern "C"
+
+#endif
+
+#ifdef PALPATE_RTCHECK
+
+namespace {
+
+/// The C library's own function behind the one of this name here.
+template <class Function>
+Function behind(const char* name) noexcept {
+  return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));
+}
+
+}  // namespace
+
+extern "C" {
+
+int pthread_mutex_lock(pthread_mutex_t* mutex) noexcept {
+  static std::atomic<int (*)(pthread_mutex_t*)> next{nullptr};
+  palpate::loop::forbid("lock");
+  if (next == nullptr) next = behind<int (*)(pthread_mutex_t*)>("pthread_mutex_lock");
+  return next.load()(mutex);
+}
+
+int pthread_rwlock_rdlock(pthread_rwlock_t* lock) noexcept {
+  static std::atomic<int (*)(pthread_rwlock_t*)> next{nullptr};
+  palpate::loop::forbid("lock");
+  if (next == nullptr) next = behind<int (*)(pthread_rwlock_t*)>("pthread_rwlock_rdlock");
+  return next.load()(lock);
+}
+
+int pthread_rwlock_wrlock(pthread_rwlock_t* lock) noexcept {
+  static std::atomic<int (*)(pthread_rwlock_t*)> next{nullptr};
+  palpate::loop::forbid("lock");
+  if (next == nullptr) next = behind<int (*)(pthread_rwlock_t*)>("pthread_rwlock_wrlock");
+  return next.load()(lock);
 }
 
 }  // extern "C"

@@ -15,8 +15,10 @@ std::int64_t allocations_of_this_thread() noexcept;
 std::int64_t page_faults_of_this_thread() noexcept;
 
 /// A stretch of code that must not allocate in this thread. Counts; aborts with a line on stderr at
-/// the first allocation in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). Scopes
-/// nest and stay in their thread.
+/// the first allocation in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). With
+/// PALPATE_RTCHECK taking a mutex or a read-write lock ends it likewise, and a page fault does at
+/// the end of the scope, where the memory of the process is locked. Scopes nest and stay in their
+/// thread.
 class NoAllocationScope {
  public:
   NoAllocationScope() noexcept;
@@ -29,6 +31,21 @@ class NoAllocationScope {
 
  private:
   std::int64_t before_;
+  std::int64_t page_faults_before_ = 0;  // looked at with PALPATE_RTCHECK only
+};
+
+/// Within a NoAllocationScope, a stretch that is not of the loop but watches it, and so may
+/// allocate and lock: it is neither counted nor ended.
+class WatcherScope {
+ public:
+  WatcherScope() noexcept;
+  ~WatcherScope();
+  WatcherScope(const WatcherScope&) = delete;
+  WatcherScope& operator=(const WatcherScope&) = delete;
+
+ private:
+  std::int64_t allocations_before_;
+  int forbidden_before_;
 };
 
 /// For tests of the check itself.

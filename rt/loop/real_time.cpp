@@ -8,6 +8,7 @@
 #include <sys/syscall.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
@@ -19,6 +20,8 @@ namespace {
 
 constexpr std::size_t kPrefaultedHeap = 16u << 20;
 constexpr std::size_t kPrefaultedStack = 256u << 10;
+
+std::atomic<bool> locked{false};
 
 std::string why(int error) { return std::strerror(error); }
 
@@ -66,8 +69,11 @@ std::string lock_and_prefault_memory() {
     refusal = "memory is not locked: mlockall: " + why(errno);
   prefault_heap();
   prefault_stack();
+  locked.store(refusal.empty(), std::memory_order_relaxed);
   return refusal;
 }
+
+bool memory_is_locked() noexcept { return locked.load(std::memory_order_relaxed); }
 
 std::string take_fifo(int priority) {
   sched_param parameters{};

@@ -11,6 +11,9 @@ namespace palpate::loop {
 /// present, and locks all memory of the process, present and future.
 std::string lock_and_prefault_memory();
 
+/// Whether lock_and_prefault_memory() has locked this process: a page fault is then a defect.
+bool memory_is_locked() noexcept;
+
 /// SCHED_FIFO for the calling thread; threads that it starts later do not inherit it.
 std::string take_fifo(int priority);
 

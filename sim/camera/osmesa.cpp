@@ -5,15 +5,13 @@
 #include <cstdlib>
 #include <stdexcept>
 
+#include "rt/loop/sanitizer.hpp"
+
 namespace palpate::camera {
 namespace {
 
 // The sanitizers' allocator cannot live with RTLD_DEEPBIND; their builds load no libGL anyway.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-constexpr int kLoadFlags = RTLD_NOW | RTLD_LOCAL;
-#else
-constexpr int kLoadFlags = RTLD_NOW | RTLD_LOCAL | RTLD_DEEPBIND;
-#endif
+constexpr int kLoadFlags = RTLD_NOW | RTLD_LOCAL | (loop::kSanitized ? 0 : RTLD_DEEPBIND);
 
 template <class Function>
 void require(Function& function, OSMESAproc address, const char* name) {

@@ -13,8 +13,7 @@ target_compile_options(palpate_flags INTERFACE
 target_include_directories(palpate_flags INTERFACE ${CMAKE_SOURCE_DIR})
 # DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
 target_compile_definitions(palpate_flags INTERFACE
-  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}"
-  $<$<BOOL:${PALPATE_RTCHECK}>:PALPATE_RTCHECK EIGEN_RUNTIME_NO_MALLOC>)
+  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 if(PALPATE_MARCH)
   target_compile_options(palpate_flags INTERFACE -march=${PALPATE_MARCH})
 endif()
@@ -30,6 +29,11 @@ endif()
 if(PALPATE_COVERAGE)
   target_compile_options(palpate_flags INTERFACE --coverage -fprofile-abs-path -fprofile-update=atomic)
   target_link_options(palpate_flags INTERFACE --coverage)
+endif()
+# How much longer than in a release build a test may take.
+set(PALPATE_SLOWNESS 1)
+if(PALPATE_SANITIZE OR PALPATE_COVERAGE)
+  set(PALPATE_SLOWNESS 8)
 endif()
 find_program(MOLD_PROGRAM mold)
 if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
@@ -88,11 +92,12 @@ function(palpate_test dir)
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
+  math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * ${PALPATE_SLOWNESS}")
   string(REPLACE "/" "_" flat ${dir})
   set(name ${ARG_LABEL}_${flat})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE palpate_flags palpate::support ${ARG_DEPENDS}
     GTest::gmock GTest::gtest GTest::gtest_main)
   gtest_discover_tests(${name} TEST_PREFIX "${ARG_LABEL}.${flat}." DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
 endfunction()

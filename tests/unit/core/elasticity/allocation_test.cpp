@@ -8,12 +8,13 @@
 #include "core/elasticity/shape_matching_model.hpp"
 #include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/thesis2018.hpp"
+#include "rt/loop/sanitizer.hpp"
 #include "tests/unit/core/elasticity/block_systems.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/turns.hpp"
 
 // Sanitizers bring their own malloc.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#if PALPATE_SANITIZED
 #define PALPATE_COUNTS_ALLOCATIONS 0
 #else
 #define PALPATE_COUNTS_ALLOCATIONS 1

@@ -2,14 +2,20 @@
 
 #include <gtest/gtest.h>
 #include <malloc.h>
+#include <sys/mman.h>
+#include <sys/wait.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <cstdlib>
 #include <cstring>
 #include <memory>
+#include <mutex>
+#include <shared_mutex>
 #include <thread>
 #include <vector>
 
+#include "rt/loop/real_time.hpp"
 #include "rt/loop/sanitizer.hpp"
 
 namespace palpate::loop {
@@ -95,6 +101,89 @@ TEST(NoAllocationScopeDeathTest, AbortsWhereThatIsAskedFor) {
         use(std::malloc(10));
       },
       "allocation where none is allowed");
+}
+
+#ifdef PALPATE_RTCHECK
+
+TEST(NoAllocationScopeDeathTest, AbortsAtALock) {
+  std::mutex mutex;
+  std::shared_mutex shared;
+  const auto hold = [](auto lock) { use(&lock); };
+  EXPECT_DEATH(
+      {
+        const NoAllocationScope scope;
+        hold(std::unique_lock(mutex));
+      },
+      "lock where none is allowed");
+  EXPECT_DEATH(
+      {
+        const NoAllocationScope scope;
+        hold(std::shared_lock(shared));
+      },
+      "lock where none is allowed");
+  EXPECT_DEATH(
+      {
+        const NoAllocationScope scope;
+        hold(std::unique_lock(shared));
+      },
+      "lock where none is allowed");
+  hold(std::unique_lock(mutex));
+}
+
+TEST(NoAllocationScopeDeathTest, AbortsAtAPageFaultWhereMemoryIsLocked) {
+  constexpr std::size_t kSize = 1 << 20;
+  const auto touch_fresh_pages = [] {
+    void* fresh = mmap(nullptr, kSize, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    std::memset(fresh, 1, kSize);
+    munmap(fresh, kSize);
+  };
+  {
+    const NoAllocationScope scope;  // not locked: no promise
+    touch_fresh_pages();
+  }
+  // In a child, since what is locked stays locked.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    if (!lock_and_prefault_memory().empty()) _exit(77);
+    munlockall();  // so that fresh pages are not there at once
+    {
+      const NoAllocationScope scope;
+      touch_fresh_pages();
+    }
+    _exit(0);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
+    GTEST_SKIP() << "locking memory is not granted here";
+  EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == SIGABRT);
+}
+
+#endif
+
+TEST(WatcherScopeDeathTest, IsNeitherCountedNorEnded) {
+  SKIP_WHERE_NOT_COUNTED();
+  const auto watch = [] {
+    const WatcherScope watcher;
+    use(std::make_unique<int>(1).get());
+  };
+  abort_on_allocation(true);
+  std::int64_t counted = -1;
+  {
+    const NoAllocationScope scope;
+    watch();
+    counted = scope.count();
+  }
+  EXPECT_EQ(counted, 0);
+  EXPECT_DEATH(
+      {
+        const NoAllocationScope scope;
+        watch();
+        use(std::malloc(10));
+      },
+      "allocation where none is allowed");
+  abort_on_allocation(false);
 }
 
 TEST(NoAllocationScope, EndsWithItsBlock) {
