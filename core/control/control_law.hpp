@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+
 #include "core/elasticity/deformation_model.hpp"
 #include "core/shape/feature.hpp"
 
@@ -22,12 +24,17 @@ struct LawInputs {
   const Eigen::VectorXd* target = nullptr;
   const Eigen::VectorXd* error = nullptr;  // dimension() long
   const Eigen::MatrixXd* jacobian = nullptr;
+  // What limits speak of; without a model none of them is kept.
+  const elasticity::DeformationModel* model = nullptr;
+  std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
+  std::array<math::Wrench, 2> reaction{};  // of the hand on the object at G, in O, as estimated
 };
 
 struct LawOutput {
   math::Twist V_O_G;            // twist of the origin of G, in O
   math::Twist V_O_G_second;     // the same of the second grasp, where two move; else zero
   Eigen::VectorXd unreachable;  // dimension() long, preallocated by the caller
+  const char* remark = "";      // what keeps the law from doing as it would; a literal
 };
 
 class ControlLaw {

@@ -48,25 +48,31 @@ void TwistLaw::configure_for(const shape::Feature& feature) {
   dead_band_.reset();
 }
 
+PseudoInverse::Motion TwistLaw::solve(const LawInputs&, const Eigen::VectorXd& motion,
+                                      LawOutput&) noexcept {
+  return inverse_.solve(motion);
+}
+
 void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
   output.V_O_G = output.V_O_G_second = math::Twist();
+  output.remark = "";
   const Eigen::VectorXd& error = *inputs.error;
   if (!error.allFinite()) {
     output.unreachable.setZero();
-    return;
+    return rest();
   }
   if (!inverse_.decompose(*inputs.jacobian)) {
     output.unreachable = error;
-    return;
+    return rest();
   }
   inverse_.unreachable(error, output.unreachable);
   motion_ = error - output.unreachable;
-  if (rests(motion_)) return;
+  if (rests(motion_)) return rest();
 
   motion_to_target(inputs, motion_);
-  if (!motion_.allFinite()) return;
+  if (!motion_.allFinite()) return rest();
   motion_ *= options_.gain;
-  const PseudoInverse::Motion u = inverse_.solve(motion_);
+  const PseudoInverse::Motion u = solve(inputs, motion_, output);
   math::Twist first = math::Twist::from(u.head<6>()), second;
   if (options_.inverse.grasps == 2) second = math::Twist::from(u.tail<6>());
   // One factor for both, so that they go on moving together.

@@ -37,6 +37,16 @@ class TwistLaw : public ControlLaw {
   /// error.
   virtual void motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept = 0;
 
+  /// The twists by which the feature moves as `motion` says, 1/s of its units: J^+ motion. A law
+  /// that keeps limits does what it can within them.
+  virtual PseudoInverse::Motion solve(const LawInputs& inputs, const Eigen::VectorXd& motion,
+                                      LawOutput& output) noexcept;
+  /// Called in place of solve() where nothing is to be moved.
+  virtual void rest() noexcept {}
+
+  const Options& options() const noexcept { return options_; }
+  const PseudoInverse& inverse() const noexcept { return inverse_; }
+
  private:
   bool rests(const Eigen::VectorXd& reachable) noexcept;
 

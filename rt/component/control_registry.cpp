@@ -2,6 +2,7 @@
 #include "core/control/fem_jacobian.hpp"
 #include "core/control/kinematic_jacobian.hpp"
 #include "core/control/proportional_twist.hpp"
+#include "core/control/quadratic_program.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -22,6 +23,54 @@ control::TwistLawOptions read_twist_law(const config::Node& node) {
   band.angle = node.number("dead_band_deg", {0, 180}, band.angle / kDegree) * kDegree;
   options.inverse.length = node.number("characteristic_length", {1e-3, 10}, options.inverse.length);
   return options;
+}
+
+control::Obstacle read_obstacle(const config::Node& node) {
+  control::Obstacle obstacle;
+  obstacle.center_O = node.vector3("center", {-100, 100});
+  obstacle.radius = node.number("radius", {1e-4, 100});
+  return obstacle;
+}
+
+control::MotionLimitOptions read_motion_limits(const config::Node& node) {
+  control::MotionLimitOptions limits;
+  limits.linear_acceleration =
+      node.number("linear_acceleration", {1e-3, 100}, limits.linear_acceleration);
+  limits.angular_acceleration =
+      node.number("angular_acceleration", {1e-3, 100}, limits.angular_acceleration);
+  limits.force = node.number("force", {1e-3, 1e4}, limits.force);
+  limits.torque = node.number("torque", {1e-4, 1e4}, limits.torque);
+  limits.clearance = node.number("clearance", {0, 1}, limits.clearance);
+  limits.damper = node.number("damper", {0.01, 1e3}, limits.damper);
+  limits.pivot = node.number("pivot", {0, 1}, limits.pivot);
+  if (node.has("slip")) {
+    const config::Node slip = node.child("slip");
+    limits.slip.pinch = slip.number("pinch", {0, 1e4});
+    limits.slip.friction = slip.number("friction", {1e-3, 10}, limits.slip.friction);
+    limits.slip.lever = slip.number("lever", {1e-4, 1}, limits.slip.lever);
+    limits.slip.normal_G = slip.vector3("normal", {-1, 1});
+  }
+  if (node.has("workspace")) {
+    const config::Node workspace = node.child("workspace");
+    limits.workspace_lower = workspace.vector3("lower", {-100, 100});
+    limits.workspace_upper = workspace.vector3("upper", {-100, 100});
+  }
+  for (const config::Node& obstacle : node.list("obstacles"))
+    limits.obstacles.push_back(read_obstacle(obstacle));
+  return limits;
+}
+
+std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
+                                                            const control::TwistLawOptions& options,
+                                                            MovingArms moving) {
+  control::QuadraticProgramLaw::Limited limited;
+  limited.limits = read_motion_limits(node.child_or_empty("limits"));
+  limited.limits.linear_speed = options.linear_speed;
+  limited.limits.angular_speed = options.angular_speed;
+  limited.smoothness = node.number("smoothness", {0, 1e3}, limited.smoothness);
+  if (moving == MovingArms::kSecond) limited.grasps = {1};
+  if (moving == MovingArms::kBoth) limited.grasps = {0, 1};
+  return std::make_unique<control::QuadraticProgramLaw>(options, limited);
 }
 
 }  // namespace
@@ -50,13 +99,17 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature) {
-  const std::string name = node.choice("law", {"proportional_twist", "dual_quaternion"});
+  const std::string name =
+      node.choice("law", {"proportional_twist", "dual_quaternion", "quadratic_program"});
   control::TwistLawOptions options = read_twist_law(node);
-  if (read_moving_arms(node, context) == MovingArms::kBoth) options.inverse.grasps = 2;
+  const MovingArms moving = read_moving_arms(node, context);
+  if (moving == MovingArms::kBoth) options.inverse.grasps = 2;
   std::unique_ptr<control::ControlLaw> law;
   try {
     if (name == "dual_quaternion") {
       law = std::make_unique<control::DualQuaternion>(options);
+    } else if (name == "quadratic_program") {
+      law = make_quadratic_program(node, options, moving);
     } else {
       law = std::make_unique<control::ProportionalTwist>(options);
     }

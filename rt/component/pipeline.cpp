@@ -357,13 +357,19 @@ bool Pipeline::steer(double dt, int first) noexcept {
   inputs.target = &slots.target.value;
   inputs.error = &slots.feature_state.error;
   inputs.jacobian = &slots.jacobian;
+  inputs.model = slots.model.get();
+  inputs.reaction = slots.estimate.reaction;
+  for (int i = 0; i < estimation_inputs_.grasp_count; ++i)
+    inputs.X_OG[i] = estimation_inputs_.grasps[i].X_OG;
   slots.law->compute(inputs, slots.law_output);
   if (!slots.law_output.V_O_G.vector().allFinite() ||
       !slots.law_output.V_O_G_second.vector().allFinite()) {
     slots.control_condition.apply({sensing::Status::kFault, "the command is not finite"});
     return false;
   }
-  slots.control_condition.apply({sensing::Status::kOk, ""});
+  const char* remark = slots.law_output.remark;
+  slots.control_condition.apply(
+      {*remark == '\0' ? sensing::Status::kOk : sensing::Status::kDegraded, remark});
   // Where that overflows, the target is beyond all reach.
   if (slots.law_output.unreachable.allFinite()) {
     slots.feature_state.unreachable = slots.law_output.unreachable;
