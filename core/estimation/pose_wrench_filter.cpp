@@ -9,6 +9,9 @@
 namespace palpate::estimation {
 namespace {
 
+constexpr double kRecent = 0.2;  // weight of a new wrench in the mean of late
+constexpr double kPatience = 2;  // s, with a change that nothing explains
+
 /// Turns both halves of a twist or wrench.
 math::Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
   math::Matrix6d turn = math::Matrix6d::Zero();
@@ -26,8 +29,11 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       filter_(static_cast<int>(body.grasps.size()), options.filter),
       search_(body, surface, options.search),
       node_deviation_(static_cast<std::size_t>(body.mesh.node_count()), 0.0F) {
-  for (const double value : {options.period, options.force, options.torque, options.lag,
-                             options.lag_deviation, options.gate}) {
+  const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
+  for (std::size_t g = 0; g < body.grasps.size(); ++g)
+    lever_[g] = (body.grasps[g].X_OG_rest.translation() - middle).norm();
+  for (const double value : {options.period, options.correlation, options.force, options.torque,
+                             options.lag, options.lag_deviation, options.gate}) {
     if (!(value > 0))
       throw std::invalid_argument("period, deviations, lag and gate of a filter must be positive");
   }
@@ -48,6 +54,8 @@ void PoseWrenchFilter::reset() noexcept {
   place_ = -1;
   weak_for_ = 0;
   unexplained_count_ = 0;
+  rest_for_ = 0;
+  at_rest_count_ = 0;
   std::fill(node_deviation_.begin(), node_deviation_.end(), 0.0F);
 }
 
@@ -91,6 +99,9 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
 
   filter_.predict(dt);
   for (int i = 0; i < grasps; ++i) predict_wrench(i, inputs.grasps[i], model, dt);
+  bool moves = false;
+  for (int i = 0; i < grasps; ++i) moves = has_moved(i, inputs.grasps[i]) || moves;
+  rest_for_ = moves ? 0 : rest_for_ + dt;
   since_taken_ += dt;
   if (since_taken_ >= options_.period * (1 - 1e-9)) {
     since_taken_ = 0;
@@ -100,13 +111,13 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
     const int share = std::max(1, search_.place_count() / 10);  // within ten ticks
     if (search_.advance(model, share)) judge_search(model);
   }
-  judge_contact(dt);
+  judge_contact(model, dt);
   tell(model, grasps, estimate);
 
   const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
   if (step.status != sensing::Status::kOk) return step;
-  const int patience = static_cast<int>(1 / options_.period);
-  if (suspicions_ > patience) trouble = "nothing explains the wrench of the hand";
+  if (suspicions_ * options_.period > kPatience / 2)
+    trouble = "nothing explains the wrench of the hand";
   if (*trouble != '\0') return {sensing::Status::kDegraded, trouble};
   return {};
 }
@@ -117,6 +128,17 @@ void PoseWrenchFilter::load_with_unknown(elasticity::DeformationModel& model) co
   const mesh::PointWeights& point = search_.place(place_).point;
   for (int i = 0; i < point.count; ++i)
     model.loads().col(point.nodes[i]) += point.weights[i] * force;
+}
+
+/// From where it came to rest; then that is where it is now.
+bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input) noexcept {
+  if (!input.X_OG.matrix().allFinite()) return false;
+  math::Pose& rest = hands_[grasp].X_OG_rest;
+  const double way = (input.X_OG.translation() - rest.translation()).norm();
+  const double turn = math::log_rotation(input.X_OG.linear() * rest.linear().transpose()).norm();
+  if (way <= options_.rest_distance && turn <= 10 * options_.rest_distance) return false;
+  rest = input.X_OG;
+  return true;
 }
 
 void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
@@ -181,10 +203,14 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
           ContactSearch::response(search_.place(place_).point, sensitivity, g);
     result.y.segment<6>(row) =
         hand.sum / hand.count - hand.lagged - turn * filter_.mean().segment<6>(filter_.bias(g));
-    const double force = options_.force + options_.relative * hand.lagged.head<3>().norm();
-    const double torque = options_.torque + options_.relative * hand.lagged.tail<3>().norm();
-    result.R.diagonal().segment<3>(row).setConstant(force * force);
-    result.R.diagonal().segment<3>(row + 3).setConstant(torque * torque);
+    // An error that lasts counts as one wrench's in the time that it lasts.
+    const double lasting = options_.relative * std::sqrt(options_.correlation / options_.period);
+    const double model_force = lasting * hand.lagged.head<3>().norm();
+    const double model_torque = lasting * hand.lagged.tail<3>().norm() + lever_[g] * model_force;
+    result.R.diagonal().segment<3>(row).setConstant(options_.force * options_.force +
+                                                    model_force * model_force);
+    result.R.diagonal().segment<3>(row + 3).setConstant(options_.torque * options_.torque +
+                                                        model_torque * model_torque);
     result.R.block<6, 6>(row, row) += late * late.transpose();
     hand.sum.setZero();
     hand.count = 0;
@@ -196,67 +222,120 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
 void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept {
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
+  if (rest_for_ == 0) {
+    at_rest_count_ = 0;
+    drop_contact(model);  // of a moving hand's wrench it cannot be told any more
+  }
+  if (filter_.has_contact()) {
+    if (is_settled(now)) follow_contact(change(now));
+    return;
+  }
   const double test = filter_.test(now.H, now.y, now.R);
   innovation_test_ = test / static_cast<double>(now.y.size());
   if (test < 0) return;
-  if (filter_.has_contact()) {
-    // What the wrenches say of the contact's place: their mean since it began.
-    const WrenchFilter::Wrenches alone = now.y + now.H.rightCols<3>() * filter_.mean().tail<3>();
-    if (unexplained_count_ == 0 || unexplained_.size() != alone.size()) {
-      unexplained_ = alone;
-      unexplained_count_ = 1;
-    } else {
-      constexpr int kMost = 50;
-      unexplained_count_ = std::min(unexplained_count_ + 1, kMost);
-      unexplained_ += (alone - unexplained_) / unexplained_count_;
-    }
-  }
-  if (test <= options_.gate / 6 * static_cast<double>(now.y.size())) {
+  if (!options_.contacts) {
     suspicions_ = 0;
-    correct(now);
-    constexpr int kLookAgain = 10;
-    if (filter_.has_contact() && weak_for_ == 0 && unexplained_count_ % kLookAgain == 0)
-      suspect(now);
-  } else if (++suspicions_ >= options_.suspicions) {
-    if (filter_.has_contact()) unexplained_count_ = 0;  // it has moved
-    suspect(now);
+  } else if (is_settled(now)) {
+    watch(change(now));
+    if (suspicions_ > 0) return;
+    settle(now);
+  } else if (rest_for_ > options_.rest) {
+    recent_ =
+        at_rest_count_ == 0 ? now.y : WrenchFilter::Wrenches(recent_ + kRecent * (now.y - recent_));
+    settle(now);
   }
+  if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
+    correct(now);
 }
 
-/// The prediction follows what is learnt at once, so that nothing is learnt twice.
+bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
+  constexpr int kEnough = 80;
+  return at_rest_count_ >= kEnough && at_rest_.size() == now.y.size();
+}
+
+/// Learns how the wrenches are while nothing happens, and how they spread.
+void PoseWrenchFilter::settle(const Innovation& now) noexcept {
+  constexpr int kMost = 200;
+  if (at_rest_count_ == 0 || at_rest_.size() != now.y.size()) {
+    at_rest_ = recent_ = now.y;
+    at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
+    at_rest_count_ = 1;
+    return;
+  }
+  at_rest_count_ = std::min(at_rest_count_ + 1, kMost);
+  const WrenchFilter::Wrenches off = recent_ - at_rest_;
+  at_rest_ += off / at_rest_count_;
+  at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
+}
+
+/// What has changed of late since the hands came to rest: a push can be behind it, the sensor's
+/// noise, or an object that still swings, which shows in how the wrenches have spread.
+PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) noexcept {
+  recent_ += kRecent * (now.y - recent_);
+  Innovation result = now;
+  result.y = recent_ - at_rest_;
+  result.H.leftCols(filter_.contact()).setZero();
+  result.R.setZero();
+  for (int row = 0; row < result.y.size(); ++row) {
+    const double noise = row % 6 < 3 ? options_.force : options_.torque;
+    result.R(row, row) = std::max(kRecent / (2 - kRecent) * noise * noise, at_rest_spread_[row]);
+  }
+  return result;
+}
+
+/// Begins to look for a push where the wrenches have changed too much.
+void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
+  const double test = filter_.test(changed.H, changed.y, changed.R);
+  const bool suspicious = test > options_.gate / 6 * static_cast<double>(changed.y.size());
+  suspicions_ = suspicious ? suspicions_ + 1 : 0;
+  if (suspicions_ >= options_.suspicions && !search_.is_searching())
+    search_.begin(changed.y, changed.R, changed.held);
+  if (suspicions_ * options_.period > kPatience) at_rest_count_ = 0;  // then that is rest
+}
+
+void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
+  changed.R *= (2 - kRecent) / kRecent;  // one mean of late tells little more than the one before
+  const double test = filter_.test(changed.H, changed.y, changed.R);
+  innovation_test_ = test / static_cast<double>(changed.y.size());
+  if (test < 0) return;
+  const WrenchFilter::Wrenches alone =
+      changed.y + changed.H.rightCols<3>() * filter_.mean().tail<3>();
+  const bool believed = test <= options_.gate / 6 * static_cast<double>(changed.y.size());
+  suspicions_ = believed ? 0 : suspicions_ + 1;
+  if (!believed) unexplained_count_ = 0;  // it has moved
+  if (believed) correct(changed);
+  constexpr int kMost = 50, kLookAgain = 10;
+  if (unexplained_count_ == 0 || unexplained_.size() != alone.size()) unexplained_ = alone;
+  unexplained_count_ = std::min(unexplained_count_ + 1, kMost);
+  unexplained_ += (alone - unexplained_) / unexplained_count_;
+  const bool look = suspicions_ >= options_.suspicions ||
+                    (believed && weak_for_ == 0 && unexplained_count_ % kLookAgain == 0);
+  if (!look || search_.is_searching()) return;
+  // Of a mean's noise little remains, and the model's own error, a share of what the push does.
+  WrenchFilter::Noise S = changed.R / unexplained_count_;
+  for (int row = 0; row < S.rows(); row += 3) {
+    const double error = options_.relative * unexplained_.segment<3>(row).norm();
+    S.diagonal().segment<3>(row).array() += error * error;
+  }
+  search_.begin(unexplained_, S, changed.held);
+}
+
+/// The prediction follows what is learnt at once, and means of what it was off by with it, so that
+/// nothing is learnt twice.
 void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
   filter_.correct();
   WrenchFilter::Vector change = filter_.mean() - before;
+  const WrenchFilter::Wrenches off = now.H * change;  // the bias is no part of the prediction,
   for (int g = 0; g < filter_.grasp_count(); ++g) change.segment<6>(filter_.bias(g)).setZero();
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     if (!now.held[g]) continue;
     hands_[g].lagged += now.H.middleRows<6>(row) * change;
     row += 6;
   }
-}
-
-/// Begins to look for what else might push.
-void PoseWrenchFilter::suspect(const Innovation& now) noexcept {
-  if (search_.is_searching()) return;
-  WrenchFilter::Rows H = now.H;
-  H.rightCols<3>().setZero();
-  const bool settled =
-      filter_.has_contact() && unexplained_count_ > 0 && unexplained_.size() == now.y.size();
-  WrenchFilter::Noise S = now.R;
-  if (settled) {
-    // Of a mean only the model's own error remains, which is a share of what the force does.
-    S /= unexplained_count_;
-    for (int row = 0; row < S.rows(); row += 3) {
-      const double error = options_.relative * unexplained_.segment<3>(row).norm();
-      S.diagonal().segment<3>(row).array() += error * error;
-    }
-  }
-  S.noalias() += H * filter_.covariance() * H.transpose();
-  const WrenchFilter::Wrenches y =
-      settled ? unexplained_
-              : WrenchFilter::Wrenches(now.y + now.H.rightCols<3>() * filter_.mean().tail<3>());
-  search_.begin(y, S, now.held);
+  if (at_rest_count_ == 0 || recent_.size() != off.size()) return;
+  recent_ -= off;  // but of what is off
+  if (!filter_.has_contact()) at_rest_ -= off;
 }
 
 void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) noexcept {
@@ -276,29 +355,35 @@ void PoseWrenchFilter::place_contact(const ContactSearch::Found& found,
   drop_contact(model);
   place_ = found.place;
   filter_.begin_contact(found.force_O, found.covariance);
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    if (model.is_held(g))
-      hands_[g].lagged +=
-          ContactSearch::response(search_.place(place_).point, model.sensitivity(), g) *
-          found.force_O;
-  }
+  push(found.force_O, model);
   suspicions_ = 0;
   weak_for_ = 0;
 }
 
 void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) noexcept {
   if (!filter_.has_contact()) return;
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    if (model.is_held(g))
-      hands_[g].lagged -=
-          ContactSearch::response(search_.place(place_).point, model.sensitivity(), g) *
-          filter_.mean().tail<3>();
-  }
+  push(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
   place_ = -1;
+  unexplained_count_ = 0;
 }
 
-void PoseWrenchFilter::judge_contact(double dt) noexcept {
+/// The prediction follows a change of the force at once.
+void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
+                            const elasticity::DeformationModel& model) noexcept {
+  int row = 0;
+  for (int g = 0; g < filter_.grasp_count(); ++g) {
+    if (!model.is_held(g)) continue;
+    const math::Vector6d wrench =
+        ContactSearch::response(search_.place(place_).point, model.sensitivity(), g) * force_O;
+    hands_[g].lagged += wrench;
+    if (row + 6 <= recent_.size()) recent_.segment<6>(row) -= wrench;
+    row += 6;
+  }
+}
+
+void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
+                                     double dt) noexcept {
   if (!filter_.has_contact()) return;
   constexpr double kStandsOut = 3;  // deviations
   constexpr double kPatience = 0.3;
@@ -307,8 +392,7 @@ void PoseWrenchFilter::judge_contact(double dt) noexcept {
   const bool weak = force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
   weak_for_ = weak ? weak_for_ + dt : 0;
   if (weak_for_ < kPatience) return;
-  filter_.end_contact();  // so weak that the prediction does not jump
-  place_ = -1;
+  drop_contact(model);
 }
 
 void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasps,

@@ -13,6 +13,10 @@ namespace palpate::estimation {
 /// its deviation is below that of the wrench over the stiffness of the grasp, direction by
 /// direction, as the covariances have it. Shape, deviations of the shape and wrench follow.
 ///
+/// A push is looked for only while the hands rest, in how the wrenches have changed since they came
+/// to rest: then the model's own errors, which move with the hand, stand still. While they move,
+/// what has been found stays as it is.
+///
 /// Young's modulus is changed without a new factor: an object k times as stiff has the shape of the
 /// nominal one under 1 / k of weight and loads, and k times its wrenches.
 class PoseWrenchFilter : public Estimator {
@@ -22,14 +26,20 @@ class PoseWrenchFilter : public Estimator {
     StepWatch::Options step;
     WrenchFilter::Options filter;
     ContactSearch::Options search;
-    double period = 0.01;          // s, between two wrenches that the filter takes
-    double force = 0.03;           // N, deviation of a wrench taken; of the model's error, too
-    double torque = 0.003;         // N m
-    double relative = 0.02;        // of the predicted wrench: what the model itself may be wrong by
+    double period = 0.01;   // s, between two wrenches that the filter takes
+    double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
+    double torque = 0.003;  // N m
+    /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
+    /// be wrong by. It is the same for about a second, so that many wrenches tell no more of it.
+    double relative = 0.05;
+    double correlation = 1;        // s
     double lag = 0.01;             // s, of the wrench behind the pose
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
     double gate = 40;              // normalised square of a hand's innovation that is not believed
     int suspicions = 3;            // in a row, before a contact is looked for
+    bool contacts = false;         // whether pushes are looked for
+    double rest_distance = 3e-4;   // m, and ten times it in rad: within it a hand rests
+    double rest = 0.3;  // s of rest, after which a change of the wrench is somebody else's
   };
 
   /// Throws std::invalid_argument where an option is out of range.
@@ -53,6 +63,7 @@ class PoseWrenchFilter : public Estimator {
     int count = 0;
     math::Pose X_OG_before = math::Pose::Identity();
     math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
+    math::Pose X_OG_rest = math::Pose::Identity();  // of the hand, where it came to rest
     bool known = false;
   };
   /// Innovation of all held hands that told of a wrench, with what it follows.
@@ -66,33 +77,45 @@ class PoseWrenchFilter : public Estimator {
   double stiffness() const noexcept;  // Young's modulus over its nominal value
   math::Pose correction(int grasp) const noexcept;
   void load_with_unknown(elasticity::DeformationModel& model) const noexcept;
+  bool has_moved(int grasp, const GraspInput& input) noexcept;
   void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
                       double dt) noexcept;
   Innovation innovation(const elasticity::DeformationModel& model) noexcept;
   void take(const elasticity::DeformationModel& model) noexcept;
   void correct(const Innovation& innovation) noexcept;
-  void suspect(const Innovation& innovation) noexcept;
+  bool is_settled(const Innovation& innovation) const noexcept;
+  void settle(const Innovation& innovation) noexcept;
+  Innovation change(const Innovation& innovation) noexcept;
+  void watch(const Innovation& innovation) noexcept;
+  void follow_contact(Innovation innovation) noexcept;
   void place_contact(const ContactSearch::Found& found,
                      const elasticity::DeformationModel& model) noexcept;
   void judge_search(const elasticity::DeformationModel& model) noexcept;
-  void judge_contact(double dt) noexcept;
+  void judge_contact(const elasticity::DeformationModel& model, double dt) noexcept;
+  void push(const Eigen::Vector3d& force_O, const elasticity::DeformationModel& model) noexcept;
   void drop_contact(const elasticity::DeformationModel& model) noexcept;
   void tell(const elasticity::DeformationModel& model, int grasps, Estimate& estimate) noexcept;
   void tell_nodes(const elasticity::DeformationModel& model, int grasps) noexcept;
 
   Options options_;
+  std::array<double, 2> lever_{};  // m, from each grasp to the object's middle, at rest
   HandFollower follower_;
   StepGuard step_guard_;
   StepWatch step_watch_;
   WrenchFilter filter_;
   ContactSearch search_;
   std::array<Hand, 2> hands_;
-  double since_taken_ = 0;              // s
-  double innovation_test_ = -1;         // over its degrees of freedom
-  int suspicions_ = 0;                  // innovations in a row that were not believed
+  double since_taken_ = 0;                 // s
+  double innovation_test_ = -1;            // over its degrees of freedom
+  int suspicions_ = 0;                     // innovations in a row that were not believed
+  double rest_for_ = 0;                    // s
+  WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
+  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it
+  WrenchFilter::Wrenches recent_;          // mean innovation of late
+  int at_rest_count_ = 0;
   int place_ = -1;                      // of the contact
   double weak_for_ = 0;                 // s that the contact's force has not stood out
-  WrenchFilter::Wrenches unexplained_;  // innovation without the contact, mean since it began
+  WrenchFilter::Wrenches unexplained_;  // change without the contact, mean since it began
   int unexplained_count_ = 0;
   int next_node_ = 0;
   std::vector<float> node_deviation_;

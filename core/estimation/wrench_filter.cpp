@@ -40,8 +40,8 @@ void WrenchFilter::predict(double dt) noexcept {
   P_.topRows(steady) *= kept;
   P_.leftCols(steady) *= kept;
   P_.diagonal().head(steady) += (1 - kept * kept) * prior_.head(steady);
-  if (has_contact_)
-    P_.bottomRightCorner<3, 3>() += std::min(1.0, 100 * dt / options_.memory) * contact_prior_;
+  constexpr double kWander = 0.01;  // 1/s, of the prior's variance
+  if (has_contact_) P_.bottomRightCorner<3, 3>() += kWander * dt * contact_prior_;
 }
 
 double WrenchFilter::test(const Rows& H, const Wrenches& y, const Noise& R) noexcept {

@@ -48,7 +48,7 @@ class WrenchFilter {
   const Noise& innovation_covariance() const noexcept { return S_; }
 
   /// From now on an unknown force is estimated, at first `force_O`, which may be wrong by
-  /// `covariance` (N^2) now, and as much anew in a hundredth of the memory; or no more.
+  /// `covariance` (N^2) now, and by a hundredth of it more each second; or no more.
   void begin_contact(const Eigen::Vector3d& force_O, const Eigen::Matrix3d& covariance) noexcept;
   void end_contact() noexcept;
   bool has_contact() const noexcept { return has_contact_; }

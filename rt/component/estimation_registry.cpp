@@ -62,6 +62,7 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
   options.lag = node.number("wrench_lag_ms", {0.01, 1e3}, options.lag * 1e3) * 1e-3;
   options.lag_deviation =
       node.number("wrench_lag_deviation_ms", {0.01, 1e3}, options.lag_deviation * 1e3) * 1e-3;
+  options.contacts = node.flag("unknown_contacts", options.contacts);
   options.gate = node.number("innovation_gate", {6, 1e6}, options.gate);
   options.search.spacing = node.number("contact_spacing", {1e-3, 1}, options.search.spacing);
   options.search.friction = node.number("contact_friction", {0.01, 10}, options.search.friction);

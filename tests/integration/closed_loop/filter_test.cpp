@@ -1,0 +1,92 @@
+// The filter of pose and wrench beside the pose alone, in the simulator, whose plant neither knows.
+#include "tests/integration/closed_loop/closed_loop.hpp"
+
+namespace palpate {
+namespace {
+
+constexpr const char* kScene = "sim/scenes/bar_long_soft_six_poses.yaml";
+constexpr const char* kPokeScene = "sim/scenes/bar_long_soft_poke.yaml";
+constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kFilter = "estimation.component=pose_wrench_filter";
+const double kTrueLogYoung = std::log(30e3);
+
+struct Result {
+  double mean = 0;  // m, of the shape's error over all nodes and looks
+  double largest = 0;
+  estimation::Estimate estimate;
+};
+
+Result estimate_over_two_poses(std::vector<std::string> overrides) {
+  ClosedLoop loop(kScene, kConfiguration,
+                  {"sensors.force_torque.bias=[0.0333, 0.0167, -0.0333, 0, 0, 0]"},
+                  std::move(overrides));
+  loop.run(0.1);
+  loop.send_event("start");
+  loop.run(2.0);
+  Result result;
+  constexpr int kLooks = 40;
+  for (int i = 0; i < kLooks; ++i) {
+    loop.run(0.25);
+    const Eigen::VectorXd error = loop.shape_error();
+    result.mean += error.mean() / kLooks;
+    result.largest = std::max(result.largest, error.maxCoeff());
+  }
+  result.estimate = loop.daemon().pipeline().estimate();
+  EXPECT_EQ(loop.daemon().pipeline().condition().state, component::LifeCycle::kActive)
+      << loop.daemon().pipeline().condition().reason;
+  return result;
+}
+
+TEST(Filter, FindsTheStiffnessThatItWasToldWrongly) {
+  double means = 0;
+  for (const char* told :
+       {"object.material.young_modulus=21e3", "object.material.young_modulus=39e3"}) {
+    const Result alone = estimate_over_two_poses({told});
+    const Result filter = estimate_over_two_poses({told, kFilter});
+    const double log_young = filter.estimate.log_young_modulus;
+    std::printf(
+        "%s: pose alone %.2f / %.2f mm, filter %.2f / %.2f mm, E %.1f kPa, deviation %.0f %%\n",
+        told, 1e3 * alone.mean, 1e3 * alone.largest, 1e3 * filter.mean, 1e3 * filter.largest,
+        1e-3 * std::exp(log_young), 100 * filter.estimate.log_young_modulus_deviation);
+    EXPECT_NEAR(log_young, kTrueLogYoung, 0.15);
+    EXPECT_LT(filter.largest, alone.largest);
+    means += filter.mean - alone.mean;
+    EXPECT_FALSE(filter.estimate.unknown_contact.found);
+  }
+  EXPECT_LT(means, 0) << "the one taken with the other";
+}
+
+TEST(Filter, FeelsAPushThatNothingMeasures) {
+  constexpr double kPushed = 5, kReleased = 8;  // s, of the scene's first poke
+  const Eigen::Vector3d rest_point(0.25, 0.03, 0.06);
+  ClosedLoop loop(kPokeScene, kConfiguration, {}, {kFilter, "estimation.unknown_contacts=true"});
+  loop.run(0.1);
+  loop.send_event("start");
+  double time = 0.1, found_at = -1, lost_at = -1;
+  estimation::UnknownContact last;
+  Eigen::Vector3d truth = rest_point;
+  loop.run(9.8, [&] {
+    time += 1e-3;
+    const estimation::UnknownContact& contact = loop.daemon().pipeline().estimate().unknown_contact;
+    if (contact.found) {
+      if (found_at < 0) found_at = time;
+      if (time < kReleased) {
+        last = contact;
+        truth = loop.simulation().plant().position_at(rest_point);
+      }
+    } else if (found_at > 0 && lost_at < 0) {
+      lost_at = time;
+    }
+  });
+  const double distance = (last.location_O - truth).norm();
+  std::printf("found after %.0f ms, gone after %.0f ms; %.1f mm off, force %.2f %.2f %.2f N\n",
+              1e3 * (found_at - kPushed), 1e3 * (lost_at - kReleased), 1e3 * distance,
+              last.force_O.x(), last.force_O.y(), last.force_O.z());
+  ASSERT_GT(found_at, kPushed) << "no false alarm, but found";
+  EXPECT_LT(found_at, kPushed + 0.3);
+  EXPECT_GT(lost_at, kReleased);
+  EXPECT_LT(distance, 0.04);
+}
+
+}  // namespace
+}  // namespace palpate
