@@ -13,9 +13,10 @@ constexpr double kBlind = 0.1;
 
 /// Steers the feature by `change` from where it hangs and returns what is left of that on the
 /// plant, as a part of it; `truth` is the feature's value from the plant's positions.
-double rest_on_the_plant(const std::string& configuration, const std::vector<std::string>& feature,
+double rest_on_the_plant(const std::string& configuration, std::vector<std::string> overrides,
                          double change, const std::function<double(ClosedLoop&)>& truth) {
-  ClosedLoop loop("sim/scenes/bar_long_soft_control.yaml", configuration, {}, feature);
+  overrides.insert(overrides.end(), {"control.dead_band_mm=0.05", "control.dead_band_deg=0.05"});
+  ClosedLoop loop("sim/scenes/bar_long_soft_control.yaml", configuration, {}, overrides);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(1.0);

@@ -136,6 +136,37 @@ TEST(Pipeline, TargetMovesTheHandTowardsIt) {
   EXPECT_GT(v_O.z(), 0.005);
 }
 
+// A curvature without an axis has no direction in which to grow while the line is straight.
+TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
+  Pipeline pipeline(example({"sensing=[]", "object.gravity=false",
+                             "feature={component: curvature, rest_points: [[0.05, 0.03, 0.03], "
+                             "[0.1, 0.03, 0.0302], [0.15, 0.03, 0.03]]}"}),
+                    1e-3);
+  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 100);
+  const double target = 2;
+  const char* reason = "";
+  ASSERT_TRUE(pipeline.set_target(1, "curvature", nullptr, 0, &target, 1, reason)) << reason;
+  int straight = 0;
+  // Upwards, so that the bar's curvature takes away that of the line and then exceeds it.
+  for (int step = 0; step < 100; ++step) {
+    signals.robot.latest.X_WE.translation().z() += 0.3e-3;
+    run(pipeline, signals, 20);
+    const bool rests = pipeline.gate(1e-3).V_W_E.vector().norm() == 0;
+    if (pipeline.condition().state == LifeCycle::kDegraded) {
+      EXPECT_STREQ(pipeline.condition().reason, "no such feature in this shape");
+      ++straight;  // and the gate lets the hand come to rest at its own deceleration
+      EXPECT_TRUE(straight < 6 || rests) << "step " << step;
+    } else {
+      EXPECT_TRUE(straight > 0 || step < 3 || !rests) << "step " << step;
+    }
+  }
+  EXPECT_GT(straight, 6);
+  EXPECT_LT(straight, 90);
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive) << "recovers by itself";
+}
+
 TEST(Pipeline, TooMuchForceAtTheWristStopsTheHand) {
   Pipeline pipeline(example(), 1e-3);
   // The sensor reads nothing where the hand's own weight should be: 47 N of contact.
