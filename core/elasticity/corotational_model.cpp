@@ -111,7 +111,7 @@ void CorotationalModel::reset() noexcept {
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
   doubtful_ = 0;
-  inverted_ = false;
+  inverted_ = torn_ = false;
   wanted_ = true;
   publish();
 }
@@ -252,7 +252,7 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   secants_.clear();
   wanted_ = true;
   doubtful_ = 0;
-  inverted_ = false;
+  inverted_ = torn_ = false;
   ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
   follow_rotations();
   return true;

@@ -48,13 +48,13 @@ struct SolverOptions {
 /// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
 /// correction that raises the potential is halved.
 ///
-/// The energy has equilibria that no body has: with elements inside out, or, where elements are
-/// few, all the right way round but twisted against each other by large strains, which a force far
-/// too large leaves behind. A shape that has elements inside out for a fifth of a second, or a
-/// tenth of all at once, or that stands still with large strains for so long, is compared with the
-/// one that RigidBlend makes of the boundary, and given up for it where that has the lower
-/// potential. Every such start descends, so that none is repeated without new loads or poses.
-/// Shared by the quasi-static and the dynamic model, which minimise
+/// The energy has equilibria that no body has: with elements inside out, or, left behind by a force
+/// far too large, twisted or folded without any. A shape that has elements inside out for a fifth
+/// of a second, or a tenth of all at once, or that had some and now stands still under strain for
+/// so long, is compared with the one that RigidBlend makes of the boundary, and given up for it
+/// where that has the lower potential (StepReport::restarted). Every such start descends, so that
+/// none is repeated without new loads or poses. A shape without such a past is never doubted: a
+/// hand may well have twisted it. Shared by the quasi-static and the dynamic model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
 /// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
 class CorotationalModel : public DeformationModel {
@@ -126,6 +126,7 @@ class CorotationalModel : public DeformationModel {
   void learn() noexcept;
   void follow_rotations() noexcept;
   bool untangle(StepReport& report) noexcept;
+  void look_for_tears(const StepReport& report) noexcept;
   double static_potential() noexcept;
   void turn_sensitivity(int begin, int end) noexcept;
   void refine_column() noexcept;
@@ -176,6 +177,7 @@ class CorotationalModel : public DeformationModel {
   int ticks_ = 0;
   int doubtful_ = 0;            // looks in a row that found the shape a doubtful one
   bool inverted_ = false;       // elements at the last look
+  bool torn_ = false;           // some were inverted, and strains have not been small since
   double elastic_at_look_ = 0;  // J, with viscous potential
   bool outstanding_ = false;
   bool wanted_ = false;

@@ -17,9 +17,9 @@ constexpr int kLookPeriod = 4;
 // out, and another is tried.
 constexpr int kPatience = 12;
 constexpr int kHopelessShare = 10;
-// Strains of equilibria that no body has are 0.44 and more; a shape stands still where its energy
-// changes by less than this share between two looks.
-constexpr double kLargeStrain = 0.35, kStill = 1e-3;
+// A body whose strains stay below has settled where it should. A shape stands still where its
+// energy changes by less than this share between two looks, and another is better by more.
+constexpr double kSmallStrain = 0.1, kStill = 1e-3;
 // Steps between those that measure how fast corrections shrink.
 constexpr int kMeasurePeriod = 10;
 
@@ -73,6 +73,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
         energy > potential_of_staying()) {
       stay_if_better(report, energy, dt, start);
     }
+    look_for_tears(report);
     if (inverted_ && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
@@ -322,11 +323,12 @@ void CorotationalModel::learn() noexcept {
 /// Looks whether the shape is one that a body can have; after enough doubt starts again from a
 /// better one. True where x_ is to be evaluated anew.
 bool CorotationalModel::untangle(StepReport& report) noexcept {
-  const ElementDoubts found = element_forces_->doubts(x_, kLargeStrain);
+  const ElementDoubts found = element_forces_->doubts(x_, kSmallStrain);
   const bool still = std::abs(elastic_ - elastic_at_look_) <= kStill * elastic_;
   elastic_at_look_ = elastic_;
   inverted_ = found.inverted > 0;
-  doubtful_ = inverted_ || (found.strained > 0 && still) ? doubtful_ + 1 : 0;
+  torn_ = inverted_ || (torn_ && found.strained > 0);
+  doubtful_ = inverted_ || (torn_ && still) ? doubtful_ + 1 : 0;
   const bool hopeless = found.inverted * kHopelessShare > elements_.element_count();
   if (doubtful_ < kPatience && !hopeless) return false;
   doubtful_ = 0;
@@ -351,6 +353,12 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
   inverted_ = false;
   report.restarted = wanted_ = true;
   return true;
+}
+
+/// What goes on between looks inverts elements only where steps do not converge.
+void CorotationalModel::look_for_tears(const StepReport& report) noexcept {
+  if (torn_ || report.status == StepStatus::kConverged) return;
+  torn_ = element_forces_->doubts(x_, kSmallStrain).inverted > 0;
 }
 
 /// Of x_, without motion, J.

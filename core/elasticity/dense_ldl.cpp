@@ -10,7 +10,10 @@ constexpr double kZero = 1e-11;  // of the scale: rounding leaves less of a pivo
 
 // Four doubles in a register where there are such, in two or four where not.
 using Lanes = double __attribute__((vector_size(32)));
-using Unaligned = Lanes __attribute__((aligned(8), may_alias));
+// The same where a double may stand. Packed, since clang forgets the alignment of a type's name.
+struct __attribute__((packed, may_alias)) Unaligned {
+  Lanes all;
+};
 
 Unaligned& lanes(double* p) { return *reinterpret_cast<Unaligned*>(p); }
 const Unaligned& lanes(const double* p) { return *reinterpret_cast<const Unaligned*>(p); }
@@ -22,7 +25,7 @@ void subtract_product(const double* a, const double* b, int depth, int rows, int
   Lanes sums[kTileColumns][2];
   for (int c = 0; c < kTileColumns; ++c) sums[c][0] = sums[c][1] = Lanes{};
   for (int k = 0; k < depth; ++k, a += kTileRows, b += kTileColumns) {
-    const Lanes low = lanes(a), high = lanes(a + 4);
+    const Lanes low = lanes(a).all, high = lanes(a + 4).all;
     for (int c = 0; c < kTileColumns; ++c) {
       sums[c][0] += low * b[c];
       sums[c][1] += high * b[c];
@@ -30,8 +33,8 @@ void subtract_product(const double* a, const double* b, int depth, int rows, int
   }
   if (rows == kTileRows && columns == kTileColumns) {
     for (int c = 0; c < kTileColumns; ++c, target += stride) {
-      lanes(target) -= sums[c][0];
-      lanes(target + 4) -= sums[c][1];
+      lanes(target).all -= sums[c][0];
+      lanes(target + 4).all -= sums[c][1];
     }
   } else {
     for (int c = 0; c < columns; ++c, target += stride) {
@@ -120,8 +123,8 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
       const double* source = block + static_cast<std::ptrdiff_t>(j) * rows + row;
       double* target = strip + j * kTileRows;
       if (height == kTileRows) {
-        lanes(target) = lanes(source);
-        lanes(target + 4) = lanes(source + 4);
+        lanes(target).all = lanes(source).all;
+        lanes(target + 4).all = lanes(source + 4).all;
       } else {
         for (int r = 0; r < kTileRows; ++r) target[r] = r < height ? source[r] : 0;
       }
@@ -131,27 +134,27 @@ int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
       double* own = strip + g * kTileRows;
       subtract_product(strip, &square_[g * kBlock], g, kTileRows, end - g, own, kTileRows);
       for (int k = g; k < end; ++k, own += kTileRows) {
-        const Lanes low = lanes(own), high = lanes(own + 4);
+        const Lanes low = lanes(own).all, high = lanes(own + 4).all;
         const double* below = square + static_cast<std::ptrdiff_t>(k) * rows;
         for (int j = k + 1; j < end; ++j) {
           double* target = strip + j * kTileRows;
-          lanes(target) -= low * below[j];
-          lanes(target + 4) -= high * below[j];
+          lanes(target).all -= low * below[j];
+          lanes(target + 4).all -= high * below[j];
         }
       }
     }
     double* right = &right_[count * kTileRows * kBlock];
     for (int j = 0; j < width; ++j, right += kTileColumns) {
       double* source = strip + j * kTileRows;
-      const Lanes low = lanes(source), high = lanes(source + 4);
-      lanes(right) = low;
-      lanes(right + kTileColumns * kBlock) = high;
-      lanes(source) = low * inverse[j];
-      lanes(source + 4) = high * inverse[j];
+      const Lanes low = lanes(source).all, high = lanes(source + 4).all;
+      lanes(right).all = low;
+      lanes(right + kTileColumns * kBlock).all = high;
+      lanes(source).all = low * inverse[j];
+      lanes(source + 4).all = high * inverse[j];
       double* target = block + static_cast<std::ptrdiff_t>(j) * rows + row;
       if (height == kTileRows) {
-        lanes(target) = lanes(source);
-        lanes(target + 4) = lanes(source + 4);
+        lanes(target).all = lanes(source).all;
+        lanes(target + 4).all = lanes(source + 4).all;
       } else {
         for (int r = 0; r < height; ++r) target[r] = source[r];
       }
