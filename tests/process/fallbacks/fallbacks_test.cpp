@@ -5,8 +5,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
-#include <functional>
 
 #include "rt/bus/session.hpp"
 #include "rt/daemon/daemon.hpp"
@@ -154,8 +154,9 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
   EXPECT_LE(trace.largest_step, 1 + 1e-6);
 }
 
-INSTANTIATE_TEST_SUITE_P(Slots, FallbackProcess, ::testing::Range(0, 3),
-                         [](const auto& info) { return kCases[info.param].name; });
+std::string name_of(const ::testing::TestParamInfo<int>& info) { return kCases[info.param].name; }
+
+INSTANTIATE_TEST_SUITE_P(Slots, FallbackProcess, ::testing::Range(0, 3), name_of);
 
 }  // namespace
 }  // namespace palpate

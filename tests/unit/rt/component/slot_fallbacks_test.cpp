@@ -17,7 +17,8 @@ std::string complaint(const std::string& override) {
   try {
     const config::Node root = example({override});
     const Pipeline pipeline(root, 1e-3);
-    root.check_all_used();
+    for (const char* slot : {"sensing", "contact"})
+      for (const config::Node& node : root.list(slot)) node.check_all_used();
   } catch (const config::Error& error) {
     return error.what();
   }
