@@ -74,6 +74,8 @@ class PoseWrenchFilter : public Estimator {
     WrenchFilter::Noise R;
   };
 
+  static constexpr double kPatience = 2;  // s, with a change that nothing explains
+
   double stiffness() const noexcept;  // Young's modulus over its nominal value
   math::Pose correction(int grasp) const noexcept;
   void load_with_unknown(elasticity::DeformationModel& model) const noexcept;
@@ -84,8 +86,9 @@ class PoseWrenchFilter : public Estimator {
   void take(const elasticity::DeformationModel& model) noexcept;
   void correct(const Innovation& innovation) noexcept;
   bool is_settled(const Innovation& innovation) const noexcept;
-  void settle(const Innovation& innovation) noexcept;
-  Innovation change(const Innovation& innovation) noexcept;
+  void remember(const Innovation& innovation) noexcept;
+  void settle() noexcept;
+  Innovation change(const Innovation& innovation) const noexcept;
   void watch(const Innovation& innovation) noexcept;
   void follow_contact(Innovation innovation) noexcept;
   void place_contact(const ContactSearch::Found& found,
