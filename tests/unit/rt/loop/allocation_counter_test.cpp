@@ -47,13 +47,16 @@ TEST(AllocationCounter, CountsEachKindOfAllocation) {
   use(f);
   char* g = strdup("by the C library itself");
   use(g);
-  EXPECT_EQ(allocations_of_this_thread() - before, 8);
+  void* h = valloc(100);
+  use(h);
+  EXPECT_EQ(allocations_of_this_thread() - before, 9);
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(h) % 4096, 0u);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(c) % 64, 0u);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(d) % 32, 0u);
   EXPECT_EQ(reinterpret_cast<std::uintptr_t>(e) % 128, 0u);
-  for (void* block : {a, b, c, d, e, static_cast<void*>(g)}) std::free(block);
+  for (void* block : {a, b, c, d, e, static_cast<void*>(g), h}) std::free(block);
   delete f;
-  EXPECT_EQ(allocations_of_this_thread() - before, 8);
+  EXPECT_EQ(allocations_of_this_thread() - before, 9);
 }
 
 TEST(AllocationCounter, PosixMemalignKeepsItsErrors) {

@@ -1,7 +1,11 @@
 #include "rt/loop/fixed_rate_loop.hpp"
 
 #include <gtest/gtest.h>
+#include <linux/capability.h>
 #include <sched.h>
+#include <sys/mman.h>
+#include <sys/resource.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -72,6 +76,43 @@ TEST(FixedRateLoop, SaysOfEachRefusalWhyAndHow) {
   EXPECT_FALSE(grant.affinity);
   EXPECT_NE(grant.remarks.find("no processor has the number 100000"), std::string::npos);
   EXPECT_NE(grant.remarks.find("LimitRTPRIO"), std::string::npos) << grant.remarks;
+}
+
+TEST(FixedRateLoop, AProcessorThatThisMachineHasNotIsRefusedByItsNumber) {
+  constexpr int kAbsent = CPU_SETSIZE - 1;
+  if (sysconf(_SC_NPROCESSORS_CONF) > kAbsent) GTEST_SKIP() << "this machine has them all";
+  cpu_set_t before, after;
+  ASSERT_EQ(sched_getaffinity(0, sizeof(before), &before), 0);
+  EXPECT_NE(take_cpu(kAbsent).find("not bound to processor " + std::to_string(kAbsent)),
+            std::string::npos);
+  EXPECT_NE(take_cpu(-1).find("no processor has the number -1"), std::string::npos);
+  ASSERT_EQ(sched_getaffinity(0, sizeof(after), &after), 0);
+  EXPECT_TRUE(CPU_EQUAL(&before, &after)) << "a refusal changes nothing";
+}
+
+TEST(FixedRateLoop, AFiniteLimitRefusesToLockAndSaysHowToRaiseIt) {
+  if (kSanitized) GTEST_SKIP() << "a sanitizer maps more than can be locked";
+  // In a child, since what is given up stays so.
+  const pid_t child = fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    const rlimit finite{1 << 20, 1 << 20};
+    __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+    const __user_cap_data_struct none[2]{};
+    if (setrlimit(RLIMIT_MEMLOCK, &finite) != 0 || syscall(SYS_capset, &header, none) != 0)
+      _exit(77);
+    const std::string refusal = lock_and_prefault_memory();
+    const bool told = refusal.find("LimitMEMLOCK=infinity") != std::string::npos;
+    // What comes later must still be granted.
+    void* later =
+        mmap(nullptr, 64 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    _exit(told && !memory_is_locked() && later != MAP_FAILED ? 0 : 1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 77)
+    GTEST_SKIP() << "capabilities cannot be given up here";
+  EXPECT_EQ(status, 0);
 }
 
 TEST(FixedRateLoop, WhatIsGrantedHoldsForTheCallingThread) {
