@@ -153,12 +153,12 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
                                      double dt) noexcept {
   if (!filter_.has_contact()) return;
   constexpr double kStandsOut = 3;  // deviations
-  constexpr double kPatience = 0.3;
+  constexpr double kFadesIn = 0.3;  // s
   const Eigen::Vector3d force = filter_.mean().tail<3>();
   const Eigen::Matrix3d P = filter_.covariance().bottomRightCorner<3, 3>();
   const bool weak = force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
   weak_for_ = weak ? weak_for_ + dt : 0;
-  if (weak_for_ < kPatience) return;
+  if (weak_for_ < kFadesIn) return;
   drop_contact(model);
 }
 
