@@ -1,0 +1,158 @@
+// What becomes of the pipeline between its ticks: set-up, events, targets, replacements, fallbacks.
+#include <cstdio>
+#include <utility>
+
+#include "rt/component/pipeline.hpp"
+
+namespace palpate::component {
+
+Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) {
+  build_arms(root);
+  cell_.period = period;
+  cell_.deterministic = deterministic;
+  cell_.inference = read_inference(root, deterministic);
+  cell_.remarks = &remarks_;
+  slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
+  slots_->warm_up();
+  fallbacks_ = std::make_unique<Fallbacks>(root, *slots_, room_for_shape());
+  whole_ = {LifeCycle::kInactive, "waits for start"};
+}
+
+Pipeline::~Pipeline() = default;
+
+void Pipeline::build_arms(const config::Node& root) {
+  cell_.frames = read_frames(root);
+  cell_.second_frames = read_second_frames(root);
+  const control::GateLimits limits = read_gate_limits(root);
+  arms_.push_back({cell_.frames, control::SafetyGate(limits), nullptr, false, {}, {}});
+  if (!cell_.second_frames) return;
+  const control::GateLimits second = read_gate_limits(root.child("second_arm"), limits);
+  arms_.push_back({*cell_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
+}
+
+std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
+    int instance, std::unique_ptr<sensing::SensorModel> model) {
+  slots_->sensing.at(instance).model.swap(model);
+  return model;
+}
+
+void Pipeline::start() noexcept {
+  if (whole_.state != LifeCycle::kInactive) return;
+  whole_ = {LifeCycle::kActive, ""};
+  for (Arm& arm : arms_) arm.gate.stop();
+  slots_->start();
+}
+
+void Pipeline::stop(const char* reason) noexcept {
+  if (!is_running()) return;
+  whole_ = {LifeCycle::kInactive, reason};
+}
+
+void Pipeline::reset() noexcept {
+  for (Fallback* fallback : {&fallbacks_->feature, &fallbacks_->steering, &fallbacks_->mechanics})
+    if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
+  slots_->reset();
+  for (Arm& arm : arms_) arm.gate.stop();
+  whole_ = {LifeCycle::kInactive, "reset"};
+}
+
+void Pipeline::zero() noexcept {
+  for (Slots::Sensing& instance : slots_->sensing) instance.model->zero();
+}
+
+void Pipeline::fault(const char* reason) noexcept { whole_ = {LifeCycle::kFaulted, reason}; }
+
+void Pipeline::set_timing_trouble(const char* reason) noexcept {
+  if (!is_running()) return;
+  whole_ = reason == nullptr ? Condition{LifeCycle::kActive, ""}
+                             : Condition{LifeCycle::kDegraded, reason};
+}
+
+bool Pipeline::is_running() const noexcept {
+  return whole_.state == LifeCycle::kActive || whole_.state == LifeCycle::kDegraded;
+}
+
+bool Pipeline::set_target(int revision, const char* kind, const double (*rest_points)[3],
+                          int point_count, const double* values, int value_count,
+                          const char*& reason) noexcept {
+  return slots_->set_target(revision, kind, rest_points, point_count, values, value_count, reason);
+}
+
+ShapeSnapshot Pipeline::room_for_shape() const {
+  return {slots_->model->positions(), slots_->model->velocities(), slots_->estimate};
+}
+
+void Pipeline::copy_shape(ShapeSnapshot& snapshot) const noexcept {
+  snapshot.positions = slots_->model->positions();
+  snapshot.velocities = slots_->model->velocities();
+  snapshot.estimate = slots_->estimate;
+}
+
+Pipeline::Along Pipeline::run_along(Replacement& replacement, const char*& reason) noexcept {
+  constexpr int kTicks = 100;      // that a new sensor model runs along at least
+  constexpr int kPatience = 2000;  // and at most, where the present one has nothing to say either
+  const bool first = replacement.ticks_along_++ == 0;
+  bool ready = true, waits_with_present = true;
+  std::vector<Slots::Sensing>& models = replacement.slots_->sensing;
+  for (std::size_t i = 0; i < models.size(); ++i) {
+    if (!models[i].model) continue;
+    const int at = replacement.successors_[i];
+    const Slots::Sensing* present = at < 0 ? nullptr : &slots_->sensing[at];
+    if (first && present != nullptr && !models[i].model->restore(present->model->save())) {
+      reason = "is for another kind of sensor than the one in its place";
+      return Along::kRefused;
+    }
+    sensing::ContactSet unused;
+    const sensing::UpdateResult result =
+        models[i].model->update(*arms_[models[i].arm].signals, unused);
+    if (result.status == sensing::Status::kFault) {
+      reason = result.reason;
+      return Along::kRefused;
+    }
+    if (result.status == sensing::Status::kOk && replacement.ticks_along_ >= kTicks) continue;
+    ready = false;
+    if (present == nullptr || present->condition.state != LifeCycle::kActive) continue;
+    waits_with_present = false;
+    reason = result.reason;
+  }
+  if (ready || (waits_with_present && replacement.ticks_along_ >= kPatience)) return Along::kReady;
+  return replacement.ticks_along_ < kPatience ? Along::kWaits : Along::kRefused;
+}
+
+bool Pipeline::take(Replacement& replacement) noexcept {
+  const Slots& present = *slots_;
+  if (replacement.changes_.mechanics &&
+      !replacement.give_shape(present.model->positions(), present.model->velocities(),
+                              present.estimate))
+    return false;
+  put_in(replacement);
+  return true;
+}
+
+void Pipeline::put_in(Replacement& replacement) noexcept {
+  replacement.slots_->adopt(*slots_, replacement.changes_, replacement.successors_);
+  slots_.swap(replacement.slots_);
+}
+
+void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
+  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
+                reason);
+  ++fallbacks_taken_;
+}
+
+/// False where there is none, or it runs already.
+bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
+  if (!fallback.components || fallback.in_use) return false;
+  fallback.in_use = true;
+  tell_fallback(slot, reason);
+  if (take(*fallback.components)) return true;
+  // Nothing is left of the shape.
+  Slots& incoming = *fallback.components->slots_;
+  incoming.estimator->reset();
+  incoming.model->reset();
+  incoming.estimator->activate(*incoming.model);
+  put_in(*fallback.components);
+  return true;
+}
+
+}  // namespace palpate::component
