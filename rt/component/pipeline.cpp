@@ -1,6 +1,5 @@
 #include "rt/component/pipeline.hpp"
 
-#include <cstdio>
 #include <utility>
 
 namespace palpate::component {
@@ -141,27 +140,6 @@ void Pipeline::put_in(Replacement& replacement) noexcept {
   slots_.swap(replacement.slots_);
 }
 
-void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
-  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
-                reason);
-  ++fallbacks_taken_;
-}
-
-/// False where there is none, or it runs already.
-bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
-  if (!fallback.components || fallback.in_use) return false;
-  fallback.in_use = true;
-  tell_fallback(slot, reason);
-  if (take(*fallback.components)) return true;
-  // Nothing is left of the shape.
-  Slots& incoming = *fallback.components->slots_;
-  incoming.estimator->reset();
-  incoming.model->reset();
-  incoming.estimator->activate(*incoming.model);
-  put_in(*fallback.components);
-  return true;
-}
-
 void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& second) noexcept {
   const std::array<const sensing::Signals*, 2> by_arm = {&signals, &second};
   for (int i = 0; i < arm_count(); ++i) {
@@ -247,16 +225,6 @@ void Pipeline::distribute() noexcept {
   }
 }
 
-void Pipeline::check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept {
-  if (instance.fallback != nullptr && instance.fallback->in_use() &&
-      !std::exchange(instance.told, true))
-    tell_fallback(instance.name.c_str(), "a load of a node is not finite");
-  if (are_plausible(loads)) return;
-  loads.accepted = false;
-  loads.loads.clear();
-  instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
-}
-
 estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
   const Arm& arm = arms_[grasp];
   estimation::GraspInput input;
@@ -290,17 +258,6 @@ void Pipeline::estimate(double dt) noexcept {
     return;
   Slots& now = *slots_;
   now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
-}
-
-/// False where it is not finite, which then nobody sees.
-bool Pipeline::feature_is_sound() noexcept {
-  Slots& slots = *slots_;
-  if (slots.feature_condition.state == LifeCycle::kFaulted) return false;
-  slots.feature->evaluate(slots.model->positions(), slots.feature_state.value);
-  if (slots.feature_state.value.allFinite()) return true;
-  slots.feature_state.value.setZero();
-  slots.feature_condition.apply({sensing::Status::kFault, "the feature is not finite"});
-  return false;
 }
 
 void Pipeline::evaluate_feature() noexcept {
