@@ -98,16 +98,6 @@ void Pipeline::distribute() noexcept {
   }
 }
 
-void Pipeline::check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept {
-  if (instance.fallback != nullptr && instance.fallback->in_use() &&
-      !std::exchange(instance.told, true))
-    tell_fallback(instance.name.c_str(), "a load of a node is not finite");
-  if (are_plausible(loads)) return;
-  loads.accepted = false;
-  loads.loads.clear();
-  instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
-}
-
 estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
   const Arm& arm = arms_[grasp];
   estimation::GraspInput input;
@@ -141,17 +131,6 @@ void Pipeline::estimate(double dt) noexcept {
     return;
   Slots& now = *slots_;
   now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
-}
-
-/// False where it is not finite, which then nobody sees.
-bool Pipeline::feature_is_sound() noexcept {
-  Slots& slots = *slots_;
-  if (slots.feature_condition.state == LifeCycle::kFaulted) return false;
-  slots.feature->evaluate(slots.model->positions(), slots.feature_state.value);
-  if (slots.feature_state.value.allFinite()) return true;
-  slots.feature_state.value.setZero();
-  slots.feature_condition.apply({sensing::Status::kFault, "the feature is not finite"});
-  return false;
 }
 
 void Pipeline::evaluate_feature() noexcept {

@@ -1,5 +1,4 @@
-// What becomes of the pipeline between its ticks: set-up, events, targets, replacements, fallbacks.
-#include <cstdio>
+// What becomes of the pipeline between its ticks: set-up, events, targets, replacements.
 #include <utility>
 
 #include "rt/component/pipeline.hpp"
@@ -132,27 +131,6 @@ bool Pipeline::take(Replacement& replacement) noexcept {
 void Pipeline::put_in(Replacement& replacement) noexcept {
   replacement.slots_->adopt(*slots_, replacement.changes_, replacement.successors_);
   slots_.swap(replacement.slots_);
-}
-
-void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
-  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
-                reason);
-  ++fallbacks_taken_;
-}
-
-/// False where there is none, or it runs already.
-bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
-  if (!fallback.components || fallback.in_use) return false;
-  fallback.in_use = true;
-  tell_fallback(slot, reason);
-  if (take(*fallback.components)) return true;
-  // Nothing is left of the shape.
-  Slots& incoming = *fallback.components->slots_;
-  incoming.estimator->reset();
-  incoming.model->reset();
-  incoming.estimator->activate(*incoming.model);
-  put_in(*fallback.components);
-  return true;
 }
 
 }  // namespace palpate::component

@@ -1,0 +1,52 @@
+// What the pipeline does where a component errs.
+
+#include <cstdio>
+#include <utility>
+
+#include "rt/component/pipeline.hpp"
+
+namespace palpate::component {
+
+void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
+  std::snprintf(fallback_reason_.data(), fallback_reason_.size(), "%s: fallback, since %s", slot,
+                reason);
+  ++fallbacks_taken_;
+}
+
+/// False where there is none, or it runs already.
+bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
+  if (!fallback.components || fallback.in_use) return false;
+  fallback.in_use = true;
+  tell_fallback(slot, reason);
+  if (take(*fallback.components)) return true;
+  // Nothing is left of the shape.
+  Slots& incoming = *fallback.components->slots_;
+  incoming.estimator->reset();
+  incoming.model->reset();
+  incoming.estimator->activate(*incoming.model);
+  put_in(*fallback.components);
+  return true;
+}
+
+void Pipeline::check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept {
+  if (instance.fallback != nullptr && instance.fallback->in_use() &&
+      !std::exchange(instance.told, true))
+    tell_fallback(instance.name.c_str(), "a load of a node is not finite");
+  if (are_plausible(loads)) return;
+  loads.accepted = false;
+  loads.loads.clear();
+  instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
+}
+
+/// False where it is not finite, which then nobody sees.
+bool Pipeline::feature_is_sound() noexcept {
+  Slots& slots = *slots_;
+  if (slots.feature_condition.state == LifeCycle::kFaulted) return false;
+  slots.feature->evaluate(slots.model->positions(), slots.feature_state.value);
+  if (slots.feature_state.value.allFinite()) return true;
+  slots.feature_state.value.setZero();
+  slots.feature_condition.apply({sensing::Status::kFault, "the feature is not finite"});
+  return false;
+}
+
+}  // namespace palpate::component
