@@ -47,8 +47,7 @@ class HealthNews : public ::testing::Test {
   std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
   std::unique_ptr<bus::MessageBus> outside_ = bus::make_memory_bus(hub_);
   Inputs inputs_{*bus_};
-  bus::DatagramCounters datagrams_;
-  Health health_{*bus_, datagrams_, 1, 0, 0};
+  Health health_{*bus_, *bus_, 1, 0, 0};
   Counters counters_;
   std::int64_t now_ms_ = 0;
   std::int32_t seq_ = 0;
