@@ -41,6 +41,7 @@ void FtNewtonEuler::reset() noexcept {
   if (options_.tare_at_start) tare_.start();
   low_pass_.reset();
   has_output_ = has_inertial_ = has_inertial_pair_ = used_imu_ = false;
+  usual_step_ = 0;
   angular_acceleration_I_.setZero();
   acceleration_offset_S_.setZero();
   offset_age_ = 0;
@@ -48,6 +49,8 @@ void FtNewtonEuler::reset() noexcept {
 
 void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
   inertial_step_ = 0;
+  // After a pause the one before is none before: the age is of this side's clock.
+  if (stream.fresh_count == 0 && stream.age > options_.imu_max_age) has_inertial_ = false;
   for (int i = 0; i < stream.fresh_count; ++i) {
     const Inertial& sample = stream.fresh[i];
     if (!sample.acceleration_I.allFinite() || !sample.angular_velocity_I.allFinite() ||
@@ -55,8 +58,8 @@ void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
       ++skipped_;
       continue;
     }
-    const double dt = sample.time - inertial_.time;
-    if (has_inertial_ && dt > 0 && dt < options_.imu_max_age) {
+    const double dt = has_inertial_ ? step_between(inertial_.time, sample.time) : 0;
+    if (dt > 0) {
       const Eigen::Vector3d raw = (sample.angular_velocity_I - inertial_.angular_velocity_I) / dt;
       angular_acceleration_I_ +=
           share(dt, options_.angular_acceleration_time) * (raw - angular_acceleration_I_);
@@ -69,6 +72,20 @@ void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
     inertial_ = sample;
     has_inertial_ = true;
   }
+}
+
+/// s between two samples in a row, 0 where it is not known. The sender's clock may jump: that only
+/// what is near the usual step can change it, and that what cannot be counts as the usual step,
+/// leaves nothing of the jump behind.
+double FtNewtonEuler::step_between(double before, double now) noexcept {
+  constexpr double kNear = 0.6, kFollows = 0.05;
+  const double dt = now - before;
+  const bool can_be = dt > 0 && dt < options_.imu_max_age;
+  if (usual_step_ == 0) return usual_step_ = can_be ? dt : 0;
+  if (!can_be) return usual_step_;
+  if (std::abs(dt - usual_step_) > kNear * usual_step_) return dt;  // some were lost
+  usual_step_ += kFollows * (dt - usual_step_);
+  return usual_step_;
 }
 
 LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {

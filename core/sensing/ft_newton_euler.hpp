@@ -57,6 +57,7 @@ class FtNewtonEuler : public SensorModel {
   bool used_imu() const noexcept { return used_imu_; }
 
  private:
+  double step_between(double before, double now) noexcept;
   void follow_imu(const Stream<Inertial>& stream) noexcept;
   LoadMotion motion(const Signals& signals) noexcept;
 
@@ -72,6 +73,7 @@ class FtNewtonEuler : public SensorModel {
   bool has_inertial_pair_ = false;  // two samples, so that the gyroscope can be differentiated
   Inertial inertial_;
   double inertial_step_ = 0;  // s of inertial data in this tick
+  double usual_step_ = 0;     // s between two inertial samples; 0: not known
   Eigen::Vector3d angular_acceleration_I_ = Eigen::Vector3d::Zero();
   Eigen::Vector3d acceleration_offset_S_ = Eigen::Vector3d::Zero();
   double offset_age_ = 0;  // s of inertial data that the offset stands on

@@ -217,6 +217,32 @@ TEST(FtNewtonEuler, FindsThePushOfAShakenHand) {
   EXPECT_GT(worst_gravity_only, 3);
 }
 
+TEST(FtNewtonEuler, AJumpOfTheSendersClockLeavesNothingBehind) {
+  ShakenHand hand;
+  hand.options.imu_offset_time = 5;
+  FtNewtonEuler steady(hand.options);
+  for (const double jump : {3600.0, -3600.0, -0.5e-3, 0.5e-3}) {
+    FtNewtonEuler jumped(hand.options);
+    steady.reset();
+    Signals signals;
+    ContactSet contacts;
+    double after = 0, then = 0;
+    for (int tick = 0; tick < 1000; ++tick) {
+      hand.feed_all(signals, tick * kPeriod, {});
+      steady.update(signals, contacts = {});
+      const Eigen::Vector3d expected =
+          contacts.count == 1 ? contacts.contacts[0].wrench.force : Eigen::Vector3d::Zero();
+      if (tick >= 500) signals.inertial.fresh[0].time += jump;
+      jumped.update(signals, contacts = {});
+      if (tick < 500) continue;
+      const double off = (contacts.contacts[0].wrench.force - expected).norm();
+      (tick < 510 ? then : after) = std::max(tick < 510 ? then : after, off);
+    }
+    EXPECT_LT(then, 0.5) << jump;
+    EXPECT_LT(after, 0.02) << jump;
+  }
+}
+
 TEST(FtNewtonEuler, FollowsAnOffsetOfTheAccelerometer) {
   ShakenHand hand;
   hand.options.imu_offset_time = 5;
