@@ -35,7 +35,7 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
 
 /// Nothing where the daemon did not run before the fault, or this machine stood still so long that
 /// the scenario was another one.
-std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario) {
+std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario, bool& late) {
   const FaultFolder folder;
   const Urls urls = private_urls();
   const std::vector<std::string> overrides =
@@ -62,17 +62,19 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario)
                 tail(daemon.output(), 1));
     return result;
   }
-  if (wire.latest() > kLatest) return std::nullopt;
+  late = wire.latest() > kLatest;
+  if (late) return std::nullopt;
   if (!has_run(trace, std::max(scenario.window.begin, kRunsBy))) return std::nullopt;
   return judge_process(trace, play(bench, scenario), bench, scenario);
 }
 
 /// A machine that stands still while the daemon is started shows nothing: once more.
 RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
+  bool late = false;
   for (int attempt = 0; attempt < 5; ++attempt)
-    if (const auto result = play_once(bench, scenario)) return *result;
+    if (const auto result = play_once(bench, scenario, late)) return *result;
   RunResult result;
-  result.fail("could not be played as it is: the machine is too busy");
+  result.fail(late ? kNotPlayed : "palpated does not run when it is told to start");
   return result;
 }
 

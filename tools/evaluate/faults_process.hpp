@@ -6,6 +6,9 @@
 
 namespace palpate::evaluate {
 
+/// Why a run failed that five attempts could not play in time.
+inline constexpr const char* kNotPlayed = "could not be played as it is: the machine is too busy";
+
 /// The rows of virtual time that can be done to a process from outside, so done: `run` starts
 /// palpated with ports of its own and plays it the same scenario in real time; to that comes the
 /// simulator killed and started anew. What counts is that a process takes it as virtual time does,

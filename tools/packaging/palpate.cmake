@@ -93,11 +93,16 @@ function(palpate_test dir)
     set(ARG_TIMEOUT 120)
   endif()
   math(EXPR ARG_TIMEOUT "${ARG_TIMEOUT} * ${PALPATE_SLOWNESS}")
+  set(serial FALSE)
+  if(ARG_RUN_SERIAL)
+    set(serial TRUE)
+  endif()
   string(REPLACE "/" "_" flat ${dir})
   set(name ${ARG_LABEL}_${flat})
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE palpate_flags palpate::support ${ARG_DEPENDS}
     GTest::gmock GTest::gtest GTest::gtest_main)
   gtest_discover_tests(${name} TEST_PREFIX "${ARG_LABEL}.${flat}." DISCOVERY_MODE PRE_TEST
-    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT})
+    DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT}
+    RUN_SERIAL ${serial})
 endfunction()

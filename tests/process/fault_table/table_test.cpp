@@ -23,6 +23,7 @@ TEST_P(ProcessFaultTable, RowIsSurvivedAndTold) {
               row.number.c_str(), row.fault.c_str(), name(report.worst()), 1e3 * report.detected,
               1e3 * report.visible, 1e3 * report.recovered, report.measured, row.unit.c_str(),
               row.limit);
+  if (report.miss.find(kNotPlayed) != std::string::npos) GTEST_SKIP() << report.miss;
   EXPECT_EQ(report.survived(), report.seeds) << report.miss;
   EXPECT_EQ(report.crashes, 0);
   EXPECT_LE(report.measured, kGenerous * row.limit) << report.miss;
