@@ -48,8 +48,8 @@ bool TelemetryPublisher::publish_queued() noexcept {
 void TelemetryPublisher::work() noexcept {
   // Between a loop's cycles the thread naps rather than sleeps: to wake a sleeping thread is a
   // system call, and an interrupt of another processor, in the loop's time.
-  constexpr timespec kNap{0, 250'000};
-  constexpr int kNapsBeforeSleep = 8;
+  constexpr timespec kNap{0, 1'000'000};
+  constexpr int kNapsBeforeSleep = 2;
   int naps = 0;
   while (!stop_.load(std::memory_order_acquire)) {
     if (publish_queued()) {
