@@ -44,8 +44,6 @@ class WrenchFilter {
   /// While there is an unknown force only that is learnt, and what else is uncertain is borne in
   /// mind (Schmidt's filter): the force may not be quite where it is taken to be.
   void correct() noexcept;
-  /// Covariance of the innovation of the last test.
-  const Noise& innovation_covariance() const noexcept { return S_; }
 
   /// From now on an unknown force is estimated, at first `force_O`, which may be wrong by
   /// `covariance` (N^2) now, and by a hundredth of it more each second; or no more.
