@@ -125,6 +125,7 @@ std::optional<FeatureScore> score_feature(const RunLog& run) {
   score.start_distance = score.samples.front().distance;
   score_end(score);
   score.within_5mm = time_to_stay_within(score.samples, 5e-3, 1 * kDegree);
+  score.within_2mm = time_to_stay_within(score.samples, 2e-3, 0.4 * kDegree);
   score.within_1mm = time_to_stay_within(score.samples, 1e-3, 0.2 * kDegree);
   score.overshoot = overshoot(score.samples, score.target);
   score.path = path_length(score.samples);

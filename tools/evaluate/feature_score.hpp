@@ -37,6 +37,7 @@ struct FeatureScore {
   double estimated_distance = 0;              // m, what the daemon took it to be at the end
   double unreachable = 0;                     // m, the part of that which no motion removes
   std::optional<double> within_5mm;           // s, and 1 degree where the feature has an angle
+  std::optional<double> within_2mm;           // s, and 0.4 degree
   std::optional<double> within_1mm;           // s, and 0.2 degree
   double overshoot = 0;                       // fraction
   double path = 0;                            // m, length of the way that the feature took

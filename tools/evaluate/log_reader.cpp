@@ -45,13 +45,15 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   LogReader loop(clock);
   loop.collect("TWIST_COMMAND", run.commands);
   loop.collect("FEATURE", run.features);
+  loop.collect("ESTIMATE", run.estimates);
   loop.collect("SHAPE_TARGET", run.targets);
   loop.collect("ROBOT_STATE", run.robot);
   loop.collect("CONTACTS", run.contacts);
   loop.collect("SHAPE_OBSERVATION", run.observations);
   loop.read(control);
   if (clock == LogClock::kSent) {
-    order_as_sent(run.commands, run.features, run.robot, run.contacts, run.observations);
+    order_as_sent(run.commands, run.features, run.estimates, run.robot, run.contacts,
+                  run.observations);
     take_times_from_features(run.targets, run.features);
   }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <palpate/component_event_t.hpp>
 #include <palpate/contacts_t.hpp>
+#include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/health_t.hpp>
 #include <palpate/robot_state_t.hpp>
@@ -73,6 +74,7 @@ struct RunLog {
   std::vector<component_event_t> events;
   std::vector<twist_command_t> commands;
   std::vector<feature_t> features;
+  std::vector<estimate_t> estimates;
   std::vector<shape_target_t> targets;
   std::vector<robot_state_t> robot;
   std::vector<contacts_t> contacts;

@@ -17,8 +17,8 @@
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/soak.hpp"
+#include "tools/evaluate/study.hpp"
 #include "tools/evaluate/tactile.hpp"
-#include "tools/evaluate/thesis.hpp"
 
 namespace {
 
@@ -125,7 +125,18 @@ int run(CLI::App& app, int argc, char** argv) {
   SensorsCommand sensors(app);
   ObserverCommand observer(app);
 
-  ThesisCommand thesis(app);
+  StudyCommand thesis(app,
+                      {"thesis", "the applications of the thesis",
+                       "the applications of the thesis with every method, model error and seed",
+                       "tools/evaluate/thesis.yaml"});
+  StudyCommand estimate(app, {"estimate", "estimators of the shape, blind and with observations",
+                              "every estimator on bars and blocks under the grid of model errors",
+                              "tools/evaluate/estimate.yaml"});
+  StudyCommand control(
+      app, {"control", "shape control, blind and with observations",
+            "controllers on points far from the hand, limits and drop-outs under the grid of model "
+            "errors",
+            "tools/evaluate/control.yaml"});
 
   FaultsCommand faults(app);
 
@@ -136,7 +147,8 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
-  if (const auto code = thesis.run(root, std::cout)) return *code;
+  for (StudyCommand* study : {&thesis, &estimate, &control})
+    if (const auto code = study->run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;

@@ -84,6 +84,7 @@ Json to_json(const FeatureScore& feature) {
       {"error_that_the_daemon_sees_mm", feature.estimated_distance * 1e3},
       {"unreachable_as_the_daemon_sees_it_mm", feature.unreachable * 1e3},
       {"time_to_5mm_s", optional_number(feature.within_5mm)},
+      {"time_to_2mm_s", optional_number(feature.within_2mm)},
       {"time_to_1mm_s", optional_number(feature.within_1mm)},
       {"overshoot_percent", feature.overshoot * 100},
       {"path_mm", feature.path * 1e3},

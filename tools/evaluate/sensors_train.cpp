@@ -6,7 +6,7 @@
 #include "tools/evaluate/process.hpp"
 #include "tools/evaluate/progress.hpp"
 #include "tools/evaluate/sensors_models.hpp"
-#include "tools/evaluate/thesis_hash.hpp"
+#include "tools/evaluate/study_hash.hpp"
 
 namespace palpate::evaluate {
 namespace {

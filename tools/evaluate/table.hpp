@@ -25,6 +25,9 @@ class Table {
   std::vector<Row> rows_;
 };
 
+/// What a value is called that nobody could read, or that a run did not give.
+inline constexpr const char* kNotAvailable = "not available";
+
 /// Fixed-point text.
 std::string number(double value, int decimals);
 

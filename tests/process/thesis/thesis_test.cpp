@@ -10,7 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/unit/tools/evaluate/thesis_folder.hpp"
+#include "tests/unit/tools/evaluate/study_folder.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -28,7 +28,7 @@ applications:
     target: {feature: point, rest_points: [[0.25, 0.03, 0.06]], displacement: [0, 0, 0.01]}
 )";
 
-class ThesisProcess : public testing::Test {
+class StudyProcess : public testing::Test {
  protected:
   int run(const std::string& output, const std::string& options = "") const {
     const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-evaluate thesis --plan '" +
@@ -94,10 +94,10 @@ class ThesisProcess : public testing::Test {
     EXPECT_EQ(different, 0u) << channel << " of " << both;
     EXPECT_GT(both, sent / 2) << channel;
   }
-  ThesisFolder folder_;
+  StudyFolder folder_;
 };
 
-TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
+TEST_F(StudyProcess, RunsAJobOnceAndGivesTheSameTwice) {
   folder_.write("plan.yaml", kPlan);
   const nlohmann::json first = run_whole("a");
   EXPECT_EQ(first["simulator"]["mode"], "lock-step");
@@ -117,7 +117,7 @@ TEST_F(ThesisProcess, RunsAJobOnceAndGivesTheSameTwice) {
     expect_same("housekeeping.log", channel, 149);
 }
 
-TEST_F(ThesisProcess, AJobThatFailsIsExitCodeOne) {
+TEST_F(StudyProcess, AJobThatFailsIsExitCodeOne) {
   std::string plan = kPlan;
   const std::string good = "duration: 1.5";
   folder_.write("plan.yaml", plan.replace(plan.find(good), good.size(),
@@ -129,7 +129,7 @@ TEST_F(ThesisProcess, AJobThatFailsIsExitCodeOne) {
   EXPECT_NE(folder_.read("a.txt").find("1 jobs"), std::string::npos);
 }
 
-TEST_F(ThesisProcess, AWrongPlanIsAConfigurationError) {
+TEST_F(StudyProcess, AWrongPlanIsAConfigurationError) {
   folder_.write("plan.yaml", "octree_resolution: 0.01\n");
   EXPECT_EQ(run("a"), 78);
   EXPECT_NE(folder_.read("a.txt").find("applications"), std::string::npos);

@@ -46,7 +46,7 @@ using Cases = testing::Types<Case<LinearModel, mesh::ElementOrder::kLinear>,
                              Case<MassSpringModel, mesh::ElementOrder::kQuadratic>,
                              Case<ShapeMatchingModel, mesh::ElementOrder::kLinear>,
                              Case<ShapeMatchingModel, mesh::ElementOrder::kQuadratic>>;
-TYPED_TEST_SUITE(ModelsForComparison, Cases);
+TYPED_TEST_SUITE(ModelsForComparison, Cases, );  // clang counts the macro's arguments
 
 void settle(DeformationModel& model, int steps = 3000) {
   for (int i = 0; i < steps; ++i) ASSERT_NE(model.step(kDt).status, StepStatus::kFailed);

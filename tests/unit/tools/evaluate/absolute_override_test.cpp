@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "rt/config/node.hpp"
-#include "tests/unit/tools/evaluate/thesis_folder.hpp"
+#include "tests/unit/tools/evaluate/study_folder.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 class AbsoluteOverride : public testing::Test {
  protected:
   std::string made(const std::string& item) const { return absolute_override(item, file_); }
-  ThesisFolder folder_;
+  StudyFolder folder_;
   std::filesystem::path base_ = folder_.write(
       "base.yaml", "object: {mesh: {cells: [10, 1, 5], size: [0.5, 0.06, 0.4]}, name: bar}\n");
   std::filesystem::path file_ = folder_.write(

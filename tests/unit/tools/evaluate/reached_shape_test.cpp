@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "core/math/rigid.hpp"
-#include "tests/unit/tools/evaluate/thesis_folder.hpp"
+#include "tests/unit/tools/evaluate/study_folder.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -11,7 +11,7 @@ namespace {
 /// What is clamped stays, what the hand holds goes with it but for the pads, and what lies between
 /// does neither.
 TEST(ReachedShape, IsThatOfABarBetweenClampAndHand) {
-  const ThesisFolder folder;
+  const StudyFolder folder;
   const auto scene = folder.write(
       "scene.yaml", std::string("base: ") + PALPATE_SOURCE_DIR +
                         "/sim/scenes/bar_long_soft_control.yaml\n"

@@ -1,0 +1,94 @@
+#include "tools/evaluate/belief_score.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "tools/evaluate/plant_truth.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr double kBall = 2.7955;  // sqrt of the 95 % quantile of chi-squared, 3 degrees
+constexpr std::int64_t kModulusEach = 100000;  // us
+
+double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
+
+void score_deviations(const RunLog& run, BeliefScore& score) {
+  const MeshMessage estimate = assemble(run.shape_chunks), plant = assemble(run.truth_chunks);
+  const PlantPoints points(plant, estimate.nodes);
+  const PlantMotion motion(run.truths);
+  Eigen::Matrix3Xd truth;
+  long inside = 0, count = 0;
+  for (const shape_t& shape : run.shapes) {
+    if (shape.mesh_hash != estimate.hash || shape.node_count != estimate.nodes.cols()) continue;
+    if (shape.deviation_count != shape.node_count || !motion.at(shape.utime, truth)) continue;
+    const Eigen::Matrix3Xd error = positions(shape) - points.at(truth);
+    for (int i = 0; i < shape.node_count; ++i) {
+      if (!(shape.deviation[i] > 0)) continue;  // held, or not observable
+      inside += error.col(i).norm() <= kBall * shape.deviation[i] ? 1 : 0;
+      score.deviation += shape.deviation[i];
+      ++count;
+    }
+  }
+  if (count == 0) return;
+  score.covered = static_cast<double>(inside) / static_cast<double>(count);
+  score.deviation /= static_cast<double>(count);
+}
+
+bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
+
+void score_estimates(const RunLog& run, BeliefScore& score) {
+  const std::int64_t start = run.shapes.front().utime;
+  std::int64_t next = start;
+  long with_contact = 0;
+  bool estimated = false;
+  for (const estimate_t& estimate : run.estimates) {
+    if (tells_contact(estimate)) {
+      ++with_contact;
+      if (!score.first_contact) score.first_contact = seconds(estimate.utime - start);
+    }
+    if (estimate.utime < next) continue;
+    next = estimate.utime + kModulusEach;
+    estimated |= estimate.log_young_modulus_deviation >= 0;
+    score.modulus.push_back({seconds(estimate.utime - start), std::exp(estimate.log_young_modulus),
+                             estimate.log_young_modulus_deviation});
+  }
+  if (!estimated) score.modulus.clear();
+  if (!run.estimates.empty())
+    score.contact_share =
+        static_cast<double>(with_contact) / static_cast<double>(run.estimates.size());
+}
+
+}  // namespace
+
+BeliefScore score_belief(const RunLog& run) {
+  if (run.shapes.empty()) throw std::runtime_error("the log holds no SHAPE");
+  BeliefScore score;
+  score_deviations(run, score);
+  score_estimates(run, score);
+  return score;
+}
+
+nlohmann::json to_json(const BeliefScore& belief) {
+  Json json{
+      {"unknown_contact_percent_of_time", 100 * belief.contact_share},
+      {"first_unknown_contact_s", belief.first_contact ? Json(*belief.first_contact) : Json()}};
+  if (belief.covered) {
+    json["within_95_percent_interval"] = 100 * *belief.covered;
+    json["mean_deviation_mm"] = 1e3 * belief.deviation;
+  }
+  if (belief.modulus.empty()) return json;
+  json["young_modulus_kpa"] = 1e-3 * belief.modulus.back().young_modulus;
+  json["young_modulus_deviation_percent"] = 100 * belief.modulus.back().log_deviation;
+  for (const BeliefScore::Modulus& sample : belief.modulus) {
+    json["curve"]["time_s"].push_back(sample.time);
+    json["curve"]["young_modulus_kpa"].push_back(1e-3 * sample.young_modulus);
+    json["curve"]["log_deviation"].push_back(sample.log_deviation);
+  }
+  return json;
+}
+
+}  // namespace palpate::evaluate

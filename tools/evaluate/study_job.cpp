@@ -1,0 +1,122 @@
+#include "tools/evaluate/study_job.hpp"
+
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "rt/component/frames.hpp"
+#include "rt/config/node.hpp"
+#include "tools/evaluate/belief_score.hpp"
+#include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/reached_shape.hpp"
+#include "tools/evaluate/score.hpp"
+#include "tools/evaluate/study_picture.hpp"
+#include "tools/evaluate/study_score.hpp"
+#include "tools/evaluate/study_tactile.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double kSlack = 10;  // s in real time; the scene ends the run
+
+RunPlan plan_of(const StudyJob& job) {
+  RunPlan plan;
+  plan.name = job.name;
+  plan.source.scene = job.scene;
+  plan.source.scene_overrides = job.scene_overrides;
+  plan.source.duration = job.duration;
+  plan.configuration = job.configuration;
+  plan.overrides = job.daemon_overrides;
+  plan.duration = job.duration + kSlack;
+  plan.target = job.target;
+  if (plan.target && plan.target->hand)
+    plan.target->values = reached_value(job.scene, *plan.target, *plan.target->hand);
+  plan.settled = plan.duration;  // every run of an application takes as long
+  plan.lock_step = !job.real_time;
+  return plan;
+}
+
+Json json_in(const fs::path& file) {
+  std::ifstream in(file);
+  return Json::parse(in, nullptr, false);
+}
+
+Json describe(const StudyJob& job) {
+  return {{"name", job.name},
+          {"application", job.application},
+          {"kind", job.kind},
+          {"method", job.method},
+          {"model_error", job.mismatch},
+          {"seed", job.seed},
+          {"mode", job.real_time ? "real time" : "lock-step"}};
+}
+
+/// Pictures are for people: a job without them is still scored.
+std::string picture_of(const StateScore& state, std::size_t number, const math::Pose& X_WO,
+                       const fs::path& folder) {
+  const std::string file = "state_" + std::to_string(number) + ".png";
+  try {
+    draw_state(state, X_WO, folder / file);
+    return file;
+  } catch (const std::exception& error) {
+    std::cout << "no picture of " << state.name << ": " << error.what() << '\n';
+    return "";
+  }
+}
+
+}  // namespace
+
+void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs::path& folder,
+                   bool keep_logs) {
+  const RunPlan plan = plan_of(job);
+  RunFiles files;
+  {
+    Progress progress(1, 1, job.name);
+    files = run_live(plan, folder, progress);
+    progress.finish(true);
+  }
+  const RunLog log = read_run(files.control, files.housekeeping,
+                              job.real_time ? LogClock::kReceived : LogClock::kSent);
+  ScoredRun scored;
+  scored.stage = job.application;
+  scored.name = job.method;
+  scored.mismatch = job.mismatch;
+  score_into(scored, log, gate_of(plan));
+  const config::Node configuration =
+      config::Node::load_file(job.configuration.string(), job.daemon_overrides);
+  const math::Pose X_WO = component::read_frames(configuration).X_WO;
+
+  Json result{{"inputs_hash", inputs_hash}, {"job", describe(job)}};
+  result["score"] = to_json(scored);
+  // A stepped daemon has no clock to be late by.
+  if (!job.real_time) result["score"]["loop"].erase("latency_us");
+  result["simulator"] = json_in(files.simulator);
+  // One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
+  const Json daemon = json_in(files.daemon);
+  result["features_lost_by_log"] =
+      daemon.value("cycles", std::int64_t{0}) - static_cast<std::int64_t>(log.features.size());
+  std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    Json state = to_json(states[i], scored.shape->length);
+    if (job.kind == "tactile") {
+      const auto utime = log.shapes.front().utime + static_cast<std::int64_t>(states[i].time * 1e6);
+      add_tactile_score(job, log, X_WO, utime, states[i].shapes, state);
+    }
+    state["picture"] = picture_of(states[i], i + 1, X_WO, folder);
+    result["states"].push_back(std::move(state));
+  }
+  result["belief"] = to_json(score_belief(log));
+  result["shape_error"] = shape_curve(*scored.shape);
+  if (scored.feature) result["control"] = control_curves(*scored.feature, log);
+  // A result is there as a whole or not at all.
+  write_json(result, folder / "result.json.part");
+  fs::rename(folder / "result.json.part", folder / "result.json");
+  if (keep_logs) return;
+  fs::remove(files.control);
+  fs::remove(files.housekeeping);
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,244 @@
+#include "tools/evaluate/study_plan.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "rt/config/node.hpp"
+#include "sim/scenes/scene.hpp"
+#include "tools/evaluate/live_run.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSettle = 0.5;  // s after the end of a scene's motion
+
+fs::path source_file(const config::Node& node, const std::string& key, const fs::path& root,
+                     const std::string& otherwise = "") {
+  const fs::path file = root / (otherwise.empty() ? node.text(key) : node.text(key, otherwise));
+  if (!fs::exists(file)) node.fail(key, "there is no file " + file.string());
+  return file;
+}
+
+std::vector<std::string> names(const config::Node& node, const std::string& key) {
+  const std::vector<std::string> texts = node.texts(key);
+  if (texts.empty()) node.fail(key, "is empty");
+  if (std::set<std::string>(texts.begin(), texts.end()).size() != texts.size())
+    node.fail(key, "names something twice");
+  return texts;
+}
+
+std::vector<Method> chosen_methods(const config::Node& node, const fs::path& root) {
+  const std::vector<Method> known =
+      read_methods(source_file(node, "method_file", root, "tools/evaluate/methods.yaml"));
+  std::vector<Method> chosen;
+  for (const std::string& name : names(node, "methods")) {
+    const auto found = std::find_if(known.begin(), known.end(),
+                                    [&name](const Method& method) { return method.name == name; });
+    if (found == known.end()) {
+      std::string list;
+      for (const Method& method : known) list += (list.empty() ? "" : "; ") + method.name;
+      node.fail("methods", "unknown method \"" + name + "\"; known: " + list);
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+/// Settings of this application that come after a method's or a level's own.
+void add_settings(const config::Node& node, StudyApplication& application) {
+  const auto named = [](const std::string& name) {
+    return [&name](const auto& entry) { return entry.name == name; };
+  };
+  for (const std::string& name : node.keys()) {
+    const auto method =
+        std::find_if(application.methods.begin(), application.methods.end(), named(name));
+    const auto level =
+        std::find_if(application.levels.begin(), application.levels.end(), named(name));
+    const bool is_method = method != application.methods.end();
+    if (!is_method && level == application.levels.end())
+      node.fail(name, "is no method and no model error of this application");
+    std::vector<std::string>& settings = is_method ? method->overrides : level->daemon;
+    for (const std::string& setting : node.texts(name)) {
+      if (setting.find('=') == std::string::npos)
+        node.fail(name, "\"" + setting + "\" is not of the form key=value");
+      settings.push_back(setting);
+    }
+  }
+}
+
+std::vector<Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
+                                    const StudyApplication& application) {
+  const fs::path file = source_file(node, "mismatch_file", root, "tools/evaluate/mismatch.yaml");
+  std::vector<Mismatch> levels;
+  for (const std::string& name : names(node, "mismatch"))
+    levels.push_back(read_mismatch(file, name, application.scene, application.configuration));
+  return levels;
+}
+
+std::vector<int> seeds_of(const config::Node& node) {
+  std::vector<int> seeds;
+  for (const double seed : node.numbers("seeds", -1, {0, 1e9})) {
+    if (seed != std::floor(seed)) node.fail("seeds", "wants whole numbers");
+    seeds.push_back(static_cast<int>(seed));
+  }
+  if (seeds.empty()) node.fail("seeds", "is empty");
+  return seeds;
+}
+
+ControlTarget read_target(const config::Node& node, const std::string& name) {
+  ControlTarget target;
+  target.name = name;
+  target.kind = node.choice("feature", {"point", "points", "pose"});
+  target.rest_points = node.points("rest_points");
+  if (node.has("hand")) {
+    if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
+    const config::Node hand = node.child("hand");
+    target.hand = HandMotion{hand.vector3("translation", {-1, 1}, Eigen::Vector3d::Zero()),
+                             hand.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero())};
+  } else {
+    target.displacement = node.vector3("displacement", {-1, 1});
+  }
+  try {
+    target.displace();
+  } catch (const std::invalid_argument& error) {
+    node.fail("rest_points", error.what());
+  }
+  return target;
+}
+
+/// What the scene says of its own motion.
+void read_motion(const config::Node& node, StudyApplication& application) {
+  const config::Node scene = config::Node::load_file(application.scene.string());
+  const auto motion = scenes::read_scene(scene).motion;
+  if (motion) {
+    application.duration = motion->duration() + kSettle;
+    for (const config::Node& pose : scene.child("motion").list("poses"))
+      application.pose_names.push_back(pose.text("name", ""));
+  }
+  if (motion && !node.has("duration")) return;
+  application.duration = node.number("duration", {0.5, 3600});
+}
+
+StudyApplication read_application(const config::Node& node, const fs::path& root) {
+  StudyApplication application;
+  application.name = node.text("name");
+  application.kind = node.choice("kind", {"force", "control", "tactile"});
+  application.note = node.text("note", "");
+  application.quick = node.flag("quick", true);
+  application.scene = source_file(node, "scene", root);
+  application.configuration = source_file(node, "configuration", root);
+  application.methods = chosen_methods(node, root);
+  application.levels = chosen_levels(node, root, application);
+  add_settings(node.child_or_empty("also"), application);
+  application.seeds = seeds_of(node);
+  read_motion(node, application);
+  for (const config::Node& state : node.list("states"))
+    application.states.push_back(
+        {state.text("name"), state.number("time", {0, application.duration})});
+  if (node.has("pose_points")) {
+    application.pose_points = node.points("pose_points");
+    if (application.pose_points.size() != 3) node.fail("pose_points", "wants three points");
+  }
+  if (application.kind == "control") {
+    application.target = read_target(node.child("target"), application.name);
+    if (application.target->kind == "pose")
+      application.pose_points = application.target->rest_points;
+  } else if (node.has("target")) {
+    node.fail("target", "belongs to kind control alone");
+  }
+  for (const config::Node& figure : node.list("published"))
+    application.published.push_back({figure.text("quantity"), figure.text("value")});
+  return application;
+}
+
+bool is_named(const StudyApplication& application, const std::vector<std::string>& names) {
+  return names.empty() ||
+         std::any_of(names.begin(), names.end(), [&application](const std::string& name) {
+           return application.name.find(name) != std::string::npos;
+         });
+}
+
+std::vector<int> seeds_of(const StudyApplication& application, const StudySelection& selection) {
+  if (!selection.seeds.empty()) return selection.seeds;
+  if (selection.quick) return {application.seeds.front()};
+  return application.seeds;
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+StudyJob make_job(const StudyApplication& application, const Method& method, const Mismatch& level,
+                  int seed) {
+  StudyJob job;
+  job.name = file_name(application.name + " " + method.name + " " + level.name + " " +
+                       std::to_string(seed));
+  job.application = application.name;
+  job.kind = application.kind;
+  job.method = method.name;
+  job.mismatch = level.name;
+  job.seed = seed;
+  job.scene = application.scene;
+  job.scene_overrides = level.scene;
+  job.scene_overrides.push_back("seed=" + std::to_string(seed));
+  job.configuration = application.configuration;
+  job.daemon_overrides = level.daemon;
+  append(job.daemon_overrides, method.overrides);
+  job.duration = application.duration;
+  job.states = application.states;
+  job.pose_names = application.pose_names;
+  job.pose_points = application.pose_points;
+  job.target = application.target;
+  if (job.target) {
+    append(job.daemon_overrides, job.target->daemon_overrides());
+  } else if (!job.pose_points.empty()) {
+    ControlTarget watched;  // no target is ever sent: the pose is only told
+    watched.kind = "pose";
+    watched.rest_points = job.pose_points;
+    append(job.daemon_overrides, watched.daemon_overrides());
+  }
+  return job;
+}
+
+}  // namespace
+
+StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
+  const config::Node node = config::Node::load_file(file.string());
+  StudyPlan plan;
+  plan.octree_resolution = node.number("octree_resolution", {1e-3, 1});
+  std::set<std::string> names;
+  for (const config::Node& entry : node.list("applications")) {
+    plan.applications.push_back(read_application(entry, root));
+    if (!names.insert(file_name(plan.applications.back().name)).second)
+      entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");
+  }
+  if (plan.applications.empty()) node.fail("applications", "is empty");
+  node.check_all_used();
+  return plan;
+}
+
+std::vector<StudyJob> study_jobs(const StudyPlan& plan, const StudySelection& selection) {
+  for (const std::string& name : selection.applications)
+    if (std::none_of(plan.applications.begin(), plan.applications.end(),
+                     [&name](const StudyApplication& a) { return is_named(a, {name}); }))
+      throw std::invalid_argument("no application is called \"" + name + "\"; see --list");
+  std::vector<StudyJob> jobs;
+  for (const StudyApplication& application : plan.applications) {
+    if (!is_named(application, selection.applications)) continue;
+    if (selection.quick && !application.quick) continue;
+    for (const int seed : seeds_of(application, selection))
+      for (const Mismatch& level : application.levels)
+        for (const Method& method : application.methods) {
+          jobs.push_back(make_job(application, method, level, seed));
+          jobs.back().octree_resolution = plan.octree_resolution;
+          jobs.back().real_time = selection.real_time;
+        }
+  }
+  if (jobs.empty()) throw std::invalid_argument("the selection leaves nothing to run");
+  return jobs;
+}
+
+}  // namespace palpate::evaluate

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+#include "tools/evaluate/cloud_distance.hpp"
+#include "tools/evaluate/log_reader.hpp"
+#include "tools/evaluate/octree_score.hpp"
+#include "tools/evaluate/report.hpp"
+#include "tools/evaluate/study_plan.hpp"
+
+namespace palpate::evaluate {
+
+/// Shapes at one instant, in O, m.
+struct StateShapes {
+  Eigen::Matrix3Xd measured;  // cloud: of the camera, or spread over the plant's surface
+  bool camera = false;
+  camera::TriangleMesh truth;
+  camera::TriangleMesh estimate;
+};
+
+/// One state of the object, such as a pose of the hand that was held.
+struct StateScore {
+  std::string name;
+  double time = 0;          // s since the first estimate
+  double displacement = 0;  // m, largest true one from rest
+  ErrorSummary error;       // of the nodes, over the last half second
+  SurfaceDistance surface;  // truth is the first
+  OctreeAgreement octree;
+  std::optional<DistanceSummary> camera;  // the measured points' distance to the estimate
+  /// Estimate minus plant: m, in O, then rotation vector, rad; mean over the last half second.
+  std::optional<math::Vector6d> pose_error;
+  StateShapes shapes;
+};
+
+/// Scores the states of a job: those that it names, or the poses held, or (kind control) the end.
+/// X_WO: where the object lies. Throws std::runtime_error where the log does not reach a state.
+std::vector<StateScore> score_states(const StudyJob& job, const RunLog& log,
+                                     const ShapeScore& shape, const math::Pose& X_WO);
+
+nlohmann::json to_json(const StateScore& state, double length);
+
+/// Mean and largest node error over time, thinned out.
+nlohmann::json shape_curve(const ShapeScore& shape);
+
+/// Error over time of the plant's feature and the daemon's, and the commanded speed, thinned out.
+nlohmann::json control_curves(const FeatureScore& feature, const RunLog& log);
+
+}  // namespace palpate::evaluate
