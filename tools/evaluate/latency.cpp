@@ -26,10 +26,14 @@ constexpr int kLargestLatency = 100'000;  // us, of cyclictest's histogram
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
+/// Of a cycle, what takes longest.
+constexpr const char* kPhases[] = {"estimation", "feature", "control", "publish"};
+
 /// One measurement: the machine as it is, or under stress.
 struct Measured {
   std::string name;
   LatencyTail cyclictest, wake_up, cycle;
+  std::vector<LatencyTail> phases;
   double missed = 0;  // share of the loop's cycles that were overruns of either kind
   double stolen = 0;  // share of all processors' time that the hypervisor took
   std::int64_t page_faults = 0, allocations = 0;
@@ -128,6 +132,8 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   const std::int64_t cycles = statistics.at("cycles");
   measured.wake_up = tail_of(statistics.at("latency_us").at("wake-up"), cycles);
   measured.cycle = tail_of(statistics.at("latency_us").at("all"), cycles);
+  for (const char* phase : kPhases)
+    measured.phases.push_back(tail_of(statistics.at("latency_us").at(phase), cycles));
   measured.missed = static_cast<double>(after.overruns - before.overruns) /
                     static_cast<double>(std::max<std::int64_t>(1, after.cycles - before.cycles));
   measured.stolen = (stolen_after - stolen_before) / std::max(1.0, all_after - all_before);
@@ -215,6 +221,8 @@ int run_latency(const LatencyOptions& options) {
     table.add(row("cyclictest, wake-up", one.cyclictest, one.cyclictest.missed));
     table.add(row("loop, wake-up", one.wake_up, one.wake_up.missed));
     table.add(row("loop, whole cycle", one.cycle, one.missed));
+    for (std::size_t i = 0; i < one.phases.size(); ++i)
+      table.add(row("  of it " + std::string(kPhases[i]), one.phases[i], one.phases[i].missed));
     Plot plot;
     plot.title = one.name;
     plot.x_label = "us";
@@ -231,6 +239,8 @@ int run_latency(const LatencyOptions& options) {
                       {"stolen_share", one.stolen},
                       {"page_faults", one.page_faults},
                       {"allocations", one.allocations}};
+    for (std::size_t i = 0; i < one.phases.size(); ++i)
+      json[one.name]["phases"][kPhases[i]] = to_json(one.phases[i]);
   }
   table.print(std::cout);
   for (const Measured& one : all)

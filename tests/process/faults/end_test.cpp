@@ -20,7 +20,6 @@ TEST_P(End, OnASignalBrakesAndIsClean) {
   ASSERT_TRUE(activate()) << daemon.output();
   send_target(0.12);
   // In full motion.
-  Seen seen;
   twist_command_t twist{};
   std::int64_t arrival_ns = 0;
   const auto patience = Clock::now() + std::chrono::seconds(20);

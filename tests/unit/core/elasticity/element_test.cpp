@@ -115,7 +115,7 @@ TEST(ElementSet, RefusesAnElementWithoutVolume) {
 template <class Pack>
 class PointKernel : public testing::Test {};
 using Packs = testing::Types<math::Pack4d, math::Pack8f>;
-TYPED_TEST_SUITE(PointKernel, Packs);
+TYPED_TEST_SUITE(PointKernel, Packs, );  // as clang wants it
 
 TYPED_TEST(PointKernel, FindsTheRotationFromAnyStartAndForInvertedPoints) {
   using Pack = TypeParam;

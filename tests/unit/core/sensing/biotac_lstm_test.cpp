@@ -35,7 +35,7 @@ class BiotacLstmTest : public ::testing::Test {
   BiotacLstm make(bool with_direction = false) {
     std::optional<BiotacLstm::Direction> direction;
     if (with_direction) {
-      direction.emplace();
+      direction = BiotacLstm::Direction{};
       direction->executor = std::make_unique<ScriptedExecutor>(direction_);
       direction->inputs = {kPdc};
       direction->R_TN = math::exp_rotation(-M_PI / 2 * Eigen::Vector3d::UnitX());  // y to -z

@@ -9,6 +9,7 @@
 #include "tests/unit/tools/evaluate/study_folder.hpp"
 #include "tools/evaluate/html.hpp"
 #include "tools/evaluate/study_host.hpp"
+#include "tools/evaluate/study_overview.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -29,7 +30,7 @@ json state(const std::string& name, double mean) {
 }
 
 StudyResult result(const std::string& application, const std::string& method, int seed,
-                    const json& states) {
+                   const json& states) {
   StudyResult result;
   result.job.name = "job_" + std::to_string(seed);
   result.job.application = application;
@@ -45,6 +46,8 @@ StudyResult result(const std::string& application, const std::string& method, in
 /// One application of two methods; the second has no result.
 StudyReport canned() {
   StudyReport report;
+  report.name = "thesis";
+  report.title = "the applications of the thesis";
   StudyApplication application;
   application.name = kNasty;
   application.kind = "control";
@@ -60,12 +63,6 @@ StudyReport canned() {
   report.failures = {"job_3: exit code 1:\n<b>what happened</b>"};
   report.host = describe_host();
   return report;
-}
-
-TEST(StudyTables, MeanAndRange) {
-  EXPECT_EQ(mean_and_range({}, 1), "not available");
-  EXPECT_EQ(mean_and_range({1.25}, 2), "1.25");
-  EXPECT_EQ(mean_and_range({1, 2, 6}, 1), "3.0 (1.0 to 6.0)");
 }
 
 TEST(StudyTables, SummaryIsOverStatesAndThenOverSeeds) {
@@ -109,6 +106,43 @@ TEST(StudyTables, CsvQuotesWhatItHasTo) {
   const std::string csv = out.str();
   EXPECT_EQ(std::count(csv.begin(), csv.end(), '\n'), 1 + 4);
   EXPECT_THAT(csv, HasSubstr("\"a <script>\"\"b\"\" & 'c', d\",control,first,none,1,P1,"));
+}
+
+TEST(StudyOverview, CountsWhatStayedAtItsTargetAndARunThatFailedAsOneThatDidNot) {
+  StudyReport report = canned();
+  for (StudyResult& result : report.results) result.job.target = ControlTarget{};
+  report.results[0].json["score"]["feature"]["time_to_5mm_s"] = 2.5;
+  report.results[1].json["score"]["feature"]["time_to_5mm_s"] = 4.0;
+  report.results[0].json["score"]["feature"]["time_to_2mm_s"] = 3.5;
+  report.results[2].failed = true;
+  const ReportTable table = overview_table(report.plan, report.results);
+  ASSERT_EQ(table.rows.size(), 3u);
+  const auto cell = [&table](int row, const std::string& header) {
+    const auto column = std::find(table.header.begin(), table.header.end(), header);
+    return table.rows[row].at(static_cast<std::size_t>(column - table.header.begin()));
+  };
+  EXPECT_THAT(cell(1, "5 mm and stays"), HasSubstr("100 %"));
+  EXPECT_THAT(cell(1, "5 mm in 3 s"), HasSubstr("50 %"));
+  EXPECT_THAT(cell(1, "2 mm in 3 s"), HasSubstr("0 %"));
+  EXPECT_EQ(cell(1, "feature's error mm"), "3.00 (3.00 to 3.00)");
+  EXPECT_EQ(cell(1, "runs"), "2");
+  EXPECT_THAT(cell(2, "5 mm and stays"), HasSubstr("0 %"));
+  EXPECT_EQ(cell(2, "feature's error mm"), kNotAvailable);
+}
+
+TEST(StudyOverview, ALineARunOfWhatItScored) {
+  StudyReport report = canned();
+  report.results[0].json["belief"] = {{"young_modulus_kpa", 25.5},
+                                      {"curve", {{"time_s", {0.0, 1.0}}}}};
+  report.results[2].failed = true;
+  std::ostringstream out;
+  write_runs_csv(report.results, out);
+  const std::string csv = out.str();
+  EXPECT_THAT(csv, HasSubstr("application,method,model_error,seed,outcome,"
+                             "belief/young_modulus_kpa,score/feature/error_mm\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",first,none,1,done,25.5,3.0\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",first,none,2,done,,3.0\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",second,none,1,failed,,\r\n"));
 }
 
 TEST(StudyPage, NoTextIsMarkup) {
