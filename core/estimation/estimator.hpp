@@ -40,6 +40,8 @@ struct Estimate {
   double log_young_modulus = 0;
   double poisson_ratio = 0;
 
+  /// From where the kinematics have the hand to X_OG; (m, rad), in G.
+  std::array<math::Vector6d, 2> pose_offset{math::Vector6d::Zero(), math::Vector6d::Zero()};
   /// (m, rad), in G; (N, N m), at G in O; bias of the wrench of the hand, at G in G.
   std::array<math::Vector6d, 2> pose_deviation{kNotEstimated, kNotEstimated};
   std::array<math::Vector6d, 2> reaction_deviation{kNotEstimated, kNotEstimated};

@@ -16,6 +16,22 @@ math::Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
   return turn;
 }
 
+/// Gives a state of a fresh filter this mean and deviation, by a measurement that leads there. One
+/// that was not observable (negative) or is no surer than the prior keeps most of the prior's.
+void carry_over(int state, double mean, double deviation, WrenchFilter& filter) noexcept {
+  constexpr double kMost = 0.95;  // of the prior's; beyond 0.9 a state counts as not observed
+  const double prior = filter.covariance()(state, state);
+  const double wanted =
+      deviation >= 0 ? std::min(deviation * deviation, kMost * prior) : kMost * prior;
+  WrenchFilter::Rows H = WrenchFilter::Rows::Zero(1, filter.size());
+  H(0, state) = 1;
+  WrenchFilter::Wrenches y = WrenchFilter::Wrenches::Zero(1);
+  y[0] = mean * prior / (prior - wanted);
+  WrenchFilter::Noise R = WrenchFilter::Noise::Zero(1, 1);
+  R(0, 0) = wanted * prior / (prior - wanted);
+  if (R(0, 0) > 0 && filter.test(H, y, R) >= 0) filter.correct();
+}
+
 }  // namespace
 
 PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Surface& surface,
@@ -51,6 +67,8 @@ void PoseWrenchFilter::reset() noexcept {
   place_ = -1;
   weak_for_ = 0;
   unexplained_count_ = 0;
+  sudden_ = 0;
+  gone_ = false;
   rest_for_ = 0;
   at_rest_count_ = 0;
   std::fill(node_deviation_.begin(), node_deviation_.end(), 0.0F);
@@ -66,6 +84,16 @@ void PoseWrenchFilter::take_over(const Estimate& last,
                                  elasticity::DeformationModel& model) noexcept {
   activate(model);
   follower_.take_over(last, model);
+  if (!(last.pose_deviation[0][0] >= 0)) return;  // it knew no more than it was told
+  carry_over(filter_.log_young(),
+             last.log_young_modulus - std::log(model.body().material.young_modulus),
+             last.log_young_modulus_deviation, filter_);
+  for (int g = 0; g < filter_.grasp_count(); ++g) {
+    for (int i = 0; i < 6; ++i) {
+      carry_over(filter_.offset(g) + i, last.pose_offset[g][i], last.pose_deviation[g][i], filter_);
+      carry_over(filter_.bias(g) + i, last.bias[g][i], last.bias_deviation[g][i], filter_);
+    }
+  }
 }
 
 double PoseWrenchFilter::stiffness() const noexcept {
@@ -248,6 +276,7 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
     estimate.X_OG[g] = follower_.X_OG(g);
     estimate.reaction[g] = math::Wrench::from(stiffness() * model.reaction(g).vector());
     estimate.bias[g] = mean.segment<6>(filter_.bias(g));
+    estimate.pose_offset[g] = mean.segment<6>(filter_.offset(g));
     for (int i = 0; i < 6; ++i) {
       estimate.pose_deviation[g][i] = filter_.deviation(filter_.offset(g) + i);
       const int bias = filter_.bias(g) + i;

@@ -91,6 +91,8 @@ class PoseWrenchFilter : public Estimator {
   Innovation change(const Innovation& innovation) const noexcept;
   void watch(const Innovation& innovation) noexcept;
   void follow_contact(Innovation innovation) noexcept;
+  void add_unexplained(const WrenchFilter::Wrenches& change) noexcept;
+  WrenchFilter::Noise noise(const WrenchFilter::Wrenches& pushed, int count) const noexcept;
   void place_contact(const ContactSearch::Found& found,
                      const elasticity::DeformationModel& model) noexcept;
   void judge_search(const elasticity::DeformationModel& model) noexcept;
@@ -113,10 +115,16 @@ class PoseWrenchFilter : public Estimator {
   int suspicions_ = 0;                     // innovations in a row that were not believed
   double rest_for_ = 0;                    // s
   WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
-  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it
+  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it, of recent ones
+  WrenchFilter::Wrenches at_rest_noise_;   // and of each
   WrenchFilter::Wrenches recent_;          // mean innovation of late
+  WrenchFilter::Wrenches latest_;
+  std::array<bool, 2> at_rest_held_{};  // whose rows these are
   int at_rest_count_ = 0;
   int place_ = -1;                      // of the contact
+  int sudden_ = 0;                      // changes in a row that are far beyond the noise
+  bool faint_ = false;                  // the contact: its share of the wrenches hardly stands out
+  bool gone_ = false;                   // the contact: the wrenches are as at rest
   double weak_for_ = 0;                 // s that the contact's force has not stood out
   WrenchFilter::Wrenches unexplained_;  // change without the contact, mean since it began
   int unexplained_count_ = 0;

@@ -2,6 +2,7 @@
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
+#include "core/estimation/wrench_driven.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -33,6 +34,20 @@ std::unique_ptr<estimation::Estimator> make_fingertip_driven(const config::Node&
   options.patience = node.number("patience_ms", {1, 1e4}, options.patience * 1e3) * 1e-3;
   options.approach_speed = node.number("approach_speed", {1e-3, 10}, options.approach_speed);
   return std::make_unique<FingertipDriven>(context.object->body, context.object->surface, options);
+}
+
+std::unique_ptr<estimation::Estimator> make_wrench_driven(const config::Node& node,
+                                                          const Context& context) {
+  using estimation::WrenchDriven;
+  WrenchDriven::Options options;
+  options.time_constant =
+      node.number("time_constant_ms", {1, 1e5}, options.time_constant * 1e3) * 1e-3;
+  options.average = node.number("average_ms", {0.1, 1e4}, options.average * 1e3) * 1e-3;
+  options.least_stiffness = node.number("least_stiffness", {1e-6, 1e6}, options.least_stiffness);
+  options.wrench_timeout =
+      node.number("wrench_timeout_ms", {1, 1e4}, options.wrench_timeout * 1e3) * 1e-3;
+  options.speed = node.number("approach_speed", {1e-3, 10}, options.speed);
+  return std::make_unique<WrenchDriven>(context.object->body, options);
 }
 
 estimation::HandFollower::Options read_hand(const config::Node& node) {
@@ -73,10 +88,11 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const std::string name = node.choice(
-      "component", {"pose_driven", "force_driven", "fingertip_driven", "pose_wrench_filter"});
+  const std::string name = node.choice("component", {"pose_driven", "force_driven", "wrench_driven",
+                                                     "fingertip_driven", "pose_wrench_filter"});
   try {
     if (name == "force_driven") return make_force_driven(node, context);
+    if (name == "wrench_driven") return make_wrench_driven(node, context);
     if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);
     if (name == "fingertip_driven") return make_fingertip_driven(node, context);
     estimation::PoseDriven::Options options;
