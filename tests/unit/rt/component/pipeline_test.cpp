@@ -73,6 +73,29 @@ TEST(Pipeline, UnknownComponentsAreNamedWithTheKnownOnes) {
   }
 }
 
+TEST(Pipeline, KeysOfWhatIsSeenAreKeptInTheirRanges) {
+  const auto with = [](const char* key, const char* value) {
+    return error_of({"estimation.component=pose_wrench_filter",
+                     std::string("estimation.") + key + "=" + value});
+  };
+  const struct {
+    const char *key, *good, *bad;
+  } keys[] = {{"observation_lag_ms", "40", "251"},
+              {"observation_lag_deviation_ms", "2", "0"},
+              {"surface_deviation", "0", "-1"},
+              {"surface_correlation_s", "1", "0"},
+              {"observation_gate", "4", "0.5"},
+              {"observation_reach", "0.05", "0"},
+              {"observation_points_per_tick", "256", "257"},
+              {"shape_deviation", "0.01", "0"},
+              {"observation_fade_ms", "300", "0"},
+              {"shape_memory_s", "10", "0"}};
+  for (const auto& key : keys) {
+    EXPECT_EQ(with(key.key, key.good), "");
+    EXPECT_NE(with(key.key, key.bad).find(key.key), std::string::npos) << key.key;
+  }
+}
+
 TEST(Pipeline, MissingMeshIsNamed) {
   const std::string error = error_of({"object.mesh={file: nowhere.msh}"});
   EXPECT_NE(error.find("nowhere.msh"), std::string::npos) << error;
