@@ -58,6 +58,24 @@ estimation::HandFollower::Options read_hand(const config::Node& node) {
   return options;
 }
 
+/// Of what is seen of the shape, where anything is.
+void read_sight(const config::Node& node, estimation::PoseWrenchFilter::Options& options) {
+  estimation::SurfaceFit::Options& sight = options.sight;
+  sight.lag = node.number("observation_lag_ms", {0, 250}, sight.lag * 1e3) * 1e-3;
+  sight.lag_deviation =
+      node.number("observation_lag_deviation_ms", {0.01, 250}, sight.lag_deviation * 1e3) * 1e-3;
+  sight.surface = node.number("surface_deviation", {0, 0.1}, sight.surface);
+  sight.correlation = node.number("surface_correlation_s", {1e-3, 60}, sight.correlation);
+  sight.gate = node.number("observation_gate", {1, 100}, sight.gate);
+  sight.reach = node.number("observation_reach", {1e-4, 1}, sight.reach);
+  sight.points_per_tick =
+      node.integer("observation_points_per_tick", {1, 256}, sight.points_per_tick);
+  options.shape = node.number("shape_deviation", {1e-6, 1}, options.shape);
+  options.fade = node.number("observation_fade_ms", {1, 1e4}, options.fade * 1e3) * 1e-3;
+  options.filter.load_memory =
+      node.number("shape_memory_s", {0.1, 1e6}, options.filter.load_memory);
+}
+
 std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Node& node,
                                                                const Context& context) {
   using estimation::PoseWrenchFilter;
@@ -81,6 +99,7 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
   options.gate = node.number("innovation_gate", {6, 1e6}, options.gate);
   options.search.spacing = node.number("contact_spacing", {1e-3, 1}, options.search.spacing);
   options.search.friction = node.number("contact_friction", {0.01, 10}, options.search.friction);
+  read_sight(node, options);
   return std::make_unique<PoseWrenchFilter>(context.object->body, context.object->surface, options);
 }
 

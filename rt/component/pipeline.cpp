@@ -116,6 +116,20 @@ estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
   return input;
 }
 
+void Pipeline::take_observation(estimation::ObservationInput& input) const noexcept {
+  const sensing::Stream<sensing::ShapeObservation, 1>& stream = arms_[0].signals->observation;
+  input.freshness = stream.freshness;
+  input.age = stream.age;
+  if (stream.freshness != sensing::Freshness::kNew) return;
+  const sensing::ShapeObservation& seen = stream.latest;
+  const math::Pose X_OW = arms_[0].frames.X_WO.inverse();
+  input.time = seen.time;
+  input.deviation = seen.deviation;
+  input.points_O.resize(3, seen.count);
+  for (int i = 0; i < seen.count; ++i)
+    input.points_O.col(i) = X_OW * seen.points_W.col(i).cast<double>();
+}
+
 void Pipeline::estimate(double dt) noexcept {
   Slots& slots = *slots_;
   if (!is_running()) return;
@@ -125,6 +139,7 @@ void Pipeline::estimate(double dt) noexcept {
   for (int i = 0; i < inputs.grasp_count; ++i) inputs.grasps[i] = grasp_input(i);
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = slots.loads.data();
+  take_observation(inputs.observation);
   slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
   if (slots.estimation_condition.state != LifeCycle::kFaulted ||
       !fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason))

@@ -126,6 +126,7 @@ class Pipeline {
   bool locate_wrist(sensing::Contact& contact) const noexcept;
   bool locate_finger(sensing::Contact& contact) const noexcept;
   estimation::GraspInput grasp_input(int grasp) const noexcept;
+  void take_observation(estimation::ObservationInput& input) const noexcept;
   bool is_trusted() const noexcept;
   bool moving_arms_known() const noexcept;
   void request(int arm, const math::Twist& V_O_G) noexcept;
