@@ -40,6 +40,8 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
       node.number("angular_acceleration", {1e-3, 100}, limits.angular_acceleration);
   limits.force = node.number("force", {1e-3, 1e4}, limits.force);
   limits.torque = node.number("torque", {1e-4, 1e4}, limits.torque);
+  if (node.has("stress")) limits.stress = node.number("stress", {1, 1e9});
+  if (node.has("stretch")) limits.stretch = node.number("stretch", {1.001, 10});
   limits.clearance = node.number("clearance", {0, 1}, limits.clearance);
   limits.damper = node.number("damper", {0.01, 1e3}, limits.damper);
   limits.pivot = node.number("pivot", {0, 1}, limits.pivot);
@@ -62,8 +64,10 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
 
 std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
                                                             const control::TwistLawOptions& options,
+                                                            const Context& context,
                                                             MovingArms moving) {
   control::QuadraticProgramLaw::Limited limited;
+  limited.body = &context.object->body;
   limited.limits = read_motion_limits(node.child_or_empty("limits"));
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
@@ -109,7 +113,7 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
     if (name == "dual_quaternion") {
       law = std::make_unique<control::DualQuaternion>(options);
     } else if (name == "quadratic_program") {
-      law = make_quadratic_program(node, options, moving);
+      law = make_quadratic_program(node, options, context, moving);
     } else {
       law = std::make_unique<control::ProportionalTwist>(options);
     }
