@@ -72,6 +72,7 @@ std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& 
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
   limited.smoothness = node.number("smoothness", {0, 1e3}, limited.smoothness);
+  if (read_commands_joints(node, context)) limited.limits.joints = context.arm_model->limits;
   if (moving == MovingArms::kSecond) limited.grasps = {1};
   if (moving == MovingArms::kBoth) limited.grasps = {0, 1};
   return std::make_unique<control::QuadraticProgramLaw>(options, limited);
@@ -84,6 +85,17 @@ MovingArms read_moving_arms(const config::Node& control, const Context& context)
   if (arms == "first") return MovingArms::kFirst;
   if (!context.second_frames) control.fail("moves", "there is no section second_arm");
   return arms == "second" ? MovingArms::kSecond : MovingArms::kBoth;
+}
+
+bool read_commands_joints(const config::Node& control, const Context& context) {
+  if (control.choice("command", {"twist", "joint_velocity"}, "twist") == "twist") return false;
+  if (!context.arm_model)
+    control.fail("command", "joint_velocity needs the arm's joints: section robot with key urdf");
+  if (read_moving_arms(control, context) != MovingArms::kFirst)
+    control.fail("command", "joint_velocity moves the first arm only; see moves");
+  if (control.text("law") != "quadratic_program")
+    control.fail("command", "joint_velocity needs the law quadratic_program");
+  return true;
 }
 
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,

@@ -5,7 +5,6 @@
 #include <set>
 
 #include "core/elasticity/element_stress.hpp"
-#include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/elasticity/stepping.hpp"
 
 namespace palpate::elasticity {
@@ -179,17 +178,6 @@ TEST_P(WorstElementsOfEveryOrder, FollowTheHandAsCentralDifferencesDo) {
       EXPECT_LT(off, 1e-5 * scale) << k;
     }
   }
-}
-
-TEST_P(WorstElementsOfEveryOrder, LookWithoutAllocating) {
-  WorstElements stress(body_, Strain::kStress), stretch(body_, Strain::kStretch);
-  const Matrix3Xd x = body_.mesh.nodes + random(2e-3);
-  const loop::NoAllocationScope scope;
-  for (int i = 0; i < 5; ++i) {
-    stress.look(x);
-    stretch.look(x);
-  }
-  EXPECT_EQ(scope.count(), 0);
 }
 
 TEST_P(WorstElementsOfEveryOrder, OfCrushedElementsAreNumbers) {
