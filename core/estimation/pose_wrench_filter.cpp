@@ -340,6 +340,7 @@ void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model, int
   const SurfaceFit::Basis now = basis(model);
   const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();
   SurfaceFit::NodeRows rows, J(3, columns), JP(3, columns);
+  const double own = options_.sight.surface * options_.sight.surface;  // of the model itself
   const int nodes = static_cast<int>(node_deviation_.size());
   for (int i = 0; i < nodes / 10 + 1; ++i, next_node_ = (next_node_ + 1) % nodes) {
     rows.setZero(3, filter_.shape_size());
@@ -350,7 +351,7 @@ void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model, int
       J.middleCols<6>(first).noalias() = rows.middleCols<6>(first) * now.turn[g];
     }
     JP.noalias() = J * filter_.covariance().topLeftCorner(columns, columns);
-    const double variance = JP.cwiseProduct(J).sum() / 3;
+    const double variance = JP.cwiseProduct(J).sum() / 3 + own;
     node_deviation_[static_cast<std::size_t>(next_node_)] =
         static_cast<float>(std::sqrt(std::max(0.0, variance)));
   }
