@@ -12,7 +12,8 @@ constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
 const std::vector<std::string> kDaemonErrors = {
     "estimation.component=pose_wrench_filter", "object.material.young_modulus=39e3",
-    "object.material.poisson_ratio=0.15", "object.mesh.box.cells=[7, 1, 1]"};
+    "object.material.poisson_ratio=0.15", "object.mesh.box.cells=[7, 1, 1]",
+    "control.dead_band_mm=0"};  // whose edge is a step of the command
 
 std::vector<std::string> scene_errors(std::vector<std::string> more = {}) {
   more.insert(more.end(), {"sensors.force_torque.bias=[0.0333, 0.0167, -0.0333, 0, 0, 0]",
@@ -38,6 +39,8 @@ class Steered {
   }
   void run(double seconds) {
     loop_.run(seconds, [this] {
+      const component::Condition condition = loop_.daemon().pipeline().condition();
+      if (condition.state != component::LifeCycle::kActive) ++inactive_ticks_;
       twist_command_t command;
       std::int64_t arrival_ns = 0;
       while (loop_.twists().take(command, arrival_ns)) {
@@ -53,33 +56,31 @@ class Steered {
   double shape_error() { return loop_.shape_error().maxCoeff(); }
   double take_largest_step() { return std::exchange(largest_step_, 0.0); }  // m/s in a tick
   ClosedLoop& loop() { return loop_; }
-  void expect_active() {
-    const component::Condition condition = loop_.daemon().pipeline().condition();
-    EXPECT_EQ(condition.state, component::LifeCycle::kActive) << condition.reason;
-  }
+  int inactive_ticks() const { return inactive_ticks_; }
 
  private:
   ClosedLoop loop_;
   Eigen::Vector3d rest_point_, target_;
   Eigen::Vector3d before_ = Eigen::Vector3d::Zero();
   double largest_step_ = 0;
+  int inactive_ticks_ = 0;
 };
 
 TEST(Sight, BringsAPointWithinAMillimetreOfItsTarget) {
   const Eigen::Vector3d way(0, 0.01, 0.03);
   Steered blind(kBlindScene, scene_errors());
   blind.aim(way);
-  blind.run(8);
+  blind.run(6);
   Steered seen(kScene, scene_errors());
   seen.aim(way);
-  seen.run(8);
+  seen.run(6);
   std::printf("point: blind %.2f mm, seen %.2f mm; worst of the shape: %.2f mm, %.2f mm\n",
               1e3 * blind.point_error(), 1e3 * seen.point_error(), 1e3 * blind.shape_error(),
               1e3 * seen.shape_error());
   EXPECT_LT(seen.point_error(), 1e-3);
   EXPECT_LT(seen.point_error(), blind.point_error());
   EXPECT_LT(seen.shape_error(), blind.shape_error());
-  seen.expect_active();
+  EXPECT_EQ(seen.inactive_ticks(), 0);
 }
 
 TEST(Sight, GoesAndComesWithoutAStepOfTheCommand) {
@@ -103,7 +104,7 @@ TEST(Sight, GoesAndComesWithoutAStepOfTheCommand) {
   EXPECT_LT(again, 0.5 * limit);
   EXPECT_LT(hand.point_error(), 1e-3);
   EXPECT_LT(error_hidden, 5e-3);
-  hand.expect_active();
+  EXPECT_EQ(hand.inactive_ticks(), 0) << "nothing need be seen";
 }
 
 }  // namespace

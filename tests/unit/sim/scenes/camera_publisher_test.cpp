@@ -150,7 +150,9 @@ TEST(CameraPublisher, SeesNothingWhileItIsOccluded) {
   for (const auto& m : all) {
     const std::int64_t since_us = m.utime - all.front().utime;
     const bool hidden = since_us > 200'000 && since_us < 466'000;
-    if (hidden) EXPECT_EQ(seen.count(m.utime), 0u) << since_us;
+    if (hidden) {
+      EXPECT_EQ(seen.count(m.utime), 0u) << since_us;
+    }
     if (since_us < 166'000 || since_us > 500'000) {
       ASSERT_EQ(seen.count(m.utime), 1u) << since_us;
       EXPECT_TRUE(alike(seen.at(m.utime), m)) << "what was not seen changes nothing of the rest";
