@@ -91,10 +91,11 @@ INSTANTIATE_TEST_SUITE_P(Targets, BlindWay,
                          testing::Values(Vector3d(0, 0, 0.02), Vector3d(0.015, 0, 0),
                                          Vector3d(0, 0.03, 0)));
 
-// At 60 % of what the free solution comes to; on the plant's shape.
+// At 60 % of what the free solution comes to. As estimated it is kept; on the plant's shape, of
+// which the blind estimate knows the stress to some percent only, it is kept to these.
 TEST(LimitsLoop, StressStaysUnderItsCap) {
   const Vector3d displacement(0, 0, 0.03);
-  double freely = 0, capped = 0;
+  double freely = 0, capped = 0, estimated = 0;
   {
     Way way(std::vector<std::string>{"control.limits={}"});
     way.go(displacement, 3);
@@ -104,24 +105,33 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
   Way way({"control.limits.stress=" + std::to_string(cap)});
   int tick = 0;
   way.go(displacement, 4, [&] {
-    if (++tick % 20 == 0) capped = std::max(capped, way.peak_stress());
+    if (++tick % 20 != 0) return;
+    const component::Pipeline& pipeline = way.loop.daemon().pipeline();
+    const elasticity::ElementStress stress =
+        elasticity::element_stress(pipeline.object().body, pipeline.model().positions());
+    estimated = std::max(estimated, stress.von_mises.maxCoeff());
+    capped = std::max(capped, way.peak_stress());
   });
-  std::printf("peak %.0f Pa freely, %.0f Pa under a cap of %.0f Pa\n", freely, capped, cap);
-  EXPECT_LT(capped, 1.05 * cap);
-  EXPECT_GT(capped, 0.85 * cap) << "as near as it may";
+  std::printf("peak %.0f Pa freely; under a cap of %.0f Pa %.0f Pa, as estimated %.0f Pa\n", freely,
+              cap, capped, estimated);
+  EXPECT_LT(estimated, 1.02 * cap);
+  EXPECT_LT(capped, 1.1 * cap);
+  EXPECT_GT(estimated, 0.95 * cap) << "as near as it may";
   EXPECT_EQ(way.remarks.count("the target lies beyond the limit of stress"), 1u);
 }
 
-// A ball above the bar, between the middle and the hand.
+// A ball above the bar, between the middle and the hand. The gate's workspace is wide: the law does
+// not know it, and where the gate turns the hand aside nobody looks at the obstacle.
 TEST(LimitsLoop, TheBarKeepsAwayFromAnObstacle) {
   const Vector3d center(0.32, 0.03, 0.115);
   constexpr double kRadius = 0.03, kClearance = 0.005;
   Way way(
       {"control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
-       "0.03}]}"});
+       "0.03}]}",
+       "gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}"});
   double nearest = 1;
   const mesh::ElementMesh& mesh = way.loop.daemon().pipeline().object().body.mesh;
-  way.go({0, 0, 0.04}, 4, [&] {
+  way.go({0, 0, 0.04}, 3.5, [&] {
     for (int i = 0; i < mesh.node_count(); ++i) {
       const Vector3d x = way.loop.simulation().plant().position_at(mesh.nodes.col(i));
       nearest = std::min(nearest, (x - center).norm() - kRadius);

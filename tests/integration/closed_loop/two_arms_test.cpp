@@ -95,13 +95,13 @@ TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
 // One side of the middle up, the other down, within limits of the hands, of what they may exert and
 // of what the object may bear.
 TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
-  constexpr double kForce = 6, kStretch = 1.15, kSpeed = 0.05;
+  constexpr double kForce = 1.2, kStretch = 1.03, kSpeed = 0.05;
   ClosedLoop loop(
       kControlScene, kConfiguration, {},
       {"feature={component: points, rest_points: [[0.15, 0.03, 0.06], [0.25, 0.03, 0.06], [0.35, "
        "0.03, 0.06]]}",
        "control={provider: fem, law: quadratic_program, gain: 2, moves: both, linear_speed: 0.05, "
-       "limits: {force: 6, stretch: 1.15}}"});
+       "limits: {force: 1.2, stretch: 1.03}}"});
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);

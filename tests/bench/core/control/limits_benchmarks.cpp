@@ -61,7 +61,8 @@ void law(benchmark::State& state) {
     }
     model.step(1e-3);
   }
-  const shape::PointFeature feature(body.mesh, shape::PointFeature::Options{{{0.25, 0.03, 0.06}}});
+  shape::PointFeature feature(body.mesh,
+                              shape::PointFeature::Options{{Eigen::Vector3d(0.25, 0.03, 0.06)}});
   control::TwistLawOptions options;
   options.dead_band = {1e-4, 1e-3, 1.2};
   control::QuadraticProgramLaw::Limited limited;
