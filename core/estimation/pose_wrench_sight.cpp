@@ -56,7 +56,7 @@ void PoseWrenchFilter::see(const ObservationInput& seen, elasticity::Deformation
     return;
   }
   if (!filter_.has_loads() && VirtualLoads::is_known(sensitivity))
-    filter_.begin_loads(VirtualLoads::for_distance(options_.shape, sensitivity));
+    filter_.begin_loads(loads_.for_distance(options_.shape, sensitivity));
   if (sight_.advance(basis(model), dt)) take_sight(model);
 }
 

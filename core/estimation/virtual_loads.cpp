@@ -25,19 +25,18 @@ VirtualLoads::VirtualLoads(const elasticity::Body& body) {
     for (const int node : grasp.nodes) is_free[static_cast<std::size_t>(node)] = false;
 
   const Vector3d low = x.rowwise().minCoeff(), high = x.rowwise().maxCoeff();
-  int axis = 0;
-  (high - low).maxCoeff(&axis);
-  double from = high[axis], to = low[axis];
+  (high - low).maxCoeff(&axis_);
+  double from = high[axis_], to = low[axis_];
   for (int node = 0; node < x.cols(); ++node) {
     if (!is_free[static_cast<std::size_t>(node)]) continue;
-    from = std::min(from, x(axis, node));
-    to = std::max(to, x(axis, node));
+    from = std::min(from, x(axis_, node));
+    to = std::max(to, x(axis_, node));
   }
   constexpr int kStations = 10;  // as many as a pattern has room for
   for (int i = 0; i < kStations; ++i) {
     const double along = (i + 0.5) / kStations;
     Vector3d station = 0.5 * (low + high);
-    station[axis] = from + along * (to - from);
+    station[axis_] = from + along * (to - from);
     int best = -1;
     for (int node = 0; node < x.cols(); ++node) {
       if (!is_free[static_cast<std::size_t>(node)]) continue;
@@ -63,10 +62,11 @@ bool VirtualLoads::is_known(const elasticity::Sensitivity& sensitivity) noexcept
 }
 
 VirtualLoads::Forces VirtualLoads::for_distance(
-    double distance, const elasticity::Sensitivity& sensitivity) noexcept {
-  Forces forces;
+    double distance, const elasticity::Sensitivity& sensitivity) const noexcept {
+  Forces forces = Forces::Zero();
   for (int i = 0; i < kStates; ++i)
-    forces[i] = distance / sensitivity.dx_dforce[i / 3].col(i % 3).cwiseAbs().maxCoeff();
+    if (i % 3 != axis_)
+      forces[i] = distance / sensitivity.dx_dforce[i / 3].col(i % 3).cwiseAbs().maxCoeff();
   return forces;
 }
 
