@@ -11,7 +11,7 @@ constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
 constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
-constexpr double kFaint = 12;     // and of one that hardly stands out: one in twenty by chance
+constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
 
 }  // namespace
 
@@ -123,6 +123,12 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   const WrenchFilter::Wrenches pushed = changed.H.rightCols<3>() * filter_.mean().tail<3>();
   changed.y = latest_ - at_rest_;
   changed.R = noise(pushed, 1);
+  WrenchFilter::Wrenches usual = pushed;  // variances that are expected of a wrench
+  for (int row = 0; row < usual.size(); ++row) {
+    const double deviation = row % 6 < 3 ? options_.force : options_.torque;
+    usual[row] = deviation * deviation;
+    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // an object swings
+  }
   const auto rows = static_cast<double>(changed.y.size());
   const double test = filter_.test(changed.H, changed.y, changed.R);
   innovation_test_ = test / rows;
@@ -132,12 +138,11 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   if (suspicions_ == 1) unexplained_count_ = 0;  // it has moved, grown or gone
   add_unexplained(changed.y + pushed);
   if (believed) correct(changed);
-  const WrenchFilter::Noise quiet = noise(WrenchFilter::Wrenches::Zero(pushed.size()), 1);
-  const auto size = [&](const WrenchFilter::Wrenches& wrenches) {
-    return wrenches.cwiseAbs2().cwiseQuotient(quiet.diagonal()).sum() / rows;
+  const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
+    return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
   };
-  faint_ = size(pushed) < kFaint / 6;
-  gone_ = suspicions_ >= kSuddenInARow && size(changed.y + pushed) < kFaint / 6;
+  faint_ = is_faint(pushed);
+  gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
   if (gone_) return;
   constexpr int kLookAgain = 10;
   const bool look = suspicions_ >= kSuddenInARow ||
@@ -208,7 +213,10 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
   constexpr double kFadesIn = 0.3;  // s
   const Eigen::Vector3d force = filter_.mean().tail<3>();
   const Eigen::Matrix3d P = filter_.covariance().bottomRightCorner<3, 3>();
-  const bool weak = faint_ || force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
+  // While nothing is learnt of it, its covariance says nothing.
+  const bool unsure =
+      suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
+  const bool weak = faint_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
   const bool forgotten = at_rest_count_ < kEnough;  // which hands tell has changed
   if (weak_for_ >= kFadesIn || gone_ || forgotten) drop_contact(model);

@@ -80,9 +80,9 @@ const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
     hand.seen = true;
     hand.age = 0;
   }
-  if (!hand.seen) return "no wrench of the hand yet";
-  if (hand.age > options_.wrench_timeout) return "wrench of the hand is stale";
-  follows_[grasp] = hand.answered;
+  if (hand.age > options_.wrench_timeout)
+    return hand.seen ? "wrench of the hand is stale" : "no wrench of the hand yet";
+  follows_[grasp] = hand.seen && hand.answered;
   return input.wrench_valid && !measured.allFinite() ? "wrench of the hand is not finite" : "";
 }
 
@@ -152,7 +152,9 @@ sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
     const double patience = options_.step.patience + 5 * options_.time_constant;
     if (far_for_ > patience) trouble = "no pose of the grasp has the wrench of the hand";
   } else if (follows_[0] || follows_[1]) {
-    trouble = "the model does not tell how stiff the grasp is";
+    far_for_ += dt;
+    if (far_for_ > options_.wrench_timeout)
+      trouble = "the model does not tell how stiff the grasp is";
   }
   for (int g = 0; g < grasps; ++g) {
     if (!lets_go(inputs.grasps[g])) model.hold(g, hands_[g].held);

@@ -107,7 +107,6 @@ const Pair kPairs[] = {
      {"estimation", "force_driven", "variant: repaired"},
      {"estimation", "pose_driven", ""},
      {}},
-    {"wrench_driven", {"estimation", "wrench_driven", ""}, {"estimation", "pose_driven", ""}, {}},
     {"as_rigid_as_possible",
      {"deformation", "as_rigid_as_possible", ""},
      {"deformation", "corotational_quasistatic", ""},
