@@ -49,7 +49,7 @@ class PoseWrenchFilter : public Estimator {
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
     /// be wrong by. It is the same for about a second, so that many wrenches tell no more of it.
-    double relative = 0.1;
+    double relative = 0.2;
     double correlation = 1;        // s
     double lag = 0.01;             // s, of the wrench behind the pose
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less

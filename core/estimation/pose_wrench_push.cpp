@@ -12,6 +12,7 @@ constexpr int kEnough = 80;       // wrenches at rest, before a change of them t
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
 constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
+constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
 }  // namespace
 
@@ -83,7 +84,7 @@ WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed
   WrenchFilter::Noise R = WrenchFilter::Noise::Zero(pushed.size(), pushed.size());
   for (int row = 0; row < pushed.size(); ++row) {
     const double least = kLeast * (row % 6 < 3 ? options_.force : options_.torque);
-    const double error = options_.relative * pushed.segment<3>(row - row % 3).norm();
+    const double error = kPushError * pushed.segment<3>(row - row % 3).norm();
     R(row, row) = std::max(kUncertain * at_rest_noise_[row], least * least) / count + error * error;
   }
   return R;
