@@ -2,6 +2,7 @@
 
 #include <array>
 
+#include "core/control/joint_limits.hpp"
 #include "core/elasticity/deformation_model.hpp"
 #include "core/shape/feature.hpp"
 
@@ -28,11 +29,14 @@ struct LawInputs {
   const elasticity::DeformationModel* model = nullptr;
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};  // of the hand on the object at G, in O, as estimated
+  const JointInputs* joints = nullptr;     // where the law is to command joints
 };
 
 struct LawOutput {
-  math::Twist V_O_G;            // twist of the origin of G, in O
-  math::Twist V_O_G_second;     // the same of the second grasp, where two move; else zero
+  math::Twist V_O_G;         // twist of the origin of G, in O
+  math::Twist V_O_G_second;  // the same of the second grasp, where two move; else zero
+  /// What moves the hand so, of a law that commands joints; else empty.
+  kinematics::SerialChain::Joints joint_velocity;
   Eigen::VectorXd unreachable;  // dimension() long, preallocated by the caller
   const char* remark = "";      // what keeps the law from doing as it would; a literal
 };

@@ -8,12 +8,40 @@ namespace palpate::control {
 namespace {
 
 using math::QuadraticProgram;
-constexpr math::RowPriority kGrasp{1, 1.0}, kObstacle{2, 1.0}, kWorkspace{3, 1.0};
+constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kStrain{1, 0.3},
+    kObstacle{2, 1.0}, kWorkspace{3, 1.0};
 constexpr int kFacets = 8;  // of the slip cone's pyramid, which lies within it
 
 }  // namespace
 
-MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps)
+/// Takes rows over the motion of the grasps and adds them over the program's variables.
+struct MotionLimits::Rows {
+  QuadraticProgram& program;
+  const Map& map;
+  std::array<Limit, QuadraticProgram::kMostRows>& limit_of;
+  double rate;  // of a place: 1/s, or 1 for displacements
+
+  void add(const Row& row, double lower, double upper, Limit kind, math::RowPriority priority) {
+    const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 16> mapped =
+        row.lazyProduct(map);
+    note(program.add_row(mapped, lower, upper, priority), kind);
+  }
+  void note(int row, Limit kind) {
+    if (row >= 0) limit_of[row] = kind;
+  }
+};
+
+void JointLimits::check() const {
+  const auto n = speed.size();
+  if (lower.size() != n || upper.size() != n || acceleration.size() != n)
+    throw std::invalid_argument("limits of unlike numbers of joints");
+  if (!((upper - lower).array() > 0).all() || !(speed.array() > 0).all() ||
+      !(acceleration.array() > 0).all() || !(upper - lower).allFinite())
+    throw std::invalid_argument("a joint's limits leave it nothing");
+}
+
+MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
+                           const elasticity::Body* body)
     : options_(options), grasps_(std::move(grasps)) {
   const auto positive = [](double value, const char* name) {
     if (!(value > 0 && std::isfinite(value)))
@@ -40,6 +68,17 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   for (const Obstacle& obstacle : options.obstacles) positive(obstacle.radius, "obstacle's radius");
   if (grasps_.empty() || grasps_.size() > 2)
     throw std::invalid_argument("one or two grasps can move");
+  options.joints.check();
+  if (!options.joints.empty() && grasps_.size() != 1)
+    throw std::invalid_argument("joints can be commanded of one arm, not of two at once");
+  if (!(options.stress >= 0) || !std::isfinite(options.stress))
+    throw std::invalid_argument("the largest stress must not be negative");
+  if (options.stretch != 0 && !(options.stretch > 1 && std::isfinite(options.stretch)))
+    throw std::invalid_argument("the largest stretch must be above 1, that of an object at rest");
+  if ((options.stress > 0 || options.stretch > 0) && body == nullptr)
+    throw std::invalid_argument("limits of stress and stretch need an object");
+  if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
+  if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
 }
 
 double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
@@ -51,67 +90,106 @@ double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
   return std::clamp((share / options_.pivot - 0.25) / 0.75, 0.0, 1.0);
 }
 
-void MotionLimits::add_to(QuadraticProgram& program, const LawInputs& inputs, const Motion& before,
-                          const Motion& scale) noexcept {
-  add_speed(program, inputs, before, scale, inputs.model == nullptr ? 1 : ease(*inputs.model));
-  if (inputs.model == nullptr || !inputs.model->sensitivity().valid) return;
-  for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving)
-    add_wrench(program, inputs, scale, moving);
-  for (const Obstacle& obstacle : options_.obstacles)
-    add_obstacle(program, *inputs.model, scale, obstacle);
-  for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
-    const Eigen::Vector3d p = inputs.X_OG[grasps_[moving]].translation();
-    for (int axis = 0; axis < 3; ++axis) {
-      const int variable = 6 * moving + axis;
-      program.add_bound(
-          variable, options_.damper * (options_.workspace_lower[axis] - p[axis]) / scale[variable],
-          options_.damper * (options_.workspace_upper[axis] - p[axis]) / scale[variable],
-          kWorkspace);
-    }
-  }
+int MotionLimits::variables() const noexcept {
+  return options_.joints.empty() ? size() : options_.joints.count();
 }
 
-/// Each component on its own, so that most rows are bounds, and the speed along the way that the
-/// hand goes already, which for a motion that turns slowly is all of it.
-void MotionLimits::add_speed(QuadraticProgram& program, const LawInputs& inputs,
-                             const Motion& before, const Motion& scale, double ease) noexcept {
+void MotionLimits::look(const LawInputs& inputs) noexcept {
+  if (inputs.model == nullptr) return;
+  if (stress_) stress_->look(inputs.model->positions());
+  if (stretch_) stretch_->look(inputs.model->positions());
+}
+
+/// Each component of the hands' motion on its own and the speed along the way that a hand goes
+/// already, which for a motion that turns slowly is all of it. What was too fast comes down as fast
+/// as it may.
+void MotionLimits::add_rates(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
+                             const Motion& before, const Variables& variables_before) noexcept {
+  Rows rows{program, map, limit_of_, 1};
+  const double ease = inputs.model == nullptr ? 1 : this->ease(*inputs.model);
+  const math::RowPriority priority = options_.joints.empty() ? kHard : kHandOfJoints;
   for (int i = 0; i < size(); ++i) {
     const bool linear = i % 6 < 3;
     const double speed = ease * (linear ? options_.linear_speed : options_.angular_speed);
     const double change =
         inputs.dt * (linear ? options_.linear_acceleration : options_.angular_acceleration);
-    // What was too fast comes down as fast as it may.
-    const double lower = std::min(std::max(-speed, before[i] - change), before[i] + change);
-    const double upper = std::max(std::min(speed, before[i] + change), before[i] - change);
-    program.add_bound(i, lower / scale[i], upper / scale[i]);
-  }
-  for (int i = 0; i < size(); i += 3) {
-    const bool linear = i % 6 < 3;
-    const double speed = ease * (linear ? options_.linear_speed : options_.angular_speed);
-    const double change =
-        inputs.dt * (linear ? options_.linear_acceleration : options_.angular_acceleration);
+    rows.add(Row::Unit(size(), i),
+             std::min(std::max(-speed, before[i] - change), before[i] + change),
+             std::max(std::min(speed, before[i] + change), before[i] - change), Limit::kHandRate,
+             priority);
+    if (i % 3 != 0) continue;
     const Eigen::Vector3d way = before.segment<3>(i);
     const double now = way.norm();
     Row row = Row::Zero(1, size());
     if (now > 0) row.segment<3>(i) = way.transpose() / now;
-    for (int k = i; k < i + 3; ++k) row[k] *= scale[k];
-    program.add_row(row, -QuadraticProgram::kNoBound, std::max(speed, now - change));
+    rows.add(row, -QuadraticProgram::kNoBound, std::max(speed, now - change), Limit::kHandRate,
+             priority);
+  }
+  const JointLimits& joints = options_.joints;
+  for (int i = 0; i < joints.count(); ++i) {
+    const double now = variables_before[i], change = inputs.dt * joints.acceleration[i];
+    const double lower = std::min(std::max(-joints.speed[i], now - change), now + change);
+    const double upper = std::max(std::min(joints.speed[i], now + change), now - change);
+    rows.note(program.add_bound(i, lower, upper), Limit::kJointRate);
   }
 }
 
-void MotionLimits::add_wrench(QuadraticProgram& program, const LawInputs& inputs,
-                              const Motion& scale, int moving) noexcept {
+void MotionLimits::add_places(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
+                              const Variables& variables_before) noexcept {
+  Rows rows{program, map, limit_of_, options_.damper};
+  const JointLimits& joints = options_.joints;
+  for (int i = 0; i < joints.count(); ++i) {
+    // Within what add_rates() allows, so that the two never contradict each other.
+    const double now = variables_before[i], change = inputs.dt * joints.acceleration[i];
+    const double down = std::min(0.0, joints.lower[i] - inputs.joints->q[i]) * options_.damper;
+    const double up = std::max(0.0, joints.upper[i] - inputs.joints->q[i]) * options_.damper;
+    rows.note(program.add_bound(i, std::min(down, now + change), std::max(up, now - change)),
+              Limit::kJoint);
+  }
+  add_all_places(rows, inputs);
+}
+
+void MotionLimits::add_gaps(QuadraticProgram& program, const LawInputs& inputs,
+                            const Map& map) noexcept {
+  Rows rows{program, map, limit_of_, 1};
+  const JointLimits& joints = options_.joints;
+  for (int i = 0; i < joints.count(); ++i) {
+    const double q = inputs.joints->q[i];
+    rows.note(program.add_bound(i, std::min(0.0, joints.lower[i] - q),
+                                std::max(0.0, joints.upper[i] - q)),
+              Limit::kJoint);
+  }
+  add_all_places(rows, inputs);
+}
+
+void MotionLimits::add_all_places(Rows& rows, const LawInputs& inputs) noexcept {
+  if (inputs.model == nullptr || !inputs.model->sensitivity().valid) return;
+  const elasticity::DeformationModel& model = *inputs.model;
+  const int moving = static_cast<int>(grasps_.size());
+  for (int g = 0; g < moving; ++g) add_wrench(rows, inputs, g);
+  if (stress_) add_strain(rows, model, *stress_, options_.stress, Limit::kStress);
+  if (stretch_) add_strain(rows, model, *stretch_, options_.stretch, Limit::kStretch);
+  for (const Obstacle& obstacle : options_.obstacles) add_obstacle(rows, model, obstacle);
+  for (int g = 0; g < moving; ++g) {
+    const Eigen::Vector3d p = inputs.X_OG[grasps_[g]].translation();
+    for (int axis = 0; axis < 3; ++axis)
+      rows.add(
+          Row::Unit(size(), 6 * g + axis), rows.rate * (options_.workspace_lower[axis] - p[axis]),
+          rows.rate * (options_.workspace_upper[axis] - p[axis]), Limit::kWorkspace, kWorkspace);
+  }
+}
+
+void MotionLimits::add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept {
   const int grasp = grasps_[moving];
   // d wrench / d motion, of this hand by all that move.
   Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 12> K(6, size());
   for (int other = 0; other < static_cast<int>(grasps_.size()); ++other)
     K.middleCols<6>(6 * other) = inputs.model->sensitivity().dw_dxi[grasp][grasps_[other]];
-  for (int column = 0; column < size(); ++column) K.col(column) *= scale[column];
   const math::Vector6d w = inputs.reaction[grasp].vector();
   for (int i = 0; i < 6; ++i) {
     const double limit = i < 3 ? options_.force : options_.torque;
-    program.add_row(K.row(i), options_.damper * (-limit - w[i]), options_.damper * (limit - w[i]),
-                    kGrasp);
+    rows.add(K.row(i), rows.rate * (-limit - w[i]), rows.rate * (limit - w[i]), Limit::kWrench,
+             kGrasp);
   }
   const SlipCone& slip = options_.slip;
   if (slip.pinch == 0) return;
@@ -125,14 +203,34 @@ void MotionLimits::add_wrench(QuadraticProgram& program, const LawInputs& inputs
     const double turn = (facet % 2 == 0 ? 1 : -1) / slip.lever;
     math::Vector6d across;
     across << (std::cos(angle) * side + std::sin(angle) * other_side) / inscribed, turn * normal;
-    Row row = across.transpose() * K;
-    program.add_row(row, -QuadraticProgram::kNoBound, options_.damper * (held - across.dot(w)),
-                    kGrasp);
+    const Row row = across.transpose().lazyProduct(K);
+    rows.add(row, -QuadraticProgram::kNoBound, rows.rate * (held - across.dot(w)), Limit::kWrench,
+             kGrasp);
   }
 }
 
-void MotionLimits::add_obstacle(QuadraticProgram& program,
-                                const elasticity::DeformationModel& model, const Motion& scale,
+/// The strain of each of the worst elements, by the motion of its nodes.
+void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& model,
+                              const elasticity::WorstElements& worst, double limit,
+                              Limit kind) noexcept {
+  const Eigen::MatrixXi& elements = worst.mesh().elements;
+  for (const elasticity::ElementStrain& one : worst.kept()) {
+    Row row = Row::Zero(1, size());
+    double upper = QuadraticProgram::kNoBound;
+    if (one.element >= 0) {
+      for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
+        const auto& S = model.sensitivity().dx_dxi[grasps_[moving]];
+        for (int a = 0; a < one.by_node.cols(); ++a)
+          row.segment<6>(6 * moving) += one.by_node.col(a).transpose().lazyProduct(
+              S.middleRows<3>(3 * elements(a, one.element)));
+      }
+      upper = rows.rate * (limit - one.value);
+    }
+    rows.add(row, -QuadraticProgram::kNoBound, upper, kind, kStrain);
+  }
+}
+
+void MotionLimits::add_obstacle(Rows& rows, const elasticity::DeformationModel& model,
                                 const Obstacle& obstacle) noexcept {
   // The nearest nodes, nearest first: of the whole mesh, since what is inside lies behind the
   // surface.
@@ -160,9 +258,8 @@ void MotionLimits::add_obstacle(QuadraticProgram& program,
     for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving)
       row.segment<6>(6 * moving) =
           away.transpose() * model.sensitivity().dx_dxi[grasps_[moving]].middleRows<3>(3 * node);
-    for (int i = 0; i < size(); ++i) row[i] *= scale[i];
     const double gap = from_center - obstacle.radius - options_.clearance;
-    program.add_row(row, -options_.damper * gap, QuadraticProgram::kNoBound, kObstacle);
+    rows.add(row, -rows.rate * gap, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
   }
 }
 

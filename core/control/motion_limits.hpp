@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "core/control/control_law.hpp"
+#include "core/elasticity/worst_elements.hpp"
 #include "core/math/quadratic_program.hpp"
 
 namespace palpate::control {
@@ -30,10 +32,13 @@ struct MotionLimitOptions {
   double force = 1e3;                 // N, of each component of a grasp's wrench
   double torque = 1e3;                // N m
   SlipCone slip;
+  double stress = 0;   // Pa, von Mises, of the object's worst elements; 0: no limit
+  double stretch = 0;  // largest principal stretch of these, above 1; 0: no limit
   Eigen::Vector3d workspace_lower{-1e3, -1e3, -1e3};  // m, of the origin of G, in O
   Eigen::Vector3d workspace_upper{1e3, 1e3, 1e3};
   std::vector<Obstacle> obstacles;  // at most kMostObstacles
   double clearance = 0.005;         // m, kept from obstacles
+  JointLimits joints;               // where these are commanded, of the only grasp; else empty
   /// A limit is approached no faster than by this share of what is left, 1/s, so that it is not
   /// passed between two looks at it (a velocity damper: Faverjon and Tournassoud 1987).
   double damper = 5;
@@ -42,24 +47,60 @@ struct MotionLimitOptions {
   double pivot = 0.2;
 };
 
-/// The rows of a quadratic program over the motion of one or two grasps that keep these limits:
-/// u = (v, w) of each in O, m/s and rad/s. Hard: speed and acceleration. Giving way, the last one
-/// first: wrench and slip (level 1), obstacles (level 2), workspace of the hand (level 3).
-/// Reference: control.md 6.6. Nothing allocates after construction.
+/// What a row of the program keeps.
+enum class Limit {
+  kHandRate,
+  kJointRate,
+  kWrench,
+  kStress,
+  kStretch,
+  kObstacle,
+  kWorkspace,
+  kJoint
+};
+
+/// The rows of a quadratic program that keep these limits. Its variables y move one or two grasps,
+/// u = map y with u = (v, w) of each in O, m/s and rad/s. Hard: speed, acceleration and, where
+/// joints are commanded, these and their positions. Giving way, the last one first: wrench and
+/// slip, then stress and stretch (level 1), obstacles (level 2), workspace of the hand (level 3).
+/// For joints that must keep their own limits the hand's speed and acceleration give way after all
+/// others. Reference: control.md 6.6. Nothing allocates after construction.
 class MotionLimits {
  public:
   static constexpr int kMostObstacles = 4;
   static constexpr int kNodesPerObstacle = 6;  // the nearest of the surface
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
+  using Variables = math::ColumnFactor::Vector;
+  using Map = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 16>;
 
-  /// `grasps`: which of the body's move, one or two. Throws std::invalid_argument where an option
-  /// is out of range.
-  MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps);
+  /// `grasps`: which of the body's move, one or two. `body`: whose stress and stretch are limited;
+  /// needed for these alone. Throws std::invalid_argument where an option is out of range.
+  MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
+               const elasticity::Body* body = nullptr);
 
-  /// Adds the rows to `program`, whose variables are the motion divided by `scale`. `before`: the
-  /// motion of the tick before. Always the same number of rows.
-  void add_to(math::QuadraticProgram& program, const LawInputs& inputs, const Motion& before,
-              const Motion& scale) noexcept;
+  /// How many variables the program has: joints, or six a grasp.
+  int variables() const noexcept;
+
+  /// Once a tick, before rows are added: finds the worst elements.
+  void look(const LawInputs& inputs) noexcept;
+
+  /// How fast hands and joints may move after `before` (the motion and the variables of the tick
+  /// before).
+  void add_rates(math::QuadraticProgram& program, const LawInputs& inputs, const Map& map,
+                 const Motion& before, const Variables& variables_before) noexcept;
+
+  /// Where the object and the hand may be, approached at the damper's rate.
+  void add_places(math::QuadraticProgram& program, const LawInputs& inputs, const Map& map,
+                  const Variables& variables_before) noexcept;
+
+  /// The same of a program over displacements: how far away these places are.
+  void add_gaps(math::QuadraticProgram& program, const LawInputs& inputs, const Map& map) noexcept;
+
+  /// What a row that was added last keeps; both programs' rows of places come in the same order.
+  Limit limit_of(int row) const noexcept { return limit_of_[row]; }
+
+  double peak_stress() const noexcept { return stress_ ? stress_->peak() : 0; }  // Pa
+  double peak_stretch() const noexcept { return stretch_ ? stretch_->peak() : 0; }
 
   /// 1 far from buckling, 0 at it.
   double ease(const elasticity::DeformationModel& model) noexcept;
@@ -67,16 +108,20 @@ class MotionLimits {
 
  private:
   using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
-  void add_speed(math::QuadraticProgram& program, const LawInputs& inputs, const Motion& before,
-                 const Motion& scale, double ease) noexcept;
-  void add_wrench(math::QuadraticProgram& program, const LawInputs& inputs, const Motion& scale,
-                  int moving) noexcept;
-  void add_obstacle(math::QuadraticProgram& program, const elasticity::DeformationModel& model,
-                    const Motion& scale, const Obstacle& obstacle) noexcept;
+  struct Rows;  // that are being added
+
+  void add_all_places(Rows& rows, const LawInputs& inputs) noexcept;
+  void add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept;
+  void add_strain(Rows& rows, const elasticity::DeformationModel& model,
+                  const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
+  void add_obstacle(Rows& rows, const elasticity::DeformationModel& model,
+                    const Obstacle& obstacle) noexcept;
   int size() const noexcept { return 6 * static_cast<int>(grasps_.size()); }
 
   MotionLimitOptions options_;
   std::vector<int> grasps_;
+  std::optional<elasticity::WorstElements> stress_, stretch_;
+  std::array<Limit, math::QuadraticProgram::kMostRows> limit_of_{};
   double first_pivot_ = 0;
 };
 

@@ -1,29 +1,70 @@
 #include "core/control/quadratic_program.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "core/control/speed_limit.hpp"
 
 namespace palpate::control {
+namespace {
+
+const char* gives_way(Limit limit) {
+  switch (limit) {
+    case Limit::kWrench:
+      return "a limit of the grasp gives way";
+    case Limit::kStress:
+      return "the limit of stress gives way";
+    case Limit::kStretch:
+      return "the limit of stretch gives way";
+    case Limit::kObstacle:
+      return "an obstacle's clearance gives way";
+    case Limit::kWorkspace:
+      return "the hand's workspace gives way";
+    default:
+      return "joints keep the hand from its speed and acceleration";
+  }
+}
+
+const char* holds_back(Limit limit) {
+  switch (limit) {
+    case Limit::kWrench:
+      return "the target lies beyond a limit of the grasp";
+    case Limit::kStress:
+      return "the target lies beyond the limit of stress";
+    case Limit::kStretch:
+      return "the target lies beyond the limit of stretch";
+    case Limit::kObstacle:
+      return "the target lies behind an obstacle";
+    case Limit::kJoint:
+      return "the target lies beyond a joint's limit";
+    default:
+      return "the target lies beyond the hand's workspace";
+  }
+}
+
+}  // namespace
 
 QuadraticProgramLaw::QuadraticProgramLaw(const Options& options, const Limited& limited)
     : ProportionalTwist(options),
-      smoothness_(limited.smoothness),
-      limits_(limited.limits, limited.grasps),
-      program_(6 * options.inverse.grasps) {
+      limited_(limited),
+      limits_(limited.limits, limited.grasps, limited.body),
+      program_(limits_.variables()),
+      reach_(limits_.variables()) {
   if (!(limited.smoothness >= 0))
     throw std::invalid_argument("smoothness of the control law must not be negative");
   if (static_cast<int>(limited.grasps.size()) != options.inverse.grasps)
     throw std::invalid_argument("limits speak of other grasps than the control law");
-  scale_ = PseudoInverse::Motion::Ones(program_.variables());
-  for (int i = 0; i < scale_.size(); ++i)
-    if (i % 6 >= 3) scale_[i] = 1 / options.inverse.length;
-  before_ = PseudoInverse::Motion::Zero(program_.variables());
+  before_ = PseudoInverse::Motion::Zero(6 * options.inverse.grasps);
+  variables_ = MotionLimits::Variables::Zero(limits_.variables());
+  map_.setZero(before_.size(), variables_.size());
+  if (commands_joints()) return;
+  for (int i = 0; i < map_.rows(); ++i) map_(i, i) = i % 6 < 3 ? 1 : 1 / options.inverse.length;
 }
 
 void QuadraticProgramLaw::configure_for(const shape::Feature& feature) {
   ProportionalTwist::configure_for(feature);
-  J_.setZero(feature.dimension(), program_.variables());
+  J_.setZero(feature.dimension(), variables_.size());
   motion_.setZero(feature.dimension());
   reset();
 }
@@ -32,48 +73,121 @@ void QuadraticProgramLaw::reset() noexcept {
   ProportionalTwist::reset();
   limits_.reset();
   solver_.reset();
+  reach_solver_.reset();
+  rest();
+}
+
+void QuadraticProgramLaw::rest() noexcept {
   before_.setZero();
+  variables_.setZero();
+}
+
+/// False where the joints are not known.
+bool QuadraticProgramLaw::set_map(const LawInputs& inputs) noexcept {
+  if (!commands_joints()) return true;
+  if (inputs.joints == nullptr || inputs.joints->q.size() != variables_.size() ||
+      inputs.joints->V_O_G_by_joints.cols() != variables_.size())
+    return false;
+  map_ = inputs.joints->V_O_G_by_joints;
+  before_ = map_.lazyProduct(variables_);
+  return true;
+}
+
+void QuadraticProgramLaw::set_objective(const Eigen::VectorXd& motion) noexcept {
+  motion_ = motion.cwiseProduct(inverse().row_scale());
+  program_.H.noalias() = J_.transpose().lazyProduct(J_);
+  program_.g.noalias() = -J_.transpose().lazyProduct(motion_);
+  const double mean = program_.H.trace() / program_.variables();
+  const double damping = options().inverse.damping * options().inverse.damping * mean;
+  program_.H.diagonal().array() += damping;
+  reach_.H = program_.H;
+  reach_.g = program_.g / options().gain;
+  program_.H.diagonal().array() += limited_.smoothness * mean;
+  program_.g -= limited_.smoothness * mean * variables_;
 }
 
 PseudoInverse::Motion QuadraticProgramLaw::solve(const LawInputs& inputs,
                                                  const Eigen::VectorXd& motion,
                                                  LawOutput& output) noexcept {
   using Solver = math::QuadraticProgramSolver;
-  const Eigen::VectorXd& rows = inverse().row_scale();
-  for (int column = 0; column < J_.cols(); ++column)
-    J_.col(column) = inputs.jacobian->col(column).cwiseProduct(rows) * scale_[column];
-  motion_ = motion.cwiseProduct(rows);
-
-  program_.clear_rows();
-  program_.H.noalias() = J_.transpose() * J_;
-  program_.g.noalias() = -J_.transpose() * motion_;
-  const double mean = program_.H.trace() / program_.variables();
-  const double damping = options().inverse.damping * options().inverse.damping * mean;
-  program_.H.diagonal().array() += damping + smoothness_ * mean;
-  program_.g -= smoothness_ * mean * before_.cwiseQuotient(scale_);
-  limits_.add_to(program_, inputs, before_, scale_);
-
-  const Solver::Status status = solver_.solve(program_);
-  if (status == Solver::Status::kOptimal) {
-    before_ = solver_.u().cwiseProduct(scale_);
-    for (int g = 0; g < options().inverse.grasps; ++g)
-      before_ *= speed_factor(math::Twist::from(before_.segment<6>(6 * g)), options().linear_speed,
-                              options().angular_speed);
-    if (solver_.worst_violation(program_, 1) > 0) {
-      output.remark = "a limit of the grasp gives way";
-    } else if (solver_.worst_violation(program_, 2) > 0) {
-      output.remark = "an obstacle's clearance gives way";
-    } else if (solver_.worst_violation(program_, 3) > 0) {
-      output.remark = "the hand's workspace gives way";
-    } else if (inputs.model != nullptr && limits_.ease(*inputs.model) < 1) {
-      output.remark = "slows down near buckling";
-    }
-  } else {
-    solver_.reset();
-    before_.setZero();
-    output.remark = "no motion keeps the limits";
+  if (!set_map(inputs)) {
+    rest();
+    output.remark = "the joints are not known";
+    return before_;
   }
+  J_ = inverse().row_scale().asDiagonal() * inputs.jacobian->lazyProduct(map_);
+  set_objective(motion);
+  limits_.look(inputs);
+  program_.clear_rows();
+  limits_.add_rates(program_, inputs, map_, before_, variables_);
+  limits_.add_places(program_, inputs, map_, variables_);
+
+  if (solver_.solve(program_) != Solver::Status::kOptimal) {
+    solver_.reset();
+    rest();
+    output.remark = "no motion keeps the limits";
+    return before_;
+  }
+  variables_ = solver_.u();
+  before_ = map_.lazyProduct(variables_);
+  double factor = 1;
+  for (int g = 0; g < options().inverse.grasps; ++g)
+    factor = std::min(factor, speed_factor(math::Twist::from(before_.segment<6>(6 * g)),
+                                           options().linear_speed, options().angular_speed));
+  before_ *= factor;
+  variables_ *= factor;
+  if (commands_joints()) output.joint_velocity = variables_;
+  output.remark = remark(inputs);
+  add_unreachable(inputs, output);
   return before_;
+}
+
+/// Of what gives way the row that should have done so last.
+const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
+  int worst = -1;
+  const auto rank = [&](int row) {
+    const math::RowPriority& priority = program_.bounds[row].priority;
+    return priority.level - 1e-3 * priority.weight;
+  };
+  for (int row = 0; row < program_.rows(); ++row) {
+    if (program_.bounds[row].priority.level == 0 || solver_.violations()[row] == 0) continue;
+    if (worst < 0 || rank(row) < rank(worst)) worst = row;
+  }
+  if (worst >= 0) return gives_way(limits_.limit_of(worst));
+  if (inputs.model != nullptr && limits_.ease(*inputs.model) < 1) return "slows down near buckling";
+  return "";
+}
+
+/// What of the error is left after the best displacement within all places: the same program
+/// without rates and with gaps in the place of approach speeds.
+void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& output) noexcept {
+  bool pressed = false;
+  for (int row = 0; row < program_.rows(); ++row) {
+    const Limit limit = limits_.limit_of(row);
+    if (limit == Limit::kHandRate || limit == Limit::kJointRate) continue;
+    pressed = pressed || solver_.multipliers()[row] != 0;
+  }
+  if (!pressed) return;
+  reach_.clear_rows();
+  limits_.add_gaps(reach_, inputs, map_);
+  if (reach_solver_.solve(reach_) != math::QuadraticProgramSolver::Status::kOptimal) {
+    reach_solver_.reset();
+    return;
+  }
+  int hardest = -1;
+  double most = 0;
+  for (int row = 0; row < reach_.rows(); ++row) {
+    const double press = std::abs(reach_solver_.multipliers()[row]) * reach_.A.col(row).norm();
+    if (press <= most) continue;
+    most = press;
+    hardest = row;
+  }
+  if (hardest < 0) return;  // it ends before any limit
+  motion_ /= options().gain;
+  motion_.noalias() -= J_.lazyProduct(reach_solver_.u());
+  output.unreachable += motion_.cwiseQuotient(inverse().row_scale());
+  if (*output.remark == '\0' && motion_.norm() > options().dead_band.position)
+    output.remark = holds_back(limits_.limit_of(hardest));
 }
 
 }  // namespace palpate::control

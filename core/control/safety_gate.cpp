@@ -11,10 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kNominalStep = 1e-3;  // s, in place of a step that makes no sense
-constexpr double kLongestStep = 0.1;   // s
-constexpr double kStopTime = 0.1;      // s, from full speed to rest
-constexpr double kRelease = 0.9;       // of force and torque limit
+constexpr double kRelease = 0.9;  // of force and torque limit
 
 bool is_finite(const math::Twist& V) { return V.linear.allFinite() && V.angular.allFinite(); }
 
@@ -36,14 +33,6 @@ Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& g
   const double b = way.dot(offset);
   const double c = std::min(0.0, offset.squaredNorm() - radius * radius);
   return base + way * std::max(0.0, (std::sqrt(b * b - a * c) - b) / a);
-}
-
-/// Fastest approach, m/s, to a wall at `distance` from which braking by `deceleration` at each
-/// later step still ends before it: v dt + v^2 / 2a = distance.
-double approach_speed(double distance, double deceleration, double dt) {
-  if (!(distance > 0)) return 0;
-  const double step = deceleration * dt;
-  return std::sqrt(step * step + 2 * deceleration * distance) - step;
 }
 
 }  // namespace
@@ -68,8 +57,7 @@ SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
 }
 
 GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
-  const bool step_known = std::isfinite(inputs.dt) && inputs.dt > 0;
-  const double dt = step_known ? std::min(inputs.dt, kLongestStep) : kNominalStep;
+  const double dt = gate_step(inputs.dt);
 
   GateOutput output;
   const char* refused = refusal(inputs);
@@ -111,6 +99,29 @@ const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
   return nullptr;
 }
 
+SafetyGate::Walls SafetyGate::walls(const math::Pose& X_WE, double dt) const noexcept {
+  // All three axes may have to brake at once within one limit of their norm.
+  const double deceleration = limits_.linear_acceleration / std::sqrt(3.0);
+  const Vector3d p = X_WE.translation();
+  Walls walls;
+  for (int axis = 0; axis < 3; ++axis) {
+    walls.lower[axis] = -approach_speed(p[axis] - limits_.workspace_lower[axis], deceleration, dt);
+    walls.upper[axis] = approach_speed(limits_.workspace_upper[axis] - p[axis], deceleration, dt);
+  }
+  return walls;
+}
+
+double SafetyGate::share_within(const math::Twist& V, const math::Pose& X_WE,
+                                double dt) const noexcept {
+  double share = speed_factor(V, limits_.linear_speed, limits_.angular_speed);
+  const Walls walls = this->walls(X_WE, gate_step(dt));
+  for (int axis = 0; axis < 3; ++axis) {
+    const double v = V.linear[axis], most = v > 0 ? walls.upper[axis] : -walls.lower[axis];
+    if (std::abs(v) > most) share = std::min(share, most / std::abs(v));
+  }
+  return share;
+}
+
 /// Speed, then workspace, then acceleration. The last moves from the old command, brought into the
 /// bounds, towards the new one: both lie within the convex bounds, so what is in between does too.
 math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
@@ -120,15 +131,8 @@ math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
     reason = "speed";
   }
 
-  // All three axes may have to brake at once within one limit of their norm.
-  const double deceleration = limits_.linear_acceleration / std::sqrt(3.0);
-  const Vector3d p = inputs.X_WE.translation();
-  Vector3d lower;
-  Vector3d upper;
-  for (int axis = 0; axis < 3; ++axis) {
-    lower[axis] = -approach_speed(p[axis] - limits_.workspace_lower[axis], deceleration, dt);
-    upper[axis] = approach_speed(limits_.workspace_upper[axis] - p[axis], deceleration, dt);
-  }
+  const Walls walls = this->walls(inputs.X_WE, dt);
+  const Vector3d &lower = walls.lower, &upper = walls.upper;
   const Vector3d inside = goal.linear.cwiseMax(lower).cwiseMin(upper);
   if (inside != goal.linear) reason = "workspace";
 
@@ -146,9 +150,9 @@ math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
 math::Twist SafetyGate::braked(double dt) const noexcept {
   const double root3 = std::sqrt(3.0);
   const double linear =
-      std::max(limits_.linear_acceleration / root3, limits_.linear_speed / kStopTime);
+      std::max(limits_.linear_acceleration / root3, limits_.linear_speed / kGateStopTime);
   const double angular =
-      std::max(limits_.angular_acceleration / root3, limits_.angular_speed / kStopTime);
+      std::max(limits_.angular_acceleration / root3, limits_.angular_speed / kGateStopTime);
   const auto ramp = [dt](const Vector3d& v, double rate) {
     const Vector3d bound = Vector3d::Constant(rate * dt);
     return Vector3d(v - v.cwiseMax(-bound).cwiseMin(bound));

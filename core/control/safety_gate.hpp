@@ -1,8 +1,18 @@
 #pragma once
 
-#include "core/math/rigid.hpp"
+#include <algorithm>
+#include <cmath>
+
+#include "core/kinematics/serial_chain.hpp"
 
 namespace palpate::control {
+
+inline constexpr double kGateStopTime = 0.1;  // s, from full speed to rest
+
+/// The time step that a gate counts with: 1 ms in place of one that makes no sense, 0.1 s at most.
+inline double gate_step(double dt) noexcept {
+  return std::isfinite(dt) && dt > 0 ? std::min(dt, 0.1) : 1e-3;
+}
 
 /// Limits of what may leave the daemon, all of the flange E in W.
 struct GateLimits {
@@ -26,8 +36,9 @@ struct GateInputs {
 };
 
 struct GateOutput {
-  math::Twist V_W_E;     // always finite and within limits
-  bool limited = false;  // differs from what was requested
+  math::Twist V_W_E;                               // always finite and within limits
+  kinematics::SerialChain::Joints joint_velocity;  // that makes it, where joints are commanded
+  bool limited = false;                            // differs from what was requested
   bool refused = false;  // the request was not finite, or force or torque is too high
   const char* reason = "";
 };
@@ -49,6 +60,11 @@ class SafetyGate {
   /// Throws std::invalid_argument where a limit is not positive and finite or the workspace empty.
   explicit SafetyGate(const GateLimits& limits);
   GateOutput apply(const GateInputs& inputs) noexcept;
+  /// The largest share of a twist that keeps speed and workspace.
+  double share_within(const math::Twist& V_W_E, const math::Pose& X_WE, double dt) const noexcept;
+  /// What leaves in the place of the last output; the next one goes on from it.
+  void replace_last(const math::Twist& V_W_E) noexcept { last_ = V_W_E; }
+  const math::Twist& last() const noexcept { return last_; }
   /// Command is zero at once; for start and fault.
   void stop() noexcept {
     last_ = math::Twist();
@@ -56,6 +72,10 @@ class SafetyGate {
   }
 
  private:
+  struct Walls {  // how fast the hand may go on each axis
+    Eigen::Vector3d lower, upper;
+  };
+  Walls walls(const math::Pose& X_WE, double dt) const noexcept;
   const char* refusal(const GateInputs& inputs) noexcept;
   math::Twist limited(const GateInputs& inputs, double dt, const char*& reason) const noexcept;
   math::Twist braked(double dt) const noexcept;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 
 #include "core/math/rigid.hpp"
 
@@ -22,6 +23,14 @@ inline double speed_factor(const math::Twist& V, double linear, double angular) 
 inline math::Twist limit_speed(const math::Twist& V, double linear, double angular) noexcept {
   const double factor = speed_factor(V, linear, angular);
   return {factor * V.linear, factor * V.angular};
+}
+
+/// Fastest approach, m/s (rad/s), to a wall at `distance` from which braking by `deceleration` at
+/// each later step still ends before it: v dt + v^2 / 2a = distance.
+inline double approach_speed(double distance, double deceleration, double dt) noexcept {
+  if (!(distance > 0)) return 0;
+  const double step = deceleration * dt;
+  return std::sqrt(step * step + 2 * deceleration * distance) - step;
 }
 
 }  // namespace palpate::control

@@ -55,6 +55,7 @@ PseudoInverse::Motion TwistLaw::solve(const LawInputs&, const Eigen::VectorXd& m
 
 void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
   output.V_O_G = output.V_O_G_second = math::Twist();
+  output.joint_velocity.setZero();
   output.remark = "";
   const Eigen::VectorXd& error = *inputs.error;
   if (!error.allFinite()) {

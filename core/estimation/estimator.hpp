@@ -15,12 +15,24 @@ struct GraspInput {
   math::Wrench F_G_O;  // of the hand on the object at the origin of G, in O, tared
 };
 
+/// Points that something sees on the object's surface; nothing is wrong where there are none.
+struct ObservationInput {
+  static constexpr int kMostPoints = sensing::ShapeObservation::kMostPoints;
+  using Points = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostPoints>;
+  sensing::Freshness freshness = sensing::Freshness::kNoData;  // new in the tick of its arrival
+  double age = 0;                                              // s since it came
+  double time = 0;       // s, when seen, by the sender's clock
+  double deviation = 0;  // m, of each coordinate
+  Points points_O;       // m
+};
+
 struct EstimationInputs {
   double dt = 1e-3;  // s
   int grasp_count = 0;
   std::array<GraspInput, 2> grasps{};
   int contact_count = 0;
   const contact::ContactLoads* contacts = nullptr;  // contact_count of them
+  ObservationInput observation;
 };
 
 /// A force on the object that no sensor tells of, found by what it does to the wrenches.
@@ -40,6 +52,8 @@ struct Estimate {
   double log_young_modulus = 0;
   double poisson_ratio = 0;
 
+  /// From where the kinematics have the hand to X_OG; (m, rad), in G.
+  std::array<math::Vector6d, 2> pose_offset{math::Vector6d::Zero(), math::Vector6d::Zero()};
   /// (m, rad), in G; (N, N m), at G in O; bias of the wrench of the hand, at G in G.
   std::array<math::Vector6d, 2> pose_deviation{kNotEstimated, kNotEstimated};
   std::array<math::Vector6d, 2> reaction_deviation{kNotEstimated, kNotEstimated};

@@ -9,11 +9,20 @@
 namespace palpate::estimation {
 namespace {
 
-/// Turns both halves of a twist or wrench.
-math::Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
-  math::Matrix6d turn = math::Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
-  return turn;
+/// Gives a state of a fresh filter this mean and deviation, by a measurement that leads there. One
+/// that was not observable (negative) or is no surer than the prior keeps most of the prior's.
+void carry_over(int state, double mean, double deviation, WrenchFilter& filter) noexcept {
+  constexpr double kMost = 0.95;  // of the prior's; beyond 0.9 a state counts as not observed
+  const double prior = filter.covariance()(state, state);
+  const double wanted =
+      deviation >= 0 ? std::min(deviation * deviation, kMost * prior) : kMost * prior;
+  WrenchFilter::Rows H = WrenchFilter::Rows::Zero(1, filter.size());
+  H(0, state) = 1;
+  WrenchFilter::Wrenches y = WrenchFilter::Wrenches::Zero(1);
+  y[0] = mean * prior / (prior - wanted);
+  WrenchFilter::Noise R = WrenchFilter::Noise::Zero(1, 1);
+  R(0, 0) = wanted * prior / (prior - wanted);
+  if (R(0, 0) > 0 && filter.test(H, y, R) >= 0) filter.correct();
 }
 
 }  // namespace
@@ -25,14 +34,19 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       step_watch_(options.step),
       filter_(static_cast<int>(body.grasps.size()), options.filter),
       search_(body, surface, options.search),
+      loads_(body),
+      sight_(body.mesh.node_count(), surface, options.sight),
+      history_(body.mesh.node_count()),
+      shift_(WrenchFilter::ShapeState::Zero(filter_.shape_size())),
       node_deviation_(static_cast<std::size_t>(body.mesh.node_count()), 0.0F) {
   const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
   for (std::size_t g = 0; g < body.grasps.size(); ++g)
     lever_[g] = (body.grasps[g].X_OG_rest.translation() - middle).norm();
-  for (const double value : {options.period, options.correlation, options.force, options.torque,
-                             options.lag, options.lag_deviation, options.gate}) {
+  for (const double value :
+       {options.period, options.correlation, options.force, options.torque, options.lag,
+        options.lag_deviation, options.gate, options.shape, options.fade}) {
     if (!(value > 0))
-      throw std::invalid_argument("period, deviations, lag and gate of a filter must be positive");
+      throw std::invalid_argument("times, deviations and gate of a filter must be positive");
   }
   if (!(options.relative >= 0) || options.suspicions < 1)
     throw std::invalid_argument(
@@ -44,6 +58,10 @@ void PoseWrenchFilter::reset() noexcept {
   follower_.reset();
   step_watch_.reset();
   filter_.reset();
+  sight_.reset();
+  history_.clear();
+  is_seen_ = false;
+  shift_.setZero();
   hands_.fill(Hand());
   since_taken_ = 0;
   innovation_test_ = -1;
@@ -51,6 +69,8 @@ void PoseWrenchFilter::reset() noexcept {
   place_ = -1;
   weak_for_ = 0;
   unexplained_count_ = 0;
+  sudden_ = 0;
+  gone_ = false;
   rest_for_ = 0;
   at_rest_count_ = 0;
   std::fill(node_deviation_.begin(), node_deviation_.end(), 0.0F);
@@ -66,15 +86,31 @@ void PoseWrenchFilter::take_over(const Estimate& last,
                                  elasticity::DeformationModel& model) noexcept {
   activate(model);
   follower_.take_over(last, model);
+  if (!(last.pose_deviation[0][0] >= 0)) return;  // it knew no more than it was told
+  carry_over(filter_.log_young(),
+             last.log_young_modulus - std::log(model.body().material.young_modulus),
+             last.log_young_modulus_deviation, filter_);
+  for (int g = 0; g < filter_.grasp_count(); ++g) {
+    for (int i = 0; i < 6; ++i) {
+      carry_over(filter_.offset(g) + i, last.pose_offset[g][i], last.pose_deviation[g][i], filter_);
+      carry_over(filter_.bias(g) + i, last.bias[g][i], last.bias_deviation[g][i], filter_);
+    }
+  }
+}
+
+WrenchFilter::ShapeState PoseWrenchFilter::applied() const noexcept {
+  return filter_.mean().head(filter_.shape_size()) + shift_;
 }
 
 double PoseWrenchFilter::stiffness() const noexcept {
   constexpr double kMost = 3;  // a factor of 20
-  return std::exp(std::clamp(filter_.mean()[filter_.log_young()], -kMost, kMost));
+  const int i = filter_.log_young();
+  return std::exp(std::clamp(filter_.mean()[i] + shift_[i], -kMost, kMost));
 }
 
 math::Pose PoseWrenchFilter::correction(int grasp) const noexcept {
-  const math::Vector6d offset = filter_.mean().segment<6>(filter_.offset(grasp));
+  const int first = filter_.offset(grasp);
+  const math::Vector6d offset = filter_.mean().segment<6>(first) + shift_.segment<6>(first);
   return math::make_pose(math::exp_rotation(offset.tail<3>()), offset.head<3>());
 }
 
@@ -92,6 +128,8 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   model.set_gravity(model.body().gravity_O / stiffness());
   if (!load_with_contacts(inputs, 1 / stiffness(), model)) trouble = "a contact load is not valid";
   load_with_unknown(model);
+  if (filter_.has_loads())
+    loads_.add_to(model.loads(), applied().segment<WrenchFilter::kLoads>(filter_.load()));
   estimate.step = model.step(dt);
 
   filter_.predict(dt);
@@ -104,6 +142,7 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
     since_taken_ = 0;
     take(model);
   }
+  see(inputs.observation, model, dt);
   if (search_.is_searching()) {
     const int share = std::max(1, search_.place_count() / 10);  // within ten ticks
     if (search_.advance(model, share)) judge_search(model);
@@ -128,7 +167,8 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
     return;
   }
   const math::Pose& X_OG = follower_.X_OG(grasp);
-  const math::Vector6d wrench = stiffness() * model.reaction(grasp).vector();
+  math::Vector6d wrench = stiffness() * model.reaction(grasp).vector();
+  if (is_seen_) wrench -= wrench_of_shift(grasp, model);
   if (!hand.known) {
     hand.known = true;
     hand.lagged = wrench;
@@ -148,6 +188,30 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   ++hand.count;
 }
 
+WrenchFilter::Rows PoseWrenchFilter::wrench_rows(
+    const std::array<bool, 2>& held, const elasticity::DeformationModel& model) const noexcept {
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  const double k = stiffness();
+  const int rows = 6 * (static_cast<int>(held[0]) + static_cast<int>(held[1]));
+  WrenchFilter::Rows H = WrenchFilter::Rows::Zero(rows, filter_.size());
+  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
+    if (!held[g]) continue;
+    for (int other = 0; other < filter_.grasp_count(); ++other) {
+      if (!model.is_held(other)) continue;
+      H.block<6, 6>(row, filter_.offset(other)) =
+          k * sensitivity.dw_dxi[g][other] * both_halves(follower_.X_OG(other).linear());
+    }
+    H.block<6, 1>(row, filter_.log_young()) =
+        k * sensitivity.dw_dparameter[g].col(elasticity::Sensitivity::kLogYoung);
+    H.block<6, 6>(row, filter_.bias(g)) = both_halves(follower_.X_OG(g).linear());
+    if (filter_.has_contact())
+      H.block<6, 3>(row, filter_.contact()) =
+          ContactSearch::response(search_.place(place_).point, sensitivity, g);
+    row += 6;
+  }
+  return H;
+}
+
 PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     const elasticity::DeformationModel& model) noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
@@ -158,29 +222,20 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     result.held[g] = sensitivity.valid && model.is_held(g) && hands_[g].count > 0;
     rows += result.held[g] ? 6 : 0;
   }
-  result.H = WrenchFilter::Rows::Zero(rows, filter_.size());
+  result.H = wrench_rows(result.held, model);
   result.y = WrenchFilter::Wrenches::Zero(rows);
   result.R = WrenchFilter::Noise::Zero(rows, rows);
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     Hand& hand = hands_[g];
     if (!result.held[g]) continue;
-    const math::Matrix6d turn = both_halves(follower_.X_OG(g).linear());
     math::Vector6d late = math::Vector6d::Zero();  // what the wrench changes by in lag_deviation
     for (int other = 0; other < filter_.grasp_count(); ++other) {
-      if (!model.is_held(other)) continue;
-      const math::Matrix6d K = k * sensitivity.dw_dxi[g][other];
-      result.H.block<6, 6>(row, filter_.offset(other)) =
-          K * both_halves(follower_.X_OG(other).linear());
-      late += K * hands_[other].speed * options_.lag_deviation;
+      if (model.is_held(other))
+        late += k * sensitivity.dw_dxi[g][other] * hands_[other].speed * options_.lag_deviation;
     }
-    result.H.block<6, 1>(row, filter_.log_young()) =
-        k * sensitivity.dw_dparameter[g].col(elasticity::Sensitivity::kLogYoung);
-    result.H.block<6, 6>(row, filter_.bias(g)) = turn;
-    if (filter_.has_contact())
-      result.H.block<6, 3>(row, filter_.contact()) =
-          ContactSearch::response(search_.place(place_).point, sensitivity, g);
     result.y.segment<6>(row) =
-        hand.sum / hand.count - hand.lagged - turn * filter_.mean().segment<6>(filter_.bias(g));
+        hand.sum / hand.count - hand.lagged -
+        both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
     // An error that lasts counts as one wrench's in the time that it lasts.
     const double lasting = options_.relative * std::sqrt(options_.correlation / options_.period);
     const double model_force = lasting * hand.lagged.head<3>().norm();
@@ -223,17 +278,21 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
     correct(now);
 }
 
-/// The prediction follows what is learnt at once, and means of what it was off by with it, so that
-/// nothing is learnt twice.
 void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
   filter_.correct();
-  WrenchFilter::Vector change = filter_.mean() - before;
-  const WrenchFilter::Wrenches off = now.H * change;  // the bias is no part of the prediction,
+  follow(now.held, now.H, filter_.mean() - before);
+}
+
+/// The prediction follows what is learnt at once, and means of what it was off by with it, so that
+/// nothing is learnt twice.
+void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
+                              WrenchFilter::Vector change) noexcept {
+  const WrenchFilter::Wrenches off = H * change;  // the bias is no part of the prediction,
   for (int g = 0; g < filter_.grasp_count(); ++g) change.segment<6>(filter_.bias(g)).setZero();
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
-    if (!now.held[g]) continue;
-    hands_[g].lagged += now.H.middleRows<6>(row) * change;
+    if (!held[g]) continue;
+    hands_[g].lagged += H.middleRows<6>(row) * change;
     row += 6;
   }
   if (at_rest_count_ == 0 || recent_.size() != off.size()) return;
@@ -248,6 +307,7 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
     estimate.X_OG[g] = follower_.X_OG(g);
     estimate.reaction[g] = math::Wrench::from(stiffness() * model.reaction(g).vector());
     estimate.bias[g] = mean.segment<6>(filter_.bias(g));
+    estimate.pose_offset[g] = mean.segment<6>(filter_.offset(g));
     for (int i = 0; i < 6; ++i) {
       estimate.pose_deviation[g][i] = filter_.deviation(filter_.offset(g) + i);
       const int bias = filter_.bias(g) + i;
@@ -276,25 +336,22 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
 
 /// A tenth of the nodes a tick.
 void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model, int grasps) noexcept {
-  const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  if (!sensitivity.valid) return;
-  constexpr int kMostColumns = 13;
-  const int columns = filter_.log_young() + 1;  // offsets and log E come first
-  std::array<math::Matrix6d, 2> turn;
-  for (int g = 0; g < grasps; ++g) turn[g] = both_halves(follower_.X_OG(g).linear());
-  Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostColumns> J(3, columns), JP(3, columns);
+  if (!model.sensitivity().valid) return;
+  const SurfaceFit::Basis now = basis(model);
+  const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();
+  SurfaceFit::NodeRows rows, J(3, columns), JP(3, columns);
+  const double own = options_.sight.surface * options_.sight.surface;  // of the model itself
   const int nodes = static_cast<int>(node_deviation_.size());
   for (int i = 0; i < nodes / 10 + 1; ++i, next_node_ = (next_node_ + 1) % nodes) {
-    J.setZero();
+    rows.setZero(3, filter_.shape_size());
+    SurfaceFit::add_node(now, next_node_, 1, rows);
+    J = rows.leftCols(columns);
     for (int g = 0; g < grasps; ++g) {
-      if (model.is_held(g))
-        J.middleCols<6>(filter_.offset(g)).noalias() =
-            sensitivity.dx_dxi[g].middleRows<3>(3 * next_node_) * turn[g];
+      const int first = filter_.offset(g);
+      J.middleCols<6>(first).noalias() = rows.middleCols<6>(first) * now.turn[g];
     }
-    J.col(columns - 1) = sensitivity.dx_dparameter.middleRows<3>(3 * next_node_)
-                             .col(elasticity::Sensitivity::kLogYoung);
     JP.noalias() = J * filter_.covariance().topLeftCorner(columns, columns);
-    const double variance = JP.cwiseProduct(J).sum() / 3;
+    const double variance = JP.cwiseProduct(J).sum() / 3 + own;
     node_deviation_[static_cast<std::size_t>(next_node_)] =
         static_cast<float>(std::sqrt(std::max(0.0, variance)));
   }

@@ -3,9 +3,17 @@
 #include "core/estimation/contact_search.hpp"
 #include "core/estimation/hand_follower.hpp"
 #include "core/estimation/step_watch.hpp"
+#include "core/estimation/surface_fit.hpp"
 #include "core/estimation/wrench_filter.hpp"
 
 namespace palpate::estimation {
+
+/// Turns both halves of a twist or wrench.
+inline math::Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
+  math::Matrix6d turn = math::Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
+  return turn;
+}
 
 /// E3: the pose of the hand drives the mesh, and the wrench at the wrist says in a Kalman filter
 /// how stiff the object is, how the grasp is shifted, what the sensor's bias is and, where nothing
@@ -17,6 +25,13 @@ namespace palpate::estimation {
 /// to rest: then the model's own errors, which move with the hand, stand still. While they move,
 /// what has been found stays as it is.
 ///
+/// E4: points that are seen on the surface, whenever such come, correct the same states, and
+/// besides virtual loads, which take up what the model does not know of its own shape, so that a
+/// shape that is seen steadily is met without a steady error (control.md 6.5). Loads and not an
+/// offset of the feature: shape, every feature and its Jacobian stay those of one mechanical state,
+/// and what is learnt still holds when nothing is seen any more. The wrench is not asked to follow
+/// them. What is learnt from what is seen fades into the shape, which therefore never jumps.
+///
 /// Young's modulus is changed without a new factor: an object k times as stiff has the shape of the
 /// nominal one under 1 / k of weight and loads, and k times its wrenches.
 class PoseWrenchFilter : public Estimator {
@@ -26,12 +41,15 @@ class PoseWrenchFilter : public Estimator {
     StepWatch::Options step;
     WrenchFilter::Options filter;
     ContactSearch::Options search;
+    SurfaceFit::Options sight;
+    double shape = 5e-3;    // m, prior of what each virtual load moves the shape by
+    double fade = 0.15;     // s, in which what was seen comes into the shape
     double period = 0.01;   // s, between two wrenches that the filter takes
     double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
     /// be wrong by. It is the same for about a second, so that many wrenches tell no more of it.
-    double relative = 0.05;
+    double relative = 0.2;
     double correlation = 1;        // s
     double lag = 0.01;             // s, of the wrench behind the pose
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
@@ -76,21 +94,33 @@ class PoseWrenchFilter : public Estimator {
 
   static constexpr double kPatience = 2;  // s, with a change that nothing explains
 
-  double stiffness() const noexcept;  // Young's modulus over its nominal value
+  WrenchFilter::ShapeState applied() const noexcept;  // what the shape follows at present
+  double stiffness() const noexcept;                  // Young's modulus over its nominal value
   math::Pose correction(int grasp) const noexcept;
   void load_with_unknown(elasticity::DeformationModel& model) const noexcept;
   bool has_moved(int grasp, const GraspInput& input) noexcept;
+  WrenchFilter::Rows wrench_rows(const std::array<bool, 2>& held,
+                                 const elasticity::DeformationModel& model) const noexcept;
+  SurfaceFit::Basis basis(const elasticity::DeformationModel& model) const noexcept;
+  void see(const ObservationInput& seen, elasticity::DeformationModel& model, double dt) noexcept;
+  void take_sight(const elasticity::DeformationModel& model) noexcept;
+  math::Vector6d wrench_of_shift(int grasp,
+                                 const elasticity::DeformationModel& model) const noexcept;
   void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
                       double dt) noexcept;
   Innovation innovation(const elasticity::DeformationModel& model) noexcept;
   void take(const elasticity::DeformationModel& model) noexcept;
   void correct(const Innovation& innovation) noexcept;
+  void follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
+              WrenchFilter::Vector change) noexcept;
   bool is_settled(const Innovation& innovation) const noexcept;
   void remember(const Innovation& innovation) noexcept;
   void settle() noexcept;
   Innovation change(const Innovation& innovation) const noexcept;
   void watch(const Innovation& innovation) noexcept;
   void follow_contact(Innovation innovation) noexcept;
+  void add_unexplained(const WrenchFilter::Wrenches& change) noexcept;
+  WrenchFilter::Noise noise(const WrenchFilter::Wrenches& pushed, int count) const noexcept;
   void place_contact(const ContactSearch::Found& found,
                      const elasticity::DeformationModel& model) noexcept;
   void judge_search(const elasticity::DeformationModel& model) noexcept;
@@ -107,16 +137,27 @@ class PoseWrenchFilter : public Estimator {
   StepWatch step_watch_;
   WrenchFilter filter_;
   ContactSearch search_;
+  VirtualLoads loads_;
+  SurfaceFit sight_;
+  ShapeHistory history_;
+  bool is_seen_ = false;            // or was: the model has been told of the virtual loads
+  WrenchFilter::ShapeState shift_;  // of what the shape follows, from the filter's mean
   std::array<Hand, 2> hands_;
   double since_taken_ = 0;                 // s
   double innovation_test_ = -1;            // over its degrees of freedom
   int suspicions_ = 0;                     // innovations in a row that were not believed
   double rest_for_ = 0;                    // s
   WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
-  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it
+  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it, of recent ones
+  WrenchFilter::Wrenches at_rest_noise_;   // and of each
   WrenchFilter::Wrenches recent_;          // mean innovation of late
+  WrenchFilter::Wrenches latest_;
+  std::array<bool, 2> at_rest_held_{};  // whose rows these are
   int at_rest_count_ = 0;
   int place_ = -1;                      // of the contact
+  int sudden_ = 0;                      // changes in a row that are far beyond the noise
+  bool faint_ = false;                  // the contact: its share of the wrenches hardly stands out
+  bool gone_ = false;                   // the contact: the wrenches are as at rest
   double weak_for_ = 0;                 // s that the contact's force has not stood out
   WrenchFilter::Wrenches unexplained_;  // change without the contact, mean since it began
   int unexplained_count_ = 0;

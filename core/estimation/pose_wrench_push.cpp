@@ -7,7 +7,12 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kRecent = 0.2;  // weight of a new wrench in the mean of late
+constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
+constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
+constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
+constexpr int kSuddenInARow = 2;  // and so often in a row not within years
+constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
+constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
 }  // namespace
 
@@ -31,17 +36,18 @@ bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input) noexcept {
 }
 
 bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
-  constexpr int kEnough = 80;
-  return at_rest_count_ >= kEnough && at_rest_.size() == now.y.size();
+  return at_rest_count_ >= kEnough && at_rest_held_ == now.held;
 }
 
 void PoseWrenchFilter::remember(const Innovation& now) noexcept {
-  if (at_rest_count_ > 0 && recent_.size() == now.y.size()) {
+  latest_ = now.y;
+  if (at_rest_count_ > 0 && at_rest_held_ == now.held) {
     recent_ += kRecent * (now.y - recent_);
     return;
   }
   at_rest_ = recent_ = now.y;
-  at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
+  at_rest_noise_ = at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
+  at_rest_held_ = now.held;
   at_rest_count_ = 1;
 }
 
@@ -50,8 +56,9 @@ void PoseWrenchFilter::settle() noexcept {
   constexpr int kMost = 200;
   at_rest_count_ = std::min(at_rest_count_ + 1, kMost);
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
-  at_rest_ += off / at_rest_count_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
+  at_rest_noise_ += ((latest_ - at_rest_).cwiseAbs2() - at_rest_noise_) / at_rest_count_;
+  at_rest_ += off / at_rest_count_;
 }
 
 /// What has changed of late since the hands came to rest: a push can be behind it, the sensor's
@@ -68,63 +75,110 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) con
   return result;
 }
 
-/// Begins to look for a push where the wrenches have changed too much.
+/// Covariance of a mean of so many wrenches: their noise while nothing happened, and for the
+/// model's own error a share of what a push has changed them by.
+WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed,
+                                            int count) const noexcept {
+  constexpr double kLeast = 0.3;      // of the noise that is expected
+  constexpr double kUncertain = 1.3;  // the spread is an estimate, too
+  WrenchFilter::Noise R = WrenchFilter::Noise::Zero(pushed.size(), pushed.size());
+  for (int row = 0; row < pushed.size(); ++row) {
+    const double least = kLeast * (row % 6 < 3 ? options_.force : options_.torque);
+    const double error = kPushError * pushed.segment<3>(row - row % 3).norm();
+    R(row, row) = std::max(kUncertain * at_rest_noise_[row], least * least) / count + error * error;
+  }
+  return R;
+}
+
+/// Begins to look for a push where the wrenches have changed too much: the last two by far more
+/// than their noise, or their mean of late for some time.
 void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
-  const double test = filter_.test(changed.H, changed.y, changed.R);
-  const bool suspicious = test > options_.gate / 6 * static_cast<double>(changed.y.size());
-  suspicions_ = suspicious ? suspicions_ + 1 : 0;
-  if (suspicions_ >= options_.suspicions && !search_.is_searching())
-    search_.begin(changed.y, changed.R, changed.held);
+  const auto rows = static_cast<double>(changed.y.size());
+  Innovation now = changed;
+  now.y = latest_ - at_rest_;
+  now.R = noise(WrenchFilter::Wrenches::Zero(now.y.size()), 1);
+  const bool sudden = filter_.test(now.H, now.y, now.R) > kSudden / 6 * rows;
+  const bool lasting = filter_.test(changed.H, changed.y, changed.R) > options_.gate / 6 * rows;
+  sudden_ = sudden ? sudden_ + 1 : 0;
+  suspicions_ = sudden || lasting ? suspicions_ + 1 : 0;
+  if (suspicions_ <= 1) unexplained_count_ = 0;
+  if (suspicions_ == 0) return;
+  add_unexplained(now.y);
+  if ((sudden_ >= kSuddenInARow || suspicions_ >= options_.suspicions) && !search_.is_searching())
+    search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
   if (suspicions_ * options_.period > kPatience) at_rest_count_ = 0;  // then that is rest
 }
 
-void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
-  changed.R *= (2 - kRecent) / kRecent;  // one mean of late tells little more than the one before
-  const double test = filter_.test(changed.H, changed.y, changed.R);
-  innovation_test_ = test / static_cast<double>(changed.y.size());
-  if (test < 0) return;
-  const WrenchFilter::Wrenches alone =
-      changed.y + changed.H.rightCols<3>() * filter_.mean().tail<3>();
-  const bool believed = test <= options_.gate / 6 * static_cast<double>(changed.y.size());
-  suspicions_ = believed ? 0 : suspicions_ + 1;
-  if (!believed) unexplained_count_ = 0;  // it has moved
-  if (believed) correct(changed);
-  constexpr int kMost = 50, kLookAgain = 10;
-  if (unexplained_count_ == 0 || unexplained_.size() != alone.size()) unexplained_ = alone;
-  unexplained_count_ = std::min(unexplained_count_ + 1, kMost);
-  unexplained_ += (alone - unexplained_) / unexplained_count_;
-  const bool look = suspicions_ >= options_.suspicions ||
-                    (believed && weak_for_ == 0 && unexplained_count_ % kLookAgain == 0);
-  if (!look || search_.is_searching()) return;
-  // Of a mean's noise little remains, and the model's own error, a share of what the push does.
-  WrenchFilter::Noise S = changed.R / unexplained_count_;
-  for (int row = 0; row < S.rows(); row += 3) {
-    const double error = options_.relative * unexplained_.segment<3>(row).norm();
-    S.diagonal().segment<3>(row).array() += error * error;
+/// Into the mean of what the wrenches have changed by, the contact that is known not counted.
+void PoseWrenchFilter::add_unexplained(const WrenchFilter::Wrenches& change) noexcept {
+  constexpr int kMost = 50;
+  if (unexplained_count_ == 0 || unexplained_.size() != change.size()) {
+    unexplained_count_ = 0;
+    unexplained_ = change;
   }
-  search_.begin(unexplained_, S, changed.held);
+  unexplained_count_ = std::min(unexplained_count_ + 1, kMost);
+  unexplained_ += (change - unexplained_) / unexplained_count_;
+}
+
+void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
+  const WrenchFilter::Wrenches pushed = changed.H.rightCols<3>() * filter_.mean().tail<3>();
+  changed.y = latest_ - at_rest_;
+  changed.R = noise(pushed, 1);
+  WrenchFilter::Wrenches usual = pushed;  // variances that are expected of a wrench
+  for (int row = 0; row < usual.size(); ++row) {
+    const double deviation = row % 6 < 3 ? options_.force : options_.torque;
+    usual[row] = deviation * deviation;
+    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // an object swings
+  }
+  const auto rows = static_cast<double>(changed.y.size());
+  const double test = filter_.test(changed.H, changed.y, changed.R);
+  innovation_test_ = test / rows;
+  if (test < 0) return;
+  const bool believed = test <= options_.gate / 6 * rows;
+  suspicions_ = believed ? 0 : suspicions_ + 1;
+  if (suspicions_ == 1) unexplained_count_ = 0;  // it has moved, grown or gone
+  add_unexplained(changed.y + pushed);
+  if (believed) correct(changed);
+  const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
+    return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
+  };
+  faint_ = is_faint(pushed);
+  gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
+  if (gone_) return;
+  constexpr int kLookAgain = 10;
+  const bool look = suspicions_ >= kSuddenInARow ||
+                    (believed && weak_for_ == 0 && unexplained_count_ % kLookAgain == 0);
+  if (look && !search_.is_searching())
+    search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
 }
 
 void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) noexcept {
   constexpr double kExplained = 0.8;
-  constexpr double kClearlyBetter = 1;
+  constexpr double kClearlyBetter = 0.2;
   const ContactSearch::Found& found = search_.found();
   if (found.place < 0 || found.share < kExplained || found.force_O.isZero(0)) return;
   if (filter_.has_contact()) {
     if (found.place == place_ || found.cost + kClearlyBetter > search_.judge(place_, model).cost)
       return;
+  } else if (suspicions_ == 0) {
+    return;  // it was nothing
   }
   place_contact(found, model);
 }
 
 void PoseWrenchFilter::place_contact(const ContactSearch::Found& found,
                                      const elasticity::DeformationModel& model) noexcept {
-  drop_contact(model);
+  if (filter_.has_contact()) {
+    push(-filter_.mean().tail<3>(), model);
+  } else {
+    unexplained_count_ = 0;  // it may have begun within the first of them
+  }
   place_ = found.place;
   filter_.begin_contact(found.force_O, found.covariance);
   push(found.force_O, model);
-  suspicions_ = 0;
+  suspicions_ = sudden_ = 0;
   weak_for_ = 0;
+  faint_ = gone_ = false;
 }
 
 void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) noexcept {
@@ -132,21 +186,25 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   push(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
   place_ = -1;
-  unexplained_count_ = 0;
+  gone_ = false;
+  suspicions_ = sudden_ = unexplained_count_ = 0;
 }
 
 /// The prediction follows a change of the force at once.
 void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
                             const elasticity::DeformationModel& model) noexcept {
-  int row = 0;
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    if (!model.is_held(g)) continue;
-    const math::Vector6d wrench =
-        ContactSearch::response(search_.place(place_).point, model.sensitivity(), g) * force_O;
-    hands_[g].lagged += wrench;
-    if (row + 6 <= recent_.size()) recent_.segment<6>(row) -= wrench;
-    row += 6;
+  const mesh::PointWeights& point = search_.place(place_).point;
+  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
+    const bool told = at_rest_count_ > 0 && at_rest_held_[g];  // rows are those of who tells
+    if (model.is_held(g)) {
+      const math::Vector6d wrench =
+          ContactSearch::response(point, model.sensitivity(), g) * force_O;
+      hands_[g].lagged += wrench;
+      if (told) latest_.segment<6>(row) -= wrench;
+    }
+    row += told ? 6 : 0;
   }
+  recent_ = latest_;
 }
 
 void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
@@ -156,10 +214,13 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
   constexpr double kFadesIn = 0.3;  // s
   const Eigen::Vector3d force = filter_.mean().tail<3>();
   const Eigen::Matrix3d P = filter_.covariance().bottomRightCorner<3, 3>();
-  const bool weak = force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
+  // While nothing is learnt of it, its covariance says nothing.
+  const bool unsure =
+      suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
+  const bool weak = faint_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
-  if (weak_for_ < kFadesIn) return;
-  drop_contact(model);
+  const bool forgotten = at_rest_count_ < kEnough;  // which hands tell has changed
+  if (weak_for_ >= kFadesIn || gone_ || forgotten) drop_contact(model);
 }
 
 }  // namespace palpate::estimation

@@ -1,6 +1,7 @@
 #include "core/estimation/wrench_filter.hpp"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 #include <cmath>
 #include <stdexcept>
 
@@ -10,8 +11,9 @@ WrenchFilter::WrenchFilter(int grasps, const Options& options)
     : grasps_(grasps), options_(options) {
   if (grasps < 1 || grasps > 2)
     throw std::invalid_argument("a wrench filter needs one or two grasps");
-  for (const double value : {options.position, options.rotation, options.log_young,
-                             options.bias_force, options.bias_torque, options.memory}) {
+  for (const double value :
+       {options.position, options.rotation, options.log_young, options.bias_force,
+        options.bias_torque, options.memory, options.load_memory}) {
     if (!(value > 0 && std::isfinite(value)))
       throw std::invalid_argument("deviations and memory of a wrench filter must be positive");
   }
@@ -29,8 +31,9 @@ WrenchFilter::WrenchFilter(int grasps, const Options& options)
 void WrenchFilter::reset() noexcept {
   mean_ = Vector::Zero(size());
   P_ = Covariance::Zero(size(), size());
+  prior_.segment<kLoads>(load()).setZero();
   P_.diagonal() = prior_;
-  has_contact_ = false;
+  has_loads_ = has_contact_ = false;
 }
 
 void WrenchFilter::predict(double dt) noexcept {
@@ -40,6 +43,8 @@ void WrenchFilter::predict(double dt) noexcept {
   P_.topRows(steady) *= kept;
   P_.leftCols(steady) *= kept;
   P_.diagonal().head(steady) += (1 - kept * kept) * prior_.head(steady);
+  P_.diagonal().segment<kLoads>(load()) +=
+      2 * dt / options_.load_memory * prior_.segment<kLoads>(load());
   constexpr double kWander = 0.01;  // 1/s, of the prior's variance
   if (has_contact_) P_.bottomRightCorner<3, 3>() += kWander * dt * contact_prior_;
 }
@@ -77,6 +82,37 @@ void WrenchFilter::correct() noexcept {
   Rows noisy = Rows::Zero(rows, size());
   noisy.noalias() = R_ * gain_transposed;
   P_.noalias() += gain_transposed.transpose() * noisy;
+}
+
+void WrenchFilter::begin_loads(const math::Vector6d& deviation) noexcept {
+  if (has_loads_ || !deviation.allFinite()) return;
+  has_loads_ = true;
+  prior_.segment<kLoads>(load()) = deviation.cwiseAbs2();
+  P_.diagonal().segment<kLoads>(load()) = deviation.cwiseAbs2();
+}
+
+bool WrenchFilter::take(const ShapeMatrix& A, const ShapeState& b) noexcept {
+  const int n = shape_size();
+  if (A.rows() != n || b.size() != n || !A.allFinite() || !b.allFinite()) return false;
+  // P+ = P (I + A P)^-1 needs no inverse of P, which is singular where a state is certain.
+  ShapeMatrix whole = ShapeMatrix::Identity(n, n);
+  whole.noalias() += P_.topLeftCorner(n, n) * A;
+  Covariance gain_transposed = P_.topRows(n);
+  gain_transposed = Eigen::PartialPivLU<ShapeMatrix>(whole).solve(gain_transposed);
+  if (!gain_transposed.allFinite()) return false;
+  if (has_contact_) gain_transposed.rightCols<3>().setZero();
+  ShapeState y = b;
+  y.noalias() -= A * mean_.head(n);
+  mean_.noalias() += gain_transposed.transpose() * y;
+  Covariance keep = Covariance::Identity(size(), size());
+  Covariance AK = Covariance::Zero(n, size());
+  AK.noalias() = A * gain_transposed;
+  keep.leftCols(n) -= AK.transpose();
+  Covariance half = Covariance::Zero(size(), size());
+  half.noalias() = keep * P_;
+  P_.noalias() = half * keep.transpose();
+  P_.noalias() += gain_transposed.transpose() * AK;
+  return true;
 }
 
 void WrenchFilter::begin_contact(const Eigen::Vector3d& force_O,

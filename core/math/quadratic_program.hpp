@@ -30,7 +30,7 @@ struct RowPriority {
 /// row in each cycle; a limit that is not wanted now stays as a row with infinite bounds.
 struct QuadraticProgram {
   static constexpr int kMostVariables = ColumnFactor::kMost;
-  static constexpr int kMostRows = 96;
+  static constexpr int kMostRows = 144;
   static constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
   /// H = 0, g = 0, no rows. Throws std::invalid_argument unless 1 <= variables <= kMostVariables.

@@ -63,7 +63,16 @@ struct ManualForce {
   Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
 };
 
-/// All that the sensing slot may look at in one tick.
+/// Points seen on the object's surface; which material points they are nobody knows.
+struct ShapeObservation {
+  static constexpr int kMostPoints = 256;
+  double time = 0;       // s, clock of the sender, when they were seen
+  double deviation = 0;  // m, standard deviation of each coordinate
+  int count = 0;
+  Eigen::Matrix<float, 3, kMostPoints> points_W = Eigen::Matrix<float, 3, kMostPoints>::Zero();
+};
+
+/// All that the sensing slot may look at in one tick, and what the estimator sees.
 struct Signals {
   double dt = 1e-3;  // s
   Stream<ForceTorque> force_torque;
@@ -72,6 +81,7 @@ struct Signals {
   Stream<HandState, 4> hand;
   std::array<Stream<BioTac, 4>, 5> biotac;
   Stream<ManualForce, 4> manual;
+  Stream<ShapeObservation, 1> observation;
 };
 
 }  // namespace palpate::sensing

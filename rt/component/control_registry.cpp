@@ -40,6 +40,8 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
       node.number("angular_acceleration", {1e-3, 100}, limits.angular_acceleration);
   limits.force = node.number("force", {1e-3, 1e4}, limits.force);
   limits.torque = node.number("torque", {1e-4, 1e4}, limits.torque);
+  if (node.has("stress")) limits.stress = node.number("stress", {1, 1e9});
+  if (node.has("stretch")) limits.stretch = node.number("stretch", {1.001, 10});
   limits.clearance = node.number("clearance", {0, 1}, limits.clearance);
   limits.damper = node.number("damper", {0.01, 1e3}, limits.damper);
   limits.pivot = node.number("pivot", {0, 1}, limits.pivot);
@@ -62,12 +64,15 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
 
 std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
                                                             const control::TwistLawOptions& options,
+                                                            const Context& context,
                                                             MovingArms moving) {
   control::QuadraticProgramLaw::Limited limited;
+  limited.body = &context.object->body;
   limited.limits = read_motion_limits(node.child_or_empty("limits"));
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
   limited.smoothness = node.number("smoothness", {0, 1e3}, limited.smoothness);
+  if (read_commands_joints(node, context)) limited.limits.joints = context.arm_model->limits;
   if (moving == MovingArms::kSecond) limited.grasps = {1};
   if (moving == MovingArms::kBoth) limited.grasps = {0, 1};
   return std::make_unique<control::QuadraticProgramLaw>(options, limited);
@@ -80,6 +85,17 @@ MovingArms read_moving_arms(const config::Node& control, const Context& context)
   if (arms == "first") return MovingArms::kFirst;
   if (!context.second_frames) control.fail("moves", "there is no section second_arm");
   return arms == "second" ? MovingArms::kSecond : MovingArms::kBoth;
+}
+
+bool read_commands_joints(const config::Node& control, const Context& context) {
+  if (control.choice("command", {"twist", "joint_velocity"}, "twist") == "twist") return false;
+  if (!context.arm_model)
+    control.fail("command", "joint_velocity needs the arm's joints: section robot with key urdf");
+  if (read_moving_arms(control, context) != MovingArms::kFirst)
+    control.fail("command", "joint_velocity moves the first arm only; see moves");
+  if (control.text("law") != "quadratic_program")
+    control.fail("command", "joint_velocity needs the law quadratic_program");
+  return true;
 }
 
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
@@ -109,7 +125,7 @@ std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
     if (name == "dual_quaternion") {
       law = std::make_unique<control::DualQuaternion>(options);
     } else if (name == "quadratic_program") {
-      law = make_quadratic_program(node, options, moving);
+      law = make_quadratic_program(node, options, context, moving);
     } else {
       law = std::make_unique<control::ProportionalTwist>(options);
     }

@@ -1,3 +1,4 @@
+#include "core/elasticity/as_rigid_as_possible.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/linear_model.hpp"
 #include "core/elasticity/mass_spring_model.hpp"
@@ -73,16 +74,24 @@ Model make_shape_matching(const config::Node& node, const Context& context) {
   return std::make_unique<elasticity::ShapeMatchingModel>(context.object->body, options);
 }
 
+Model make_as_rigid_as_possible(const config::Node& node, const Context& context) {
+  elasticity::AsRigidAsPossibleOptions options;
+  options.iterations = node.integer("iterations", {1, 100}, options.iterations);
+  options.accuracy = node.number("accuracy", {0, 1e-3}, options.accuracy);
+  return std::make_unique<elasticity::AsRigidAsPossible>(context.object->body, options);
+}
+
 }  // namespace
 
 Model make_deformation_model(const config::Node& node, const Context& context) {
   const std::string name =
       node.choice("component", {"corotational_quasistatic", "corotational_dynamic", "linear",
-                                "mass_spring", "shape_matching"});
+                                "mass_spring", "shape_matching", "as_rigid_as_possible"});
   try {
     if (name == "linear") return std::make_unique<elasticity::LinearModel>(context.object->body);
     if (name == "mass_spring") return make_mass_spring(node, context);
     if (name == "shape_matching") return make_shape_matching(node, context);
+    if (name == "as_rigid_as_possible") return make_as_rigid_as_possible(node, context);
     return make_corotational(node, name, context);
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());

@@ -2,6 +2,7 @@
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
+#include "core/estimation/wrench_driven.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -35,12 +36,44 @@ std::unique_ptr<estimation::Estimator> make_fingertip_driven(const config::Node&
   return std::make_unique<FingertipDriven>(context.object->body, context.object->surface, options);
 }
 
+std::unique_ptr<estimation::Estimator> make_wrench_driven(const config::Node& node,
+                                                          const Context& context) {
+  using estimation::WrenchDriven;
+  WrenchDriven::Options options;
+  options.time_constant =
+      node.number("time_constant_ms", {1, 1e5}, options.time_constant * 1e3) * 1e-3;
+  options.average = node.number("average_ms", {0.1, 1e4}, options.average * 1e3) * 1e-3;
+  options.least_stiffness = node.number("least_stiffness", {1e-6, 1e6}, options.least_stiffness);
+  options.wrench_timeout =
+      node.number("wrench_timeout_ms", {1, 1e4}, options.wrench_timeout * 1e3) * 1e-3;
+  options.speed = node.number("approach_speed", {1e-3, 10}, options.speed);
+  return std::make_unique<WrenchDriven>(context.object->body, options);
+}
+
 estimation::HandFollower::Options read_hand(const config::Node& node) {
   estimation::HandFollower::Options options;
   options.pose_timeout =
       node.number("pose_timeout_ms", {1, 1e4}, options.pose_timeout * 1e3) * 1e-3;
   options.approach_speed = node.number("approach_speed", {1e-3, 10}, options.approach_speed);
   return options;
+}
+
+/// Of what is seen of the shape, where anything is.
+void read_sight(const config::Node& node, estimation::PoseWrenchFilter::Options& options) {
+  estimation::SurfaceFit::Options& sight = options.sight;
+  sight.lag = node.number("observation_lag_ms", {0, 250}, sight.lag * 1e3) * 1e-3;
+  sight.lag_deviation =
+      node.number("observation_lag_deviation_ms", {0.01, 250}, sight.lag_deviation * 1e3) * 1e-3;
+  sight.surface = node.number("surface_deviation", {0, 0.1}, sight.surface);
+  sight.correlation = node.number("surface_correlation_s", {1e-3, 60}, sight.correlation);
+  sight.gate = node.number("observation_gate", {1, 100}, sight.gate);
+  sight.reach = node.number("observation_reach", {1e-4, 1}, sight.reach);
+  sight.points_per_tick =
+      node.integer("observation_points_per_tick", {1, 256}, sight.points_per_tick);
+  options.shape = node.number("shape_deviation", {1e-6, 1}, options.shape);
+  options.fade = node.number("observation_fade_ms", {1, 1e4}, options.fade * 1e3) * 1e-3;
+  options.filter.load_memory =
+      node.number("shape_memory_s", {0.1, 1e6}, options.filter.load_memory);
 }
 
 std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Node& node,
@@ -66,6 +99,7 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
   options.gate = node.number("innovation_gate", {6, 1e6}, options.gate);
   options.search.spacing = node.number("contact_spacing", {1e-3, 1}, options.search.spacing);
   options.search.friction = node.number("contact_friction", {0.01, 10}, options.search.friction);
+  read_sight(node, options);
   return std::make_unique<PoseWrenchFilter>(context.object->body, context.object->surface, options);
 }
 
@@ -73,10 +107,11 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const std::string name = node.choice(
-      "component", {"pose_driven", "force_driven", "fingertip_driven", "pose_wrench_filter"});
+  const std::string name = node.choice("component", {"pose_driven", "force_driven", "wrench_driven",
+                                                     "fingertip_driven", "pose_wrench_filter"});
   try {
     if (name == "force_driven") return make_force_driven(node, context);
+    if (name == "wrench_driven") return make_wrench_driven(node, context);
     if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);
     if (name == "fingertip_driven") return make_fingertip_driven(node, context);
     estimation::PoseDriven::Options options;

@@ -1,6 +1,8 @@
 // The phases of a tick, in their order: sense, distribute, estimate, evaluate, control, gate.
 #include "rt/component/pipeline.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace palpate::component {
@@ -18,6 +20,7 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
   for (int i = 0; i < arm_count(); ++i) {
     arms_[i].signals = by_arm[i];
     arms_[i].known = by_arm[i]->robot.freshness != sensing::Freshness::kNoData;
+    find_joints(arms_[i]);
   }
   contacts_.count = 0;
   for (Slots::Sensing& instance : slots_->sensing) {
@@ -38,6 +41,21 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
     }
   }
   to_object_frame(contacts_);
+}
+
+void Pipeline::find_joints(Arm& arm) noexcept {
+  constexpr double kApart = 0.02, kTurned = 0.1;  // m, rad: of another arm or another flange
+  if (!arm.model) return;
+  const sensing::RobotState& robot = arm.signals->robot.latest;
+  const int n = arm.model->chain.joint_count();
+  arm.joints_known = arm.known && robot.joint_count == n;
+  if (!arm.joints_known) return;
+  arm.model->chain.evaluate(robot.q.head(n), arm.kinematics);
+  const math::Pose& X_WE = arm.kinematics.X_WE;
+  const double turned = std::sqrt(std::max(
+      0.0, 3 - X_WE.linear().cwiseProduct(robot.X_WE.linear()).sum()));  // |R - R'| / sqrt 2
+  arm.joints_known =
+      (X_WE.translation() - robot.X_WE.translation()).norm() < kApart && turned < kTurned;
 }
 
 void Pipeline::to_object_frame(const sensing::ContactSet& contacts) noexcept {
@@ -116,6 +134,20 @@ estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
   return input;
 }
 
+void Pipeline::take_observation(estimation::ObservationInput& input) const noexcept {
+  const sensing::Stream<sensing::ShapeObservation, 1>& stream = arms_[0].signals->observation;
+  input.freshness = stream.freshness;
+  input.age = stream.age;
+  if (stream.freshness != sensing::Freshness::kNew) return;
+  const sensing::ShapeObservation& seen = stream.latest;
+  const math::Pose X_OW = arms_[0].frames.X_WO.inverse();
+  input.time = seen.time;
+  input.deviation = seen.deviation;
+  input.points_O.resize(3, seen.count);
+  for (int i = 0; i < seen.count; ++i)
+    input.points_O.col(i) = X_OW * seen.points_W.col(i).cast<double>();
+}
+
 void Pipeline::estimate(double dt) noexcept {
   Slots& slots = *slots_;
   if (!is_running()) return;
@@ -125,6 +157,7 @@ void Pipeline::estimate(double dt) noexcept {
   for (int i = 0; i < inputs.grasp_count; ++i) inputs.grasps[i] = grasp_input(i);
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = slots.loads.data();
+  take_observation(inputs.observation);
   slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
   if (slots.estimation_condition.state != LifeCycle::kFaulted ||
       !fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason))
@@ -153,7 +186,10 @@ void Pipeline::evaluate_feature() noexcept {
 }
 
 void Pipeline::control(double dt) noexcept {
-  for (Arm& arm : arms_) arm.requested_W_E = math::Twist();
+  for (Arm& arm : arms_) {
+    arm.requested_W_E = math::Twist();
+    arm.requested_joints.setZero();
+  }
   if (!is_running() || slots_->target.revision < 0 || !moving_arms_known()) return;
   if (!is_trusted()) return;
 
@@ -165,6 +201,7 @@ void Pipeline::control(double dt) noexcept {
        steer(dt, first));
   if (!steers) return;
   request(first, slots_->law_output.V_O_G);
+  if (slots_->commands_joints) arms_[0].requested_joints = slots_->law_output.joint_velocity;
   if (slots_->moving == MovingArms::kBoth) request(1, slots_->law_output.V_O_G_second);
 }
 
@@ -191,6 +228,16 @@ bool Pipeline::steer(double dt, int first) noexcept {
   inputs.reaction = slots.estimate.reaction;
   for (int i = 0; i < estimation_inputs_.grasp_count; ++i)
     inputs.X_OG[i] = estimation_inputs_.grasps[i].X_OG;
+  control::JointInputs joints;
+  if (slots.commands_joints) {
+    if (!arms_[0].joints_known) {
+      slots.control_condition.apply(
+          {sensing::Status::kDegraded, "the robot's joints are not those of its model"});
+      return false;
+    }
+    joints = joint_inputs(arms_[0]);
+    inputs.joints = &joints;
+  }
   slots.law->compute(inputs, slots.law_output);
   if (!slots.law_output.V_O_G.vector().allFinite() ||
       !slots.law_output.V_O_G_second.vector().allFinite()) {
@@ -237,6 +284,21 @@ void Pipeline::request(int index, const math::Twist& V_O_G) noexcept {
   arm.requested_W_E = math::move_reference(V_W_G, p_G_E_W);
 }
 
+control::JointInputs Pipeline::joint_inputs(const Arm& arm) const noexcept {
+  control::JointInputs joints;
+  const int n = arm.model->chain.joint_count();
+  joints.q = arm.signals->robot.latest.q.head(n);
+  const Eigen::Vector3d p_E_G_W = arm.kinematics.X_WE.linear() * arm.frames.X_EG.translation();
+  const Eigen::Matrix3d R_OW = arm.frames.X_WO.linear().transpose();
+  joints.V_O_G_by_joints.resize(6, n);
+  for (int i = 0; i < n; ++i) {
+    const Eigen::Vector3d v = arm.kinematics.J_W_E.col(i).head<3>();
+    const Eigen::Vector3d w = arm.kinematics.J_W_E.col(i).tail<3>();
+    joints.V_O_G_by_joints.col(i) << R_OW * (v + w.cross(p_E_G_W)), R_OW * w;
+  }
+  return joints;
+}
+
 /// In the tick before, while this one's own did not.
 bool Pipeline::other_refused(int arm) const noexcept {
   return arm_count() > 1 && arms_[1 - arm].output.refused && !arms_[arm].output.refused;
@@ -258,9 +320,24 @@ const control::GateOutput& Pipeline::gate(double dt) noexcept {
       inputs.wrench_valid = true;
       inputs.contact = contact.wrench;
     }
-    arm.output = arm.gate.apply(inputs);
+    pass_gate(arm, inputs, commands_joints(i));
   }
   return arms_[0].output;
+}
+
+void Pipeline::pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_joints) noexcept {
+  if (!as_joints) {
+    if (arm.joint_gate) arm.joint_gate->pass();
+    arm.output = arm.gate.apply(inputs);
+    return;
+  }
+  control::JointGateInputs joints;
+  joints.requested = arm.requested_joints;
+  if (arm.joints_known) {
+    joints.q = arm.signals->robot.latest.q.head(arm.model->chain.joint_count());
+    joints.J_W_E = arm.kinematics.J_W_E;
+  }
+  arm.output = arm.joint_gate->apply(joints, inputs, arm.gate);
 }
 
 Condition Pipeline::condition() const noexcept {

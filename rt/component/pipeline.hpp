@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/control/joint_gate.hpp"
 #include "core/control/safety_gate.hpp"
 #include "rt/component/fallbacks.hpp"
 
@@ -94,6 +95,12 @@ class Pipeline {
   /// What the system did not grant to threads of components, a line each; of the constructor.
   const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
+  /// Whether joint velocities are what an arm is told, not a twist.
+  bool commands_joints(int arm) const noexcept { return arm == 0 && slots_->commands_joints; }
+  /// Of the first arm; 0 where there is no model of it.
+  int joint_count() const noexcept {
+    return cell_.arm_model ? cell_.arm_model->chain.joint_count() : 0;
+  }
   const Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
   elasticity::DeformationModel& model() noexcept { return *slots_->model; }
   const elasticity::DeformationModel& model() const noexcept { return *slots_->model; }
@@ -106,12 +113,25 @@ class Pipeline {
 
  private:
   struct Arm {
+    Arm(const Frames& its_frames, const control::GateLimits& limits)
+        : frames(its_frames), gate(limits) {}
+    void stop() noexcept {
+      gate.stop();
+      if (joint_gate) joint_gate->stop();
+    }
+
     Frames frames;
     control::SafetyGate gate;
     const sensing::Signals* signals = nullptr;  // of this tick
     bool known = false;                         // its robot has told where it is
     math::Twist requested_W_E;
     control::GateOutput output;
+    // Where there is a model of the arm.
+    std::shared_ptr<const ArmModel> model;
+    std::optional<control::JointGate> joint_gate;
+    kinematics::SerialChain::State kinematics;
+    bool joints_known = false;  // and put the flange where the robot says that it is
+    kinematics::SerialChain::Joints requested_joints;
 
     math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
   };
@@ -126,9 +146,13 @@ class Pipeline {
   bool locate_wrist(sensing::Contact& contact) const noexcept;
   bool locate_finger(sensing::Contact& contact) const noexcept;
   estimation::GraspInput grasp_input(int grasp) const noexcept;
+  void take_observation(estimation::ObservationInput& input) const noexcept;
   bool is_trusted() const noexcept;
   bool moving_arms_known() const noexcept;
   void request(int arm, const math::Twist& V_O_G) noexcept;
+  static void find_joints(Arm& arm) noexcept;
+  control::JointInputs joint_inputs(const Arm& arm) const noexcept;
+  void pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_joints) noexcept;
   bool other_refused(int arm) const noexcept;
 
   std::vector<std::string> remarks_;

@@ -23,10 +23,16 @@ void Pipeline::build_arms(const config::Node& root) {
   cell_.frames = read_frames(root);
   cell_.second_frames = read_second_frames(root);
   const control::GateLimits limits = read_gate_limits(root);
-  arms_.push_back({cell_.frames, control::SafetyGate(limits), nullptr, false, {}, {}});
+  cell_.arm_model = read_arm_model(root);
+  arms_.emplace_back(cell_.frames, limits);
+  if (cell_.arm_model) {
+    arms_[0].model = cell_.arm_model;
+    arms_[0].joint_gate.emplace(cell_.arm_model->limits);
+    arms_[0].requested_joints.setZero(cell_.arm_model->limits.count());
+  }
   if (!cell_.second_frames) return;
   const control::GateLimits second = read_gate_limits(root.child("second_arm"), limits);
-  arms_.push_back({*cell_.second_frames, control::SafetyGate(second), nullptr, false, {}, {}});
+  arms_.emplace_back(*cell_.second_frames, second);
 }
 
 std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
@@ -38,7 +44,7 @@ std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
-  for (Arm& arm : arms_) arm.gate.stop();
+  for (Arm& arm : arms_) arm.stop();
   slots_->start();
 }
 
@@ -51,7 +57,7 @@ void Pipeline::reset() noexcept {
   for (Fallback* fallback : {&fallbacks_->feature, &fallbacks_->steering, &fallbacks_->mechanics})
     if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
   slots_->reset();
-  for (Arm& arm : arms_) arm.gate.stop();
+  for (Arm& arm : arms_) arm.stop();
   whole_ = {LifeCycle::kInactive, "reset"};
 }
 

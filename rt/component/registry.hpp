@@ -8,6 +8,7 @@
 #include "core/estimation/estimator.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
+#include "rt/component/arm_model.hpp"
 #include "rt/component/frames.hpp"
 #include "rt/component/inference_settings.hpp"
 #include "rt/component/object.hpp"
@@ -18,9 +19,10 @@ namespace palpate::component {
 /// What a component may need to know of the cell beside its own parameters.
 struct Context {
   Frames frames;
-  std::optional<Frames> second_frames;  // of the second arm, where there is one
-  const Object* object = nullptr;       // outlives the component
-  double period = 1e-3;                 // s, of the loop
+  std::optional<Frames> second_frames;        // of the second arm, where there is one
+  std::shared_ptr<const ArmModel> arm_model;  // of the first arm, where its joints are known
+  const Object* object = nullptr;             // outlives the component
+  double period = 1e-3;                       // s, of the loop
   /// Nothing may depend on scheduling: an inference is awaited however long it takes.
   bool deterministic = false;
   InferenceSettings inference;
@@ -53,6 +55,9 @@ control::GateLimits read_gate_limits(const config::Node& root,
 /// Which arms the controller moves.
 enum class MovingArms { kFirst, kSecond, kBoth };
 MovingArms read_moving_arms(const config::Node& control, const Context& context);
+
+/// Key `command` of the controller: whether it commands joints in place of the hand's twist.
+bool read_commands_joints(const config::Node& control, const Context& context);
 
 /// Key `arm` of a sensor model: 0, or 1 with a second arm.
 int read_arm(const config::Node& node, const Context& context);

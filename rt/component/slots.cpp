@@ -119,6 +119,7 @@ void Slots::build_steering(const config::Node& root) {
   provider = make_jacobian_provider(root.child("control"), context);
   law = make_control_law(root.child("control"), context, *feature);
   moving = read_moving_arms(root.child("control"), context);
+  commands_joints = read_commands_joints(root.child("control"), context);
 
   const int dimension = feature->dimension();
   feature_state.value = Eigen::VectorXd::Zero(feature->value_count());
@@ -127,6 +128,7 @@ void Slots::build_steering(const config::Node& root) {
   target.value = Eigen::VectorXd::Zero(feature->value_count());
   jacobian = Eigen::MatrixXd::Zero(dimension, moving == MovingArms::kBoth ? 12 : 6);
   law_output.unreachable = Eigen::VectorXd::Zero(dimension);
+  if (commands_joints) law_output.joint_velocity.setZero(context.arm_model->limits.count());
 }
 
 void Slots::warm_up() {
@@ -174,6 +176,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     provider.swap(other.provider);
     law.swap(other.law);
     moving = other.moving;
+    commands_joints = other.commands_joints;
     target.value.swap(other.target.value);
     target.revision = other.target.revision;
     feature_state.value.swap(other.feature_state.value);

@@ -108,6 +108,7 @@ struct Slots {
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
   MovingArms moving = MovingArms::kFirst;
+  bool commands_joints = false;  // of the first arm, in place of its hand's twist
 
   Condition estimation_condition;
   Condition feature_condition;

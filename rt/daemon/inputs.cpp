@@ -98,6 +98,24 @@ bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   return true;
 }
 
+/// A camera that sees nothing of the object says so with no points, which is no news of the shape
+/// but a sign of life.
+bool convert(const shape_observation_t& m, sensing::ShapeObservation& out) noexcept {
+  constexpr double kCoarsest = 1;  // m
+  if (m.count < 0 || m.count > sensing::ShapeObservation::kMostPoints) return false;
+  if (m.count > 0 && !(m.deviation > 0 && m.deviation <= kCoarsest)) return false;
+  for (int i = 0; i < m.count; ++i) {
+    for (const float x : m.points[i]) {
+      if (!(std::abs(x) <= static_cast<float>(kLargest))) return false;
+    }
+    out.points_W.col(i) = Eigen::Map<const Eigen::Vector3f>(m.points[i]);
+  }
+  out.time = seconds(m.utime);
+  out.count = m.count;
+  out.deviation = m.deviation;
+  return true;
+}
+
 constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
   return convert(message, out);
 };
@@ -142,7 +160,9 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
       second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1], frozen_after)
                        : nullptr),
       manual_(control, "MANUAL_FORCE", 8),
-      manual_admission_("MANUAL_FORCE", access) {
+      manual_admission_("MANUAL_FORCE", access),
+      observation_(control, "SHAPE_OBSERVATION", 4) {
+  observation_.hear_one_sender();
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =
         std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
@@ -229,6 +249,7 @@ void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     drain(*biotac_[i], signals_[0].biotac[i], now_ns, stepped, kConvert);
   }
+  drain(observation_, signals_[0].observation, now_ns, stepped, kConvert);
 }
 
 bool Inputs::any_began_anew() const noexcept {
@@ -270,7 +291,8 @@ InputReport Inputs::report(int channel) const noexcept {
   if (channel < 4) return report_of(first_, channel);
   if (channel == 4) return report_of(manual_);
   if (channel < 10) return report_of(*biotac_[channel - 5]);
-  return report_of(*second_, channel - 10);
+  if (channel == 10) return report_of(observation_);
+  return report_of(*second_, channel - 11);
 }
 
 }  // namespace palpate::daemon

@@ -9,6 +9,7 @@
 #include <palpate/imu_t.hpp>
 #include <palpate/manual_force_t.hpp>
 #include <palpate/robot_state_t.hpp>
+#include <palpate/shape_observation_t.hpp>
 #include <string>
 #include <vector>
 
@@ -41,7 +42,8 @@ struct FrozenAfter {
 /// Sensor channels of the control bus as Signals: checks every message (numbers finite and within
 /// what can be, unit quaternions, counts in range, sequence, whether the sensor still moves) before
 /// anybody sees it. A second arm has channels of its own, whose names end in _1, for all but
-/// fingertips and manual forces.
+/// fingertips, manual forces and observations
+/// of the shape, which need not come at all.
 class Inputs {
  public:
   /// `access`: of manual forces.
@@ -55,7 +57,7 @@ class Inputs {
   /// What arm 0 and everything that belongs to no arm say, or arm 1.
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
   int arm_count() const noexcept { return second_ ? 2 : 1; }
-  int channel_count() const noexcept { return second_ ? 14 : 10; }
+  int channel_count() const noexcept { return second_ ? 15 : 11; }
   const bus::Admission& manual_admission() const noexcept { return manual_admission_; }
   InputReport report(int channel) const noexcept;  // the second arm's come last
 
@@ -121,6 +123,7 @@ class Inputs {
   Channel<manual_force_t> manual_;
   bus::Admission manual_admission_;
   std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
+  Channel<shape_observation_t> observation_;
 };
 
 }  // namespace palpate::daemon

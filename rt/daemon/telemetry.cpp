@@ -28,6 +28,11 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
     commands_.emplace_back(control, kCommandChannels[arm], session, access);
+  if (const int count = pipeline.joint_count()) {
+    joints_ = std::make_unique<Command<joint_velocity_command_t>>(control, "JOINT_VELOCITY_COMMAND",
+                                                                  session, access);
+    joints_->message.joint_count = count;
+  }
   take(pipeline);
 }
 
@@ -37,13 +42,16 @@ void Telemetry::take(const component::Pipeline& pipeline) noexcept {
 
 void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool valid,
                                 std::int64_t utime) noexcept {
-  Command& command = commands_[arm];
-  command.stamp.put(command.message, utime);
-  command.message.grasp = arm;
-  command.message.valid = valid ? 1 : 0;
-  put(gate.V_W_E.vector(), command.message.twist);
-  command.sealer.put(command.message, utime);
-  command.publisher.publish(command.message);
+  if (arm == 0 && joints_ != nullptr)
+    tells_joints_ = gate.joint_velocity.size() > 0 || (tells_joints_ && !valid);
+  if (arm == 0 && tells_joints_) {
+    std::fill_n(joints_->message.dq, 16, 0.0);
+    std::copy_n(gate.joint_velocity.data(), gate.joint_velocity.size(), joints_->message.dq);
+    joints_->publish(arm, valid, utime);
+    return;
+  }
+  put(gate.V_W_E.vector(), commands_[arm].message.twist);
+  commands_[arm].publish(arm, valid, utime);
 }
 
 void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept {

@@ -5,6 +5,7 @@
 #include <palpate/contacts_t.hpp>
 #include <palpate/estimate_t.hpp>
 #include <palpate/feature_t.hpp>
+#include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/twist_command_t.hpp>
 #include <vector>
 
@@ -24,7 +25,8 @@ class Telemetry {
             const component::Pipeline& pipeline, std::int64_t session,
             const bus::Access& access = {});
 
-  /// Each cycle, on the control bus. `arm`: 0, or 1 where the pipeline has a second one.
+  /// Each cycle, on the control bus: TWIST_COMMAND, or JOINT_VELOCITY_COMMAND where the gate
+  /// gives joint velocities. `arm`: 0, or 1 where the pipeline has a second one.
   void publish_command(int arm, const control::GateOutput& gate, bool valid,
                        std::int64_t utime) noexcept;
   void publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept;
@@ -45,18 +47,28 @@ class Telemetry {
   void take(std::unique_ptr<MeshTelemetry>& mesh) noexcept { mesh_.swap(mesh); }
 
  private:
-  /// TWIST_COMMAND of one arm.
+  /// TWIST_COMMAND or JOINT_VELOCITY_COMMAND of one arm.
+  template <class Message>
   struct Command {
     Command(bus::MessageBus& control, const char* channel, std::int64_t session,
             const bus::Access& access)
         : stamp(session), sealer(channel, access), publisher(control, channel) {}
+    void publish(int arm, bool valid, std::int64_t utime) noexcept {
+      stamp.put(message, utime);
+      message.grasp = arm;
+      message.valid = valid ? 1 : 0;
+      sealer.put(message, utime);
+      publisher.publish(message);
+    }
     bus::Stamp stamp;
     bus::Sealer sealer;
-    bus::TypedPublisher<twist_command_t> publisher;
-    twist_command_t message{};
+    bus::TypedPublisher<Message> publisher;
+    Message message{};
   };
 
-  std::vector<Command> commands_;  // by arm
+  std::vector<Command<twist_command_t>> commands_;             // by arm
+  std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, where known
+  bool tells_joints_ = false;
   bus::Stamp contacts_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_, mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;
   bus::TypedPublisher<estimate_t> estimate_;

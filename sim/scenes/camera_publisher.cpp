@@ -1,5 +1,6 @@
 #include "sim/scenes/camera_publisher.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -16,12 +17,20 @@ CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
                                  std::int64_t start_utime)
     : channel_(scene.sensors.camera.timing, math::Random(scene.seed, "camera")),
       delay_us_(std::lround(1e6 * scene.sensors.camera.timing.delay)),
+      occlusions_(scene.occlusions),
       noise_(scene.seed, "depth"),
       scenery_(scene, arms),
       camera_(*scene.camera, kMostPoints),
       start_utime_(start_utime),
       publisher_(control, "SHAPE_OBSERVATION"),
       stamp_(session) {}
+
+bool CameraPublisher::is_occluded(std::int64_t now_us) const {
+  const double now = 1e-6 * static_cast<double>(now_us);
+  return std::any_of(occlusions_.begin(), occlusions_.end(), [now](const Occlusion& occlusion) {
+    return now >= occlusion.at && now < occlusion.at + occlusion.duration;
+  });
+}
 
 void CameraPublisher::collect(bool wait) {
   if (auto shape = camera_.collect(wait)) channel_.put(drawn_us_, {drawn_us_, std::move(*shape)});
@@ -43,7 +52,9 @@ void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
   if (channel_.due(now_us)) {
     ++pictures_;
     collect(!may_lag_);
-    if (camera_.busy()) {
+    if (is_occluded(now_us)) {
+      // No picture.
+    } else if (camera_.busy()) {
       ++left_out_;
     } else {
       // Noise of a picture depends on its number alone, not on what was left out before.

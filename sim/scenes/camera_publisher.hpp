@@ -12,9 +12,10 @@
 namespace palpate::scenes {
 
 /// A scene's camera: SHAPE_OBSERVATION on the control bus, at the camera's rate, late and lossy as
-/// the sensor table says. Pictures are drawn in a thread of their own. By default the simulation
-/// waits for a picture when it is due to arrive, so that the same scene gives the same messages to
-/// the bit; a simulation that must keep up with the real clock lets the camera lag.
+/// the sensor table says; none while something stands before it. Pictures are drawn in a thread of
+/// their own. By default the simulation waits for a picture when it is due to arrive, so that the
+/// same scene gives the same messages to the bit; a simulation that must keep up with the real
+/// clock lets the camera lag.
 class CameraPublisher {
  public:
   /// The scene has a camera. Throws std::runtime_error where nothing can be drawn.
@@ -36,11 +37,13 @@ class CameraPublisher {
     std::int64_t time_us = 0;  // of the picture
     camera::ShapeReading shape;
   };
+  bool is_occluded(std::int64_t now_us) const;
   void collect(bool wait);
   void publish(const Reading& reading);
 
   sensors::Channel<Reading> channel_;
   std::int64_t delay_us_;
+  std::vector<Occlusion> occlusions_;
   math::Random noise_;
   CameraScenery scenery_;
   camera::BackgroundCamera camera_;

@@ -48,4 +48,16 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
   return options;
 }
 
+std::vector<Occlusion> read_occlusions(const config::Node& node) {
+  std::vector<Occlusion> occlusions;
+  for (const config::Node& item : node.list("occlusions")) {
+    const double free = occlusions.empty() ? 0 : occlusions.back().at + occlusions.back().duration;
+    Occlusion occlusion;
+    occlusion.at = item.number("at", {free, 1e5});
+    occlusion.duration = item.number("duration", {0.001, 1e5});
+    occlusions.push_back(occlusion);
+  }
+  return occlusions;
+}
+
 }  // namespace palpate::scenes

@@ -13,4 +13,7 @@ namespace palpate::scenes {
 /// Throws config::Error.
 camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene);
 
+/// `occlusions` of the same key: from `at` on the camera sees and sends nothing for `duration` s.
+std::vector<Occlusion> read_occlusions(const config::Node& node);
+
 }  // namespace palpate::scenes

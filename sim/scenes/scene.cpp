@@ -220,7 +220,10 @@ Scene read_scene(const config::Node& node) {
   for (const Fingertip& tip : scene.fingertips) scene.plant.fingertips.push_back(tip.sphere);
   scene.hand = read_hand(node);
   scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
-  if (node.has("camera")) scene.camera = read_camera(node.child("camera"), scene);
+  if (node.has("camera")) {
+    scene.camera = read_camera(node.child("camera"), scene);
+    scene.occlusions = read_occlusions(node.child("camera"));
+  }
   if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
   if (node.has("second_arm")) {
     scene.second_arm = read_second_arm(node.child("second_arm"), scene);

@@ -21,6 +21,12 @@ struct BusUrls {
   std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
 };
 
+/// Something stands before the camera for a while, s.
+struct Occlusion {
+  double at = 0;
+  double duration = 0;
+};
+
 /// A scene file as a struct: the first arm, and what else there is.
 struct Scene : ArmScene {
   std::uint64_t seed = 1;
@@ -33,6 +39,7 @@ struct Scene : ArmScene {
 
   std::optional<ArmScene> second_arm;
   std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION
+  std::vector<Occlusion> occlusions;                 // in their order
 };
 
 /// Throws config::Error, also for keys that nobody knows.

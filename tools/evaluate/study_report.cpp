@@ -76,6 +76,7 @@ std::vector<Plot> plots_of(const StudyApplication& application,
   Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
   Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
   Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
+  Plot modulus{"Young's modulus, as estimated" + suffix, "time, s", "kPa", {}, false};
   int colour = 0;
   for (const StudyResult* run : runs) {
     const Json control = run->json.value("control", Json());
@@ -87,6 +88,8 @@ std::vector<Plot> plots_of(const StudyApplication& application,
     };
     add(shape, curve_of(run->json.value("shape_error", Json()), "mean_mm", method, 1e-3, false));
     add(pose, pose_curve(run->json.value("states", Json::array()), method));
+    const Json belief = run->json.value("belief", Json::object()).value("curve", Json());
+    add(modulus, curve_of(belief, "young_modulus_kpa", method, 0, false));
     if (!control.is_object()) continue;
     add(feature, curve_of(control["plant"], "mm", method + ", plant", 1e-2, false));
     add(feature, curve_of(control["estimate"], "mm", method + ", estimate", 1e-2, true));
@@ -98,6 +101,7 @@ std::vector<Plot> plots_of(const StudyApplication& application,
     plots.insert(plots.end(), {feature, angle, command});
   else
     plots.push_back(pose);
+  plots.push_back(modulus);
   for (Plot& plot : plots)
     plot.curves.erase(std::remove_if(plot.curves.begin(), plot.curves.end(),
                                      [](const Curve& curve) { return curve.x.empty(); }),

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <palpate/component_command_t.hpp>
+#include <palpate/shape_observation_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/sim_tick_t.hpp>
 
@@ -25,14 +26,21 @@ Kind kind(const char* channel) {
 }
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all = {
-      kind<ft_wrench_t>("FT_WRENCH"),       kind<imu_t>("IMU"),
-      kind<robot_state_t>("ROBOT_STATE"),   kind<hand_state_t>("HAND_STATE"),
-      kind<ft_wrench_t>("FT_WRENCH_1"),     kind<imu_t>("IMU_1"),
-      kind<robot_state_t>("ROBOT_STATE_1"), kind<hand_state_t>("HAND_STATE_1"),
-      kind<manual_force_t>("MANUAL_FORCE"), kind<biotac_t>("BIOTAC_0"),
-      kind<biotac_t>("BIOTAC_4"),           kind<component_command_t>("COMPONENT_COMMAND"),
-      kind<shape_target_t>("SHAPE_TARGET"), kind<sim_tick_t>("SIM_TICK")};
+  static const std::vector<Kind> all = {kind<ft_wrench_t>("FT_WRENCH"),
+                                        kind<imu_t>("IMU"),
+                                        kind<robot_state_t>("ROBOT_STATE"),
+                                        kind<hand_state_t>("HAND_STATE"),
+                                        kind<ft_wrench_t>("FT_WRENCH_1"),
+                                        kind<imu_t>("IMU_1"),
+                                        kind<robot_state_t>("ROBOT_STATE_1"),
+                                        kind<hand_state_t>("HAND_STATE_1"),
+                                        kind<manual_force_t>("MANUAL_FORCE"),
+                                        kind<biotac_t>("BIOTAC_0"),
+                                        kind<biotac_t>("BIOTAC_4"),
+                                        kind<component_command_t>("COMPONENT_COMMAND"),
+                                        kind<shape_target_t>("SHAPE_TARGET"),
+                                        kind<sim_tick_t>("SIM_TICK"),
+                                        kind<shape_observation_t>("SHAPE_OBSERVATION")};
   return all;
 }
 
@@ -87,6 +95,11 @@ void check(const sensing::Signals& signals) {
   require(
       signals.manual.latest.force_O.allFinite() && signals.manual.latest.rest_point_O.allFinite(),
       "manual force is finite");
+  const sensing::ShapeObservation& seen = signals.observation.latest;
+  require(seen.count >= 0 && seen.count <= sensing::ShapeObservation::kMostPoints, "point count");
+  require(seen.points_W.leftCols(seen.count).allFinite() && seen.deviation >= 0 &&
+              std::isfinite(seen.deviation),
+          "what is seen is finite");
 }
 
 }  // namespace
@@ -101,6 +114,9 @@ std::vector<std::string> seeds() {
   biotac_t touch{};
   touch.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
   touch.pac_count = 22;
+  shape_observation_t cloud{};
+  cloud.count = 3;
+  cloud.deviation = 1e-3;
   ft_wrench_t first{}, second{};
   first.session = second.session = 7;
   second.seq = 1;
@@ -112,6 +128,7 @@ std::vector<std::string> seeds() {
           seed(9, touch) + seed(10, touch),
           seed(11, component_command_t{}) + seed(13, sim_tick_t{}),
           seed(12, shape_target_t{}),
+          seed(14, cloud),
           seed(1, imu_t{}, kWrongFingerprint) + seed(2, robot, kWrongSize)};
 }
 

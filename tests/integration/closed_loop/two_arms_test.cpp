@@ -3,6 +3,7 @@
 #include <cmath>
 #include <palpate/estimate_t.hpp>
 
+#include "core/elasticity/worst_elements.hpp"
 #include "tests/integration/closed_loop/closed_loop.hpp"
 
 namespace palpate {
@@ -89,6 +90,82 @@ TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
   // The point lies in the middle: neither does more than the other.
   EXPECT_NEAR(way[0].norm() / way[1].norm(), 1, 0.25);
   EXPECT_TRUE(loop.daemon().pipeline().is_running());
+}
+
+// One side of the middle up, the other down, within limits of the hands, of what they may exert and
+// of what the object may bear.
+TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
+  constexpr double kForce = 1.2, kStretch = 1.03, kSpeed = 0.05;
+  ClosedLoop loop(
+      kControlScene, kConfiguration, {},
+      {"feature={component: points, rest_points: [[0.15, 0.03, 0.06], [0.25, 0.03, 0.06], [0.35, "
+       "0.03, 0.06]]}",
+       "control={provider: fem, law: quadratic_program, gain: 2, moves: both, linear_speed: 0.05, "
+       "limits: {force: 1.2, stretch: 1.03}}"});
+  loop.run(0.1);
+  loop.send_event("start");
+  loop.run(0.5);
+  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const object::HyperelasticPlant& plant = loop.simulation().plant();
+  const std::vector<Eigen::Vector3d>& points = pipeline.feature().rest_points();
+  Eigen::VectorXd target(9);
+  const double up[3] = {0.015, 0, -0.015};
+  for (int i = 0; i < 3; ++i)
+    target.segment<3>(3 * i) = plant.position_at(points[i]) + Eigen::Vector3d(0, 0, up[i]);
+  loop.send_target("points", target);
+
+  elasticity::WorstElements worst(pipeline.object().body, elasticity::Strain::kStretch);
+  double force = 0, stretch = 0, speed = 0, acceleration = 0;
+  math::Twist before[2];
+  int tick = 0;
+  loop.run(6.0, [&] {
+    ++tick;
+    for (int i = 0; i < 2; ++i) {
+      const math::Twist& now = pipeline.gate_output(i).V_W_E;
+      // Of G, which the limits speak of, where the flange turns as well.
+      const math::Pose& X_WE = loop.daemon().inputs().signals(i).robot.latest.X_WE;
+      const math::Twist V_G = math::move_reference(
+          now, Eigen::Vector3d(X_WE.linear() * pipeline.frames(i).X_EG.translation()));
+      speed = std::max(speed, V_G.linear.norm());
+      if (tick > 1)
+        acceleration =
+            std::max(acceleration, (now.linear - before[i].linear).cwiseAbs().maxCoeff() / 1e-3);
+      before[i] = now;
+      force = std::max(force, pipeline.estimate().reaction[i].force.cwiseAbs().maxCoeff());
+    }
+    worst.look(pipeline.model().positions());
+    stretch = std::max(stretch, worst.peak());
+  });
+  double largest = 0;
+  for (int i = 0; i < 3; ++i)
+    largest = std::max(largest, (plant.position_at(points[i]) - target.segment<3>(3 * i)).norm());
+  std::printf(
+      "error %.2f mm; force %.2f N, stretch %.3f, speed %.4f m/s, acceleration %.2f m/s^2\n",
+      1e3 * largest, force, stretch, speed, acceleration);
+  EXPECT_LT(largest, 3e-3);
+  EXPECT_LE(force, 1.02 * kForce);
+  EXPECT_LE(stretch - 1, 1.02 * (kStretch - 1));
+  EXPECT_LE(speed, kSpeed * (1 + 1e-6));
+  EXPECT_LE(acceleration, 0.5 * (1 + 1e-6)) << "the gate's, of the flange";
+  EXPECT_TRUE(pipeline.is_running()) << pipeline.condition().reason;
+}
+
+// Limits of joints are those of one arm.
+TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
+  const auto error_of = [](const std::vector<std::string>& overrides) -> std::string {
+    try {
+      ClosedLoop loop(kControlScene, kConfiguration, {}, overrides);
+    } catch (const config::Error& error) {
+      return error.what();
+    }
+    return "";
+  };
+  const std::string urdf = "robot.urdf=" PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf";
+  const std::vector<std::string> joints = {"control.law=quadratic_program",
+                                           "control.command=joint_velocity"};
+  EXPECT_NE(error_of({joints[0], joints[1], urdf}).find("moves the first arm only"),
+            std::string::npos);
+  EXPECT_NE(error_of({"second_arm." + urdf}).find("of the first arm only"), std::string::npos);
 }
 
 TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {

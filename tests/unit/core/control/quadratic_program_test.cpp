@@ -5,6 +5,7 @@
 
 #include "core/control/fem_jacobian.hpp"
 #include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/element_stress.hpp"
 #include "core/shape/point_feature.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
@@ -222,8 +223,96 @@ TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
   EXPECT_TRUE(model_->positions().allFinite());
 }
 
-TEST_F(BarServo, AllocatesNothingWithEveryLimit) {
+TEST_F(BarServo, KeepsTheStressOfTheWorstElements) {
+  QuadraticProgramLaw free(servo(), {});
+  start(free, {0, 0, 0.05});
+  const auto peak = [&] {
+    return elasticity::element_stress(body_, model_->positions()).von_mises.maxCoeff();
+  };
+  for (int i = 0; i < 600; ++i) tick();
+  const double freely = peak();
+  ASSERT_LT(error(), 2e-3);
+
   QuadraticProgramLaw::Limited limited;
+  limited.limits.stress = 0.6 * freely;
+  limited.body = &body_;
+  QuadraticProgramLaw law(servo(), limited);
+  start(law, {0, 0, 0.05});
+  double largest = 0;
+  for (int i = 0; i < 800; ++i) {
+    tick();
+    largest = std::max(largest, peak());
+  }
+  EXPECT_LE(largest, 1.02 * limited.limits.stress);
+  EXPECT_GT(largest, 0.95 * limited.limits.stress) << "as near as it may";
+  EXPECT_NEAR(law.limits().peak_stress(), peak(), 0.01 * peak());
+  EXPECT_STREQ(output_.remark, "the target lies beyond the limit of stress");
+  EXPECT_NEAR(output_.unreachable.norm(), error(), 0.1 * error()) << "all of what is left";
+  EXPECT_GT(error(), 2e-3);
+}
+
+TEST_F(BarServo, KeepsTheStretchOfTheWorstElements) {
+  QuadraticProgramLaw free(servo(), {});
+  start(free, {0, 0, 0.05});
+  elasticity::WorstElements worst(body_, elasticity::Strain::kStretch);
+  const auto peak = [&] {
+    for (int i = 0; i < 4; ++i) worst.look(model_->positions());
+    return worst.peak();
+  };
+  for (int i = 0; i < 600; ++i) tick();
+  const double freely = peak();
+  ASSERT_GT(freely, 1.02);
+
+  QuadraticProgramLaw::Limited limited;
+  limited.limits.stretch = 1 + 0.6 * (freely - 1);
+  limited.body = &body_;
+  QuadraticProgramLaw law(servo(), limited);
+  start(law, {0, 0, 0.05});
+  double largest = 0;
+  for (int i = 0; i < 800; ++i) {
+    tick();
+    largest = std::max(largest, peak());
+  }
+  EXPECT_LE(largest - 1, 1.02 * (limited.limits.stretch - 1));
+  EXPECT_GT(largest - 1, 0.95 * (limited.limits.stretch - 1));
+  EXPECT_STREQ(output_.remark, "the target lies beyond the limit of stretch");
+}
+
+// The hand in a place where the object is strained beyond its limit, which is also beyond the
+// workspace: the workspace gives way.
+TEST_F(BarServo, TheWorkspaceGivesWayBeforeTheStress) {
+  QuadraticProgramLaw free(servo(), {});
+  start(free, {0, 0, 0.05});
+  for (int i = 0; i < 600; ++i) tick();
+  const auto peak = [&] {
+    return elasticity::element_stress(body_, model_->positions()).von_mises.maxCoeff();
+  };
+  const double before = peak();
+  QuadraticProgramLaw::Limited limited;
+  limited.body = &body_;
+  limited.limits.stress = 0.8 * before;
+  limited.limits.workspace_lower = X_OG_.translation() - Vector3d::Constant(1e-3);
+  limited.limits.workspace_upper = X_OG_.translation() + Vector3d::Constant(1e-3);
+  limited.limits.angular_speed = 1e-3;  // no way round
+  QuadraticProgramLaw law(servo(), limited);
+  law.configure_for(*feature_);
+  law_ = &law;
+  target_.z() += 5e-3;
+  bool told = false;
+  for (int i = 0; i < 600; ++i) {
+    tick();
+    told = told || std::string(output_.remark) == "the hand's workspace gives way";
+  }
+  EXPECT_TRUE(told);
+  EXPECT_LT(peak(), 1.02 * limited.limits.stress);
+}
+
+TEST_F(BarServo, AllocatesNothingWithEveryLimit) {
+  body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  QuadraticProgramLaw::Limited limited;
+  limited.body = &body_;
+  limited.limits.stress = 500;
+  limited.limits.stretch = 1.02;
   limited.limits.force = 1;
   limited.limits.slip.pinch = 1;
   limited.limits.obstacles.assign(4, {{0.2, 0.03, 0.14}, 0.04});
@@ -249,6 +338,9 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
   using L = QuadraticProgramLaw::Limited;
   EXPECT_NO_THROW(make([](L&) {}));
   EXPECT_THROW(make([](L& l) { l.limits.force = 0; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.stress = -1; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.stress = 1e3; }), std::invalid_argument) << "no object";
+  EXPECT_THROW(make([](L& l) { l.limits.stretch = 0.9; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.slip.normal_G.setZero(); }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.workspace_lower.x() = 2e3; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(5); }), std::invalid_argument);

@@ -2,6 +2,7 @@
 
 #include <cstdlib>
 
+#include "core/elasticity/as_rigid_as_possible.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/linear_model.hpp"
 #include "core/elasticity/mass_spring_model.hpp"
@@ -128,6 +129,9 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(refining);
   CorotationalDynamic dynamic(quadratic);
   expect_no_allocation(dynamic);
+  AsRigidAsPossible geometric(quadratic), geometric_linear(linear);
+  expect_no_allocation(geometric);
+  expect_no_allocation(geometric_linear);
   CorotationalDynamic linear_dynamic(linear);
   expect_no_allocation(linear_dynamic);
   SolverOptions shared;

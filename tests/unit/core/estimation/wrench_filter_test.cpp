@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <cmath>
 #include <random>
 
 #include "rt/loop/allocation_counter.hpp"
@@ -54,6 +55,65 @@ TEST(WrenchFilter, IsConsistentWithAWorldOfItsOwn) {
   EXPECT_NEAR(nees / kSeeds / 13, 1, 1.96 * std::sqrt(2.0 / (kSeeds * 13)));
   EXPECT_NEAR(nis / kSeeds / kSteps / 6, 1, 1.96 * std::sqrt(2.0 / (kSeeds * kSteps * 6)));
   EXPECT_GT(log_young_covered / kSeeds, 0.9);
+}
+
+/// The same where the shape is seen, and virtual loads wander.
+TEST(WrenchFilter, IsConsistentWhileTheShapeIsSeen) {
+  constexpr int kSeeds = 200, kSteps = 50, kPoints = 5;
+  constexpr double kNoise = 0.02, kStep = 0.03;
+  const WrenchFilter::Options options;
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  double nees = 0;
+  int states = 0;
+  for (int seed = 0; seed < kSeeds; ++seed) {
+    WrenchFilter filter(1, options);
+    filter.begin_loads(math::Vector6d::Constant(0.2));
+    states = filter.contact();
+    const WrenchFilter::Covariance prior = filter.covariance();
+    WrenchFilter::Vector truth = drawn(prior, random);
+    for (int step = 0; step < kSteps; ++step) {
+      const double kept = std::exp(-kStep / options.memory);
+      filter.predict(kStep);
+      truth = kept * truth + std::sqrt(1 - kept * kept) * drawn(prior, random);
+      truth.segment<6>(filter.load()) += std::sqrt(2 * kStep / options.load_memory) *
+                                         drawn(prior, random).segment<6>(filter.load());
+      const int n = filter.shape_size();
+      WrenchFilter::ShapeMatrix matrix = WrenchFilter::ShapeMatrix::Zero(n, n);
+      WrenchFilter::ShapeState vector = WrenchFilter::ShapeState::Zero(n);
+      for (int point = 0; point < kPoints; ++point) {
+        WrenchFilter::ShapeState h(n);
+        for (int j = 0; j < n; ++j) h[j] = normal(random) * (j < 6 ? 100 : 1);
+        const double z = h.dot(truth.head(n)) + kNoise * normal(random);
+        matrix += h * h.transpose() / (kNoise * kNoise);
+        vector += h * z / (kNoise * kNoise);
+      }
+      ASSERT_TRUE(filter.take(matrix, vector));
+    }
+    const Eigen::VectorXd error = (truth - filter.mean()).head(states);
+    const Eigen::MatrixXd P = filter.covariance().topLeftCorner(states, states);
+    nees += error.dot(P.ldlt().solve(error));
+    EXPECT_LT(filter.deviation(filter.load()), 0.1);
+  }
+  EXPECT_NEAR(nees / kSeeds / states, 1, 1.96 * std::sqrt(2.0 / (kSeeds * states)));
+}
+
+TEST(WrenchFilter, WhatIsSeenIsRefusedWhereItIsNotFinite) {
+  WrenchFilter filter(2, {});
+  const int n = filter.shape_size();
+  WrenchFilter::ShapeMatrix matrix = WrenchFilter::ShapeMatrix::Identity(n, n);
+  WrenchFilter::ShapeState vector = WrenchFilter::ShapeState::Ones(n);
+  EXPECT_FALSE(filter.take(matrix, vector.head(n - 1)));
+  vector[3] = std::nan("");
+  EXPECT_FALSE(filter.take(matrix, vector));
+  vector[3] = 0;
+  matrix(2, 2) = HUGE_VAL;
+  EXPECT_FALSE(filter.take(matrix, vector));
+  EXPECT_TRUE(filter.mean().isZero(0));
+  matrix(2, 2) = 1;
+  EXPECT_TRUE(filter.take(matrix, vector));
+  EXPECT_EQ(filter.mean()[filter.load()], 0) << "nobody has begun with virtual loads";
+  EXPECT_GT(filter.mean()[filter.log_young()], 0);
 }
 
 TEST(WrenchFilter, WhatTheWrenchesDoNotTellOfStaysUnobserved) {

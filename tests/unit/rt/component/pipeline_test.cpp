@@ -73,6 +73,29 @@ TEST(Pipeline, UnknownComponentsAreNamedWithTheKnownOnes) {
   }
 }
 
+TEST(Pipeline, KeysOfWhatIsSeenAreKeptInTheirRanges) {
+  const auto with = [](const char* key, const char* value) {
+    return error_of({"estimation.component=pose_wrench_filter",
+                     std::string("estimation.") + key + "=" + value});
+  };
+  const struct {
+    const char *key, *good, *bad;
+  } keys[] = {{"observation_lag_ms", "40", "251"},
+              {"observation_lag_deviation_ms", "2", "0"},
+              {"surface_deviation", "0", "-1"},
+              {"surface_correlation_s", "1", "0"},
+              {"observation_gate", "4", "0.5"},
+              {"observation_reach", "0.05", "0"},
+              {"observation_points_per_tick", "256", "257"},
+              {"shape_deviation", "0.01", "0"},
+              {"observation_fade_ms", "300", "0"},
+              {"shape_memory_s", "10", "0"}};
+  for (const auto& key : keys) {
+    EXPECT_EQ(with(key.key, key.good), "");
+    EXPECT_NE(with(key.key, key.bad).find(key.key), std::string::npos) << key.key;
+  }
+}
+
 TEST(Pipeline, MissingMeshIsNamed) {
   const std::string error = error_of({"object.mesh={file: nowhere.msh}"});
   EXPECT_NE(error.find("nowhere.msh"), std::string::npos) << error;
@@ -109,6 +132,46 @@ TEST(Pipeline, ShapeFollowsTheHand) {
     EXPECT_NEAR(pipeline.model().positions()(2, node) - rest(2, node), 0.02, 1e-9);
   }
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
+}
+
+/// Keeps what it was told, and does nothing.
+class Witness : public estimation::Estimator {
+ public:
+  explicit Witness(estimation::ObservationInput& seen) : seen_(seen) {}
+  void activate(elasticity::DeformationModel&) noexcept override {}
+  sensing::UpdateResult update(const estimation::EstimationInputs& inputs,
+                               elasticity::DeformationModel&,
+                               estimation::Estimate&) noexcept override {
+    seen_ = inputs.observation;
+    return {};
+  }
+
+ private:
+  estimation::ObservationInput& seen_;
+};
+
+TEST(Pipeline, WhatIsSeenReachesTheEstimatorInTheObjectsFrame) {
+  Pipeline pipeline(example(), 1e-3);
+  estimation::ObservationInput seen;
+  pipeline.slots_at_setup().estimator = std::make_unique<Witness>(seen);
+  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  pipeline.start();
+  run(pipeline, signals, 2);
+  EXPECT_EQ(seen.freshness, sensing::Freshness::kNoData);
+  EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive) << "nothing need be seen";
+
+  const Eigen::Vector3d p_O(0.25, 0.03, 0.06);
+  signals.observation.freshness = sensing::Freshness::kNew;
+  signals.observation.latest.count = 2;
+  signals.observation.latest.deviation = 3e-4;
+  signals.observation.latest.time = 7;
+  signals.observation.latest.points_W.col(1) = (pipeline.frames().X_WO * p_O).cast<float>();
+  run(pipeline, signals, 1);
+  EXPECT_EQ(seen.freshness, sensing::Freshness::kNew);
+  ASSERT_EQ(seen.points_O.cols(), 2);
+  EXPECT_LT((seen.points_O.col(1) - p_O).norm(), 1e-6);
+  EXPECT_EQ(seen.deviation, 3e-4);
+  EXPECT_EQ(seen.time, 7);
 }
 
 TEST(Pipeline, NothingMovesBeforeStartOrWithoutTarget) {

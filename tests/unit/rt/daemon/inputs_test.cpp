@@ -39,11 +39,11 @@ class InputsTest : public ::testing::Test {
 
 TEST_F(InputsTest, ASecondArmAddsItsChannels) {
   const Inputs one(*bus_), two(*bus_, 2);
-  EXPECT_EQ(one.channel_count(), 10);
-  ASSERT_EQ(two.channel_count(), 14);
+  EXPECT_EQ(one.channel_count(), 11);
+  ASSERT_EQ(two.channel_count(), 15);
   std::set<std::string> names;
   for (int i = 0; i < two.channel_count(); ++i) names.insert(two.report(i).name);
-  EXPECT_EQ(names.size(), 14u) << "each once";
+  EXPECT_EQ(names.size(), 15u) << "each once";
   for (const char* name : {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"})
     EXPECT_EQ(names.count(name), 1u) << name;
 }
@@ -160,6 +160,48 @@ TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
   EXPECT_FALSE(read(6, 2, 211'000'000));
   EXPECT_FALSE(read(5, 72, 420'000'000)) << "what is left of the old one";
   EXPECT_EQ(report(inputs, "IMU_1").rejected, 2);
+}
+
+TEST_F(InputsTest, AnObservationComesWholeOrNotAtAll) {
+  Inputs inputs(*bus_);
+  const auto& stream = inputs.signals().observation;
+  shape_observation_t good{};
+  good.utime = 2'500'000;
+  good.count = 2;
+  good.deviation = 1e-3;
+  good.points[1][2] = 0.25F;
+  good.points[2][0] = std::nanf("");  // beyond the count, nobody looks at it
+  send("SHAPE_OBSERVATION", good, 1);
+  inputs.read(1'000'000, 1e-3);
+  ASSERT_EQ(stream.freshness, sensing::Freshness::kNew);
+  EXPECT_EQ(stream.latest.count, 2);
+  EXPECT_EQ(stream.latest.points_W(2, 1), 0.25F);
+  EXPECT_EQ(stream.latest.deviation, 1e-3);
+  EXPECT_EQ(stream.latest.time, 2.5);
+
+  int seq = 1;
+  const auto expect_refused = [&](auto&& spoil) {
+    shape_observation_t bad = good;
+    bad.points[1][2] = 0.5F;
+    spoil(bad);
+    send("SHAPE_OBSERVATION", bad, ++seq);
+    inputs.read(std::int64_t{seq} * 1'000'000, 1e-3);
+    EXPECT_EQ(stream.freshness, sensing::Freshness::kOld);
+    EXPECT_EQ(stream.latest.points_W(2, 1), 0.25F);
+    EXPECT_EQ(report(inputs, "SHAPE_OBSERVATION").rejected, seq - 1);
+  };
+  for (const float number : {std::nanf(""), HUGE_VALF, 1e7F})
+    expect_refused([&](auto& m) { m.points[0][1] = number; });
+  for (const double number : {0.0, -1e-3, 2.0, std::nan(""), HUGE_VAL})
+    expect_refused([&](auto& m) { m.deviation = number; });
+  for (const int number : {-1, 257, 1 << 30}) expect_refused([&](auto& m) { m.count = number; });
+  EXPECT_NEAR(stream.age, 1e-3 * (seq - 1), 1e-2) << "what is refused does not keep it young";
+
+  shape_observation_t nothing{};
+  send("SHAPE_OBSERVATION", nothing, ++seq);
+  inputs.read(std::int64_t{seq} * 1'000'000, 1e-3);
+  EXPECT_EQ(stream.latest.count, 0) << "a camera that sees nothing";
+  EXPECT_EQ(stream.freshness, sensing::Freshness::kNew);
 }
 
 }  // namespace

@@ -90,10 +90,13 @@ TEST_P(EveryConfiguration, SubscribesToNoTruth) {
   Daemon daemon(root, control, housekeeping, Mode::kDeterministic, 1);
   SteppedClock clock(control, 1);
 
-  const std::set<std::string> expected = {
-      "FT_WRENCH",   "IMU",      "ROBOT_STATE", "HAND_STATE", "MANUAL_FORCE", "BIOTAC_0",
-      "BIOTAC_1",    "BIOTAC_2", "BIOTAC_3",    "BIOTAC_4",   "SIM_TICK",     "COMPONENT_COMMAND",
-      "SHAPE_TARGET"};
+  const std::set<std::string> expected = {"FT_WRENCH",    "IMU",
+                                          "ROBOT_STATE",  "HAND_STATE",
+                                          "MANUAL_FORCE", "BIOTAC_0",
+                                          "BIOTAC_1",     "BIOTAC_2",
+                                          "BIOTAC_3",     "BIOTAC_4",
+                                          "SIM_TICK",     "COMPONENT_COMMAND",
+                                          "SHAPE_TARGET", "SHAPE_OBSERVATION"};
   const std::set<std::string> heard = control.channels();
   EXPECT_TRUE(std::includes(heard.begin(), heard.end(), expected.begin(), expected.end()));
   for (const RecordingBus* bus : {&control, &housekeeping}) {

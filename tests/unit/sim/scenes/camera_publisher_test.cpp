@@ -141,6 +141,25 @@ TEST(CameraPublisher, FollowsTheSensorTable) {
   EXPECT_GT(moved.normalized().dot(along), 0.95F);
 }
 
+TEST(CameraPublisher, SeesNothingWhileItIsOccluded) {
+  const std::string occlusions = "camera.occlusions=[{at: 0.2, duration: 0.3}]";
+  const auto some = observe(0.8, {"sensors.camera.drop_out=0", occlusions}), all = observe(0.8);
+  ASSERT_FALSE(all.empty());
+  std::map<std::int64_t, shape_observation_t> seen;
+  for (const auto& m : some) seen[m.utime] = m;
+  for (const auto& m : all) {
+    const std::int64_t since_us = m.utime - all.front().utime;
+    const bool hidden = since_us > 200'000 && since_us < 466'000;
+    if (hidden) {
+      EXPECT_EQ(seen.count(m.utime), 0u) << since_us;
+    }
+    if (since_us < 166'000 || since_us > 500'000) {
+      ASSERT_EQ(seen.count(m.utime), 1u) << since_us;
+      EXPECT_TRUE(alike(seen.at(m.utime), m)) << "what was not seen changes nothing of the rest";
+    }
+  }
+}
+
 TEST(CameraPublisher, TruthSegmentationCanBeChosen) {
   const auto found = observe(0.1, {"camera.segmentation=truth", "camera.colour=[0.6, 0.62, 0.65]"});
   ASSERT_FALSE(found.empty());  // grey as the hand: colour alone would not tell them apart
@@ -151,7 +170,9 @@ TEST(CameraPublisher, TruthSegmentationCanBeChosen) {
 TEST(CameraPublisher, WrongKeysAreRefused) {
   for (const char* wrong :
        {"camera.eyes=3", "camera.segmentation=magic", "camera.voxel=0", "camera.margin=-1",
-        "camera.colour=[0, 0, 0]", "camera.target=[1.1, -0.9, 0.2]",
+        "camera.colour=[0, 0, 0]", "camera.target=[1.1, -0.9, 0.2]", "camera.occlusions=[{at: 1}]",
+        "camera.occlusions=[{at: -1, duration: 1}]", "camera.occlusions=[{at: 1, duration: 0}]",
+        "camera.occlusions=[{at: 1, duration: 2}, {at: 2, duration: 1}]",
         "camera.pose.position=[0, 0, 1]", "sensors.camera.rate=0",
         "sensors.camera.depth.edge_loss=2", "sensors.camera.depth.farthest=0.2"}) {
     EXPECT_THROW(read_scene(config::Node::load_file(kSixPoses, {kEye, wrong})), config::Error)

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <vector>
+
+namespace palpate::elasticity {
+
+/// Cholesky factor L D L^T of a graph Laplacian without the rows and columns of given nodes. All
+/// axes of a nodal vector are solved for together.
+class LaplacianFactor {
+ public:
+  /// `laplacian`: n x n, symmetric, both triangles. Not usable where every node, or of some part of
+  /// the graph none, is given. Allocates.
+  LaplacianFactor(const Eigen::SparseMatrix<double>& laplacian, const std::vector<bool>& given);
+
+  bool is_usable() const noexcept { return usable_; }
+  const std::vector<int>& nodes() const noexcept { return nodes_; }  // free ones, as eliminated
+  /// Overwrites the free nodes' columns of `b`, 3 x n, with the solution; leaves the others alone.
+  /// Needs is_usable.
+  void solve(Eigen::Matrix3Xd& b) noexcept;
+
+ private:
+  bool usable_ = false;
+  std::vector<int> nodes_;
+  std::vector<int> start_, row_;
+  std::vector<double> lower_, inverse_d_;
+  Eigen::Matrix3Xd y_;
+};
+
+}  // namespace palpate::elasticity

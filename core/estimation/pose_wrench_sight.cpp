@@ -1,0 +1,74 @@
+// What of the filter takes what is seen of the shape.
+#include <cmath>
+
+#include "core/estimation/pose_wrench_filter.hpp"
+
+namespace palpate::estimation {
+
+SurfaceFit::Basis PoseWrenchFilter::basis(
+    const elasticity::DeformationModel& model) const noexcept {
+  SurfaceFit::Basis basis;
+  basis.sensitivity = &model.sensitivity();
+  basis.filter = &filter_;
+  for (int g = 0; g < filter_.grasp_count(); ++g) {
+    basis.held[g] = model.is_held(g);
+    basis.turn[g] = both_halves(follower_.X_OG(g).linear());
+  }
+  return basis;
+}
+
+/// Of a held grasp, the part of its predicted wrench that is not the mean's: what has not faded in
+/// yet, and the virtual loads, which are no forces of this world.
+math::Vector6d PoseWrenchFilter::wrench_of_shift(
+    int grasp, const elasticity::DeformationModel& model) const noexcept {
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  math::Vector6d wrench = math::Vector6d::Zero();
+  if (!sensitivity.valid) return wrench;
+  for (int g = 0; g < filter_.grasp_count(); ++g) {
+    if (!model.is_held(g)) continue;
+    const math::Vector6d in_O =
+        both_halves(follower_.X_OG(g).linear()) * shift_.segment<6>(filter_.offset(g));
+    wrench.noalias() += sensitivity.dw_dxi[grasp][g] * in_O;
+  }
+  wrench += shift_[filter_.log_young()] *
+            sensitivity.dw_dparameter[grasp].col(elasticity::Sensitivity::kLogYoung);
+  for (int k = 0; filter_.has_loads() && k < VirtualLoads::kCount; ++k) {
+    const int first = filter_.load() + 3 * k;
+    const Eigen::Vector3d force = filter_.mean().segment<3>(first) + shift_.segment<3>(first);
+    wrench.noalias() += sensitivity.dw_dforce[grasp][k] * force;
+  }
+  return stiffness() * wrench;
+}
+
+/// From the first message on the shapes are remembered, so that later ones find theirs.
+void PoseWrenchFilter::see(const ObservationInput& seen, elasticity::DeformationModel& model,
+                           double dt) noexcept {
+  const bool is_new = seen.freshness == sensing::Freshness::kNew;
+  if (!is_seen_ && !is_new) return;
+  if (!is_seen_) loads_.watch(model);
+  is_seen_ = true;
+  shift_ *= std::exp(-dt / options_.fade);
+  history_.record(model.positions(), applied(), dt);
+  if (is_new) sight_.begin(seen, history_);
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  if (!sight_.is_busy() || !sensitivity.valid) {
+    sight_.wait(dt);
+    return;
+  }
+  if (!filter_.has_loads() && VirtualLoads::is_known(sensitivity))
+    filter_.begin_loads(loads_.for_distance(options_.shape, sensitivity));
+  if (sight_.advance(basis(model), dt)) take_sight(model);
+}
+
+void PoseWrenchFilter::take_sight(const elasticity::DeformationModel& model) noexcept {
+  const WrenchFilter::Vector before = filter_.mean();
+  const SurfaceFit::Information& told = sight_.information();
+  if (told.used == 0 || !filter_.take(told.matrix, told.vector)) return;
+  const WrenchFilter::Vector change = filter_.mean() - before;
+  shift_ -= change.head(filter_.shape_size());
+  std::array<bool, 2> held{};
+  for (int g = 0; g < filter_.grasp_count(); ++g) held[g] = model.is_held(g);
+  follow(held, wrench_rows(held, model), change);
+}
+
+}  // namespace palpate::estimation

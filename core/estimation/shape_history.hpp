@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cmath>
+#include <vector>
+
+#include "core/estimation/wrench_filter.hpp"
+
+namespace palpate::estimation {
+
+/// The shapes of the last third of a second, with the state that each followed from: what arrives
+/// late tells of one of them. Nothing allocates after construction.
+class ShapeHistory {
+ public:
+  static constexpr double kPeriod = 0.005;  // s between two shapes
+  static constexpr double kLongest = 0.3;   // s
+
+  struct Moment {
+    Eigen::Matrix3Xd positions;   // m
+    Eigen::Matrix3Xd velocities;  // m/s
+    WrenchFilter::ShapeState state;
+  };
+
+  explicit ShapeHistory(int nodes) : entries_(static_cast<std::size_t>(kLongest / kPeriod) + 2) {
+    for (Entry& entry : entries_) entry.positions.setZero(3, nodes);
+  }
+
+  void clear() noexcept { count_ = 0; }
+
+  /// Once a tick of `dt` seconds.
+  void record(const Eigen::Matrix3Xd& positions, const WrenchFilter::ShapeState& state,
+              double dt) noexcept {
+    since_ += dt;
+    if (count_ > 0 && since_ < kPeriod * (1 - 1e-9)) return;
+    newest_ = (newest_ + 1) % entries_.size();
+    count_ = std::min(count_ + 1, entries_.size());
+    Entry& entry = entries_[newest_];
+    entry.positions = positions.cast<float>();
+    entry.state = state;
+    entry.since = since_;
+    since_ = 0;
+  }
+
+  /// How it was `ago` seconds before the last record(), between two that are kept. False where that
+  /// is longer ago than anything that is known.
+  bool recall(double ago, Moment& moment) const noexcept {
+    double age = since_;
+    for (std::size_t i = 0; i + 1 < count_; ++i) {
+      const Entry& later = entries_[(newest_ + entries_.size() - i) % entries_.size()];
+      const Entry& earlier = entries_[(newest_ + entries_.size() - i - 1) % entries_.size()];
+      if (ago <= age + later.since || later.since <= 0) {
+        const auto share = static_cast<float>(std::clamp((ago - age) / later.since, 0.0, 1.0));
+        const auto rate = static_cast<float>(1 / later.since);
+        moment.positions =
+            (later.positions + share * (earlier.positions - later.positions)).cast<double>();
+        moment.velocities = (rate * (later.positions - earlier.positions)).cast<double>();
+        moment.state = later.state + share * (earlier.state - later.state);
+        return true;
+      }
+      age += later.since;
+    }
+    return false;
+  }
+
+ private:
+  struct Entry {
+    Eigen::Matrix3Xf positions;
+    WrenchFilter::ShapeState state;
+    double since = 0;  // s, from the entry before
+  };
+  std::vector<Entry> entries_;
+  std::size_t newest_ = 0, count_ = 0;
+  double since_ = 0;  // s, from the newest
+};
+
+}  // namespace palpate::estimation

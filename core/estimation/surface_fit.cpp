@@ -1,0 +1,126 @@
+#include "core/estimation/surface_fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace palpate::estimation {
+
+using Eigen::Vector3d;
+
+SurfaceFit::SurfaceFit(int nodes, const mesh::Surface& surface, const Options& options)
+    : options_(options), matcher_(surface) {
+  for (const double value :
+       {options.lag_deviation, options.correlation, options.gate, options.reach}) {
+    if (!(value > 0)) throw std::invalid_argument("options of a surface fit must be positive");
+  }
+  if (!(options.lag >= 0 && options.lag < ShapeHistory::kLongest) || !(options.surface >= 0) ||
+      options.places < 1 || options.points_per_tick < 1)
+    throw std::invalid_argument("options of a surface fit are out of range");
+  moment_.positions.setZero(3, nodes);
+  moment_.velocities.setZero(3, nodes);
+}
+
+void SurfaceFit::reset() noexcept {
+  points_.resize(3, 0);
+  next_ = 0;
+  since_ = 0;
+  scale_ = -1;
+}
+
+bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history) noexcept {
+  interval_ = std::clamp(since_, 1e-3, options_.correlation);
+  since_ = 0;
+  points_.resize(3, 0);
+  next_ = 0;
+  if (!(seen.deviation > 0 && std::isfinite(seen.deviation)) || seen.points_O.cols() == 0 ||
+      !seen.points_O.allFinite() || !history.recall(options_.lag, moment_))
+    return false;
+  points_ = seen.points_O;
+  deviation_ = seen.deviation;
+  const double alike = std::max(1.0, static_cast<double>(points_.cols()) / options_.places);
+  model_variance_ = options_.surface * options_.surface * alike * options_.correlation / interval_;
+  matcher_.take(moment_.positions);
+  residual_count_ = 0;
+  information_.used = information_.rejected = 0;
+  information_.matrix.resize(0, 0);
+  return true;
+}
+
+bool SurfaceFit::advance(const Basis& basis, double dt) noexcept {
+  since_ += dt;
+  const int size = basis.filter->shape_size();
+  if (information_.matrix.cols() != size) {
+    information_.matrix = WrenchFilter::ShapeMatrix::Zero(size, size);
+    information_.vector = WrenchFilter::ShapeState::Zero(size);
+  }
+  const Eigen::Index end = std::min<Eigen::Index>(points_.cols(), next_ + options_.points_per_tick);
+  for (; next_ < end; ++next_) take(points_.col(next_), basis);
+  if (is_busy()) return false;
+  close_message();
+  return true;
+}
+
+void SurfaceFit::add_node(const Basis& basis, int node, double weight, NodeRows& rows) noexcept {
+  const elasticity::Sensitivity& s = *basis.sensitivity;
+  const WrenchFilter& filter = *basis.filter;
+  for (int g = 0; g < filter.grasp_count(); ++g) {
+    if (basis.held[g])
+      rows.middleCols<6>(filter.offset(g)) += weight * s.dx_dxi[g].middleRows<3>(3 * node);
+  }
+  rows.col(filter.log_young()) +=
+      weight * s.dx_dparameter.middleRows<3>(3 * node).col(elasticity::Sensitivity::kLogYoung);
+  for (int k = 0; k < VirtualLoads::kCount; ++k)
+    rows.middleCols<3>(filter.load() + 3 * k) += weight * s.dx_dforce[k].middleRows<3>(3 * node);
+}
+
+void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
+  const WrenchFilter& filter = *basis.filter;
+  const SurfaceMatch match = matcher_.find(p);
+  if (match.count == 0 || match.normal.isZero(0)) return;
+  rows_.setZero(3, filter.shape_size());
+  Vector3d velocity = Vector3d::Zero();
+  for (int i = 0; i < match.count; ++i) {
+    add_node(basis, match.nodes[i], match.weights[i], rows_);
+    velocity += match.weights[i] * moment_.velocities.col(match.nodes[i]);
+  }
+  WrenchFilter::ShapeState h = rows_.transpose() * match.normal;
+  for (int g = 0; g < filter.grasp_count(); ++g) {
+    const math::Vector6d in_O = h.segment<6>(filter.offset(g));
+    h.segment<6>(filter.offset(g)).noalias() = basis.turn[g].transpose() * in_O;
+  }
+  const double z = match.normal.dot(p - match.position) + h.dot(moment_.state);
+  const double y = z - h.dot(filter.mean().head(filter.shape_size()));
+  const double late = match.normal.dot(velocity) * options_.lag_deviation;
+  const double own = deviation_ * deviation_ + late * late;
+  WrenchFilter::ShapeState Ph = WrenchFilter::ShapeState::Zero(h.size());
+  Ph.noalias() = filter.covariance().topLeftCorner(h.size(), h.size()) * h;
+  if (!std::isfinite(z) || !h.allFinite()) return;
+
+  // Where most points are off by more than is expected, it is the state that is wrong.
+  residuals_[static_cast<std::size_t>(residual_count_++)] = std::abs(y);
+  const double plain = std::sqrt(own + options_.surface * options_.surface);
+  const double expected = std::sqrt(plain * plain + h.dot(Ph));
+  const double spread = std::max(expected, scale_);
+  const double aside = (p - match.position - (z - h.dot(moment_.state)) * match.normal).norm();
+  if (std::max(std::abs(y), aside) > std::min(options_.gate * spread, options_.reach)) {
+    ++information_.rejected;
+    return;
+  }
+  // Huber's weight: what is far off for a point pulls no harder than what is a little off.
+  const double usual = 1.5 * std::max(plain, scale_ < 0 ? expected : scale_);
+  const double trust = std::min(1.0, usual / std::max(std::abs(y), 1e-12));
+  const double weight = trust / (own + model_variance_);
+  information_.matrix.noalias() += (weight * h) * h.transpose();
+  information_.vector += weight * z * h;
+  ++information_.used;
+}
+
+void SurfaceFit::close_message() noexcept {
+  if (residual_count_ == 0) return;
+  const auto middle = residuals_.begin() + residual_count_ / 2;
+  std::nth_element(residuals_.begin(), middle, residuals_.begin() + residual_count_);
+  scale_ = 1.4826 * *middle;
+}
+
+}  // namespace palpate::estimation

@@ -1,0 +1,82 @@
+#pragma once
+
+#include "core/estimation/estimator.hpp"
+#include "core/estimation/shape_history.hpp"
+#include "core/estimation/surface_match.hpp"
+#include "core/estimation/virtual_loads.hpp"
+
+namespace palpate::estimation {
+
+/// Turns points that were seen on the surface, nobody knows where on it, into what they tell of the
+/// states that the shape follows: the sum over points of h h^T / s^2 and h z / s^2, where h is the
+/// derivative by the states of the surface's motion along its normal at the nearest point, z what
+/// is measured of h x and s the deviation (point to plane, Chen and Medioni 1992). The work of one
+/// message is spread over ticks. Nothing allocates after construction.
+class SurfaceFit {
+ public:
+  struct Options {
+    double lag = 0.064;            // s, from when points are seen until they arrive
+    double lag_deviation = 0.005;  // s: what moves is seen less exactly
+    /// m, what mesh and calibration may be wrong by at a place. It is the same for all points near
+    /// it, a `places`-th of them, and for about `correlation` seconds, so that neither more points
+    /// nor more messages tell more of it.
+    double surface = 5e-4;
+    int places = 20;
+    double correlation = 0.3;  // s
+    double gate = 3;      // deviations: points beyond are of something else, a hand or a table,
+    double reach = 0.02;  // m: and beyond this, whatever else is uncertain
+    int points_per_tick = 16;
+  };
+  struct Information {
+    WrenchFilter::ShapeMatrix matrix;
+    WrenchFilter::ShapeState vector;
+    int used = 0;      // points
+    int rejected = 0;  // of something else
+  };
+  /// What the derivatives follow from.
+  struct Basis {
+    const elasticity::Sensitivity* sensitivity = nullptr;
+    std::array<bool, 2> held{};
+    std::array<math::Matrix6d, 2> turn;  // from G to O, for displacements and rotations
+    const WrenchFilter* filter = nullptr;
+  };
+
+  /// Throws std::invalid_argument where an option is out of range.
+  SurfaceFit(int nodes, const mesh::Surface& surface, const Options& options);
+
+  void reset() noexcept;
+  /// A new message; what was left of the one before is dropped. False where nothing is known of the
+  /// shape when it was seen.
+  bool begin(const ObservationInput& seen, const ShapeHistory& history) noexcept;
+  bool is_busy() const noexcept { return next_ < points_.cols(); }
+  /// The next points. True when these were the last: then information() is whole.
+  bool advance(const Basis& basis, double dt) noexcept;
+  /// Each tick in which there is nothing to do.
+  void wait(double dt) noexcept { since_ += dt; }
+  const Information& information() const noexcept { return information_; }
+
+  /// Derivative of a node's position by the states, 3 x shape_size().
+  using NodeRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, WrenchFilter::kMostShape>;
+  static void add_node(const Basis& basis, int node, double weight, NodeRows& rows) noexcept;
+
+ private:
+  void take(const Eigen::Vector3d& p, const Basis& basis) noexcept;
+  void close_message() noexcept;
+
+  Options options_;
+  SurfaceMatcher matcher_;
+  ShapeHistory::Moment moment_;
+  ObservationInput::Points points_;
+  Eigen::Index next_ = 0;
+  double deviation_ = 0;
+  double since_ = 0;     // s, from the beginning of the last message
+  double interval_ = 0;  // s, between messages
+  double model_variance_ = 0;
+  double scale_ = -1;  // m, robust deviation of the last message's residuals; below zero: none yet
+  std::array<double, ObservationInput::kMostPoints> residuals_{};
+  int residual_count_ = 0;
+  NodeRows rows_;
+  Information information_;
+};
+
+}  // namespace palpate::estimation

@@ -1,0 +1,141 @@
+#include "core/estimation/surface_match.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/contact/surface_search.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+using Eigen::Vector3d;
+
+/// Corners 0 to 2 and the middles of edges 01, 12, 20 make four flat triangles.
+constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
+constexpr double kAreal[6][3] = {{1, 0, 0},   {0, 1, 0},   {0, 0, 1},
+                                 {.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}};
+
+struct Shape {
+  std::array<double, 6> values{};
+  std::array<Vector3d, 6> slopes;  // by the three areal coordinates
+};
+
+Shape shape_at(const Vector3d& l, int count) noexcept {
+  Shape s;
+  for (int i = 0; i < 3; ++i) {
+    s.values[i] = count == 3 ? l[i] : l[i] * (2 * l[i] - 1);
+    s.slopes[i] = (count == 3 ? 1 : 4 * l[i] - 1) * Vector3d::Unit(i);
+  }
+  for (int i = 3; i < count; ++i) {
+    const int a = i - 3, b = (i - 2) % 3;
+    s.values[i] = 4 * l[a] * l[b];
+    s.slopes[i] = 4 * (l[b] * Vector3d::Unit(a) + l[a] * Vector3d::Unit(b));
+  }
+  return s;
+}
+
+}  // namespace
+
+SurfaceMatcher::SurfaceMatcher(const mesh::Surface& surface) {
+  for (const std::vector<int>& nodes : surface.triangle_nodes) {
+    Face face;
+    face.count = static_cast<int>(nodes.size());
+    std::copy(nodes.begin(), nodes.end(), face.nodes.begin());
+    faces_.push_back(face);
+  }
+  const auto count = static_cast<Eigen::Index>(faces_.size());
+  centers_.setZero(3, count);
+  radii_.setZero(count);
+  squared_.setZero(count);
+}
+
+void SurfaceMatcher::take(const Eigen::Matrix3Xd& positions) noexcept {
+  positions_ = &positions;
+  for (std::size_t f = 0; f < faces_.size(); ++f) {
+    const Face& face = faces_[f];
+    const auto k = static_cast<Eigen::Index>(f);
+    Vector3d center = Vector3d::Zero();
+    for (int i = 0; i < face.count; ++i) center += positions.col(face.nodes[i]) / face.count;
+    double squared = 0;
+    for (int i = 0; i < face.count; ++i)
+      squared = std::max(squared, (positions.col(face.nodes[i]) - center).squaredNorm());
+    centers_.col(k) = center;
+    radii_[k] = std::sqrt(squared);
+  }
+}
+
+SurfaceMatch SurfaceMatcher::find(const Vector3d& p) const noexcept {
+  if (faces_.empty() || positions_ == nullptr) return {};
+  squared_ = (centers_.colwise() - p.array()).square().colwise().sum().transpose();
+  Eigen::Index nearest = 0;
+  squared_.minCoeff(&nearest);
+  Place best;
+  best.squared = 1e300;
+  look_closely(static_cast<int>(nearest), p, best);
+  double reach = std::sqrt(best.squared);
+  for (Eigen::Index f = 0; f < squared_.size(); ++f) {
+    const double bound = reach + radii_[f];
+    if (f == nearest || squared_[f] > bound * bound) continue;
+    look_closely(static_cast<int>(f), p, best);
+    reach = std::sqrt(best.squared);
+  }
+  return on(best, p);
+}
+
+void SurfaceMatcher::look_closely(int index, const Vector3d& p, Place& best) const noexcept {
+  const Face& face = faces_[static_cast<std::size_t>(index)];
+  const Eigen::Matrix3Xd& x = *positions_;
+  const int parts = face.count == 6 ? 4 : 1;
+  for (int part = 0; part < parts; ++part) {
+    const int whole[3] = {0, 1, 2};
+    const int* corners = parts == 4 ? kParts[part] : whole;
+    const contact::SurfacePoint found = contact::closest_point_on_triangle(
+        p, x.col(face.nodes[corners[0]]), x.col(face.nodes[corners[1]]),
+        x.col(face.nodes[corners[2]]));
+    const double squared = found.distance * found.distance;
+    if (!(squared < best.squared)) continue;
+    best.squared = squared;
+    best.face = index;
+    best.areal.setZero();
+    for (int i = 0; i < 3; ++i)
+      best.areal += found.weights[i] * Eigen::Map<const Vector3d>(kAreal[corners[i]]);
+  }
+}
+
+/// From the flat triangle to the curved face: one step of Gauss and Newton along it. What it leaves
+/// lies across the normal, along which alone points are compared.
+SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noexcept {
+  if (place.face < 0) return {};
+  const Face& face = faces_[static_cast<std::size_t>(place.face)];
+  const Eigen::Matrix3Xd& x = *positions_;
+  SurfaceMatch match;
+  match.count = face.count;
+  match.nodes = face.nodes;
+  Vector3d areal = place.areal;
+  for (int pass = 0; pass < 2; ++pass) {
+    const Shape shape = shape_at(areal, face.count);
+    Eigen::Matrix3d by_areal = Eigen::Matrix3d::Zero();
+    match.position.setZero();
+    for (int i = 0; i < face.count; ++i) {
+      match.position += shape.values[i] * x.col(face.nodes[i]);
+      by_areal.noalias() += x.col(face.nodes[i]) * shape.slopes[i].transpose();
+    }
+    match.weights = shape.values;
+    Eigen::Matrix<double, 3, 2> along;
+    along << by_areal.col(1) - by_areal.col(0), by_areal.col(2) - by_areal.col(0);
+    const Vector3d across = along.col(0).cross(along.col(1));
+    const double area = across.norm();
+    match.normal = area > 0 ? Vector3d(across / area) : Vector3d::Zero();
+    if (pass == 1 || face.count == 3 || !(area > 0)) break;
+    const Eigen::Matrix2d metric = along.transpose() * along;
+    const Eigen::Vector2d step = metric.inverse() * (along.transpose() * (p - match.position));
+    areal += Vector3d(-step.sum(), step[0], step[1]);
+    areal = areal.cwiseMax(0.0);
+    areal /= areal.sum();
+  }
+  match.distance = (p - match.position).norm();
+  return match;
+}
+
+}  // namespace palpate::estimation

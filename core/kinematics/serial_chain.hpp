@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::kinematics {
+
+/// One joint of an arm that moves, from the base on. What is fixed between two of them is part of
+/// the origin of the outer one.
+struct Joint {
+  std::string name;
+  bool revolute = true;                               // else it slides
+  math::Pose X_PJ = math::Pose::Identity();           // of the joint in the one before, at q = 0
+  Eigen::Vector3d axis_J = Eigen::Vector3d::UnitZ();  // unit length
+  double lower = 0, upper = 0;                        // rad or m
+  double speed = 0;                                   // rad/s or m/s, > 0
+};
+
+/// An arm without branches, from its base W to its flange E.
+class SerialChain {
+ public:
+  static constexpr int kMostJoints = 16;
+  using Joints = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostJoints, 1>;
+  using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostJoints>;
+
+  /// `X_JE`: the flange in the last joint. Throws std::invalid_argument, naming the joint, where
+  /// there are none or too many, limits are empty or not finite, or an axis is not of unit length.
+  SerialChain(std::vector<Joint> joints, const math::Pose& X_JE);
+
+  int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
+  const Joint& joint(int index) const noexcept { return joints_[index]; }
+
+  struct State {
+    math::Pose X_WE = math::Pose::Identity();
+    Jacobian J_W_E;  // twist of the origin of E in W by joint velocities, linear first
+  };
+  /// For joint_count() positions `q`. Allocates nothing.
+  void evaluate(const Eigen::Ref<const Eigen::VectorXd>& q, State& state) const noexcept;
+
+ private:
+  std::vector<Joint> joints_;
+  math::Pose X_JE_;
+};
+
+}  // namespace palpate::kinematics

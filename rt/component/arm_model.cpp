@@ -1,0 +1,125 @@
+#include "rt/component/arm_model.hpp"
+
+#include <urdf_model/model.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+namespace palpate::component {
+namespace {
+
+using kinematics::SerialChain;
+constexpr double kDegree = 0.017453292519943295;
+constexpr double kTurn = 2 * 3.14159265358979323846;
+
+math::Pose to_pose(const urdf::Pose& pose) {
+  const Eigen::Quaterniond q(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
+  return math::make_pose(q.normalized().toRotationMatrix(),
+                         {pose.position.x, pose.position.y, pose.position.z});
+}
+
+/// What urdfdom reads of it; nullptr otherwise.
+urdf::ModelInterfaceSharedPtr parse(const std::string& path) {
+  std::ifstream file(path);
+  if (!file) throw std::invalid_argument(path + ": cannot be opened");
+  std::ostringstream text;
+  text << file.rdbuf();
+  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text.str());
+  if (!model) throw std::invalid_argument(path + ": not a URDF file that urdfdom can read");
+  return model;
+}
+
+kinematics::Joint to_joint(const urdf::Joint& from) {
+  const bool turns_on = from.type == urdf::Joint::CONTINUOUS;
+  if (from.type != urdf::Joint::REVOLUTE && from.type != urdf::Joint::PRISMATIC && !turns_on)
+    throw std::invalid_argument("joint " + from.name + ": is none that turns or slides");
+  if (!from.limits) throw std::invalid_argument("joint " + from.name + ": has no limits");
+  kinematics::Joint joint;
+  joint.name = from.name;
+  joint.revolute = from.type != urdf::Joint::PRISMATIC;
+  const Eigen::Vector3d axis(from.axis.x, from.axis.y, from.axis.z);
+  if (!(axis.norm() > 1e-6)) throw std::invalid_argument("joint " + from.name + ": has no axis");
+  joint.axis_J = axis.normalized();
+  joint.lower = turns_on ? -1e3 * kTurn : from.limits->lower;
+  joint.upper = turns_on ? 1e3 * kTurn : from.limits->upper;
+  joint.speed = from.limits->velocity;
+  return joint;
+}
+
+/// Limits that the section names come in the place of the file's, all joints at once.
+void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
+  if (!node.has(key)) return;
+  const std::vector<double> degrees =
+      node.numbers(key, static_cast<int>(ends.size()), {-3.6e5, 3.6e5});
+  for (int i = 0; i < ends.size(); ++i) ends[i] = degrees[i] * kDegree;
+}
+
+}  // namespace
+
+SerialChain read_urdf(const std::string& path, const std::string& flange) {
+  const urdf::ModelInterfaceSharedPtr model = parse(path);
+  urdf::LinkConstSharedPtr link = model->getLink(flange);
+  if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
+  std::vector<kinematics::Joint> joints;         // from the flange to the base
+  math::Pose X_beyond = math::Pose::Identity();  // what is fixed beyond the joint before
+  math::Pose X_JE = math::Pose::Identity();
+  try {
+    for (; link->parent_joint; link = link->getParent()) {
+      const urdf::Joint& joint = *link->parent_joint;
+      const math::Pose X = to_pose(joint.parent_to_joint_origin_transform);
+      if (joint.type == urdf::Joint::FIXED) {
+        X_beyond = X * X_beyond;
+        continue;
+      }
+      (joints.empty() ? X_JE : joints.back().X_PJ) =
+          joints.empty() ? X_beyond : math::Pose(X_beyond * joints.back().X_PJ);
+      X_beyond = math::Pose::Identity();
+      joints.push_back(to_joint(joint));
+      joints.back().X_PJ = X;
+    }
+    if (!joints.empty()) joints.back().X_PJ = X_beyond * joints.back().X_PJ;
+    std::reverse(joints.begin(), joints.end());
+    return SerialChain(joints, X_JE);
+  } catch (const std::invalid_argument& error) {
+    throw std::invalid_argument(path + ": " + error.what());
+  }
+}
+
+std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
+  if (root.has("second_arm") && root.child("second_arm").has("robot"))
+    root.child("second_arm").fail("robot", "joints are commanded of the first arm only");
+  if (!root.has("robot")) return nullptr;
+  const config::Node node = root.child("robot");
+  try {
+    auto model = std::make_shared<ArmModel>(
+        ArmModel{read_urdf(node.path("urdf"), node.text("flange", "flange")), {}});
+    const SerialChain& chain = model->chain;
+    const int n = chain.joint_count();
+    control::JointLimits& limits = model->limits;
+    limits.lower.resize(n);
+    limits.upper.resize(n);
+    limits.speed.resize(n);
+    for (int i = 0; i < n; ++i) {
+      limits.lower[i] = chain.joint(i).lower;
+      limits.upper[i] = chain.joint(i).upper;
+      limits.speed[i] = chain.joint(i).speed;
+    }
+    read_ends(node, "joint_lower_deg", limits.lower);
+    read_ends(node, "joint_upper_deg", limits.upper);
+    const double margin = node.number("joint_margin_deg", {0, 90}, 1) * kDegree;
+    limits.lower.array() += margin;
+    limits.upper.array() -= margin;
+    limits.speed *= node.number("joint_speed_share", {0.01, 1}, 1);
+    limits.acceleration =
+        SerialChain::Joints::Constant(n, node.number("joint_acceleration", {0.01, 1e3}, 5));
+    limits.check();
+    return model;
+  } catch (const std::invalid_argument& error) {
+    node.fail("urdf", error.what());
+  }
+}
+
+}  // namespace palpate::component

@@ -1,0 +1,225 @@
+// The law quadratic_program on the plant: how fast and how well without a limit in the way, and
+// what happens where there is one.
+
+#include <cmath>
+#include <functional>
+#include <palpate/joint_velocity_command_t.hpp>
+#include <set>
+
+#include "core/elasticity/element_stress.hpp"
+#include "rt/component/arm_model.hpp"
+#include "sim/robot/robot.hpp"
+#include "tests/integration/closed_loop/closed_loop.hpp"
+
+namespace palpate {
+namespace {
+
+using Eigen::Vector3d;
+
+const char* const kScene = "sim/scenes/bar_long_soft_control.yaml";
+const char* const kConfiguration = "rt/config/examples/bar_long_soft_limits.yaml";
+/// The bar's middle on its way to a target, scored on the plant.
+class Way {
+ public:
+  explicit Way(const std::vector<std::string>& overrides, const char* scene = kScene)
+      : loop(scene, kConfiguration, {}, overrides) {
+    loop.run(0.1);
+    loop.send_event("start");
+    loop.run(1.0);
+    rest_point_ = loop.daemon().pipeline().feature().rest_points()[0];
+    start_ = truth();
+  }
+
+  void go(
+      const Vector3d& displacement, double seconds, const std::function<void()>& each = [] {}) {
+    target = start_ + displacement;
+    loop.send_target("point", target);
+    double time = 0;
+    loop.run(seconds, [&] {
+      time += 1e-3;
+      const Vector3d at = truth();
+      if ((at - target).norm() > 2e-3) outside = time;
+      overshoot = std::max(overshoot, (at - target).dot(displacement) / displacement.squaredNorm());
+      if (const char* remark = loop.daemon().pipeline().condition().reason; *remark != '\0')
+        remarks.insert(remark);
+      each();
+    });
+    std::printf("2 mm after %.2f s, overshoot %.1f %%, error %.2f mm", outside, 100 * overshoot,
+                1e3 * error());
+    for (const std::string& remark : remarks) std::printf("; %s", remark.c_str());
+    std::printf("\n");
+  }
+
+  Vector3d truth() { return loop.simulation().plant().position_at(rest_point_); }
+  double error() { return (truth() - target).norm(); }
+  const component::FeatureState& feature() { return loop.daemon().pipeline().feature_state(); }
+  /// Of the plant's shape, under the law of a foam as stiff as the plant's.
+  double peak_stress() {
+    elasticity::Body body = loop.daemon().pipeline().object().body;
+    body.material = {30e3, 0.3, 26};
+    Eigen::Matrix3Xd x(3, body.mesh.node_count());
+    for (int i = 0; i < x.cols(); ++i)
+      x.col(i) = loop.simulation().plant().position_at(body.mesh.nodes.col(i));
+    return elasticity::element_stress(body, x).von_mises.maxCoeff();
+  }
+
+  ClosedLoop loop;
+  Vector3d target = Vector3d::Zero();
+  double outside = 0;    // s: last time farther than 2 mm from the target
+  double overshoot = 0;  // share of the way
+  std::set<std::string> remarks;
+
+ private:
+  Vector3d rest_point_, start_;
+};
+
+/// E and nu as far off as in tools/evaluate/mismatch.yaml; the hand's pose is exact.
+const char* const kWrongModulus = "object.material.young_modulus=39e3";
+const char* const kWrongRatio = "object.material.poisson_ratio=0.15";
+
+class BlindWay : public testing::TestWithParam<Vector3d> {};
+
+// The example's controller as it is.
+TEST_P(BlindWay, ReachesTwoMillimetresInThreeSecondsWithoutOvershoot) {
+  Way way({kWrongModulus, kWrongRatio});
+  way.go(GetParam(), 4);
+  EXPECT_LT(way.outside, 3.0);
+  EXPECT_LT(way.overshoot, 0.05);
+  EXPECT_LT(way.feature().error.norm(), 2e-4) << "as it is estimated";
+}
+INSTANTIATE_TEST_SUITE_P(Targets, BlindWay,
+                         testing::Values(Vector3d(0, 0, 0.02), Vector3d(0.015, 0, 0),
+                                         Vector3d(0, 0.03, 0)));
+
+// At 60 % of what the free solution comes to. As estimated it is kept; on the plant's shape, of
+// which the blind estimate knows the stress to some percent only, it is kept to these.
+TEST(LimitsLoop, StressStaysUnderItsCap) {
+  const Vector3d displacement(0, 0, 0.03);
+  double freely = 0, capped = 0, estimated = 0;
+  {
+    Way way(std::vector<std::string>{"control.limits={}"});
+    way.go(displacement, 3);
+    freely = way.peak_stress();
+  }
+  const double cap = 0.6 * freely;
+  Way way({"control.limits.stress=" + std::to_string(cap)});
+  int tick = 0;
+  way.go(displacement, 4, [&] {
+    if (++tick % 20 != 0) return;
+    const component::Pipeline& pipeline = way.loop.daemon().pipeline();
+    const elasticity::ElementStress stress =
+        elasticity::element_stress(pipeline.object().body, pipeline.model().positions());
+    estimated = std::max(estimated, stress.von_mises.maxCoeff());
+    capped = std::max(capped, way.peak_stress());
+  });
+  std::printf("peak %.0f Pa freely; under a cap of %.0f Pa %.0f Pa, as estimated %.0f Pa\n", freely,
+              cap, capped, estimated);
+  EXPECT_LT(estimated, 1.02 * cap);
+  EXPECT_LT(capped, 1.1 * cap);
+  EXPECT_GT(estimated, 0.95 * cap) << "as near as it may";
+  EXPECT_EQ(way.remarks.count("the target lies beyond the limit of stress"), 1u);
+}
+
+// A ball above the bar, between the middle and the hand. The gate's workspace is wide: the law does
+// not know it, and where the gate turns the hand aside nobody looks at the obstacle.
+TEST(LimitsLoop, TheBarKeepsAwayFromAnObstacle) {
+  const Vector3d center(0.32, 0.03, 0.115);
+  constexpr double kRadius = 0.03, kClearance = 0.005;
+  Way way(
+      {"control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
+       "0.03}]}",
+       "gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}"});
+  double nearest = 1;
+  const mesh::ElementMesh& mesh = way.loop.daemon().pipeline().object().body.mesh;
+  way.go({0, 0, 0.04}, 3.5, [&] {
+    for (int i = 0; i < mesh.node_count(); ++i) {
+      const Vector3d x = way.loop.simulation().plant().position_at(mesh.nodes.col(i));
+      nearest = std::min(nearest, (x - center).norm() - kRadius);
+    }
+  });
+  std::printf("nearest %.2f mm\n", 1e3 * nearest);
+  EXPECT_GT(nearest, kClearance - 1e-3) << "but for what the estimate does not know";
+  EXPECT_LT(nearest, kClearance + 5e-3) << "it was in the way";
+}
+
+/// Limits that hold the arm's joints within `degrees` of where they start.
+std::vector<std::string> joints_within(double degrees) {
+  const double start[7] = {48.7535, -90.4407, -90.3120, 99.2143, 0.0726, 50.4586, 90.4908};
+  std::string lower = "robot.joint_lower_deg=[", upper = "robot.joint_upper_deg=[";
+  for (int i = 0; i < 7; ++i) {
+    const char* const comma = i == 0 ? "" : ", ";
+    lower += comma + std::to_string(start[i] - degrees);
+    upper += comma + std::to_string(start[i] + degrees);
+  }
+  return {"control.law=quadratic_program",
+          "control.command=joint_velocity",
+          "robot.urdf=" PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf",
+          "robot.joint_margin_deg=0",
+          lower + "]",
+          upper + "]"};
+}
+
+// One joint after another comes to its end, and what the hand cannot reach is told.
+TEST(LimitsLoop, JointsStayWithinTheirLimitsAndTheRestIsUnreachable) {
+  constexpr double kDegrees = 2;
+  Way way(joints_within(kDegrees));
+  const component::Pipeline& pipeline = way.loop.daemon().pipeline();
+  ASSERT_TRUE(pipeline.commands_joints(0));
+  const Eigen::VectorXd start = way.loop.simulation().robot().joint_positions();
+  double farthest = 0;
+  way.go({0, 0, 0.06}, 5, [&] {
+    const Eigen::VectorXd q = way.loop.simulation().robot().joint_positions();
+    farthest = std::max(farthest, (q - start).cwiseAbs().maxCoeff());
+  });
+  const double limit = kDegrees * M_PI / 180;
+  std::printf("farthest joint %.3f of %.3f degrees\n", farthest * 180 / M_PI, kDegrees);
+  EXPECT_LT(farthest, limit + 1e-4) << "the arm's controller and rounding";
+  EXPECT_GT(farthest, 0.95 * limit) << "it was in the way";
+  EXPECT_GT(way.error(), 5e-3);
+  EXPECT_NEAR(way.feature().unreachable.norm(), way.error(), 0.15 * way.error());
+  EXPECT_EQ(way.remarks.count("the target lies beyond a joint's limit"), 1u);
+  EXPECT_TRUE(pipeline.is_running());
+}
+
+// The chain that the daemon reads of the URDF file, against the simulator's own library.
+TEST(LimitsLoop, KinematicsOfTheArmAreThoseOfTheSimulator) {
+  const std::string path = PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf";
+  const kinematics::SerialChain chain = component::read_urdf(path, "flange");
+  robot::Robot robot(robot::load_model(path), {});
+  ASSERT_EQ(chain.joint_count(), robot.joint_count());
+  std::srand(3);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::VectorXd share = Eigen::VectorXd::Random(chain.joint_count());
+    Eigen::VectorXd q = share;
+    for (int k = 0; k < q.size(); ++k) {
+      EXPECT_EQ(chain.joint(k).lower, robot.limits().lower[k]);
+      EXPECT_EQ(chain.joint(k).upper, robot.limits().upper[k]);
+      EXPECT_EQ(chain.joint(k).speed, robot.limits().velocity[k]);
+      q[k] = 0.9 * share[k] * chain.joint(k).upper;
+    }
+    robot.set_joints(q);
+    kinematics::SerialChain::State state;
+    chain.evaluate(q, state);
+    EXPECT_LT((state.X_WE.matrix() - robot.flange_pose().matrix()).norm(), 1e-9);
+    EXPECT_LT((state.J_W_E - robot.flange_jacobian()).norm(), 1e-9);
+  }
+  EXPECT_THROW(component::read_urdf(path, "no_such_link"), std::invalid_argument);
+  EXPECT_THROW(component::read_urdf(path + ".not", "flange"), std::invalid_argument);
+}
+
+// With room, joints bring the point to its target as the hand's twist does.
+TEST(LimitsLoop, JointVelocitiesReachTheTarget) {
+  Way way(joints_within(40));
+  way.go({0, 0, 0.03}, 4);
+  EXPECT_LT(way.outside, 3.0);
+  EXPECT_LT(way.overshoot, 0.05);
+  way.loop.send_event("stop");
+  way.loop.run(0.5);
+  const control::GateOutput& gate = way.loop.daemon().pipeline().gate_output(0);
+  EXPECT_EQ(gate.joint_velocity.size(), 7);
+  EXPECT_EQ(gate.joint_velocity.norm(), 0);
+  EXPECT_LT(way.loop.simulation().robot().joint_velocities().norm(), 1e-3);
+}
+
+}  // namespace
+}  // namespace palpate

@@ -1,0 +1,126 @@
+// Whether the filter, closed over the nonlinear model, is at most as far off as it says: over many
+// worlds that another such model makes from the filter's own priors, with the noise of the sensors'
+// table. Since it allows for a model that is wrong by some percent, and here none is, it should say
+// more than it is off by, never less. PALPATE_SEEDS: how many (200).
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <cstdlib>
+#include <random>
+
+#include "core/elasticity/corotational_model.hpp"
+#include "core/estimation/pose_wrench_filter.hpp"
+#include "tests/unit/core/estimation/rigid_model.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+using Eigen::Vector3d;
+using elasticity::CorotationalQuasistatic;
+using math::Vector6d;
+using Vector13d = Eigen::Matrix<double, 13, 1>;
+
+void refactor(CorotationalQuasistatic& model) {
+  if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
+    job->run();
+    model.install(*job);
+  }
+}
+
+/// What the filter had to say of one world in the end.
+struct Verdict {
+  double nees = 0;        // normalised square of the states' error
+  double log_young = 0;   // error over its deviation
+  double innovation = 0;  // mean normalised square of innovations over their degrees of freedom
+  double covered = 0;     // share of nodes within 1.96 deviations
+};
+
+Verdict judge(std::uint64_t seed) {
+  const elasticity::Body nominal = testing::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const PoseWrenchFilter::Options options;
+  PoseWrenchFilter filter(nominal, mesh::extract_surface(nominal.mesh), options);
+
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  Vector13d truth;  // offset, log E, bias
+  for (int i = 0; i < 13; ++i)
+    truth[i] = std::sqrt(filter.filter().covariance()(i, i)) * normal(random);
+  elasticity::Body body = nominal;
+  body.material.young_modulus *= std::exp(truth[6]);
+  const math::Pose shift =
+      math::make_pose(math::exp_rotation(truth.segment<3>(3)), truth.head<3>());
+
+  CorotationalQuasistatic world(body), model(nominal);
+  world.prepare();
+  model.prepare();
+  filter.activate(model);
+  EstimationInputs inputs;
+  inputs.grasp_count = 1;
+  Estimate estimate;
+  math::Pose hand = nominal.grasps[0].X_OG_rest;
+  Vector6d lagged = Vector6d::Zero();
+  Verdict verdict;
+  constexpr int kTicks = 1200, kMoves = 1000;
+  for (int i = 0; i < kTicks; ++i) {
+    if (i < kMoves) {
+      hand.translation() += Vector3d(-2e-5, 4e-5, 7e-5);
+      hand.linear() = math::exp_rotation({3e-4, -4e-4, 2e-4}) * hand.linear();
+    }
+    world.hold(0, hand * shift);
+    refactor(world);
+    world.step(1e-3);
+    const Vector6d reaction = world.reaction(0).vector();
+    if (i == 0) lagged = reaction;
+    lagged += (1 - std::exp(-1e-3 / options.lag)) * (reaction - lagged);
+    const Eigen::Matrix3d R = (hand * shift).linear();
+    Vector6d wrench = lagged;
+    wrench.head<3>() += R * truth.segment<3>(7);
+    wrench.tail<3>() += R * truth.tail<3>();
+    for (int k = 0; k < 6; ++k) wrench[k] += (k < 3 ? 0.025 : 0.001) * normal(random);
+    inputs.grasps[0] = {sensing::Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
+    refactor(model);
+    filter.update(inputs, model, estimate);
+    verdict.innovation += estimate.innovation_test / kTicks;
+  }
+  const Vector13d error = truth - filter.filter().mean().head<13>();
+  const Eigen::Matrix<double, 13, 13> P = filter.filter().covariance().topLeftCorner<13, 13>();
+  verdict.nees = error.dot(P.ldlt().solve(error));
+  verdict.log_young = error[6] / std::sqrt(P(6, 6));
+  int free_nodes = 0;
+  for (int node = 0; node < nominal.mesh.node_count(); ++node) {
+    const double deviation = std::sqrt(3.0) * (*estimate.node_deviation)[node];
+    if (deviation < 1e-6) continue;  // clamped
+    ++free_nodes;
+    verdict.covered +=
+        (model.positions().col(node) - world.positions().col(node)).norm() < 1.96 * deviation;
+  }
+  verdict.covered /= free_nodes;
+  return verdict;
+}
+
+TEST(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
+  const char* text = std::getenv("PALPATE_SEEDS");
+  const int seeds = text != nullptr ? std::atoi(text) : 200;
+  Verdict mean;
+  double square = 0;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    const Verdict one = judge(static_cast<std::uint64_t>(seed));
+    mean.nees += one.nees / seeds;
+    mean.innovation += one.innovation / seeds;
+    mean.covered += one.covered / seeds;
+    square += one.log_young * one.log_young / seeds;
+  }
+  // A mean of chi-squares over many seeds is normal.
+  const double band = 1.96 * std::sqrt(2.0 * 13 / seeds);
+  const double band_of_one = 1.96 * std::sqrt(2.0 / seeds);
+  std::printf(
+      "%d seeds: NEES %.2f of 13 (+- %.2f), of log E %.2f of 1 (+- %.2f), NIS %.3f of 1, shape "
+      "covered %.1f %%\n",
+      seeds, mean.nees, band, square, band_of_one, mean.innovation, 100 * mean.covered);
+  EXPECT_LT(mean.nees, 13 + band);
+  EXPECT_LT(square, 1 + band_of_one);
+  EXPECT_GT(mean.covered, 0.90);
+}
+
+}  // namespace
+}  // namespace palpate::estimation

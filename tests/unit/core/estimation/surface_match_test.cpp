@@ -1,0 +1,86 @@
+#include "core/estimation/surface_match.hpp"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "core/contact/surface_search.hpp"
+#include "tests/unit/core/estimation/rigid_model.hpp"
+
+namespace palpate::estimation {
+namespace {
+
+using Eigen::Vector3d;
+
+/// The bar bent to an arc about y of this radius, m, its underside where it was.
+Vector3d arc(const Vector3d& p, double radius) {
+  const double angle = p.x() / radius, r = radius - p.z();
+  return {r * std::sin(angle), p.y(), radius - r * std::cos(angle)};
+}
+
+class SurfaceMatchTest : public ::testing::Test {
+ protected:
+  void bend(mesh::ElementOrder order, double radius) {
+    mesh_ = testing::held_bar({10, 1, 1}, order).mesh;
+    rest_ = mesh_.nodes;
+    surface_ = mesh::extract_surface(mesh_);
+    for (int i = 0; i < mesh_.node_count(); ++i) mesh_.nodes.col(i) = arc(rest_.col(i), radius);
+    matcher_ = std::make_unique<SurfaceMatcher>(surface_);
+    matcher_->take(mesh_.nodes);
+  }
+  mesh::ElementMesh mesh_;
+  Eigen::Matrix3Xd rest_;
+  mesh::Surface surface_;
+  std::unique_ptr<SurfaceMatcher> matcher_;
+};
+
+TEST_F(SurfaceMatchTest, CurvedFacesFollowAnArcThatFlatOnesCut) {
+  constexpr double kRadius = 0.4;
+  bend(mesh::ElementOrder::kQuadratic, kRadius);
+  std::mt19937_64 random(1);
+  std::uniform_real_distribution<double> along(0.05, 0.45), across(0.01, 0.05), off(-0.01, 0.01);
+  double worst = 0, worst_flat = 0;
+  for (int i = 0; i < 300; ++i) {
+    const double distance = off(random);
+    const Vector3d upper(along(random), across(random), 0.06);
+    const Vector3d p = arc(upper + Vector3d(0, 0, distance), kRadius);
+    const SurfaceMatch match = matcher_->find(p);
+    ASSERT_EQ(match.count, 6);
+    const Vector3d normal =
+        (arc(upper + Vector3d(0, 0, 1e-6), kRadius) - arc(upper, kRadius)) * 1e6;
+    EXPECT_GT(match.normal.dot(normal), 0.999);
+    worst = std::max(worst, std::abs(match.normal.dot(p - match.position) - distance));
+    worst_flat = std::max(
+        worst_flat,
+        std::abs(contact::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance -
+                 std::abs(distance)));
+    Vector3d interpolated = Vector3d::Zero(), weights = Vector3d::Zero();
+    for (int k = 0; k < match.count; ++k) {
+      interpolated += match.weights[k] * mesh_.nodes.col(match.nodes[k]);
+      weights[0] += match.weights[k];
+    }
+    EXPECT_LT((interpolated - match.position).norm(), 1e-12);
+    EXPECT_NEAR(weights[0], 1, 1e-12);
+  }
+  EXPECT_LT(worst, 5e-5);
+  EXPECT_GT(worst_flat, 5e-4) << "or the test shows nothing";
+}
+
+TEST_F(SurfaceMatchTest, OnFlatFacesItFindsWhatAnExhaustiveSearchFinds) {
+  bend(mesh::ElementOrder::kLinear, 0.3);
+  std::mt19937_64 random(2);
+  std::uniform_real_distribution<double> somewhere(-0.2, 0.7);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3d p(somewhere(random), somewhere(random), somewhere(random));
+    EXPECT_NEAR(matcher_->find(p).distance,
+                contact::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance,
+                1e-12);
+  }
+}
+
+TEST(SurfaceMatcher, WithoutASurfaceNothingIsFound) {
+  EXPECT_EQ(SurfaceMatcher(mesh::Surface()).find({0, 0, 0}).count, 0);
+}
+
+}  // namespace
+}  // namespace palpate::estimation
