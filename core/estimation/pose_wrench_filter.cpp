@@ -42,9 +42,9 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
   const Eigen::Vector3d middle = body.mesh.nodes.rowwise().mean();
   for (std::size_t g = 0; g < body.grasps.size(); ++g)
     lever_[g] = (body.grasps[g].X_OG_rest.translation() - middle).norm();
-  for (const double value :
-       {options.period, options.correlation, options.force, options.torque, options.lag,
-        options.lag_deviation, options.gate, options.shape, options.fade}) {
+  for (const double value : {options.period, options.way, options.turn, options.correlation,
+                             options.force, options.torque, options.lag, options.lag_deviation,
+                             options.gate, options.shape, options.fade}) {
     if (!(value > 0))
       throw std::invalid_argument("times, deviations and gate of a filter must be positive");
   }
@@ -178,6 +178,9 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   speed << (X_OG.translation() - hand.X_OG_before.translation()) / dt,
       math::log_rotation(X_OG.linear() * hand.X_OG_before.linear().transpose()) / dt;
   hand.X_OG_before = X_OG;
+  hand.news = std::min(
+      1.0, hand.news + dt * (speed.head<3>().norm() / options_.way +
+                             speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
   const double share = 1 - std::exp(-dt / options_.lag);
   hand.lagged += share * (wrench - hand.lagged);
   hand.speed += share * (speed - hand.speed);
@@ -236,8 +239,9 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     result.y.segment<6>(row) =
         hand.sum / hand.count - hand.lagged -
         both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
-    // An error that lasts counts as one wrench's in the time that it lasts.
-    const double lasting = options_.relative * std::sqrt(options_.correlation / options_.period);
+    // All wrenches until the model's error is another one tell as much as one.
+    const double told = hand.news * std::min(1.0, options_.period / kTelling);
+    const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
     const double model_force = lasting * hand.lagged.head<3>().norm();
     const double model_torque = lasting * hand.lagged.tail<3>().norm() + lever_[g] * model_force;
     result.R.diagonal().segment<3>(row).setConstant(options_.force * options_.force +
@@ -281,6 +285,8 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
 void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
   filter_.correct();
+  for (int g = 0; g < filter_.grasp_count(); ++g)
+    if (now.held[g]) hands_[g].news *= 1 - std::min(1.0, options_.period / kTelling);
   follow(now.held, now.H, filter_.mean() - before);
 }
 

@@ -48,9 +48,11 @@ class PoseWrenchFilter : public Estimator {
     double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
-    /// be wrong by. It is the same for about a second, so that many wrenches tell no more of it.
+    /// be wrong by. It is the same until the hand is elsewhere, however many wrenches are taken.
     double relative = 0.2;
-    double correlation = 1;        // s
+    double way = 0.2;              // m, or
+    double turn = 1;               // rad, that a hand goes until that error is another one;
+    double correlation = 60;       // s, until it is where a hand rests
     double lag = 0.01;             // s, of the wrench behind the pose
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
     double gate = 40;              // normalised square of a hand's innovation that is not believed
@@ -83,6 +85,8 @@ class PoseWrenchFilter : public Estimator {
     math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
     math::Pose X_OG_rest = math::Pose::Identity();  // of the hand, where it came to rest
     bool known = false;
+    /// What the next wrenches can tell: 1 a whole one's worth, 0 nothing that is not told already.
+    double news = 1;
   };
   /// Innovation of all held hands that told of a wrench, with what it follows.
   struct Innovation {
@@ -92,7 +96,8 @@ class PoseWrenchFilter : public Estimator {
     WrenchFilter::Noise R;
   };
 
-  static constexpr double kPatience = 2;  // s, with a change that nothing explains
+  static constexpr double kPatience = 2;   // s, with a change that nothing explains
+  static constexpr double kTelling = 0.2;  // s, in which what is new is told
 
   WrenchFilter::ShapeState applied() const noexcept;  // what the shape follows at present
   double stiffness() const noexcept;                  // Young's modulus over its nominal value
