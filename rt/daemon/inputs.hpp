@@ -42,8 +42,7 @@ struct FrozenAfter {
 /// Sensor channels of the control bus as Signals: checks every message (numbers finite and within
 /// what can be, unit quaternions, counts in range, sequence, whether the sensor still moves) before
 /// anybody sees it. A second arm has channels of its own, whose names end in _1, for all but
-/// fingertips, manual forces and observations
-/// of the shape, which need not come at all.
+/// fingertips, manual forces and observations of the shape, which need not come at all.
 class Inputs {
  public:
   /// `access`: of manual forces.
