@@ -77,6 +77,14 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
     throw std::invalid_argument("the largest stretch must be above 1, that of an object at rest");
   if ((options.stress > 0 || options.stretch > 0) && body == nullptr)
     throw std::invalid_argument("limits of stress and stretch need an object");
+  if (!(options.strain_margin >= 0 && options.strain_margin < 1))
+    throw std::invalid_argument("the margin of stress and stretch must be from 0 to below 1");
+  options_.stress *= 1 - options.strain_margin;
+  if (options.stretch != 0)
+    options_.stretch = 1 + (options.stretch - 1) * (1 - options.strain_margin);
+  for (const std::optional<FlangeBox>& box : options.flange)
+    if (box && !(box->lower.array() < box->upper.array()).all())
+      throw std::invalid_argument("the workspace of a flange is empty");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
 }
@@ -170,12 +178,30 @@ void MotionLimits::add_all_places(Rows& rows, const LawInputs& inputs) noexcept 
   if (stress_) add_strain(rows, model, *stress_, options_.stress, Limit::kStress);
   if (stretch_) add_strain(rows, model, *stretch_, options_.stretch, Limit::kStretch);
   for (const Obstacle& obstacle : options_.obstacles) add_obstacle(rows, model, obstacle);
-  for (int g = 0; g < moving; ++g) {
-    const Eigen::Vector3d p = inputs.X_OG[grasps_[g]].translation();
-    for (int axis = 0; axis < 3; ++axis)
-      rows.add(
-          Row::Unit(size(), 6 * g + axis), rows.rate * (options_.workspace_lower[axis] - p[axis]),
-          rows.rate * (options_.workspace_upper[axis] - p[axis]), Limit::kWorkspace, kWorkspace);
+  for (int g = 0; g < moving; ++g) add_workspace(rows, inputs, g);
+}
+
+void MotionLimits::add_workspace(Rows& rows, const LawInputs& inputs, int moving) noexcept {
+  const math::Pose& X_OG = inputs.X_OG[grasps_[moving]];
+  const auto add = [&](const Row& row, double lower, double upper, double now) {
+    rows.add(row, rows.rate * (lower - now), rows.rate * (upper - now), Limit::kWorkspace,
+             kWorkspace);
+  };
+  for (int axis = 0; axis < 3; ++axis)
+    add(Row::Unit(size(), 6 * moving + axis), options_.workspace_lower[axis],
+        options_.workspace_upper[axis], X_OG.translation()[axis]);
+
+  const std::optional<FlangeBox>& box = options_.flange[grasps_[moving]];
+  if (!box) return;
+  const Eigen::Vector3d arm_O = X_OG.linear() * box->p_G_E;
+  const Eigen::Vector3d p_WE = box->X_WO * (X_OG.translation() + arm_O);
+  for (int axis = 0; axis < 3; ++axis) {
+    // v_E = v_G + w x arm, so that its component along n is n . v_G + (arm x n) . w.
+    const Eigen::Vector3d n_O = box->X_WO.linear().row(axis).transpose();
+    Row row = Row::Zero(1, size());
+    row.segment<3>(6 * moving) = n_O.transpose();
+    row.segment<3>(6 * moving + 3) = arm_O.cross(n_O).transpose();
+    add(row, box->lower[axis], box->upper[axis], p_WE[axis]);
   }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <optional>
 #include <vector>
 
@@ -24,6 +25,13 @@ struct SlipCone {
   Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();
 };
 
+/// The box of a cell that the flange E which carries a grasp G is to stay in.
+struct FlangeBox {
+  Eigen::Vector3d lower, upper;  // m, of the origin of E in W
+  math::Pose X_WO = math::Pose::Identity();
+  Eigen::Vector3d p_G_E = Eigen::Vector3d::Zero();  // m
+};
+
 struct MotionLimitOptions {
   double linear_speed = 1.0;          // m/s
   double angular_speed = 0.5;         // rad/s
@@ -34,8 +42,13 @@ struct MotionLimitOptions {
   SlipCone slip;
   double stress = 0;   // Pa, von Mises, of the object's worst elements; 0: no limit
   double stretch = 0;  // largest principal stretch of these, above 1; 0: no limit
+  /// Share of the limits of stress and of stretch beyond 1 that is left free for what the estimate
+  /// does not know, in [0, 1).
+  double strain_margin = 0;
   Eigen::Vector3d workspace_lower{-1e3, -1e3, -1e3};  // m, of the origin of G, in O
   Eigen::Vector3d workspace_upper{1e3, 1e3, 1e3};
+  /// By grasp: what the gate would stop the hand at, which would turn it aside from other limits.
+  std::array<std::optional<FlangeBox>, 2> flange;
   std::vector<Obstacle> obstacles;  // at most kMostObstacles
   double clearance = 0.005;         // m, kept from obstacles
   JointLimits joints;               // where these are commanded, of the only grasp; else empty
@@ -112,6 +125,7 @@ class MotionLimits {
 
   void add_all_places(Rows& rows, const LawInputs& inputs) noexcept;
   void add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept;
+  void add_workspace(Rows& rows, const LawInputs& inputs, int moving) noexcept;
   void add_strain(Rows& rows, const elasticity::DeformationModel& model,
                   const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
   void add_obstacle(Rows& rows, const elasticity::DeformationModel& model,

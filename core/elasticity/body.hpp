@@ -24,6 +24,9 @@ struct Damping {
 struct GraspRegion {
   std::vector<int> nodes;
   math::Pose X_OG_rest = math::Pose::Identity();  // pose of G in O while the object is at rest
+  /// How the object gives way in the hand: minus its motion in it (m, rad), in G, by the wrench of
+  /// the hand on it at the origin of G, in G; see pad_compliance(). Zero: held firmly.
+  math::Matrix6d compliance = math::Matrix6d::Zero();
 };
 
 /// A deformable object, everything in its rest frame O.

@@ -4,27 +4,37 @@
 
 #include "core/elasticity/body_system.hpp"
 #include "core/elasticity/element_tangents.hpp"
+#include "core/elasticity/static_response.hpp"
 
 namespace palpate::elasticity {
-namespace {
 
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
 /// Newton's method on one body.
-class NewtonSolver {
+class StaticSolver::Newton {
  public:
-  NewtonSolver(const Body& body, const Matrix3Xd& loads)
-      : system_(body),
+  explicit Newton(const Body& body)
+      : body_(checked(body)),
+        system_(body_),
         tangents_(make_element_tangents(system_.elements, system_.pattern)),
-        full_load_(loads + body.gravity_O * system_.elements.nodal_mass().transpose()),
-        x_(body.mesh.nodes),
+        loads_(Matrix3Xd::Zero(3, body_.mesh.node_count())),
+        weight_(body_.gravity_O * system_.elements.nodal_mass().transpose()),
+        x_(body_.mesh.nodes),
         rhs_(3 * system_.pattern.size(), 1) {
     set_load(1);
   }
 
-  void hold(Held held) { held_ = held; }
-  void set_load(double share) { external_ = share * full_load_; }
+  const Body& body() const { return body_; }
+  void hold(const HeldPoses& poses) {
+    poses_ = poses;
+    held_ = {poses[0].has_value(), poses[1].has_value()};
+  }
+  void take_loads(const Matrix3Xd& loads) {
+    loads_ = loads;
+    set_load(1);
+  }
+  void set_load(double share) { external_ = share * (loads_ + weight_); }
   Matrix3Xd& positions() { return x_; }
   const Matrix3Xd& forces() const { return forces_; }
 
@@ -91,13 +101,37 @@ class NewtonSolver {
     return residual() <= options.tolerance;
   }
 
+  Sensitivity response() {
+    Sensitivity response;
+    if (!factorise(Tangent::kExact)) return response;
+    Snapshot at;
+    at.positions = x_;
+    at.held = held_;
+    for (int g = 0; g < 2; ++g)
+      if (poses_[g]) at.origins[g] = poses_[g]->translation();
+    at.loads = loads_;
+    at.gravity_O = body_.gravity_O;
+    StaticResponse(body_, system_.elements, system_.pattern)
+        .compute(at, system_.matrix, system_.factor, response);
+    return response;
+  }
+
  private:
+  static const Body& checked(const Body& body) {
+    body.check();
+    return body;
+  }
+
+  Body body_;
   BodySystem system_;
   std::unique_ptr<ElementTangents> tangents_;
+  HeldPoses poses_;
   Held held_{false, false};
-  Matrix3Xd full_load_, external_, x_, forces_;
+  Matrix3Xd loads_, weight_, external_, x_, forces_;
   Eigen::MatrixXd rhs_;
 };
+
+namespace {
 
 /// Pose a share of the way from one to another.
 math::Pose between(const math::Pose& from, const math::Pose& to, double share) {
@@ -108,51 +142,67 @@ math::Pose between(const math::Pose& from, const math::Pose& to, double share) {
 
 }  // namespace
 
-Matrix3Xd solve_linear_statics(const Body& body, const Matrix3Xd& loads) {
-  body.check();
-  NewtonSolver solver(body, loads);
-  solver.evaluate();
-  if (!solver.factorise(Tangent::kExact)) {
-    throw std::runtime_error("linear statics: the stiffness matrix is not positive definite");
-  }
-  return solver.correction();
-}
+StaticSolver::StaticSolver(const Body& body) : newton_(std::make_unique<Newton>(body)) {}
+StaticSolver::~StaticSolver() = default;
 
-StaticSolution solve_static(const Body& body, const Matrix3Xd& loads, const HeldPoses& held,
-                            const StaticOptions& options, const Matrix3Xd* start) {
-  body.check();
-  NewtonSolver solver(body, loads);
-  solver.hold({held[0].has_value(), held[1].has_value()});
+StaticSolution StaticSolver::solve(const Matrix3Xd& loads, const HeldPoses& held,
+                                   const StaticOptions& options, const Matrix3Xd* start) {
+  Newton& newton = *newton_;
+  const Body& body = newton.body();
+  newton.take_loads(loads);
+  newton.hold(held);
   const Matrix3Xd begin = start ? *start : body.mesh.nodes;
   StaticSolution solution;
   for (int steps = 1; steps <= options.load_steps && !solution.converged; steps *= 2) {
     solution.load_steps = steps;
-    solver.positions() = begin;
+    newton.positions() = begin;
     solution.converged = true;
     for (int s = 1; s <= steps && solution.converged; ++s) {
       const double share = static_cast<double>(s) / steps;
-      solver.set_load(share);
+      newton.set_load(share);
       for (std::size_t g = 0; g < body.grasps.size(); ++g) {
         if (!held[g]) continue;
         const GraspRegion& grasp = body.grasps[g];
         const math::Pose moved =
             between(grasp.X_OG_rest, *held[g], share) * grasp.X_OG_rest.inverse();
         for (int node : grasp.nodes) {
-          solver.positions().col(node) = moved * body.mesh.nodes.col(node);
+          newton.positions().col(node) = moved * body.mesh.nodes.col(node);
         }
       }
-      solution.converged = solver.solve(options, solution.iterations);
+      solution.converged = newton.solve(options, solution.iterations);
     }
   }
-  solution.positions = solver.positions();
-  solution.residual = solver.residual();
+  solution.positions = newton.positions();
+  solution.residual = newton.residual();
   solution.reactions = Matrix3Xd::Zero(3, body.mesh.node_count());
-  for (int node : body.fixed_nodes) solution.reactions.col(node) = solver.forces().col(node);
+  for (int node : body.fixed_nodes) solution.reactions.col(node) = newton.forces().col(node);
   for (std::size_t g = 0; g < body.grasps.size(); ++g) {
     if (!held[g]) continue;
-    for (int node : body.grasps[g].nodes) solution.reactions.col(node) = solver.forces().col(node);
+    for (int node : body.grasps[g].nodes) solution.reactions.col(node) = newton.forces().col(node);
   }
   return solution;
+}
+
+Sensitivity StaticSolver::response() { return newton_->response(); }
+
+Matrix3Xd StaticSolver::solve_linear(const Matrix3Xd& loads) {
+  newton_->take_loads(loads);
+  newton_->hold({});
+  newton_->positions() = newton_->body().mesh.nodes;
+  newton_->evaluate();
+  if (!newton_->factorise(Tangent::kExact)) {
+    throw std::runtime_error("linear statics: the stiffness matrix is not positive definite");
+  }
+  return newton_->correction();
+}
+
+Matrix3Xd solve_linear_statics(const Body& body, const Matrix3Xd& loads) {
+  return StaticSolver(body).solve_linear(loads);
+}
+
+StaticSolution solve_static(const Body& body, const Matrix3Xd& loads, const HeldPoses& held,
+                            const StaticOptions& options, const Matrix3Xd* start) {
+  return StaticSolver(body).solve(loads, held, options, start);
 }
 
 math::Wrench patch_wrench(const GraspRegion& grasp, const math::Pose& X_OG,

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <memory>
 #include <optional>
 
 #include "core/elasticity/body.hpp"
+#include "core/elasticity/sensitivity.hpp"
 
 namespace palpate::elasticity {
 
@@ -30,7 +32,30 @@ struct StaticSolution {
 };
 
 /// Co-rotational equilibrium by full Newton with line search, off line: factors in every step.
-/// `start`: positions to begin with, else the rest shape.
+/// Keeps the order of elimination from one equilibrium of a body to the next.
+class StaticSolver {
+ public:
+  /// Throws std::invalid_argument for an invalid body.
+  explicit StaticSolver(const Body& body);
+  ~StaticSolver();
+
+  /// loads: 3 x n, N, beside weight. `start`: positions to begin with, else the rest shape.
+  StaticSolution solve(const Eigen::Matrix3Xd& loads, const HeldPoses& held = {},
+                       const StaticOptions& options = {}, const Eigen::Matrix3Xd* start = nullptr);
+
+  /// As solve_linear_statics().
+  Eigen::Matrix3Xd solve_linear(const Eigen::Matrix3Xd& loads);
+
+  /// How the equilibrium of the last solve() follows hands, material and loads. Its valid is false
+  /// where the equilibrium is not stable.
+  Sensitivity response();
+
+ private:
+  class Newton;
+  std::unique_ptr<Newton> newton_;
+};
+
+/// One equilibrium by a StaticSolver of its own.
 StaticSolution solve_static(const Body& body, const Eigen::Matrix3Xd& loads,
                             const HeldPoses& held = {}, const StaticOptions& options = {},
                             const Eigen::Matrix3Xd* start = nullptr);

@@ -8,8 +8,8 @@ namespace palpate::estimation {
 
 HandFollower::HandFollower(const Options& options) : options_(options) {
   if (!(options.pose_timeout > 0) || !(options.approach_speed > 0) ||
-      !(options.approach_angular_speed > 0)) {
-    throw std::invalid_argument("timeout and speeds of a pose-driven estimator must be positive");
+      !(options.approach_angular_speed > 0) || !(options.pad_time > 0)) {
+    throw std::invalid_argument("times and speeds of a pose-driven estimator must be positive");
   }
 }
 
@@ -28,13 +28,37 @@ void HandFollower::take_over(const Estimate& last, elasticity::DeformationModel&
     if (!last.X_OG[i].matrix().allFinite()) continue;
     hands_[i].hand = hands_[i].held = last.X_OG[i];
     hands_[i].seen = true;
+    give_way(hands_[i], i, 1, last.reaction[i], model.body());
     model.hold(i, hands_[i].held);
   }
 }
 
+/// Goes on by `share` towards where pads give way to, under `reaction` of the hand at G, in O.
+void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction,
+                            const elasticity::Body& body) const noexcept {
+  const math::Vector6d wrench =
+      math::both_halves(hand.held.linear()).transpose() * reaction.vector();
+  if (!wrench.allFinite()) return;
+  const math::Vector6d goal = -(body.grasps[grasp].compliance * wrench);
+  hand.give += share * (goal - hand.give);
+}
+
+/// Going on by this share of what is left is stable with the eigenvalues c k of compliance times
+/// stiffness where share (1 + c k) < 2; their sum, the trace, is above the largest.
+double HandFollower::pad_share(int grasp, double dt, double stiffness,
+                               const elasticity::DeformationModel& model) const noexcept {
+  const elasticity::Sensitivity& sensitivity = model.sensitivity();
+  const math::Matrix6d& C = model.body().grasps[grasp].compliance;
+  if (!sensitivity.valid || C(0, 0) == 0) return 0;
+  const math::Matrix6d turn = math::both_halves(hands_[grasp].held.linear());
+  const math::Matrix6d K = stiffness * turn.transpose() * sensitivity.dw_dxi[grasp][grasp] * turn;
+  const double softness = std::max(0.0, C.cwiseProduct(K.transpose()).sum());
+  return std::min(1.0, dt / options_.pad_time) / (1 + softness);
+}
+
 const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
-                                 elasticity::DeformationModel& model,
-                                 const math::Pose& correction) noexcept {
+                                 elasticity::DeformationModel& model, const math::Pose& correction,
+                                 double stiffness) noexcept {
   Hand& hand = hands_[grasp];
   const char* trouble = "";
   hand.age += dt;
@@ -49,7 +73,15 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
   }
   if (!hand.seen) return *trouble != '\0' ? trouble : "no pose of the hand yet";
 
-  const math::Pose goal = hand.hand * correction;
+  math::Pose goal = hand.hand * correction;
+  if (model.is_held(grasp)) {
+    const math::Wrench reaction = math::Wrench::from(stiffness * model.reaction(grasp).vector());
+    give_way(hand, grasp, pad_share(grasp, dt, stiffness, model), reaction, model.body());
+  } else {
+    hand.give.setZero();
+  }
+  goal.translation() += goal.linear() * hand.give.head<3>();
+  goal.linear() *= math::exp_rotation(hand.give.tail<3>());
   if (!input.holding) {
     if (model.is_held(grasp)) model.release(grasp);
     hand.held = goal;

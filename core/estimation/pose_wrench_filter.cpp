@@ -122,7 +122,8 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   const double dt = step_guard_.step();
   const int grasps = std::min(inputs.grasp_count, filter_.grasp_count());
   for (int i = 0; i < grasps; ++i) {
-    const char* grasp_trouble = follower_.follow(i, inputs.grasps[i], dt, model, correction(i));
+    const char* grasp_trouble =
+        follower_.follow(i, inputs.grasps[i], dt, model, correction(i), stiffness());
     if (*grasp_trouble != '\0') trouble = grasp_trouble;
   }
   model.set_gravity(model.body().gravity_O / stiffness());
@@ -202,11 +203,11 @@ WrenchFilter::Rows PoseWrenchFilter::wrench_rows(
     for (int other = 0; other < filter_.grasp_count(); ++other) {
       if (!model.is_held(other)) continue;
       H.block<6, 6>(row, filter_.offset(other)) =
-          k * sensitivity.dw_dxi[g][other] * both_halves(follower_.X_OG(other).linear());
+          k * sensitivity.dw_dxi[g][other] * math::both_halves(follower_.X_OG(other).linear());
     }
     H.block<6, 1>(row, filter_.log_young()) =
         k * sensitivity.dw_dparameter[g].col(elasticity::Sensitivity::kLogYoung);
-    H.block<6, 6>(row, filter_.bias(g)) = both_halves(follower_.X_OG(g).linear());
+    H.block<6, 6>(row, filter_.bias(g)) = math::both_halves(follower_.X_OG(g).linear());
     if (filter_.has_contact())
       H.block<6, 3>(row, filter_.contact()) =
           ContactSearch::response(search_.place(place_).point, sensitivity, g);
@@ -238,7 +239,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     }
     result.y.segment<6>(row) =
         hand.sum / hand.count - hand.lagged -
-        both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
+        math::both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
     // All wrenches until the model's error is another one tell as much as one.
     const double told = hand.news * std::min(1.0, options_.period / kTelling);
     const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
@@ -259,6 +260,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
 void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept {
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
+  find_reaction_deviation(now);
   if (rest_for_ == 0) {
     at_rest_count_ = 0;
     drop_contact(model);  // of a moving hand's wrench it cannot be told any more
@@ -280,6 +282,25 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   if (rest_for_ > options_.rest) settle();
   if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
     correct(now);
+}
+
+/// Of the wrench that the model predicts: what the states leave open, and the model's own error.
+void PoseWrenchFilter::find_reaction_deviation(const Innovation& now) noexcept {
+  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
+    if (!now.held[g]) continue;
+    Hand& hand = hands_[g];
+    WrenchFilter::Rows H = now.H.middleRows<6>(row);
+    H.middleCols<6>(filter_.bias(g)).setZero();
+    WrenchFilter::Rows HP(H.rows(), H.cols());
+    HP.noalias() = H * filter_.covariance();
+    const double force = options_.relative * hand.lagged.head<3>().norm();
+    const double torque = options_.relative * hand.lagged.tail<3>().norm() + lever_[g] * force;
+    math::Vector6d variance = HP.cwiseProduct(H).rowwise().sum();
+    variance.head<3>().array() += force * force;
+    variance.tail<3>().array() += torque * torque;
+    hand.reaction_deviation = variance.cwiseMax(0.0).cwiseSqrt();
+    row += 6;
+  }
 }
 
 void PoseWrenchFilter::correct(const Innovation& now) noexcept {
@@ -312,6 +333,7 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
   for (int g = 0; g < grasps; ++g) {
     estimate.X_OG[g] = follower_.X_OG(g);
     estimate.reaction[g] = math::Wrench::from(stiffness() * model.reaction(g).vector());
+    estimate.reaction_deviation[g] = hands_[g].reaction_deviation;
     estimate.bias[g] = mean.segment<6>(filter_.bias(g));
     estimate.pose_offset[g] = mean.segment<6>(filter_.offset(g));
     for (int i = 0; i < 6; ++i) {

@@ -8,13 +8,6 @@
 
 namespace palpate::estimation {
 
-/// Turns both halves of a twist or wrench.
-inline math::Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
-  math::Matrix6d turn = math::Matrix6d::Zero();
-  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
-  return turn;
-}
-
 /// E3: the pose of the hand drives the mesh, and the wrench at the wrist says in a Kalman filter
 /// how stiff the object is, how the grasp is shifted, what the sensor's bias is and, where nothing
 /// of these explains it, where something else pushes (control.md 6.4). Trust goes to the pose where
@@ -84,6 +77,7 @@ class PoseWrenchFilter : public Estimator {
     math::Pose X_OG_before = math::Pose::Identity();
     math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
     math::Pose X_OG_rest = math::Pose::Identity();  // of the hand, where it came to rest
+    math::Vector6d reaction_deviation = math::Vector6d::Constant(-1);
     bool known = false;
     /// What the next wrenches can tell: 1 a whole one's worth, 0 nothing that is not told already.
     double news = 1;
@@ -115,6 +109,7 @@ class PoseWrenchFilter : public Estimator {
                       double dt) noexcept;
   Innovation innovation(const elasticity::DeformationModel& model) noexcept;
   void take(const elasticity::DeformationModel& model) noexcept;
+  void find_reaction_deviation(const Innovation& innovation) noexcept;
   void correct(const Innovation& innovation) noexcept;
   void follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
               WrenchFilter::Vector change) noexcept;

@@ -12,7 +12,7 @@ SurfaceFit::Basis PoseWrenchFilter::basis(
   basis.filter = &filter_;
   for (int g = 0; g < filter_.grasp_count(); ++g) {
     basis.held[g] = model.is_held(g);
-    basis.turn[g] = both_halves(follower_.X_OG(g).linear());
+    basis.turn[g] = math::both_halves(follower_.X_OG(g).linear());
   }
   return basis;
 }
@@ -27,7 +27,7 @@ math::Vector6d PoseWrenchFilter::wrench_of_shift(
   for (int g = 0; g < filter_.grasp_count(); ++g) {
     if (!model.is_held(g)) continue;
     const math::Vector6d in_O =
-        both_halves(follower_.X_OG(g).linear()) * shift_.segment<6>(filter_.offset(g));
+        math::both_halves(follower_.X_OG(g).linear()) * shift_.segment<6>(filter_.offset(g));
     wrench.noalias() += sensitivity.dw_dxi[grasp][g] * in_O;
   }
   wrench += shift_[filter_.log_young()] *

@@ -19,12 +19,13 @@ class SurfaceFit {
     double lag_deviation = 0.005;  // s: what moves is seen less exactly
     /// m, what mesh and calibration may be wrong by at a place. It is the same for all points near
     /// it, a `places`-th of them, and for about `correlation` seconds, so that neither more points
-    /// nor more messages tell more of it.
+    /// nor more messages tell more of it. The correlation must be long: where the points tell
+    /// little, as of motion along the surface, what repeats itself would be believed in the end.
     double surface = 5e-4;
     int places = 20;
-    double correlation = 0.3;  // s
-    double gate = 3;      // deviations: points beyond are of something else, a hand or a table,
-    double reach = 0.02;  // m: and beyond this, whatever else is uncertain
+    double correlation = 3;  // s
+    double gate = 3;         // deviations: points beyond are of something else, a hand or a table,
+    double reach = 0.02;     // m: and beyond this, whatever else is uncertain
     int points_per_tick = 16;
   };
   struct Information {

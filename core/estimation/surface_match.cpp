@@ -37,7 +37,7 @@ Shape shape_at(const Vector3d& l, int count) noexcept {
 
 }  // namespace
 
-SurfaceMatcher::SurfaceMatcher(const mesh::Surface& surface) {
+SurfaceMatcher::SurfaceMatcher(const mesh::Surface& surface, int steps) : steps_(steps) {
   for (const std::vector<int>& nodes : surface.triangle_nodes) {
     Face face;
     face.count = static_cast<int>(nodes.size());
@@ -103,7 +103,7 @@ void SurfaceMatcher::look_closely(int index, const Vector3d& p, Place& best) con
   }
 }
 
-/// From the flat triangle to the curved face: one step of Gauss and Newton along it. What it leaves
+/// From the flat triangle to the curved face: steps of Gauss and Newton along it. What one leaves
 /// lies across the normal, along which alone points are compared.
 SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noexcept {
   if (place.face < 0) return {};
@@ -113,7 +113,7 @@ SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noe
   match.count = face.count;
   match.nodes = face.nodes;
   Vector3d areal = place.areal;
-  for (int pass = 0; pass < 2; ++pass) {
+  for (int pass = 0; pass <= steps_; ++pass) {
     const Shape shape = shape_at(areal, face.count);
     Eigen::Matrix3d by_areal = Eigen::Matrix3d::Zero();
     match.position.setZero();
@@ -127,7 +127,7 @@ SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noe
     const Vector3d across = along.col(0).cross(along.col(1));
     const double area = across.norm();
     match.normal = area > 0 ? Vector3d(across / area) : Vector3d::Zero();
-    if (pass == 1 || face.count == 3 || !(area > 0)) break;
+    if (pass == steps_ || face.count == 3 || !(area > 0)) break;
     const Eigen::Matrix2d metric = along.transpose() * along;
     const Eigen::Vector2d step = metric.inverse() * (along.transpose() * (p - match.position));
     areal += Vector3d(-step.sum(), step[0], step[1]);

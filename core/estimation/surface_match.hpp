@@ -22,7 +22,9 @@ struct SurfaceMatch {
 /// to be looked at closely. Nothing allocates after construction.
 class SurfaceMatcher {
  public:
-  explicit SurfaceMatcher(const mesh::Surface& surface);
+  /// `steps` along a curved face after the nearest place of its flat quarters: what one leaves is
+  /// of second order in distance, many find the very foot of the perpendicular.
+  explicit SurfaceMatcher(const mesh::Surface& surface, int steps = 1);
 
   /// The surface has this shape from now on: 3 x n, m, which must stay as long as it is asked for.
   void take(const Eigen::Matrix3Xd& positions) noexcept;
@@ -41,6 +43,7 @@ class SurfaceMatcher {
   void look_closely(int face, const Eigen::Vector3d& p, Place& best) const noexcept;
   SurfaceMatch on(const Place& place, const Eigen::Vector3d& p) const noexcept;
 
+  int steps_;
   std::vector<Face> faces_;
   const Eigen::Matrix3Xd* positions_ = nullptr;
   Eigen::Array3Xd centers_;

@@ -36,6 +36,13 @@ inline Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& a) {
   return m;
 }
 
+/// Turns both halves of a twist or wrench.
+inline Matrix6d both_halves(const Eigen::Matrix3d& R) noexcept {
+  Matrix6d turn = Matrix6d::Zero();
+  turn.topLeftCorner<3, 3>() = turn.bottomRightCorner<3, 3>() = R;
+  return turn;
+}
+
 /// Pose from rotation and translation.
 Pose make_pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translation);
 

@@ -42,6 +42,7 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
   limits.torque = node.number("torque", {1e-4, 1e4}, limits.torque);
   if (node.has("stress")) limits.stress = node.number("stress", {1, 1e9});
   if (node.has("stretch")) limits.stretch = node.number("stretch", {1.001, 10});
+  limits.strain_margin = node.number("strain_margin", {0, 0.9}, limits.strain_margin);
   limits.clearance = node.number("clearance", {0, 1}, limits.clearance);
   limits.damper = node.number("damper", {0.01, 1e3}, limits.damper);
   limits.pivot = node.number("pivot", {0, 1}, limits.pivot);
@@ -62,6 +63,11 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
   return limits;
 }
 
+control::FlangeBox flange_box(const Frames& frames, const control::GateLimits& gate) {
+  return {gate.workspace_lower, gate.workspace_upper, frames.X_WO,
+          frames.X_EG.inverse().translation()};
+}
+
 std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
                                                             const control::TwistLawOptions& options,
                                                             const Context& context,
@@ -71,6 +77,9 @@ std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& 
   limited.limits = read_motion_limits(node.child_or_empty("limits"));
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
+  limited.limits.flange[0] = flange_box(context.frames, context.gate[0]);
+  if (context.second_frames)
+    limited.limits.flange[1] = flange_box(*context.second_frames, context.gate[1]);
   limited.smoothness = node.number("smoothness", {0, 1e3}, limited.smoothness);
   if (read_commands_joints(node, context)) limited.limits.joints = context.arm_model->limits;
   if (moving == MovingArms::kSecond) limited.grasps = {1};

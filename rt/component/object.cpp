@@ -2,7 +2,9 @@
 
 #include <cmath>
 
+#include "core/elasticity/pad_compliance.hpp"
 #include "core/mesh/report.hpp"
+#include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
 
 namespace palpate::component {
@@ -51,8 +53,9 @@ std::vector<int> nodes_in(const config::Node& object, const std::string& key,
   return nodes;
 }
 
-elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::ElementMesh& mesh,
+elasticity::GraspRegion read_grasp(const config::Node& object, const Object& solid,
                                    const std::string& prefix) {
+  const mesh::ElementMesh& mesh = solid.body.mesh;
   elasticity::GraspRegion grasp;
   grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh);
   if (object.has(prefix + "grasp_at_rest")) {
@@ -62,7 +65,40 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const mesh::Eleme
     for (int node : grasp.nodes) middle += mesh.nodes.col(node);
     grasp.X_OG_rest.translation() = middle / static_cast<double>(grasp.nodes.size());
   }
+  const std::string pads = prefix + "grasp_stiffness";
+  if (!object.has(pads)) return grasp;
+  const double stiffness = object.number(pads, {1, 1e9});
+  try {
+    grasp.compliance = elasticity::pad_compliance(solid.body, grasp, solid.surface, stiffness);
+  } catch (const std::invalid_argument& error) {
+    object.fail(pads, error.what());
+  }
   return grasp;
+}
+
+/// Section `material`, what `material_file` puts over it, and section `damping`.
+void read_material(const config::Node& object, elasticity::Body& body) {
+  const config::Node node = config::material_section(object);
+  const auto file = config::MaterialFile::read(object);
+  std::optional<config::Node> linear, fitted;
+  if (file) {
+    linear = file->corotational();
+    fitted = file->constants();
+  }
+  body.material.young_modulus = config::material_number(node, linear, "young_modulus", {1, 1e10});
+  body.material.poisson_ratio =
+      config::material_number(node, linear, "poisson_ratio", {-0.9, 0.4999});
+  body.material.density = config::material_number(node, fitted, "density", {0.1, 1e5});
+  constexpr config::Range kMass{0, 1e4}, kStiffness{0, 10};
+  elasticity::Damping& damping = body.damping;
+  if (file) {
+    damping.mass_factor = file->constant("mass_damping", kMass, damping.mass_factor);
+    damping.stiffness_factor =
+        file->constant("stiffness_damping", kStiffness, damping.stiffness_factor);
+  }
+  const config::Node given = object.child_or_empty("damping");
+  damping.mass_factor = given.number("mass_factor", kMass, damping.mass_factor);
+  damping.stiffness_factor = given.number("stiffness_factor", kStiffness, damping.stiffness_factor);
 }
 
 }  // namespace
@@ -80,20 +116,12 @@ Object read_object(const config::Node& root, const Frames& frames) {
   check_size(node, "order", body.mesh.node_count());
   object.surface = mesh::extract_surface(body.mesh);
 
-  const config::Node material = node.child("material");
-  body.material.young_modulus = material.number("young_modulus", {1, 1e10});
-  body.material.poisson_ratio = material.number("poisson_ratio", {-0.9, 0.4999});
-  body.material.density = material.number("density", {0.1, 1e5});
-  const config::Node damping = node.child_or_empty("damping");
-  body.damping.mass_factor = damping.number("mass_factor", {0, 1e4}, body.damping.mass_factor);
-  body.damping.stiffness_factor =
-      damping.number("stiffness_factor", {0, 10}, body.damping.stiffness_factor);
-
+  read_material(node, body);
   body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh);
-  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, body.mesh, ""));
+  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, object, ""));
   if (node.has("second_grasp_box")) {
     if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
-    body.grasps.push_back(read_grasp(node, body.mesh, "second_"));
+    body.grasps.push_back(read_grasp(node, object, "second_"));
   }
   if ((body.grasps.size() > 1) != root.has("second_arm"))
     node.fail("second_grasp_box", "goes with a section second_arm, whose hand holds there");

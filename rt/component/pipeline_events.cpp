@@ -22,17 +22,17 @@ Pipeline::~Pipeline() = default;
 void Pipeline::build_arms(const config::Node& root) {
   cell_.frames = read_frames(root);
   cell_.second_frames = read_second_frames(root);
-  const control::GateLimits limits = read_gate_limits(root);
+  cell_.gate[0] = read_gate_limits(root);
   cell_.arm_model = read_arm_model(root);
-  arms_.emplace_back(cell_.frames, limits);
+  arms_.emplace_back(cell_.frames, cell_.gate[0]);
   if (cell_.arm_model) {
     arms_[0].model = cell_.arm_model;
     arms_[0].joint_gate.emplace(cell_.arm_model->limits);
     arms_[0].requested_joints.setZero(cell_.arm_model->limits.count());
   }
   if (!cell_.second_frames) return;
-  const control::GateLimits second = read_gate_limits(root.child("second_arm"), limits);
-  arms_.emplace_back(*cell_.second_frames, second);
+  cell_.gate[1] = read_gate_limits(root.child("second_arm"), cell_.gate[0]);
+  arms_.emplace_back(*cell_.second_frames, cell_.gate[1]);
 }
 
 std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "core/contact/force_transformer.hpp"
@@ -21,6 +22,7 @@ struct Context {
   Frames frames;
   std::optional<Frames> second_frames;        // of the second arm, where there is one
   std::shared_ptr<const ArmModel> arm_model;  // of the first arm, where its joints are known
+  std::array<control::GateLimits, 2> gate;    // of each arm
   const Object* object = nullptr;             // outlives the component
   double period = 1e-3;                       // s, of the loop
   /// Nothing may depend on scheduling: an inference is awaited however long it takes.

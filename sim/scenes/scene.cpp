@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "rt/config/key_file.hpp"
+#include "rt/config/material_file.hpp"
 #include "sim/scenes/camera_settings.hpp"
 
 namespace palpate::scenes {
@@ -39,10 +40,40 @@ object::GraspOptions read_grasp(const config::Node& node, const char* box) {
   return grasp;
 }
 
-void read_material(const config::Node& material, object::PlantOptions& plant) {
-  plant.young_modulus = material.number("young_modulus", {1, 1e9});
-  plant.poisson_ratio = material.number("poisson_ratio", {0, 0.49});
-  plant.density = material.number("density", {1, 2e4});
+/// What palpate-fit has found, as far as the plant can be made of it: Young's modulus and Poisson's
+/// ratio of small strain, one Maxwell branch, and damping, whose part by stiffness becomes the
+/// viscosity that is as strong in shear.
+void take_fitted(const config::Node& object, const config::Node& material,
+                 const config::MaterialFile& file, object::PlantOptions& plant) {
+  const std::string model = file.model();
+  if (model != "linear" && model != "neo_hookean")
+    object.fail("material_file",
+                "its model is " + model +
+                    ", but the simulator's object is neo_hookean; allowed: linear, "
+                    "neo_hookean: fit the recordings with one of them");
+  const double E = config::material_number(material, file.constants(), "young_modulus", {1, 1e9});
+  const double nu = config::material_number(material, file.constants(), "poisson_ratio", {0, 0.49});
+  plant.mass_damping = file.constant("mass_damping", {0, 1e4}, plant.mass_damping);
+  plant.viscosity = (file.constant("stiffness_damping", {0, 10}, 0) * E +
+                     file.constant("viscosity", {0, 1e9}, 0)) /
+                    (2 * (1 + nu));
+  if (file.constants().has("relaxation_ratio"))
+    plant.maxwell.push_back({file.constant("relaxation_ratio", {1e-6, 1e3}, 0),
+                             file.constant("relaxation_time", {1e-6, 1e6}, 0)});
+}
+
+/// Section `material`, and what `material_file` puts over it.
+void read_material(const config::Node& object, object::PlantOptions& plant) {
+  const config::Node material = config::material_section(object);
+  const auto file = config::MaterialFile::read(object);
+  std::optional<config::Node> fitted;
+  if (file) {
+    take_fitted(object, material, *file, plant);
+    fitted = file->constants();
+  }
+  plant.young_modulus = config::material_number(material, fitted, "young_modulus", {1, 1e9});
+  plant.poisson_ratio = config::material_number(material, fitted, "poisson_ratio", {0, 0.49});
+  plant.density = config::material_number(material, fitted, "density", {1, 2e4});
   for (const config::Node& item : material.list("maxwell")) {
     plant.maxwell.push_back({item.number("relative_modulus", {1e-6, 1e3}),
                              item.number("relaxation_time", {1e-6, 1e6})});
@@ -94,7 +125,7 @@ void read_object(const config::Node& node, Scene& scene) {
     plant.elements[i] = static_cast<int>(elements[i]);
   }
   plant.grading = node.number("grading", {1, 3}, plant.grading);
-  read_material(node.child("material"), plant);
+  read_material(node, plant);
   plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
   plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
   scene.X_WO = node.pose("pose");

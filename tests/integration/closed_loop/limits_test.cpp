@@ -21,8 +21,9 @@ const char* const kConfiguration = "rt/config/examples/bar_long_soft_limits.yaml
 /// The bar's middle on its way to a target, scored on the plant.
 class Way {
  public:
-  explicit Way(const std::vector<std::string>& overrides, const char* scene = kScene)
-      : loop(scene, kConfiguration, {}, overrides) {
+  explicit Way(const std::vector<std::string>& overrides, const char* scene = kScene,
+               const std::vector<std::string>& scene_overrides = {})
+      : loop(scene, kConfiguration, scene_overrides, overrides) {
     loop.run(0.1);
     loop.send_event("start");
     loop.run(1.0);
@@ -91,8 +92,8 @@ INSTANTIATE_TEST_SUITE_P(Targets, BlindWay,
                          testing::Values(Vector3d(0, 0, 0.02), Vector3d(0.015, 0, 0),
                                          Vector3d(0, 0.03, 0)));
 
-// At 60 % of what the free solution comes to. As estimated it is kept; on the plant's shape, of
-// which the blind estimate knows the stress to some percent only, it is kept to these.
+// At 60 % of what the free solution comes to, with the example's margin for what the blind estimate
+// does not know.
 TEST(LimitsLoop, StressStaysUnderItsCap) {
   const Vector3d displacement(0, 0, 0.03);
   double freely = 0, capped = 0, estimated = 0;
@@ -114,21 +115,25 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
   });
   std::printf("peak %.0f Pa freely; under a cap of %.0f Pa %.0f Pa, as estimated %.0f Pa\n", freely,
               cap, capped, estimated);
-  EXPECT_LT(estimated, 1.02 * cap);
-  EXPECT_LT(capped, 1.1 * cap);
-  EXPECT_GT(estimated, 0.95 * cap) << "as near as it may";
+  EXPECT_LT(capped, 1.02 * cap);
+  EXPECT_GT(capped, 0.93 * cap) << "as near as it may";
   EXPECT_EQ(way.remarks.count("the target lies beyond the limit of stress"), 1u);
 }
 
-// A ball above the bar, between the middle and the hand. The gate's workspace is wide: the law does
-// not know it, and where the gate turns the hand aside nobody looks at the obstacle.
-TEST(LimitsLoop, TheBarKeepsAwayFromAnObstacle) {
+/// Whether the gate's workspace is wider than the way to the target.
+class ObstacleWay : public testing::TestWithParam<bool> {};
+
+// A ball above the bar, between the middle and the hand. With the example's workspace the hand
+// comes to its wall on the way, which must not turn it aside into the ball.
+TEST_P(ObstacleWay, TheBarKeepsAwayFromTheBall) {
   const Vector3d center(0.32, 0.03, 0.115);
   constexpr double kRadius = 0.03, kClearance = 0.005;
-  Way way(
-      {"control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
-       "0.03}]}",
-       "gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}"});
+  std::vector<std::string> overrides{
+      "control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
+      "0.03}]}"};
+  if (GetParam())
+    overrides.push_back("gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}");
+  Way way(overrides);
   double nearest = 1;
   const mesh::ElementMesh& mesh = way.loop.daemon().pipeline().object().body.mesh;
   way.go({0, 0, 0.04}, 3.5, [&] {
@@ -140,6 +145,31 @@ TEST(LimitsLoop, TheBarKeepsAwayFromAnObstacle) {
   std::printf("nearest %.2f mm\n", 1e3 * nearest);
   EXPECT_GT(nearest, kClearance - 1e-3) << "but for what the estimate does not know";
   EXPECT_LT(nearest, kClearance + 5e-3) << "it was in the way";
+}
+INSTANTIATE_TEST_SUITE_P(Workspaces, ObstacleWay, testing::Bool());
+
+// Pads that pinch the end of the bar across Y. Without the limit the bar turns out of them; with
+// it, told seven tenths of the grip, since a rim slips before the whole, it stays.
+TEST(LimitsLoop, TheBarDoesNotSlipOutOfThePinch) {
+  const std::vector<std::string> pads{"object.pads.pinch_axis=y", "object.pads.grip=16",
+                                      "object.pads.friction=0.5"};
+  double greatest[2] = {0, 0}, error[2] = {0, 0};
+  for (const bool limited : {false, true}) {
+    Way way({limited ? "control.limits={slip: {pinch: 5.6, friction: 0.5, lever: 0.02, normal: "
+                       "[0, 1, 0]}}"
+                     : "control.limits={}"},
+            kScene, pads);
+    way.go({0, 0, 0.04}, 4, [&] {
+      greatest[limited] =
+          std::max(greatest[limited], way.loop.simulation().plant().slipping_share(0));
+    });
+    error[limited] = way.error();
+  }
+  std::printf("slipping share of the pads: %.2f freely, %.2f within the limit\n", greatest[0],
+              greatest[1]);
+  EXPECT_GT(error[0], 5e-3) << "it slips";
+  EXPECT_LT(error[1], 2e-3);
+  EXPECT_LT(greatest[1], 0.5 * greatest[0]) << "of its rim";
 }
 
 /// Limits that hold the arm's joints within `degrees` of where they start.

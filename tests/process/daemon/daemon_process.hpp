@@ -72,6 +72,14 @@ class DaemonProcess : public ::testing::Test {
     return false;
   }
 
+  /// The next health that is told from now on.
+  bool next_health(health_t& health) {
+    std::int64_t arrival_ns = 0;
+    while (health_->take(health, arrival_ns)) {
+    }
+    return wait_health([](const health_t&) { return true; }, health);
+  }
+
   void send_event(const char* event, std::int64_t counter) {
     component_command_t message{};
     message.session = 42;

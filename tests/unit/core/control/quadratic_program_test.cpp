@@ -209,6 +209,34 @@ TEST_F(BarServo, TheHandStaysInItsWorkspace) {
   EXPECT_GT(X_OG_.translation().z(), wall - 2e-3);
 }
 
+// The flange stands off the grasp, in a cell turned against the object: what lifts it is the hand's
+// turning as well.
+TEST_F(BarServo, TheFlangeStaysInItsBox) {
+  QuadraticProgramLaw::Limited limited;
+  QuadraticProgramLaw probe(servo(), limited);
+  start(probe, {0, 0, 0.04});
+  FlangeBox box;
+  box.X_WO.linear() = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+  box.X_WO.translation() = Vector3d(0.4, -0.2, 0.3);
+  box.p_G_E = Vector3d(-0.05, 0.02, 0.15);
+  const auto flange = [&] { return Vector3d(box.X_WO * X_OG_ * box.p_G_E); };
+  box.lower = flange() - Vector3d::Constant(0.012);
+  box.upper = flange() + Vector3d::Constant(0.012);
+  limited.limits.flange[0] = box;
+  QuadraticProgramLaw law(servo(), limited);
+  start(law, {0, 0, 0.04});
+  double nearest = 1;
+  for (int i = 0; i < 600; ++i) {
+    tick();
+    const double left =
+        std::min((box.upper - flange()).minCoeff(), (flange() - box.lower).minCoeff());
+    EXPECT_GE(left, -1e-4);
+    nearest = std::min(nearest, left);
+  }
+  EXPECT_LT(nearest, 2e-3) << "it was in the way";
+  EXPECT_STREQ(output_.remark, "the target lies beyond the hand's workspace");
+}
+
 TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
   QuadraticProgramLaw::Limited limited;
   limited.limits.pivot = 0.9;  // so early that a moderate push is near enough
@@ -343,6 +371,11 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
   EXPECT_THROW(make([](L& l) { l.limits.stretch = 0.9; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.slip.normal_G.setZero(); }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.workspace_lower.x() = 2e3; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.strain_margin = 1; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) {
+                 l.limits.flange[0] = {Vector3d::Zero(), Vector3d::Zero()};
+               }),
+               std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(5); }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.grasps = {0, 1}; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.smoothness = -1; }), std::invalid_argument);

@@ -3,6 +3,7 @@
 
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/pad_compliance.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
@@ -59,6 +60,39 @@ TEST_F(BarTest, AHandThatCarriesAFreeObjectMovesItRigidly) {
       (motion.linear() * body.mesh.nodes).colwise() + motion.translation();
   EXPECT_LT((model_->positions() - expected).cwiseAbs().maxCoeff(), 1e-6);
   EXPECT_LT(estimate_.reaction[0].force.norm(), 1e-4);
+}
+
+// Soft pads and pads softer than the bar: at rest the bar is where spring and reaction balance.
+TEST_F(BarTest, PadsGiveWayByTheirCompliance) {
+  for (const double stiffness : {2e3, 100.0}) {
+    elasticity::Body body = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
+    body.grasps[0].compliance = elasticity::pad_compliance(
+        body, body.grasps[0], mesh::extract_surface(body.mesh), stiffness);
+    PoseDriven estimator{PoseDriven::Options{}};
+    start(body, estimator);
+    math::Pose& X_OG = inputs_.grasps[0].X_OG;
+    for (int i = 0; i < 6000; ++i) {
+      if (i < 200) X_OG.translation() += Vector3d(0, 0, 1e-4);
+      if (i < 200) X_OG.linear() = math::exp_rotation({1e-3, 0, 5e-4}) * X_OG.linear();
+      tick(estimator);
+    }
+    const math::Pose& held = estimate_.X_OG[0];
+    const math::Vector6d wrench =
+        math::both_halves(held.linear()).transpose() * estimate_.reaction[0].vector();
+    math::Vector6d give;
+    const math::Pose in_hand = X_OG.inverse() * held;
+    give << in_hand.translation(), math::log_rotation(in_hand.linear());
+    const math::Vector6d expected = -(body.grasps[0].compliance * wrench);
+    EXPECT_GT(give.norm(), 1e-3);
+    EXPECT_LT((give - expected).norm(), 1e-3 * give.norm()) << stiffness << " N/m";
+
+    // Another estimator that takes its place goes on from there.
+    PoseDriven next{PoseDriven::Options{}};
+    const Eigen::Matrix3Xd before = model_->positions();
+    next.take_over(estimate_, *model_);
+    tick(next);
+    EXPECT_LT((model_->positions() - before).cwiseAbs().maxCoeff(), 1e-5);
+  }
 }
 
 TEST_F(BarTest, ShapeUnderAPoseDoesNotDependOnStiffnessButTheWrenchDoes) {

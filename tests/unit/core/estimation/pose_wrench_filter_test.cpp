@@ -138,6 +138,12 @@ TEST_F(PoseWrenchFilterTest, FindsStiffnessInThreeSecondsOfMotion) {
     world.bias_ << 0.03, 0.02, -0.03, 0.001, 0, -0.002;
     start(bar());
     run(world, 3, path(world, 3));
+    const math::Vector6d true_reaction = world.model().reaction(0).vector();
+    for (int i = 0; i < 6; ++i) {
+      EXPECT_GT(estimate_.reaction_deviation[0][i], 0);
+      EXPECT_LT(std::abs(estimate_.reaction[0].vector()[i] - true_reaction[i]),
+                3 * estimate_.reaction_deviation[0][i]);
+    }
     EXPECT_NEAR(estimate_.log_young_modulus, std::log(truth.material.young_modulus), 0.14)
         << factor;
     EXPECT_GT(estimate_.log_young_modulus_deviation, 0);

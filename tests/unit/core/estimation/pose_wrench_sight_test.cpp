@@ -158,7 +158,7 @@ TEST_F(PoseWrenchSightTest, SeesHowTheGraspIsShifted) {
   SeenWorld world(nominal(), 1);
   world.shift_ = math::make_pose(math::exp_rotation({0.01, -0.012, 0.008}), {1e-3, -1.2e-3, 8e-4});
   start(nominal());
-  run(world, 2, true);
+  run(world, 4, true);
   const double found = worst_error(world);
   EXPECT_LT(found, 3e-4);
   const math::Vector6d error =

@@ -8,6 +8,7 @@
 
 #include "rt/component/pipeline.hpp"
 #include "rt/inference/model_file.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace palpate::component {
 namespace {
@@ -24,8 +25,8 @@ std::vector<std::string> example_names() {
 }
 
 /// A force map of zeros in place of a fitted one, which the tree does not hold.
-std::string write_tactile_model() {
-  const std::string path = ::testing::TempDir() + "/palpate_examples_tactile_model.yaml";
+std::string write_tactile_model(const std::filesystem::path& folder) {
+  const std::string path = folder / "tactile_model.yaml";
   std::string row = "[0";
   for (int i = 1; i < 21; ++i) row += ", 0";
   row += "]";
@@ -35,8 +36,8 @@ std::string write_tactile_model() {
 }
 
 /// A network of zeros, likewise.
-std::string write_force_network() {
-  const std::string path = ::testing::TempDir() + "/palpate_examples_force.pt";
+std::string write_force_network(const std::filesystem::path& folder) {
+  const std::string path = folder / "force.pt";
   inference::ModelCard card;
   card.name = "zeros";
   card.rate = 100;
@@ -47,8 +48,8 @@ std::string write_force_network() {
 }
 
 /// An observer of zeros, likewise.
-std::string write_observer_network() {
-  const std::string path = ::testing::TempDir() + "/palpate_examples_observer.pt";
+std::string write_observer_network(const std::filesystem::path& folder) {
+  const std::string path = folder / "observer.pt";
   inference::ModelCard card;
   card.name = "zeros";
   card.rate = 200;
@@ -61,13 +62,13 @@ std::string write_observer_network() {
 }
 
 /// What an example's sensor model is replaced by, where the tree does not hold it.
-std::vector<std::string> stand_ins(const std::string& path) {
+std::vector<std::string> stand_ins(const std::string& path, const std::filesystem::path& folder) {
   const config::Node sensor = config::Node::load_file(path).list("sensing")[0];
   if (!sensor.has("model_file")) return {};
   const std::string component = sensor.text("component");
-  return {"sensing.0.model_file=" + (component == "biotac_lstm" ? write_force_network()
-                                     : component == "ft_rnnob"  ? write_observer_network()
-                                                                : write_tactile_model())};
+  return {"sensing.0.model_file=" + (component == "biotac_lstm" ? write_force_network(folder)
+                                     : component == "ft_rnnob"  ? write_observer_network(folder)
+                                                                : write_tactile_model(folder))};
 }
 
 class EveryExample : public ::testing::TestWithParam<std::string> {};
@@ -78,7 +79,8 @@ TEST_P(EveryExample, IsConfiguredAndStarts) {
   if (GetParam() == "foam_bar_tactile_lstm" || GetParam() == "payload_arm_rnnob")
     GTEST_SKIP() << "this build has no libtorch";
 #endif
-  Pipeline pipeline(config::Node::load_file(path, stand_ins(path)), 1e-3);
+  const support::ScratchFolder folder;
+  Pipeline pipeline(config::Node::load_file(path, stand_ins(path, folder.path())), 1e-3);
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive) << pipeline.condition().reason;
   const elasticity::Body& body = pipeline.object().body;
   EXPECT_LE(body.mesh.node_count(), kMostNodes);

@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <fstream>
+
+#include "tests/support/scratch_folder.hpp"
 #include "tests/unit/sim/scenes/stage.hpp"
 
 namespace palpate::scenes {
@@ -36,6 +39,25 @@ TEST(Scene, SixPosesAndControlShareArmAndObject) {
   EXPECT_EQ(poses.bus.control, BusUrls().control);
   EXPECT_EQ(poses.bus.housekeeping, BusUrls().housekeeping);
   EXPECT_EQ(poses.bus.pictures, BusUrls().pictures);
+}
+
+// The model as fitted: what palpate-fit wrote goes over the scene's material.
+TEST(Scene, TakesTheMaterialThatWasFitted) {
+  const support::ScratchFolder folder;
+  const std::string file = (folder.path() / "material.yaml").string();
+  std::ofstream(file) << "material: {model: neo_hookean, young_modulus: 41e3, poisson_ratio: 0.25,"
+                         " mass_damping: 1.5, stiffness_damping: 1e-3}\n"
+                         "corotational: {young_modulus: 39e3, poisson_ratio: 0.26}\n";
+  const Scene s = read(kSixPoses, {"object.material_file=" + file});
+  EXPECT_EQ(s.plant.young_modulus, 41e3);
+  EXPECT_EQ(s.plant.poisson_ratio, 0.25);
+  EXPECT_EQ(s.plant.density, 26);
+  EXPECT_EQ(s.plant.mass_damping, 2);  // the scene's own
+  EXPECT_NEAR(s.plant.viscosity, 1e-3 * 41e3 / (2 * 1.25), 1e-9);
+  std::ofstream(file) << "material: {model: ogden_1, young_modulus: 41e3, poisson_ratio: 0.25}\n";
+  EXPECT_NE(refusal({"object.material_file=" + file}).find("neo_hookean"), std::string::npos);
+  std::ofstream(file) << "seed: 1\n";
+  EXPECT_NE(refusal({"object.material_file=" + file}).find("palpate-fit"), std::string::npos);
 }
 
 TEST(Scene, OverridesReachTheModel) {

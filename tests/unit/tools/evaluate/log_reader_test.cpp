@@ -5,6 +5,8 @@
 #include <lcm/lcm-cpp.hpp>
 #include <stdexcept>
 
+#include "tests/support/scratch_folder.hpp"
+
 namespace palpate::evaluate {
 namespace {
 
@@ -22,8 +24,8 @@ void write(lcm::LogFile& log, const std::string& channel, std::int64_t timestamp
 }
 
 TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "palpate_log_reader_test.log";
+  const support::ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "one.log";
   {
     lcm::LogFile log(file.string(), "w");
     twist_command_t command = {};
@@ -37,7 +39,6 @@ TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
   std::vector<twist_command_t> commands;
   reader.collect("TWIST_COMMAND", commands);
   reader.read(file);
-  std::filesystem::remove(file);
   ASSERT_EQ(commands.size(), 1u);
   EXPECT_EQ(commands[0].utime, 1000);
   EXPECT_EQ(commands[0].twist[2], 0.25);
@@ -46,9 +47,9 @@ TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
 }
 
 TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
-  const std::filesystem::path folder(testing::TempDir());
-  const std::filesystem::path control = folder / "palpate_lock_step_control.log",
-                              slow = folder / "palpate_lock_step_housekeeping.log";
+  const support::ScratchFolder scratch;
+  const std::filesystem::path control = scratch.path() / "control.log",
+                              slow = scratch.path() / "housekeeping.log";
   {
     lcm::LogFile log(control.string(), "w");
     shape_target_t target = {};
@@ -68,8 +69,6 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
     write(other, "SHAPE", 5002, shape);
   }
   const RunLog run = read_run(control, slow, LogClock::kSent);
-  std::filesystem::remove(control);
-  std::filesystem::remove(slow);
   ASSERT_EQ(run.targets.size(), 1u);
   EXPECT_EQ(run.targets[0].utime, 20);
   ASSERT_EQ(run.shapes.size(), 1u);
@@ -78,8 +77,8 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
 }
 
 TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {
-  const std::filesystem::path file =
-      std::filesystem::path(testing::TempDir()) / "palpate_log_reader_test.log";
+  const support::ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "one.log";
   {
     lcm::LogFile log(file.string(), "w");
     for (int i = 0; i < 3; ++i) write(log, "TWIST_COMMAND", 1000 * i, twist_command_t{});
@@ -92,13 +91,12 @@ TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {
   reader.read(file);
   EXPECT_EQ(testing::internal::GetCapturedStderr(),
             "warning: " + file.string() + ": the last event is cut short\n");
-  std::filesystem::remove(file);
   EXPECT_EQ(commands.size(), 2u);
 }
 
 TEST(LogReader, BySendersClockWhatWasOvertakenIsBackInItsPlace) {
-  const auto folder = std::filesystem::temp_directory_path();
-  const auto control = folder / "palpate_overtaken.log";
+  const support::ScratchFolder scratch;
+  const auto control = scratch.path() / "overtaken.log";
   {
     lcm::LogFile log(control.string(), "w");
     feature_t feature = {};
@@ -110,7 +108,6 @@ TEST(LogReader, BySendersClockWhatWasOvertakenIsBackInItsPlace) {
   }
   const RunLog sent = read_run(control, control, LogClock::kSent);
   const RunLog received = read_run(control, control);
-  std::filesystem::remove(control);
   ASSERT_EQ(sent.features.size(), 7u);
   for (int i = 0; i < 7; ++i) EXPECT_EQ(sent.features[i].seq, i + 1);
   EXPECT_EQ(received.features.back().seq, 6);

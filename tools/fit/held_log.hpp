@@ -1,0 +1,65 @@
+#pragma once
+
+#include <palpate/ft_wrench_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_observation_t.hpp>
+#include <string>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+
+namespace palpate::fit {
+
+/// Which moments of a recording count as equilibria. The log is cut into blocks of 0.1 s; a block
+/// is calm where the mean pose of the hand moves by less than the two speeds to both of its
+/// neighbours. A sample is the mean over `window` of calm blocks that follow `settle` of them.
+/// Without `settle` and with higher speeds, slow motion counts as a row of equilibria.
+struct CalmRule {
+  double linear_speed = 2e-3;   // m/s
+  double angular_speed = 1e-2;  // rad/s
+  double settle = 0.5;          // s, for vibrations to die
+  double window = 0.5;          // s
+  double every = 1.0;           // s between the beginnings of samples, at least
+};
+
+/// A mean over kBlock s of a hand's log.
+struct HeldBlock {
+  math::Pose X_WE = math::Pose::Identity();
+  math::Vector6d wrench = math::Vector6d::Zero();
+  bool whole = false;  // pose and wrench have been told
+  bool calm = false;
+};
+
+inline constexpr double kBlock = 0.1;  // s
+
+/// Mean of poses that hardly differ.
+class PoseMean {
+ public:
+  void add(const math::Pose& X);
+  int count() const { return count_; }
+  math::Pose get() const;
+
+ private:
+  math::Pose first_ = math::Pose::Identity();
+  Eigen::Vector3d translation_ = Eigen::Vector3d::Zero(), turn_ = Eigen::Vector3d::Zero();
+  int count_ = 0;
+};
+
+/// Everything of a log that a held object is fitted to.
+struct HeldLog {
+  std::vector<robot_state_t> robot;
+  std::vector<ft_wrench_t> wrenches;
+  std::vector<shape_observation_t> seen;
+  std::int64_t begin = 0;         // us, of the first block
+  std::vector<HeldBlock> blocks;  // marked by the rule
+};
+
+/// Reads ROBOT_STATE, FT_WRENCH and SHAPE_OBSERVATION. `time`: "sent" or "received", whose clock
+/// counts. Throws std::runtime_error naming file and remedy: a channel that is absent, numbers that
+/// are not finite.
+HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time);
+
+/// Angle from one pose to another, rad.
+double turn_between(const math::Pose& a, const math::Pose& b);
+
+}  // namespace palpate::fit

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace palpate::fit {
+
+/// Adds the command `plan`, which prints which motions of the hand would tell a configuration's
+/// object best. `code` becomes its exit code once it has run. It throws config::Error and
+/// std::invalid_argument.
+void add_held_plan_command(CLI::App& app, int& code);
+
+}  // namespace palpate::fit

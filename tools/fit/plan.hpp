@@ -1,0 +1,56 @@
+#pragma once
+
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rt/config/node.hpp"
+#include "tools/fit/fit.hpp"
+
+namespace palpate::fit {
+
+/// One fit of a plan: recordings that tell parameters together.
+struct Job {
+  std::string group;            // the plan's name of it
+  std::string name;             // likewise, with the value of `each` behind it
+  std::string variant;          // empty: the plan has none
+  bool is_one_of_many = false;  // by `each`: one that fails does not spoil the rest
+  std::vector<config::Node> recordings;
+  std::map<std::string, ParameterChange> parameters;
+  FitOptions options;
+  double effective_strain = 0;  // greatest of the co-rotational material; 0: all that is fitted
+
+  /// "name, variant".
+  std::string title() const;
+};
+
+/// What palpate-fit is to do. In YAML:
+///
+///   name: foam
+///   about: how it is done, printed above the results
+///   recording: {kind: uniaxial, ...}     # laid under every recording
+///   fits:                                # or `recordings:` alone, for one fit
+///     - name: leap 1
+///       group: leap       # medians and spread of fits of one group are told too; may be absent
+///       recordings:
+///         - {file: a.csv.gz, own: [young_modulus], shared: [load_bias], held_out: true}
+///       variants: [Ogden]    # only these; absent: all
+///       each: probe       # one fit for each number in this column of the first recording's file
+///       parameters: {young_modulus: {start: 1e5, lower: 1e3, upper: 1e7}}   # or {known: 1e5}
+///   variants:                            # each fit is done with each of them; may be absent
+///     - {name: Ogden, recording: {model: ogden_1}, solver: {starts: 4}, parameters: {...}}
+///   effective: {strain: 0.1}             # greatest strain of the co-rotational E; absent: all
+///   solver: {loss: huber, loss_scale: 2, starts: 1, seed: 1, iterations: 200, profile: auto,
+///            reweigh: true}
+struct Plan {
+  std::string name;
+  std::string about;
+  std::vector<Job> jobs;
+  std::string hash;  // of the plan and all that was set over it
+};
+
+/// Throws config::Error, and import::CsvError where `each` cannot be read.
+Plan read_plan(const config::Node& node, const std::filesystem::path& data);
+
+}  // namespace palpate::fit

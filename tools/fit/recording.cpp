@@ -1,0 +1,200 @@
+#include "tools/fit/recording.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <unordered_set>
+
+#include "tools/fit/csv_table.hpp"
+#include "tools/import/csv_reader.hpp"
+
+namespace palpate::fit {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::string joined(const std::vector<std::string>& texts) {
+  std::string result;
+  for (const std::string& text : texts) result += (result.empty() ? "'" : ", '") + text + "'";
+  return result;
+}
+
+/// Throws config::Error at `key` where the unit is not one of the dimension's.
+double factor_of(const config::Node& node, const std::string& key, Dimension dimension,
+                 const std::string& unit) {
+  const double factor = si_factor(dimension, unit);
+  if (factor == 0)
+    node.fail(key, "'" + unit + "' is no unit of " + name_of(dimension) +
+                       "; allowed: " + joined(units_of(dimension)));
+  return factor;
+}
+
+/// A column of the file and how it becomes a quantity.
+struct Source {
+  std::string quantity;
+  std::size_t column = 0;
+  double factor = 1;
+};
+
+std::vector<Source> read_sources(const config::Node& node, const CsvTable& table,
+                                 const std::vector<WantedColumn>& wanted) {
+  const config::Node columns = node.child("columns");
+  std::vector<Source> sources;
+  for (const WantedColumn& want : wanted) {
+    if (!columns.has(want.quantity)) {
+      if (want.is_required)
+        columns.fail(want.quantity,
+                     "is absent; it names the column of " + name_of(want.dimension) +
+                         " as {name: ..., unit: " + units_of(want.dimension).front() + "}");
+      continue;
+    }
+    const config::Node entry = columns.child(want.quantity);
+    Source source;
+    source.quantity = want.quantity;
+    source.column = table.column(entry.text("name"));
+    source.factor = factor_of(entry, "unit", want.dimension,
+                              entry.text("unit", units_of(want.dimension).front())) *
+                    entry.number("sign", {-1, 1}, 1);
+    if (source.factor == 0) entry.fail("sign", "must be 1 or -1");
+    sources.push_back(source);
+  }
+  return sources;
+}
+
+struct Filter {
+  std::size_t column = 0;
+  double value = 0;
+};
+
+std::vector<Filter> read_filters(const config::Node& node, const CsvTable& table) {
+  std::vector<Filter> filters;
+  if (!node.has("where")) return filters;
+  const config::Node where = node.child("where");
+  for (const std::string& key : where.keys())
+    filters.push_back({table.column(key), where.number(key, {-kInfinity, kInfinity})});
+  return filters;
+}
+
+}  // namespace
+
+Selection read_selection(const config::Node& node, const std::string& key, bool otherwise) {
+  Selection selection;
+  if (!node.is_mapping(key)) {
+    selection.is_all = node.flag(key, otherwise);
+    selection.from = 1;  // above `to`: none
+    return selection;
+  }
+  const config::Node entry = node.child(key);
+  selection.quantity = entry.text("quantity");
+  selection.from = entry.number("from", {}, -kInfinity);
+  selection.to = entry.number("to", {}, kInfinity);
+  if (!(selection.from <= selection.to)) entry.fail("to", "must not be below from");
+  return selection;
+}
+
+double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+                     config::Range range) {
+  const std::string text = node.text(key);
+  const std::size_t gap = text.find(' ');
+  if (gap == std::string::npos) return node.number(key, range);
+  double value = 0;
+  try {
+    std::size_t used = 0;
+    value = std::stod(text, &used);
+    if (used != gap) throw std::invalid_argument(text);
+  } catch (const std::exception&) {
+    node.fail(key, "'" + text + "' is not a number with a unit");
+  }
+  value *= factor_of(node, key, dimension, text.substr(gap + 1));
+  if (!(value >= range.lower && value <= range.upper))
+    node.fail(key, "is out of range; allowed: " + std::to_string(range.lower) + " to " +
+                       std::to_string(range.upper) + " " + si_unit(dimension));
+  return value;
+}
+
+double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+                     config::Range range, double otherwise) {
+  return node.has(key) ? read_quantity(node, key, dimension, range) : otherwise;
+}
+
+Recording::Recording(const config::Node& node, const std::filesystem::path& folder,
+                     const std::vector<WantedColumn>& wanted) {
+  const std::string file = node.text("file");
+  path_ = recording_path(folder, file).string();
+  std::string stem = std::filesystem::path(file).filename().string();
+  name_ = node.text("name", stem.substr(0, stem.find(".csv")));
+
+  const std::shared_ptr<const CsvTable> table = read_csv(path_);
+  const std::vector<Source> sources = read_sources(node, *table, wanted);
+  const std::vector<Filter> filters = read_filters(node, *table);
+  const config::Node rows = node.child_or_empty("rows");
+  const int first = rows.integer("first", {0, 1e9}, 0);
+  const int last = rows.integer("last", {0, 1e9}, 1000000000);
+  const int step = rows.integer("step", {1, 1e6}, 1);
+
+  std::vector<std::vector<double>> cells(sources.size());
+  int index = -1;
+  for (std::size_t row = 0; row < table->rows(); ++row) {
+    const bool is_ours = std::all_of(filters.begin(), filters.end(), [&](const Filter& f) {
+      return table->number(row, f.column) == f.value;
+    });
+    if (!is_ours) continue;
+    ++index;
+    if (index < first || index > last || (index - first) % step != 0) continue;
+    for (std::size_t k = 0; k < sources.size(); ++k)
+      cells[k].push_back(sources[k].factor * table->number(row, sources[k].column));
+    lines_.push_back(table->lines[row]);
+  }
+  for (std::size_t k = 0; k < sources.size(); ++k)
+    columns_[sources[k].quantity] = Eigen::Map<const Eigen::VectorXd>(
+        cells[k].data(), static_cast<Eigen::Index>(cells[k].size()));
+}
+
+void Recording::require_rows(Eigen::Index least) const {
+  if (rows() < least)
+    fail(rows() > 0 ? rows() - 1 : 0,
+         "only " + std::to_string(rows()) + " samples; " + std::to_string(least) +
+             " are needed: check `where` and `rows`, or record longer");
+}
+
+void Recording::require_varying(const std::string& quantity) const {
+  const Eigen::VectorXd& values = column(quantity);
+  if (values.size() > 0 && values.maxCoeff() > values.minCoeff()) return;
+  fail(0, quantity + " is the same in every row (" +
+              (values.size() > 0 ? std::to_string(values[0]) : "none") +
+              "): nothing can be told from it; check the column's name");
+}
+
+void Recording::require_rising(const std::string& quantity) const {
+  const Eigen::VectorXd& values = column(quantity);
+  for (Eigen::Index row = 1; row < values.size(); ++row)
+    if (!(values[row] > values[row - 1]))
+      fail(row, quantity +
+                    " does not rise from the row before; sort the rows, or remove those "
+                    "that repeat");
+}
+
+void Recording::fail(Eigen::Index row, const std::string& what) const {
+  const auto index = static_cast<std::size_t>(row);
+  throw import::CsvError(path_ + ":" + std::to_string(index < lines_.size() ? lines_[index] : 1) +
+                         ": " + what);
+}
+
+void Recording::fail(const std::string& what) const { throw import::CsvError(path_ + ": " + what); }
+
+std::vector<double> distinct_values(const std::filesystem::path& file, const std::string& column) {
+  const std::shared_ptr<const CsvTable> table = read_csv(file.string());
+  const std::size_t index = table->column(column);
+  std::vector<double> values;
+  std::unordered_set<double> known;
+  for (std::size_t row = 0; row < table->rows(); ++row) {
+    const double value = table->number(row, index);
+    if (known.insert(value).second) values.push_back(value);
+  }
+  return values;
+}
+
+std::filesystem::path recording_path(const std::filesystem::path& folder, const std::string& file) {
+  return folder / file;
+}
+
+}  // namespace palpate::fit

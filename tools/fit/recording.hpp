@@ -1,0 +1,88 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <filesystem>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "rt/config/node.hpp"
+#include "tools/fit/units.hpp"
+
+namespace palpate::fit {
+
+/// A quantity that an experiment reads from a recording, called `quantity` under `columns`.
+struct WantedColumn {
+  std::string quantity;
+  Dimension dimension;
+  bool is_required = true;
+};
+
+/// Samples by what a quantity of theirs is. In YAML: true (all), false, or
+/// {quantity: strain, from: 0.5, to: 1} (SI, ends included; either may be absent).
+struct Selection {
+  bool is_all = false;
+  std::string quantity;  // empty: all or none
+  double from = 0;
+  double to = 0;
+
+  bool holds(double value) const { return is_all || (value >= from && value <= to); }
+};
+
+/// Reads entry `key`; `otherwise` where it is absent. Throws config::Error.
+Selection read_selection(const config::Node& node, const std::string& key, bool otherwise);
+
+/// A number with its unit ("10.65 mm") or in SI (0.01065), as SI. Throws config::Error naming the
+/// units that are allowed, or the range.
+double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+                     config::Range range);
+double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+                     config::Range range, double otherwise);
+
+/// The columns of a CSV (plain or .gz) in SI units. In YAML:
+///
+///   name: leap_1                 # absent: the file's name
+///   file: foam/leap_1.csv.gz     # in the folder of the data
+///   columns:
+///     force: {name: force_N, unit: N, sign: -1}   # sign: absent 1
+///   where: {probe: 3}            # only rows with this number in a column; may be absent
+///   rows: {first: 100, last: 900, step: 4}        # of what is left, from 0; may be absent
+class Recording {
+ public:
+  /// Reads the wanted columns, each as long. Throws config::Error for wrong keys and units and
+  /// import::CsvError naming file and row where the file is missing or lacks a column, or a cell is
+  /// not a finite number.
+  Recording(const config::Node& node, const std::filesystem::path& folder,
+            const std::vector<WantedColumn>& wanted);
+
+  const std::string& name() const { return name_; }
+  const std::string& path() const { return path_; }
+  Eigen::Index rows() const { return static_cast<Eigen::Index>(lines_.size()); }
+  bool has(const std::string& quantity) const { return columns_.count(quantity) > 0; }
+  /// Throws std::out_of_range where the quantity was not wanted or is not there.
+  const Eigen::VectorXd& column(const std::string& quantity) const { return columns_.at(quantity); }
+
+  /// Throw import::CsvError, which names file, row and remedy, where there are fewer rows, the
+  /// quantity is the same in all, or it does not rise from row to row.
+  void require_rows(Eigen::Index least) const;
+  void require_varying(const std::string& quantity) const;
+  void require_rising(const std::string& quantity) const;
+  /// Throw import::CsvError: "file:line: what", of one row or of all.
+  [[noreturn]] void fail(Eigen::Index row, const std::string& what) const;
+  [[noreturn]] void fail(const std::string& what) const;
+
+ private:
+  std::string name_;
+  std::string path_;
+  std::map<std::string, Eigen::VectorXd> columns_;
+  std::vector<int> lines_;  // of the file, by row
+};
+
+/// The numbers that a column holds, each once, as they come; for recordings that lie behind each
+/// other in one file. Throws import::CsvError.
+std::vector<double> distinct_values(const std::filesystem::path& file, const std::string& column);
+
+/// Where a recording lies: `file` is taken below `folder` unless it is absolute.
+std::filesystem::path recording_path(const std::filesystem::path& folder, const std::string& file);
+
+}  // namespace palpate::fit

@@ -1,0 +1,233 @@
+#include "tools/fit/uncertainty.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "tools/fit/noise.hpp"
+#include "tools/fit/profile.hpp"
+
+namespace palpate::fit {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Residuals of every series where the search ended, as they are and as the loss counts them.
+struct Linearised {
+  std::vector<VectorXd> residuals;  // in deviations
+  std::vector<VectorXd> counted;
+  std::vector<MatrixXd> jacobians;  // of `counted`
+};
+
+Linearised linearise(const Problem& problem, const Loss& loss, const VectorXd& x) {
+  Linearised result;
+  for (std::size_t m = 0; m < problem.members().size(); ++m) {
+    VectorXd r;
+    MatrixXd J;
+    if (!problem.residuals(static_cast<int>(m), x, r, &J))
+      throw std::runtime_error("no equilibrium with the parameters that were found");
+    VectorXd counted = r;
+    for (Index i = 0; i < r.size(); ++i) J.row(i) *= loss.apply(counted[i]);
+    Index row = 0;
+    for (std::size_t s = 0; s < problem.series().size(); ++s) {
+      if (problem.series()[s].member != static_cast<int>(m)) continue;
+      const Index n = problem.fitted_count(s);
+      result.residuals.push_back(r.segment(row, n));
+      result.counted.push_back(counted.segment(row, n));
+      result.jacobians.push_back(J.middleRows(row, n));
+      row += n;
+    }
+  }
+  return result;
+}
+
+/// Freedom is taken from the series alike, by their samples.
+std::vector<SeriesNoise> find_noise(const Problem& problem, const Linearised& at) {
+  const auto all = static_cast<double>(problem.fitted_count());
+  const double left = std::max(1.0, all - static_cast<double>(problem.free().size()));
+  std::vector<SeriesNoise> noise;
+  for (std::size_t s = 0; s < at.counted.size(); ++s) {
+    const auto n = static_cast<double>(at.counted[s].size());
+    SeriesNoise one;
+    one.factor = autocorrelation_factor(at.counted[s]);
+    one.effective = n / one.factor;
+    one.deviation =
+        n > 0 ? problem.deviations()[s] * std::sqrt(at.counted[s].squaredNorm() / n * all / left)
+              : 0;
+    noise.push_back(one);
+  }
+  return noise;
+}
+
+/// The covariance of the coordinates `moving` and what the data leave open.
+struct Spread {
+  MatrixXd covariance;        // of the coordinates, open directions left out
+  MatrixXd inverse;           // (J'J)^-1, likewise
+  MatrixXd bounded;           // covariance, open directions with a deviation of 1 at most
+  std::vector<bool> is_open;  // by moving coordinate
+};
+
+Spread find_spread(const Problem& problem, const Linearised& at,
+                   const std::vector<SeriesNoise>& noise, const std::vector<Index>& moving,
+                   std::vector<OpenDirection>& open) {
+  const auto n = static_cast<Index>(moving.size());
+  MatrixXd A = MatrixXd::Zero(n, n), B = A, white = A;
+  for (std::size_t s = 0; s < at.jacobians.size(); ++s) {
+    MatrixXd J(at.jacobians[s].rows(), n);
+    for (Index k = 0; k < n; ++k)
+      J.col(k) = at.jacobians[s].col(moving[static_cast<std::size_t>(k)]);
+    const double sigma = noise[s].deviation / problem.deviations()[s];
+    const double variance = noise[s].factor * sigma * sigma;
+    const MatrixXd JJ = J.transpose() * J;
+    A += JJ;
+    B += variance * JJ;
+    white += JJ / std::max(variance, 1e-300);
+  }
+  // Singular values of the whitened Jacobian: one over the deviation along each direction.
+  const Eigen::JacobiSVD<MatrixXd> svd(white, Eigen::ComputeFullV);
+  const VectorXd singular = svd.singularValues().cwiseMax(0).cwiseSqrt();
+  std::vector<Index> kept;
+  MatrixXd unknown = MatrixXd::Zero(n, n);
+  Spread spread;
+  spread.is_open.assign(static_cast<std::size_t>(n), false);
+  constexpr double kShare = 0.05;
+  for (Index k = 0; k < n; ++k) {
+    const bool is_null = singular[k] <= 1e-7 * singular[0];
+    if (!is_null && singular[k] >= 1) {
+      kept.push_back(k);
+      continue;
+    }
+    OpenDirection direction;
+    direction.deviation = is_null ? kInfinity : 1 / singular[k];
+    const double most = std::min(direction.deviation, 1.0);
+    unknown += most * most * svd.matrixV().col(k) * svd.matrixV().col(k).transpose();
+    for (Index i = 0; i < n; ++i) {
+      const double share = svd.matrixV()(i, k);
+      if (std::abs(share) < kShare) continue;
+      const int parameter =
+          problem.free()[static_cast<std::size_t>(moving[static_cast<std::size_t>(i)])];
+      direction.shares.push_back(
+          {problem.parameters()[static_cast<std::size_t>(parameter)].name, share});
+      spread.is_open[static_cast<std::size_t>(i)] = true;
+    }
+    open.push_back(std::move(direction));
+  }
+  MatrixXd basis(n, static_cast<Index>(kept.size()));
+  for (std::size_t k = 0; k < kept.size(); ++k)
+    basis.col(static_cast<Index>(k)) = svd.matrixV().col(kept[k]);
+  const MatrixXd inner = basis.transpose() * A * basis;
+  spread.inverse = basis * inner.ldlt().solve(MatrixXd(basis.transpose()));
+  spread.covariance = spread.inverse * B * spread.inverse;
+  spread.bounded = spread.covariance + unknown;
+  return spread;
+}
+
+bool is_at_bound(double x, double lower, double upper) {
+  const double tolerance = 1e-7 * std::max(1.0, upper - lower);
+  return x - lower < tolerance || upper - x < tolerance;
+}
+
+}  // namespace
+
+std::string name_of(Standing standing) {
+  switch (standing) {
+    case Standing::kEstimated:
+      return "estimated";
+    case Standing::kKnown:
+      return "known";
+    case Standing::kAtBound:
+      return "at bound";
+    case Standing::kUndetermined:
+      return "undetermined";
+  }
+  return "";
+}
+
+Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& options,
+                             const Solution& solution, Profile profile) {
+  const VectorXd& x = solution.coordinates;
+  const Linearised at = linearise(problem, options.loss, x);
+  Uncertainty result;
+  result.noise = find_noise(problem, at);
+  const VectorXd values = problem.values(x), lower = problem.lower(), upper = problem.upper();
+  for (std::size_t i = 0; i < problem.parameters().size(); ++i) {
+    Estimate estimate;
+    estimate.parameter = problem.parameters()[i];
+    estimate.value = values[static_cast<Index>(i)];
+    estimate.standing = Standing::kKnown;
+    result.estimates.push_back(estimate);
+  }
+  std::vector<Index> moving;
+  for (std::size_t i = 0; i < problem.free().size(); ++i) {
+    const auto k = static_cast<Index>(i);
+    const bool is_bound = is_at_bound(x[k], lower[k], upper[k]);
+    result.estimates[static_cast<std::size_t>(problem.free()[i])].standing =
+        is_bound ? Standing::kAtBound : Standing::kEstimated;
+    if (!is_bound) moving.push_back(k);
+  }
+  const auto free_count = static_cast<Index>(problem.free().size());
+  result.coordinate_covariance.setZero(free_count, free_count);
+  if (moving.empty()) return result;
+
+  const Spread spread = find_spread(problem, at, result.noise, moving, result.open);
+  for (std::size_t i = 0; i < moving.size(); ++i)
+    for (std::size_t j = 0; j < moving.size(); ++j)
+      result.coordinate_covariance(moving[i], moving[j]) =
+          spread.bounded(static_cast<Index>(i), static_cast<Index>(j));
+  double effective = 0;
+  for (const SeriesNoise& noise : result.noise) effective += noise.effective;
+  const double t = student_quantile(effective - static_cast<double>(moving.size()));
+  std::vector<Index> told;
+  for (std::size_t k = 0; k < moving.size(); ++k) {
+    const auto parameter =
+        static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(moving[k])]);
+    Estimate& estimate = result.estimates[parameter];
+    if (spread.is_open[k]) {
+      estimate.standing = Standing::kUndetermined;
+      continue;
+    }
+    const auto row = static_cast<Index>(k);
+    const double sigma = std::sqrt(spread.covariance(row, row));
+    estimate.deviation =
+        sigma * std::abs(problem.slope(static_cast<int>(parameter), estimate.value));
+    ProfileQuestion question{problem, options, solution, moving[k], t * sigma, 0, {}};
+    question.rise = spread.inverse(row, row) > 0
+                        ? question.reach * question.reach / spread.inverse(row, row)
+                        : 0;
+    question.direction = VectorXd::Zero(x.size());
+    for (std::size_t j = 0; j < moving.size(); ++j)
+      question.direction[moving[j]] =
+          spread.inverse(static_cast<Index>(j), row) / spread.inverse(row, row);
+    std::array<double, 2> ends = {x[moving[k]] - t * sigma, x[moving[k]] + t * sigma};
+    estimate.is_profile = profile == Profile::kAlways ||
+                          (profile == Profile::kAuto && does_curvature_mislead(question));
+    if (estimate.is_profile) ends = profile_interval(question);
+    for (std::size_t side = 0; side < 2; ++side)
+      estimate.interval[side] = problem.to_value(
+          static_cast<int>(parameter), std::clamp(ends[side], lower[moving[k]], upper[moving[k]]));
+    result.determined.push_back(static_cast<int>(parameter));
+    told.push_back(row);
+  }
+  const auto n = static_cast<Index>(told.size());
+  result.covariance.resize(n, n);
+  result.correlation.resize(n, n);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < n; ++j) {
+      const Index a = told[static_cast<std::size_t>(i)], b = told[static_cast<std::size_t>(j)];
+      const int pa = result.determined[static_cast<std::size_t>(i)],
+                pb = result.determined[static_cast<std::size_t>(j)];
+      const double c = spread.covariance(a, b);
+      result.covariance(i, j) = c * problem.slope(pa, values[pa]) * problem.slope(pb, values[pb]);
+      result.correlation(i, j) = c / std::sqrt(spread.covariance(a, a) * spread.covariance(b, b));
+    }
+  return result;
+}
+
+}  // namespace palpate::fit

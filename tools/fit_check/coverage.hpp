@@ -1,0 +1,64 @@
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/fit/experiment.hpp"
+#include "tools/fit/fit.hpp"
+
+namespace palpate::fit_check {
+
+/// An experiment whose recording is what it would predict at `truth`, plus white noise of each
+/// series' deviation.
+class Synthetic final : public fit::Experiment {
+ public:
+  /// Throws std::invalid_argument where `truth` has no equilibrium.
+  Synthetic(std::shared_ptr<const fit::Experiment> mechanics, const Eigen::VectorXd& truth,
+            int seed);
+
+  const std::string& name() const override { return mechanics_->name(); }
+  const std::vector<fit::Series>& series() const override { return series_; }
+  const std::vector<fit::Parameter>& parameters() const override {
+    return mechanics_->parameters();
+  }
+  bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
+               Eigen::MatrixXd* jacobian) const override {
+    return mechanics_->predict(parameters, prediction, jacobian);
+  }
+  std::string material() const override { return mechanics_->material(); }
+
+ private:
+  std::shared_ptr<const fit::Experiment> mechanics_;
+  std::vector<fit::Series> series_;
+};
+
+/// How often the 95 % interval of a parameter held the truth.
+struct Coverage {
+  std::string experiment;
+  std::string parameter;
+  int seeds = 0;          // fits that told the parameter
+  int covered = 0;        // of them
+  double mean_width = 0;  // of the interval, over the truth's absolute value where that is not 0
+
+  double share() const { return seeds > 0 ? static_cast<double>(covered) / seeds : 0; }
+};
+
+/// Fits `seeds` synthetic recordings; one row for each free parameter of the material, that is
+/// without a recording's name. `progress`: share done; false ends it.
+std::vector<Coverage> measure_coverage(std::shared_ptr<const fit::Experiment> mechanics,
+                                       const Eigen::VectorXd& truth, int seeds,
+                                       const std::function<void(double)>& progress = {});
+
+/// An experiment with the truth that its recordings are to be made of.
+struct OwnModel {
+  std::shared_ptr<const fit::Experiment> mechanics;
+  Eigen::VectorXd truth;
+};
+
+/// Recordings that core's own models can make: a bar in tension with its width, a bar that a hand
+/// bends, pulls and twists, and one that rings after a stop. Files go to `folder`.
+std::vector<OwnModel> own_models(const std::string& folder);
+
+}  // namespace palpate::fit_check
