@@ -62,7 +62,7 @@ void Checkpoint::keep(const std::string& fit, const Problem& problem,
       best.values[problem.parameters()[static_cast<std::size_t>(i)].name] = values[i];
     best_[fit] = std::move(best);
   }
-  if ((is_better && seconds_now() - last_written_ > 1)) write();
+  if (is_last || (is_better && seconds_now() - last_written_ > 1)) write();
 }
 
 void Checkpoint::write() {

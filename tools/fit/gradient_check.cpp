@@ -12,34 +12,40 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Central difference of a member's prediction by one coordinate.
-VectorXd difference(const Problem& problem, int member, VectorXd x, Index i, double h) {
+/// On which side of the parameters differences are taken.
+enum class Side { kBelow = -1, kBoth = 0, kAbove = 1 };
+
+/// Difference quotient of a member's prediction by one coordinate.
+VectorXd difference(const Problem& problem, int member, VectorXd x, Index i, double h, Side side) {
   const double middle = x[i];
   VectorXd above, below;
-  x[i] = middle + h;
+  x[i] = side == Side::kBelow ? middle : middle + h;
+  const double upper = x[i];
   bool is_good = problem.predict(member, x, above, nullptr);
-  x[i] = middle - h;
+  x[i] = side == Side::kAbove ? middle : middle - h;
   is_good = problem.predict(member, x, below, nullptr) && is_good;
   if (!is_good) throw std::runtime_error("no equilibrium beside the parameters to be checked");
-  return (above - below) / (2 * h);
+  return (above - below) / (upper - x[i]);
 }
 
 /// Ridders: steps shrink while Neville's scheme takes them to zero; by sample, the entry of the
 /// table with the least estimated error.
 VectorXd extrapolated(const Problem& problem, int member, const VectorXd& x, Index i, double h,
-                      VectorXd& error) {
+                      Side side, VectorXd& error) {
   constexpr int kRows = 10;
-  constexpr double kShrink = 1.6, kSquare = kShrink * kShrink;
+  constexpr double kShrink = 1.6;
+  // Errors of central differences go with even powers of the step, of one-sided ones with all.
+  const double power = side == Side::kBoth ? kShrink * kShrink : kShrink;
   std::array<std::array<VectorXd, kRows>, kRows> table;
   VectorXd best;
   for (int row = 0; row < kRows; ++row, h /= kShrink) {
-    table[row][0] = difference(problem, member, x, i, h);
+    table[row][0] = difference(problem, member, x, i, h, side);
     if (row == 0) {
       best = table[0][0];
       error.setConstant(best.size(), std::numeric_limits<double>::infinity());
     }
-    double factor = kSquare;
-    for (int k = 1; k <= row; ++k, factor *= kSquare) {
+    double factor = power;
+    for (int k = 1; k <= row; ++k, factor *= power) {
       table[row][k] = (factor * table[row][k - 1] - table[row - 1][k - 1]) / (factor - 1);
       const VectorXd off = (table[row][k] - table[row][k - 1])
                                .cwiseAbs()
@@ -52,15 +58,19 @@ VectorXd extrapolated(const Problem& problem, int member, const VectorXd& x, Ind
 }
 
 /// By sample, how far the derivatives are from differences, less twice Ridders' own error. Beside a
-/// kink only short steps say something, elsewhere long ones say more: the nearest counts.
+/// kink only short steps say something, elsewhere long ones say more; and on a kink, where a fit of
+/// contact likes to end, there are two derivatives, one to each side: the nearest counts.
 VectorXd distance(const Problem& problem, int member, const VectorXd& x, Index i, double step,
-                  const VectorXd& derivative) {
+                  const VectorXd& derivative, double enough) {
   VectorXd nearest;
-  for (const double share : {1.0, 1e-2, 1e-4}) {
-    VectorXd error;
-    const VectorXd numeric = extrapolated(problem, member, x, i, share * step, error);
-    const VectorXd off = ((derivative - numeric).cwiseAbs() - 2 * error).cwiseMax(0);
-    nearest = nearest.size() == 0 ? off : VectorXd(nearest.cwiseMin(off));
+  for (const Side side : {Side::kBoth, Side::kBelow, Side::kAbove}) {
+    for (const double share : {1.0, 1e-2, 1e-4}) {
+      VectorXd error;
+      const VectorXd numeric = extrapolated(problem, member, x, i, share * step, side, error);
+      const VectorXd off = ((derivative - numeric).cwiseAbs() - 2 * error).cwiseMax(0);
+      nearest = nearest.size() == 0 ? off : VectorXd(nearest.cwiseMin(off));
+    }
+    if (nearest.maxCoeff() <= enough) break;
   }
   return nearest;
 }
@@ -82,13 +92,23 @@ std::vector<GradientCheck> check_gradients(const Problem& problem, const VectorX
       const double room = std::min(coordinates[i] - lower[i], upper[i] - coordinates[i]);
       const double step = std::min(kStep, 0.5 * room);
       if (!(step > 1e-6)) continue;  // at a bound
-      const VectorXd off = distance(problem, member, coordinates, i, step, J.col(i));
+      const auto size_of = [&](Index row, Index n) {
+        return std::max(J.col(i).segment(row, n).cwiseAbs().maxCoeff(),
+                        kLeast * prediction.segment(row, n).cwiseAbs().maxCoeff());
+      };
+      double least = std::numeric_limits<double>::infinity();
+      for (std::size_t s = 0; s < problem.series().size(); ++s) {
+        if (problem.series()[s].member != member) continue;
+        const double size = size_of(problem.series()[s].row, problem.series_at(s).measured.size());
+        if (size > 0) least = std::min(least, size);
+      }
+      const VectorXd off =
+          distance(problem, member, coordinates, i, step, J.col(i), kGradientTolerance * least);
       const auto parameter = static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(i)]);
       for (std::size_t s = 0; s < problem.series().size(); ++s) {
         if (problem.series()[s].member != member) continue;
         const Index row = problem.series()[s].row, n = problem.series_at(s).measured.size();
-        const double size = std::max(J.col(i).segment(row, n).cwiseAbs().maxCoeff(),
-                                     kLeast * prediction.segment(row, n).cwiseAbs().maxCoeff());
+        const double size = size_of(row, n);
         if (!(size > 0)) continue;
         const double relative = off.segment(row, n).maxCoeff() / size;
         const std::string& quantity = problem.series_at(s).quantity;

@@ -4,6 +4,7 @@
 
 #include <Eigen/LU>
 
+#include "core/elasticity/strain_energy_tensor.hpp"
 #include "core/math/rigid.hpp"
 
 namespace palpate::elasticity {
@@ -54,6 +55,30 @@ TEST(SolidMaterial, SmallStrainGivesYoungsModulusAndPoissonsRatio) {
   ASSERT_TRUE(point_response(F, uniform, false, response));
   EXPECT_NEAR(response.stress(0, 0), E * strain, 1e-4 * E * strain);
   EXPECT_NEAR(response.stress(1, 1), 0, 1e-4 * E * strain);
+}
+
+/// The materials by invariants and by principal stretches are written apart, since they keep the
+/// volume by other laws; where the volume is kept they must be one.
+TEST(SolidMaterial, WithoutChangeOfVolumeItIsTheMaterialByStretches) {
+  const Matrix3d F = kF / std::cbrt(kF.determinant());
+  const double E = 30e3, nu = 0.4;
+  for (const double share : {0.0, 0.3}) {
+    const auto by_stretches = StrainEnergy::make(share > 0 ? "mooney_rivlin" : "neo_hookean");
+    Eigen::VectorXd constants(share > 0 ? 3 : 2);
+    constants.head(2) << E, nu;
+    if (share > 0) constants[2] = share;
+    TensorStress one;
+    PointResponse other;
+    ASSERT_TRUE(respond_to_gradient(*by_stretches, constants, F, one));
+    ASSERT_TRUE(point_response(F, make_solid_material(E, nu, share).coefficients, false, other));
+    EXPECT_NEAR(one.energy, other.energy, 1e-12 * E);
+    const auto deviator = [&](const Matrix3d& P) {
+      const Matrix3d tau = P * F.transpose();
+      return Matrix3d(tau - tau.trace() / 3 * Matrix3d::Identity());
+    };
+    EXPECT_LT((deviator(one.stress) - deviator(other.stress)).norm(), 1e-11 * E) << share;
+    EXPECT_GT(deviator(one.stress).norm(), 1e-2 * E);
+  }
 }
 
 TEST(SolidMaterial, SlopesAreDerivativesOfTheConstants) {

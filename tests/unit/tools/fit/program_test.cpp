@@ -1,11 +1,15 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <cmath>
+#include <csignal>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
+#include "rt/component/object.hpp"
 #include "rt/config/node.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
 #include "tools/evaluate/process.hpp"
@@ -82,6 +86,46 @@ TEST_F(ProgramTest, WritesWhatItFound) {
   EXPECT_GT(json["fits"][0]["series"][0]["held_out"]["samples"], 3);
   EXPECT_THAT(text_of(out / "samples.csv"), HasSubstr("a,force,N,depth,m,0.0015,"));
   EXPECT_FALSE(std::filesystem::exists(out / "checkpoint.json"));  // done
+}
+
+TEST_F(ProgramTest, PalpatedReadsWhatItWrites) {
+  ASSERT_EQ(run_program({"--out", folder_.path().string()}), 0) << output();
+  folder_.write("bar.yaml",
+                "object:\n  mesh: {box: {size: [0.2, 0.04, 0.04], cells: [4, 1, 1]}}\n"
+                "  fixed_box: {lower: [0, 0, 0], upper: [0, 0.04, 0.04]}\n"
+                "  grasp_box: {lower: [0.2, 0, 0], upper: [0.2, 0.04, 0.04]}\n"
+                "  material: {density: 26}\n  material_file: material.yaml\n");
+  const config::Node root = config::Node::load_file((folder_.path() / "bar.yaml").string());
+  const component::Object object = component::read_object(root, component::Frames());
+  root.check_all_used();
+  EXPECT_NEAR(object.body.material.young_modulus, 20e3, 100);
+  EXPECT_EQ(object.body.material.density, 26);
+}
+
+TEST_F(ProgramTest, WhatWasKilledIsGoneOnFrom) {
+  const std::filesystem::path out = folder_.path() / "out", checkpoint = out / "checkpoint.json";
+  const std::vector<std::string> command = {PALPATE_FIT_PROGRAM,
+                                            (folder_.path() / "plan.yaml").string(),
+                                            "--data",
+                                            folder_.path().string(),
+                                            "--out",
+                                            out.string(),
+                                            "--set",
+                                            "solver.starts=2000"};
+  {
+    evaluate::Process process("palpate-fit", command, folder_.path() / "killed.txt");
+    while (!std::filesystem::exists(checkpoint) && process.running())
+      std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    ::kill(process.pid(), SIGKILL);
+    ASSERT_EQ(process.wait(60), 128 + SIGKILL) << text_of(process.output());
+  }
+  const nlohmann::json kept = nlohmann::json::parse(text_of(checkpoint));
+  std::vector<std::string> again = command;
+  again.emplace_back("--resume");
+  ASSERT_EQ(evaluate::run_to_end(again, folder_.path() / "output.txt", 60), 0) << output();
+  EXPECT_FALSE(std::filesystem::exists(checkpoint));
+  const config::Node material = config::Node::load_file((out / "material.yaml").string());
+  EXPECT_NEAR(material.child("material").number("young_modulus", {}), 20e3, 100);
 }
 
 TEST_F(ProgramTest, WhatCannotBeToldIsNamedNotGuessed) {

@@ -157,6 +157,32 @@ TEST(Solver, AWrongDerivativeIsFound) {
   }
 }
 
+TEST(Solver, OnAKinkTheDerivativeOfEitherSideIsRight) {
+  // Of a plate that touches at `length`, with a sample (5 of 0 to 40) just there.
+  for (const double share : {0.0, 0.3, 1.0}) {
+    const auto touching = [share](const Eigen::VectorXd& p, double x, Eigen::VectorXd* by) {
+      const double depth = x - p[1];
+      const double touches = std::abs(depth) < 1e-12 ? share : (depth > 0 ? 1 : 0);
+      const double y = p[0] * std::max(0.0, depth) * (1 + std::max(0.0, depth));
+      if (by) *by << (p[0] > 0 ? y / p[0] : 0), -touches * p[0] * (1 + 2 * std::max(0.0, depth));
+      return y;
+    };
+    auto a = std::make_shared<CurveExperiment>("a", decay_parameters(),
+                                               CurveExperiment::Curve(touching));
+    math::Random random(10);
+    a->measure(Vector2d(3, 0.125), 41, 0.01, random);
+    Problem problem({{a, {}, {}}}, {{"length", {0.125, {}, {}, {}}}});
+    const std::vector<GradientCheck> checks = check_gradients(problem, problem.start());
+    ASSERT_EQ(checks.size(), 1U);
+    if (share == 0.3) {
+      EXPECT_GT(checks[0].difference, 0.01);
+      EXPECT_EQ(checks[0].parameter, "length");
+    } else {
+      EXPECT_LT(checks[0].difference, 1e-9) << share;
+    }
+  }
+}
+
 TEST(Solver, AStartWithoutEquilibriumIsAnError) {
   const auto nowhere = [](const Eigen::VectorXd&, double, Eigen::VectorXd* by) {
     if (by) by->setZero();
