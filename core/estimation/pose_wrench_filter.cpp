@@ -261,8 +261,8 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
   find_reaction_deviation(now);
-  if (rest_for_ == 0) {
-    at_rest_count_ = 0;
+  if (rest_for_ < options_.period) {  // moved since the last wrench was taken
+    at_rest_count_ = suspicions_ = sudden_ = unexplained_count_ = 0;
     drop_contact(model);  // of a moving hand's wrench it cannot be told any more
   }
   if (rest_for_ > options_.rest) remember(now);

@@ -88,5 +88,35 @@ TEST(Filter, FeelsAPushThatNothingMeasures) {
   EXPECT_LT(distance, 0.04);
 }
 
+/// Object of the examples, and of which the daemon is told another stiffness.
+class NoPush : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(NoPush, IsFoundWhereTheHandMovesAndRests) {
+  const auto [object, young] = GetParam();
+  const std::string name = object;
+  ClosedLoop loop("sim/scenes/" + name + "_six_poses.yaml", "rt/config/examples/" + name + ".yaml",
+                  {"sensors.force_torque.bias=[0.0333, 0.0167, -0.0333, 0, 0, 0]"},
+                  {kFilter, "estimation.unknown_contacts=true",
+                   "object.material.young_modulus=" + std::string(young)});
+  loop.run(0.1);
+  loop.send_event("start");
+  double time = 0.1, largest = 0;
+  loop.run(25.9, [&] {
+    time += 1e-3;
+    const estimation::UnknownContact& contact = loop.daemon().pipeline().estimate().unknown_contact;
+    ASSERT_FALSE(contact.found) << "at " << time << " s: " << contact.force_O.transpose()
+                                << " N at " << contact.location_O.transpose() << " m";
+    if (std::lround(1e3 * time) % 50 == 0)
+      largest = std::max(largest, loop.shape_error().maxCoeff());
+  });
+  std::printf("%s, %s Pa: largest error of the shape %.2f mm\n", object, young, 1e3 * largest);
+  EXPECT_LT(largest, 8e-3);
+}
+
+INSTANTIATE_TEST_SUITE_P(Filter, NoPush,
+                         ::testing::Values(std::pair("bar_long_soft", "39e3"),
+                                           std::pair("bar_long_hard", "42e3"),
+                                           std::pair("block_hard", "78e3")));
+
 }  // namespace
 }  // namespace palpate
