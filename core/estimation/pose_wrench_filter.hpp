@@ -50,7 +50,7 @@ class PoseWrenchFilter : public Estimator {
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
     double gate = 40;              // normalised square of a hand's innovation that is not believed
     int suspicions = 3;            // in a row, before a contact is looked for
-    bool contacts = false;         // whether pushes are looked for
+    bool contacts = true;          // whether pushes are looked for
     double rest_distance = 3e-4;   // m, and ten times it in rad: within it a hand rests
     double rest = 0.3;  // s of rest, after which a change of the wrench is somebody else's
   };

@@ -59,7 +59,7 @@ TEST(Filter, FindsTheStiffnessThatItWasToldWrongly) {
 TEST(Filter, FeelsAPushThatNothingMeasures) {
   constexpr double kPushed = 5, kReleased = 8;  // s, of the scene's first poke
   const Eigen::Vector3d rest_point(0.25, 0.03, 0.06);
-  ClosedLoop loop(kPokeScene, kConfiguration, {}, {kFilter, "estimation.unknown_contacts=true"});
+  ClosedLoop loop(kPokeScene, kConfiguration, {}, {kFilter});
   loop.run(0.1);
   loop.send_event("start");
   double time = 0.1, found_at = -1, lost_at = -1;
@@ -96,8 +96,7 @@ TEST_P(NoPush, IsFoundWhereTheHandMovesAndRests) {
   const std::string name = object;
   ClosedLoop loop("sim/scenes/" + name + "_six_poses.yaml", "rt/config/examples/" + name + ".yaml",
                   {"sensors.force_torque.bias=[0.0333, 0.0167, -0.0333, 0, 0, 0]"},
-                  {kFilter, "estimation.unknown_contacts=true",
-                   "object.material.young_modulus=" + std::string(young)});
+                  {kFilter, "object.material.young_modulus=" + std::string(young)});
   loop.run(0.1);
   loop.send_event("start");
   double time = 0.1, largest = 0;
