@@ -3,7 +3,7 @@
 
 usage: docs_test.py configuration ROOT BIN    docs/configuration.md is what palpate-reference prints
        docs_test.py keys ROOT                 and tells every key that the sources ask for
-       docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says
+       docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says, installed
 """
 import difflib
 import os
@@ -15,6 +15,7 @@ import subprocess
 import sys
 import tempfile
 
+PATIENCE = 500  # s, for a machine that is very busy; a quiet one takes 40
 READERS = ("rt/daemon", "rt/component", "rt/config", "sim/scenes", "sim/sensors")
 GETTER = re.compile(
     r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
@@ -69,26 +70,33 @@ def blocks(text):
 
 
 def commands(root, programs, guide):
-    """One shell runs all blocks in their order, in a copy of the tree's data, on private LCM URLs."""
+    """One shell runs all blocks in their order, in an empty folder, with palpate installed for it
+    alone and on LCM URLs of its own."""
     text = guide.read_text()
     port = 20000 + os.getpid() % 20000 * 2
     group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
     control, housekeeping = f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
     folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))
+    prefix = folder / "installed"
+    for component in ("daemon", "dev"):
+        subprocess.run(["cmake", "--install", programs.parent, "--component", component, "--prefix", prefix],
+                       check=True, stdout=subprocess.DEVNULL)
     script = ["set -euo pipefail", "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT"]
     for start, lines in blocks(text):
         script += [f"echo '== {guide.name}:{start}'"] + lines
     body = "\n".join(script).replace("udpm://239.255.76.67:7667?ttl=0", control)
     body = body.replace("udpm://239.255.76.68:7668?ttl=0", housekeeping)
-    environment = {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}", "PALPATE": str(root),
-                   "LCM_DEFAULT_URL": control, "CMAKE_PREFIX_PATH": os.environ.get("CMAKE_PREFIX_PATH", "")}
-    process = subprocess.Popen(["bash", "-c", body], cwd=folder, env=environment, text=True,
+    environment = {**os.environ, "PATH": f"{prefix}/bin:{programs}:{os.environ['PATH']}",
+                   "PALPATE": f"{prefix}/share/palpate", "CMAKE_PREFIX_PATH": str(prefix)}
+    work = folder / "work"
+    work.mkdir()
+    process = subprocess.Popen(["bash", "-c", body], cwd=work, env=environment, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
     try:
-        output = process.communicate(timeout=200)[0]
+        output = process.communicate(timeout=PATIENCE)[0]
     except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGTERM)
-        output = process.communicate()[0] + "\nerror: not done after 200 s"
+        os.killpg(process.pid, signal.SIGKILL)
+        output = process.communicate()[0] + f"\nerror: not done after {PATIENCE} s"
     finally:
         shutil.rmtree(folder, ignore_errors=True)
     print(output)
