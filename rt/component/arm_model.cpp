@@ -53,7 +53,8 @@ kinematics::Joint to_joint(const urdf::Joint& from) {
 void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
   if (!node.has(key)) return;
   const std::vector<double> degrees =
-      node.numbers(key, static_cast<int>(ends.size()), {-3.6e5, 3.6e5});
+      node.numbers({key, "degrees", "of the joints, in place of those of the URDF"},
+                   static_cast<int>(ends.size()), {-3.6e5, 3.6e5});
   for (int i = 0; i < ends.size(); ++i) ends[i] = degrees[i] * kDegree;
 }
 
@@ -92,10 +93,13 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
   if (root.has("second_arm") && root.child("second_arm").has("robot"))
     root.child("second_arm").fail("robot", "joints are commanded of the first arm only");
   if (!root.has("robot")) return nullptr;
-  const config::Node node = root.child("robot");
+  const config::Node node =
+      root.child({"robot", "", "joints of the first arm; needed to command them"});
   try {
     auto model = std::make_shared<ArmModel>(
-        ArmModel{read_urdf(node.path("urdf"), node.text("flange", "flange")), {}});
+        ArmModel{read_urdf(node.path({"urdf", "", "expanded URDF of the arm"}),
+                           node.text({"flange", "", "link of the URDF that is E"}, "flange")),
+                 {}});
     const SerialChain& chain = model->chain;
     const int n = chain.joint_count();
     control::JointLimits& limits = model->limits;
@@ -109,12 +113,17 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
     }
     read_ends(node, "joint_lower_deg", limits.lower);
     read_ends(node, "joint_upper_deg", limits.upper);
-    const double margin = node.number("joint_margin_deg", {0, 90}, 1) * kDegree;
+    const double margin =
+        node.number({"joint_margin_deg", "degrees", "kept from both ends of every joint"}, {0, 90},
+                    1) *
+        kDegree;
     limits.lower.array() += margin;
     limits.upper.array() -= margin;
-    limits.speed *= node.number("joint_speed_share", {0.01, 1}, 1);
-    limits.acceleration =
-        SerialChain::Joints::Constant(n, node.number("joint_acceleration", {0.01, 1e3}, 5));
+    limits.speed *= node.number(
+        {"joint_speed_share", "", "of the speeds in the URDF that are used"}, {0.01, 1}, 1);
+    limits.acceleration = SerialChain::Joints::Constant(
+        n,
+        node.number({"joint_acceleration", "rad/s^2", "largest of every joint"}, {0.01, 1e3}, 5));
     limits.check();
     return model;
   } catch (const std::invalid_argument& error) {

@@ -18,15 +18,21 @@ using Model = std::unique_ptr<elasticity::DeformationModel>;
 /// and the daemon says so.
 std::shared_ptr<math::Team> make_team(const config::Node& node) {
   loop::SpinTeamOptions options;
-  options.size = node.integer("threads", {1, 8}, 1);
-  options.fifo_priority = node.integer("threads_fifo_priority", {0, 98}, 0);
+  options.size = node.integer(
+      {"threads", "", "that share a step, the one of the loop among them; each takes a processor"},
+      {1, 8}, 1);
+  options.fifo_priority = node.integer(
+      {"threads_fifo_priority", "", "SCHED_FIFO priority of the others; best that of the loop"},
+      {0, 98}, 0);
   if (options.size == 1) return nullptr;
   return std::make_shared<loop::SpinTeam>(options);
 }
 
 Model make_corotational(const config::Node& node, const std::string& name, const Context& context) {
-  const std::string integrator =
-      node.choice("integrator", {"backward_euler", "thesis2018"}, "backward_euler");
+  const std::string integrator = node.choice(
+      {"integrator", "",
+       "thesis2018 reproduces the printed figures of the thesis, in corotational_dynamic alone"},
+      {"backward_euler", "thesis2018"}, "backward_euler");
   const elasticity::Body& body = context.object->body;
   if (integrator == "thesis2018") {
     if (name != "corotational_dynamic") {
@@ -35,20 +41,36 @@ Model make_corotational(const config::Node& node, const std::string& name, const
     return std::make_unique<elasticity::Thesis2018>(body);
   }
   elasticity::SolverOptions options;
-  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
-  options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
-  options.accuracy = node.number("accuracy", {0, 1e-3}, options.accuracy);
-  options.precision = node.choice("precision", {"double", "single"}, "double") == "single"
+  options.iterations =
+      node.integer({"iterations", "", "quasi-Newton corrections in a step, at most"}, {1, 50},
+                   options.iterations);
+  options.tolerance = node.number(
+      {"tolerance", "N", "largest force of a node out of balance at which a step ends early"},
+      {1e-12, 1}, options.tolerance);
+  options.accuracy = node.number(
+      {"accuracy", "m", "a step also ends where the next correction would move no node further"},
+      {0, 1e-3}, options.accuracy);
+  options.precision = node.choice({"precision", "", "of the arithmetic inside elements"},
+                                  {"double", "single"}, "double") == "single"
                           ? elasticity::Precision::kSingle
                           : elasticity::Precision::kDouble;
-  options.panels = node.choice("panels", {"single", "half"}, "single") == "half"
-                       ? elasticity::PanelPrecision::kHalf
-                       : elasticity::PanelPrecision::kSingle;
-  options.refine = node.integer("refine", {0, 12}, options.refine);
-  options.confirm = node.flag("confirm", options.confirm);
+  options.panels =
+      node.choice({"panels", "", "of the stored factor"}, {"single", "half"}, "single") == "half"
+          ? elasticity::PanelPrecision::kHalf
+          : elasticity::PanelPrecision::kSingle;
+  options.refine = node.integer({"refine", "",
+                                 "columns of the sensitivity that a quasi-static step corrects as "
+                                 "well; 6: all once, 12: twice"},
+                                {0, 12}, options.refine);
+  options.confirm = node.flag(
+      {"confirm", "",
+       "whether forces are evaluated once more after a correction that is expected to end a step"},
+      options.confirm);
   // A tick that runs out of time keeps its last good shape, and says so. What is dropped depends on
   // the machine: runs with a budget are not alike to the bit.
-  options.budget = node.number("budget", {0, 1}, options.budget);
+  options.budget = node.number(
+      {"budget", "s", "after which a step keeps what it has, and the shape is marked old; 0: none"},
+      {0, 1}, options.budget);
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
@@ -61,23 +83,35 @@ Model make_corotational(const config::Node& node, const std::string& name, const
 
 Model make_mass_spring(const config::Node& node, const Context& context) {
   elasticity::MassSpringOptions options;
-  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
-  options.tolerance = node.number("tolerance", {1e-12, 1}, options.tolerance);
-  options.cg_iterations = node.integer("cg_iterations", {1, 10000}, options.cg_iterations);
+  options.iterations = node.integer({"iterations", "", "Newton corrections in a step, at most"},
+                                    {1, 50}, options.iterations);
+  options.tolerance = node.number(
+      {"tolerance", "N", "largest force of a node out of balance at which a step ends early"},
+      {1e-12, 1}, options.tolerance);
+  options.cg_iterations =
+      node.integer({"cg_iterations", "", "conjugate gradients in a correction, at most"},
+                   {1, 10000}, options.cg_iterations);
   return std::make_unique<elasticity::MassSpringModel>(context.object->body, options);
 }
 
 Model make_shape_matching(const config::Node& node, const Context& context) {
   elasticity::ShapeMatchingOptions options;
-  options.rings = node.integer("rings", {1, 5}, options.rings);
-  options.max_substeps = node.integer("max_substeps", {1, 100}, options.max_substeps);
+  options.rings = node.integer({"rings", "", "of edges round each node that its region reaches"},
+                               {1, 5}, options.rings);
+  options.max_substeps =
+      node.integer({"max_substeps", "", "that a step may be split into to be as stiff as E says"},
+                   {1, 100}, options.max_substeps);
   return std::make_unique<elasticity::ShapeMatchingModel>(context.object->body, options);
 }
 
 Model make_as_rigid_as_possible(const config::Node& node, const Context& context) {
   elasticity::AsRigidAsPossibleOptions options;
-  options.iterations = node.integer("iterations", {1, 100}, options.iterations);
-  options.accuracy = node.number("accuracy", {0, 1e-3}, options.accuracy);
+  options.iterations =
+      node.integer({"iterations", "", "pairs of a local and a global step, at most"}, {1, 100},
+                   options.iterations);
+  options.accuracy =
+      node.number({"accuracy", "m", "a step ends where an iteration moves no node further"},
+                  {0, 1e-3}, options.accuracy);
   return std::make_unique<elasticity::AsRigidAsPossible>(context.object->body, options);
 }
 
@@ -85,8 +119,9 @@ Model make_as_rigid_as_possible(const config::Node& node, const Context& context
 
 Model make_deformation_model(const config::Node& node, const Context& context) {
   const std::string name =
-      node.choice("component", {"corotational_quasistatic", "corotational_dynamic", "linear",
-                                "mass_spring", "shape_matching", "as_rigid_as_possible"});
+      node.choice({"component", "", "the mechanics"},
+                  {"corotational_quasistatic", "corotational_dynamic", "linear", "mass_spring",
+                   "shape_matching", "as_rigid_as_possible"});
   try {
     if (name == "linear") return std::make_unique<elasticity::LinearModel>(context.object->body);
     if (name == "mass_spring") return make_mass_spring(node, context);

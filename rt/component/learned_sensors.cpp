@@ -16,17 +16,25 @@ class Model {
  public:
   Model(const config::Node& node, const std::string& key, const Context& context)
       : node_(node), key_(key) {
-    kind_ = node.choice("executor", {"torch", "compiled"}, "torch") == "torch"
+    kind_ = node.choice({"executor", "",
+                         "who runs the network: libtorch on a thread of its own, or its weights in "
+                         "the loop itself"},
+                        {"torch", "compiled"}, "torch") == "torch"
                 ? inference::ExecutorKind::kTorch
                 : inference::ExecutorKind::kCompiled;
-    options_.wait = node.number("wait_us", {0, 1e5}, options_.wait * 1e6) * 1e-6;
+    options_.wait =
+        node.number({"wait_us", "us",
+                     "that a cycle waits for the network; a later answer is taken in the next one"},
+                    {0, 1e5}, options_.wait * 1e6) *
+        1e-6;
     if (context.deterministic) options_.wait = options_.patience = kPatience;
     options_.patience = std::max(options_.patience, options_.wait);
     options_.fifo_priority = context.inference.priority;
     options_.cpu = context.inference.cpu;
     options_.remarks = context.remarks;
     try {
-      file_ = inference::read_model_file(node.path(key));
+      file_ = inference::read_model_file(
+          node.path({key, "", "TorchScript module of palpate-train, its card beside it"}));
     } catch (const inference::ModelError& error) {
       node.fail(key, error.what());
     }
@@ -119,7 +127,10 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
   sensing::BiotacLstm::Direction direction;
   direction.inputs = tactile_inputs_of(model);
   direction.outputs = model.outputs({{"nx", "1"}, {"ny", "1"}, {"nz", "1"}});
-  direction.R_TN = node.pose("direction_frame").linear();
+  direction.R_TN =
+      node.pose({"direction_frame", "m",
+                 "X_TN, of the frame that the network of the direction tells a normal in"})
+          .linear();
   direction.executor = model.make_executor();
   return direction;
 }
@@ -127,17 +138,20 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
 }  // namespace
 
 sensing::PayloadParameters read_payload(const config::Node& node) {
-  const config::Node payload = node.child("payload");
+  const config::Node payload = node.child(
+      {"payload", "", "what the sensor carries, as palpate-evaluate payload identifies it"});
   sensing::PayloadParameters parameters;
-  parameters.mass = payload.number("mass", {0, 1000});
-  parameters.first_moment =
-      parameters.mass * payload.vector3("center_of_mass", {-2, 2}, Eigen::Vector3d::Zero());
+  parameters.mass = payload.number({"mass", "kg", "behind the sensor"}, {0, 1000});
+  parameters.first_moment = parameters.mass * payload.vector3({"center_of_mass", "m", "in S"},
+                                                              {-2, 2}, Eigen::Vector3d::Zero());
   if (payload.has("inertia")) {
-    const std::vector<double> inertia = payload.numbers("inertia", 6, {-100, 100});
+    const std::vector<double> inertia = payload.numbers(
+        {"inertia", "kg m^2", "xx, xy, xz, yy, yz, zz about the origin of S"}, 6, {-100, 100});
     parameters.inertia = Eigen::Map<const math::Vector6d>(inertia.data());
   }
   if (payload.has("bias")) {
-    const std::vector<double> bias = payload.numbers("bias", 6, {-1000, 1000});
+    const std::vector<double> bias =
+        payload.numbers({"bias", "N, N m", "that the sensor adds, force first"}, 6, {-1000, 1000});
     parameters.bias = math::Wrench::from(Eigen::Map<const math::Vector6d>(bias.data()));
   }
   return parameters;
@@ -145,17 +159,26 @@ sensing::PayloadParameters read_payload(const config::Node& node) {
 
 sensing::LocalizationOptions read_localization(const config::Node& node) {
   sensing::LocalizationOptions options;
-  options.polarity = node.integer("polarity", {-1, 1}, 1);
-  options.threshold = node.number("threshold", {0, 4095}, options.threshold);
-  options.saturation = node.number("saturation", {1, 4095}, options.saturation);
-  if (node.choice("weighting", {"centroid", "published"}, "centroid") == "published")
+  options.polarity = node.integer({"polarity", "",
+                                   "-1 for a sensor that reports what the load exerts on it, or "
+                                   "whose counts fall under pressure"},
+                                  {-1, 1}, 1);
+  options.threshold = node.number({"threshold", "counts", "beyond which an electrode is active"},
+                                  {0, 4095}, options.threshold);
+  options.saturation = node.number({"saturation", "counts", "that make full intensity"}, {1, 4095},
+                                   options.saturation);
+  if (node.choice(
+          {"weighting", "",
+           "how the intensities place the contact: their centroid, or as published in the thesis"},
+          {"centroid", "published"}, "centroid") == "published")
     options.weighting = sensing::Weighting::kPublished;
   return options;
 }
 
 /// Null where the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
-  if (has_fallback(node) || node.choice("fallback", {"none", "biotac_linear"}, "none") == "none") {
+  if (has_fallback(node) || node.choice({"fallback", "", "what stands in where the network fails"},
+                                        {"none", "biotac_linear"}, "none") == "none") {
     if (node.has("fallback_file")) node.fail("fallback_file", "wants fallback: biotac_linear");
     return nullptr;
   }
@@ -168,22 +191,36 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context) {
   const Model model(node, "model_file", context);
   sensing::BiotacLstm::Options options;
-  options.finger = node.integer("finger", {0, 4}, options.finger);
+  options.finger =
+      node.integer({"finger", "", "which fingertip: channel BIOTAC_n"}, {0, 4}, options.finger);
   options.inputs = tactile_inputs_of(model);
   options.outputs = model.outputs({{"fx", "N"}, {"fy", "N"}, {"fz", "N"}});
   options.rate = model.card().rate;
   options.localization = read_localization(node);
-  const std::string scatter =
-      node.choice("localisation", {"nominal", "gaussian", "inverted_gaussian"}, "nominal");
+  const std::string scatter = node.choice({"localisation", "",
+                                           "whether electrodes count where they are, or drawn "
+                                           "about it (gaussian: wider under pressure)"},
+                                          {"nominal", "gaussian", "inverted_gaussian"}, "nominal");
   if (scatter == "gaussian") options.scatter = sensing::ElectrodeScatter::kGaussian;
   if (scatter == "inverted_gaussian")
     options.scatter = sensing::ElectrodeScatter::kInvertedGaussian;
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
-  options.release_force = node.number("release_force", {0, 100}, options.release_force);
-  options.largest_force = node.number("largest_force", {0, 1000}, options.largest_force);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
+                                      {1, 100000}, options.tare_samples);
+  options.contact_force = node.number({"contact_force", "N", "above which a contact begins"},
+                                      {0, 100}, options.contact_force);
+  options.release_force =
+      node.number({"release_force", "N", "below which it ends"}, {0, 100}, options.release_force);
+  options.largest_force = node.number(
+      {"largest_force", "N", "that can be; a longer answer is shortened, and the model degraded"},
+      {0, 1000}, options.largest_force);
+  options.max_age =
+      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
+                  {1, 1e4}, options.max_age * 1e3) *
+      1e-3;
+  options.force_deviation =
+      node.number({"force_deviation", "N",
+                   "standard deviation of each axis of the output, which estimators weigh it by"},
+                  {0, 100}, options.force_deviation);
   auto direction = read_direction(node, context, options.rate);
   std::unique_ptr<sensing::SensorModel> fallback = make_tactile_fallback(node);
   auto learned =
@@ -219,8 +256,9 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   options.domain = card.domain;
   const bool given = node.has("payload");
   if (given) options.payload = read_payload(node);
-  options.fall_back = !has_fallback(node) &&
-                      node.choice("fallback", {"none", "newton_euler"}, "none") == "newton_euler";
+  options.fall_back =
+      !has_fallback(node) && node.choice({"fallback", "", "what stands in where the network fails"},
+                                         {"none", "newton_euler"}, "none") == "newton_euler";
   if (options.fall_back && !given && !card.payload)
     node.fail("fallback", "wants a payload, which neither the model's card nor this section has");
   if (given && !card.payload && !options.fall_back)
@@ -230,11 +268,24 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   options.gravity_W = frames.gravity_W;
   options.X_ES = frames.X_ES;
   options.X_EI = frames.X_EI;
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.tare_at_start = node.flag("tare_at_start", options.tare_at_start);
-  options.polarity = node.integer("polarity", {-1, 1}, 1);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
+                                      {1, 100000}, options.tare_samples);
+  options.tare_at_start =
+      node.flag({"tare_at_start", "",
+                 "whether it tares at the start and after a reset; nothing may be held then"},
+                options.tare_at_start);
+  options.polarity = node.integer({"polarity", "",
+                                   "-1 for a sensor that reports what the load exerts on it, or "
+                                   "whose counts fall under pressure"},
+                                  {-1, 1}, 1);
+  options.max_age =
+      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
+                  {1, 1e4}, options.max_age * 1e3) *
+      1e-3;
+  options.force_deviation =
+      node.number({"force_deviation", "N",
+                   "standard deviation of each axis of the output, which estimators weigh it by"},
+                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::FtRnnob>(options, model.make_executor());
 }
 

@@ -15,27 +15,64 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
   options.gravity_W = frames.gravity_W;
   options.X_ES = frames.X_ES;
   options.X_EI = frames.X_EI;
-  options.use_imu = node.flag("use_imu", options.use_imu);
-  options.imu_offset_time = node.number("imu_offset_time", {0, 1000}, options.imu_offset_time);
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.tare_at_start = node.flag("tare_at_start", options.tare_at_start);
-  options.cutoff = node.number("cutoff_hz", {0, 500}, options.cutoff);
-  options.sample_rate = node.number("sample_rate", {1, 1e5}, options.sample_rate);
-  options.polarity = node.integer("polarity", {-1, 1}, 1);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  options.use_imu = node.flag(
+      {"use_imu", "",
+       "whether IMU is used for the acceleration of the hand; else it is derived from poses"},
+      options.use_imu);
+  options.imu_offset_time = node.number(
+      {"imu_offset_time", "s",
+       "time constant of the offsets of the accelerometer that are followed; 0: it is trusted"},
+      {0, 1000}, options.imu_offset_time);
+  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
+                                      {1, 100000}, options.tare_samples);
+  options.tare_at_start =
+      node.flag({"tare_at_start", "",
+                 "whether it tares at the start and after a reset; nothing may be held then"},
+                options.tare_at_start);
+  options.cutoff = node.number({"cutoff_hz", "Hz", "of the low-pass filter of the output; 0: none"},
+                               {0, 500}, options.cutoff);
+  options.sample_rate = node.number({"sample_rate", "Hz", "of FT_WRENCH, for the filter"}, {1, 1e5},
+                                    options.sample_rate);
+  options.polarity = node.integer({"polarity", "",
+                                   "-1 for a sensor that reports what the load exerts on it, or "
+                                   "whose counts fall under pressure"},
+                                  {-1, 1}, 1);
+  options.max_age =
+      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
+                  {1, 1e4}, options.max_age * 1e3) *
+      1e-3;
+  options.force_deviation =
+      node.number({"force_deviation", "N",
+                   "standard deviation of each axis of the output, which estimators weigh it by"},
+                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::FtNewtonEuler>(options);
 }
 
 std::unique_ptr<sensing::SensorModel> make_tare_only(const config::Node& node) {
   sensing::FtTareOnly::Options options;
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.tare_at_start = node.flag("tare_at_start", options.tare_at_start);
-  options.moving_average = node.integer("moving_average", {1, 100000}, options.moving_average);
-  options.delay = node.integer("delay", {0, 100000}, options.delay);
-  options.polarity = node.integer("polarity", {-1, 1}, 1);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
+                                      {1, 100000}, options.tare_samples);
+  options.tare_at_start =
+      node.flag({"tare_at_start", "",
+                 "whether it tares at the start and after a reset; nothing may be held then"},
+                options.tare_at_start);
+  options.moving_average = node.integer({"moving_average", "readings", "averaged; 1: none"},
+                                        {1, 100000}, options.moving_average);
+  options.delay = node.integer(
+      {"delay", "readings", "that the output is held back, to align it with a slower signal"},
+      {0, 100000}, options.delay);
+  options.polarity = node.integer({"polarity", "",
+                                   "-1 for a sensor that reports what the load exerts on it, or "
+                                   "whose counts fall under pressure"},
+                                  {-1, 1}, 1);
+  options.max_age =
+      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
+                  {1, 1e4}, options.max_age * 1e3) *
+      1e-3;
+  options.force_deviation =
+      node.number({"force_deviation", "N",
+                   "standard deviation of each axis of the output, which estimators weigh it by"},
+                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::FtTareOnly>(options);
 }
 
@@ -44,7 +81,11 @@ sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const st
                                               int count) {
   sensing::LinearTactileModel::Matrix matrix(3, count);
   for (int axis = 0; axis < 3; ++axis) {
-    const std::vector<double> row = node.numbers(name + "_" + "xyz"[axis], count);
+    const std::vector<double> row = node.numbers(
+        {name + "_" + "xyz"[axis], name == "place" ? "m" : "N",
+         name == "place" ? "row of the map to the place, a number a feature; may be absent"
+                         : "row of the map to the force, a number a feature"},
+        count);
     matrix.row(axis) = Eigen::Map<const Eigen::RowVectorXd>(row.data(), count);
   }
   return matrix;
@@ -57,22 +98,32 @@ sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const st
 sensing::LinearTactileModel read_tactile_model(const config::Node& node,
                                                const std::string& file_key) {
   const config::Node holder =
-      node.has(file_key) ? config::Node::load_file(node.path(file_key)) : node;
-  const config::Node model = holder.child("model");
+      node.has(file_key) ? config::Node::load_file(node.path(
+                               {file_key, "", "force map, as palpate-evaluate tactile writes it"}))
+                         : node;
+  const config::Node model = holder.child({"model", "",
+                                           "force map of the fingertip, as palpate-evaluate "
+                                           "tactile writes it, where no file is named"});
   sensing::LinearTactileModel result;
-  if (model.choice("features", {"counts", "products"}, "counts") == "products")
+  if (model.choice({"features", "", "what the map multiplies: the counts, or also their products"},
+                   {"counts", "products"}, "counts") == "products")
     result.features = sensing::TactileFeatures::kProducts;
   const int count = sensing::feature_count(result.features);
   result.matrix = read_rows(model, "force", count);
   if (model.has("place_x")) result.place = read_rows(model, "place", count);
-  result.offset = model.vector3("offset", {-100, 100}, Eigen::Vector3d::Zero());
+  result.offset =
+      model.vector3({"offset", "N", "added to the force"}, {-100, 100}, Eigen::Vector3d::Zero());
   return result;
 }
 
 std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
   sensing::Manual::Options options;
-  options.expires_after = node.number("expires_after_ms", {1, 1e4}, 100) * 1e-3;
-  options.max_force = node.number("max_force", {0, 1e4}, options.max_force);
+  options.expires_after =
+      node.number({"expires_after_ms", "ms", "without a renewal, after which a manual force ends"},
+                  {1, 1e4}, 100) *
+      1e-3;
+  options.max_force = node.number({"max_force", "N", "longer forces are shortened to it"}, {0, 1e4},
+                                  options.max_force);
   return std::make_unique<sensing::Manual>(options);
 }
 
@@ -81,29 +132,40 @@ std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
 std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,
                                                          const std::string& file_key) {
   sensing::BiotacLinear::Options options;
-  options.finger = node.integer("finger", {0, 4}, options.finger);
+  options.finger =
+      node.integer({"finger", "", "which fingertip: channel BIOTAC_n"}, {0, 4}, options.finger);
   options.model = read_tactile_model(node, file_key);
   options.localization = read_localization(node);
-  options.tare_samples = node.integer("tare_samples", {1, 100000}, options.tare_samples);
-  options.contact_force = node.number("contact_force", {0, 100}, options.contact_force);
-  options.release_force = node.number("release_force", {0, 100}, options.release_force);
-  options.max_age = node.number("max_age_ms", {1, 1e4}, options.max_age * 1e3) * 1e-3;
-  options.force_deviation = node.number("force_deviation", {0, 100}, options.force_deviation);
+  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
+                                      {1, 100000}, options.tare_samples);
+  options.contact_force = node.number({"contact_force", "N", "above which a contact begins"},
+                                      {0, 100}, options.contact_force);
+  options.release_force =
+      node.number({"release_force", "N", "below which it ends"}, {0, 100}, options.release_force);
+  options.max_age =
+      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
+                  {1, 1e4}, options.max_age * 1e3) *
+      1e-3;
+  options.force_deviation =
+      node.number({"force_deviation", "N",
+                   "standard deviation of each axis of the output, which estimators weigh it by"},
+                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::BiotacLinear>(options);
 }
 
 int read_arm(const config::Node& node, const Context& context) {
-  const int arm = node.integer("arm", {0, 1}, 0);
+  const int arm = node.integer({"arm", "", "0: the first arm, 1: the second"}, {0, 1}, 0);
   if (arm == 1 && !context.second_frames) node.fail("arm", "there is no section second_arm");
-  if (arm == 1 && node.text("component").rfind("ft_", 0) != 0)
+  if (arm == 1 && node.text({"component", "", "model of the sensor"}).rfind("ft_", 0) != 0)
     node.fail("arm", "of the second arm only the force-torque sensor can be used");
   return arm;
 }
 
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context) {
-  const std::string name = node.choice("component", {"ft_newton_euler", "ft_rnnob", "ft_tare_only",
-                                                     "biotac_linear", "biotac_lstm", "manual"});
+  const std::string name = node.choice(
+      {"component", "", "model of the sensor"},
+      {"ft_newton_euler", "ft_rnnob", "ft_tare_only", "biotac_linear", "biotac_lstm", "manual"});
   try {
     const Frames& frames = read_arm(node, context) == 1 ? *context.second_frames : context.frames;
     if (name == "ft_newton_euler") return make_newton_euler(node, frames);

@@ -8,11 +8,15 @@
 namespace palpate::component {
 namespace {
 
+const config::Key kFallback("fallback", "",
+                            "what stands in where this one errs, as its slot's own");
+
 /// Which sources a contact instance serves, by the words of its list `sources`.
 std::array<bool, 8> read_sources(const config::Node& node) {
   std::array<bool, 8> served{};
   const std::string text =
-      node.choice("sources", {"wrist", "second_wrist", "fingers", "manual", "all"}, "all");
+      node.choice({"sources", "", "whose contacts this instance takes"},
+                  {"wrist", "second_wrist", "fingers", "manual", "all"}, "all");
   const bool all = text == "all";
   if (all || text == "wrist") served[0] = true;
   if (all || text == "second_wrist") served[1] = true;
@@ -25,7 +29,7 @@ std::array<bool, 8> read_sources(const config::Node& node) {
 
 Changes Changes::all(const config::Node& root) {
   Changes changes{true, true, true, true, {}};
-  changes.sensing.assign(root.list("sensing").size(), true);
+  changes.sensing.assign(root.list({"sensing", "", "sensor models, at most 16"}).size(), true);
   return changes;
 }
 
@@ -42,10 +46,14 @@ Slots::Slots(const config::Node& root, const Context& cell, const Changes& chang
   build_sensing(root, changes);
   if (changes.contact) build_contact(root);
   if (changes.mechanics) {
-    for (const char* slot : {"deformation", "estimation"})
-      root.child(slot).leave_to_another("fallback");
-    model = make_deformation_model(root.child("deformation"), context);
-    estimator = make_estimator(root.child("estimation"), context);
+    const config::Node mechanics =
+        root.child({"deformation", "", "how the object deforms under grasp and loads"});
+    const config::Node driver =
+        root.child({"estimation", "", "what drives and corrects the deformation"});
+    mechanics.leave_to_another("fallback");
+    driver.leave_to_another("fallback");
+    model = make_deformation_model(mechanics, context);
+    estimator = make_estimator(driver, context);
   }
   if (changes.steering) build_steering(root);
 }
@@ -57,9 +65,8 @@ void Slots::make_model(const config::Node& node, Sensing& instance) {
   }
   check_sensor(node, context);
   check_differs(node);
-  auto pair =
-      std::make_unique<SensorFallback>(make_sensor_model(node, context),
-                                       make_sensor_model(node.child("fallback"), context), nullptr);
+  auto pair = std::make_unique<SensorFallback>(
+      make_sensor_model(node, context), make_sensor_model(node.child(kFallback), context), nullptr);
   instance.fallback = pair.get();
   instance.model = std::move(pair);
 }
@@ -72,19 +79,21 @@ void Slots::make_transformer(const config::Node& node, Contact& instance) {
   check_differs(node);
   auto transformer =
       std::make_unique<ContactFallback>(make_force_transformer(node, context),
-                                        make_force_transformer(node.child("fallback"), context));
+                                        make_force_transformer(node.child(kFallback), context));
   instance.fallback = transformer.get();
   instance.transformer = std::move(transformer);
 }
 
 void Slots::build_sensing(const config::Node& root, const Changes& changes) {
   std::size_t index = 0;
-  if (root.list("sensing").size() > kMostSensors)
+  if (root.list({"sensing", "", "sensor models, at most 16"}).size() > kMostSensors)
     root.fail("sensing", "more than " + std::to_string(kMostSensors) + " sensor models");
-  for (const config::Node& node : root.list("sensing")) {
+  for (const config::Node& node : root.list({"sensing", "", "sensor models, at most 16"})) {
     Sensing instance;
-    instance.component = node.text("component");
-    instance.name = node.text("name", instance.component);
+    instance.component = node.text({"component", "", "model of the sensor"});
+    instance.name = node.text(
+        {"name", "", "of the instance, in events and for replacement; by default the component"},
+        instance.component);
     instance.arm = read_arm(node, context);
     if (changes.sensing[index++]) {
       make_model(node, instance);
@@ -101,9 +110,12 @@ void Slots::list_running_models(const Sensing& instance) {
 
 void Slots::build_contact(const config::Node& root) {
   int max_nodes = 0;
-  for (const config::Node& node : root.list("contact")) {
+  for (const config::Node& node :
+       root.list({"contact", "", "what maps contacts to loads of nodes"})) {
     Contact instance;
-    instance.name = node.text("name", node.text("component"));
+    instance.name = node.text(
+        {"name", "", "of the instance, in events and for replacement; by default the component"},
+        node.text("component"));
     instance.sources = read_sources(node);
     make_transformer(node, instance);
     max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
@@ -115,11 +127,15 @@ void Slots::build_contact(const config::Node& root) {
 
 void Slots::build_steering(const config::Node& root) {
   for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
-  feature = make_feature(root.child("feature"), context);
-  provider = make_jacobian_provider(root.child("control"), context);
-  law = make_control_law(root.child("control"), context, *feature);
-  moving = read_moving_arms(root.child("control"), context);
-  commands_joints = read_commands_joints(root.child("control"), context);
+  feature = make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
+  provider = make_jacobian_provider(
+      root.child({"control", "", "how it is steered: a Jacobian and a law"}), context);
+  law = make_control_law(root.child({"control", "", "how it is steered: a Jacobian and a law"}),
+                         context, *feature);
+  moving = read_moving_arms(root.child({"control", "", "how it is steered: a Jacobian and a law"}),
+                            context);
+  commands_joints = read_commands_joints(
+      root.child({"control", "", "how it is steered: a Jacobian and a law"}), context);
 
   const int dimension = feature->dimension();
   feature_state.value = Eigen::VectorXd::Zero(feature->value_count());

@@ -29,6 +29,7 @@ class Document {
   void apply_override(const std::string& text);
 
   const YAML::Node& root() const { return root_; }
+  const std::string& name() const { return top_.name; }
   /// Folder of the file that gives the value at `path`.
   const std::string& folder(const std::string& path) const { return source(path).folder; }
 

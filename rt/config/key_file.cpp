@@ -6,8 +6,10 @@ namespace palpate::config {
 
 std::optional<bus::Key> read_key(const Node& root) {
   if (!root.has("access")) return {};
-  const Node access = root.child("access");
-  const std::string path = access.path("key_file");
+  const Node access = root.child({"access", "", "who may command; absent: everybody"});
+  const std::string path =
+      access.path({"key_file", "",
+                   "key that commands in and out are sealed with (palpate-command --make-key)"});
   try {
     return bus::read_key_file(path);
   } catch (const std::runtime_error& error) {

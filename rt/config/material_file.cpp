@@ -4,7 +4,9 @@ namespace palpate::config {
 
 std::optional<MaterialFile> MaterialFile::read(const Node& object) {
   if (!object.has("material_file")) return std::nullopt;
-  const std::string path = object.path("material_file");
+  const std::string path =
+      object.path({"material_file", "",
+                   "material that palpate-fit has written; it goes over section material"});
   MaterialFile file(object, Node::load_file(path));
   if (!file.root_.is_mapping("material") || !file.constants().has("model"))
     object.fail("material_file", path +
@@ -17,24 +19,28 @@ std::string MaterialFile::model() const { return constants().text("model"); }
 
 Node MaterialFile::corotational() const {
   if (!root_.is_mapping("corotational"))
-    holder_.fail("material_file",
-                 holder_.path("material_file") +
-                     " has no section corotational: its recordings did not tell Young's "
-                     "modulus");
+    holder_.fail(
+        "material_file",
+        holder_.path({"material_file", "",
+                      "material that palpate-fit has written; it goes over section material"}) +
+            " has no section corotational: its recordings did not tell Young's "
+            "modulus");
   return root_.child("corotational");
 }
 
-double MaterialFile::constant(const std::string& key, Range range, double otherwise) const {
+double MaterialFile::constant(const Key& key, Range range, double otherwise) const {
   return constants().number(key, range, otherwise);
 }
 
 Node material_section(const Node& object) {
-  return object.has("material_file") ? object.child_or_empty("material") : object.child("material");
+  return object.has("material_file")
+             ? object.child_or_empty({"material", "", "linear elastic material"})
+             : object.child({"material", "", "linear elastic material"});
 }
 
-double material_number(const Node& material, const std::optional<Node>& fitted,
-                       const std::string& key, Range range) {
-  if (!fitted || !fitted->has(key)) return material.number(key, range);
+double material_number(const Node& material, const std::optional<Node>& fitted, const Key& key,
+                       Range range) {
+  if (!fitted || !fitted->has(key.name)) return material.number(key, range);
   const double found = fitted->number(key, range);
   material.number(key, range, found);
   return found;

@@ -21,7 +21,7 @@ class MaterialFile {
   Node corotational() const;
 
   /// The constant, or `otherwise` where the file does not tell it. Throws Error outside the range.
-  double constant(const std::string& key, Range range, double otherwise) const;
+  double constant(const Key& key, Range range, double otherwise) const;
 
  private:
   MaterialFile(const Node& holder, const Node& root) : holder_(holder), root_(root) {}
@@ -34,7 +34,7 @@ Node material_section(const Node& object);
 
 /// Number `key` of the file's section `fitted`, where there is one that has it, else of `material`.
 /// Throws Error where neither has it, or it is out of range in either.
-double material_number(const Node& material, const std::optional<Node>& fitted,
-                       const std::string& key, Range range);
+double material_number(const Node& material, const std::optional<Node>& fitted, const Key& key,
+                       Range range);
 
 }  // namespace palpate::config

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/math/rigid.hpp"
+#include "rt/config/key.hpp"
 
 namespace palpate::config {
 
@@ -28,7 +29,8 @@ struct Range {
 
 /// Strict view of one YAML node. Every getter throws Error with file, line, full key and allowed
 /// range; getters with a default return it where the key is absent. A key that nobody asked for is
-/// an error when check_all_used() is called on the root.
+/// an error when check_all_used() is called on the root. A Key with unit and meaning declares the
+/// parameter for the reference.
 class Node {
  public:
   /// Reads a file and what it builds on (`base: FILE`: its entries go over those of that file; see
@@ -38,36 +40,35 @@ class Node {
   static Node from_text(const std::string& text, const std::string& name = "<text>");
 
   bool has(const std::string& key) const;
-  bool is_mapping(const std::string& key) const;         // false where absent
-  Node child(const std::string& key) const;              // mapping; throws where absent
-  Node child_or_empty(const std::string& key) const;     // an empty mapping where absent
-  std::vector<Node> list(const std::string& key) const;  // sequence of mappings; empty where absent
+  bool is_mapping(const std::string& key) const;  // false where absent
+  Node child(const Key& key) const;               // mapping; throws where absent
+  Node child_or_empty(const Key& key) const;      // an empty mapping where absent
+  std::vector<Node> list(const Key& key) const;   // sequence of mappings; empty where absent
   std::vector<std::string> keys() const;
 
-  double number(const std::string& key, Range range) const;
-  double number(const std::string& key, Range range, double otherwise) const;
-  int integer(const std::string& key, Range range) const;
-  int integer(const std::string& key, Range range, int otherwise) const;
-  bool flag(const std::string& key, bool otherwise) const;
-  std::string text(const std::string& key) const;
-  std::string text(const std::string& key, const std::string& otherwise) const;
+  double number(const Key& key, Range range) const;
+  double number(const Key& key, Range range, double otherwise) const;
+  int integer(const Key& key, Range range) const;
+  int integer(const Key& key, Range range, int otherwise) const;
+  bool flag(const Key& key, bool otherwise) const;
+  std::string text(const Key& key) const;
+  std::string text(const Key& key, const std::string& otherwise) const;
   /// One of `allowed`.
-  std::string choice(const std::string& key, const std::vector<std::string>& allowed) const;
-  std::string choice(const std::string& key, const std::vector<std::string>& allowed,
+  std::string choice(const Key& key, const std::vector<std::string>& allowed) const;
+  std::string choice(const Key& key, const std::vector<std::string>& allowed,
                      const std::string& otherwise) const;
   /// A sequence of texts, none of them empty.
-  std::vector<std::string> texts(const std::string& key) const;
+  std::vector<std::string> texts(const Key& key) const;
   /// A sequence of `count` numbers (any count where -1).
-  std::vector<double> numbers(const std::string& key, int count, Range range = {}) const;
-  Eigen::Vector3d vector3(const std::string& key, Range range = {}) const;
-  Eigen::Vector3d vector3(const std::string& key, Range range,
-                          const Eigen::Vector3d& otherwise) const;
-  std::vector<Eigen::Vector3d> points(const std::string& key) const;  // sequence of [x, y, z]
+  std::vector<double> numbers(const Key& key, int count, Range range = {}) const;
+  Eigen::Vector3d vector3(const Key& key, Range range = {}) const;
+  Eigen::Vector3d vector3(const Key& key, Range range, const Eigen::Vector3d& otherwise) const;
+  std::vector<Eigen::Vector3d> points(const Key& key) const;  // sequence of [x, y, z]
   /// {position: [x, y, z], quaternion: [w, x, y, z]} or {position: ..., rpy_deg: [r, p, y]};
   /// identity where absent.
-  math::Pose pose(const std::string& key) const;
+  math::Pose pose(const Key& key) const;
   /// A path, taken relative to the folder of the file that gives it.
-  std::string path(const std::string& key) const;
+  std::string path(const Key& key) const;
 
   /// Throws Error naming the first key below this node that no getter has asked for, with the keys
   /// that are known beside it.

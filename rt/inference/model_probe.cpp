@@ -17,6 +17,7 @@
 #include <mutex>
 #include <set>
 
+#include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
 #include "rt/inference/probe/limits.hpp"
 
@@ -112,8 +113,7 @@ int wait_for(pid_t process) {
 
 /// Why the module is refused; "" where it is not.
 std::string verdict(const std::string& bytes, const ModelSizes& sizes) {
-  const std::string program =
-      std::filesystem::read_symlink("/proc/self/exe").parent_path() / "palpate-probe";
+  const std::string program = config::companion("palpate-probe");
   const Descriptor module(memfd_create("palpate-module", MFD_CLOEXEC), "memory file");
   fill(module, bytes);
   int ends[2] = {-1, -1};

@@ -2,18 +2,16 @@
 
 #include <dlfcn.h>
 
-#include <filesystem>
-
+#include "rt/config/installation.hpp"
 #include "rt/inference/torch_functions.hpp"
 
 namespace palpate::inference {
 namespace {
 
-/// Loads the library that stands beside the program, once. Throws ModelError.
+/// Loads the library that comes with the program, once. Throws ModelError.
 const TorchFunctions& functions() {
   static const TorchFunctions* const kFunctions = [] {
-    const auto path =
-        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "libpalpate_torch.so";
+    const std::filesystem::path path = config::companion("libpalpate_torch.so");
     void* const library = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
     if (library == nullptr)
       throw ModelError(std::string("libtorch cannot be loaded: ") + dlerror());

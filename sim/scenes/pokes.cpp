@@ -19,12 +19,12 @@ double Poke::share(double time) const {
 
 std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& size) {
   std::vector<Poke> pokes;
-  for (const config::Node& item : scene.list("pokes")) {
+  for (const config::Node& item : scene.list({"pokes", "", "forces that nothing measures"})) {
     Poke poke;
-    poke.at = item.number("at", {0, 1e5});
-    poke.duration = item.number("duration", {0.01, 1e5});
-    poke.point = item.vector3("point");
-    poke.force = item.vector3("force", {-1e3, 1e3});
+    poke.at = item.number({"at", "s", "simulated time"}, {0, 1e5});
+    poke.duration = item.number({"duration", "s", "of the push, its ramps included"}, {0.01, 1e5});
+    poke.point = item.vector3({"point", "m", "of the rest shape, in O"});
+    poke.force = item.vector3({"force", "N", "in W"}, {-1e3, 1e3});
     if ((poke.point.array() < 0).any() || (poke.point.array() > size.array()).any())
       item.fail("point", "lies outside the object");
     pokes.push_back(poke);

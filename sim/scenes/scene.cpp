@@ -15,26 +15,33 @@ constexpr double kPi = 3.14159265358979323846;
 constexpr double kSmallest = 1e-6;
 
 object::Box read_box(const config::Node& node) {
-  return {node.vector3("lower"), node.vector3("upper")};
+  return {node.vector3({"lower", "m", "lowest corner"}),
+          node.vector3({"upper", "m", "highest corner"})};
 }
 
 void read_bus(const config::Node& node, BusUrls& bus) {
-  bus.control = node.text("control", bus.control);
-  bus.housekeeping = node.text("housekeeping", bus.housekeeping);
-  bus.pictures = node.text("pictures", bus.pictures);
+  bus.control = node.text({"control", "", "sensors, robot and commands"}, bus.control);
+  bus.housekeeping = node.text({"housekeeping", "", "truth"}, bus.housekeeping);
+  bus.pictures = node.text({"pictures", "", "rendered images"}, bus.pictures);
 }
 
 /// Both hands have the same pads.
 object::GraspOptions read_grasp(const config::Node& node, const char* box) {
   object::GraspOptions grasp;
-  grasp.patch = read_box(node.child(box));
-  const config::Node pads = node.child_or_empty("pads");
-  grasp.stiffness = pads.number("stiffness", {1, 1e7}, grasp.stiffness);
-  grasp.damping = pads.number("damping", {0, 1e4}, grasp.damping);
-  grasp.friction = pads.number("friction", {0, 10}, grasp.friction);
-  if (pads.has("grip")) grasp.grip = pads.number("grip", {0, 1e4});
+  grasp.patch = read_box(node.child({box, "", "what the hand holds, in O at rest"}));
+  const config::Node pads = node.child_or_empty({"pads", "", "of both hands alike"});
+  grasp.stiffness = pads.number({"stiffness", "N/m", "of the pads of a hand together"}, {1, 1e7},
+                                grasp.stiffness);
+  grasp.damping =
+      pads.number({"damping", "N s/m", "of the pads of a hand together"}, {0, 1e4}, grasp.damping);
+  grasp.friction =
+      pads.number({"friction", "", "of Coulomb, between pads and object"}, {0, 10}, grasp.friction);
+  if (pads.has("grip"))
+    grasp.grip = pads.number(
+        {"grip", "N", "with which the pads press; absent: the object cannot slip"}, {0, 1e4});
   if (pads.has("pinch_axis")) {
-    const std::string axis = pads.choice("pinch_axis", {"x", "y", "z"});
+    const std::string axis =
+        pads.choice({"pinch_axis", "", "of O, along which they press"}, {"x", "y", "z"});
     grasp.pinch_axis = axis[0] - 'x';
   }
   return grasp;
@@ -71,22 +78,28 @@ void read_material(const config::Node& object, object::PlantOptions& plant) {
     take_fitted(object, material, *file, plant);
     fitted = file->constants();
   }
-  plant.young_modulus = config::material_number(material, fitted, "young_modulus", {1, 1e9});
-  plant.poisson_ratio = config::material_number(material, fitted, "poisson_ratio", {0, 0.49});
-  plant.density = config::material_number(material, fitted, "density", {1, 2e4});
-  for (const config::Node& item : material.list("maxwell")) {
-    plant.maxwell.push_back({item.number("relative_modulus", {1e-6, 1e3}),
-                             item.number("relaxation_time", {1e-6, 1e6})});
+  plant.young_modulus = config::material_number(
+      material, fitted, {"young_modulus", "Pa", "E, of small strain"}, {1, 1e9});
+  plant.poisson_ratio =
+      config::material_number(material, fitted, {"poisson_ratio", "", "nu"}, {0, 0.49});
+  plant.density =
+      config::material_number(material, fitted, {"density", "kg/m^3", "of mass"}, {1, 2e4});
+  for (const config::Node& item : material.list({"maxwell", "", "branches of relaxation"})) {
+    plant.maxwell.push_back(
+        {item.number({"relative_modulus", "", "of the branch, over the relaxed one"}, {1e-6, 1e3}),
+         item.number({"relaxation_time", "s", "of the branch"}, {1e-6, 1e6})});
   }
   if (material.has("yield")) {
-    const config::Node yield = material.child("yield");
-    plant.yield =
-        object::Yield{yield.number("stress", {1, 1e9}), yield.number("hardening", {0, 1e9}, 0)};
+    const config::Node yield =
+        material.child({"yield", "", "plastic flow of von Mises; absent: none"});
+    plant.yield = object::Yield{
+        yield.number({"stress", "Pa", "at which it begins"}, {1, 1e9}),
+        yield.number({"hardening", "Pa", "of the yield stress by plastic strain"}, {0, 1e9}, 0)};
   }
   if (material.has("regions")) {
-    for (const config::Node& item : material.list("regions")) {
-      plant.regions.push_back(
-          {read_box(item.child("box")), item.number("young_modulus", {1, 1e9})});
+    for (const config::Node& item : material.list({"regions", "", "boxes of another stiffness"})) {
+      plant.regions.push_back({read_box(item.child({"box", "", "where, in O"})),
+                               item.number({"young_modulus", "Pa", "in the box"}, {1, 1e9})});
     }
   }
 }
@@ -94,41 +107,53 @@ void read_material(const config::Node& object, object::PlantOptions& plant) {
 /// Stiffnesses are those of DART's springs, not of a material.
 robot::SoftBoxOptions read_soft_box(const config::Node& node) {
   robot::SoftBoxOptions box;
-  box.size = node.vector3("size", {kSmallest, 100});
-  const std::vector<double> vertices = node.numbers("vertices", 3, {3, 200});
+  box.size = node.vector3({"size", "m", "edges of the box"}, {kSmallest, 100});
+  const std::vector<double> vertices =
+      node.numbers({"vertices", "", "point masses along each edge"}, 3, {3, 200});
   for (int i = 0; i < 3; ++i) {
     if (vertices[i] != std::floor(vertices[i])) node.fail("vertices", "must be whole numbers");
     box.vertices[i] = static_cast<int>(vertices[i]);
   }
-  const config::Node material = node.child("material");
-  box.mass = material.number("density", {1, 2e4}) * box.size.prod();
-  box.vertex_stiffness = material.number("vertex_stiffness", {1e-3, 1e6});
-  box.edge_stiffness = material.number("edge_stiffness", {0, 1e6});
-  box.damping = node.number("damping", {0, 1e3}, box.damping);
-  box.friction = node.number("friction", {0, 10}, box.friction);
+  const config::Node material = node.child({"material", "", "of the springs of DART"});
+  box.mass = material.number({"density", "kg/m^3", "of mass"}, {1, 2e4}) * box.size.prod();
+  box.vertex_stiffness = material.number(
+      {"vertex_stiffness", "N/m", "that holds each point mass at its place"}, {1e-3, 1e6});
+  box.edge_stiffness =
+      material.number({"edge_stiffness", "N/m", "of the edges between them"}, {0, 1e6});
+  box.damping =
+      node.number({"damping", "", "of the point masses, as DART takes it"}, {0, 1e3}, box.damping);
+  box.friction =
+      node.number({"friction", "", "of Coulomb, against fingertips"}, {0, 10}, box.friction);
   box.on_floor = false;
   return box;
 }
 
 void read_object(const config::Node& node, Scene& scene) {
   object::PlantOptions& plant = scene.plant;
-  plant.size = node.vector3("size", {kSmallest, 100});
-  if (node.choice("kind", {"hyperelastic", "dart_soft"}, "hyperelastic") == "dart_soft") {
+  plant.size = node.vector3({"size", "m", "edges of the object, a box with a corner in O"},
+                            {kSmallest, 100});
+  if (node.choice({"kind", "", "the Neo-Hookean plant, or the SoftBodyNode of DART"},
+                  {"hyperelastic", "dart_soft"}, "hyperelastic") == "dart_soft") {
     scene.soft_box = read_soft_box(node);
-    scene.X_WO = node.pose("pose");
-    scene.object_gravity = node.flag("gravity", true);
+    scene.X_WO = node.pose({"pose", "m", "X_WO"});
+    scene.object_gravity = node.flag({"gravity", "", "whether gravity acts on the object"}, true);
     return;
   }
-  const std::vector<double> elements = node.numbers("elements", 3, {1, 200});
+  const std::vector<double> elements =
+      node.numbers({"elements", "", "hexahedra with 27 nodes along each edge"}, 3, {1, 200});
   for (int i = 0; i < 3; ++i) {
     if (elements[i] != std::floor(elements[i])) node.fail("elements", "must be whole numbers");
     plant.elements[i] = static_cast<int>(elements[i]);
   }
-  plant.grading = node.number("grading", {1, 3}, plant.grading);
+  plant.grading = node.number(
+      {"grading", "",
+       "growth of the lengths of elements away from where the object is held; 1: all are equal"},
+      {1, 3}, plant.grading);
   read_material(node, plant);
-  plant.mass_damping = node.number("damping", {0, 1e4}, plant.mass_damping);
-  plant.viscosity = node.number("viscosity", {0, 1e6}, plant.viscosity);
-  scene.X_WO = node.pose("pose");
+  plant.mass_damping = node.number({"damping", "1/s", "by mass"}, {0, 1e4}, plant.mass_damping);
+  plant.viscosity =
+      node.number({"viscosity", "Pa s", "of the material, in shear"}, {0, 1e6}, plant.viscosity);
+  scene.X_WO = node.pose({"pose", "m", "X_WO"});
   if (node.has("grasp_box")) plant.grasps = {read_grasp(node, "grasp_box")};
   if (node.has("second_grasp_box")) {
     if (plant.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
@@ -136,35 +161,41 @@ void read_object(const config::Node& node, Scene& scene) {
   }
   // An object that two hands hold needs no rig.
   if (node.has("clamp_box") || plant.grasps.size() < 2)
-    plant.clamp = read_box(node.child("clamp_box"));
-  scene.object_gravity = node.flag("gravity", true);
+    plant.clamp = read_box(node.child({"clamp_box", "", "what a rig holds fast"}));
+  scene.object_gravity = node.flag({"gravity", "", "whether gravity acts on the object"}, true);
 }
 
 void read_robot(const config::Node& node, ArmScene& arm) {
-  arm.urdf = node.path("urdf");
-  const std::vector<double> joints = node.numbers("initial_joints", -1, {-2 * kPi, 2 * kPi});
+  arm.urdf = node.path({"urdf", "", "of arm and hand, expanded"});
+  const std::vector<double> joints = node.numbers(
+      {"initial_joints", "rad", "of the arm, from the base on"}, -1, {-2 * kPi, 2 * kPi});
   arm.initial_joints = Eigen::Map<const Eigen::VectorXd>(joints.data(), joints.size());
-  arm.X_EG = node.pose("grasp_in_flange");
-  const config::Node hand = node.child_or_empty("initial_hand");
+  arm.X_EG = node.pose({"grasp_in_flange", "m", "X_EG"});
+  const config::Node hand =
+      node.child_or_empty({"initial_hand", "", "positions of joints of the hand"});
   for (const std::string& joint : hand.keys())
-    arm.initial_hand[joint] = hand.number(joint, {-2 * kPi, 2 * kPi});
-  const config::Node frames = node.child_or_empty("frames");
+    arm.initial_hand[joint] = hand.number(
+        config::Key::named_by_user(joint, "JOINT", "rad", "position of this joint of the hand"),
+        {-2 * kPi, 2 * kPi});
+  const config::Node frames = node.child_or_empty({"frames", "", "links of the URDF"});
   robot::FrameNames& names = arm.robot.frames;
-  names.flange = frames.text("flange", names.flange);
-  names.sensor = frames.text("sensor", names.sensor);
-  names.imu = frames.text("imu", names.imu);
+  names.flange = frames.text({"flange", "", "link that is E"}, names.flange);
+  names.sensor = frames.text({"sensor", "", "link that is S"}, names.sensor);
+  names.imu = frames.text({"imu", "", "link that is I"}, names.imu);
 }
 
 std::vector<Fingertip> read_fingertips(const config::Node& node) {
   std::vector<Fingertip> tips;
-  for (const config::Node& item : node.list("fingertips")) {
+  for (const config::Node& item : node.list({"fingertips", "", "spheres that touch the object"})) {
     Fingertip tip;
-    tip.link = item.text("link");
-    tip.X_LT = item.pose("frame");
+    tip.link = item.text({"link", "", "of the URDF that carries it"});
+    tip.X_LT = item.pose({"frame", "m", "X of T in that link"});
     object::FingertipOptions& sphere = tip.sphere;
-    sphere.radius = item.number("radius", {1e-3, 0.1}, sphere.radius);
-    sphere.friction = item.number("friction", {0, 10}, sphere.friction);
-    if (item.has("stiffness")) sphere.stiffness = item.number("stiffness", {1e3, 1e12});
+    sphere.radius = item.number({"radius", "m", "of the sphere"}, {1e-3, 0.1}, sphere.radius);
+    sphere.friction = item.number({"friction", "", "of Coulomb"}, {0, 10}, sphere.friction);
+    if (item.has("stiffness"))
+      sphere.stiffness = item.number(
+          {"stiffness", "N/m^3", "pressure by penetration; absent: 50 E / radius"}, {1e3, 1e12});
     tips.push_back(tip);
   }
   return tips;
@@ -172,15 +203,18 @@ std::vector<Fingertip> read_fingertips(const config::Node& node) {
 
 std::vector<HandAction> read_hand(const config::Node& node) {
   std::vector<HandAction> actions;
-  for (const config::Node& item : node.list("hand")) {
+  for (const config::Node& item :
+       node.list({"hand", "", "what the hand does, in the order of time"})) {
     HandAction action;
-    action.at = item.number("at", {actions.empty() ? 0 : actions.back().at, 1e5});
-    const std::string what = item.choice("action", {"open", "close", "hold"});
+    action.at =
+        item.number({"at", "s", "simulated time"}, {actions.empty() ? 0 : actions.back().at, 1e5});
+    const std::string what = item.choice({"action", "", "what it does"}, {"open", "close", "hold"});
     if (what == "open") action.command.action = hand_command_t::OPEN;
     if (what == "close") action.command.action = hand_command_t::CLOSE;
     if (what == "hold") {
       action.command.action = hand_command_t::HOLD;
-      action.command.force = item.number("force", {1e-3, HandControl::kMostForce});
+      action.command.force =
+          item.number({"force", "N", "of hold"}, {1e-3, HandControl::kMostForce});
     }
     actions.push_back(action);
   }
@@ -191,33 +225,44 @@ std::vector<HandAction> read_hand(const config::Node& node) {
 /// longest of its waves), most of each axis of `translation` (m) and `rotation_deg`.
 Wander read_wander(const config::Node& node) {
   WanderOptions options;
-  options.duration = node.number("duration", {0.1, 3600});
-  options.rise = node.number("rise", {0.05, 60}, options.rise);
-  options.seed = node.integer("seed", {0, std::numeric_limits<int>::max()}, 1);
-  const std::vector<double> periods = node.numbers("periods", 2, {0.1, 600});
+  options.duration = node.number({"duration", "s", "of the motion"}, {0.1, 3600});
+  options.rise = node.number({"rise", "s", "until it has its full size"}, {0.05, 60}, options.rise);
+  options.seed =
+      node.integer({"seed", "", "of the motion"}, {0, std::numeric_limits<int>::max()}, 1);
+  const std::vector<double> periods =
+      node.numbers({"periods", "s", "shortest and longest of its waves"}, 2, {0.1, 600});
   if (!(periods[0] <= periods[1])) node.fail("periods", "must be the shortest, then the longest");
   options.shortest = periods[0];
   options.longest = periods[1];
-  options.translation = node.vector3("translation", {0, 10}, Eigen::Vector3d::Zero());
-  options.rotation = kPi / 180 * node.vector3("rotation_deg", {0, 180}, Eigen::Vector3d::Zero());
+  options.translation = node.vector3({"translation", "m", "most along each axis of O"}, {0, 10},
+                                     Eigen::Vector3d::Zero());
+  options.rotation = kPi / 180 *
+                     node.vector3({"rotation_deg", "degrees", "most about each axis of O"},
+                                  {0, 180}, Eigen::Vector3d::Zero());
   return Wander(options);
 }
 
 MotionPlan read_motion(const config::Node& node) {
   std::vector<Leg> legs;
-  for (const config::Node& item : node.list("poses")) {
+  for (const config::Node& item : node.list({"poses", "", "of the hand, one after the other"})) {
     Leg leg;
-    item.text("name", "");
-    leg.move = item.number("move", {0.01, 600});
-    leg.hold = item.number("hold", {0, 3600});
-    leg.translation = item.vector3("translation", {-10, 10}, Eigen::Vector3d::Zero());
-    leg.rotation = kPi / 180 * item.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero());
+    item.text({"name", "", "of the pose, in reports"}, "");
+    leg.move = item.number({"move", "s", "that the hand takes to get there"}, {0.01, 600});
+    leg.hold = item.number({"hold", "s", "that it stays"}, {0, 3600});
+    leg.translation = item.vector3({"translation", "m", "of the grasp from where it began, in O"},
+                                   {-10, 10}, Eigen::Vector3d::Zero());
+    leg.rotation = kPi / 180 *
+                   item.vector3({"rotation_deg", "degrees", "rotation vector of it, in O"},
+                                {-180, 180}, Eigen::Vector3d::Zero());
     legs.push_back(leg);
   }
   std::optional<Wander> wander;
-  if (node.has("wander")) wander = read_wander(node.child("wander"));
+  if (node.has("wander"))
+    wander = read_wander(node.child({"wander", "", "motion that no list of poses says"}));
   if (legs.empty() && !wander) node.fail("poses", "at least one pose is needed, or a wander");
-  return MotionPlan(std::move(legs), node.number("start_delay", {0, 3600}, 1), wander);
+  return MotionPlan(std::move(legs),
+                    node.number({"start_delay", "s", "before the first pose"}, {0, 3600}, 1),
+                    wander);
 }
 
 /// The keys of `robot`, the pose of its base in that of the first arm, and what is its own of
@@ -228,11 +273,18 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   ArmScene arm;
   arm.key = scene.key;
   read_robot(node, arm);
-  const math::Pose X_base = node.pose("base_in_first");
+  const math::Pose X_base = node.pose({"base_in_first", "m", "its base in that of the first arm"});
   arm.X_WO = X_base.inverse() * scene.X_WO;
   arm.robot.gravity_W = X_base.linear().transpose() * scene.robot.gravity_W;
-  arm.sensors = node.has("sensors") ? sensors::read_sensors(node.child("sensors")) : scene.sensors;
-  if (node.has("motion")) arm.motion = read_motion(node.child("motion"));
+  arm.sensors = node.has("sensors")
+                    ? sensors::read_sensors(node.child(
+                          {"sensors", "",
+                           "errors of the sensors, over those of sim/sensors/sensors.yaml; of a "
+                           "second arm by default those of the first"}))
+                    : scene.sensors;
+  if (node.has("motion"))
+    arm.motion = read_motion(
+        node.child({"motion", "", "prescribed motion of the hand; absent: it obeys commands"}));
   return arm;
 }
 
@@ -241,23 +293,30 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
 Scene read_scene(const config::Node& node) {
   Scene scene;
   constexpr double kMostSeed = std::numeric_limits<int>::max();
-  scene.seed = static_cast<std::uint64_t>(node.integer("seed", {0, kMostSeed}, 1));
-  read_bus(node.child_or_empty("bus"), scene.bus);
+  scene.seed = static_cast<std::uint64_t>(
+      node.integer({"seed", "", "of all random numbers"}, {0, kMostSeed}, 1));
+  read_bus(node.child_or_empty({"bus", "", "LCM URLs"}), scene.bus);
   scene.key = config::read_key(node);
-  read_object(node.child("object"), scene);
+  read_object(node.child({"object", "", "the soft object"}), scene);
   scene.pokes = read_pokes(node, scene.plant.size);
-  read_robot(node.child("robot"), scene);
+  read_robot(node.child({"robot", "", "arm and hand"}), scene);
   scene.fingertips = read_fingertips(node);
   for (const Fingertip& tip : scene.fingertips) scene.plant.fingertips.push_back(tip.sphere);
   scene.hand = read_hand(node);
-  scene.sensors = sensors::read_sensors(node.child_or_empty("sensors"));
+  scene.sensors = sensors::read_sensors(
+      node.child_or_empty({"sensors", "", "errors of its own; absent: those of the first"}));
   if (node.has("camera")) {
-    scene.camera = read_camera(node.child("camera"), scene);
+    scene.camera = read_camera(
+        node.child({"camera", "", "depth camera that publishes SHAPE_OBSERVATION; absent: none"}),
+        scene);
     scene.occlusions = read_occlusions(node.child("camera"));
   }
-  if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
+  if (node.has("motion"))
+    scene.motion = read_motion(
+        node.child({"motion", "", "prescribed motion of the hand; absent: it obeys commands"}));
   if (node.has("second_arm")) {
-    scene.second_arm = read_second_arm(node.child("second_arm"), scene);
+    scene.second_arm = read_second_arm(
+        node.child({"second_arm", "", "an arm that holds the object as well"}), scene);
   } else if (scene.plant.grasps.size() > 1) {
     node.child("object").fail("second_grasp_box", "needs a section second_arm, whose hand it is");
   }

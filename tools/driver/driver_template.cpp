@@ -1,208 +1,186 @@
-// driver_template: what stands between palpate and an arm, to be copied. It moves an ideal flange,
-// which is where it says and follows every command at once; put your arm in the place of IdealArm.
-// What must stay is TwistInput: nobody steers the arm but the daemon that has the key, and the arm
-// stands still where no good command has come for 100 ms.
+// driver_template: what stands between palpate and an arm, to be copied. Put a class of your own in
+// the place of SimulatedArm (arm.hpp tells what it must do); everything else stays. See
+// docs/own_robot.md.
 
 #include <CLI/CLI.hpp>
-#include <atomic>
 #include <chrono>
-#include <cmath>
 #include <csignal>
 #include <cstdio>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/robot_state_t.hpp>
-#include <palpate/twist_command_t.hpp>
-#include <random>
 #include <thread>
 
-#include "core/math/rigid.hpp"
-#include "rt/bus/authentication.hpp"
-#include "rt/bus/message_bus.hpp"
-#include "rt/bus/session.hpp"
+#include "joint_guard.hpp"
+#include "rt/component/arm_model.hpp"
+#include "rt/config/installation.hpp"
+#include "simulated_arm.hpp"
 
 namespace {
 
 namespace bus = palpate::bus;
-namespace math = palpate::math;
-using palpate::ft_wrench_t;
-using palpate::robot_state_t;
-using palpate::twist_command_t;
+namespace driver = palpate::driver;
+using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as times of arrival
+using palpate::kinematics::SerialChain;
 
-constexpr double kPeriod = 1e-3;                // s
-constexpr std::int64_t kSilence = 100'000'000;  // ns without a command, after which the arm stops
-constexpr const char* kChannel = "TWIST_COMMAND";
+constexpr std::chrono::milliseconds kPeriod(1);
 
 struct Options {
   std::string url = "udpm://239.255.76.67:7667?ttl=0";
   std::string key_file;
-  double linear_limit = 0.25;  // m/s
-  double angular_limit = 1;    // rad/s
-  double mass = 4.8;           // kg, behind the force-torque sensor
-  // X_WE at first: as in rt/config/examples/bar_long_soft.yaml, whose bar it holds.
-  std::vector<double> position = {0.59, 0, 0.31};
+  std::string urdf;
+  std::string flange = "flange";
+  driver::JointGuard::Options guard;
+  driver::SimulatedArm::Options arm;
+  // Where the simulated arm holds the bar of rt/config/examples/bar_long_soft.yaml.
+  std::vector<double> joints = {0.850909334647,   -1.5784872221,  -1.57624131756, 1.73160305961,
+                                0.00126629161428, 0.880668603759, 1.57936265436};
 };
 
-struct Counts {
-  std::int64_t obeyed = 0;
-  std::int64_t refused = 0;   // without a valid code, or sent before
-  std::int64_t rejected = 0;  // late, of another arm, or not numbers
-  std::int64_t stops = 0;     // because commands had ceased to come
-};
-
-/// The twist that the daemon wants now, V_W_E.
-class TwistInput {
+/// ROBOT_STATE at 500 Hz and FT_WRENCH at 1 kHz.
+class Telemetry {
  public:
-  TwistInput(bus::MessageBus& control, const Options& options, const bus::Access& access)
-      : options_(options), commands_(control, kChannel, 64), admission_(kChannel, access) {}
-
-  math::Twist read(std::int64_t now_ns) {
-    twist_command_t message;
-    std::int64_t arrival_ns = 0;
-    while (commands_.take(message, arrival_ns)) take(message, arrival_ns);
-    if (moving_ && now_ns - good_ns_ > kSilence) {
-      ++counts_.stops;
-      stop();
-    }
-    return wanted_;
+  Telemetry(bus::MessageBus& control, const SerialChain& chain)
+      : chain_(chain), states_(control, "ROBOT_STATE"), wrenches_(control, "FT_WRENCH") {
+    state_.joint_count = chain.joint_count();
   }
 
-  Counts counts() const {
-    Counts counts = counts_;
-    counts.refused = admission_.refused();
-    return counts;
+  void publish(const driver::ArmState& arm) {
+    const std::int64_t utime = bus::wall_clock_us();
+    if (arm.has_wrench) {
+      palpate::ft_wrench_t reading{};
+      Eigen::Map<palpate::math::Vector6d>(reading.wrench) << arm.wrench_S.force,
+          arm.wrench_S.torque;
+      wrench_stamp_.put(reading, utime);
+      wrenches_.publish(reading);
+    }
+    if (++tick_ % 2 != 0) return;
+    const int n = chain_.joint_count();
+    chain_.evaluate(arm.q, pose_);
+    Eigen::Map<Eigen::VectorXd>(state_.q, n) = arm.q;
+    Eigen::Map<Eigen::VectorXd>(state_.dq, n) = arm.dq;
+    Eigen::Map<Eigen::VectorXd>(state_.tau, n) = arm.tau;
+    Eigen::Map<Eigen::Vector3d>(state_.position) = pose_.X_WE.translation();
+    palpate::math::wxyz_from_rotation(pose_.X_WE.linear(), state_.quaternion);
+    Eigen::Map<palpate::math::Vector6d>(state_.twist) = pose_.J_W_E * arm.dq;
+    state_stamp_.put(state_, utime);
+    states_.publish(state_);
   }
 
  private:
-  void take(const twist_command_t& message, std::int64_t arrival_ns) {
-    // The code first: what is forged must not even touch the sequence.
-    if (admission_.judge(message) != bus::Admitted::kFresh) return;
-    const Eigen::Map<const math::Vector6d> twist(message.twist);
-    if (!order_.accept(message.session, message.seq) || message.grasp != 0 || !twist.allFinite()) {
-      ++counts_.rejected;
-      return;
-    }
-    ++counts_.obeyed;
-    good_ns_ = arrival_ns;
-    if (message.valid != 1) return stop();
-    wanted_ = math::Twist::from(twist);
-    wanted_.linear = limited(wanted_.linear, options_.linear_limit);
-    wanted_.angular = limited(wanted_.angular, options_.angular_limit);
-    moving_ = true;
-  }
-
-  void stop() {
-    wanted_ = {};
-    moving_ = false;
-  }
-
-  /// Slower, but in the same direction.
-  static Eigen::Vector3d limited(const Eigen::Vector3d& velocity, double limit) {
-    const double speed = velocity.stableNorm();
-    return speed > limit ? Eigen::Vector3d(limit / speed * velocity) : velocity;
-  }
-
-  const Options& options_;
-  bus::TypedSubscription<twist_command_t> commands_;
-  bus::Admission admission_;
-  bus::SequenceTracker order_;
-  math::Twist wanted_;
-  bool moving_ = false;
-  std::int64_t good_ns_ = 0;
-  Counts counts_;
+  SerialChain chain_;
+  SerialChain::State pose_;
+  palpate::robot_state_t state_{};
+  bus::TypedPublisher<palpate::robot_state_t> states_;
+  bus::TypedPublisher<palpate::ft_wrench_t> wrenches_;
+  const std::int64_t session_ = bus::random_session();
+  bus::Stamp state_stamp_{session_}, wrench_stamp_{session_};
+  int tick_ = 0;
 };
 
-/// In the place of an arm: its flange alone, and a sensor that weighs a hand.
-class IdealArm {
+/// After an emergency stop nothing moves until the daemon has said itself that nothing shall
+/// (palpate-command stop, then start): whoever releases the button is no one who wants motion.
+class StopLatch {
  public:
-  explicit IdealArm(const Options& options) : weight_(9.81 * options.mass) {
-    X_WE_.linear() = Eigen::Quaterniond(1, 0, 1, 0).normalized().toRotationMatrix();
-    X_WE_.translation() = Eigen::Map<const Eigen::Vector3d>(options.position.data());
-  }
-
-  void command(const math::Twist& V_W_E) {
-    V_W_E_ = V_W_E;
-    X_WE_.translation() += kPeriod * V_W_E.linear;
-    X_WE_.linear() = math::exp_rotation(kPeriod * V_W_E.angular) * X_WE_.linear();
-  }
-
-  void read(robot_state_t& state) const {
-    state.joint_count = 7;  // q, dq and tau stay at zero: there are no joints
-    Eigen::Map<Eigen::Vector3d>(state.position) = X_WE_.translation();
-    math::wxyz_from_rotation(X_WE_.linear(), state.quaternion);
-    Eigen::Map<math::Vector6d>(state.twist) = V_W_E_.vector();
-  }
-
-  /// What the sensor exerts on the hand: its weight, in axes S, which are those of E. A sensor
-  /// without noise would be taken for one that has stopped.
-  void read(ft_wrench_t& reading) {
-    Eigen::Map<math::Vector6d> wrench(reading.wrench);
-    wrench << X_WE_.linear().transpose() * Eigen::Vector3d(0, 0, weight_), Eigen::Vector3d::Zero();
-    for (int i = 0; i < 6; ++i) wrench(i) += (i < 3 ? 0.02 : 1e-3) * noise_(random_);
+  /// Whether the arm must rest. `told_to_rest`: see CommandInput.
+  bool holds(bool stopped, std::int64_t told_to_rest) {
+    if (stopped) {
+      if (!held_) std::fprintf(stderr, "emergency stop: rests until palpated is stopped\n");
+      held_ = true;
+      before_ = told_to_rest;
+    } else if (held_ && told_to_rest > before_) {
+      std::fprintf(stderr, "palpated has stopped: may move again\n");
+      held_ = false;
+    }
+    return held_;
   }
 
  private:
-  double weight_;  // N
-  math::Pose X_WE_ = math::Pose::Identity();
-  math::Twist V_W_E_;
-  std::mt19937 random_{1};
-  std::normal_distribution<double> noise_;
+  bool held_ = false;
+  std::int64_t before_ = 0;
 };
 
-std::atomic<bool> stop{false};
+volatile std::sig_atomic_t ended = 0;
+driver::SimulatedArm* simulated = nullptr;  // for the signals that stand for its stop button
 
-int run(const Options& options) {
+int run(Options options) {
   bus::Access access;
   access.start_us = bus::wall_clock_us();  // what was sent before now is refused
   if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
+  if (options.urdf.empty())
+    options.urdf = (palpate::config::data_folder() / "sim/robot/lwr_hand.urdf").string();
+  const SerialChain chain = palpate::component::read_urdf(options.urdf, options.flange);
+  if (chain.joint_count() != static_cast<int>(options.joints.size()))
+    throw std::invalid_argument("--joints: has " + std::to_string(options.joints.size()) +
+                                " numbers; allowed: " + std::to_string(chain.joint_count()));
+  options.arm.q = Eigen::Map<const Eigen::VectorXd>(options.joints.data(), chain.joint_count());
+
+  driver::SimulatedArm arm(chain, options.arm);  // yours
+  simulated = &arm;
+  driver::JointGuard guard(chain, options.guard);
+  StopLatch latch;
+
   const auto control = bus::make_lcm_bus(options.url);
-  TwistInput input(*control, options, access);
-  IdealArm arm(options);
-  bus::TypedPublisher<robot_state_t> states(*control, "ROBOT_STATE");
-  bus::TypedPublisher<ft_wrench_t> wrenches(*control, "FT_WRENCH");
-  const std::int64_t session = bus::random_session();
-  bus::Stamp state_stamp(session), wrench_stamp(session);
+  driver::CommandInput input(*control, chain.joint_count(), access);
+  Telemetry telemetry(*control, chain);
   control->start_without_thread();
 
-  using Clock = std::chrono::steady_clock;  // CLOCK_MONOTONIC, as times of arrival
-  robot_state_t state{};
-  ft_wrench_t wrench{};
-  auto next = Clock::now();
-  for (int tick = 0; !stop; ++tick) {
+  const driver::Command rest;
+  driver::ArmState state;
+  driver::Joints still;
+  still.setZero(chain.joint_count());
+  for (auto next = Clock::now(); ended == 0;) {
     control->receive(0);
-    arm.command(input.read(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1)));
-    const std::int64_t utime = bus::wall_clock_us();
-    arm.read(wrench);
-    wrench_stamp.put(wrench, utime);
-    wrenches.publish(wrench);
-    if (tick % 2 == 0) {
-      arm.read(state);
-      state_stamp.put(state, utime);
-      states.publish(state);
+    const driver::Command& wanted =
+        input.read(Clock::now().time_since_epoch() / std::chrono::nanoseconds(1));
+    if (arm.read(state)) {
+      const bool held = latch.holds(state.stopped, input.told_to_rest());
+      arm.command(guard.limit(held ? rest : wanted, state.q));
+      telemetry.publish(state);
+    } else {
+      arm.command(still);
     }
-    next += std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(kPeriod));
+    next += kPeriod;
     if (next < Clock::now()) next = Clock::now();  // late: nothing is caught up
     std::this_thread::sleep_until(next);
   }
-  const Counts counts = input.counts();
+  arm.command(still);
+  simulated = nullptr;
+  const driver::Counts counts = input.counts();
   std::printf("%lld obeyed, %lld refused, %lld rejected, %lld stops for want of commands\n",
               static_cast<long long>(counts.obeyed), static_cast<long long>(counts.refused),
-              static_cast<long long>(counts.rejected), static_cast<long long>(counts.stops));
+              static_cast<long long>(counts.rejected), static_cast<long long>(counts.silences));
   return 0;
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("driver_template moves an ideal flange as palpated commands: a driver to copy.");
+  CLI::App app(
+      "driver_template moves a simulated arm as palpated commands: a driver to copy.\n"
+      "SIGUSR1 presses the emergency stop of the simulated arm, SIGUSR2 releases it.\n"
+      "Exit codes: 0 ended by a signal, 1 an error.");
   Options options;
   app.add_option("--url", options.url, "control URL")->capture_default_str();
   app.add_option("--key", options.key_file, "file of the key that the daemon has");
-  app.add_option("--linear-limit", options.linear_limit, "m/s")->check(CLI::Range(0.0, 2.0));
-  app.add_option("--angular-limit", options.angular_limit, "rad/s")->check(CLI::Range(0.0, 6.0));
-  app.add_option("--mass", options.mass, "kg, of the hand")->check(CLI::Range(0.0, 50.0));
-  app.add_option("--position", options.position, "of the flange at first, m")->expected(3);
+  app.add_option("--urdf", options.urdf, "expanded URDF of the arm (default: palpate's own)");
+  app.add_option("--flange", options.flange, "link of it that is E")->capture_default_str();
+  app.add_option("--joints", options.joints, "of the simulated arm at first, rad");
+  app.add_option("--linear-limit", options.guard.linear_speed, "m/s")->check(CLI::Range(0.0, 2.0));
+  app.add_option("--angular-limit", options.guard.angular_speed, "rad/s")
+      ->check(CLI::Range(0.0, 6.0));
+  app.add_option("--speed-share", options.guard.speed_share, "of the joints' largest speeds")
+      ->check(CLI::Range(0.01, 1.0));
+  app.add_option("--mass", options.arm.mass, "kg, of the hand")->check(CLI::Range(0.0, 50.0));
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer("Example:\n  driver_template --key robot.key --linear-limit 0.1");
   CLI11_PARSE(app, argc, argv);
-  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { stop = true; });
+  for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { ended = 1; });
+  std::signal(SIGUSR1, [](int) {
+    if (simulated != nullptr) simulated->press_stop(true);
+  });
+  std::signal(SIGUSR2, [](int) {
+    if (simulated != nullptr) simulated->press_stop(false);
+  });
   try {
     return run(options);
   } catch (const std::exception& error) {

@@ -8,6 +8,7 @@
 #include <functional>
 #include <stdexcept>
 
+#include "rt/config/installation.hpp"
 #include "tools/evaluate/fault_wire.hpp"
 #include "tools/faults/judge.hpp"
 #include "tools/faults/process_judge.hpp"
@@ -21,7 +22,7 @@ using faults::RunResult;
 constexpr double kPatience = 40;  // s; the plant settles first
 constexpr double kBraked = 0.5;   // s after which nothing may move any more
 
-std::string source(const char* path) { return std::string(PALPATE_SOURCE_DIR) + "/" + path; }
+std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
 Process start_simulator(const Urls& urls, const std::filesystem::path& folder, const char* words) {
   return {

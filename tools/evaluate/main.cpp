@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/evaluate/case_commands.hpp"
 #include "tools/evaluate/demo.hpp"
@@ -32,12 +33,11 @@ std::string default_data(const std::string& root) {
 }
 
 int run(CLI::App& app, int argc, char** argv) {
-  std::string root = PALPATE_SOURCE_DIR;
+  std::string root = palpate::config::data_folder().string();
   std::string json;
   app.require_subcommand(1);
   app.set_version_flag("--version", PALPATE_VERSION);
-  app.add_option("--root", root, "source tree with scenes and configurations")
-      ->capture_default_str();
+  app.add_option("--root", root, "folder with scenes and configurations (default: palpate's own)");
   app.fallthrough();
 
   DemoOptions demo;

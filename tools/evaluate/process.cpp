@@ -14,6 +14,7 @@
 #include <stdexcept>
 #include <thread>
 
+#include "rt/config/installation.hpp"
 #include "tools/evaluate/interruption.hpp"
 
 namespace palpate::evaluate {
@@ -146,8 +147,6 @@ std::string tail(const std::filesystem::path& file, int lines) {
   return text;
 }
 
-std::filesystem::path program_folder() {
-  return std::filesystem::read_symlink("/proc/self/exe").parent_path();
-}
+std::filesystem::path program_folder() { return config::program_folder(); }
 
 }  // namespace palpate::evaluate

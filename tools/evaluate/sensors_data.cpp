@@ -7,6 +7,7 @@
 
 #include "core/sensing/linear_tactile.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
+#include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
 #include "tools/import/csv_reader.hpp"
 #include "tools/train/wrist_data.hpp"
@@ -22,8 +23,8 @@ constexpr const char* kPac = "pac0";
 constexpr double kRestPressure = 15;  // counts of PDC above the quietest rows that are still rest
 
 train::Plan preset(const std::string& name) {
-  return train::read_plan(config::Node::load_file(std::string(PALPATE_SOURCE_DIR) +
-                                                  "/tools/train/presets/" + name + ".yaml"));
+  return train::read_plan(config::Node::load_file(
+      (config::data_folder() / "tools/train/presets" / (name + ".yaml")).string()));
 }
 
 std::vector<std::string> tactile_columns(SensorKind kind) {

@@ -4,13 +4,14 @@
 #include <stdexcept>
 
 #include "core/sensing/streamed_model.hpp"
+#include "rt/config/installation.hpp"
 #include "rt/inference/model_file.hpp"
 #include "tools/evaluate/sensors_stream.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
-std::string presets_folder() { return std::string(PALPATE_SOURCE_DIR) + "/tools/train/presets/"; }
+std::string presets_folder() { return (config::data_folder() / "tools/train/presets/").string(); }
 
 std::vector<std::string> output_names(SensorKind kind) {
   return train::columns_of(plan_of(kind).data.outputs);

@@ -1,6 +1,7 @@
 #include <chrono>
 #include <fstream>
 
+#include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/process.hpp"
@@ -40,7 +41,7 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
   std::vector<std::string> overrides;
   if (!options.refit) overrides.push_back("training.refit=false");
   const config::Node node = config::Node::load_file(
-      std::string(PALPATE_SOURCE_DIR) + "/tools/train/presets/" + preset + ".yaml", overrides);
+      (config::data_folder() / "tools/train/presets" / (preset + ".yaml")).string(), overrides);
   const train::Plan plan = train::read_plan(node);
   for (const train::RecordingPlan& recording : plan.data.recordings)
     if (!std::filesystem::exists(options.data / recording.file)) return {};

@@ -1,5 +1,6 @@
 #include "tools/faults/recording.hpp"
 
+#include "rt/config/installation.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "sim/scenes/simulation.hpp"
 #include "tools/faults/user.hpp"
@@ -7,7 +8,7 @@
 namespace palpate::faults {
 namespace {
 
-std::string source(const char* path) { return std::string(PALPATE_SOURCE_DIR) + "/" + path; }
+std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
 }  // namespace
 

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/progress.hpp"
@@ -32,9 +33,7 @@ struct Options {
   int threads = static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 };
 
-std::filesystem::path presets() {
-  return std::filesystem::path(PALPATE_SOURCE_DIR) / "tools/fit/presets";
-}
+std::filesystem::path presets() { return config::data_folder() / "tools/fit/presets"; }
 
 /// A file, or the name of a plan that comes with palpate.
 std::string plan_path(const std::string& text) {

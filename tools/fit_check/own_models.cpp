@@ -2,6 +2,7 @@
 #include <fstream>
 #include <stdexcept>
 
+#include "rt/config/installation.hpp"
 #include "tools/fit/held_decay.hpp"
 #include "tools/fit/held_object.hpp"
 #include "tools/fit/uniaxial.hpp"
@@ -12,8 +13,6 @@ namespace {
 
 using Eigen::VectorXd;
 
-const std::string kConfiguration = PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml";
-
 VectorXd starts(const fit::Experiment& experiment) {
   VectorXd p(experiment.parameters().size());
   for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = experiment.parameters()[k].start;
@@ -22,9 +21,10 @@ VectorXd starts(const fit::Experiment& experiment) {
 
 /// The long soft bar of the examples on a mesh that a fit takes a tenth of a second on.
 fit::HeldCell small_bar() {
-  return fit::read_held_cell(kConfiguration,
-                             {"object.mesh.box.cells=[10, 1, 1]", "object.order=linear",
-                              "object.damping={mass_factor: 1, stiffness_factor: 1e-4}"});
+  return fit::read_held_cell(
+      (config::data_folder() / "rt/config/examples/bar_long_soft.yaml").string(),
+      {"object.mesh.box.cells=[10, 1, 1]", "object.order=linear",
+       "object.damping={mass_factor: 1, stiffness_factor: 1e-4}"});
 }
 
 math::Pose flange_at(const fit::HeldCell& cell, const math::Vector6d& motion) {

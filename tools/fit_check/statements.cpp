@@ -3,6 +3,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "rt/config/installation.hpp"
 #include "sim/scenes/scene.hpp"
 #include "tools/fit/runner.hpp"
 #include "tools/fit_check/simulated.hpp"
@@ -10,8 +11,7 @@
 namespace palpate::fit_check {
 namespace {
 
-const std::string kFolder = PALPATE_SOURCE_DIR "/tools/fit_check/";
-const std::string kConfiguration = PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml";
+std::string data(const char* path) { return (config::data_folder() / path).string(); }
 
 /// On four sides of the bar's middle part.
 std::vector<Eigen::Vector3d> side_markers() {
@@ -34,7 +34,8 @@ std::string text_of(const std::vector<Eigen::Vector3d>& points) {
 /// The configuration's object on the fitted mesh, believing in another material.
 std::string believed(const scenes::Scene& scene, const std::string& cells) {
   std::ostringstream text;
-  text << "    configuration: " << kConfiguration << "\n    time: sent\n    set:\n"
+  text << "    configuration: " << data("rt/config/examples/bar_long_soft.yaml")
+       << "\n    time: sent\n    set:\n"
        << "      - 'object.mesh.box.cells=" << cells << "'\n"
        << "      - object.material.young_modulus=" << 0.7 * scene.plant.young_modulus << "\n"
        << "      - object.material.poisson_ratio=0.4\n"
@@ -70,7 +71,8 @@ Statement statement(const fit::Fit& fit, const std::string& parameter, double tr
 }  // namespace
 
 std::vector<Statement> fit_simulated(const StatementOptions& options) {
-  const std::string rests = kFolder + "bar_rests.yaml", stops = kFolder + "bar_stops.yaml";
+  const std::string rests = data("tools/fit_check/bar_rests.yaml"),
+                    stops = data("tools/fit_check/bar_stops.yaml");
   const scenes::Scene scene = scenes::read_scene(config::Node::load_file(rests, options.overrides));
   const auto make = [&](const std::string& file, const std::vector<Eigen::Vector3d>& markers,
                         const std::string& name) {

@@ -3,14 +3,17 @@
 #   palpate_library(DEPENDS a b)          palpate::<folder> from every .cpp of this folder
 #   palpate_program(NAME DEPENDS a b)     bin/NAME from every .cpp of this folder (or SOURCES)
 #   palpate_test(LABEL KIND TARGET t)     one test program per mirrored folder
+#
+# What of them is installed, and where to, stands in install.cmake.
+include(${CMAKE_CURRENT_LIST_DIR}/install.cmake)
 
 add_library(palpate_flags INTERFACE)
 target_compile_options(palpate_flags INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor -Wcast-qual -Werror)
+  $<BUILD_INTERFACE:-Wall;-Wextra;-Wpedantic;-Wshadow;-Wnon-virtual-dtor;-Wcast-qual;-Werror>)
 # gcc 12 reports false positives of these from within Eigen at -O3.
 target_compile_options(palpate_flags INTERFACE
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized -Wno-array-bounds -Wno-stringop-overflow>)
-target_include_directories(palpate_flags INTERFACE ${CMAKE_SOURCE_DIR})
+  $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>>)
+target_include_directories(palpate_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
 # DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
 target_compile_definitions(palpate_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
@@ -37,7 +40,7 @@ if(PALPATE_SANITIZE OR PALPATE_COVERAGE)
 endif()
 find_program(MOLD_PROGRAM mold)
 if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
-  target_link_options(palpate_flags INTERFACE -fuse-ld=mold)
+  target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
 function(palpate_library)
@@ -53,6 +56,7 @@ function(palpate_library)
     target_link_libraries(palpate_${name} INTERFACE palpate_flags ${ARG_DEPENDS})
   endif()
   add_library(palpate::${name} ALIAS palpate_${name})
+  palpate_export_library(${name})
 endfunction()
 
 function(palpate_program name)
@@ -62,23 +66,7 @@ function(palpate_program name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE palpate_flags ${ARG_DEPENDS})
-  if(name MATCHES "^palpated$|^palpate-probe$")
-    install(TARGETS ${name} RUNTIME COMPONENT daemon)
-  elseif(name MATCHES "^palpate-")
-    install(TARGETS ${name} RUNTIME COMPONENT tools)
-  endif()
-endfunction()
-
-# The unit for systemd names the program where it is installed, which is known only then.
-function(palpate_install_service unit)
-  install(CODE "set(unit \"${unit}\")" COMPONENT daemon)
-  install(CODE [[
-    get_filename_component(name ${unit} NAME)
-    file(READ ${unit} text)
-    string(REPLACE "/usr/bin/" "${CMAKE_INSTALL_PREFIX}/bin/" text "${text}")
-    set(changed "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/lib/systemd/system/${name}")
-    file(WRITE ${changed} "${text}")
-    message(STATUS "Installing: ${changed}")]] COMPONENT daemon)
+  palpate_install_program(${name})
 endfunction()
 
 # Every .cpp of the folder `dir` (below the current one) becomes the test program

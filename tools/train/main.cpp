@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 
+#include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "rt/inference/model_file.hpp"
 #include "tools/evaluate/progress.hpp"
@@ -27,9 +28,9 @@ struct Options {
 /// A file, or the name of a plan that comes with palpate.
 std::string plan_path(const std::string& text) {
   if (std::filesystem::exists(text)) return text;
-  const std::string preset =
-      std::string(PALPATE_SOURCE_DIR) + "/tools/train/presets/" + text + ".yaml";
-  if (std::filesystem::exists(preset)) return preset;
+  const std::filesystem::path preset =
+      config::data_folder() / "tools/train/presets" / (text + ".yaml");
+  if (std::filesystem::exists(preset)) return preset.string();
   throw config::Error(text + ": is neither a file nor a preset");
 }
 

@@ -1,0 +1,163 @@
+#include <filesystem>
+
+#include "rt/config/node_impl.hpp"
+
+namespace palpate::config {
+
+double Node::number(const Key& key, Range range) const {
+  impl_->declare(key, "number", range).required = true;
+  const Impl::Entry entry = impl_->require(key.name, range_text(range));
+  return impl_->to_number(entry.value, key.name, entry.line, range);
+}
+
+double Node::number(const Key& key, Range range, double otherwise) const {
+  impl_->declare(key, "number", range).fallback = number_text(otherwise);
+  const Impl::Entry entry = impl_->find(key.name);
+  return entry.present ? impl_->to_number(entry.value, key.name, entry.line, range) : otherwise;
+}
+
+int Node::integer(const Key& key, Range range) const {
+  impl_->declare(key, "whole number", range).required = true;
+  range.lower = std::max(range.lower, double{std::numeric_limits<int>::min()});
+  range.upper = std::min(range.upper, double{std::numeric_limits<int>::max()});
+  const Impl::Entry entry = impl_->require(key.name, range_text(range));
+  long number = 0;
+  if (!is_plain(entry.value) || !parse(entry.value.Scalar(), number)) {
+    impl_->fail(key.name, entry.line,
+                shown(entry.value) + " is not a whole number" + allowed(range));
+  }
+  return static_cast<int>(impl_->to_number(entry.value, key.name, entry.line, range));
+}
+
+int Node::integer(const Key& key, Range range, int otherwise) const {
+  impl_->declare(key, "whole number", range).fallback = std::to_string(otherwise);
+  return impl_->find(key.name).present ? integer(key, range) : otherwise;
+}
+
+bool Node::flag(const Key& key, bool otherwise) const {
+  impl_->declare(key, "flag").fallback = otherwise ? "true" : "false";
+  const Impl::Entry entry = impl_->find(key.name);
+  if (!entry.present) return otherwise;
+  const bool yes = is_plain(entry.value) && entry.value.Scalar() == "true";
+  if (!yes && !(is_plain(entry.value) && entry.value.Scalar() == "false")) {
+    impl_->fail(key.name, entry.line, shown(entry.value) + " is no flag; allowed: true, false");
+  }
+  return yes;
+}
+
+std::string Node::text(const Key& key) const {
+  impl_->declare(key, "text").required = true;
+  const Impl::Entry entry = impl_->require(key.name, "text");
+  if (!entry.value.IsScalar()) {
+    impl_->fail(key.name, entry.line, shown(entry.value) + " is not text");
+  }
+  return entry.value.Scalar();
+}
+
+std::string Node::text(const Key& key, const std::string& otherwise) const {
+  impl_->declare(key, "text").fallback = otherwise.empty() ? "\"\"" : otherwise;
+  return impl_->find(key.name).present ? text(key) : otherwise;
+}
+
+std::string Node::choice(const Key& key, const std::vector<std::string>& names) const {
+  Declaration& declared = impl_->declare(key, "one of");
+  declared.allowed = listed(names);
+  declared.required = declared.fallback.empty();
+  const Impl::Entry entry = impl_->require(key.name, listed(names));
+  const bool known = entry.value.IsScalar() &&
+                     std::find(names.begin(), names.end(), entry.value.Scalar()) != names.end();
+  if (!known) {
+    impl_->fail(key.name, entry.line,
+                shown(entry.value) + " is unknown; allowed: " + listed(names));
+  }
+  return entry.value.Scalar();
+}
+
+std::string Node::choice(const Key& key, const std::vector<std::string>& names,
+                         const std::string& otherwise) const {
+  Declaration& declared = impl_->declare(key, "one of");
+  declared.allowed = listed(names);
+  declared.fallback = declared.value = otherwise;
+  return impl_->find(key.name).present ? choice(key, names) : otherwise;
+}
+
+std::vector<std::string> Node::texts(const Key& key) const {
+  impl_->declare(key, "list of texts").required = true;
+  const Impl::Entry entry = impl_->require(key.name, "a list of texts");
+  if (!entry.value.IsSequence())
+    impl_->fail(key.name, entry.line, shown(entry.value) + " is not a list of texts");
+  std::vector<std::string> texts;
+  for (const auto& item : entry.value) {
+    if (!item.IsScalar() || item.Scalar().empty())
+      impl_->fail(join(key.name, std::to_string(texts.size())), item.Mark().line,
+                  shown(item) + " is not a text");
+    texts.push_back(item.Scalar());
+  }
+  return texts;
+}
+
+std::vector<double> Node::numbers(const Key& key, int count, Range range) const {
+  impl_->declare(key, (count < 0 ? "" : std::to_string(count) + " ") + "numbers", range).required =
+      true;
+  const Impl::Entry entry = impl_->require(key.name, "a list of numbers");
+  return impl_->to_numbers(entry.value, key.name, entry.line, count, range);
+}
+
+Eigen::Vector3d Node::vector3(const Key& key, Range range) const {
+  return Eigen::Vector3d(numbers(key, 3, range).data());
+}
+
+Eigen::Vector3d Node::vector3(const Key& key, Range range, const Eigen::Vector3d& otherwise) const {
+  impl_->declare(key, "3 numbers", range).fallback = "[" + number_text(otherwise.x()) + ", " +
+                                                     number_text(otherwise.y()) + ", " +
+                                                     number_text(otherwise.z()) + "]";
+  return impl_->find(key.name).present ? vector3(key, range) : otherwise;
+}
+
+std::vector<Eigen::Vector3d> Node::points(const Key& key) const {
+  impl_->declare(key, "points").required = true;
+  const Impl::Entry entry = impl_->require(key.name, "a list of points [x, y, z]");
+  if (!entry.value.IsSequence()) {
+    impl_->fail(key.name, entry.line, shown(entry.value) + " is not a list of points [x, y, z]");
+  }
+  std::vector<Eigen::Vector3d> points;
+  for (const auto& item : entry.value) {
+    const std::string item_key = join(key.name, std::to_string(points.size()));
+    points.emplace_back(impl_->to_numbers(item, item_key, item.Mark().line, 3, {}).data());
+  }
+  return points;
+}
+
+math::Pose Node::pose(const Key& key) const {
+  impl_->declare(key, "pose").fallback = "identity";
+  const Undeclared parts;
+  const Node node = child_or_empty(key);
+  const Eigen::Vector3d position = node.vector3("position", {}, Eigen::Vector3d::Zero());
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  if (node.has("quaternion")) {
+    const std::vector<double> wxyz = node.numbers("quaternion", 4);
+    if (!math::is_unit_quaternion(wxyz.data())) {
+      node.fail("quaternion", "norm is not 1; allowed: a unit quaternion [w, x, y, z]");
+    }
+    if (node.has("rpy_deg")) node.fail("rpy_deg", "given beside quaternion; allowed: one of them");
+    rotation = math::rotation_from_wxyz(wxyz.data());
+  } else {
+    const Eigen::Vector3d rpy =
+        node.vector3("rpy_deg", {-360, 360}, Eigen::Vector3d::Zero()) * M_PI / 180;
+    rotation = math::exp_rotation(rpy.z() * Eigen::Vector3d::UnitZ()) *
+               math::exp_rotation(rpy.y() * Eigen::Vector3d::UnitY()) *
+               math::exp_rotation(rpy.x() * Eigen::Vector3d::UnitX());
+    impl_->document->mark_used(node.impl_->path, "quaternion");
+  }
+  return math::make_pose(rotation, position);
+}
+
+std::string Node::path(const Key& key) const {
+  impl_->declare(key, "file").required = true;
+  const std::filesystem::path path = text(key);
+  return (std::filesystem::path(impl_->document->folder(join(impl_->path, key.name))) / path)
+      .lexically_normal()
+      .string();
+}
+
+}  // namespace palpate::config

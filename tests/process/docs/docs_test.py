@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Fails where documentation and programs differ.
+
+usage: docs_test.py configuration ROOT BIN    docs/configuration.md is what palpate-reference prints
+       docs_test.py keys ROOT                 and tells every key that the sources ask for
+       docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says, installed
+"""
+import difflib
+import os
+import pathlib
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+
+PATIENCE = 500  # s, for a machine that is very busy; a quiet one takes 40
+READERS = ("rt/daemon", "rt/component", "rt/config", "sim/scenes", "sim/sensors")
+GETTER = re.compile(
+    r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
+    r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
+# Keys of files that programs write for each other, not of configurations.
+OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg"}
+
+
+def configuration(root, programs):
+    printed = subprocess.run([programs / "palpate-reference"], capture_output=True, text=True, timeout=300)
+    if printed.returncode != 0:
+        print(printed.stderr)
+        return 1
+    text = (root / "docs/configuration.md").read_text()
+    if printed.stdout != text:
+        difference = difflib.unified_diff(text.splitlines(), printed.stdout.splitlines(),
+                                          "docs/configuration.md", "palpate-reference", lineterm="")
+        print("\n".join(list(difference)[:60]))
+        print("run: build/release/bin/palpate-reference > docs/configuration.md")
+        return 1
+    return 0
+
+
+def keys(root):
+    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", (root / "docs/configuration.md").read_text(), re.M))
+    missing = []
+    asked = 0
+    for folder in READERS:
+        for path in sorted((root / folder).glob("*.cpp")):
+            for key in GETTER.findall(path.read_text()):
+                asked += 1
+                if key not in told | OF_OTHER_FILES:
+                    missing.append(f"{path.relative_to(root)}: {key}")
+    print(f"{asked} declarations, {len(told)} keys told")
+    if missing:
+        print("no reading of tools/reference/explorations.yaml asks for:\n" + "\n".join(missing))
+    return 1 if missing or asked < 100 else 0
+
+
+def blocks(text):
+    """Fenced blocks of shell commands, with the line each begins at."""
+    found, lines, start = [], None, 0
+    for number, line in enumerate(text.splitlines(), 1):
+        if lines is None and re.match(r"```sh\s*$", line):
+            lines, start = [], number + 1
+        elif lines is not None and line.startswith("```"):
+            found.append((start, lines))
+            lines = None
+        elif lines is not None:
+            lines.append(line)
+    return found
+
+
+def commands(root, programs, guide):
+    """One shell runs all blocks in their order, in an empty folder, with palpate installed for it
+    alone and on LCM URLs of its own."""
+    text = guide.read_text()
+    port = 20000 + os.getpid() % 20000 * 2
+    group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
+    control, housekeeping = f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
+    folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))
+    prefix = folder / "installed"
+    for component in ("daemon", "dev"):
+        subprocess.run(["cmake", "--install", programs.parent, "--component", component, "--prefix", prefix],
+                       check=True, stdout=subprocess.DEVNULL)
+    script = ["set -euo pipefail", "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT"]
+    for start, lines in blocks(text):
+        script += [f"echo '== {guide.name}:{start}'"] + lines
+    body = "\n".join(script).replace("udpm://239.255.76.67:7667?ttl=0", control)
+    body = body.replace("udpm://239.255.76.68:7668?ttl=0", housekeeping)
+    environment = {**os.environ, "PATH": f"{prefix}/bin:{programs}:{os.environ['PATH']}",
+                   "PALPATE": f"{prefix}/share/palpate", "CMAKE_PREFIX_PATH": str(prefix)}
+    work = folder / "work"
+    work.mkdir()
+    process = subprocess.Popen(["bash", "-c", body], cwd=work, env=environment, text=True,
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    try:
+        output = process.communicate(timeout=PATIENCE)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        output = process.communicate()[0] + f"\nerror: not done after {PATIENCE} s"
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print(output)
+    for expected in re.findall(r"<!-- says: (.*?) -->", text):
+        if not re.search(expected, output):
+            print(f"error: nothing says: {expected}")
+            return 1
+    return process.returncode
+
+
+def main():
+    what, root = sys.argv[1], pathlib.Path(sys.argv[2])
+    if what == "keys":
+        return keys(root)
+    programs = pathlib.Path(sys.argv[3])
+    return configuration(root, programs) if what == "configuration" else commands(root, programs, root / sys.argv[4])
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,71 @@
+#include "joint_guard.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace palpate::driver {
+namespace {
+
+constexpr double kDamper = 5;  // 1/s: an end is approached no faster than by this share of the way
+
+Eigen::Vector3d limited(const Eigen::Vector3d& velocity, double limit) {
+  const double speed = velocity.stableNorm();
+  return speed > limit ? Eigen::Vector3d(limit / speed * velocity) : velocity;
+}
+
+}  // namespace
+
+JointGuard::JointGuard(const kinematics::SerialChain& chain, const Options& options)
+    : chain_(chain), options_(options) {
+  wanted_.setZero(chain.joint_count());
+  sent_.setZero(chain.joint_count());
+}
+
+void JointGuard::follow(const math::Twist& V_W_E, const Joints& q) {
+  chain_.evaluate(q, state_);
+  math::Vector6d twist;
+  twist << limited(V_W_E.linear, options_.linear_speed),
+      limited(V_W_E.angular, options_.angular_speed);
+  math::Matrix6d A = state_.J_W_E * state_.J_W_E.transpose();
+  A.diagonal().array() += options_.damping * options_.damping;
+  wanted_.noalias() = state_.J_W_E.transpose() * A.ldlt().solve(twist);
+}
+
+/// Towards an end, every joint slows down as one that nears it must.
+void JointGuard::slow_down_near_ends(const Joints& q) {
+  double share = 1;
+  for (int i = 0; i < wanted_.size(); ++i) {
+    const kinematics::Joint& joint = chain_.joint(i);
+    const double left = wanted_[i] > 0 ? joint.upper - options_.margin - q[i]
+                                       : q[i] - joint.lower - options_.margin;
+    const double most = std::min(options_.speed_share * joint.speed, kDamper * std::max(0.0, left));
+    const double speed = std::abs(wanted_[i]);
+    if (speed > most) share = std::min(share, most / speed);
+  }
+  wanted_ *= share;
+}
+
+const Joints& JointGuard::limit(const Command& command, const Joints& q) {
+  switch (command.kind) {
+    case Command::Kind::kStop:
+      wanted_.setZero();
+      break;
+    case Command::Kind::kTwist:
+      follow(command.V_W_E, q);
+      break;
+    case Command::Kind::kJoints:
+      wanted_ = command.dq;
+      break;
+  }
+  slow_down_near_ends(q);
+  const double step = options_.acceleration * options_.period;
+  const double change = (wanted_ - sent_).lpNorm<Eigen::Infinity>();
+  if (change > step) {
+    sent_ += step / change * (wanted_ - sent_);
+  } else {
+    sent_ = wanted_;
+  }
+  return sent_;
+}
+
+}  // namespace palpate::driver

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "command_input.hpp"
+
+namespace palpate::driver {
+
+/// Turns what is wanted into velocities of joints that keep every limit. All joints are slowed down
+/// alike, so that the hand keeps its direction. Keep this too, beside your arm's own safety.
+class JointGuard {
+ public:
+  struct Options {
+    double linear_speed = 0.25;  // m/s, of the origin of E
+    double angular_speed = 1;    // rad/s
+    double speed_share = 0.5;    // of each joint's largest speed
+    double acceleration = 5;     // rad/s^2, of each joint
+    double margin = 0.02;        // rad, kept from both ends of a joint
+    double damping = 0.02;       // of the inverse near singular poses: they slow the hand down
+    double period = 1e-3;        // s
+  };
+
+  JointGuard(const kinematics::SerialChain& chain, const Options& options);
+
+  /// For the joints at `q`. Allocates nothing.
+  const Joints& limit(const Command& command, const Joints& q);
+
+ private:
+  void follow(const math::Twist& V_W_E, const Joints& q);
+  void slow_down_near_ends(const Joints& q);
+
+  kinematics::SerialChain chain_;
+  Options options_;
+  kinematics::SerialChain::State state_;
+  Joints wanted_, sent_;
+};
+
+}  // namespace palpate::driver

@@ -1,0 +1,47 @@
+#include "simulated_arm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace palpate::driver {
+namespace {
+
+constexpr double kFollows = 0.01;  // s, time constant of its drives
+constexpr double kRest = 1e-6;     // rad/s, below which its brakes hold
+
+}  // namespace
+
+SimulatedArm::SimulatedArm(const kinematics::SerialChain& chain, const Options& options)
+    : chain_(chain), options_(options), q_(options.q) {
+  dq_.setZero(q_.size());
+  wanted_.setZero(q_.size());
+}
+
+void SimulatedArm::command(const Joints& dq) {
+  wanted_ = dq;
+  if (stopped_) wanted_.setZero();
+  dq_ += std::min(1.0, options_.period / kFollows) * (wanted_ - dq_);
+  if (wanted_.isZero(0) && dq_.lpNorm<Eigen::Infinity>() < kRest) dq_.setZero();
+  q_ += options_.period * dq_;
+}
+
+bool SimulatedArm::read(ArmState& state) {
+  state.q = q_;
+  state.dq = dq_;
+  state.tau.setZero(q_.size());
+  state.stopped = stopped_;
+  kinematics::SerialChain::State pose;
+  chain_.evaluate(q_, pose);
+  // It holds the hand up, slowly moved as it is. A sensor without noise would be taken for one that
+  // has stopped.
+  const Eigen::Vector3d force =
+      pose.X_WE.linear().transpose() * Eigen::Vector3d(0, 0, 9.81 * options_.mass);
+  state.wrench_S = {force, options_.center_of_mass.cross(force)};
+  for (int i = 0; i < 3; ++i) {
+    state.wrench_S.force[i] += 0.02 * noise_(random_);
+    state.wrench_S.torque[i] += 1e-3 * noise_(random_);
+  }
+  return true;
+}
+
+}  // namespace palpate::driver

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <atomic>
+#include <random>
+
+#include "arm.hpp"
+
+namespace palpate::driver {
+
+/// In the place of an arm: joints that follow every command within 10 ms, and a sensor that weighs
+/// a hand. An example of the seam, and enough to try a driver with.
+class SimulatedArm : public Arm {
+ public:
+  struct Options {
+    Joints q;                                                  // rad, at the start
+    double mass = 4.8;                                         // kg, behind the sensor
+    Eigen::Vector3d center_of_mass{0.0015, -0.00065, 0.1137};  // m, in S
+    double sensor_z = 0.04;                                    // m, of S along z of E; no rotation
+    double period = 1e-3;                                      // s
+  };
+
+  SimulatedArm(const kinematics::SerialChain& chain, const Options& options);
+
+  int joint_count() const override { return chain_.joint_count(); }
+  bool read(ArmState& state) override;
+  void command(const Joints& dq) override;
+
+  /// As by its button; from any thread, also from a signal.
+  void press_stop(bool pressed) noexcept { stopped_ = pressed; }
+
+ private:
+  kinematics::SerialChain chain_;
+  Options options_;
+  Joints q_, dq_, wanted_;
+  std::atomic<bool> stopped_{false};
+  std::mt19937 random_{1};
+  std::normal_distribution<double> noise_;
+};
+
+}  // namespace palpate::driver

@@ -1,0 +1,184 @@
+#include "tools/reference/catalogue.hpp"
+
+#include <algorithm>
+#include <cctype>
+
+namespace palpate::reference {
+namespace {
+
+using Choices = std::map<std::string, std::string>;
+
+/// One mapping of one document: what was chosen in it, and what was asked for.
+struct Visit {
+  Choices choices;
+  std::vector<config::Declaration> declarations;
+};
+
+/// "sensing.0.payload" is a "sensing[].payload".
+std::string pattern_of(const std::string& path) {
+  std::string pattern;
+  std::size_t begin = 0;
+  while (begin <= path.size() && !path.empty()) {
+    const std::size_t end = std::min(path.find('.', begin), path.size());
+    const std::string part = path.substr(begin, end - begin);
+    if (std::all_of(part.begin(), part.end(), [](unsigned char c) { return std::isdigit(c); })) {
+      pattern += "[]";
+    } else {
+      pattern += (pattern.empty() ? "" : ".") + part;
+    }
+    begin = end + 1;
+  }
+  return pattern;
+}
+
+std::vector<Visit> visits_of(const std::vector<Declarations>& readings,
+                             const std::string& pattern) {
+  std::vector<Visit> visits;
+  for (const Declarations& reading : readings) {
+    std::map<std::string, Visit> here;
+    for (const config::Declaration& declaration : reading) {
+      if (pattern_of(declaration.path) != pattern) continue;
+      Visit& visit = here[declaration.path];
+      if (declaration.type == "one of") visit.choices[declaration.name] = declaration.value;
+      visit.declarations.push_back(declaration);
+    }
+    for (auto& [path, visit] : here) visits.push_back(std::move(visit));
+  }
+  return visits;
+}
+
+const config::Declaration* find(const Visit& visit, const std::string& name,
+                                const std::string& meaning) {
+  for (const config::Declaration& declaration : visit.declarations)
+    if (declaration.name == name && declaration.meaning == meaning) return &declaration;
+  return nullptr;
+}
+
+/// Values of `choice` in the visits that satisfy `condition`.
+template <class Condition>
+std::set<std::string> values(const std::vector<Visit>& visits, const std::string& choice,
+                             Condition condition) {
+  std::set<std::string> found;
+  for (const Visit& visit : visits) {
+    const auto value = visit.choices.find(choice);
+    if (value != visit.choices.end() && condition(visit)) found.insert(value->second);
+  }
+  return found;
+}
+
+bool holds(const Parameter& parameter, const Visit& visit) {
+  for (const auto& [choice, allowed] : parameter.only_with) {
+    const auto value = visit.choices.find(choice);
+    if (value == visit.choices.end() || allowed.count(value->second) == 0) return false;
+  }
+  return true;
+}
+
+Parameter describe(const config::Declaration& first, const std::vector<Visit>& visits) {
+  Parameter parameter;
+  parameter.name = first.name;
+  parameter.type = first.type;
+  parameter.unit = first.unit;
+  parameter.allowed = first.allowed;
+  parameter.meaning = first.meaning;
+  const auto asked = [&](const Visit& visit) {
+    return find(visit, first.name, first.meaning) != nullptr;
+  };
+  std::set<std::string> choices;
+  for (const Visit& visit : visits)
+    for (const auto& choice : visit.choices) choices.insert(choice.first);
+  for (const std::string& choice : choices) {
+    const std::set<std::string> with = values(visits, choice, asked);
+    const std::set<std::string> all = values(visits, choice, [](const Visit&) { return true; });
+    if (choice != first.name && !with.empty() && with != all) parameter.only_with[choice] = with;
+  }
+  parameter.required = true;
+  for (const Visit& visit : visits) {
+    const config::Declaration* declaration = find(visit, first.name, first.meaning);
+    if (declaration == nullptr) {
+      // Not asked for although it might have been: a reader that looks first whether it is there.
+      if (holds(parameter, visit)) parameter.required = false;
+      continue;
+    }
+    parameter.required = parameter.required && declaration->required;
+    if (!declaration->fallback.empty() &&
+        std::count(parameter.defaults.begin(), parameter.defaults.end(), declaration->fallback) ==
+            0)
+      parameter.defaults.push_back(declaration->fallback);
+  }
+  return parameter;
+}
+
+void sort_by_tree(std::vector<Section>& sections) {
+  std::vector<Section> sorted;
+  const auto place = [&](const auto& self, const std::string& parent) -> void {
+    for (const Section& section : sections) {
+      const std::size_t dot = section.path.rfind('.');
+      const std::string above = dot == std::string::npos ? "" : section.path.substr(0, dot);
+      if (section.path.empty() || above != parent) continue;
+      sorted.push_back(section);
+      self(self, section.path);
+    }
+  };
+  for (const Section& section : sections)
+    if (section.path.empty()) sorted.push_back(section);
+  place(place, "");
+  sections = std::move(sorted);
+}
+
+/// What an arm or a fallback has as the first of its kind has it is told once.
+bool is_told_elsewhere(const Section& section, const std::vector<Section>& sections) {
+  if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
+    return true;
+  const std::string arm = "second_arm.";
+  if (section.path.compare(0, arm.size(), arm) != 0) return false;
+  const auto same = [](const Parameter& a, const Parameter& b) {
+    return a.name == b.name && a.type == b.type && a.meaning == b.meaning && a.allowed == b.allowed;
+  };
+  return std::any_of(sections.begin(), sections.end(), [&](const Section& other) {
+    return other.path == section.path.substr(arm.size()) &&
+           std::all_of(section.parameters.begin(), section.parameters.end(), [&](const auto& own) {
+             return std::any_of(other.parameters.begin(), other.parameters.end(),
+                                [&](const auto& known) { return same(own, known); });
+           });
+  });
+}
+
+}  // namespace
+
+std::vector<Section> merge(const std::vector<Declarations>& readings) {
+  std::vector<Section> sections;
+  for (const Declarations& reading : readings) {
+    for (const config::Declaration& declaration : reading) {
+      const std::string pattern = pattern_of(declaration.path);
+      const auto known = std::find_if(sections.begin(), sections.end(),
+                                      [&](const Section& s) { return s.path == pattern; });
+      if (known == sections.end()) sections.push_back({pattern, {}});
+    }
+  }
+  for (Section& section : sections) {
+    const std::vector<Visit> visits = visits_of(readings, section.path);
+    std::set<std::pair<std::string, std::string>> seen;
+    for (const Visit& visit : visits)
+      for (const config::Declaration& declaration : visit.declarations)
+        if (seen.insert({declaration.name, declaration.meaning}).second)
+          section.parameters.push_back(describe(declaration, visits));
+  }
+  sort_by_tree(sections);
+  const std::vector<Section> all = sections;
+  sections.erase(std::remove_if(sections.begin(), sections.end(),
+                                [&](const Section& s) { return is_told_elsewhere(s, all); }),
+                 sections.end());
+  return sections;
+}
+
+std::vector<std::string> untold(const std::vector<Section>& sections) {
+  std::vector<std::string> names;
+  for (const Section& section : sections)
+    for (const Parameter& parameter : section.parameters)
+      if (parameter.meaning.empty())
+        names.push_back(section.path + (section.path.empty() ? "" : ".") + parameter.name);
+  return names;
+}
+
+}  // namespace palpate::reference

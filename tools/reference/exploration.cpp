@@ -1,0 +1,112 @@
+#include "tools/reference/exploration.hpp"
+
+#include <yaml-cpp/yaml.h>
+
+#include <fstream>
+
+#include "core/sensing/recurrent_network.hpp"
+#include "rt/bus/authentication.hpp"
+#include "rt/component/pipeline.hpp"
+#include "rt/config/installation.hpp"
+#include "rt/config/node.hpp"
+#include "rt/daemon/settings.hpp"
+#include "rt/inference/model_file.hpp"
+#ifndef PALPATE_WITHOUT_SIM
+#include "sim/scenes/scene.hpp"
+#endif
+
+namespace palpate::reference {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// As its parameters are, a network that says nothing at all.
+[[maybe_unused]] void write_network(const fs::path& folder, const std::string& name,
+                                    const std::vector<inference::Channel>& inputs,
+                                    const std::vector<inference::Channel>& outputs) {
+  inference::ModelCard card;
+  card.name = name;
+  card.rate = 100;
+  card.inputs = inputs;
+  card.outputs = outputs;
+  const auto weights = sensing::RecurrentWeights::zero(static_cast<int>(inputs.size()),
+                                                       static_cast<int>(outputs.size()), {4});
+  inference::write_model_file((folder / (name + ".pt")).string(), weights, card);
+}
+
+/// The files that explorations name below MODELS, where they are not there yet.
+void write_models(const fs::path& folder) {
+  if (fs::exists(folder / "key")) return;
+  bus::make_key_file((folder / "key").string());
+  std::ofstream(folder / "material.yaml")
+      << "material: {model: linear, young_modulus: 3e4, poisson_ratio: 0.3}\n"
+         "corotational: {young_modulus: 3e4, poisson_ratio: 0.3}\n";
+  // One tetrahedron on the foam's base.
+  std::ofstream(folder / "foam.msh")
+      << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.2 0 0\n3 0.1 0.04 0\n"
+         "4 0.1 0.02 0.04\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
+#ifndef PALPATE_WITHOUT_TORCH
+  const std::vector<inference::Channel> force = {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
+  std::vector<inference::Channel> wrench = force;
+  for (const char* name : {"tx", "ty", "tz"}) wrench.push_back({name, "N m"});
+  write_network(folder, "observer", {{"gravity_z", "1"}}, wrench);
+  write_network(folder, "finger", {{"pdc", "count"}}, force);
+  write_network(folder, "direction", {{"pdc", "count"}}, {{"nx", "1"}, {"ny", "1"}, {"nz", "1"}});
+#endif
+}
+
+std::string replaced(std::string text, const std::string& word, const std::string& by) {
+  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at))
+    text.replace(at, word.size(), by);
+  return text;
+}
+
+void read_daemon(const config::Node& root) {
+  const daemon::Settings settings = daemon::read_settings(root);
+  const component::Pipeline pipeline(root, settings.loop.period, true);
+  root.check_all_used();
+}
+
+}  // namespace
+
+Declarations read(Reader reader, const Exploration& exploration) {
+  config::DeclarationList list;
+  const config::Node root = config::Node::load_file(exploration.file, exploration.overrides);
+  if (reader == Reader::kDaemon) {
+    read_daemon(root);
+  } else {
+#ifndef PALPATE_WITHOUT_SIM
+    scenes::read_scene(root);
+#else
+    throw config::Error(exploration.file + ": this build has no simulator");
+#endif
+  }
+  Declarations own;
+  for (const config::Declaration& declaration : list.all())
+    if (declaration.document == exploration.file) own.push_back(declaration);
+  return own;
+}
+
+std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
+  write_models(models);
+  const fs::path data = config::data_folder();
+  const config::Node plan =
+      config::Node::load_file((data / "tools/reference/explorations.yaml").string());
+  std::string zeros = "[0";
+  for (int i = 1; i < 21; ++i) zeros += ", 0";
+  std::vector<Exploration> found;
+  for (const config::Node& item : plan.list(reader == Reader::kDaemon ? "daemon" : "scene")) {
+#ifdef PALPATE_WITHOUT_TORCH
+    if (item.flag("torch", false)) continue;
+#endif
+    Exploration exploration{(data / item.text("file")).string(), {}};
+    if (item.has("set"))
+      for (const std::string& set : item.texts("set"))
+        exploration.overrides.push_back(
+            replaced(replaced(set, "MODELS", models.string()), "ZEROS", zeros + "]"));
+    found.push_back(exploration);
+  }
+  return found;
+}
+
+}  // namespace palpate::reference

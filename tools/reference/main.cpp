@@ -1,0 +1,120 @@
+// palpate-reference: every parameter, from the declarations in the code that reads it.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <fstream>
+#include <iostream>
+
+#include "rt/config/node.hpp"
+#include "tools/reference/markdown.hpp"
+
+namespace {
+
+using namespace palpate;
+using namespace palpate::reference;
+
+constexpr const char* kHead =
+    "# Configuration\n\n"
+    "Made by `palpate-reference` from the declarations in the code that reads them; do not edit.\n"
+    "SI units throughout. A key that nobody reads is an error, which names file, line, key and "
+    "what\n"
+    "is allowed. `base: FILE` at the top puts a file's entries over those of another, and\n"
+    "`--set path.to.key=value` over both. A pose is `{position: [x, y, z], quaternion: [w, x, y, "
+    "z]}`\n"
+    "or `{position: ..., rpy_deg: [r, p, y]}`; files are named relative to the file that names "
+    "them.\n"
+    "What stands in parentheses before a meaning says with which choices beside it a key is read.\n"
+    "`palpate-reference your.yaml` tells the same of the parts that one configuration uses.\n\n";
+
+constexpr const char* kDaemon =
+    "## palpated\n\n"
+    "A section of `sensing`, `contact`, `estimation`, `deformation`, `feature` or `control` may "
+    "have\n"
+    "a section `fallback`, as its slot's own, which takes its place where the component errs.\n"
+    "Sections of `second_arm` that are not listed are as those of the first arm.\n\n";
+
+/// A folder of this run alone.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "palpate_reference_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// False, and named, where a declaration tells no meaning.
+bool write(std::ostream& out, const std::vector<Declarations>& readings, int level) {
+  const std::vector<Section> sections = merge(readings);
+  write_markdown(out, sections, level);
+  for (const std::string& name : untold(sections))
+    std::cerr << "error: " << name << " is declared without a meaning\n";
+  return untold(sections).empty();
+}
+
+bool write_all(std::ostream& out) {
+  const Scratch models;
+  out << kHead;
+  bool told = true;
+  for (const Reader reader : {Reader::kDaemon, Reader::kScene}) {
+    std::vector<Declarations> readings;
+    for (const Exploration& exploration : explorations(reader, models.path()))
+      readings.push_back(read(reader, exploration));
+    out << (reader == Reader::kDaemon ? kDaemon : "## Scenes of palpate-sim\n\n");
+    told = write(out, readings, 3) && told;
+  }
+  return told;
+}
+
+int run(const std::string& file, bool is_scene, const std::vector<std::string>& overrides) {
+  bool told = true;
+  if (file.empty()) {
+    told = write_all(std::cout);
+  } else {
+    const Reader reader = is_scene ? Reader::kScene : Reader::kDaemon;
+    told = write(std::cout, {read(reader, {file, overrides})}, 2);
+  }
+  return told ? 0 : 1;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(
+      "palpate-reference prints every parameter of configurations and scenes as a table in\n"
+      "Markdown: type, unit, default, range and meaning, as the code declares them.\n"
+      "Exit codes: 0 done, 1 a parameter tells no meaning, 78 wrong configuration.");
+  std::string file;
+  std::vector<std::string> overrides;
+  bool is_scene = false;
+  app.add_option("configuration", file,
+                 "only what this one is asked for; without it everything there is");
+  app.add_flag("--scene", is_scene, "it is a scene of palpate-sim");
+  app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
+      ->allow_extra_args(false);
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer("Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    return run(file, is_scene, overrides);
+  } catch (const palpate::config::Error& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return palpate::config::kExitCode;
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return 1;
+  }
+}

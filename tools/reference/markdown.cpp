@@ -1,0 +1,50 @@
+#include "tools/reference/markdown.hpp"
+
+#include <algorithm>
+#include <ostream>
+
+namespace palpate::reference {
+namespace {
+
+/// What would end a cell of a table.
+std::string cell(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += c == '|' ? std::string("\\|") : std::string(1, c);
+  return safe;
+}
+
+std::string default_of(const Parameter& parameter) {
+  std::string text;
+  for (const std::string& value : parameter.defaults)
+    text += (text.empty() ? "`" : " or `") + value + "`";
+  if (!text.empty()) return text;
+  return parameter.required ? "**required**" : "absent";
+}
+
+std::string condition_of(const Parameter& parameter) {
+  std::string text;
+  for (const auto& [choice, values] : parameter.only_with) {
+    text += (text.empty() ? "" : "; ") + choice + " ";
+    for (auto value = values.begin(); value != values.end(); ++value)
+      text += (value == values.begin() ? "`" : ", `") + *value + "`";
+  }
+  return text.empty() ? "" : "(" + text + ") ";
+}
+
+}  // namespace
+
+void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level) {
+  for (const Section& section : sections) {
+    out << std::string(static_cast<std::size_t>(level), '#') << " "
+        << (section.path.empty() ? "Top level" : "`" + section.path + "`") << "\n\n"
+        << "| key | type | unit | default | allowed | meaning |\n"
+        << "| --- | --- | --- | --- | --- | --- |\n";
+    for (const Parameter& parameter : section.parameters)
+      out << "| `" << parameter.name << "` | " << parameter.type << " | " << parameter.unit << " | "
+          << cell(default_of(parameter)) << " | " << cell(parameter.allowed) << " | "
+          << cell(condition_of(parameter) + parameter.meaning) << " |\n";
+    out << "\n";
+  }
+}
+
+}  // namespace palpate::reference
