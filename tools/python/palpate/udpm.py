@@ -106,10 +106,20 @@ class _Partial:
     """A message of which some fragments have come."""
 
     def __init__(self, size: int, count: int) -> None:
-        self.data = bytearray(size)
-        self.count = count
-        self.places: dict[int, tuple[int, int]] = {}  # by fragment: begin and length
+        self.size, self.count = size, count
+        self.parts: dict[int, tuple[int, bytes]] = {}  # by number: place and bytes
+        self.held = 0  # bytes of the parts
         self.channel: Optional[str] = None
+
+    def whole(self) -> Optional[bytes]:
+        """All parts one behind the other; None where a sender has made them up."""
+        end, pieces = 0, []
+        for begin, part in sorted(self.parts.values()):
+            if begin != end:
+                return None
+            pieces.append(part)
+            end += len(part)
+        return b"".join(pieces) if end == self.size else None
 
 
 class Decoder:
@@ -159,34 +169,41 @@ class Decoder:
             return None
         key = (sender, number)
         partial = self._partial.get(key)
-        if partial is None or (len(partial.data), partial.count) != (size, count):
+        if partial is None or (partial.size, partial.count) != (size, count):
             self._partial.pop(key, None)
-            self._make_room(size)
+            self._make_room(len(part))
             partial = self._partial[key] = _Partial(size, count)
-        partial.data[begin : begin + len(part)] = part
-        partial.places[index] = (begin, len(part))
-        partial.channel = channel or partial.channel
-        if len(partial.places) < count:
-            return None
-        del self._partial[key]
-        # All parts together, one behind the other, or a sender has made them up.
-        end = 0
-        for at, length in sorted(partial.places.values()):
-            if at != end:
-                self.malformed += 1
-                return None
-            end = at + length
-        if end != size or partial.channel is None:
+        if partial.held + len(part) > size and index not in partial.parts:  # they overlap
+            del self._partial[key]
             self.malformed += 1
             return None
-        return Packet(partial.channel, bytes(partial.data))
+        if index not in partial.parts:
+            self._make_room(len(part), key)
+            partial.parts[index] = (begin, part)
+            partial.held += len(part)
+        partial.channel = channel or partial.channel
+        if len(partial.parts) < count:
+            return None
+        del self._partial[key]
+        data = partial.whole()
+        if data is None or partial.channel is None:
+            self.malformed += 1
+            return None
+        return Packet(partial.channel, data)
 
-    def _make_room(self, size: int) -> None:
-        while self._partial and (
-            len(self._partial) >= self.MOST_PARTIAL
-            or size + sum(len(p.data) for p in self._partial.values()) > self.MOST_BYTES
-        ):
-            del self._partial[next(iter(self._partial))]
+    def _make_room(self, size: int, but: object = None) -> None:
+        """The oldest ones but that of key `but` give way to `size` bytes more, or to another
+        message."""
+        for key in [key for key in self._partial if key != but]:
+            crowded = but is None and len(self._partial) >= self.MOST_PARTIAL
+            if not crowded and size + self.held <= self.MOST_BYTES:
+                return
+            del self._partial[key]
+
+    @property
+    def held(self) -> int:
+        """Bytes of messages that are not whole yet."""
+        return sum(partial.held for partial in self._partial.values())
 
 
 def _explain(doing: str, url: Url, error: OSError) -> OSError:
