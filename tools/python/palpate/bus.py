@@ -91,7 +91,12 @@ class Subscription:
         """The first message from here on that fulfils `condition`. Raises TimeoutError."""
         end = time.monotonic() + timeout
         while True:
-            message = self.get(max(0.0, end - time.monotonic()))
+            try:
+                message = self.get(max(0.0, end - time.monotonic()))
+            except TimeoutError:
+                raise TimeoutError(
+                    f"no {self.channel} as wanted in {timeout:g} s on {self._bus.url}"
+                ) from None
             if condition(message):
                 return message
 
