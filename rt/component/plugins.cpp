@@ -170,8 +170,14 @@ template <class Component>
 std::unique_ptr<Component> make(const PluginEntry<Component>& entry, const config::Node& node,
                                 const char* key, const PluginCell& cell) {
   Parameters parameters;
-  for (const Parameter& parameter : entry.parameters)
-    parameters.put(parameter.key, read(node, parameter));
+  for (const Parameter& parameter : entry.parameters) {
+    try {
+      parameters.put(parameter.key, read(node, parameter));
+    } catch (const config::Error& error) {
+      throw config::Error(std::string(error.what()) + " (" + entry.name + ": " +
+                          parameter.description + ")");
+    }
+  }
   std::unique_ptr<Component> made;
   try {
     made = entry.make(parameters, cell);

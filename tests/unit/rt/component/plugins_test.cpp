@@ -128,6 +128,8 @@ TEST(Plugins, WhatIsNoPluginIsRefusedWithFileAndKey) {
                    {"plugins.0.library", "no_plugin.so", "is no plug-in of palpate",
                     "palpate_plugin_abi", "PALPATE_PLUGIN"});
   expect_complaint({"plugins=[{path: here.so}]"}, {"plugins.0.library"});
+  expect_complaint({"plugins=[here.so]"}, {"plugins.0", "mapping"});
+  expect_complaint({"plugins=here.so"}, {"plugins"});
   const support::ScratchFolder folder;
   const std::string text = (folder.path() / "text.so").string();
   std::ofstream(text) << "hello\n";
@@ -157,7 +159,7 @@ TEST(Plugins, NamesAreCheckedAtRegistration) {
 
 TEST(Plugins, KeysAreThoseThatItDeclared) {
   expect_complaint({kUnruly, law("mischief")}, {"control.does", "'mischief'", "allowed: nothing"});
-  expect_complaint({kUnruly, law("nothing", ", after: -1")}, {"control.after", "0", "1000000"});
+  expect_complaint({kUnruly, law("nothing", ", after: -1")}, {"control.after", "0", "1000000", "cycles that it is good for"});
   expect_complaint({kUnruly, law("nothing", ", gain: 1")},
                    {"control.gain", "unknown key", "after"});
   expect_complaint({kUnruly, "control.law=no_such_law"},
