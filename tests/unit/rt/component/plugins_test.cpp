@@ -159,7 +159,8 @@ TEST(Plugins, NamesAreCheckedAtRegistration) {
 
 TEST(Plugins, KeysAreThoseThatItDeclared) {
   expect_complaint({kUnruly, law("mischief")}, {"control.does", "'mischief'", "allowed: nothing"});
-  expect_complaint({kUnruly, law("nothing", ", after: -1")}, {"control.after", "0", "1000000", "cycles that it is good for"});
+  expect_complaint({kUnruly, law("nothing", ", after: -1")},
+                   {"control.after", "0", "1000000", "cycles that it is good for"});
   expect_complaint({kUnruly, law("nothing", ", gain: 1")},
                    {"control.gain", "unknown key", "after"});
   expect_complaint({kUnruly, "control.law=no_such_law"},
