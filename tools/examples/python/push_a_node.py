@@ -5,8 +5,7 @@ e.g.   palpated tools/examples/python/bar_pushed.yaml &
        push_a_node.py --point 0.25 0.03 0.06 --force 0 0 -0.2
 
 The daemon needs a sensor `component: manual` and an estimator that loads the mesh with contacts, as in
-bar_pushed.yaml; no robot. The force ends with this program. Exit codes: 0 done, 1 something went
-wrong.
+bar_pushed.yaml; no robot. Exit codes: 0 done, 1 something went wrong.
 """
 
 from __future__ import annotations
@@ -49,6 +48,11 @@ def main() -> int:
             before = place()
             daemon.push(mesh.nodes[node], options.force, options.seconds)
             pushed = place()
+            daemon.push(mesh.nodes[node], [0, 0, 0])  # lets go
+            health = daemon.health()
+            if palpate.STATES[health.state] not in ("active", "degraded"):
+                raise palpate.Refused(f"the daemon is {palpate.STATES[health.state]}: "
+                                      + palpate.text_of(health.reason))  # fmt: skip
             moved = 1e3 * (pushed - before)
             print(f"node {node} at {np.round(mesh.nodes[node], 4)} m, {options.force} N: "
                   f"{moved[0]:.3f} {moved[1]:.3f} {moved[2]:.3f} mm")  # fmt: skip
