@@ -1,5 +1,7 @@
 #include "core/contact/area_coordinates.hpp"
 #include "core/contact/wrench_patch.hpp"
+#include "rt/component/built_in_names.hpp"
+#include "rt/component/plugins.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -46,9 +48,11 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node&
 
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
                                                                   const Context& context) {
+  const auto& plugins = plugins_of(context).force_transformers;
   const std::string name =
       node.choice({"component", "", "how a wrench at a place becomes loads of nodes"},
-                  {"area_coordinates", "wrench_patch"});
+                  with_plugins({kForceTransformers.begin(), kForceTransformers.end()}, plugins));
+  if (const auto* entry = find_plugin(plugins, name)) return make_plugin(*entry, node, context);
   try {
     return name == "area_coordinates" ? make_area_coordinates(node, *context.object)
                                       : make_wrench_patch(node, *context.object);

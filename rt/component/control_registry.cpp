@@ -3,6 +3,8 @@
 #include "core/control/kinematic_jacobian.hpp"
 #include "core/control/proportional_twist.hpp"
 #include "core/control/quadratic_program.hpp"
+#include "rt/component/built_in_names.hpp"
+#include "rt/component/plugins.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -156,10 +158,13 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context) {
   const MovingArms moving = read_moving_arms(node, context);
-  if (node.choice(
-          {"provider", "",
-           "of the Jacobian: by the mechanics, or as if the feature were rigid with the hand"},
-          {"fem", "kinematic"}) == "kinematic") {
+  const auto& plugins = plugins_of(context).jacobian_providers;
+  const std::string name = node.choice(
+      {"provider", "",
+       "of the Jacobian: by the mechanics, or as if the feature were rigid with the hand"},
+      with_plugins({kJacobianProviders.begin(), kJacobianProviders.end()}, plugins));
+  if (const auto* entry = find_plugin(plugins, name)) return make_plugin(*entry, node, context);
+  if (name == "kinematic") {
     if (moving == MovingArms::kBoth)
       node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");
     return std::make_unique<control::KinematicJacobian>();
@@ -173,9 +178,19 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature) {
+  const auto& plugins = plugins_of(context).control_laws;
   const std::string name =
       node.choice({"law", "", "what makes a motion of the error"},
-                  {"proportional_twist", "dual_quaternion", "quadratic_program"});
+                  with_plugins({kControlLaws.begin(), kControlLaws.end()}, plugins));
+  if (const auto* entry = find_plugin(plugins, name)) {
+    std::unique_ptr<control::ControlLaw> own = make_plugin(*entry, node, context);
+    try {
+      own->configure_for(feature);
+    } catch (const std::invalid_argument& error) {
+      node.fail("law", name + ": " + error.what());
+    }
+    return own;
+  }
   control::TwistLawOptions options = read_twist_law(node);
   const MovingArms moving = read_moving_arms(node, context);
   if (moving == MovingArms::kBoth) options.inverse.grasps = 2;

@@ -2,17 +2,25 @@
 
 #include <algorithm>
 
+#include "rt/component/plugins.hpp"
+
 namespace palpate::component {
 namespace {
 
 /// What a sensor model listens to, in words.
 std::string sensor_of(const config::Node& node, const Context& context) {
   const std::string name = node.text("component");
-  if (name.rfind("ft_", 0) == 0)
-    return "the wrist of arm " + std::to_string(read_arm(node, context));
-  if (name.rfind("biotac_", 0) == 0)
-    return "finger " + std::to_string(node.integer("finger", {0, 4}, 0));
-  return "nobody's sensor";
+  switch (listens_to(name, context)) {
+    case Listens::kWrist:
+      return "the wrist of arm " + std::to_string(read_arm(node, context));
+    case Listens::kFinger:
+      return "finger " + std::to_string(node.integer("finger", {0, 4}, 0));
+    case Listens::kOther:
+      break;
+  }
+  return name == "manual" || find_plugin(plugins_of(context).sensor_models, name) == nullptr
+             ? "nobody's sensor"
+             : "a sensor of its own, that of " + name;
 }
 
 }  // namespace

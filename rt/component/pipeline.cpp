@@ -241,7 +241,9 @@ bool Pipeline::steer(double dt, int first) noexcept {
   slots.law->compute(inputs, slots.law_output);
   if (!slots.law_output.V_O_G.vector().allFinite() ||
       !slots.law_output.V_O_G_second.vector().allFinite()) {
-    slots.control_condition.apply({sensing::Status::kFault, "the command is not finite"});
+    const char* why = slots.law_output.remark;
+    slots.control_condition.apply(
+        {sensing::Status::kFault, *why == '\0' ? "the command is not finite" : why});
     return false;
   }
   const char* remark = slots.law_output.remark;

@@ -2,6 +2,7 @@
 #include <utility>
 
 #include "rt/component/pipeline.hpp"
+#include "rt/component/plugins.hpp"
 
 namespace palpate::component {
 
@@ -11,6 +12,7 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   cell_.deterministic = deterministic;
   cell_.inference = read_inference(root, deterministic);
   cell_.remarks = &remarks_;
+  cell_.plugins = Plugins::load(root);
   slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
   slots_->warm_up();
   fallbacks_ = std::make_unique<Fallbacks>(root, *slots_, room_for_shape());

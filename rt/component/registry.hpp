@@ -17,6 +17,8 @@
 
 namespace palpate::component {
 
+class Plugins;
+
 /// What a component may need to know of the cell beside its own parameters.
 struct Context {
   Frames frames;
@@ -28,12 +30,14 @@ struct Context {
   /// Nothing may depend on scheduling: an inference is awaited however long it takes.
   bool deterministic = false;
   InferenceSettings inference;
+  std::shared_ptr<const Plugins> plugins;  // components of the user's own libraries; may be none
   std::vector<std::string>* remarks = nullptr;  // what the system did not grant, a line each
 };
 
 /// One function a slot: builds the component that `node` names under the key "component" (the
 /// controller: "provider" and "law") from the other keys of `node`. Throws config::Error, also for
-/// an unknown name, with the names that exist. To add a component: add it to its slot's .cpp.
+/// an unknown name, with the names that exist. To add a component: add it to its slot's .cpp, or
+/// load it from a library of your own (plugins.hpp).
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context);
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
@@ -63,5 +67,9 @@ bool read_commands_joints(const config::Node& control, const Context& context);
 
 /// Key `arm` of a sensor model: 0, or 1 with a second arm.
 int read_arm(const config::Node& node, const Context& context);
+
+/// What the sensor model of that name listens to.
+enum class Listens { kWrist, kFinger, kOther };
+Listens listens_to(const std::string& name, const Context& context);
 
 }  // namespace palpate::component

@@ -2,7 +2,9 @@
 #include "core/sensing/ft_newton_euler.hpp"
 #include "core/sensing/ft_tare_only.hpp"
 #include "core/sensing/manual.hpp"
+#include "rt/component/built_in_names.hpp"
 #include "rt/component/learned_sensors.hpp"
+#include "rt/component/plugins.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -156,16 +158,28 @@ std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& nod
 int read_arm(const config::Node& node, const Context& context) {
   const int arm = node.integer({"arm", "", "0: the first arm, 1: the second"}, {0, 1}, 0);
   if (arm == 1 && !context.second_frames) node.fail("arm", "there is no section second_arm");
-  if (arm == 1 && node.text({"component", "", "model of the sensor"}).rfind("ft_", 0) != 0)
+  if (arm == 1 &&
+      listens_to(node.text({"component", "", "model of the sensor"}), context) != Listens::kWrist)
     node.fail("arm", "of the second arm only the force-torque sensor can be used");
   return arm;
 }
 
+Listens listens_to(const std::string& name, const Context& context) {
+  if (const auto* entry = find_plugin(plugins_of(context).sensor_models, name)) {
+    if (entry->sensor == SensorKind::kWrist) return Listens::kWrist;
+    return entry->sensor == SensorKind::kFinger ? Listens::kFinger : Listens::kOther;
+  }
+  if (name.rfind("ft_", 0) == 0) return Listens::kWrist;
+  return name.rfind("biotac_", 0) == 0 ? Listens::kFinger : Listens::kOther;
+}
+
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context) {
-  const std::string name = node.choice(
-      {"component", "", "model of the sensor"},
-      {"ft_newton_euler", "ft_rnnob", "ft_tare_only", "biotac_linear", "biotac_lstm", "manual"});
+  const auto& plugins = plugins_of(context).sensor_models;
+  const std::string name =
+      node.choice({"component", "", "model of the sensor"},
+                  with_plugins({kSensorModels.begin(), kSensorModels.end()}, plugins));
+  if (const auto* entry = find_plugin(plugins, name)) return make_plugin(*entry, node, context);
   try {
     const Frames& frames = read_arm(node, context) == 1 ? *context.second_frames : context.frames;
     if (name == "ft_newton_euler") return make_newton_euler(node, frames);

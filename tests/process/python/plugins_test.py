@@ -1,0 +1,133 @@
+"""Plug-ins in the daemon itself: found by name, put in while the loop runs, closing the loop, and
+what the daemon does with those that err."""
+
+import os
+import unittest
+from typing import Any
+
+import numpy as np
+import palpate
+
+from processes import BAR, BIN, PATIENCE, RTCHECK, SANITIZED, ProcessTest
+
+MINE = f"[{{library: {BIN}/libmy_components.so}}]"
+UNRULY = f"[{{library: {os.environ['PALPATE_TEST_PLUGINS']}/unruly.so}}]"
+REST, TARGET = [0.25, 0.03, 0.06], [0.25, 0.03, 0.08]
+FAULTED = palpate.STATES.index("faulted")
+
+
+class OwnComponents(ProcessTest):
+    def test_own_sensor_and_law_close_the_loop(self) -> None:
+        self.start_daemon(BAR, "--stepped", plugins=MINE)
+        path = self.folder / "run.log"
+        with palpate.Recorder(path, (self.control, self.housekeeping)):
+            simulator = self.start_simulator("--fast")
+            daemon = self.connect()
+            daemon.start()
+            # Both take their place by name while the loop runs.
+            daemon.replace("sensing", "ft_median", {"samples": 9})
+            daemon.replace("control", "", {"provider": "fem", "law": "integral_twist"})
+            daemon.target("point", TARGET, [REST])
+            features = daemon.control.subscribe("FEATURE", queue=1)
+
+            def arrived(feature: Any) -> bool:
+                return feature.revision >= 0 and np.linalg.norm(feature.error[:3]) < 2e-4
+
+            # Where the proportional law rests, 1 mm off, this one goes on.
+            features.wait_for(arrived, PATIENCE)
+            health = daemon.health()
+            self.assertEqual(palpate.STATES[health.state], "active", palpate.text_of(health.reason))
+            with self.assertRaisesRegex(palpate.Refused, "integral_gain.*0 to 50"):
+                daemon.replace("control", "", {"integral_gain": 99})
+            with self.assertRaisesRegex(palpate.Refused, "samples must be odd"):
+                daemon.replace("sensing", "", {"samples": 4})
+            with self.assertRaisesRegex(palpate.Refused, "plugins stays as it is"):
+                daemon.replace("all", "", {"plugins": []})
+            daemon.stop()
+            simulator.end()
+        error = palpate.feature_error(palpate.read_log(path, clock="sent"))
+        self.assertGreater(error.distance[0], 0.018)
+        self.assertLess(error.distance[-1], 0.002)
+
+    @unittest.skipIf(SANITIZED, "allocations are not counted in such a build")
+    def test_they_allocate_nothing_in_the_loop(self) -> None:
+        self.start_daemon(
+            BAR,
+            plugins=MINE,
+            sensing="[{component: ft_median, tare_samples: 50}]",
+            control="{provider: fem, law: integral_twist}",
+        )
+        self.start_simulator()
+        daemon = self.connect()
+        # What a thread does for the first time is none of the components' doing.
+        daemon.wait_for(lambda told: told.cycles > 300, PATIENCE)
+        daemon.start()
+        daemon.target("point", TARGET, [REST])
+        moving = daemon.control.subscribe("TWIST_COMMAND", queue=1)
+        moving.wait_for(lambda command: any(command.twist), PATIENCE)
+        cycles = daemon.health().cycles
+        health = daemon.wait_for(lambda told: told.cycles > cycles + 1000, PATIENCE)
+        self.assertEqual(health.allocations, 0)
+
+    def test_a_wrong_library_ends_the_start_with_file_and_key(self) -> None:
+        from processes import Program
+
+        program = Program(self, [BIN / "palpated", BAR, *self.urls, "--set",
+                                 "plugins=[{library: /no/such.so}]"])  # fmt: skip
+        self.assertEqual(program.process.wait(PATIENCE), 78)
+        self.assertIn("plugins.0.library: /no/such.so: there is no such file", program.output())
+
+
+@unittest.skipIf(RTCHECK, "ends a program whose loop allocates, which is what is tested here")
+class Unruly(ProcessTest):
+    def running(self, **sets: str) -> palpate.Daemon:
+        self.program = self.start_daemon(BAR, "--stepped", plugins=UNRULY, **sets)
+        self.simulator = self.start_simulator("--fast")
+        daemon = self.connect()
+        daemon.start()
+        daemon.target("point", TARGET, [REST])
+        return daemon
+
+    @unittest.skipIf(SANITIZED, "allocations are not counted in such a build")
+    def test_one_that_allocates_is_counted(self) -> None:
+        # In real time: in lock-step nobody counts.
+        self.start_daemon(
+            plugins=UNRULY, sensing="[{component: unruly_sensor, does: allocate, after: 100}]"
+        )
+        daemon = self.connect()
+        daemon.start()
+        daemon.wait_for(lambda told: told.allocations > 50, PATIENCE)
+
+    def test_a_law_that_throws_faults_and_the_daemon_lives(self) -> None:
+        daemon = self.running(control="{provider: fem, law: unruly_law, does: throw, after: 300}")
+        health = daemon.wait_for(lambda told: told.state == FAULTED, PATIENCE)
+        self.assertIn("the plug-in threw an exception", palpate.text_of(health.reason))
+        twists = daemon.control.subscribe("TWIST_COMMAND", queue=1)
+        twists.wait_for(lambda message: not any(message.twist), PATIENCE)
+        # Another law instead, and it goes on.
+        daemon.replace("control", "", {"law": "unruly_law", "does": "nothing"})
+        daemon.reset()
+        daemon.start()
+        daemon.target("point", TARGET, [REST])
+        twists.wait_for(lambda message: message.valid == 1 and message.twist[0] != 0, PATIENCE)
+        self.assertEqual(self.program.end(), 0)
+
+    def test_numbers_that_are_none_never_reach_the_robot(self) -> None:
+        daemon = self.running(control="{provider: fem, law: unruly_law, does: nan, after: 300}")
+        seen: list[Any] = []
+        daemon.control.subscribe("TWIST_COMMAND", lambda message: seen.append(message.twist))
+        health = None
+        for _ in range(1000):
+            daemon.control.run(0.02)
+            health = daemon.health()
+            if health.state == FAULTED:
+                break
+        assert health is not None
+        self.assertIn("the command is not finite", palpate.text_of(health.reason))
+        daemon.control.run(0.05)
+        self.assertGreater(len(seen), 10)
+        self.assertTrue(np.isfinite(np.array(seen)).all())
+
+
+if __name__ == "__main__":
+    unittest.main()

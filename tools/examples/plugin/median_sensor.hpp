@@ -1,0 +1,49 @@
+#pragma once
+
+#include <array>
+
+#include "core/sensing/tare.hpp"
+#include "rt/component/plugin.hpp"
+
+namespace example {
+
+/// A sensor model of one's own for a wrist whose readings have spikes: the median of the last
+/// samples of each axis, less what was read at zero(). As of ft_tare_only it is right only while
+/// the hand keeps its orientation.
+class MedianSensor : public palpate::component::PluginSensorModel {
+ public:
+  static constexpr int kMostSamples = 63;
+  struct Options {
+    int samples = 5;  // odd
+    int tare_samples = 500;
+    double max_age = 0.025;        // s
+    double force_deviation = 0.1;  // N, standard, of each axis
+  };
+  static std::vector<palpate::component::Parameter> parameters();
+  static Options read(const palpate::component::Parameters& parameters);
+
+  /// Throws std::invalid_argument for an even number of samples.
+  explicit MedianSensor(const Options& options);
+
+  palpate::sensing::UpdateResult update(const palpate::sensing::Signals& signals,
+                                        palpate::sensing::ContactSet& contacts) override;
+  void zero() override { tare_.start(); }
+  void reset() override;
+  // So that it can take the place of another wrist model while the loop runs, and give it away.
+  palpate::sensing::SensorState save() const override {
+    return palpate::sensing::save(tare_, palpate::sensing::SensorState::Offset::kReading);
+  }
+  bool restore(const palpate::sensing::SensorState& state) override {
+    return palpate::sensing::restore(state, palpate::sensing::SensorState::Offset::kReading, tare_);
+  }
+
+ private:
+  palpate::math::Vector6d median() const;
+
+  Options options_;
+  palpate::sensing::Tare<6> tare_;
+  std::array<palpate::math::Vector6d, kMostSamples> last_{};
+  int count_ = 0, next_ = 0;
+};
+
+}  // namespace example

@@ -1,0 +1,24 @@
+// A library of a user's own components for palpated. README.md says how it is built and loaded.
+
+#include "rt/component/plugin.hpp"
+
+#include "integral_law.hpp"
+#include "median_sensor.hpp"
+
+PALPATE_PLUGIN(registrar) {
+  using palpate::component::Parameters;
+  using palpate::component::PluginCell;
+  using palpate::component::SensorKind;
+  registrar.control_laws.push_back({"integral_twist", example::IntegralLaw::parameters(),
+                                    [](const Parameters& parameters, const PluginCell&) {
+                                      return std::make_unique<example::IntegralLaw>(
+                                          example::IntegralLaw::read(parameters));
+                                    },
+                                    SensorKind::kOther});
+  registrar.sensor_models.push_back({"ft_median", example::MedianSensor::parameters(),
+                                     [](const Parameters& parameters, const PluginCell&) {
+                                       return std::make_unique<example::MedianSensor>(
+                                           example::MedianSensor::read(parameters));
+                                     },
+                                     SensorKind::kWrist});
+}

@@ -1,0 +1,223 @@
+"""Publishing and receiving messages on one LCM URL."""
+
+from __future__ import annotations
+
+import secrets
+import time
+from collections import deque
+from types import TracebackType
+from typing import Any, Callable, Deque, Dict, Iterator, List, Optional, Protocol, Type
+
+from palpate.authentication import wall_clock_us
+from palpate.channels import DecodeError, decode, type_of
+from palpate.udpm import Packet, Transport
+
+CONTROL_URL = "udpm://239.255.76.67:7667?ttl=0"
+HOUSEKEEPING_URL = "udpm://239.255.76.68:7668?ttl=0"
+PICTURES_URL = "udpm://239.255.76.69:7669?ttl=0"
+
+# More than a socket's buffer holds; whoever sends without end must not hold us.
+_MOST_AT_ONCE = 20000
+
+Callback = Callable[[Any], object]
+
+
+class _Transport(Protocol):
+    def publish(self, channel: str, data: bytes) -> None: ...
+
+    def receive(self, timeout: float) -> Optional[Packet]: ...
+
+    def close(self) -> None: ...
+
+
+class _LcmTransport:
+    """The same by the wheel `lcm`, which is faster at large rates. One malformed datagram can end
+    a process that receives through it."""
+
+    def __init__(self, url: str) -> None:
+        try:
+            import lcm
+        except ImportError:
+            raise ValueError(
+                'transport "lcm" needs the Python module lcm: pip install lcm'
+            ) from None
+        self._lcm = lcm.LCM(url)
+        self._packets: Deque[Packet] = deque()
+        self._lcm.subscribe(".*", lambda channel, data: self._packets.append(Packet(channel, data)))
+
+    def publish(self, channel: str, data: bytes) -> None:
+        self._lcm.publish(channel, data)
+
+    def receive(self, timeout: float) -> Optional[Packet]:
+        if not self._packets:
+            self._lcm.handle_timeout(max(0, int(timeout * 1000)))
+        return self._packets.popleft() if self._packets else None
+
+    def close(self) -> None:
+        self._packets.clear()
+
+
+class Subscription:
+    """Messages of one channel, oldest first; `for message in subscription` waits for ever."""
+
+    def __init__(self, bus: "Bus", channel: str, callback: Optional[Callback], queue: int) -> None:
+        self.channel = channel
+        self.dropped = 0  # since the queue was full: the oldest gave way
+        self.undecodable = 0  # of another type than the channel's
+        self._bus, self._callback = bus, callback
+        self._queue: Deque[Any] = deque(maxlen=queue)
+
+    def get(self, timeout: Optional[float] = None) -> Any:
+        """The next message, waited for at most `timeout` s (None: for ever). Raises
+        TimeoutError."""
+        end = None if timeout is None else time.monotonic() + timeout
+        while not self._queue:
+            left = 1.0 if end is None else end - time.monotonic()
+            if left > 0:
+                self._bus.handle(left)
+            elif not self._bus.drain(self._queue):
+                raise TimeoutError(f"no {self.channel} in {timeout:g} s on {self._bus.url}")
+        return self._queue.popleft()
+
+    def latest(self, timeout: Optional[float] = None) -> Any:
+        """The newest message, older ones passed over; waits as get() where there is none."""
+        self._bus.drain()
+        message = self.get(timeout)
+        while self._queue:
+            message = self._queue.popleft()
+        return message
+
+    def wait_for(self, condition: Callable[[Any], bool], timeout: float) -> Any:
+        """The first message from here on that fulfils `condition`. Raises TimeoutError."""
+        end = time.monotonic() + timeout
+        while True:
+            try:
+                message = self.get(max(0.0, end - time.monotonic()))
+            except TimeoutError:
+                raise TimeoutError(
+                    f"no {self.channel} as wanted in {timeout:g} s on {self._bus.url}"
+                ) from None
+            if condition(message):
+                return message
+
+    def __iter__(self) -> Iterator[Any]:
+        while True:
+            yield self.get()
+
+    def __len__(self) -> int:
+        """How many wait to be taken."""
+        return len(self._queue)
+
+    def clear(self) -> None:
+        """Forgets those that wait."""
+        self._queue.clear()
+
+    def _take(self, data: bytes) -> None:
+        try:
+            message = decode(self.channel, data)
+        except DecodeError:
+            self.undecodable += 1
+            return
+        if self._callback is not None:
+            self._callback(message)
+            return
+        self.dropped += len(self._queue) == self._queue.maxlen
+        self._queue.append(message)
+
+
+class Bus:
+    """One LCM URL. Nothing runs beside the caller: messages are received, and callbacks called, by
+    whoever waits (Subscription.get, handle, run), in that thread; not for several threads at once.
+
+    with Bus(HOUSEKEEPING_URL) as bus:
+        for shape in bus.subscribe("SHAPE"):
+            print(shape.node_count)
+    """
+
+    def __init__(self, url: str = CONTROL_URL, transport: str = "python") -> None:
+        """transport: "python", or "lcm" for the wheel of that name. Raises ValueError for the URL
+        and OSError where the system refuses the socket."""
+        if transport not in ("python", "lcm"):
+            raise ValueError(f'transport "{transport}" is unknown; allowed: python, lcm')
+        self.url = url
+        make: Dict[str, Callable[[str], _Transport]] = {"python": Transport, "lcm": _LcmTransport}
+        self._transport = make[transport](url)
+        self._session = secrets.randbits(63)
+        self._seq: Dict[str, int] = {}
+        self._subscriptions: Dict[str, List[Subscription]] = {}
+
+    def publish(self, channel: str, message: Any) -> None:
+        """Sends a message after giving it utime (unless set), seq and session. Raises TypeError
+        where it is not of the channel's type."""
+        kind = type_of(channel)
+        if kind is None or not isinstance(message, kind):
+            expected = "is no channel of palpate" if kind is None else f"takes {kind.__name__}"
+            raise TypeError(f"{channel} {expected}, not {type(message).__name__}")
+        self.stamp(channel, message)
+        self._transport.publish(channel, message.encode())
+
+    def stamp(self, channel: str, message: Any) -> None:
+        """Gives a message utime (unless set), session and the next seq of the channel."""
+        message.utime = message.utime or wall_clock_us()
+        message.session = self._session
+        message.seq = self._seq.get(channel, 0)
+        self._seq[channel] = message.seq + 1
+
+    def publish_sealed(self, channel: str, message: Any) -> None:
+        """Sends a message as it is: one that has been stamped and sealed."""
+        self._transport.publish(channel, message.encode())
+
+    def subscribe(
+        self, channel: str, callback: Optional[Callback] = None, queue: int = 1024
+    ) -> Subscription:
+        """Messages of a channel from now on; with a callback each goes there, else into a queue of
+        the newest `queue`. Raises ValueError for an unknown channel."""
+        if type_of(channel) is None:
+            raise ValueError(f"{channel}: is no channel of palpate; see palpate.channel_names()")
+        subscription = Subscription(self, channel, callback, queue)
+        self._subscriptions.setdefault(channel, []).append(subscription)
+        return subscription
+
+    def unsubscribe(self, subscription: Subscription) -> None:
+        """Nothing comes to it any more."""
+        of_channel = self._subscriptions.get(subscription.channel, [])
+        if subscription in of_channel:
+            of_channel.remove(subscription)
+
+    def handle(self, timeout: float = 0.0) -> bool:
+        """Takes one message from the socket, waited for at most `timeout` s; False where none has
+        come."""
+        packet = self._transport.receive(timeout)
+        if packet is None:
+            return False
+        for subscription in tuple(self._subscriptions.get(packet.channel, ())):
+            subscription._take(packet.data)
+        return True
+
+    def drain(self, queue: Optional[Deque[Any]] = None) -> bool:
+        """Takes what has come already, a bounded number of messages, at most until `queue` holds
+        something; whether it does."""
+        for _ in range(_MOST_AT_ONCE):
+            if queue or not self.handle(0):
+                break
+        return bool(queue)
+
+    def run(self, seconds: float) -> None:
+        """Receives for so long, and calls callbacks."""
+        end = time.monotonic() + seconds
+        while (left := end - time.monotonic()) > 0:
+            self.handle(left)
+
+    def close(self) -> None:
+        self._transport.close()
+
+    def __enter__(self) -> "Bus":
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        self.close()

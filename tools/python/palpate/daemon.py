@@ -1,0 +1,301 @@
+"""Commands to a running palpated, and what it says of itself."""
+
+from __future__ import annotations
+
+import json
+import os
+import time
+from types import TracebackType
+from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Type, Union
+
+import numpy as np
+
+from palpate import messages
+from palpate.authentication import Sealer, read_key_file
+from palpate.bus import CONTROL_URL, HOUSEKEEPING_URL, Bus
+from palpate.channels import field_of, text_of
+from palpate.mesh import Mesh, MeshBuilder
+
+STATES = ("unconfigured", "inactive", "active", "degraded", "faulted", "finalized")
+_REPEAT = 0.2  # s, after which a command that is not answered is sent again
+_RENEW = 0.03  # s; a manual force expires after 0.1 s
+_BUSY = "another replacement is under way"
+_MOST_POINTS, _MOST_VALUES = 64, 192
+
+
+class Refused(RuntimeError):
+    """The daemon would not do what it was told; the text says why."""
+
+
+class NoAnswer(TimeoutError):
+    """Nobody answered in time."""
+
+
+class Answer(NamedTuple):
+    """What the daemon said to a command: start, replaced, target, ..., and why."""
+
+    event: str
+    reason: str
+
+
+class Daemon:
+    """Commands palpated over its two URLs. Each command is sent again until it is answered, and
+    carried out once; it raises Refused with the daemon's reason, or NoAnswer.
+
+    with Daemon() as daemon:
+        daemon.start()
+        daemon.target("point", [0.25, 0.03, 0.08])
+    """
+
+    def __init__(
+        self,
+        control: str = CONTROL_URL,
+        housekeeping: str = HOUSEKEEPING_URL,
+        key_file: Union[str, "os.PathLike[str]", None] = None,
+        timeout: float = 10.0,
+        transport: str = "python",
+    ) -> None:
+        """key_file: as the daemon's access.key_file; timeout: s, of each command. Raises ValueError
+        for a URL or key file that is wrong, OSError where the system refuses."""
+        key = None if key_file is None else read_key_file(key_file)
+        self.timeout = timeout
+        self.control = Bus(control, transport)
+        try:
+            self.housekeeping = Bus(housekeeping, transport)
+        except BaseException:
+            self.control.close()
+            raise
+        self._events = self.housekeeping.subscribe("COMPONENT_EVENT")
+        self._health = self.housekeeping.subscribe("HEALTH", queue=1)
+        self._shapes = self.housekeeping.subscribe("SHAPE", queue=1)
+        self._meshes = MeshBuilder()
+        self.housekeeping.subscribe("SHAPE_MESH", self._meshes.add)
+        self._sealers = {
+            channel: Sealer(channel, key)
+            for channel in ("COMPONENT_COMMAND", "SHAPE_TARGET", "MANUAL_FORCE")
+        }
+        self._revision = 0
+
+    def start(self) -> Answer:
+        """Activates: senses, and follows a target once one has come."""
+        return self.command("start")
+
+    def stop(self) -> Answer:
+        """Zero command, inactive."""
+        return self.command("stop")
+
+    def reset(self) -> Answer:
+        """Leaves a fault, back to the rest shape, inactive; start() afterwards."""
+        return self.command("reset")
+
+    def zero(self) -> Answer:
+        """Tares the sensors; nothing may be held."""
+        return self.command("zero")
+
+    def calibrate(self) -> Answer:
+        """The same, by its other name."""
+        return self.command("calibrate")
+
+    def replace(
+        self,
+        slot: str,
+        component: str = "",
+        parameters: Union[str, Mapping[str, Any], None] = None,
+        instance: str = "",
+    ) -> Answer:
+        """Another component in a slot while the loop runs, or other parameters for the present one
+        where `component` is empty. `parameters`: a mapping as in the configuration, or its YAML;
+        slot "all": sections. Returns once the new one is in."""
+        text = parameters if isinstance(parameters, str) else ""
+        if isinstance(parameters, Mapping):
+            text = json.dumps(parameters, allow_nan=False)  # which is YAML
+        end = time.monotonic() + self.timeout
+        while True:
+            try:
+                return self.command("replace", slot, component, text, instance)
+            except Refused as refused:
+                # The one before is being cleared away.
+                if _BUSY not in str(refused) or time.monotonic() > end:
+                    raise
+            self.housekeeping.run(0.05)
+
+    def command(
+        self,
+        event: str,
+        slot: str = "all",
+        component: str = "",
+        parameters: str = "",
+        instance: str = "",
+    ) -> Answer:
+        """Sends one COMPONENT_COMMAND and waits for its end."""
+        message = messages.component_command_t()
+        message.event = field_of(event, 16, "event")
+        message.slot = field_of(slot, 32, "slot")
+        message.instance = field_of(instance, 32, "instance")
+        message.component = field_of(component, 32, "component")
+        message.parameters = field_of(parameters, 2048, "parameters")
+        self.control.stamp("COMPONENT_COMMAND", message)
+        self._sealers["COMPONENT_COMMAND"].put(message)
+
+        def send() -> int:  # the same each time, so that the daemon knows it again
+            self.control.publish_sealed("COMPONENT_COMMAND", message)
+            return message.counter
+
+        return self._ask(event, send)
+
+    def target(
+        self,
+        kind: str,
+        values: Sequence[float],
+        points: Optional[Sequence[Sequence[float]]] = None,
+    ) -> Answer:
+        """Where the feature shall be: m, rad, 1/m; a pose as position and quaternion w x y z, in O.
+        `points`: (n, 3), rest points in O, m, as configured; needed for evaluate.feature_error()."""
+        numbers = np.asarray(values, float).ravel()
+        rest = np.asarray([] if points is None else points, float).reshape(-1, 3)
+        if len(numbers) > _MOST_VALUES or len(rest) > _MOST_POINTS:
+            raise ValueError(f"at most {_MOST_VALUES} values and {_MOST_POINTS} points fit")
+        message = messages.shape_target_t()
+        message.kind = field_of(kind, 32, "kind")
+        message.chunks = 1
+        message.point_count, message.value_count = len(rest), len(numbers)
+        message.rest_points = _padded(rest, _MOST_POINTS).tolist()
+        message.values = _padded(numbers, _MOST_VALUES).tolist()
+
+        def send() -> int:
+            # A daemon is silent where a target comes again: a new revision of it is answered.
+            self._revision += 1
+            message.revision = self._revision
+            message.utime = 0
+            self.control.stamp("SHAPE_TARGET", message)
+            counter = self._sealers["SHAPE_TARGET"].put(message)
+            self.control.publish_sealed("SHAPE_TARGET", message)
+            return counter
+
+        return self._ask("target", send)
+
+    def push(
+        self, rest_point: Sequence[float], force: Sequence[float], duration: float = 0.0
+    ) -> None:
+        """A force (N, in O) on the object at a rest point (m, in O), renewed for `duration` s; it
+        ends 0.1 s after the last renewal. The configuration needs a sensor `component: manual`.
+        Meanwhile what the daemon says is received."""
+        end = time.monotonic() + duration
+        while True:
+            message = messages.manual_force_t()
+            message.rest_point = [float(x) for x in rest_point]
+            message.force = [float(x) for x in force]
+            if len(message.rest_point) != 3 or len(message.force) != 3:
+                raise ValueError("rest_point and force have three numbers each")
+            self.control.stamp("MANUAL_FORCE", message)
+            self._sealers["MANUAL_FORCE"].put(message)
+            self.control.publish_sealed("MANUAL_FORCE", message)
+            left = end - time.monotonic()
+            if left <= 0:
+                return
+            self.housekeeping.run(min(left, _RENEW))
+
+    def health(self, timeout: Optional[float] = None) -> messages.health_t:
+        """The next HEALTH that is told from now on. Raises NoAnswer."""
+        message: messages.health_t = self._fresh(self._health, timeout)
+        return message
+
+    def shape(self, timeout: Optional[float] = None) -> messages.shape_t:
+        """The next SHAPE from now on; positions are np.reshape(shape.xyz, (-1, 3)), m in O. Raises
+        NoAnswer."""
+        message: messages.shape_t = self._fresh(self._shapes, timeout)
+        return message
+
+    def mesh(self, timeout: float = 20.0) -> Mesh:
+        """The mesh of the present shape, which the daemon tells once a second. Raises NoAnswer."""
+        wanted = self.shape(timeout).mesh_hash
+        end = time.monotonic() + timeout
+        while wanted not in self._meshes.meshes:
+            left = end - time.monotonic()
+            if left <= 0:
+                raise NoAnswer(f"no whole mesh in {timeout} s on {self.housekeeping.url}")
+            self.housekeeping.handle(left)
+        return self._meshes.meshes[wanted]
+
+    def state(self) -> str:
+        """unconfigured, inactive, active, degraded, faulted or finalized, as told from now on."""
+        number = self.health().state
+        return STATES[number] if 0 <= number < len(STATES) else str(number)
+
+    def wait_for(self, condition: Callable[[messages.health_t], bool], timeout: float) -> Any:
+        """The first HEALTH that fulfils `condition`. Raises NoAnswer."""
+        try:
+            return self._health.wait_for(condition, timeout)
+        except TimeoutError as error:
+            raise NoAnswer(str(error)) from None
+
+    def close(self) -> None:
+        self.control.close()
+        self.housekeeping.close()
+
+    def __enter__(self) -> "Daemon":
+        return self
+
+    def __exit__(
+        self,
+        kind: Optional[Type[BaseException]],
+        error: Optional[BaseException],
+        trace: Optional[TracebackType],
+    ) -> None:
+        self.close()
+
+    def _fresh(self, subscription: Any, timeout: Optional[float]) -> Any:
+        self.housekeeping.drain()
+        subscription.clear()
+        try:
+            return subscription.get(self.timeout if timeout is None else timeout)
+        except TimeoutError as error:
+            raise NoAnswer(str(error)) from None
+
+    def _ask(self, what: str, send: Callable[[], int]) -> Answer:
+        self.housekeeping.drain()
+        self._events.clear()  # what was said before
+        end = time.monotonic() + self.timeout
+        first = last = send()
+        again = time.monotonic() + _REPEAT
+        known = f"is palpated running on {self.control.url} and {self.housekeeping.url}?"
+        while (now := time.monotonic()) < end:
+            if now >= again:
+                last = send()
+                again = now + _REPEAT
+            try:
+                event = self._events.get(min(again, end) - now)
+            except TimeoutError:
+                continue
+            name, reason = text_of(event.event), text_of(event.reason)
+            if name == "no_access":
+                known = f"{name}: {reason}"
+            if not first <= event.command_counter <= last:
+                continue
+            if name == "replacing":
+                known = "the replacement has begun, but its end was not heard of"
+            elif name == "refused":
+                raise Refused(f"{what}: {reason}")
+            else:
+                return Answer(name, reason)
+        raise NoAnswer(f"{what}: no answer in {self.timeout:g} s; {known}")
+
+
+def _padded(numbers: Any, length: int) -> Any:
+    padded = np.zeros((length, *numbers.shape[1:]))
+    padded[: len(numbers)] = numbers
+    return padded
+
+
+def health_inputs(health: messages.health_t) -> Dict[str, Dict[str, float]]:
+    """Of each input: received, lost, rejected, frozen (messages) and age_ms."""
+    return {
+        text_of(health.input_name[i]): {
+            "received": health.received[i],
+            "lost": health.lost[i],
+            "rejected": health.rejected[i],
+            "frozen": health.frozen[i],
+            "age_ms": health.age_ms[i],
+        }
+        for i in range(health.input_count)
+    }

@@ -1,0 +1,156 @@
+"""The mesh behind SHAPE and TRUTH_SHAPE, put together from its chunks, and points within it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Iterable, Optional
+
+import numpy as np
+from numpy.typing import NDArray
+
+from palpate import messages
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+@dataclass(frozen=True, repr=False, eq=False)
+class Mesh:
+    """Rest shape of an object in its frame O."""
+
+    hash: int
+    element_kind: int  # shape_mesh_t.LINEAR_TETRAHEDRA, ...
+    nodes: Floats  # (n, 3), m, at rest
+    elements: Ints  # (m, nodes of an element), from 0
+    triangles: Ints  # (k, 3), surface, outward
+    constrained: Ints  # nodes that the test rig holds
+
+    def __repr__(self) -> str:
+        return f"<Mesh {self.hash:#x}: {len(self.nodes)} nodes, {len(self.elements)} elements>"
+
+    @property
+    def longest_side(self) -> float:
+        """Of the box around the object at rest, m."""
+        return float(np.ptp(self.nodes, axis=0).max())
+
+
+class MeshBuilder:
+    """Takes chunks as they come and puts each mesh together once all of it is there."""
+
+    def __init__(self) -> None:
+        self._chunks: dict[int, dict[int, messages.shape_mesh_t]] = {}
+        self.meshes: dict[int, Mesh] = {}  # whole ones by hash, the first to be whole first
+
+    def add(self, chunk: messages.shape_mesh_t) -> Optional[Mesh]:
+        """The mesh that this chunk completes. Raises ValueError for chunks that do not fit."""
+        if chunk.mesh_hash in self.meshes or not 0 <= chunk.chunk < chunk.chunks:
+            return None
+        chunks = self._chunks.setdefault(chunk.mesh_hash, {})
+        chunks[chunk.chunk] = chunk
+        if len(chunks) < chunk.chunks:
+            return None
+        mesh = _join([chunks[index] for index in sorted(chunks)])
+        self.meshes[mesh.hash] = mesh
+        return mesh
+
+
+def assemble(chunks: Iterable[messages.shape_mesh_t]) -> Mesh:
+    """The first mesh that is whole. Raises ValueError where none is."""
+    count = 0
+    builder = MeshBuilder()
+    for chunk in chunks:
+        count += 1
+        mesh = builder.add(chunk)
+        if mesh is not None:
+            return mesh
+    raise ValueError(f"no complete mesh in {count} chunks")
+
+
+def _join(chunks: list[messages.shape_mesh_t]) -> Mesh:
+    first = chunks[0]
+    nodes = np.full((max(0, first.corner_count), 3), np.nan)
+    for chunk in chunks:
+        part = np.asarray(chunk.rest_xyz, float).reshape(-1, 3)
+        end = chunk.first_node + len(part)
+        if chunk.first_node < 0 or end > len(nodes):
+            raise ValueError("mesh message with nodes beyond their count")
+        nodes[chunk.first_node : end] = part
+    if not np.isfinite(nodes).all():
+        raise ValueError("mesh message that lacks nodes, or has some that are not finite")
+
+    def joined(field: str, width: int) -> Ints:
+        parts = [np.asarray(getattr(chunk, field), np.int64) for chunk in chunks]
+        numbers = np.concatenate(parts)
+        if numbers.size and not (0 <= numbers.min() and numbers.max() < len(nodes)):
+            raise ValueError(f"mesh message whose {field} name a node that it has not")
+        if width < 1 or numbers.size % width:
+            raise ValueError(f"mesh message with broken {field}")
+        return numbers.reshape(-1, width)
+
+    return Mesh(
+        first.mesh_hash,
+        first.element_kind,
+        nodes,
+        joined("elements", first.element_size),
+        joined("triangles", 3),
+        joined("constrained", 1).ravel(),
+    )
+
+
+class PointsInMesh:
+    """Material points of a mesh as weighted sums of its nodes: of linear tetrahedra (corners of
+    quadratic ones), or of 27-node hexahedra that are boxes at rest, as palpate-sim's are."""
+
+    def __init__(self, mesh: Mesh, rest_points: Any) -> None:
+        """`rest_points`: (p, 3) in O, m. A point outside takes the nearest element. Raises
+        ValueError where the mesh has other elements."""
+        points = np.asarray(rest_points, float).reshape(-1, 3)
+        self._nodes = np.empty((len(points), mesh.elements.shape[1]), np.int64)
+        self._weights = np.empty(self._nodes.shape)
+        corners = mesh.nodes[mesh.elements]  # (m, nodes of an element, 3)
+        if mesh.elements.shape[1] == 27:
+            place = _place_in_boxes
+        elif mesh.elements.shape[1] == 4:
+            place = _place_in_tetrahedra
+        else:
+            raise ValueError(
+                "the mesh is neither one of 27-node hexahedra nor of linear tetrahedra"
+            )
+        for index, point in enumerate(points):
+            element, weights = place(corners, point)
+            self._nodes[index] = mesh.elements[element]
+            self._weights[index] = weights
+
+    def at(self, positions: Any) -> Floats:
+        """Where nodes at `positions`, (..., n, 3), put the points: (..., p, 3)."""
+        of_points = np.asarray(positions, float)[..., self._nodes, :]
+        result: Floats = np.einsum("pk,...pkc->...pc", self._weights, of_points)
+        return result
+
+
+def _place_in_boxes(corners: Floats, point: Floats) -> tuple[int, Floats]:
+    lower, upper = corners.min(axis=1), corners.max(axis=1)
+    outside = np.maximum(np.maximum(lower - point, point - upper), 0)
+    element = int(np.argmin(np.linalg.norm(outside, axis=1)))
+    size = upper[element] - lower[element]
+    s = (point - lower[element]) / size
+    # Which Lagrange polynomial on 0, 1/2, 1 is a node's own, its rest position says.
+    node = (corners[element] - lower[element]) / size
+    polynomial = np.where(
+        node < 0.25,
+        2 * (s - 0.5) * (s - 1),
+        np.where(node > 0.75, 2 * s * (s - 0.5), 4 * s * (1 - s)),
+    )
+    return element, polynomial.prod(axis=1)
+
+
+def _place_in_tetrahedra(corners: Floats, point: Floats) -> tuple[int, Floats]:
+    edges = (corners[:, 1:] - corners[:, :1]).transpose(0, 2, 1)
+    rest = np.linalg.solve(edges, (point - corners[:, 0])[..., None])[..., 0]
+    weights = np.column_stack([1 - rest.sum(axis=1), rest])
+    clipped = np.maximum(weights, 0)
+    clipped /= clipped.sum(axis=1, keepdims=True)
+    # Of an outside point the nearest: its weights reach beyond the element.
+    distance = np.linalg.norm(np.einsum("mk,mkc->mc", clipped, corners) - point, axis=1)
+    element = int(np.argmin(distance))
+    return element, weights[element]
