@@ -20,8 +20,8 @@ namespace palpate::published_sensing {
 class CloudDrivenFem final : public CloudEstimator {
  public:
   struct Options : CloudEstimator::Options {
-    double stiffness = 60;  // N/m, of all springs together; N s/m below
-    double damping = 2;
+    double stiffness = 600;  // N/m, of all springs together; N s/m below
+    double damping = 4;
   };
 
   /// Throws std::invalid_argument where an option is out of range.

@@ -16,16 +16,17 @@ constexpr double kCurvature = 5;  // 1/m, of a parameter of 1
 
 EulerBernoulliFit::EulerBernoulliFit(const elasticity::Body& body, const mesh::Surface& surface,
                                      const Options& options)
-    : CurveFit(body, surface, options, 5, 1),
+    : CurveFit(body, surface, options, 5, 5),
       nominal_young_(body.material.young_modulus),
-      log_deviation_(options.log_young_deviation) {
+      log_deviation_(options.log_young_deviation),
+      end_deviation_(body.grasps.empty() ? 1e-3 : 10) {
   if (!(log_deviation_ > 0)) throw std::invalid_argument("log_young_deviation must be positive");
   for (int i = 0; i < 2; ++i)
     weight_[i] = body.material.density * bar().area * body.gravity_O.dot(bar().across(i)) /
                  (2 * nominal_young_ * bar().second_moment[i]);
-  // The hand bears the weight at first: no curvature at either end.
+  // A free end bears nothing. A hand bears the weight at first: no curvature at either end.
   Parameters first = Parameters::Zero(5);
-  for (int i = 0; i < 2; ++i)
+  for (int i = 0; i < 2 && !body.grasps.empty(); ++i)
     first[2 * i] = -weight_[i] * bar().free_length * bar().free_length / kCurvature;
   begin_from(first);
 }
@@ -66,7 +67,8 @@ void EulerBernoulliFit::draw(const Parameters& p, Eigen::Matrix3Xd& shape) const
 }
 
 void EulerBernoulliFit::judge(const Parameters& p, Own& residuals) const noexcept {
-  residuals[0] = p[4] / log_deviation_;
+  residuals.head<4>() = p.head<4>() / end_deviation_;
+  residuals[4] = p[4] / log_deviation_;
 }
 
 void EulerBernoulliFit::tell(estimation::Estimate& estimate) noexcept {

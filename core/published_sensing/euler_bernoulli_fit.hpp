@@ -37,6 +37,7 @@ class EulerBernoulliFit final : public CurveFit {
   void tell(estimation::Estimate& estimate) noexcept override;
 
   double nominal_young_, log_deviation_;
+  double end_deviation_;    // of the parameters of end loads
   Eigen::Vector2d weight_;  // curvature by weight towards across(0), (1), 1/m by (L - s)^2 in m^2
 };
 

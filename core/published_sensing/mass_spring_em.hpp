@@ -17,9 +17,9 @@ namespace palpate::published_sensing {
 class MassSpringEm final : public CloudEstimator {
  public:
   struct Options : CloudEstimator::Options {
-    double stiffness = 60;  // N/m, when every point has its node; N s/m below
-    double damping = 2;
-    double width = 0.012;  // m, standard deviation of a point about its node
+    double stiffness = 300;  // N/m, when every point has its node; N s/m below
+    double damping = 4;
+    double width = 0.01;  // m, standard deviation of a point about its node
     double noise = 0.05;   // prior share of points that belong to no node
   };
 

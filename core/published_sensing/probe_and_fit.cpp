@@ -8,6 +8,12 @@ namespace palpate::published_sensing {
 
 using elasticity::Sensitivity;
 
+namespace {
+
+constexpr double kKept = 0.1;  // share of a round's data that the next one keeps
+
+}  // namespace
+
 ProbeAndFit::ProbeAndFit(const elasticity::Body& body, const mesh::Surface& surface,
                          const Options& options)
     : CloudEstimator(body, surface, options),
@@ -75,6 +81,9 @@ void ProbeAndFit::solve() noexcept {
   found_[0] = std::clamp(change[0], -3.0, 3.0);
   found_[1] = std::clamp(nominal_poisson_ + change[1], -0.99, 0.499);
   deviation_ = covariance.diagonal().cwiseSqrt();
+  // What follows is linearised at a better place: what was gathered before counts less.
+  information_ *= kKept;
+  vector_ *= kKept;
 }
 
 elasticity::StepReport ProbeAndFit::advance(double dt, const estimation::EstimationInputs& inputs,

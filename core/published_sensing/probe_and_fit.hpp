@@ -24,7 +24,7 @@ class ProbeAndFit final : public CloudEstimator {
   struct Options : CloudEstimator::Options {
     Options() { hand = true; }
     double probing = 5;   // s since the first cloud
-    double rounds = 5;    // s; the fit is repeated within the probing, each such time
+    double rounds = 1;    // s; the fit is repeated within the probing, each with new data
     double force = 0.05;  // N, deviation of a wrench; N m below
     double torque = 0.005;
     double period = 0.05;          // s, between two wrenches that are taken
