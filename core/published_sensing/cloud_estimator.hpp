@@ -20,7 +20,7 @@ class CloudEstimator : public estimation::Estimator {
     bool hand = false;  // whether the hand's pose holds its nodes
     estimation::HandFollower::Options follower;
     estimation::StepWatch::Options step;
-    double reach = 0.06;  // m, points farther off the surface are of something else
+    double reach = 0.02;  // m, points farther off the surface are of something else
     int points_per_tick = 16;
     double patience = 0.5;  // s without a cloud that are no trouble
   };

@@ -20,7 +20,7 @@ class MassSpringEm final : public CloudEstimator {
     double stiffness = 300;  // N/m, when every point has its node; N s/m below
     double damping = 4;
     double width = 0.01;  // m, standard deviation of a point about its node
-    double noise = 0.05;   // prior share of points that belong to no node
+    double noise = 0.05;  // prior share of points that belong to no node
   };
 
   /// Throws std::invalid_argument where an option is out of range.

@@ -1,8 +1,7 @@
 #pragma once
 
-#include <vector>
-
 #include "core/published_sensing/cloud_estimator.hpp"
+#include "core/published_sensing/voxel_lattice.hpp"
 
 namespace palpate::published_sensing {
 
@@ -32,29 +31,15 @@ class VoxelMassSpring final : public CloudEstimator {
                   const Options& options);
 
   int lattice_size() const noexcept { return static_cast<int>(lattice_.cols()); }  // nodes
-  int spring_count() const noexcept { return static_cast<int>(springs_.size()); }
 
  private:
-  struct Spring {
-    int a, b;
-    double length;  // m
-  };
-  struct Embedding {
-    std::array<int, 8> nodes;
-    std::array<double, 8> weights;
-  };
   void begin(const Eigen::Matrix3Xd& positions) noexcept override;
   elasticity::StepReport advance(double dt, const estimation::EstimationInputs& inputs,
                                  elasticity::DeformationModel& model) noexcept override;
-  void build(const elasticity::Body& body);
-  void embed() noexcept;
 
   Options options_;
-  std::vector<Spring> springs_;
-  std::vector<Embedding> embeddings_;     // of the mesh's nodes
-  std::vector<int> fixed_;                // lattice nodes that the clamp holds
-  std::array<std::vector<int>, 2> held_;  // mesh nodes of each grasp
-  Eigen::Matrix3Xd rest_, lattice_, velocity_, force_;
+  VoxelLattice voxels_;
+  Eigen::Matrix3Xd lattice_, velocity_, force_;
   Eigen::VectorXd mass_;                   // of springs
   Eigen::Matrix3Xd shape_, still_, pull_;  // at the mesh's nodes
 };

@@ -2,11 +2,13 @@
 
 #include "core/published_sensing/cloud_driven_fem.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
+#include "core/published_sensing/evolved_mass_spring.hpp"
 #include "core/published_sensing/mass_spring_em.hpp"
 #include "core/published_sensing/probe_and_fit.hpp"
 #include "core/published_sensing/shape_matching_fit.hpp"
 #include "core/published_sensing/spline_fit.hpp"
 #include "core/published_sensing/voxel_mass_spring.hpp"
+#include "rt/component/learned_shape_file.hpp"
 
 namespace palpate::component {
 namespace {
@@ -70,6 +72,24 @@ ShapeMatchingFit::Options read_shape_matching_fit(const config::Node& node) {
   return options;
 }
 
+EvolvedMassSpring::Options read_evolved_mass_spring(const config::Node& node) {
+  EvolvedMassSpring::Options options;
+  read_cloud(node, options);
+  options.voxel = node.number("voxel", {1e-3, 1}, options.voxel);
+  options.population = node.integer("population", {3, 50}, options.population);
+  options.generation = node.number("generation_s", {1e-2, 1e4}, options.generation);
+  options.mutation = node.number("mutation", {1e-3, 10}, options.mutation);
+  options.damping = node.number("damping_share", {1e-4, 0.99}, options.damping);
+  return options;
+}
+
+std::unique_ptr<estimation::Estimator> make_learned_shape(const config::Node& node,
+                                                          const Context& context) {
+  const LearnedShape::Model model = read_learned_shape(node.path("model"));
+  const double average = node.number("average_ms", {0.1, 1e4}, 30) * 1e-3;
+  return std::make_unique<LearnedShape>(context.object->body, model, average);
+}
+
 void read_curve(const config::Node& node, CurveFit::Options& options) {
   read_cloud(node, options);
   options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
@@ -112,8 +132,9 @@ ProbeAndFit::Options read_probe_and_fit(const config::Node& node) {
 
 const std::vector<std::string>& published_sensing_names() {
   static const std::vector<std::string> names{
-      "cloud_driven_fem",    "voxel_mass_spring", "shape_matching_fit", "mass_spring_em",
-      "euler_bernoulli_fit", "spline_fit",        "probe_and_fit"};
+      "cloud_driven_fem", "voxel_mass_spring",   "shape_matching_fit",
+      "mass_spring_em",   "euler_bernoulli_fit", "spline_fit",
+      "probe_and_fit",    "evolved_mass_spring", "learned_shape"};
   return names;
 }
 
@@ -128,6 +149,9 @@ std::unique_ptr<estimation::Estimator> make_published_sensing(const std::string&
   if (name == "mass_spring_em") return make<MassSpringEm>(read_mass_spring_em(node), context);
   if (name == "euler_bernoulli_fit")
     return make<EulerBernoulliFit>(read_euler_bernoulli_fit(node), context);
+  if (name == "evolved_mass_spring")
+    return make<EvolvedMassSpring>(read_evolved_mass_spring(node), context);
+  if (name == "learned_shape") return make_learned_shape(node, context);
   if (name == "spline_fit") return make<SplineFit>(read_spline_fit(node), context);
   return make<ProbeAndFit>(read_probe_and_fit(node), context);
 }

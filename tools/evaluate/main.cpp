@@ -15,6 +15,7 @@
 #include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
+#include "tools/evaluate/sensing_training.hpp"
 #include "tools/evaluate/sensing_tuning.hpp"
 #include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/soak.hpp"
@@ -147,6 +148,7 @@ int run(CLI::App& app, int argc, char** argv) {
        "tools/evaluate/published_sensing.yaml"});
 
   TuneSensingCommand tune_sensing(app);
+  TrainSensingCommand train_sensing(app);
 
   FaultsCommand faults(app);
 
@@ -160,6 +162,7 @@ int run(CLI::App& app, int argc, char** argv) {
   for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
     if (const auto code = study->run(root, std::cout)) return *code;
   if (const auto code = tune_sensing.run(root, std::cout)) return *code;
+  if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;

@@ -5,6 +5,7 @@
 #include "core/elasticity/mass_spring_model.hpp"
 #include "core/published_sensing/cloud_driven_fem.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
+#include "core/published_sensing/evolved_mass_spring.hpp"
 #include "core/published_sensing/mass_spring_em.hpp"
 #include "core/published_sensing/shape_matching_fit.hpp"
 #include "core/published_sensing/spline_fit.hpp"
@@ -78,6 +79,20 @@ TEST_F(TrackersTest, ShapeMatchingWithAFit) {
   const auto [mean, largest] = follow(method, testing::carrier(body_));
   EXPECT_LT(mean, 6e-3);
   EXPECT_LT(largest, 20e-3);
+}
+
+// Arriola-Rios and Wyatt 2017: numbers that evolve predict better than those that the search began
+// with.
+TEST_F(TrackersTest, MassesAndSpringsThatEvolve) {
+  EvolvedMassSpring::Options options;
+  EvolvedMassSpring method(body_, surface_, options);
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_GE(method.generations(), 5);
+  options.generation = 1e3;  // never
+  EvolvedMassSpring still(body_, surface_, options);
+  const auto before = follow(still, testing::carrier(body_));
+  EXPECT_LT(mean, before.first + 1e-4);
+  EXPECT_LT(largest, 30e-3);
 }
 
 TEST_F(TrackersTest, ABeamOfEulerAndBernoulli) {
