@@ -1,9 +1,11 @@
+#include <algorithm>
+
 #include "core/estimation/fingertip_driven.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "core/estimation/wrench_driven.hpp"
-#include "rt/component/registry.hpp"
+#include "rt/component/published_sensing_registry.hpp"
 
 namespace palpate::component {
 namespace {
@@ -194,11 +196,18 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
+  const std::vector<std::string>& published = published_sensing_names();
+  std::vector<std::string> names{"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
+                                 "pose_wrench_filter"};
+  names.insert(names.end(), published.begin(), published.end());
   const std::string name = node.choice(
       {"component", "",
-       "what drives the shape: the pose of the hand, the wrench, both, forces or fingertips"},
-      {"pose_driven", "force_driven", "wrench_driven", "fingertip_driven", "pose_wrench_filter"});
+       "what drives the shape: the pose of the hand, the wrench, both, forces or fingertips; or a "
+       "published method beside which palpate is measured"},
+      names);
   try {
+    if (std::find(published.begin(), published.end(), name) != published.end())
+      return make_published_sensing(name, node, context);
     if (name == "force_driven") return make_force_driven(node, context);
     if (name == "wrench_driven") return make_wrench_driven(node, context);
     if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);

@@ -16,6 +16,8 @@
 #include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
+#include "tools/evaluate/sensing_training.hpp"
+#include "tools/evaluate/sensing_tuning.hpp"
 #include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/soak.hpp"
 #include "tools/evaluate/study.hpp"
@@ -138,6 +140,16 @@ int run(CLI::App& app, int argc, char** argv) {
             "errors",
             "tools/evaluate/control.yaml"});
 
+  StudyCommand published_sensing(
+      app,
+      {"published-sensing", "the published sensing methods beside palpate's, seen by a camera",
+       "the sensing methods of the thesis' Table 2.1 on one plant, with a camera that sees well, "
+       "badly and not at all times",
+       "tools/evaluate/published_sensing.yaml"});
+
+  TuneSensingCommand tune_sensing(app);
+  TrainSensingCommand train_sensing(app);
+
   FaultsCommand faults(app);
 
   CaseCommands cases(app);
@@ -147,8 +159,10 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
-  for (StudyCommand* study : {&thesis, &estimate, &control})
+  for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
     if (const auto code = study->run(root, std::cout)) return *code;
+  if (const auto code = tune_sensing.run(root, std::cout)) return *code;
+  if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {
     demo.root = root;

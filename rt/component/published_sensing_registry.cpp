@@ -1,0 +1,159 @@
+#include "rt/component/published_sensing_registry.hpp"
+
+#include "core/published_sensing/cloud_driven_fem.hpp"
+#include "core/published_sensing/euler_bernoulli_fit.hpp"
+#include "core/published_sensing/evolved_mass_spring.hpp"
+#include "core/published_sensing/mass_spring_em.hpp"
+#include "core/published_sensing/probe_and_fit.hpp"
+#include "core/published_sensing/shape_matching_fit.hpp"
+#include "core/published_sensing/spline_fit.hpp"
+#include "core/published_sensing/voxel_mass_spring.hpp"
+#include "rt/component/learned_shape_file.hpp"
+
+namespace palpate::component {
+namespace {
+
+using namespace published_sensing;
+
+/// What all of them share.
+void read_cloud(const config::Node& node, CloudEstimator::Options& options) {
+  options.hand = node.flag("hand", options.hand);
+  options.reach = node.number("observation_reach", {1e-4, 1}, options.reach);
+  options.points_per_tick =
+      node.integer("observation_points_per_tick", {1, 256}, options.points_per_tick);
+  options.patience = node.number("observation_timeout_ms", {1, 1e5}, options.patience * 1e3) * 1e-3;
+  options.follower.pose_timeout =
+      node.number("pose_timeout_ms", {1, 1e4}, options.follower.pose_timeout * 1e3) * 1e-3;
+  options.follower.approach_speed =
+      node.number("approach_speed", {1e-3, 10}, options.follower.approach_speed);
+}
+
+template <class Method>
+std::unique_ptr<estimation::Estimator> make(const typename Method::Options& options,
+                                            const Context& context) {
+  return std::make_unique<Method>(context.object->body, context.object->surface, options);
+}
+
+CloudDrivenFem::Options read_cloud_driven_fem(const config::Node& node) {
+  CloudDrivenFem::Options options;
+  read_cloud(node, options);
+  options.stiffness = node.number("spring_stiffness", {1e-3, 1e6}, options.stiffness);
+  options.damping = node.number("spring_damping", {0, 1e4}, options.damping);
+  return options;
+}
+
+MassSpringEm::Options read_mass_spring_em(const config::Node& node) {
+  MassSpringEm::Options options;
+  read_cloud(node, options);
+  options.stiffness = node.number("spring_stiffness", {1e-3, 1e6}, options.stiffness);
+  options.damping = node.number("spring_damping", {0, 1e4}, options.damping);
+  options.width = node.number("width", {1e-4, 1}, options.width);
+  options.noise = node.number("noise_share", {1e-6, 0.999}, options.noise);
+  return options;
+}
+
+VoxelMassSpring::Options read_voxel_mass_spring(const config::Node& node) {
+  VoxelMassSpring::Options options;
+  read_cloud(node, options);
+  options.voxel = node.number("voxel", {1e-3, 1}, options.voxel);
+  options.stiffness = node.number("spring_stiffness", {1e-6, 10}, options.stiffness);
+  options.damping = node.number("damping_share", {1e-4, 0.99}, options.damping);
+  return options;
+}
+
+ShapeMatchingFit::Options read_shape_matching_fit(const config::Node& node) {
+  ShapeMatchingFit::Options options;
+  read_cloud(node, options);
+  options.regions = node.integer("regions", {1, 50}, options.regions);
+  options.candidates = node.integer("candidates", {1, 20}, options.candidates);
+  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
+  options.rigidity = node.number("rigidity", {1e-3, 1}, options.rigidity);
+  options.memory = node.number("memory_s", {1e-3, 1e4}, options.memory);
+  return options;
+}
+
+EvolvedMassSpring::Options read_evolved_mass_spring(const config::Node& node) {
+  EvolvedMassSpring::Options options;
+  read_cloud(node, options);
+  options.voxel = node.number("voxel", {1e-3, 1}, options.voxel);
+  options.population = node.integer("population", {3, 50}, options.population);
+  options.generation = node.number("generation_s", {1e-2, 1e4}, options.generation);
+  options.mutation = node.number("mutation", {1e-3, 10}, options.mutation);
+  options.damping = node.number("damping_share", {1e-4, 0.99}, options.damping);
+  return options;
+}
+
+std::unique_ptr<estimation::Estimator> make_learned_shape(const config::Node& node,
+                                                          const Context& context) {
+  const LearnedShape::Model model = read_learned_shape(node.path("model"));
+  const double average = node.number("average_ms", {0.1, 1e4}, 30) * 1e-3;
+  return std::make_unique<LearnedShape>(context.object->body, model, average);
+}
+
+void read_curve(const config::Node& node, CurveFit::Options& options) {
+  read_cloud(node, options);
+  options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
+  options.memory = node.number("memory", {0, 1e9}, options.memory);
+}
+
+EulerBernoulliFit::Options read_euler_bernoulli_fit(const config::Node& node) {
+  EulerBernoulliFit::Options options;
+  read_curve(node, options);
+  options.log_young_deviation =
+      node.number("log_young_modulus_deviation", {1e-6, 10}, options.log_young_deviation);
+  return options;
+}
+
+SplineFit::Options read_spline_fit(const config::Node& node) {
+  SplineFit::Options options;
+  read_curve(node, options);
+  options.controls = node.integer("controls", {3, 12}, options.controls);
+  options.stretch = node.number("stretch_deviation", {1e-6, 10}, options.stretch);
+  options.bend = node.number("bend_deviation", {1e-3, 1e9}, options.bend);
+  return options;
+}
+
+ProbeAndFit::Options read_probe_and_fit(const config::Node& node) {
+  ProbeAndFit::Options options;
+  read_cloud(node, options);
+  options.probing = node.number("probing_s", {0.1, 1e4}, options.probing);
+  options.rounds = node.number("round_s", {0.01, 1e4}, options.rounds);
+  options.force = node.number("force_deviation", {1e-5, 10}, options.force);
+  options.torque = node.number("torque_deviation", {1e-6, 1}, options.torque);
+  options.period = node.number("wrench_period_ms", {0.1, 1e4}, options.period * 1e3) * 1e-3;
+  options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
+  options.log_young_prior =
+      node.number("log_young_modulus_deviation", {1e-3, 10}, options.log_young_prior);
+  options.poisson_prior = node.number("poisson_ratio_deviation", {1e-3, 1}, options.poisson_prior);
+  return options;
+}
+
+}  // namespace
+
+const std::vector<std::string>& published_sensing_names() {
+  static const std::vector<std::string> names{
+      "cloud_driven_fem", "voxel_mass_spring",   "shape_matching_fit",
+      "mass_spring_em",   "euler_bernoulli_fit", "spline_fit",
+      "probe_and_fit",    "evolved_mass_spring", "learned_shape"};
+  return names;
+}
+
+std::unique_ptr<estimation::Estimator> make_published_sensing(const std::string& name,
+                                                              const config::Node& node,
+                                                              const Context& context) {
+  if (name == "cloud_driven_fem") return make<CloudDrivenFem>(read_cloud_driven_fem(node), context);
+  if (name == "voxel_mass_spring")
+    return make<VoxelMassSpring>(read_voxel_mass_spring(node), context);
+  if (name == "shape_matching_fit")
+    return make<ShapeMatchingFit>(read_shape_matching_fit(node), context);
+  if (name == "mass_spring_em") return make<MassSpringEm>(read_mass_spring_em(node), context);
+  if (name == "euler_bernoulli_fit")
+    return make<EulerBernoulliFit>(read_euler_bernoulli_fit(node), context);
+  if (name == "evolved_mass_spring")
+    return make<EvolvedMassSpring>(read_evolved_mass_spring(node), context);
+  if (name == "learned_shape") return make_learned_shape(node, context);
+  if (name == "spline_fit") return make<SplineFit>(read_spline_fit(node), context);
+  return make<ProbeAndFit>(read_probe_and_fit(node), context);
+}
+
+}  // namespace palpate::component

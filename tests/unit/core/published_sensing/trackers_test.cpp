@@ -1,0 +1,141 @@
+// Methods that follow a cloud, on a bar that bends in both planes: where nothing tells them of the
+// hand, they must come near to the shape that is seen, without an allocation.
+#include <gtest/gtest.h>
+
+#include "core/elasticity/mass_spring_model.hpp"
+#include "core/published_sensing/cloud_driven_fem.hpp"
+#include "core/published_sensing/euler_bernoulli_fit.hpp"
+#include "core/published_sensing/evolved_mass_spring.hpp"
+#include "core/published_sensing/mass_spring_em.hpp"
+#include "core/published_sensing/shape_matching_fit.hpp"
+#include "core/published_sensing/spline_fit.hpp"
+#include "core/published_sensing/voxel_mass_spring.hpp"
+#include "tests/unit/core/published_sensing/seen_bar.hpp"
+
+namespace palpate::published_sensing {
+namespace {
+
+using Eigen::Vector3d;
+
+const Vector3d kWay(-0.01, 0.06, -0.08), kTurn(0, 0.15, 0.2);
+
+elasticity::Body truth() {
+  elasticity::Body body = testing::held_bar({10, 2, 2}, mesh::ElementOrder::kQuadratic);
+  body.material.young_modulus = 33e3;
+  return body;
+}
+
+elasticity::Body known() { return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
+
+class TrackersTest : public ::testing::Test {
+ protected:
+  const elasticity::Body body_ = known();
+  const mesh::Surface surface_ = mesh::extract_surface(body_.mesh);
+
+  /// Mean and largest error in m after the motion.
+  std::pair<double, double> follow(estimation::Estimator& method,
+                                   std::unique_ptr<elasticity::DeformationModel> model,
+                                   double noise = 3e-4) {
+    testing::Watcher watcher(truth(), noise, std::move(model), method);
+    EXPECT_EQ(watcher.run(3, 1.5, kWay, kTurn), 0);
+    EXPECT_EQ(watcher.last.status, sensing::Status::kOk) << watcher.last.reason;
+    const auto error = watcher.error();
+    std::printf("mean %.2f mm, largest %.2f mm\n", error.first * 1e3, error.second * 1e3);
+    // Nothing is seen any more: it says so, and what it knows stays finite.
+    watcher.world.sees = false;
+    watcher.run(0.8, 1e-3, kWay, kTurn);
+    EXPECT_EQ(watcher.last.status, sensing::Status::kDegraded);
+    EXPECT_TRUE(watcher.model->positions().allFinite());
+    return error;
+  }
+};
+
+TEST_F(TrackersTest, CloudDrivenFiniteElements) {
+  CloudDrivenFem method(body_, surface_, {});
+  const auto [mean, largest] =
+      follow(method, std::make_unique<elasticity::CorotationalDynamic>(body_));
+  EXPECT_LT(mean, 4e-3);
+  EXPECT_LT(largest, 15e-3);
+}
+
+TEST_F(TrackersTest, VoxelsOfMassesAndSprings) {
+  VoxelMassSpring method(body_, surface_, {});
+  EXPECT_EQ(method.lattice_size(), 18 * 3 * 3);
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_LT(mean, 5e-3);
+  EXPECT_LT(largest, 20e-3);
+}
+
+TEST_F(TrackersTest, MassesAndSpringsWithCorrespondence) {
+  MassSpringEm method(body_, surface_, {});
+  const auto [mean, largest] = follow(method, std::make_unique<elasticity::MassSpringModel>(body_));
+  EXPECT_LT(mean, 8e-3);
+  EXPECT_LT(largest, 25e-3);
+  EXPECT_GT(method.belonging(), 0.5);
+}
+
+TEST_F(TrackersTest, ShapeMatchingWithAFit) {
+  ShapeMatchingFit method(body_, surface_, {});
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_LT(mean, 6e-3);
+  EXPECT_LT(largest, 20e-3);
+}
+
+// Arriola-Rios and Wyatt 2017: numbers that evolve predict better than those that the search began
+// with.
+TEST_F(TrackersTest, MassesAndSpringsThatEvolve) {
+  EvolvedMassSpring::Options options;
+  EvolvedMassSpring method(body_, surface_, options);
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_GE(method.generations(), 5);
+  options.generation = 1e3;  // never
+  EvolvedMassSpring still(body_, surface_, options);
+  const auto before = follow(still, testing::carrier(body_));
+  EXPECT_LT(mean, before.first + 1e-4);
+  EXPECT_LT(largest, 30e-3);
+}
+
+TEST_F(TrackersTest, ABeamOfEulerAndBernoulli) {
+  EulerBernoulliFit method(body_, surface_, {});
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_LT(mean, 3e-3);
+  EXPECT_LT(largest, 10e-3);
+}
+
+TEST_F(TrackersTest, ASpline) {
+  SplineFit method(body_, surface_, {});
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_LT(mean, 3e-3);
+  EXPECT_LT(largest, 10e-3);
+}
+
+// A hand whose pose is told holds its nodes where they are, whatever the cloud says of them.
+TEST_F(TrackersTest, WithTheHandsPoseItsNodesAreWhereItIs) {
+  CloudDrivenFem::Options options;
+  options.hand = true;
+  CloudDrivenFem method(body_, surface_, options);
+  testing::Watcher watcher(truth(), 3e-4, std::make_unique<elasticity::CorotationalDynamic>(body_),
+                           method);
+  watcher.run(2, 1, kWay, kTurn);
+  for (const int node : body_.grasps[0].nodes) {
+    const Vector3d expected = watcher.world.hand * body_.grasps[0].X_OG_rest.inverse() *
+                              Vector3d(body_.mesh.nodes.col(node));
+    EXPECT_LT((watcher.model->positions().col(node) - expected).norm(), 1e-6);
+  }
+  EXPECT_LT(watcher.error().first, 2e-3);
+}
+
+TEST_F(TrackersTest, WhatIsNoBarIsRefusedByModelsOfBeams) {
+  elasticity::Body block = body_;
+  block.mesh.nodes.row(1) *= 5;
+  EXPECT_THROW(EulerBernoulliFit(block, surface_, {}), std::invalid_argument);
+  elasticity::Body loose = body_;
+  loose.fixed_nodes.clear();
+  EXPECT_THROW(SplineFit(loose, surface_, {}), std::invalid_argument);
+  SplineFit::Options options;
+  options.controls = 30;
+  EXPECT_THROW(SplineFit(body_, surface_, options), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace palpate::published_sensing

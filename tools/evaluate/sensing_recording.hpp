@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tools/evaluate/log_reader.hpp"
+
+namespace palpate::evaluate {
+
+/// A motion of the hand before a camera, simulated once and then replayed by other estimators.
+struct SensingRecording {
+  std::filesystem::path sensors;  // log of what the daemon was told, by the simulator's clock
+  RunLog truth;
+};
+
+/// What is recorded.
+struct SensingScene {
+  std::filesystem::path scene;
+  std::vector<std::string> scene_overrides;
+  std::filesystem::path configuration;
+  std::vector<std::string> daemon_overrides;
+};
+
+/// Simulates the scene in lock-step, or takes what an earlier call has left in `folder` of the same
+/// scene and seed. Throws RunFailed.
+SensingRecording record_sensing(const SensingScene& scene, const std::filesystem::path& folder);
+
+/// What an estimator makes of a recording: mean error of its nodes where the hand held still, m,
+/// from SHAPE in the log that palpate-replay has left; throws where there is none.
+double replay_error(const std::filesystem::path& replayed, const SensingRecording& recording);
+
+/// The replay as a command: `overrides` of the configuration, log to `output`.
+std::vector<std::string> replay_command(const SensingScene& scene,
+                                        const SensingRecording& recording,
+                                        const std::vector<std::string>& overrides,
+                                        const std::filesystem::path& output);
+
+}  // namespace palpate::evaluate
