@@ -1,9 +1,11 @@
+#include <algorithm>
+
 #include "core/control/dual_quaternion.hpp"
 #include "core/control/fem_jacobian.hpp"
 #include "core/control/kinematic_jacobian.hpp"
 #include "core/control/proportional_twist.hpp"
 #include "core/control/quadratic_program.hpp"
-#include "rt/component/registry.hpp"
+#include "rt/component/published_control_registry.hpp"
 
 namespace palpate::component {
 namespace {
@@ -108,9 +110,16 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
 }
 
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
-                                                                  const Context& context) {
+                                                                  const Context& context,
+                                                                  shape::Feature& feature) {
+  std::vector<std::string> names = {"fem", "kinematic"};
+  const std::vector<std::string>& published = published_providers();
+  names.insert(names.end(), published.begin(), published.end());
+  const std::string name = node.choice("provider", names);
+  if (std::find(published.begin(), published.end(), name) != published.end())
+    return make_published_provider(name, node, context, feature);
   const MovingArms moving = read_moving_arms(node, context);
-  if (node.choice("provider", {"fem", "kinematic"}) == "kinematic") {
+  if (name == "kinematic") {
     if (moving == MovingArms::kBoth)
       node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");
     return std::make_unique<control::KinematicJacobian>();

@@ -116,7 +116,8 @@ void Slots::build_contact(const config::Node& root) {
 void Slots::build_steering(const config::Node& root) {
   for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
   feature = make_feature(root.child("feature"), context);
-  provider = make_jacobian_provider(root.child("control"), context);
+  provider = make_jacobian_provider(root.child("control"), context, *feature);
+  sight = make_marker_sight(root.child("control"), context, *feature);
   law = make_control_law(root.child("control"), context, *feature);
   moving = read_moving_arms(root.child("control"), context);
   commands_joints = read_commands_joints(root.child("control"), context);
@@ -175,6 +176,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     feature.swap(other.feature);
     provider.swap(other.provider);
     law.swap(other.law);
+    sight.swap(other.sight);
     moving = other.moving;
     commands_joints = other.commands_joints;
     target.value.swap(other.target.value);
@@ -203,6 +205,7 @@ void Slots::start() noexcept {
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
   law->reset();
+  provider->reset();
 }
 
 void Slots::reset() noexcept {
@@ -218,6 +221,8 @@ void Slots::reset() noexcept {
   model->reset();
   estimator->activate(*model);
   law->reset();
+  provider->reset();
+  if (sight) sight->reset();
   target.revision = -1;
 }
 

@@ -236,6 +236,27 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   return arm;
 }
 
+/// A tracker of markers at `rest_points`: `rate` (Hz), `delay` (s), `drop_out`, `noise` (m) and
+/// `occlusions` as of a camera.
+MarkerOptions read_markers(const config::Node& node, const Scene& scene) {
+  constexpr std::size_t kMost = 256;
+  const Eigen::Vector3d lower = scene.plant.origin, upper = lower + scene.plant.size;
+  MarkerOptions markers;
+  markers.rest_points = node.points("rest_points");
+  if (markers.rest_points.empty() || markers.rest_points.size() > kMost)
+    node.fail("rest_points", "has no or too many points; allowed: 1 to 256");
+  for (const Eigen::Vector3d& p : markers.rest_points) {
+    if ((p.array() < lower.array() - 1e-9).any() || (p.array() > upper.array() + 1e-9).any())
+      node.fail("rest_points", "a point lies outside the object");
+  }
+  markers.timing.rate = node.number("rate", {0.1, 1000}, 30);
+  markers.timing.delay = node.number("delay", {0, 10}, 0);
+  markers.timing.drop_out = node.number("drop_out", {0, 1}, 0);
+  markers.noise = node.number("noise", {0, 0.1}, 0);
+  markers.occlusions = read_occlusions(node);
+  return markers;
+}
+
 }  // namespace
 
 Scene read_scene(const config::Node& node) {
@@ -254,6 +275,11 @@ Scene read_scene(const config::Node& node) {
   if (node.has("camera")) {
     scene.camera = read_camera(node.child("camera"), scene);
     scene.occlusions = read_occlusions(node.child("camera"));
+  }
+  if (node.has("markers")) {
+    if (scene.camera) node.fail("markers", "given beside camera; allowed: one of them");
+    if (scene.soft_box) node.fail("markers", "stick to hyperelastic objects alone");
+    scene.markers = read_markers(node.child("markers"), scene);
   }
   if (node.has("motion")) scene.motion = read_motion(node.child("motion"));
   if (node.has("second_arm")) {

@@ -74,6 +74,9 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
                                                                 origin.session, origin.start_utime)
                             : nullptr),
+      markers_(scene_.markers ? std::make_unique<MarkerPublisher>(
+                                    control, scene_, plant(), origin.session, origin.start_utime)
+                              : nullptr),
       truth_(housekeeping, *plant_, origin.session) {}
 
 std::vector<math::Pose> Simulation::grasps_in_object() const {
@@ -112,6 +115,7 @@ void Simulation::publish() {
   const std::int64_t now_us = kPeriodUs * tick_;
   for (Arm& arm : arms_) arm.publish(now_us);
   if (camera_) camera_->step(now_us, arms_, *plant_);
+  if (markers_) markers_->step(now_us, plant());
 }
 
 void Simulation::publish_truth() {
