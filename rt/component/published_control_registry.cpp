@@ -13,6 +13,7 @@
 #include "core/published_control/gaussian_process.hpp"
 #include "core/published_control/gradient_update.hpp"
 #include "core/published_control/learning_jacobian.hpp"
+#include "core/published_control/open_loop.hpp"
 #include "core/published_control/two_camera_view.hpp"
 #include "core/published_control/weighted_least_squares_update.hpp"
 
@@ -145,6 +146,34 @@ Provider make_gaussian_process(const Wanted& wanted) {
   return std::make_unique<published_control::GaussianProcess>(options, wanted.feature);
 }
 
+/// The feature's value on the rest shape, moved as key `goal` says.
+Eigen::VectorXd read_goal(const Wanted& wanted) {
+  const config::Node goal = wanted.node.child("goal");
+  shape::Feature& feature = wanted.feature;
+  Eigen::VectorXd value(feature.value_count());
+  feature.evaluate(wanted.context.object->body.mesh.nodes, value);
+  if (goal.has("values")) {
+    const std::vector<double> values = goal.numbers("values", feature.value_count(), {-100, 100});
+    return Eigen::Map<const Eigen::VectorXd>(values.data(), feature.value_count());
+  }
+  published_control::check_points(feature);
+  const Eigen::Vector3d displacement = goal.vector3("displacement", {-1, 1});
+  return value + displacement.replicate(feature.value_count() / 3, 1);
+}
+
+Provider make_open_loop(const Wanted& wanted, bool by_force) {
+  const config::Node& node = wanted.node;
+  published_control::OpenLoop::Options options;
+  options.by_force = by_force;
+  options.gain = node.number("gain", {1e-3, 50}, options.gain);
+  options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
+  options.angular_speed = node.number("angular_speed", {1e-4, 10}, options.angular_speed);
+  options.filter = node.number("filter", {1e-3, 100}, options.filter);
+  return std::make_unique<published_control::OpenLoop>(
+      options, published_control::solve_inverse(wanted.context.object->body, 0, wanted.feature,
+                                                read_goal(wanted)));
+}
+
 using Maker = std::function<Provider(const Wanted&)>;
 
 const std::map<std::string, Maker>& makers() {
@@ -165,6 +194,8 @@ const std::map<std::string, Maker>& makers() {
          return learning(w, make_fourier_view(w.node), make_broyden(w.node));
        }},
       {"gaussian_process", make_gaussian_process},
+      {"inverse_elements_displacement", [](const Wanted& w) { return make_open_loop(w, false); }},
+      {"inverse_elements_force", [](const Wanted& w) { return make_open_loop(w, true); }},
       {"mass_spring", make_mass_spring},
       {"multi_view",
        [](const Wanted& w) { return learning(w, make_two_camera_view(w), make_gradient(w.node)); }},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -22,6 +23,31 @@ namespace fs = std::filesystem;
 
 constexpr int kCoresAJob = 2;  // simulator and daemon
 
+struct Shard {
+  std::size_t index = 1, count = 1;  // from 1
+};
+
+/// Of "I/N". Throws std::invalid_argument.
+Shard read_shard(const std::string& text) {
+  std::istringstream in(text);
+  long index = 0, count = 0;
+  char slash = 0, more = 0;
+  if (!(in >> index >> slash >> count) || slash != '/' || in >> more || index < 1 || count < 1 ||
+      index > count)
+    throw std::invalid_argument("a shard is I/N with 1 <= I <= N, such as 2/8; not \"" + text +
+                                "\"");
+  return {static_cast<std::size_t>(index), static_cast<std::size_t>(count)};
+}
+
+std::string check_shard(const std::string& text) {
+  try {
+    read_shard(text);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
+
 int default_workers() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / kCoresAJob);
 }
@@ -39,6 +65,7 @@ struct StudyCommand::Options {
   bool report_only = false;
   bool keep_logs = false;
   std::string job;
+  std::string shard;
 
   fs::path folder(const StudyJob& wanted) const { return fs::absolute(output) / wanted.name; }
 
@@ -108,6 +135,13 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
   CLI::Option* list = command_->add_flag("--list", o.list, "name the jobs and end");
   CLI::Option* report =
       command_->add_flag("--report-only", o.report_only, "report what has been run; run nothing");
+  command_
+      ->add_option("--shard", o.shard,
+                   "I/N: run the I-th of N equal parts of the jobs alone and report nothing; when "
+                   "all parts are in one folder --report-only reports them together")
+      ->check(check_shard)
+      ->excludes(list)
+      ->excludes(report);
   command_->add_option("--job", o.job, "run this one job here, as each of them is run")
       ->excludes(list)
       ->excludes(report);
@@ -116,6 +150,16 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
 StudyCommand::~StudyCommand() = default;
 
 namespace {
+
+/// What of `tasks` belongs to the shard "I/N": every N-th of them, so that long and short ones are
+/// dealt out evenly.
+std::vector<Task> shard_of(const std::vector<Task>& tasks, const std::string& text) {
+  const Shard shard = read_shard(text);
+  std::vector<Task> part;
+  for (std::size_t i = shard.index - 1; i < tasks.size(); i += shard.count)
+    part.push_back(tasks[i]);
+  return part;
+}
 
 void print_list(const std::vector<StudyJob>& jobs, std::ostream& out) {
   Table table({"application", "method", "model error", "seed", "s", "job"});
@@ -185,6 +229,17 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   for (const StudyJob& job : jobs)
     tasks.push_back({job.name, o.command_of(job, root, plan_file), o.folder(job),
                      hash_of_inputs(job, programs)});
+  if (!o.shard.empty()) {
+    const std::vector<Task> part = shard_of(tasks, o.shard);
+    int failed = 0;
+    for (const TaskOutcome& outcome : run_all(part, o.workers, out)) {
+      if (outcome.state != TaskOutcome::State::kFailed) continue;
+      out << outcome.name << ": " << outcome.failure << '\n';
+      ++failed;
+    }
+    out << "shard " << o.shard << ": " << part.size() << " of " << tasks.size() << " jobs\n";
+    return failed == 0 ? 0 : 1;
+  }
   report.folder = fs::absolute(o.output);
   fs::create_directories(report.folder);
   report.host = describe_host();
