@@ -9,6 +9,7 @@
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"
 #include "core/published_control/diminishing_rigidity.hpp"
+#include "core/published_control/factored_update.hpp"
 #include "core/published_control/fourier_view.hpp"
 #include "core/published_control/gaussian_process.hpp"
 #include "core/published_control/gradient_update.hpp"
@@ -192,6 +193,12 @@ const std::map<std::string, Maker>& makers() {
       {"fourier_contour",
        [](const Wanted& w) {
          return learning(w, make_fourier_view(w.node), make_broyden(w.node));
+       }},
+      {"factored",
+       [](const Wanted& w) {
+         return learning(w, make_two_camera_view(w),
+                         std::make_unique<published_control::FactoredUpdate>(
+                             w.node.number("update_gain", {1e-4, 1}, 0.5)));
        }},
       {"gaussian_process", make_gaussian_process},
       {"inverse_elements_displacement", [](const Wanted& w) { return make_open_loop(w, false); }},

@@ -236,6 +236,16 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   return arm;
 }
 
+/// {at, box}: from `at` on what lies in the box at rest bears nearly nothing.
+std::vector<Cut> read_cuts(const config::Node& node) {
+  std::vector<Cut> cuts;
+  for (const config::Node& item : node.list("cuts")) {
+    const double before = cuts.empty() ? 0 : cuts.back().at;
+    cuts.push_back({item.number("at", {before, 1e5}), read_box(item.child("box"))});
+  }
+  return cuts;
+}
+
 /// A tracker of markers at `rest_points`: `rate` (Hz), `delay` (s), `drop_out`, `noise` (m) and
 /// `occlusions` as of a camera.
 MarkerOptions read_markers(const config::Node& node, const Scene& scene) {
@@ -276,6 +286,9 @@ Scene read_scene(const config::Node& node) {
     scene.camera = read_camera(node.child("camera"), scene);
     scene.occlusions = read_occlusions(node.child("camera"));
   }
+  scene.cuts = read_cuts(node);
+  if (!scene.cuts.empty() && scene.soft_box)
+    node.fail("cuts", "go through hyperelastic objects alone");
   if (node.has("markers")) {
     if (scene.camera) node.fail("markers", "given beside camera; allowed: one of them");
     if (scene.soft_box) node.fail("markers", "stick to hyperelastic objects alone");

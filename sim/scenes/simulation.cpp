@@ -91,6 +91,18 @@ const object::HyperelasticPlant& Simulation::plant() const {
   return *plant;
 }
 
+/// A scene with cuts has a hyperelastic object.
+void Simulation::cut() {
+  for (; cuts_done_ < scene_.cuts.size() && scene_.cuts[cuts_done_].at <= time(); ++cuts_done_) {
+    auto& plant = dynamic_cast<object::HyperelasticPlant&>(*plant_);
+    try {
+      plant.cut(scene_.cuts[cuts_done_].box);
+    } catch (const std::invalid_argument& error) {
+      throw config::Error(std::string("cuts: ") + error.what());
+    }
+  }
+}
+
 void Simulation::step() {
   obey();
   advance();
@@ -106,6 +118,7 @@ void Simulation::advance() {
   for (Arm& arm : arms_) arm.step(tick_, time(), kPeriod, *plant_);
   ++tick_;
   pokes_.apply(time(), *plant_);
+  cut();
   for (const Arm& arm : arms_) arm.lead(*plant_);
   plant_->step(kPeriod);
   for (Arm& arm : arms_) arm.sample(kPeriodUs * tick_, *plant_);

@@ -87,6 +87,7 @@ class Simulation {
 
  private:
   std::vector<math::Pose> grasps_in_object() const;
+  void cut();
 
   Scene scene_;
   Origin origin_;
@@ -96,6 +97,7 @@ class Simulation {
   std::unique_ptr<CameraPublisher> camera_;
   std::unique_ptr<MarkerPublisher> markers_;
   TruthPublisher truth_;
+  std::size_t cuts_done_ = 0;
   std::int64_t tick_ = 0;
 };
 

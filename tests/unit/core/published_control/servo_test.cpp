@@ -7,6 +7,7 @@
 
 #include "core/control/proportional_twist.hpp"
 #include "core/published_control/broyden_update.hpp"
+#include "core/published_control/factored_update.hpp"
 #include "core/published_control/fourier_view.hpp"
 #include "core/published_control/gaussian_process.hpp"
 #include "core/published_control/gradient_update.hpp"
@@ -65,6 +66,12 @@ std::vector<Method> methods() {
        [](const auto& f) {
          return learning(f, std::make_unique<TwoCameraView>(TwoCameraView::Options{}),
                          std::make_unique<GradientUpdate>(GradientUpdate::Options{}));
+       },
+       1e-3},
+      {"factored",
+       [](const auto& f) {
+         return learning(f, std::make_unique<TwoCameraView>(TwoCameraView::Options{}),
+                         std::make_unique<FactoredUpdate>(0.5));
        },
        1e-3},
       {"gaussian process",
@@ -135,7 +142,7 @@ TEST_P(Servo, BringsPointsOfABarToTheirTarget) {
   RecordProperty("error_mm", std::to_string(1e3 * last));
 }
 
-INSTANTIATE_TEST_SUITE_P(Methods, Servo, ::testing::Range(0, 6), [](const auto& method) {
+INSTANTIATE_TEST_SUITE_P(Methods, Servo, ::testing::Range(0, 7), [](const auto& method) {
   std::string name = methods()[method.param].name;
   for (char& c : name)
     if (c == ' ') c = '_';

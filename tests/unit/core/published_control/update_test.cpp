@@ -4,6 +4,7 @@
 
 #include "core/math/random.hpp"
 #include "core/published_control/broyden_update.hpp"
+#include "core/published_control/factored_update.hpp"
 #include "core/published_control/gradient_update.hpp"
 #include "core/published_control/weighted_least_squares_update.hpp"
 
@@ -55,6 +56,16 @@ TEST(BroydenUpdate, FindsALinearFeatureAndLeavesProbesToOthers) {
   EXPECT_EQ(J, Eigen::MatrixXd::Ones(3, 6)) << "a motion of nothing says nothing";
   EXPECT_THROW(BroydenUpdate(0), std::invalid_argument);
   EXPECT_THROW(BroydenUpdate(1.5), std::invalid_argument);
+}
+
+TEST(FactoredUpdate, FindsALinearFeature) {
+  FactoredUpdate update(1);
+  EXPECT_LT(error_after(update, 600), 1e-2);
+  Eigen::MatrixXd nothing = Eigen::MatrixXd::Zero(3, 6);
+  update.forget();
+  update.learn(ScaledMotion::Ones(), Eigen::VectorXd::Ones(3), false, nothing);
+  EXPECT_TRUE(nothing.allFinite());
+  EXPECT_THROW(FactoredUpdate(0), std::invalid_argument);
 }
 
 TEST(GradientUpdate, FindsALinearFeatureMoreSlowlyAndBearsNoise) {

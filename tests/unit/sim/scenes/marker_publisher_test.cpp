@@ -61,6 +61,21 @@ TEST(MarkerPublisher, SaysNothingWhileSomethingIsInTheWay) {
   EXPECT_TRUE(observe(0.5, {"markers.drop_out=1"}).empty());
 }
 
+TEST(Cuts, AnObjectThatIsCutSagsMoreAndOneThatIsNotStaysAsItWas) {
+  const auto sag = [](const std::vector<std::string>& overrides) {
+    Stage stage(kControl, coarse(overrides));
+    const double before = stage.simulation.plant().position_at({0.25, 0.03, 0.03}).z();
+    stage.run(1.5);
+    return before - stage.simulation.plant().position_at({0.25, 0.03, 0.03}).z();
+  };
+  EXPECT_LT(std::abs(sag({})), 1e-4);
+  // Through the lower half, a fifth of the way along.
+  const std::string cut = "cuts=[{at: 0.2, box: {lower: [0.02, 0, 0], upper: [0.12, 0.06, 0.03]}}]";
+  EXPECT_GT(sag({cut}), 3e-4);
+  EXPECT_THROW(sag({"cuts=[{at: 0.2, box: {lower: [0.02, 0, 0.5], upper: [0.12, 0.06, 0.6]}}]"}),
+               config::Error);
+}
+
 TEST(MarkerPublisher, WrongMarkersAreRefused) {
   const auto error = [](const std::vector<std::string>& overrides) -> std::string {
     try {
