@@ -6,8 +6,7 @@ namespace palpate::published_control {
 
 /// Navarro-Alarcon, Yip, Wang, Liu, Zhong, Zhang and Li, "Automatic 3-D manipulation of soft
 /// objects by robotic arms with an adaptive deformation model", IEEE Trans. Robotics 32(2), 2016:
-/// row [46]; and the estimator of "On-line estimation of multi-view deformation Jacobians" in their
-/// Int. J. Robotics Research 33(11), 2014: row [45], which runs it on images of two cameras.
+/// row [46]; and, on the images of two cameras (see TwoCameraView), the estimator of row [45].
 ///
 /// Consumes: 3-D points (vision), the hand's pose, six probes. Kept: an elastic model that is
 /// linear in its unknown parameters (here the entries of J), adapted along the gradient of the

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 #include <thread>
 
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/process.hpp"
+#include "tools/evaluate/shard.hpp"
 #include "tools/evaluate/study_hash.hpp"
 #include "tools/evaluate/study_host.hpp"
 #include "tools/evaluate/study_job.hpp"
@@ -22,22 +22,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kCoresAJob = 2;  // simulator and daemon
-
-struct Shard {
-  std::size_t index = 1, count = 1;  // from 1
-};
-
-/// Of "I/N". Throws std::invalid_argument.
-Shard read_shard(const std::string& text) {
-  std::istringstream in(text);
-  long index = 0, count = 0;
-  char slash = 0, more = 0;
-  if (!(in >> index >> slash >> count) || slash != '/' || in >> more || index < 1 || count < 1 ||
-      index > count)
-    throw std::invalid_argument("a shard is I/N with 1 <= I <= N, such as 2/8; not \"" + text +
-                                "\"");
-  return {static_cast<std::size_t>(index), static_cast<std::size_t>(count)};
-}
 
 std::string check_shard(const std::string& text) {
   try {
@@ -151,16 +135,6 @@ StudyCommand::~StudyCommand() = default;
 
 namespace {
 
-/// What of `tasks` belongs to the shard "I/N": every N-th of them, so that long and short ones are
-/// dealt out evenly.
-std::vector<Task> shard_of(const std::vector<Task>& tasks, const std::string& text) {
-  const Shard shard = read_shard(text);
-  std::vector<Task> part;
-  for (std::size_t i = shard.index - 1; i < tasks.size(); i += shard.count)
-    part.push_back(tasks[i]);
-  return part;
-}
-
 void print_list(const std::vector<StudyJob>& jobs, std::ostream& out) {
   Table table({"application", "method", "model error", "seed", "s", "job"});
   double simulated = 0;
@@ -230,7 +204,7 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
     tasks.push_back({job.name, o.command_of(job, root, plan_file), o.folder(job),
                      hash_of_inputs(job, programs)});
   if (!o.shard.empty()) {
-    const std::vector<Task> part = shard_of(tasks, o.shard);
+    const std::vector<Task> part = shard_of(tasks, read_shard(o.shard));
     int failed = 0;
     for (const TaskOutcome& outcome : run_all(part, o.workers, out)) {
       if (outcome.state != TaskOutcome::State::kFailed) continue;

@@ -43,44 +43,44 @@ std::vector<Method> methods() {
   return {
       {"broyden",
        [=](const auto& f) { return learning(f, plain(), std::make_unique<BroydenUpdate>(0.5)); },
-       1e-3},
+       2e-4},
       {"gradient",
        [=](const auto& f) {
          return learning(f, plain(), std::make_unique<GradientUpdate>(GradientUpdate::Options{}));
        },
-       1e-3},
+       2e-4},
       {"weighted least squares",
        [=](const auto& f) {
          return learning(
              f, plain(),
              std::make_unique<WeightedLeastSquaresUpdate>(WeightedLeastSquaresUpdate::Options{}));
        },
-       1e-3},
+       2e-4},
       {"fourier",
        [](const auto& f) {
          return learning(f, std::make_unique<FourierView>(FourierView::Options{1, true}),
                          std::make_unique<BroydenUpdate>(0.5));
        },
-       3e-3},
+       2e-4},
       {"two cameras",
        [](const auto& f) {
          return learning(f, std::make_unique<TwoCameraView>(TwoCameraView::Options{}),
                          std::make_unique<GradientUpdate>(GradientUpdate::Options{}));
        },
-       1e-3},
+       2e-4},
       {"factored",
        [](const auto& f) {
          return learning(f, std::make_unique<TwoCameraView>(TwoCameraView::Options{}),
                          std::make_unique<FactoredUpdate>(0.5));
        },
-       1e-3},
+       2e-4},
       {"gaussian process",
        [](const auto& f) -> Provider {
          GaussianProcess::Options options;
          options.dead_band = 1e-4;
          return std::make_unique<GaussianProcess>(options, f);
        },
-       4e-3},
+       1e-3},
   };
 }
 
