@@ -8,15 +8,15 @@
 
 namespace palpate::control {
 
-/// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the
-/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated; x 12 where
-/// two grasps move, the first one's columns first.
-class JacobianProvider {
- public:
-  virtual ~JacobianProvider() = default;
-  /// False where no Jacobian is available yet.
-  virtual bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,
-                      const math::Pose& X_OG, Eigen::Ref<Eigen::MatrixXd> J) noexcept = 0;
+/// What a provider that learns may look at.
+struct Experience {
+  double dt = 1e-3;                             // s
+  const Eigen::VectorXd* value = nullptr;       // of the feature, as it is seen or estimated
+  const Eigen::Matrix3Xd* positions = nullptr;  // of the nodes that it was evaluated on
+  bool fresh = true;                            // something new has been seen since the last tick
+  math::Pose X_OG = math::Pose::Identity();     // of the hand that moves
+  bool wrench_valid = false;
+  math::Wrench F_G_O;  // of that hand on the object at the origin of G, in O, as measured
 };
 
 struct LawInputs {
@@ -30,6 +30,27 @@ struct LawInputs {
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};  // of the hand on the object at G, in O, as estimated
   const JointInputs* joints = nullptr;     // where the law is to command joints
+};
+
+/// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the
+/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated; x 12 where
+/// two grasps move, the first one's columns first.
+class JacobianProvider {
+ public:
+  virtual ~JacobianProvider() = default;
+
+  /// Once a tick, before update().
+  virtual void observe(const Experience& /*now*/) noexcept {}
+  /// False where no Jacobian is available yet.
+  virtual bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,
+                      const math::Pose& X_OG, Eigen::Ref<Eigen::MatrixXd> J) noexcept = 0;
+
+  /// True where the provider itself moves the hand in this tick, as V_O_G says: by a probe, or a
+  /// plan. The law is not asked then. After update(), which may have been false for a probe's sake.
+  virtual bool commands(const LawInputs& /*inputs*/, math::Twist& /*V_O_G*/) noexcept {
+    return false;
+  }
+  virtual void reset() noexcept {}
 };
 
 struct LawOutput {

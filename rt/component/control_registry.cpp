@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "core/control/dual_quaternion.hpp"
 #include "core/control/fem_jacobian.hpp"
 #include "core/control/kinematic_jacobian.hpp"
@@ -5,6 +7,7 @@
 #include "core/control/quadratic_program.hpp"
 #include "rt/component/built_in_names.hpp"
 #include "rt/component/plugins.hpp"
+#include "rt/component/published_control_registry.hpp"
 #include "rt/component/registry.hpp"
 
 namespace palpate::component {
@@ -156,14 +159,21 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
 }
 
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
-                                                                  const Context& context) {
+                                                                  const Context& context,
+                                                                  shape::Feature& feature) {
   const MovingArms moving = read_moving_arms(node, context);
+  std::vector<std::string> names = {kJacobianProviders.begin(), kJacobianProviders.end()};
+  const std::vector<std::string>& published = published_providers();
+  names.insert(names.end(), published.begin(), published.end());
   const auto& plugins = plugins_of(context).jacobian_providers;
   const std::string name = node.choice(
       {"provider", "",
-       "of the Jacobian: by the mechanics, or as if the feature were rigid with the hand"},
-      with_plugins({kJacobianProviders.begin(), kJacobianProviders.end()}, plugins));
+       "of the Jacobian: by the mechanics, as if the feature were rigid with the hand, or that of "
+       "a published method beside which palpate is measured"},
+      with_plugins(names, plugins));
   if (const auto* entry = find_plugin(plugins, name)) return make_plugin(*entry, node, context);
+  if (std::find(published.begin(), published.end(), name) != published.end())
+    return make_published_provider(name, node, context, feature);
   if (name == "kinematic") {
     if (moving == MovingArms::kBoth)
       node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");

@@ -168,6 +168,7 @@ void Pipeline::estimate(double dt) noexcept {
 
 void Pipeline::evaluate_feature() noexcept {
   if (!is_running()) return;
+  look_at_markers();
   if (!feature_is_sound() && !fallbacks_->steering.in_use &&
       fall_back(fallbacks_->feature, "feature", slots_->feature_condition.reason))
     feature_is_sound();
@@ -213,11 +214,10 @@ bool Pipeline::steer(double dt, int first) noexcept {
     slots.control_condition.apply({sensing::Status::kDegraded, "no such feature in this shape"});
     return false;
   }
+  if (!look_and_learn(dt, first)) return false;
   const math::Pose& X_OG = estimation_inputs_.grasps[first].X_OG;
-  if (!slots.provider->update(*slots.feature, *slots.model, X_OG, slots.jacobian)) {
-    slots.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});
-    return false;
-  }
+  const bool knows_jacobian =
+      slots.provider->update(*slots.feature, *slots.model, X_OG, slots.jacobian);
   control::LawInputs inputs;
   inputs.dt = dt;
   inputs.value = &slots.feature_state.value;
@@ -228,6 +228,17 @@ bool Pipeline::steer(double dt, int first) noexcept {
   inputs.reaction = slots.estimate.reaction;
   for (int i = 0; i < estimation_inputs_.grasp_count; ++i)
     inputs.X_OG[i] = estimation_inputs_.grasps[i].X_OG;
+  if (slots.provider->commands(inputs, slots.law_output.V_O_G)) {
+    slots.law_output.V_O_G_second = math::Twist();
+    const bool finite = slots.law_output.V_O_G.vector().allFinite();
+    slots.control_condition.apply({finite ? sensing::Status::kOk : sensing::Status::kFault,
+                                   finite ? "" : "the command is not finite"});
+    return finite;
+  }
+  if (!knows_jacobian) {
+    slots.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});
+    return false;
+  }
   control::JointInputs joints;
   if (slots.commands_joints) {
     if (!arms_[0].joints_known) {

@@ -140,6 +140,9 @@ class Pipeline {
   void tell_fallback(const char* slot, const char* reason) noexcept;
   void check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept;
   bool feature_is_sound() noexcept;
+  void look_at_markers() noexcept;
+  const Eigen::Matrix3Xd& seen_positions() const noexcept;
+  bool look_and_learn(double dt, int first) noexcept;
   bool fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept;
   bool steer(double dt, int first) noexcept;
   void to_object_frame(const sensing::ContactSet& contacts) noexcept;

@@ -7,6 +7,7 @@
 #include "core/control/control_law.hpp"
 #include "core/control/safety_gate.hpp"
 #include "core/estimation/estimator.hpp"
+#include "core/published_control/marker_sight.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
 #include "rt/component/arm_model.hpp"
@@ -47,8 +48,14 @@ std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
 std::unique_ptr<elasticity::DeformationModel> make_deformation_model(const config::Node& node,
                                                                      const Context& context);
 std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context);
+/// `feature`: what it speaks of, evaluated on the rest shape.
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
-                                                                  const Context& context);
+                                                                  const Context& context,
+                                                                  shape::Feature& feature);
+/// Key `sight` of the controller; null where it is blind.
+std::unique_ptr<published_control::MarkerSight> make_marker_sight(const config::Node& node,
+                                                                  const Context& context,
+                                                                  const shape::Feature& feature);
 /// Configured for `feature`.
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,

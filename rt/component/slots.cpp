@@ -127,15 +127,14 @@ void Slots::build_contact(const config::Node& root) {
 
 void Slots::build_steering(const config::Node& root) {
   for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
+  const config::Node control =
+      root.child({"control", "", "how it is steered: a Jacobian and a law"});
   feature = make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
-  provider = make_jacobian_provider(
-      root.child({"control", "", "how it is steered: a Jacobian and a law"}), context);
-  law = make_control_law(root.child({"control", "", "how it is steered: a Jacobian and a law"}),
-                         context, *feature);
-  moving = read_moving_arms(root.child({"control", "", "how it is steered: a Jacobian and a law"}),
-                            context);
-  commands_joints = read_commands_joints(
-      root.child({"control", "", "how it is steered: a Jacobian and a law"}), context);
+  provider = make_jacobian_provider(control, context, *feature);
+  sight = make_marker_sight(control, context, *feature);
+  law = make_control_law(control, context, *feature);
+  moving = read_moving_arms(control, context);
+  commands_joints = read_commands_joints(control, context);
 
   const int dimension = feature->dimension();
   feature_state.value = Eigen::VectorXd::Zero(feature->value_count());
@@ -191,6 +190,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     feature.swap(other.feature);
     provider.swap(other.provider);
     law.swap(other.law);
+    sight.swap(other.sight);
     moving = other.moving;
     commands_joints = other.commands_joints;
     target.value.swap(other.target.value);
@@ -219,6 +219,7 @@ void Slots::start() noexcept {
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
   law->reset();
+  provider->reset();
 }
 
 void Slots::reset() noexcept {
@@ -234,6 +235,8 @@ void Slots::reset() noexcept {
   model->reset();
   estimator->activate(*model);
   law->reset();
+  provider->reset();
+  if (sight) sight->reset();
   target.revision = -1;
 }
 

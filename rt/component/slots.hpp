@@ -107,6 +107,7 @@ struct Slots {
   std::unique_ptr<shape::Feature> feature;
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
+  std::unique_ptr<published_control::MarkerSight> sight;  // null: the feature is the model's
   MovingArms moving = MovingArms::kFirst;
   bool commands_joints = false;  // of the first arm, in place of its hand's twist
 

@@ -113,6 +113,9 @@ class HyperelasticPlant final : public Plant {
   }
   void clear_forces() noexcept override;
 
+  /// Cuts through what lies in the box at rest. Throws std::invalid_argument where nothing does.
+  void cut(const Box& box) { solid_.cut(grid_, box); }
+
   /// Replaces positions (m) and velocities (m/s), both 3 x n in O; clamped nodes are kept still.
   void set_state(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities);
 

@@ -103,6 +103,25 @@ void NeoHookeanSolid::find_stiffness(const HexahedralGrid& grid,
   }
 }
 
+void NeoHookeanSolid::cut(const HexahedralGrid& grid, const Box& box) {
+  if (stiffness_.empty()) {
+    Moduli even;
+    even.fill(math::splat<Pack4d>(1));
+    stiffness_.assign(packs_.size(), even);
+  }
+  bool found = false;
+  for (int e = 0; e < grid.element_count(); ++e) {
+    const Eigen::Vector3d lower = grid.nodes().col(grid.elements()(0, e));
+    for (int point = 0; point < kGaussPoints; ++point) {
+      const Eigen::Array3d at = HexahedronPack::point(point);
+      if (!box.contains(lower + (at * grid.element_size(e).array()).matrix())) continue;
+      stiffness_[e / kTogether][point][e % kTogether] *= kCutModulus;
+      found = true;
+    }
+  }
+  if (!found) throw std::invalid_argument("plant: a cut goes through no point of the material");
+}
+
 void NeoHookeanSolid::add_viscous_stress(const ElementGradients& F, const ElementGradients& F_rate,
                                          ElementGradients& P) const noexcept {
   for (int point = 0; point < kGaussPoints; ++point) {

@@ -59,6 +59,12 @@ class NeoHookeanSolid {
   /// Stored energy, J, of the elastic part at `positions` and of the branches as last seen.
   double energy(const Eigen::Matrix3Xd& positions) const noexcept;
 
+  /// What lies in the box at rest bears nearly nothing from now on (kCutModulus of what it did), as
+  /// if a knife had gone through. Throws std::invalid_argument where the box holds no Gauss point.
+  /// The first cut allocates.
+  void cut(const HexahedralGrid& grid, const Box& box);
+  static constexpr double kCutModulus = 1e-3;
+
   double viscosity() const { return viscosity_; }
   double greatest_plastic_strain() const { return yield_.greatest_strain(); }
 

@@ -288,6 +288,37 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   return arm;
 }
 
+/// {at, box}: from `at` on what lies in the box at rest bears nearly nothing.
+std::vector<Cut> read_cuts(const config::Node& node) {
+  std::vector<Cut> cuts;
+  for (const config::Node& item : node.list("cuts")) {
+    const double before = cuts.empty() ? 0 : cuts.back().at;
+    cuts.push_back({item.number("at", {before, 1e5}), read_box(item.child("box"))});
+  }
+  return cuts;
+}
+
+/// A tracker of markers at `rest_points`: `rate` (Hz), `delay` (s), `drop_out`, `noise` (m) and
+/// `occlusions` as of a camera.
+MarkerOptions read_markers(const config::Node& node, const Scene& scene) {
+  constexpr std::size_t kMost = 256;
+  const Eigen::Vector3d lower = scene.plant.origin, upper = lower + scene.plant.size;
+  MarkerOptions markers;
+  markers.rest_points = node.points("rest_points");
+  if (markers.rest_points.empty() || markers.rest_points.size() > kMost)
+    node.fail("rest_points", "has no or too many points; allowed: 1 to 256");
+  for (const Eigen::Vector3d& p : markers.rest_points) {
+    if ((p.array() < lower.array() - 1e-9).any() || (p.array() > upper.array() + 1e-9).any())
+      node.fail("rest_points", "a point lies outside the object");
+  }
+  markers.timing.rate = node.number("rate", {0.1, 1000}, 30);
+  markers.timing.delay = node.number("delay", {0, 10}, 0);
+  markers.timing.drop_out = node.number("drop_out", {0, 1}, 0);
+  markers.noise = node.number("noise", {0, 0.1}, 0);
+  markers.occlusions = read_occlusions(node);
+  return markers;
+}
+
 }  // namespace
 
 Scene read_scene(const config::Node& node) {
@@ -310,6 +341,15 @@ Scene read_scene(const config::Node& node) {
         node.child({"camera", "", "depth camera that publishes SHAPE_OBSERVATION; absent: none"}),
         scene);
     scene.occlusions = read_occlusions(node.child("camera"));
+  }
+  scene.cuts = read_cuts(node);
+  if (!scene.cuts.empty() && scene.soft_box)
+    node.fail("cuts", "go through hyperelastic objects alone");
+  if (node.has("markers")) {
+    if (scene.camera) node.fail("markers", "given beside camera; allowed: one of them");
+    if (scene.soft_box) node.fail("markers", "stick to hyperelastic objects alone");
+    scene.markers = read_markers(
+        node.child({"markers", "", "points that a tracker publishes in SHAPE_OBSERVATION"}), scene);
   }
   if (node.has("motion"))
     scene.motion = read_motion(

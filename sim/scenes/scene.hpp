@@ -27,6 +27,20 @@ struct Occlusion {
   double duration = 0;
 };
 
+/// A knife goes through the object.
+struct Cut {
+  double at = 0;    // s
+  object::Box box;  // at rest, in O
+};
+
+/// Markers on the object that a tracker sees and tells apart.
+struct MarkerOptions {
+  std::vector<Eigen::Vector3d> rest_points;  // in O, m; 1 to 256
+  sensors::Timing timing;
+  double noise = 0;  // m, standard deviation of each coordinate
+  std::vector<Occlusion> occlusions;
+};
+
 /// A scene file as a struct: the first arm, and what else there is.
 struct Scene : ArmScene {
   std::uint64_t seed = 1;
@@ -40,6 +54,8 @@ struct Scene : ArmScene {
   std::optional<ArmScene> second_arm;
   std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION
   std::vector<Occlusion> occlusions;                 // in their order
+  std::vector<Cut> cuts;                             // in their order
+  std::optional<MarkerOptions> markers;              // in place of a camera
 };
 
 /// Throws config::Error, also for keys that nobody knows.

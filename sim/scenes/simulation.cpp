@@ -74,6 +74,9 @@ Simulation::Simulation(const config::Node& node, bus::MessageBus& control,
       camera_(scene_.camera ? std::make_unique<CameraPublisher>(control, scene_, arms_,
                                                                 origin.session, origin.start_utime)
                             : nullptr),
+      markers_(scene_.markers ? std::make_unique<MarkerPublisher>(
+                                    control, scene_, plant(), origin.session, origin.start_utime)
+                              : nullptr),
       truth_(housekeeping, *plant_, origin.session) {}
 
 std::vector<math::Pose> Simulation::grasps_in_object() const {
@@ -86,6 +89,18 @@ const object::HyperelasticPlant& Simulation::plant() const {
   const auto* plant = dynamic_cast<const object::HyperelasticPlant*>(plant_.get());
   if (plant == nullptr) throw std::logic_error("the scene's object is not hyperelastic");
   return *plant;
+}
+
+/// A scene with cuts has a hyperelastic object.
+void Simulation::cut() {
+  for (; cuts_done_ < scene_.cuts.size() && scene_.cuts[cuts_done_].at <= time(); ++cuts_done_) {
+    auto& plant = dynamic_cast<object::HyperelasticPlant&>(*plant_);
+    try {
+      plant.cut(scene_.cuts[cuts_done_].box);
+    } catch (const std::invalid_argument& error) {
+      throw config::Error(std::string("cuts: ") + error.what());
+    }
+  }
 }
 
 void Simulation::step() {
@@ -103,6 +118,7 @@ void Simulation::advance() {
   for (Arm& arm : arms_) arm.step(tick_, time(), kPeriod, *plant_);
   ++tick_;
   pokes_.apply(time(), *plant_);
+  cut();
   for (const Arm& arm : arms_) arm.lead(*plant_);
   plant_->step(kPeriod);
   for (Arm& arm : arms_) arm.sample(kPeriodUs * tick_, *plant_);
@@ -112,6 +128,7 @@ void Simulation::publish() {
   const std::int64_t now_us = kPeriodUs * tick_;
   for (Arm& arm : arms_) arm.publish(now_us);
   if (camera_) camera_->step(now_us, arms_, *plant_);
+  if (markers_) markers_->step(now_us, plant());
 }
 
 void Simulation::publish_truth() {

@@ -9,6 +9,7 @@
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/scenes/arm.hpp"
 #include "sim/scenes/camera_publisher.hpp"
+#include "sim/scenes/marker_publisher.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/scenes/truth_publisher.hpp"
@@ -43,6 +44,7 @@ class Simulation {
     origin_.start_utime = start_utime;
     for (Arm& arm : arms_) arm.start_clock(start_utime);
     if (camera_) camera_->start_clock(start_utime);
+    if (markers_) markers_->start_clock(start_utime);
   }
 
   /// For a run against the real clock: the camera's pictures may come late and are never waited
@@ -85,6 +87,7 @@ class Simulation {
 
  private:
   std::vector<math::Pose> grasps_in_object() const;
+  void cut();
 
   Scene scene_;
   Origin origin_;
@@ -92,7 +95,9 @@ class Simulation {
   std::unique_ptr<object::Plant> plant_;
   Pokes pokes_;
   std::unique_ptr<CameraPublisher> camera_;
+  std::unique_ptr<MarkerPublisher> markers_;
   TruthPublisher truth_;
+  std::size_t cuts_done_ = 0;
   std::int64_t tick_ = 0;
 };
 

@@ -7,6 +7,7 @@
 
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/process.hpp"
+#include "tools/evaluate/shard.hpp"
 #include "tools/evaluate/study_hash.hpp"
 #include "tools/evaluate/study_host.hpp"
 #include "tools/evaluate/study_job.hpp"
@@ -21,6 +22,15 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kCoresAJob = 2;  // simulator and daemon
+
+std::string check_shard(const std::string& text) {
+  try {
+    read_shard(text);
+    return "";
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+}
 
 int default_workers() {
   return std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / kCoresAJob);
@@ -39,6 +49,7 @@ struct StudyCommand::Options {
   bool report_only = false;
   bool keep_logs = false;
   std::string job;
+  std::string shard;
 
   fs::path folder(const StudyJob& wanted) const { return fs::absolute(output) / wanted.name; }
 
@@ -108,6 +119,13 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
   CLI::Option* list = command_->add_flag("--list", o.list, "name the jobs and end");
   CLI::Option* report =
       command_->add_flag("--report-only", o.report_only, "report what has been run; run nothing");
+  command_
+      ->add_option("--shard", o.shard,
+                   "I/N: run the I-th of N equal parts of the jobs alone and report nothing; when "
+                   "all parts are in one folder --report-only reports them together")
+      ->check(check_shard)
+      ->excludes(list)
+      ->excludes(report);
   command_->add_option("--job", o.job, "run this one job here, as each of them is run")
       ->excludes(list)
       ->excludes(report);
@@ -185,6 +203,17 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   for (const StudyJob& job : jobs)
     tasks.push_back({job.name, o.command_of(job, root, plan_file), o.folder(job),
                      hash_of_inputs(job, programs)});
+  if (!o.shard.empty()) {
+    const std::vector<Task> part = shard_of(tasks, read_shard(o.shard));
+    int failed = 0;
+    for (const TaskOutcome& outcome : run_all(part, o.workers, out)) {
+      if (outcome.state != TaskOutcome::State::kFailed) continue;
+      out << outcome.name << ": " << outcome.failure << '\n';
+      ++failed;
+    }
+    out << "shard " << o.shard << ": " << part.size() << " of " << tasks.size() << " jobs\n";
+    return failed == 0 ? 0 : 1;
+  }
   report.folder = fs::absolute(o.output);
   fs::create_directories(report.folder);
   report.host = describe_host();

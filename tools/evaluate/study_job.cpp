@@ -1,8 +1,10 @@
 #include "tools/evaluate/study_job.hpp"
 
+#include <algorithm>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
@@ -22,6 +24,21 @@ using Json = nlohmann::json;
 
 constexpr double kSlack = 10;  // s in real time; the scene ends the run
 
+/// What a controller that plans before the hand moves has to know then: the target itself.
+std::string goal_of(const Eigen::VectorXd& values) {
+  std::ostringstream text;
+  text.precision(9);
+  for (Eigen::Index i = 0; i < values.size(); ++i) text << (i == 0 ? "" : ", ") << values[i];
+  return "control.goal={values: [" + text.str() + "]}";
+}
+
+bool plans_ahead(const StudyJob& job) {
+  return std::any_of(job.daemon_overrides.begin(), job.daemon_overrides.end(),
+                     [](const std::string& setting) {
+                       return setting.find("control.provider=inverse_elements") == 0;
+                     });
+}
+
 RunPlan plan_of(const StudyJob& job) {
   RunPlan plan;
   plan.name = job.name;
@@ -34,6 +51,7 @@ RunPlan plan_of(const StudyJob& job) {
   plan.target = job.target;
   if (plan.target && plan.target->hand)
     plan.target->values = reached_value(job.scene, *plan.target, *plan.target->hand);
+  if (plan.target && plans_ahead(job)) plan.overrides.push_back(goal_of(plan.target->values));
   plan.settled = plan.duration;  // every run of an application takes as long
   plan.lock_step = !job.real_time;
   return plan;

@@ -130,7 +130,7 @@ void write_runs_csv(const std::vector<StudyResult>& results, std::ostream& out) 
         }
     }
   }
-  out << "application,method,model_error,seed,outcome";
+  out << "application,method,model_error,seed,outcome,version,inputs_hash";
   for (const std::string& key : keys) out << ',' << csv_cell(key);
   out << "\r\n";
   for (const StudyResult& result : results) {
@@ -138,7 +138,8 @@ void write_runs_csv(const std::vector<StudyResult>& results, std::ostream& out) 
     if (row == rows.end() && !result.failed) continue;
     out << csv_cell(result.job.application) << ',' << csv_cell(result.job.method) << ','
         << csv_cell(result.job.mismatch) << ',' << result.job.seed << ','
-        << (result.failed ? "failed" : "done");
+        << (result.failed ? "failed" : "done") << ',' << PALPATE_VERSION << ','
+        << (row == rows.end() ? "" : result.json.value("inputs_hash", ""));
     for (const std::string& key : keys) {
       out << ',';
       if (row != rows.end() && row->second.contains(key)) out << row->second[key].dump();

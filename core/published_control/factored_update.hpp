@@ -1,0 +1,36 @@
+#pragma once
+
+#include "core/published_control/jacobian_update.hpp"
+
+namespace palpate::published_control {
+
+/// Alambeigi, Wang, Hegeman, Liu and Armand, "Autonomous data-driven manipulation of unknown
+/// anisotropic deformable tissues using unmodelled continuum manipulators", IEEE Robotics and
+/// Automation Letters 4(2), 2018: row [54] of Table 2.2.
+///
+/// Consumes: image features (vision, see TwoCameraView), the hand's pose, six probes; no model.
+/// Kept: the Jacobian is a product of two unknown ones, of the image by the deformation and of the
+/// deformation by the hand, J = A B, both learnt on line as the object changes: each by the
+/// rank-one update that is smallest given the other, with half of what is left to explain. Left
+/// out: the constrained least squares by which the paper estimates both, the cut in mid-run (the
+/// plant cannot be cut; a part that is stiffer stands for an unlike object), their continuum robot.
+class FactoredUpdate final : public JacobianUpdate {
+ public:
+  /// Throws std::invalid_argument where gain is not in (0, 1].
+  explicit FactoredUpdate(double gain);
+  void resize(int rows) override;
+  void forget() noexcept override { split_ = false; }
+  void learn(const ScaledMotion& motion, const Eigen::VectorXd& change, bool probe,
+             Eigen::MatrixXd& J) noexcept override;
+
+ private:
+  void split(const Eigen::MatrixXd& J) noexcept;
+
+  double gain_;
+  Eigen::MatrixXd image_;       // A, rows x 6
+  math::Matrix6d deformation_;  // B
+  Eigen::VectorXd residual_, step_;
+  bool split_ = false;
+};
+
+}  // namespace palpate::published_control

@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/shape/feature.hpp"
+
+namespace palpate::published_control {
+
+/// In which numbers a method sees the feature whose Jacobian it learns: in the feature's own, or in
+/// others that its paper prefers.
+class FeatureView {
+ public:
+  virtual ~FeatureView() = default;
+  /// Throws std::invalid_argument where such a feature cannot be seen so. Allocates.
+  virtual void resize(const shape::Feature& feature) = 0;
+  virtual int rows() const noexcept = 0;
+  virtual void measure(const Eigen::VectorXd& value, Eigen::VectorXd& seen) noexcept = 0;
+  /// J of the feature (dimension x 6) of that of what is seen (rows x 6), at the last measure().
+  virtual void express(const Eigen::MatrixXd& J_seen, Eigen::Ref<Eigen::MatrixXd> J) noexcept = 0;
+};
+
+/// The feature's own numbers.
+class PlainView final : public FeatureView {
+ public:
+  void resize(const shape::Feature& feature) override;
+  int rows() const noexcept override { return rows_; }
+  void measure(const Eigen::VectorXd& value, Eigen::VectorXd& seen) noexcept override {
+    seen = value;
+  }
+  void express(const Eigen::MatrixXd& J_seen, Eigen::Ref<Eigen::MatrixXd> J) noexcept override {
+    J = J_seen;
+  }
+
+ private:
+  int rows_ = 0;
+};
+
+/// Throws std::invalid_argument unless errors of the feature are plain differences of its values.
+void check_plain(const shape::Feature& feature);
+
+/// The same, and it holds x, y, z of points.
+void check_points(const shape::Feature& feature);
+
+}  // namespace palpate::published_control
