@@ -15,6 +15,7 @@ using Eigen::Vector3d;
 // Sine of the angle by which sides may differ and still be one plane; of an edge's length, by which
 // its middle may lie beside it and the edge still be straight.
 constexpr double kFlat = 1e-6, kStraight = 1e-7;
+constexpr double kFlatQuality = 1e-3;
 
 /// Directions, orthonormal, in which a node may go.
 using Freedom = std::vector<Vector3d>;
@@ -142,10 +143,17 @@ class NodeMotion {
     return squares > 0 ? 6 * std::sqrt(2.0) * volume(mesh_.mesh, t) / std::pow(squares, 1.5) : 0;
   }
 
-  double worst(int n) const {
-    double q = 1;
-    for (const int t : around_[n]) q = std::min(q, quality(t));
-    return q;
+  /// Of the elements about a node: the worst quality as long as one is flat or inside out, then
+  /// their power mean of exponent -4, which is near the worst but does not spoil all others for it.
+  double goodness(int n) const {
+    double worst = 1, sum = 0;
+    for (const int t : around_[n]) {
+      const double q = quality(t);
+      worst = std::min(worst, q);
+      sum += 1 / (q * q * q * q);
+    }
+    if (!(worst > kFlatQuality)) return worst - kFlatQuality;
+    return std::pow(static_cast<double>(around_[n].size()) / sum, 0.25);
   }
 
   bool improve(int n) {
@@ -162,12 +170,12 @@ class NodeMotion {
     reach /= neighbours;
     centre /= neighbours;
 
-    const double before = worst(n);
+    const double before = goodness(n);
     double best = before;
     const auto try_place = [&](const Vector3d& at) {
       const Vector3d old = place;
       place = at;
-      const double q = worst(n);
+      const double q = goodness(n);
       if (q > best) {
         best = q;
         return true;

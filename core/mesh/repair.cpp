@@ -76,6 +76,7 @@ class Repair {
     }
     if (merged.empty()) return;
     replace_nodes(mesh_, by);
+    drop(mesh_, std::vector<bool>(mesh_.mesh.tetrahedron_count(), false));
     add("nodes merged into others within " + shortest(tolerance) + " m", std::move(merged));
     merged_ = true;
   }

@@ -6,9 +6,9 @@
 #include <cmath>
 #include <functional>
 #include <map>
-#include <numeric>
-#include <set>
+#include <stdexcept>
 
+#include "core/mesh/side_groups.hpp"
 #include "core/mesh/surface.hpp"
 
 namespace palpate::mesh {
@@ -73,27 +73,6 @@ void curve(MeshWithGroups& result, const IsRound& is_round, const Place& onto_su
       }
     }
   }
-}
-
-/// Groups of boundary triangles by what `name` calls each (by its corners), and `body`.
-void group(MeshWithGroups& result, const std::function<std::string(const Eigen::Matrix3d&)>& name) {
-  const Surface surface = extract_surface(make_element_mesh(result.mesh, ElementOrder::kLinear));
-  std::map<std::string, std::vector<int>> members;
-  for (int t = 0; t < surface.triangles.cols(); ++t) {
-    const Eigen::Matrix3d corners = result.mesh.nodes(Eigen::all, surface.triangles.col(t));
-    members[name(corners)].push_back(t);
-  }
-  for (const auto& [key, triangles] : members) {
-    MeshGroup& g = result.groups[key];
-    g.triangles = surface.triangles(Eigen::all, triangles);
-    const std::set<int> nodes(g.triangles.reshaped().begin(), g.triangles.reshaped().end());
-    g.nodes.assign(nodes.begin(), nodes.end());
-  }
-  MeshGroup& body = result.groups["body"];
-  body.tetrahedra.resize(result.mesh.tetrahedron_count());
-  std::iota(body.tetrahedra.begin(), body.tetrahedra.end(), 0);
-  body.nodes.resize(result.mesh.node_count());
-  std::iota(body.nodes.begin(), body.nodes.end(), 0);
 }
 
 /// Corners of an icosahedron on the unit sphere, two of them on the x axis, and its faces.
@@ -193,7 +172,7 @@ MeshWithGroups make_cylinder(double radius, double length, int rings, int layers
           return Vector3d(p.x(), out.x(), out.y());
         });
   }
-  group(result, [&](const Eigen::Matrix3d& corners) -> std::string {
+  group_sides(result, [&](const Eigen::Matrix3d& corners) -> std::string {
     if (corners.row(0).maxCoeff() < kOnSurface * length) return "x_min";
     if (corners.row(0).minCoeff() > (1 - kOnSurface) * length) return "x_max";
     return "side";
@@ -246,7 +225,7 @@ MeshWithGroups make_ellipsoid(const Vector3d& half_axes, int cells, RoundSides s
           return Vector3d(half_axes.cwiseProduct(p.cwiseQuotient(half_axes).normalized()));
         });
   }
-  group(result, [](const Eigen::Matrix3d&) { return "surface"; });
+  group_sides(result, [](const Eigen::Matrix3d&) { return "surface"; });
   return result;
 }
 

@@ -173,15 +173,11 @@ class SurfaceRepair {
     if (options_.parts != Parts::kKeepLargest) return;
     // By area: an open part has no volume. Where all are closed, cavities stay.
     const SurfaceReport report = check(surface_);
-    std::vector<double> area(report.parts(), 0);
-    for (int t = 0; t < surface_.triangle_count(); ++t) {
-      const Vector3d a = surface_.points.col(surface_.triangles(0, t)),
-                     b = surface_.points.col(surface_.triangles(1, t)),
-                     c = surface_.points.col(surface_.triangles(2, t));
-      area[report.part[t]] += (b - a).cross(c - a).norm();
-    }
+    std::vector<double> areas(report.parts(), 0);
+    for (int t = 0; t < surface_.triangle_count(); ++t)
+      areas[report.part[t]] += area(surface_.triangles.col(t));
     const auto largest =
-        static_cast<int>(std::max_element(area.begin(), area.end()) - area.begin());
+        static_cast<int>(std::max_element(areas.begin(), areas.end()) - areas.begin());
     const bool nested = report.is_closed() && report.bodies == 1;
     std::vector<int> gone;
     for (int t = 0; t < surface_.triangle_count() && !nested; ++t) {
@@ -194,20 +190,44 @@ class SurfaceRepair {
   void close_holes() {
     std::vector<long> added;
     std::size_t holes = 0;
-    for (const std::vector<int>& loop : SurfaceTopology(surface_).holes()) {
+    double closed = 0;
+    const SurfaceTopology topology(surface_);
+    const SurfaceReport before_closing = check(surface_);
+    for (const std::vector<int>& loop : before_closing.holes) {
       if (static_cast<int>(loop.size()) > options_.largest_hole || loop.size() < 3) continue;
+      if (is_rim_of_sheet(loop, topology)) continue;
       const Eigen::Matrix3Xi closing = close_loop(surface_.points, loop);
       const int before = surface_.triangle_count();
       surface_.triangles.conservativeResize(3, before + closing.cols());
       surface_.triangles.rightCols(closing.cols()) = closing;
       for (int t = 0; t < closing.cols(); ++t) {
+        closed += area(closing.col(t));
         surface_.numbers.push_back(before + t + 1);
         added.push_back(surface_.numbers.back());
       }
       ++holes;
     }
-    add("triangles added to close " + std::to_string(holes) + (holes == 1 ? " hole" : " holes"),
+    add("triangles added to close " + std::to_string(holes) + (holes == 1 ? " hole" : " holes") +
+            " by " + shortest(std::round(1e4 * closed / before_closing.area) / 100) +
+            " % of the area that was there",
         std::move(added));
+  }
+
+  double area(const Eigen::Vector3i& corners) const {
+    const Vector3d a = surface_.points.col(corners[0]), b = surface_.points.col(corners[1]),
+                   c = surface_.points.col(corners[2]);
+    return 0.5 * (b - a).cross(c - a).norm();
+  }
+
+  /// What is held by an edge of three triangles sticks out: its rim is no hole.
+  static bool is_rim_of_sheet(const std::vector<int>& loop, const SurfaceTopology& topology) {
+    for (std::size_t i = 0; i < loop.size(); ++i) {
+      for (std::size_t j = 0; j < i; ++j) {
+        const auto edge = topology.edges().find(std::minmax(loop[i], loop[j]));
+        if (edge != topology.edges().end() && edge->second.size() > 2) return true;
+      }
+    }
+    return false;
   }
 
   void turn() {
