@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <istream>
 #include <map>
 #include <stdexcept>
@@ -17,6 +18,20 @@ class ParseError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// What a reader does where an element names a node that is not there, a coordinate is not finite,
+/// or a cell of a volume is no tetrahedron.
+enum class OnFault {
+  kThrow,  // ParseError
+  kKeep,   // for who mends it: index -1, the number as it stands, the cell among the `others`
+};
+
+/// A pyramid (5 corners, its tip the last), prism (6) or hexahedron (8), corners in VTK's order.
+struct OtherCell {
+  int corner_count = 0;
+  std::array<int, 8> corners{};
+  long number = 0;  // in the file
+};
+
 /// Named parts of a mesh, as Gmsh's physical groups and Vega's sets hold them.
 struct MeshGroup {
   Eigen::Matrix3Xi triangles;   // node indices; orientation as in the file
@@ -27,7 +42,17 @@ struct MeshGroup {
 struct MeshWithGroups {
   TetrahedralMesh mesh;
   std::map<std::string, MeshGroup> groups;
-  EdgeMiddles middles;  // of 10-node tetrahedra
+  EdgeMiddles middles = {};  // of 10-node tetrahedra
+  // What the file calls nodes and tetrahedra, for messages; empty where a mesh was made.
+  std::vector<long> node_numbers = {};
+  std::vector<long> tetrahedron_numbers = {};
+  std::vector<OtherCell> others = {};  // OnFault::kKeep only
+
+  /// What the file calls a node or tetrahedron, or the index where no file is known.
+  long node_number(int n) const { return node_numbers.empty() ? n : node_numbers[n]; }
+  long tetrahedron_number(int t) const {
+    return tetrahedron_numbers.empty() ? t : tetrahedron_numbers[t];
+  }
 };
 
 /// Reads a text line by line into words, with the line number for errors. Empty lines and what

@@ -16,7 +16,7 @@ void make_room(Matrix& matrix, int column, int count) {
 
 }  // namespace
 
-Eigen::Matrix3Xd read_tetgen_nodes(LineReader& reader, long& first) {
+Eigen::Matrix3Xd read_tetgen_nodes(LineReader& reader, long& first, OnFault on_fault) {
   const int count = reader.count(0);
   if (reader.size() > 1 && reader.integer(1) != 3) reader.fail("nodes must have 3 dimensions");
   Eigen::Matrix3Xd nodes;
@@ -34,13 +34,16 @@ Eigen::Matrix3Xd read_tetgen_nodes(LineReader& reader, long& first) {
     make_room(nodes, n, count);
     for (int i = 0; i < 3; ++i) {
       nodes(i, n) = reader.number(1 + i);
-      if (!std::isfinite(nodes(i, n))) reader.fail("a coordinate is not finite");
+      if (!std::isfinite(nodes(i, n)) && on_fault == OnFault::kThrow) {
+        reader.fail("a coordinate is not finite");
+      }
     }
   }
   return nodes;
 }
 
-Eigen::Matrix4Xi read_tetgen_elements(LineReader& reader, long first, int node_count) {
+Eigen::Matrix4Xi read_tetgen_elements(LineReader& reader, long first, int node_count,
+                                      OnFault on_fault) {
   const int count = reader.count(0);
   const long corners = reader.size() > 1 ? reader.integer(1) : 4;
   if (corners != 4 && corners != 10) reader.fail("tetrahedra must have 4 or 10 nodes");
@@ -51,25 +54,26 @@ Eigen::Matrix4Xi read_tetgen_elements(LineReader& reader, long first, int node_c
     make_room(tetrahedra, t, count);
     for (int i = 0; i < 4; ++i) {
       const long node = reader.integer(1 + i) - first;
-      if (node < 0 || node >= node_count) {
+      const bool exists = node >= 0 && node < node_count;
+      if (!exists && on_fault == OnFault::kThrow) {
         reader.fail("there is no node " + std::to_string(node + first));
       }
-      tetrahedra(i, t) = static_cast<int>(node);
+      tetrahedra(i, t) = exists ? static_cast<int>(node) : -1;
     }
   }
   return tetrahedra;
 }
 
 TetrahedralMesh read_tetgen(std::istream& node, const std::string& node_name, std::istream& ele,
-                            const std::string& ele_name) {
+                            const std::string& ele_name, OnFault on_fault) {
   TetrahedralMesh mesh;
   long first = 0;
   LineReader nodes(node, node_name, '#');
   nodes.require("the number of nodes");
-  mesh.nodes = read_tetgen_nodes(nodes, first);
+  mesh.nodes = read_tetgen_nodes(nodes, first, on_fault);
   LineReader elements(ele, ele_name, '#');
   elements.require("the number of tetrahedra");
-  mesh.tetrahedra = read_tetgen_elements(elements, first, mesh.node_count());
+  mesh.tetrahedra = read_tetgen_elements(elements, first, mesh.node_count(), on_fault);
   return mesh;
 }
 

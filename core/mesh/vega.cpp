@@ -13,8 +13,9 @@ namespace {
 /// section that is included is read by a reader of its own.
 class VegaReader {
  public:
-  VegaReader(std::istream& stream, const std::string& name, const Includer& include)
-      : reader_(stream, name, '#'), include_(include) {}
+  VegaReader(std::istream& stream, const std::string& name, const Includer& include,
+             OnFault on_fault)
+      : reader_(stream, name, '#'), include_(include), on_fault_(on_fault) {}
 
   MeshWithGroups read() {
     bool more = reader_.next();
@@ -22,7 +23,9 @@ class VegaReader {
       const std::string section = reader_.words()[0];
       if (section == "*VERTICES") {
         if (has_nodes_) reader_.fail("*VERTICES comes twice");
-        read_section([this](LineReader& r) { result_.mesh.nodes = read_tetgen_nodes(r, first_); });
+        read_section([this](LineReader& r) {
+          result_.mesh.nodes = read_tetgen_nodes(r, first_, on_fault_);
+        });
         has_nodes_ = true;
         more = reader_.next();
       } else if (section == "*ELEMENTS") {
@@ -38,6 +41,10 @@ class VegaReader {
     }
     if (!has_nodes_) reader_.fail("there is no *VERTICES");
     if (!has_elements_) reader_.fail("there is no *ELEMENTS");
+    for (int n = 0; n < result_.mesh.node_count(); ++n) result_.node_numbers.push_back(first_ + n);
+    for (int t = 0; t < result_.mesh.tetrahedron_count(); ++t) {
+      result_.tetrahedron_numbers.push_back(first_ + t);
+    }
     return std::move(result_);
   }
 
@@ -71,7 +78,8 @@ class VegaReader {
       reader_.fail("elements are '" + reader_.words()[0] + "'; only TETS can be read");
     }
     read_section([this](LineReader& r) {
-      result_.mesh.tetrahedra = read_tetgen_elements(r, first_, result_.mesh.node_count());
+      result_.mesh.tetrahedra =
+          read_tetgen_elements(r, first_, result_.mesh.node_count(), on_fault_);
     });
     has_elements_ = true;
   }
@@ -94,7 +102,9 @@ class VegaReader {
           reader_.fail("there is no element " + std::to_string(number));
         }
         tetrahedra.insert(static_cast<int>(t));
-        for (int i = 0; i < 4; ++i) nodes.insert(mesh.tetrahedra(i, t));
+        for (int i = 0; i < 4; ++i) {
+          if (mesh.tetrahedra(i, t) >= 0) nodes.insert(mesh.tetrahedra(i, t));
+        }
       }
       if (!numbers.eof()) reader_.fail("a set must hold element numbers");
     }
@@ -106,6 +116,7 @@ class VegaReader {
 
   LineReader reader_;
   const Includer& include_;
+  OnFault on_fault_;
   MeshWithGroups result_;
   long first_ = 0;
   bool has_nodes_ = false;
@@ -114,8 +125,9 @@ class VegaReader {
 
 }  // namespace
 
-MeshWithGroups read_vega(std::istream& stream, const std::string& name, const Includer& include) {
-  return VegaReader(stream, name, include).read();
+MeshWithGroups read_vega(std::istream& stream, const std::string& name, const Includer& include,
+                         OnFault on_fault) {
+  return VegaReader(stream, name, include, on_fault).read();
 }
 
 }  // namespace palpate::mesh

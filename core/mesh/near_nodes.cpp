@@ -1,0 +1,51 @@
+#include "core/mesh/near_nodes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace palpate::mesh {
+
+double diagonal(const Eigen::Matrix3Xd& points) {
+  Eigen::Vector3d lower = Eigen::Vector3d::Constant(INFINITY), upper = -lower;
+  for (int n = 0; n < points.cols(); ++n) {
+    if (!points.col(n).allFinite()) continue;
+    lower = lower.cwiseMin(points.col(n));
+    upper = upper.cwiseMax(points.col(n));
+  }
+  return (upper.array() >= lower.array()).all() ? (upper - lower).norm() : 0;
+}
+
+std::vector<int> near_nodes(const Eigen::Matrix3Xd& points, double tolerance) {
+  const int count = static_cast<int>(points.cols());
+  // Along a line that no grid has planes across few points have the same place.
+  const Eigen::Vector3d line = Eigen::Vector3d(1, std::sqrt(2) - 1, std::sqrt(3) - 1).normalized();
+  std::vector<int> by(count), order;
+  std::vector<double> place(count);
+  std::iota(by.begin(), by.end(), 0);
+  for (int n = 0; n < count; ++n) {
+    if (!points.col(n).allFinite()) continue;
+    place[n] = line.dot(points.col(n));
+    order.push_back(n);
+  }
+  std::sort(order.begin(), order.end(), [&place](int a, int b) {
+    return std::make_pair(place[a], a) < std::make_pair(place[b], b);
+  });
+  const auto root = [&by](int n) {
+    while (by[n] != n) n = by[n] = by[by[n]];
+    return n;
+  };
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    for (std::size_t j = i + 1; j < order.size(); ++j) {
+      if (!(place[order[j]] - place[order[i]] <= tolerance)) break;
+      if ((points.col(order[i]) - points.col(order[j])).norm() > tolerance) continue;
+      const int a = root(order[i]), b = root(order[j]);
+      by[std::max(a, b)] = std::min(a, b);
+      if (points.col(order[i]) == points.col(order[j])) break;  // that one meets the others for us
+    }
+  }
+  for (int n = 0; n < count; ++n) by[n] = root(n);
+  return by;
+}
+
+}  // namespace palpate::mesh

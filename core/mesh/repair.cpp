@@ -1,0 +1,212 @@
+#include "core/mesh/repair.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <set>
+
+#include "core/mesh/cell_split.hpp"
+#include "core/mesh/flat_elements.hpp"
+#include "core/mesh/mesh_writer.hpp"
+#include "core/mesh/near_nodes.hpp"
+#include "core/mesh/node_motion.hpp"
+#include "core/mesh/report.hpp"
+
+namespace palpate::mesh {
+namespace {
+
+class Repair {
+ public:
+  Repair(MeshWithGroups& mesh, const RepairOptions& options) : mesh_(mesh), options_(options) {
+    if (mesh.node_numbers.empty()) {
+      for (int n = 0; n < mesh.mesh.node_count(); ++n) mesh.node_numbers.push_back(n);
+    }
+    if (mesh.tetrahedron_numbers.empty()) {
+      for (int t = 0; t < mesh.mesh.tetrahedron_count(); ++t) mesh.tetrahedron_numbers.push_back(t);
+    }
+  }
+
+  std::vector<RepairStep> run() {
+    split_others();
+    std::vector<long> stray = unused();
+    // Before nodes are merged: a stray one that lies on another is no reason to do so.
+    if (!stray.empty()) drop(mesh_, std::vector<bool>(mesh_.mesh.tetrahedron_count(), false));
+    merge_nodes();
+    drop_degenerate_and_repeated();
+    // What follows needs numbers that can be computed with.
+    const MeshReport before = check(mesh_.mesh);
+    if (before.not_finite.empty() && before.index_out_of_range.empty()) {
+      turn();
+      remove_flat();
+      drop_parts();
+    }
+    add("nodes dropped that are in no element", std::move(stray));
+    return std::move(steps_);
+  }
+
+ private:
+  void add(const std::string& what, std::vector<long> numbers) {
+    if (!numbers.empty()) steps_.push_back({what, std::move(numbers)});
+  }
+  std::vector<long> numbers(const std::vector<int>& tetrahedra) const {
+    std::vector<long> result;
+    for (const int t : tetrahedra) result.push_back(mesh_.tetrahedron_number(t));
+    return result;
+  }
+
+  void split_others() {
+    std::vector<long> cells;
+    for (const OtherCell& cell : mesh_.others) {
+      const auto end = cell.corners.begin() + cell.corner_count;
+      if (std::all_of(cell.corners.begin(), end, [](int n) { return n >= 0; }))
+        cells.push_back(cell.number);
+    }
+    split_cells(mesh_);
+    add("pyramids, prisms and hexahedra cut into tetrahedra", std::move(cells));
+  }
+
+  void merge_nodes() {
+    const double tolerance = options_.merge_tolerance * diagonal(mesh_.mesh.nodes);
+    const std::vector<int> by = near_nodes(mesh_.mesh.nodes, tolerance);
+    std::vector<long> merged;
+    for (int n = 0; n < mesh_.mesh.node_count(); ++n) {
+      if (by[n] != n) merged.push_back(mesh_.node_number(n));
+    }
+    if (merged.empty()) return;
+    replace_nodes(mesh_, by);
+    drop(mesh_, std::vector<bool>(mesh_.mesh.tetrahedron_count(), false));
+    add("nodes merged into others within " + shortest(tolerance) + " m", std::move(merged));
+    merged_ = true;
+  }
+
+  void drop_degenerate_and_repeated() {
+    const TetrahedralMesh& m = mesh_.mesh;
+    std::vector<bool> gone(m.tetrahedron_count(), false);
+    std::vector<int> degenerate, repeated;
+    std::map<std::array<int, 4>, int> known;
+    for (int t = 0; t < m.tetrahedron_count(); ++t) {
+      std::array<int, 4> c{};
+      std::copy_n(m.tetrahedra.col(t).begin(), 4, c.begin());
+      std::sort(c.begin(), c.end());
+      if (c[0] < 0) continue;  // a corner that is not there: not for us
+      if (std::adjacent_find(c.begin(), c.end()) != c.end()) {
+        degenerate.push_back(t);
+        continue;
+      }
+      const auto [found, is_new] = known.try_emplace(c, t);
+      if (is_new) continue;
+      repeated.push_back(t);
+      for (auto& [name, group] : mesh_.groups) {  // the one that stays is in the groups of both
+        auto& members = group.tetrahedra;
+        if (!std::binary_search(members.begin(), members.end(), t)) continue;
+        const auto at = std::lower_bound(members.begin(), members.end(), found->second);
+        if (at == members.end() || *at != found->second) members.insert(at, found->second);
+      }
+    }
+    for (const int t : degenerate) gone[t] = true;
+    for (const int t : repeated) gone[t] = true;
+    add(merged_ ? "elements dropped that name a node twice or lost a corner by merging"
+                : "elements dropped that name a node twice",
+        numbers(degenerate));
+    add("elements dropped that are there twice", numbers(repeated));
+    if (!degenerate.empty() || !repeated.empty()) drop(mesh_, gone);
+  }
+
+  std::vector<int> negative() const { return check(mesh_.mesh).negative_volume; }
+
+  /// Files have their convention: where most elements are inside out, all are exchanged.
+  void turn() {
+    std::vector<int> wrong = negative();
+    if (wrong.empty()) return;
+    if (2 * static_cast<int>(wrong.size()) > mesh_.mesh.tetrahedron_count()) {
+      for (int t = 0; t < mesh_.mesh.tetrahedron_count(); ++t) exchange(t);
+      const std::vector<int> others = negative();
+      std::vector<int> turned;
+      std::set_difference(wrong.begin(), wrong.end(), others.begin(), others.end(),
+                          std::back_inserter(turned));
+      add("elements turned: their order of corners was the mirror image", numbers(turned));
+      wrong = others;
+    }
+    untangle(wrong);
+    const std::vector<int> left = negative();
+    for (const int t : left) exchange(t);
+    add("elements turned: their order of corners was the mirror image", numbers(left));
+  }
+
+  void exchange(int t) { std::swap(mesh_.mesh.tetrahedra(2, t), mesh_.mesh.tetrahedra(3, t)); }
+
+  /// An element whose neighbours lie on the other sides of its faces is only written the wrong way;
+  /// one that covers a neighbour was turned by a node that strayed.
+  void untangle(const std::vector<int>& wrong) {
+    const std::vector<int> overlapping = check(mesh_.mesh).overlapping;
+    std::vector<int> tangled;
+    std::set_intersection(wrong.begin(), wrong.end(), overlapping.begin(), overlapping.end(),
+                          std::back_inserter(tangled));
+    if (tangled.empty()) return;
+    std::set<int> nodes;
+    for (const int t : tangled) {
+      for (const int n : mesh_.mesh.tetrahedra.col(t)) nodes.insert(n);
+    }
+    const MeshWithGroups kept = mesh_;
+    NodeMotionOptions options;
+    options.only.assign(nodes.begin(), nodes.end());
+    move_nodes(mesh_, options);
+    std::vector<long> righted;
+    for (const int t : tangled) {
+      if (volume(mesh_.mesh, t) > 0) righted.push_back(mesh_.tetrahedron_number(t));
+    }
+    if (righted.size() < tangled.size()) {
+      mesh_ = kept;  // in vain: what is reported shall be the file's own fault
+    } else {
+      add("elements that a strayed node had turned inside out, righted by moving nodes inside",
+          std::move(righted));
+    }
+  }
+
+  void remove_flat() {
+    FlatElements done = remove_flat_elements(mesh_);
+    add("elements without volume peeled off the surface", std::move(done.peeled));
+    add("elements without volume given some by moving nodes", std::move(done.inflated));
+    add("elements without volume removed by collapsing an edge", std::move(done.collapsed));
+  }
+
+  void drop_parts() {
+    if (options_.parts != Parts::kKeepLargest) return;
+    const std::vector<int> parts = parts_by_faces(mesh_.mesh);
+    std::vector<bool> gone(parts.size(), false);
+    std::vector<int> small;
+    for (std::size_t t = 0; t < parts.size(); ++t) {
+      gone[t] = parts[t] > 0;
+      if (gone[t]) small.push_back(static_cast<int>(t));
+    }
+    add("elements dropped that are not of the largest part", numbers(small));
+    if (!small.empty()) drop(mesh_, gone);
+  }
+
+  std::vector<long> unused() const {
+    std::vector<bool> used(mesh_.mesh.node_count(), false);
+    for (const int n : mesh_.mesh.tetrahedra.reshaped()) {
+      if (n >= 0) used[n] = true;
+    }
+    std::vector<long> result;
+    for (int n = 0; n < mesh_.mesh.node_count(); ++n) {
+      if (!used[n]) result.push_back(mesh_.node_number(n));
+    }
+    return result;
+  }
+
+  MeshWithGroups& mesh_;
+  const RepairOptions& options_;
+  std::vector<RepairStep> steps_;
+  bool merged_ = false;
+};
+
+}  // namespace
+
+std::vector<RepairStep> repair(MeshWithGroups& mesh, const RepairOptions& options) {
+  return Repair(mesh, options).run();
+}
+
+}  // namespace palpate::mesh

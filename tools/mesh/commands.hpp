@@ -1,0 +1,16 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+namespace palpate::mesh_tool {
+
+// Exit codes.
+inline constexpr int kGood = 0, kFailed = 1, kBroken = 2;
+
+/// box, cylinder, ellipsoid, surface: `code` becomes the exit code of the one that is run.
+void add_make_commands(CLI::App& app, int& code);
+
+/// check, convert, repair, optimise.
+void add_file_commands(CLI::App& app, int& code);
+
+}  // namespace palpate::mesh_tool

@@ -1,0 +1,210 @@
+#include "tools/mesh/fault_picture.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "core/mesh/near_nodes.hpp"
+#include "sim/camera/annotate.hpp"
+#include "sim/camera/png_file.hpp"
+#include "sim/camera/renderer.hpp"
+#include "tools/mesh/mesh_files.hpp"
+
+namespace palpate::mesh_tool {
+namespace {
+
+using camera::Colour;
+using Eigen::Vector3d;
+
+constexpr int kPanel = 760, kHeight = 700, kTitle = 34, kSupersampling = 2;  // px
+constexpr double kFieldOfView = 0.5;                                         // rad
+constexpr std::size_t kMostBalls = 30, kMostSingleBalls = 400;               // of a kind
+
+const Colour kBody{0.62F, 0.68F, 0.76F, 0.16F}, kWire{0.35F, 0.42F, 0.50F, 0.55F};
+const Colour kDark{0.25F, 0.02F, 0.02F, 1};
+// The first kinds of faults; red is worst.
+const Colour kColours[] = {{0.86F, 0.08F, 0.10F, 1}, {0.95F, 0.55F, 0.05F, 1},
+                           {0.55F, 0.15F, 0.75F, 1}, {0.05F, 0.50F, 0.30F, 1},
+                           {0.05F, 0.35F, 0.80F, 1}, {0.55F, 0.40F, 0.10F, 1}};
+
+Colour colour_of(std::size_t kind) { return kColours[std::min(kind, std::size(kColours) - 1)]; }
+
+/// The body and its faults moved and scaled to a diagonal of 1 about the origin, for which the
+/// camera is made.
+class Scene {
+ public:
+  Scene(const mesh::TriangleSurface& body, const std::vector<Fault>& faults)
+      : body_(body), faults_(faults) {
+    Eigen::AlignedBox3d box;
+    for (int n = 0; n < body.point_count(); ++n) {
+      if (body.points.col(n).allFinite()) box.extend(Vector3d(body.points.col(n)));
+    }
+    // Faults without a body round them, or far away from it.
+    for (const Fault& fault : faults) {
+      for (const Vector3d& p : fault.points) {
+        if (p.allFinite()) box.extend(p);
+      }
+      for (const auto& [a, b] : fault.lines) {
+        box.extend(a);
+        box.extend(b);
+      }
+    }
+    if (!box.isEmpty() && box.diagonal().norm() > 0) {
+      centre_ = box.center();
+      scale_ = 1 / box.diagonal().norm();
+    }
+    body_.points = scaled(body.points);
+  }
+
+  camera::Image whole() const {
+    const Vector3d direction = Vector3d(0.45, -1, 0.5).normalized();
+    return draw(Vector3d::Zero(), direction, 2.25, 0.008, "");
+  }
+
+  /// From outside, on the first place of the first fault that has one.
+  camera::Image close_up() const {
+    for (std::size_t kind = 0; kind < faults_.size(); ++kind) {
+      const Fault& fault = faults_[kind];
+      if (fault.points.empty() || !fault.points.front().allFinite()) continue;
+      const Vector3d place = place_of(fault.points.front());
+      double size = 0.02;
+      if (!fault.faces.empty()) size = std::max(size, mesh::diagonal(scaled(fault.faces.front())));
+      if (!fault.lines.empty()) {
+        const auto& [a, b] = fault.lines.front();
+        size = std::max(size, scale_ * (b - a).norm());
+      }
+      Vector3d direction = Vector3d(0.45, -1, 0.5).normalized();
+      if (place.norm() > 0.05) direction = (direction + 1.5 * place.normalized()).normalized();
+      const double distance = std::clamp(7 * size, 0.35, 1.6);
+      std::string label = "from near: " + fault.kind;
+      if (!fault.numbers.empty() && fault.numbers.front() >= 0)
+        label += " " + std::to_string(fault.numbers.front());
+      return draw(place, direction, distance, 0.0035 * distance, label);
+    }
+    return draw(Vector3d::Zero(), Vector3d(-0.6, 0.9, 0.6).normalized(), 2.25, 0.008,
+                "from behind");
+  }
+
+ private:
+  Eigen::Matrix3Xd scaled(const Eigen::Matrix3Xd& points) const {
+    return scale_ * (points.colwise() - centre_);
+  }
+  Vector3d place_of(const Vector3d& p) const { return scale_ * (p - centre_); }
+
+  camera::Image draw(const Vector3d& target, const Vector3d& direction, double distance,
+                     double ball, const std::string& label) const {
+    camera::Renderer renderer(kPanel, kHeight, kSupersampling);
+    renderer.begin(camera::make_view(target + distance * direction, target, Vector3d::UnitZ(),
+                                     kFieldOfView, kPanel, kHeight));
+    camera::MeshStyle style;
+    style.colour = kBody;
+    style.edges = kWire;
+    if (body_.triangle_count() > 0) renderer.draw_mesh(body_.points, body_.triangles, style);
+    for (std::size_t kind = faults_.size(); kind-- > 0;) draw(renderer, kind, ball);
+    camera::Image image = renderer.end();
+    if (!label.empty()) camera::draw_text(image, 12, 12, label, Colour{0.15F, 0.18F, 0.22F, 1}, 2);
+    return image;
+  }
+
+  void draw(camera::Renderer& renderer, std::size_t kind, double ball) const {
+    const Fault& fault = faults_[kind];
+    camera::MeshStyle style;
+    style.colour = colour_of(kind);
+    style.edges = kDark;
+    style.shading = camera::Shading::kFlat;
+    if (!fault.faces.empty()) {
+      Eigen::Matrix3Xd points(3, 3 * static_cast<int>(fault.faces.size()));
+      Eigen::Matrix3Xi triangles(3, 2 * static_cast<int>(fault.faces.size()));
+      for (int f = 0; f < static_cast<int>(fault.faces.size()); ++f) {
+        points.middleCols<3>(3 * f) = scaled(fault.faces[f]);
+        triangles.col(2 * f) << 3 * f, 3 * f + 1, 3 * f + 2;
+        triangles.col(2 * f + 1) << 3 * f, 3 * f + 2, 3 * f + 1;  // seen from either side
+      }
+      renderer.draw_mesh(points, triangles, style);
+    }
+    for (const auto& [a, b] : fault.lines)
+      renderer.draw_line(place_of(a), place_of(b), 5, style.colour);
+    // Where there are many they can be seen without.
+    if (fault.points.size() > kMostBalls && !fault.faces.empty()) return;
+    for (std::size_t i = 0; i < std::min(kMostSingleBalls, fault.points.size()); ++i) {
+      if (!fault.points[i].allFinite()) continue;
+      math::Pose at = math::Pose::Identity();
+      at.translation() = place_of(fault.points[i]);
+      renderer.draw_sphere(at, ball, style.colour);
+    }
+  }
+
+  mesh::TriangleSurface body_;
+  const std::vector<Fault>& faults_;
+  Vector3d centre_ = Vector3d::Zero();
+  double scale_ = 1;
+};
+
+void paste(const camera::Image& part, int column, int row, camera::Image& whole) {
+  for (int y = 0; y < part.height; ++y) {
+    std::memcpy(whole.pixel(column, row + y), part.pixel(0, y), std::size_t(3) * part.width);
+  }
+}
+
+}  // namespace
+
+mesh::TriangleSurface background(const mesh::MeshWithGroups& mesh) {
+  mesh::TetrahedralMesh sound;
+  sound.nodes = mesh.mesh.nodes;
+  std::vector<int> kept;
+  for (int t = 0; t < mesh.mesh.tetrahedron_count(); ++t) {
+    const auto c = mesh.mesh.tetrahedra.col(t);
+    if (std::all_of(c.begin(), c.end(), [&](int n) {
+          return n >= 0 && n < mesh.mesh.node_count() && mesh.mesh.nodes.col(n).allFinite();
+        }))
+      kept.push_back(t);
+  }
+  sound.tetrahedra = mesh.mesh.tetrahedra(Eigen::all, kept);
+  mesh::orient(sound);
+  return boundary(sound);
+}
+
+mesh::TriangleSurface background(const mesh::TriangleSurface& surface) {
+  mesh::TriangleSurface sound;
+  sound.points = surface.points;
+  std::vector<int> kept;
+  for (int t = 0; t < surface.triangle_count(); ++t) {
+    const auto c = surface.triangles.col(t);
+    if (std::all_of(c.begin(), c.end(), [&](int n) {
+          return n >= 0 && n < surface.point_count() && surface.points.col(n).allFinite();
+        }))
+      kept.push_back(t);
+  }
+  sound.triangles = surface.triangles(Eigen::all, kept);
+  for (double& coordinate : sound.points.reshaped()) {
+    if (!std::isfinite(coordinate)) coordinate = 0;  // of points that no triangle is drawn by
+  }
+  return sound;
+}
+
+void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& faults,
+                 const std::string& title, const std::filesystem::path& png) {
+  const Scene scene(body, faults);
+  camera::Image image(2 * kPanel + 4, kTitle + kHeight);
+  std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
+  paste(scene.whole(), 0, kTitle, image);
+  paste(scene.close_up(), kPanel + 4, kTitle, image);
+  camera::draw_title(image, title);
+  std::vector<camera::LegendEntry> legend;
+  for (std::size_t kind = 0; kind < faults.size(); ++kind) {
+    const Fault& fault = faults[kind];
+    if (fault.points.empty() && fault.faces.empty() && fault.lines.empty()) continue;
+    std::string label = fault.numbers.empty()
+                            ? fault.text
+                            : std::to_string(fault.numbers.size()) + " " + fault.text;
+    constexpr std::size_t kLongest = 58;
+    if (label.size() > kLongest) label = label.substr(0, kLongest - 3) + "...";
+    legend.push_back({label, colour_of(kind)});
+  }
+  if (faults.empty()) legend.push_back({"no faults found", kWire});
+  camera::draw_legend(image, legend);
+  camera::write_png(png.string(), image);
+}
+
+}  // namespace palpate::mesh_tool

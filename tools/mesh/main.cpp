@@ -1,0 +1,42 @@
+// palpate-mesh: makes, converts, checks and repairs meshes of tetrahedra. See --help.
+
+#include <CLI/CLI.hpp>
+#include <iostream>
+
+#include "tools/evaluate/interruption.hpp"
+#include "tools/mesh/commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  CLI::App app(
+      "palpate-mesh makes meshes of tetrahedra for palpated: boxes, cylinders, ellipsoids and the\n"
+      "inside of surfaces; it converts, checks and repairs others'. Lengths are m.");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.require_subcommand(1);
+  app.footer(
+      "Examples:\n"
+      "  palpate-mesh box bar.msh --size 0.5 0.06 0.06 --cells 10 1 1\n"
+      "  palpate-mesh cylinder rod.msh --radius 0.025 --length 0.2 --edge 0.0125 --cost\n"
+      "  palpate-mesh ellipsoid egg.vtu --half-axes 0.05 0.03 0.03 --edge 0.012 --order 2\n"
+      "  palpate-mesh surface toy.stl toy.msh --scale mm --edge 0.01 --histograms toy.png\n"
+      "  palpate-mesh check toy.msh --picture toy.faults.png --json -\n"
+      "  palpate-mesh repair old.veg new.msh --largest-part\n"
+      "  palpate-mesh convert bar.msh bar.node --first 0\n"
+      "In a configuration of palpated: object: {mesh: {file: bar.msh}, ...}\n\n"
+      "Exit codes: 0 done, and the mesh is good; 1 a wrong command, file or program; 2 the mesh "
+      "is\n"
+      "broken (a picture shows where). Each command has its own --help.");
+  int code = mesh_tool::kGood;
+  mesh_tool::add_make_commands(app, code);
+  mesh_tool::add_file_commands(app, code);
+  evaluate::catch_interruptions();
+  try {
+    app.parse(argc, argv);
+    return code;
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? mesh_tool::kGood : mesh_tool::kFailed;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate-mesh: " << error.what() << '\n';
+    return mesh_tool::kFailed;
+  }
+}

@@ -1,0 +1,156 @@
+#include "tools/mesh/mesh_files.hpp"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+#include <stdexcept>
+
+#include "core/mesh/gmsh.hpp"
+#include "core/mesh/surface.hpp"
+#include "core/mesh/surface_files.hpp"
+#include "core/mesh/tetgen.hpp"
+#include "core/mesh/vega.hpp"
+#include "tools/mesh/vtu.hpp"
+
+namespace palpate::mesh_tool {
+namespace {
+
+using std::filesystem::path;
+
+constexpr char kVolumes[] = ".msh, .node, .ele, .veg, .vtu";
+
+std::ifstream open(const path& file) {
+  std::ifstream stream(file, std::ios::binary);
+  // Neither a folder nor a device that never ends.
+  if (!stream || !std::filesystem::is_regular_file(file)) {
+    throw std::runtime_error(file.string() + ": cannot be read");
+  }
+  return stream;
+}
+
+mesh::MeshWithGroups read_pair(const path& file) {
+  const path node = path(file).replace_extension(".node");
+  const path ele = path(file).replace_extension(".ele");
+  std::ifstream nodes = open(node), elements = open(ele);
+  mesh::MeshWithGroups result;
+  result.mesh =
+      mesh::read_tetgen(nodes, node.string(), elements, ele.string(), mesh::OnFault::kKeep);
+  // Where numbers begin is said by the first node.
+  std::ifstream again = open(node);
+  mesh::LineReader reader(again, node.string(), '#');
+  const long first = reader.next() && reader.next() ? reader.integer(0) : 0;
+  for (int n = 0; n < result.mesh.node_count(); ++n) result.node_numbers.push_back(first + n);
+  for (int t = 0; t < result.mesh.tetrahedron_count(); ++t)
+    result.tetrahedron_numbers.push_back(first + t);
+  return result;
+}
+
+}  // namespace
+
+bool is_surface_file(const path& file) {
+  return file.extension() == ".stl" || file.extension() == ".obj";
+}
+
+mesh::MeshWithGroups read_volume(const path& file, double scale) {
+  const std::string extension = file.extension().string();
+  mesh::MeshWithGroups result;
+  if (extension == ".node" || extension == ".ele") {
+    result = read_pair(file);
+  } else {
+    std::ifstream stream = open(file);
+    if (extension == ".msh") {
+      result = mesh::read_gmsh(stream, file.string(), mesh::OnFault::kKeep);
+    } else if (extension == ".veg") {
+      const auto include = [&file](const std::string& name) {
+        std::ostringstream text;
+        text << open(file.parent_path() / name).rdbuf();
+        return text.str();
+      };
+      result = mesh::read_vega(stream, file.string(), include, mesh::OnFault::kKeep);
+    } else if (extension == ".vtu") {
+      result = read_vtu(stream, file.string(), mesh::OnFault::kKeep);
+    } else {
+      throw std::runtime_error(file.string() + ": unknown kind of mesh; allowed: " + kVolumes);
+    }
+  }
+  if (scale != 1) {
+    result.mesh.nodes *= scale;
+    for (auto& [edge, middle] : result.middles) middle *= scale;
+  }
+  return result;
+}
+
+mesh::TriangleSurface read_surface(const path& file, double scale) {
+  std::ifstream stream = open(file);
+  if (!is_surface_file(file))
+    throw std::runtime_error(file.string() + ": unknown kind of surface; allowed: .stl, .obj");
+  mesh::TriangleSurface surface = file.extension() == ".stl"
+                                      ? mesh::read_stl(stream, file.string())
+                                      : mesh::read_obj(stream, file.string());
+  surface.points *= scale;
+  return surface;
+}
+
+mesh::TriangleSurface boundary(const mesh::TetrahedralMesh& mesh) {
+  const mesh::Surface outside =
+      mesh::extract_surface(make_element_mesh(mesh, mesh::ElementOrder::kLinear));
+  mesh::TriangleSurface surface;
+  std::vector<int> number(mesh.node_count(), -1);
+  surface.points.resize(3, static_cast<int>(outside.nodes.size()));
+  for (std::size_t i = 0; i < outside.nodes.size(); ++i) {
+    number[outside.nodes[i]] = static_cast<int>(i);
+    surface.points.col(static_cast<int>(i)) = mesh.nodes.col(outside.nodes[i]);
+  }
+  surface.triangles = outside.triangles.unaryExpr([&](int n) { return number[n]; });
+  return surface;
+}
+
+void write_file(const path& file, const std::string& bytes) {
+  const path beside = file.string() + ".part" + std::to_string(getpid());
+  {
+    std::ofstream out(beside, std::ios::binary);
+    out << bytes;
+    if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
+  }
+  std::error_code error;
+  std::filesystem::rename(beside, file, error);
+  if (error) throw std::runtime_error(file.string() + ": " + error.message());
+}
+
+void write_volume(const mesh::MeshWithGroups& mesh, const path& file, const FileFormat& format) {
+  const std::string extension = file.extension().string();
+  if (is_surface_file(file)) return write_surface(boundary(mesh.mesh), file);
+  std::ostringstream out;
+  if (format.gmsh.order == mesh::ElementOrder::kQuadratic && extension != ".msh" &&
+      extension != ".vtu") {
+    throw std::runtime_error(file.string() + ": elements of order 2 go into .msh and .vtu only");
+  }
+  if (extension == ".msh") {
+    mesh::write_gmsh(mesh, format.gmsh, out);
+  } else if (extension == ".veg") {
+    mesh::write_vega(mesh, format.vega_material, format.first, out);
+  } else if (extension == ".vtu") {
+    write_vtu(mesh, format.gmsh.order,
+              format.gmsh.encoding == mesh::Encoding::kBinary ? VtuEncoding::kBase64
+                                                              : VtuEncoding::kAscii,
+              out);
+  } else if (extension == ".node" || extension == ".ele") {
+    std::ostringstream ele;
+    mesh::write_tetgen(mesh.mesh, format.first, out, ele);
+    write_file(path(file).replace_extension(".ele"), ele.str());
+    return write_file(path(file).replace_extension(".node"), out.str());
+  } else {
+    throw std::runtime_error(file.string() + ": unknown kind of mesh; allowed: " + kVolumes +
+                             ", and .stl, .obj for the boundary");
+  }
+  write_file(file, out.str());
+}
+
+void write_surface(const mesh::TriangleSurface& surface, const path& file) {
+  std::ostringstream out;
+  file.extension() == ".stl" ? mesh::write_stl(surface, out) : mesh::write_obj(surface, out);
+  write_file(file, out.str());
+}
+
+}  // namespace palpate::mesh_tool

@@ -1,0 +1,171 @@
+#include "tools/mesh/options.hpp"
+
+#include <iostream>
+#include <map>
+#include <nlohmann/json.hpp>
+
+#include "tools/mesh/commands.hpp"
+#include "tools/mesh/fault_picture.hpp"
+#include "tools/mesh/fault_text.hpp"
+#include "tools/mesh/quality.hpp"
+#include "tools/mesh/step_cost.hpp"
+
+namespace palpate::mesh_tool {
+namespace {
+
+nlohmann::json to_json(const std::vector<mesh::RepairStep>& steps) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const mesh::RepairStep& step : steps)
+    list.push_back({{"what", step.what}, {"numbers", step.numbers}});
+  return list;
+}
+
+void write_json(const nlohmann::json& json, const std::string& file) {
+  if (file == "-") {
+    std::cout << json.dump(1) << '\n';
+  } else {
+    write_file(file, json.dump(1) + "\n");
+  }
+}
+
+std::string title_of(const Outcome& outcome) {
+  return std::filesystem::path(outcome.file).filename().string();
+}
+
+template <typename Mesh>
+void picture(const Mesh& mesh, const Outcome& outcome, const ReportOptions& options,
+             std::ostream& out) {
+  if (options.picture.empty()) return;
+  std::string title = title_of(outcome) + ": ";
+  if (outcome.faults.empty()) title += "no faults";
+  for (std::size_t i = 0; i < outcome.faults.size(); ++i)
+    title += (i > 0 ? ", " : "") + outcome.faults[i].kind;
+  try {
+    draw_faults(background(mesh), outcome.faults, title, options.picture);
+    out << "picture: " << options.picture << '\n';
+  } catch (const std::exception& error) {
+    // What is wrong has been told in words.
+    std::cerr << "palpate-mesh: no picture: " << error.what() << '\n';
+  }
+}
+
+}  // namespace
+
+FileFormat OutputOptions::format() const {
+  FileFormat format;
+  format.gmsh.version = version == "2.2" ? mesh::GmshVersion::k2_2 : mesh::GmshVersion::k4_1;
+  format.gmsh.encoding = binary ? mesh::Encoding::kBinary : mesh::Encoding::kText;
+  format.gmsh.order = order == 2 ? mesh::ElementOrder::kQuadratic : mesh::ElementOrder::kLinear;
+  format.first = first;
+  return format;
+}
+
+void add_output_options(CLI::App& command, OutputOptions& options) {
+  command
+      .add_option("output", options.file,
+                  "File to write: .msh (Gmsh), .node or .ele (TetGen, both), .veg (Vega), .vtu; "
+                  ".stl or .obj for the boundary alone")
+      ->required();
+  command
+      .add_option("--order", options.order,
+                  "2: 10-node elements (.msh, .vtu). palpated adds the middles of edges itself and "
+                  "needs 1; of 2 it keeps the curved volume")
+      ->check(CLI::Range(1, 2))
+      ->capture_default_str();
+  command.add_option("--msh", options.version, "Version of .msh")
+      ->check(CLI::IsMember({"2.2", "4.1"}))
+      ->capture_default_str();
+  command.add_flag("--binary", options.binary, "Binary .msh, base64 in .vtu");
+  command.add_option("--first", options.first, "Number of the first node in .node, .ele, .veg")
+      ->check(CLI::Range(0, 1))
+      ->capture_default_str();
+}
+
+void add_report_options(CLI::App& command, ReportOptions& options) {
+  command.add_option("--json", options.json, "All results as JSON; - for the standard output");
+  command.add_option("--picture", options.picture,
+                     "PNG of the mesh with its faults in colour (where a mesh is refused one is "
+                     "made in any case)");
+  command.add_option("--histograms", options.histograms, "PNG of the elements' quality");
+  command.add_flag("--cost", options.cost,
+                   "Measure what a step of palpated's mechanics costs, at both orders");
+}
+
+void add_scale_option(CLI::App& command, double& scale) {
+  const std::map<std::string, double> units{{"m", 1},     {"dm", 0.1},  {"cm", 0.01},
+                                            {"mm", 1e-3}, {"um", 1e-6}, {"inch", 0.0254}};
+  command
+      .add_option("--scale", scale,
+                  "Factor from the file's unit to m, or the unit: m, dm, cm, mm, um, inch")
+      ->transform(CLI::Transformer(units))
+      ->check(CLI::PositiveNumber)
+      ->capture_default_str();
+}
+
+std::string text(const std::vector<mesh::RepairStep>& steps) {
+  std::string result;
+  for (const mesh::RepairStep& step : steps) {
+    result += "repaired: " + step.what + ": " + std::to_string(step.numbers.size()) + " (" +
+              list_numbers(step.numbers) + ")\n";
+  }
+  return result;
+}
+
+int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const ReportOptions& options) {
+  // With JSON on the standard output nothing else may be there.
+  std::ostream& out = options.json == "-" ? std::cerr : std::cout;
+  const bool is_broken = has_errors(outcome.faults);
+  out << outcome.file << ":\n" << text(outcome.steps) << text(outcome.faults);
+  nlohmann::json json{{"file", outcome.file},
+                      {"repaired", to_json(outcome.steps)},
+                      {"faults", to_json(outcome.faults)},
+                      {"good", !is_broken}};
+  const auto is_countable = [](const Fault& fault) {
+    return fault.kind != "out_of_range" && fault.kind != "not_finite" && fault.kind != "empty";
+  };
+  if (std::all_of(outcome.faults.begin(), outcome.faults.end(), is_countable) &&
+      mesh.mesh.tetrahedron_count() > 0) {
+    const Quality quality = measure_quality(mesh.mesh);
+    out << text(quality);
+    json["quality"] = to_json(quality);
+    if (!options.histograms.empty()) {
+      draw_histograms(quality, title_of(outcome), options.histograms);
+      out << "histograms: " << options.histograms << '\n';
+    }
+  }
+  if (options.cost && !is_broken) {
+    for (const auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
+      const StepCost cost = measure_step_cost(mesh.mesh, order);
+      const bool quadratic = order == mesh::ElementOrder::kQuadratic;
+      out << "order " << (quadratic ? 2 : 1) << ": " << text(cost);
+      json["step_cost"][quadratic ? "order_2" : "order_1"] = to_json(cost);
+    }
+  }
+  picture(mesh, outcome, options, out);
+  if (!options.json.empty()) write_json(json, options.json);
+  return is_broken ? kBroken : kGood;
+}
+
+int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
+           const ReportOptions& options) {
+  std::ostream& out = options.json == "-" ? std::cerr : std::cout;
+  out << outcome.file << ":\n"
+      << text(outcome.steps) << text(outcome.faults) << surface.point_count() << " points, "
+      << surface.triangle_count() << " triangles\n";
+  nlohmann::json json{{"file", outcome.file},
+                      {"repaired", to_json(outcome.steps)},
+                      {"faults", to_json(outcome.faults)},
+                      {"points", surface.point_count()},
+                      {"triangles", surface.triangle_count()},
+                      {"good", !has_errors(outcome.faults)}};
+  if (!has_errors(outcome.faults)) {
+    const double volume = mesh::enclosed_volume(surface);
+    out << "encloses " << mesh::shortest(volume) << " m^3\n";
+    json["volume_m3"] = volume;
+  }
+  picture(surface, outcome, options, out);
+  if (!options.json.empty()) write_json(json, options.json);
+  return has_errors(outcome.faults) ? kBroken : kGood;
+}
+
+}  // namespace palpate::mesh_tool

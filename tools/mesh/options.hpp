@@ -1,0 +1,63 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "core/mesh/repair.hpp"
+#include "tools/mesh/faults.hpp"
+#include "tools/mesh/mesh_files.hpp"
+
+namespace palpate::mesh_tool {
+
+/// What commands that write a mesh have in common.
+struct OutputOptions {
+  std::string file;
+  int order = 1;
+  std::string version = "4.1";
+  bool binary = false;
+  int first = 1;
+
+  FileFormat format() const;
+};
+
+/// What every command can tell beside.
+struct ReportOptions {
+  std::string json;
+  std::string picture;  // of faults, or of the mesh where there are none
+  std::string histograms;
+  bool cost = false;
+};
+
+void add_output_options(CLI::App& command, OutputOptions& options);
+void add_report_options(CLI::App& command, ReportOptions& options);
+
+/// --scale: a factor, or the file's unit (m, dm, cm, mm, um, inch).
+void add_scale_option(CLI::App& command, double& scale);
+
+/// What was done to a mesh, and how it is now.
+struct Outcome {
+  std::string file;  // that is spoken of
+  std::vector<mesh::RepairStep> steps;
+  std::vector<Fault> faults;
+};
+
+/// Prints what was mended and what is wrong, then the quality of a mesh that has no errors (with
+/// what the options ask for) and writes JSON and pictures. Returns the exit code.
+int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const ReportOptions& options);
+int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
+           const ReportOptions& options);
+
+/// The same, where a mesh is refused: always with a picture, by default `picture`.
+template <typename Mesh>
+int refuse(const Mesh& mesh, const Outcome& outcome, ReportOptions options,
+           const std::string& picture) {
+  if (options.picture.empty()) options.picture = picture;
+  options.histograms.clear();
+  return report(mesh, outcome, options);
+}
+
+/// "repaired: nodes merged ...: 2 (4, 7)", a line each.
+std::string text(const std::vector<mesh::RepairStep>& steps);
+
+}  // namespace palpate::mesh_tool
