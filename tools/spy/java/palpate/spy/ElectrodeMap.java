@@ -129,6 +129,17 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
       g.dispose();
     }
 
+    @Override
+    public synchronized String words() {
+      if (last == null) return "waits for a message";
+      int most = 0;
+      for (int i = 0; i < now.length; ++i) {
+        if (Math.abs(now[i]) > Math.abs(now[most])) most = i;
+      }
+      return String.format("farthest from rest: E%d by %+d counts", most + 1,
+          Math.round(now[most]));
+    }
+
     // The finger lies with its tip to the right: u to the right, v down.
     private double scale() {
       return Math.min(MAP_WIDTH / 27.0, (getHeight() - 90) / 23.0);

@@ -18,6 +18,7 @@ import lcm.spy.SpyPlugin;
 /** Stock lcm-spy on several URLs at once, with palpate's types, charts and windows. */
 public final class Main {
   private static final long LOOK_MS = 50;
+  private static final long LONGEST_WAIT_NS = 60_000_000_000L; // for windows that were asked for
 
   private final Options options;
   private final Spy spy;
@@ -101,12 +102,25 @@ public final class Main {
     }
   }
 
+  /** What each window of ours shows, for who cannot see it. */
+  private static void tellWords() throws Exception {
+    SwingUtilities.invokeAndWait(
+        () -> {
+          for (Window window : Window.getWindows()) {
+            if (!(window instanceof JFrame)) continue;
+            Object view = ((JFrame) window).getRootPane().getClientProperty(PlugIn.View.class);
+            if (!(view instanceof PlugIn.View)) continue;
+            System.out.println(window.getName() + ": " + ((PlugIn.View) view).words());
+          }
+        });
+  }
+
   private void run() throws Exception {
-    long end = options.seconds > 0 ? System.nanoTime() + (long) (options.seconds * 1e9)
-        : Long.MAX_VALUE;
-    openWindows(end);
-    if (options.seconds <= 0) return; // the windows live on
-    while (System.nanoTime() < end) Thread.sleep(LOOK_MS);
+    boolean ends = options.seconds > 0;
+    openWindows(ends ? System.nanoTime() + LONGEST_WAIT_NS : Long.MAX_VALUE);
+    if (!ends) return; // the windows live on
+    Thread.sleep((long) (1e3 * options.seconds));
+    tellWords();
     if (options.pictures != null) takePictures(new File(options.pictures));
     long refused = 0;
     for (Receiver receiver : receivers) refused += receiver.refused();

@@ -139,10 +139,8 @@ public final class MeshView extends PlugIn implements SpyPlugin {
       g.fillRect(0, 0, getWidth(), getHeight());
       g.setColor(Palette.INK);
       g.setFont(Palette.TEXT);
-      boolean known = mesh != null && shape != null && shape.mesh_hash == mesh.hash
-          && shape.xyz_count == mesh.rest.length;
-      if (!known) {
-        g.drawString("waits for " + meshChannel() + " and " + shapeChannel(), 20, 30);
+      if (!isKnown()) {
+        g.drawString(words(), 20, 30);
       } else {
         fit();
         drawGrid(g);
@@ -312,13 +310,17 @@ public final class MeshView extends PlugIn implements SpyPlugin {
       }
     }
 
-    private void drawWords(Graphics2D g) {
+    private boolean isKnown() {
+      return mesh != null && shape != null && shape.mesh_hash == mesh.hash
+          && shape.xyz_count == mesh.rest.length;
+    }
+
+    @Override
+    public synchronized String words() {
+      if (!isKnown()) return "waits for " + meshChannel() + " and " + shapeChannel();
       String[] states = {"current", "old", "not converged"};
       String state = shape.status >= 0 && shape.status < states.length ? states[shape.status]
           : "status " + shape.status;
-      g.setFont(Palette.TEXT);
-      g.setColor(Palette.INK);
-      g.drawString(VIEWS[view] + " (mm; a click turns)", 250, getHeight() - 32);
       StringBuilder line = new StringBuilder();
       line.append(String.format("%d nodes, %s, %.1f ms old", mesh.nodeCount(), state,
           1e-3 * shape.age_us));
@@ -326,8 +328,15 @@ public final class MeshView extends PlugIn implements SpyPlugin {
       if (contacts != null) {
         line.append(String.format("; arrows: contacts, %.0f mm a newton", 1e3 * METRES_A_NEWTON));
       }
+      return line.toString();
+    }
+
+    private void drawWords(Graphics2D g) {
+      g.setFont(Palette.TEXT);
+      g.setColor(Palette.INK);
+      g.drawString(VIEWS[view] + " (mm; a click turns)", 250, getHeight() - 32);
       g.setFont(Palette.SMALL);
-      g.drawString(line.toString(), 250, getHeight() - 16);
+      g.drawString(words(), 250, getHeight() - 16);
     }
   }
 }

@@ -35,6 +35,9 @@ abstract class PlugIn {
     void take(String channel, LCMDataInputStream message) throws IOException;
 
     void redraw();
+
+    /** What it shows, in a line. */
+    String words();
   }
 
   /** As the spy's menu and the window's title say it. */
@@ -65,6 +68,7 @@ abstract class PlugIn {
     JFrame frame = new JFrame(title() + ": " + channel);
     frame.setName(word());
     frame.add(view.component());
+    frame.getRootPane().putClientProperty(View.class, view);
     frame.pack();
     frame.setLocationByPlatform(true);
     List<String> channels = new ArrayList<>(view.channels());

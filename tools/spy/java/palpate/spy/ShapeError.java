@@ -213,7 +213,8 @@ public final class ShapeError extends PlugIn implements SpyPlugin {
       words.setText(line);
     }
 
-    private String words() {
+    @Override
+    public synchronized String words() {
       if (latest != null) {
         return String.format(
             "mean %.2f mm, RMS %.2f mm, largest %.2f mm, at %d nodes; %.1f s", latest[1],
