@@ -130,6 +130,11 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
     }
 
     @Override
+    public synchronized boolean isReady() {
+      return last != null;
+    }
+
+    @Override
     public synchronized String words() {
       if (last == null) return "waits for a message";
       int most = 0;

@@ -102,25 +102,23 @@ public final class Main {
     }
   }
 
-  /** What each window of ours shows, for who cannot see it. */
-  private static void tellWords() throws Exception {
-    SwingUtilities.invokeAndWait(
-        () -> {
-          for (Window window : Window.getWindows()) {
-            if (!(window instanceof JFrame)) continue;
-            Object view = ((JFrame) window).getRootPane().getClientProperty(PlugIn.View.class);
-            if (!(view instanceof PlugIn.View)) continue;
-            System.out.println(window.getName() + ": " + ((PlugIn.View) view).words());
-          }
-        });
+  private void waitUntilReady(long end) throws InterruptedException {
+    while (System.nanoTime() < end) {
+      boolean ready = PlugIn.OPEN.values().stream().allMatch(PlugIn.View::isReady);
+      if (ready && PlugIn.OPEN.size() >= options.wishes.size()) return;
+      Thread.sleep(LOOK_MS);
+    }
   }
 
   private void run() throws Exception {
     boolean ends = options.seconds > 0;
-    openWindows(ends ? System.nanoTime() + LONGEST_WAIT_NS : Long.MAX_VALUE);
+    long end = ends ? System.nanoTime() + LONGEST_WAIT_NS : Long.MAX_VALUE;
+    openWindows(end);
     if (!ends) return; // the windows live on
+    waitUntilReady(end);
     Thread.sleep((long) (1e3 * options.seconds));
-    tellWords();
+    // For who cannot see them.
+    PlugIn.OPEN.forEach((name, view) -> System.out.println(name + ": " + view.words()));
     if (options.pictures != null) takePictures(new File(options.pictures));
     long refused = 0;
     for (Receiver receiver : receivers) refused += receiver.refused();

@@ -316,6 +316,11 @@ public final class MeshView extends PlugIn implements SpyPlugin {
     }
 
     @Override
+    public synchronized boolean isReady() {
+      return isKnown();
+    }
+
+    @Override
     public synchronized String words() {
       if (!isKnown()) return "waits for " + meshChannel() + " and " + shapeChannel();
       String[] states = {"current", "old", "not converged"};

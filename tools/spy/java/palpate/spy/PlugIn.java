@@ -6,6 +6,8 @@ import java.awt.event.WindowEvent;
 import java.io.IOException;
 import java.util.ArrayList;
 import java.util.List;
+import java.util.Map;
+import java.util.concurrent.ConcurrentSkipListMap;
 import javax.swing.AbstractAction;
 import javax.swing.Action;
 import javax.swing.JComponent;
@@ -23,6 +25,9 @@ import lcm.spy.ChannelData;
  * they are plug-ins: the spy looks for that at the class itself, and makes one of each.
  */
 abstract class PlugIn {
+  /** The windows that are open, by their names. */
+  static final Map<String, View> OPEN = new ConcurrentSkipListMap<>();
+
   private static final int REDRAW_MS = 50;
 
   /** What a window shows. Messages come in the receiver's thread, redraw() in Swing's. */
@@ -35,6 +40,9 @@ abstract class PlugIn {
     void take(String channel, LCMDataInputStream message) throws IOException;
 
     void redraw();
+
+    /** Whether all has come that it needs to show something. */
+    boolean isReady();
 
     /** What it shows, in a line. */
     String words();
@@ -66,15 +74,15 @@ abstract class PlugIn {
   JFrame open(String channel) {
     View view = view(channel);
     JFrame frame = new JFrame(title() + ": " + channel);
-    frame.setName(word());
+    String name = OPEN.containsKey(word()) ? word() + "-" + channel : word();
+    frame.setName(name);
     frame.add(view.component());
-    frame.getRootPane().putClientProperty(View.class, view);
     frame.pack();
     frame.setLocationByPlatform(true);
     List<String> channels = new ArrayList<>(view.channels());
     channels.add(channel);
     LCMSubscriber subscriber = new Guard(view);
-    for (String name : channels) Feed.lcm().subscribe(name, subscriber);
+    for (String one : channels) Feed.lcm().subscribe(one, subscriber);
     Timer timer = new Timer(REDRAW_MS, event -> view.redraw());
     timer.start();
     frame.addWindowListener(
@@ -82,11 +90,13 @@ abstract class PlugIn {
           @Override
           public void windowClosing(WindowEvent event) {
             timer.stop();
-            for (String name : channels) Feed.lcm().unsubscribe(name, subscriber);
+            for (String one : channels) Feed.lcm().unsubscribe(one, subscriber);
+            OPEN.remove(name);
             frame.dispose();
           }
         });
     frame.setVisible(true);
+    OPEN.put(name, view);
     return frame;
   }
 
