@@ -1,13 +1,13 @@
 #include "tools/replay/replay.hpp"
 
-#include <array>
 #include <cmath>
-#include <cstring>
 #include <palpate/component_command_t.hpp>
+#include <set>
 #include <stdexcept>
 
 #include "core/math/fnv1a.hpp"
 #include "rt/bus/event_log_reader.hpp"
+#include "rt/daemon/stepped_clock.hpp"
 #include "rt/daemon/text.hpp"
 
 namespace palpate::replay {
@@ -15,15 +15,11 @@ namespace {
 
 constexpr std::int64_t kSession = 1;  // of a deterministic run
 
-/// What the daemon itself said on the control URL when the log was made; it says it anew.
-constexpr std::array<const char*, 4> kOwnChannels = {"CONTACTS", "ESTIMATE", "FEATURE",
-                                                     "TWIST_COMMAND"};
-
-bool is_own(const std::string& channel) {
-  for (const char* own : kOwnChannels) {
-    if (channel == own) return true;
-  }
-  return false;
+/// What the daemon listens to on a bus; all else in a log others said, or it itself.
+std::set<std::string> inputs_of(const bus::MessageBus& bus) {
+  std::set<std::string> channels;
+  for (const bus::Subscription* one : bus.subscriptions()) channels.insert(one->channel());
+  return channels;
 }
 
 void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
@@ -35,25 +31,6 @@ void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
 }
 
-/// Takes what was published since the last cycle into hash and output log.
-void collect(std::vector<bus::Published>& published, lcm::LogFile* output, math::Fnv1a& shapes,
-             ReplayResult& result) {
-  for (bus::Published& message : published) {
-    if (message.channel == "SHAPE") {
-      ++result.shapes;
-      shapes.add(message.data.data(), message.data.size());
-    }
-    if (output == nullptr) continue;
-    lcm::LogEvent event{};
-    event.timestamp = message.time_ns / 1000;
-    event.channel = message.channel;
-    event.datalen = static_cast<int>(message.data.size());
-    event.data = message.data.data();
-    output->writeEvent(&event);
-  }
-  published.clear();
-}
-
 /// A log that is damaged may say any time; a replay would be busy for years.
 void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int64_t now_ns) {
   constexpr std::int64_t kLongest = 3600 * std::int64_t{1'000'000};  // us
@@ -63,53 +40,141 @@ void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int6
                            std::to_string(pause / 1'000'000) + " s later, an hour is most");
 }
 
+/// A daemon on a bus in memory, with a log before it and what it says behind it.
+class Run {
+ public:
+  Run(const config::Node& configuration, const ReplayOptions& options)
+      : options_(options),
+        hub_(bus::make_memory_hub()),
+        input_(bus::make_memory_bus(hub_)),
+        control_(bus::make_memory_bus(hub_)),
+        // The daemon's housekeeping goes to the same hub: nobody subscribes to it there.
+        daemon_(configuration, *control_, *control_, daemon::Mode::kDeterministic, kSession),
+        clock_(*control_, kSession),
+        inputs_(inputs_of(*control_)) {
+    control_->start();
+    if (!options.output.empty()) {
+      output_ = std::make_unique<lcm::LogFile>(options.output, "w");
+      if (!output_->good()) throw std::runtime_error(options.output + ": cannot be written");
+    }
+  }
+
+  /// By the log's own time; returns the time of its end, ns.
+  std::int64_t by_time(bus::EventLogReader& log, const bus::LoggedEvent* event) {
+    const std::int64_t period_ns = std::llround(daemon_.settings().loop.period * 1e9);
+    std::int64_t now_ns = event->utime * 1000;
+    begin(now_ns);
+    while (event != nullptr) {
+      for (; event != nullptr && event->utime * 1000 <= now_ns; event = log.next()) offer(*event);
+      if (event != nullptr) check_pause(options_.log, *event, now_ns);
+      bus::set_time(*hub_, now_ns);
+      bus::record(*hub_, &published_);
+      daemon_.tick({now_ns, now_ns / 1000, 0});
+      collect();
+      ++result_.cycles;
+      now_ns += period_ns;
+    }
+    return now_ns;
+  }
+
+  /// A cycle for each tick that the simulator sent; returns the time of the last event, ns.
+  std::int64_t by_ticks(bus::EventLogReader& log, const bus::LoggedEvent* event) {
+    std::int64_t now_ns = event->utime * 1000;
+    begin(now_ns);
+    for (; event != nullptr; event = log.next()) {
+      now_ns = event->utime * 1000;
+      offer(*event);
+      if (event->channel != "SIM_TICK") continue;
+      bus::record(*hub_, &published_);
+      clock_.run_pending(daemon_);  // a tick that was repeated is answered, not run again
+      collect();
+    }
+    result_.cycles = daemon_.counters().cycles;
+    if (result_.cycles == 0) {
+      throw std::runtime_error(options_.log +
+                               ": holds no SIM_TICK: it was not made in lock-step; "
+                               "leave out --stepped");
+    }
+    return now_ns;
+  }
+
+  ReplayResult finish(std::int64_t duration_ns) {
+    compare_housekeeping();
+    if (options_.compare) result_.comparison = comparison_.result();
+    result_.shape_hash = shapes_.value();
+    result_.duration = static_cast<double>(duration_ns) * 1e-9;
+    return result_;
+  }
+
+ private:
+  void begin(std::int64_t now_ns) {
+    bus::set_time(*hub_, now_ns);
+    if (options_.start) send_start(*input_, daemon_.settings().key);
+  }
+
+  void offer(const bus::LoggedEvent& event) {
+    if (options_.compare) comparison_.take_recorded(event.channel, event.data, event.size);
+    if (inputs_.count(event.channel) == 0) {
+      ++result_.left_out;
+      return;
+    }
+    bus::record(*hub_, nullptr);
+    bus::set_time(*hub_, event.utime * 1000);
+    input_->publish(event.channel.c_str(), event.data, event.size);
+    ++result_.messages;
+  }
+
+  /// Takes what was published since the last cycle into hash, comparison and output log.
+  void collect() {
+    for (bus::Published& message : published_) {
+      const int size = static_cast<int>(message.data.size());
+      if (message.channel == "SHAPE") {
+        ++result_.shapes;
+        shapes_.add(message.data.data(), message.data.size());
+      }
+      if (options_.compare) comparison_.take_replayed(message.channel, message.data.data(), size);
+      if (output_ == nullptr) continue;
+      lcm::LogEvent event{};
+      event.timestamp = message.time_ns / 1000;
+      event.channel = message.channel;
+      event.datalen = size;
+      event.data = message.data.data();
+      output_->writeEvent(&event);
+    }
+    published_.clear();
+  }
+
+  void compare_housekeeping() {
+    if (options_.housekeeping.empty()) return;
+    bus::EventLogReader log(options_.housekeeping);
+    while (const bus::LoggedEvent* event = log.next())
+      comparison_.take_recorded(event->channel, event->data, event->size);
+  }
+
+  const ReplayOptions& options_;
+  std::shared_ptr<bus::MemoryHub> hub_;
+  std::unique_ptr<bus::MessageBus> input_, control_;
+  daemon::Daemon daemon_;
+  daemon::SteppedClock clock_;
+  std::set<std::string> inputs_;
+  std::unique_ptr<lcm::LogFile> output_;
+  std::vector<bus::Published> published_;
+  math::Fnv1a shapes_;
+  Comparison comparison_;
+  ReplayResult result_;
+};
+
 }  // namespace
 
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options) {
   bus::EventLogReader log(options.log);
   const bus::LoggedEvent* event = log.next();
   if (event == nullptr) throw std::runtime_error(options.log + ": holds no message");
-
-  const auto hub = bus::make_memory_hub();
-  const auto input = bus::make_memory_bus(hub);
-  const auto control = bus::make_memory_bus(hub);
-  // The daemon's housekeeping goes to the same hub: nobody subscribes to it there.
-  daemon::Daemon daemon(configuration, *control, *control, daemon::Mode::kDeterministic, kSession);
-  control->start();
-
-  std::unique_ptr<lcm::LogFile> output;
-  if (!options.output.empty()) {
-    output = std::make_unique<lcm::LogFile>(options.output, "w");
-    if (!output->good()) throw std::runtime_error(options.output + ": cannot be written");
-  }
-  ReplayResult result;
-  math::Fnv1a shapes;
-  std::vector<bus::Published> published;
-  const std::int64_t period_ns = std::llround(daemon.settings().loop.period * 1e9);
-  const std::int64_t first_us = event->utime;
-  std::int64_t now_ns = first_us * 1000;
-  bus::set_time(*hub, now_ns);
-  if (options.start) send_start(*input, daemon.settings().key);
-
-  while (event != nullptr) {
-    bus::record(*hub, nullptr);
-    for (; event != nullptr && event->utime * 1000 <= now_ns; event = log.next()) {
-      if (is_own(event->channel)) continue;
-      bus::set_time(*hub, event->utime * 1000);
-      input->publish(event->channel.c_str(), event->data, event->size);
-      ++result.messages;
-    }
-    if (event != nullptr) check_pause(options.log, *event, now_ns);
-    bus::set_time(*hub, now_ns);
-    bus::record(*hub, &published);
-    daemon.tick({now_ns, now_ns / 1000, 0});
-    collect(published, output.get(), shapes, result);
-    ++result.cycles;
-    now_ns += period_ns;
-  }
+  const std::int64_t first_ns = event->utime * 1000;
+  Run run(configuration, options);
+  const std::int64_t end_ns = options.stepped ? run.by_ticks(log, event) : run.by_time(log, event);
+  ReplayResult result = run.finish(end_ns - first_ns);
   result.complaint = log.complaint();
-  result.shape_hash = shapes.value();
-  result.duration = static_cast<double>(now_ns - first_us * 1000) * 1e-9;
   return result;
 }
 

@@ -1,12 +1,13 @@
 #pragma once
 
 #include <lcm/lcm-cpp.hpp>
+#include <map>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "tools/replay/comparison.hpp"
 
 namespace palpate::replay {
 
@@ -14,21 +15,29 @@ struct ReplayOptions {
   std::string log;     // recorded on the control URL
   std::string output;  // log of everything that the daemon publishes; empty: none
   bool start = false;  // send the event start before the first message
+  // A cycle for each SIM_TICK of the log, as palpated --stepped ran it, in place of the log's time.
+  bool stepped = false;
+  bool compare = false;      // with what the daemon said when the log was made
+  std::string housekeeping;  // log of the housekeeping URL, for SHAPE to compare; empty: none
 };
 
 struct ReplayResult {
   std::int64_t cycles = 0;
   std::int64_t messages = 0;  // read from the log and offered to the daemon
+  std::int64_t left_out = 0;  // of channels that the daemon does not listen to
   std::int64_t shapes = 0;
   std::uint64_t shape_hash = 0;  // FNV-1a over every SHAPE as published, byte by byte
   double duration = 0;           // s of the log
-  std::string complaint;         // what of the log was no message, in a line; mostly empty
+  std::map<std::string, ChannelComparison> comparison;  // by channel, where asked for
+  std::string complaint;  // what of the log was no message, in a line; mostly empty
 };
 
 /// Runs a daemon over a log in deterministic mode: a cycle each period of the log's own time, each
 /// message arriving at its recorded time. Nothing depends on the machine: two runs are
-/// bit-identical. Throws std::runtime_error, with file and byte, where the
-/// log cannot be read or its time jumps by more than an hour.
+/// bit-identical. What the daemon itself and others said lies in the log as well and is left out:
+/// only what it listens to is offered. Throws std::runtime_error, with file and byte, where the log
+/// cannot be read, its time jumps by more than an hour, or it holds no SIM_TICK where they are to
+/// make the cycles.
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options);
 
 }  // namespace palpate::replay

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace palpate::doctor {
+
+enum class Verdict { kOk, kWarn, kFail };
+const char* name(Verdict verdict) noexcept;
+
+/// What one check has found.
+struct Finding {
+  std::string check;  // its name, one word
+  Verdict verdict = Verdict::kOk;
+  std::string found;   // in a line
+  std::string why;     // it matters; empty where all is well
+  std::string remedy;  // commands that mend it, one a line; empty where there are none
+};
+
+using Findings = std::vector<Finding>;
+
+inline Finding ok(std::string check, std::string found) {
+  return {std::move(check), Verdict::kOk, std::move(found), "", ""};
+}
+inline Finding warn(std::string check, std::string found, std::string why, std::string remedy) {
+  return {std::move(check), Verdict::kWarn, std::move(found), std::move(why), std::move(remedy)};
+}
+inline Finding fail(std::string check, std::string found, std::string why, std::string remedy) {
+  return {std::move(check), Verdict::kFail, std::move(found), std::move(why), std::move(remedy)};
+}
+
+}  // namespace palpate::doctor

@@ -1,0 +1,128 @@
+// palpate-doctor: what on this machine would hurt palpated, and how to mend it. See --help.
+
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+
+#include "tools/doctor/checks.hpp"
+#include "tools/doctor/report.hpp"
+
+namespace {
+
+namespace doctor = palpate::doctor;
+
+struct Options {
+  std::string configuration, json, root = "/";
+  std::vector<std::string> overrides;
+  double seconds = 1.5;
+  bool no_live = false, strict = false, only_bad = false, plain = false;
+};
+
+constexpr char kHelp[] =
+    "palpate-doctor looks for what on this machine would hurt palpated: kernel, priorities, "
+    "locked\n"
+    "memory, frequency, idle states, isolation, clock, instructions; socket buffer, multicast\n"
+    "route, ttl, who listens and loses, other daemons; LCM, Java, disk; and with CONFIG whether\n"
+    "palpated would take that, with every mesh and model that it names. Of each it says ok, warn\n"
+    "or fail, why it matters, and the command that mends it. It changes nothing.";
+constexpr char kExamples[] =
+    "Examples:\n"
+    "  palpate-doctor\n"
+    "  palpate-doctor rt/config/examples/bar_long_soft.yaml --only-bad\n"
+    "  palpate-doctor my.yaml --strict --json -\n"
+    "Exit codes: 0 nothing fails, 1 something fails (with --strict: or warns), 2 an error.";
+
+/// Beside this program, as it is built and as it is installed; from the root.
+std::string spy_jar() {
+  std::error_code error;
+  const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
+  const std::filesystem::path jar =
+      program.parent_path().parent_path() / "share/palpate/palpate-spy.jar";
+  return jar.lexically_relative("/").string();
+}
+
+doctor::Findings examine(const Options& options) {
+  const doctor::Machine machine(options.root);
+  doctor::Findings findings;
+  const auto add = [&findings](const doctor::Findings& more) {
+    findings.insert(findings.end(), more.begin(), more.end());
+  };
+  doctor::Needs needs;
+  if (!options.configuration.empty()) {
+    add(doctor::check_configuration(options.configuration, options.overrides));
+    try {
+      needs = doctor::needs_of(
+          palpate::config::Node::load_file(options.configuration, options.overrides));
+    } catch (const std::exception&) {
+      // Told already; the rest is examined for what palpated wants by default.
+    }
+  }
+  add(doctor::check_real_time(machine, needs));
+  add(doctor::check_network(machine, needs));
+  const bool is_here = options.root == "/";
+  if (is_here && !options.no_live) add(doctor::check_live(needs, options.seconds));
+  add(doctor::check_programs(machine, spy_jar()));
+  if (is_here) add(doctor::check_disk(needs, palpate::record::free_space_of_system));
+  return findings;
+}
+
+int run(const Options& options) {
+  const doctor::Findings findings = examine(options);
+  if (options.json == "-") {
+    std::cout << doctor::to_json(findings).dump(2) << '\n';
+  } else {
+    const bool colours =
+        !options.plain && isatty(STDOUT_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
+    doctor::print(findings, colours, options.only_bad, std::cout);
+    if (!options.json.empty()) {
+      std::ofstream file(options.json);
+      file << doctor::to_json(findings).dump(2) << '\n';
+      if (!file) throw std::runtime_error(options.json + ": cannot be written");
+    }
+  }
+  const doctor::Verdict worst = doctor::worst(findings);
+  const bool is_bad =
+      worst == doctor::Verdict::kFail || (options.strict && worst == doctor::Verdict::kWarn);
+  return is_bad ? 1 : 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(kHelp);
+  Options options;
+  app.add_option("configuration", options.configuration, "of palpated: YAML file");
+  app.add_option("--set", options.overrides, "override a key: path.to.key=value (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("--json", options.json, "write JSON to this file, or - for standard output alone")
+      ->expected(0, 1)
+      ->default_str("-");
+  app.add_flag("--strict", options.strict, "warnings count as failures");
+  app.add_flag("--only-bad", options.only_bad, "leave out what is well");
+  app.add_flag("--no-live", options.no_live, "neither send nor listen to messages");
+  app.add_option("--seconds", options.seconds, "to listen for daemons")
+      ->check(CLI::Range(0.1, 600.0))
+      ->capture_default_str();
+  app.add_option("--root", options.root,
+                 "examine the files of another machine below this folder; nothing live, no disk")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  app.add_flag("--plain", options.plain, "no colours");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(kExamples);
+  CLI11_PARSE(app, argc, argv);
+  if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
+  try {
+    const std::string extension = std::filesystem::path(options.json).extension().string();
+    if (extension == ".yaml" || extension == ".yml")
+      throw std::invalid_argument("--json " + options.json +
+                                  ": would overwrite a configuration; name that before --json");
+    return run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 2;
+  }
+}

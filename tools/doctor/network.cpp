@@ -1,0 +1,133 @@
+#include <algorithm>
+
+#include "tools/doctor/checks.hpp"
+#include "tools/doctor/routes.hpp"
+
+namespace palpate::doctor {
+namespace {
+
+constexpr std::int64_t kWantedBuffer = 4 << 20;  // bytes; with less a flood beside loses messages
+constexpr std::int64_t kBuffer = 16'777'216;     // that palpated asks for
+constexpr int kMulticastFlag = 0x1000, kUpFlag = 0x1;
+constexpr char kRoute[] = "sudo ip link set lo multicast on\nsudo ip route add 224.0.0.0/4 dev lo";
+
+Finding check_buffer(const Machine& machine, const Needs& needs) {
+  const std::int64_t largest = machine.number("proc/sys/net/core/rmem_max").value_or(0);
+  const std::int64_t asked =
+      std::max({kWantedBuffer, std::int64_t{needs.control.receive_buffer_size},
+                std::int64_t{needs.housekeeping.receive_buffer_size}});
+  const std::string text = "net.core.rmem_max is " + std::to_string(largest);
+  if (largest >= asked) return ok("buffer", text);
+  return warn("buffer", text + ", wanted " + std::to_string(asked),
+              "while the machine is busy or floods the port, messages are lost in the socket",
+              "sudo sysctl -w net.core.rmem_max=" + std::to_string(std::max(asked, kBuffer)) +
+                  "\necho net.core.rmem_max=" + std::to_string(std::max(asked, kBuffer)) +
+                  " | sudo tee /etc/sysctl.d/60-palpate.conf");
+}
+
+Finding check_route(const Machine& machine, const std::string& check, const bus::UdpmUrl& url) {
+  const std::optional<std::string> device = route_to(machine, url.address);
+  if (!device) {
+    return fail(check, "no route to " + url.address, "LCM can neither send nor listen", kRoute);
+  }
+  const std::string flags_text =
+      machine.read("sys/class/net/" + *device + "/flags").value_or("0x0");
+  const long flags = std::strtol(flags_text.c_str(), nullptr, 16);
+  if ((flags & kUpFlag) == 0) {
+    return fail(check, url.address + " goes by " + *device + ", which is down",
+                "LCM can neither send nor listen", "sudo ip link set " + *device + " up");
+  }
+  if ((flags & kMulticastFlag) == 0) {
+    return fail(check, url.address + " goes by " + *device + ", which takes no multicast",
+                "LCM's messages do not arrive", "sudo ip link set " + *device + " multicast on");
+  }
+  if (url.ttl > 0 && *device == "lo") {
+    return warn(check, url.text() + " goes by lo",
+                "ttl says that other machines shall hear it, but lo ends on this one",
+                "sudo ip route replace " + url.address + "/32 dev DEVICE   # that leads to them");
+  }
+  return ok(check, url.address + " goes by " + *device);
+}
+
+Finding check_ttl(const Needs& needs) {
+  const int ttl = std::max(needs.control.ttl, needs.housekeeping.ttl);
+  if (ttl == 0) return ok("ttl", "0: messages stay on this machine");
+  if (ttl == 1) return ok("ttl", "1: messages stay in this network");
+  return warn("ttl", std::to_string(ttl),
+              "messages pass routers: sensors and commands are heard, and can be sent, beyond this "
+              "network",
+              "set ttl=0 (this machine) or ttl=1 (this network) in bus.control and "
+              "bus.housekeeping, and access.key_file where others share it");
+}
+
+Finding check_urls(const Needs& needs) {
+  if (needs.control.group() == needs.housekeeping.group())
+    return warn("urls", "control and housekeeping are both " + needs.control.group(),
+                "shapes and meshes fill the socket that sensors need",
+                "give bus.housekeeping another address or port");
+  if (needs.control.port == needs.housekeeping.port)
+    return warn("urls", "control and housekeeping share port " + std::to_string(needs.control.port),
+                "stock LCM programs hear all groups of a port, and lose more",
+                "give bus.housekeeping another port");
+  return ok("urls", needs.control.group() + " and " + needs.housekeeping.group());
+}
+
+/// Who listens to a URL's port, and whether that does harm.
+Finding check_listeners(const Machine& machine, const std::string& check, const bus::UdpmUrl& url) {
+  std::string who, stopped, losing;
+  int unseen = 0;
+  for (const BoundSocket& socket : udp_sockets(machine, url.port)) {
+    if (socket.address != url.address && socket.address != "0.0.0.0") continue;
+    const std::optional<Holder> holder = holder_of(machine, socket.inode);
+    if (!holder) {
+      ++unseen;
+      continue;
+    }
+    const std::string text = holder->name + " (" + std::to_string(holder->pid) + ")";
+    if (who.find(text) == std::string::npos) who += (who.empty() ? "" : ", ") + text;
+    if (holder->state == 'T' || holder->state == 't') stopped = std::to_string(holder->pid);
+    if (socket.drops > 0) losing += text + " lost " + std::to_string(socket.drops) + "; ";
+  }
+  if (unseen > 0)
+    who += (who.empty() ? "" : ", ") + std::to_string(unseen) + " that are not mine to see";
+  const std::string text = url.group() + ": " + (who.empty() ? "nobody listens" : who);
+  if (!stopped.empty())
+    return warn(check, text, "process " + stopped + " is stopped and still a member of the group",
+                "kill -CONT " + stopped + "   # or, to end it: kill -KILL " + stopped);
+  if (!losing.empty())
+    return warn(
+        check, losing + "for want of room in the socket",
+        "what a listener loses it does not know of",
+        "sudo sysctl -w net.core.rmem_max=" + std::to_string(kBuffer) + "   # then start it anew");
+  return ok(check, text);
+}
+
+/// Daemons of this machine hold an abstract socket for each URL.
+Finding check_lock(const Machine& machine, const Needs& needs) {
+  const std::string name = "@palpate/palpated/" + needs.control.group();
+  for (const std::string& line : machine.lines("proc/net/unix")) {
+    const std::vector<std::string> words = words_of(line);
+    if (words.size() < 8 || words[7] != name) continue;
+    const std::optional<Holder> holder =
+        holder_of(machine, std::strtoll(words[6].c_str(), nullptr, 10));
+    return ok("daemon", "palpated runs on " + needs.control.group() +
+                            (holder ? ", process " + std::to_string(holder->pid) : "") +
+                            "; another one would be refused");
+  }
+  return ok("daemon", "no palpated runs on " + needs.control.group());
+}
+
+}  // namespace
+
+Findings check_network(const Machine& machine, const Needs& needs) {
+  return {check_buffer(machine, needs),
+          check_route(machine, "route", needs.control),
+          check_route(machine, "route_housekeeping", needs.housekeeping),
+          check_ttl(needs),
+          check_urls(needs),
+          check_listeners(machine, "listeners", needs.control),
+          check_listeners(machine, "listeners_housekeeping", needs.housekeeping),
+          check_lock(machine, needs)};
+}
+
+}  // namespace palpate::doctor

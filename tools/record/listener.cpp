@@ -1,0 +1,209 @@
+#include "tools/record/listener.hpp"
+
+#include <poll.h>
+#include <sys/eventfd.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
+#include <stdexcept>
+
+#include "rt/bus/udpm_frame.hpp"
+#include "rt/loop/fixed_rate_loop.hpp"
+#include "rt/loop/helper_thread.hpp"
+
+namespace palpate::record {
+namespace {
+
+constexpr std::size_t kBufferSize = 65536;         // more than any datagram
+constexpr int kWantedReceiveBuffer = 16 << 20;     // the kernel cuts it down to net.core.rmem_max
+constexpr int kDatagramsAtOnce = 64;               // of one URL while others wait
+constexpr std::int64_t kLongestEnd = 200'000'000;  // ns
+
+std::int64_t wall_us() {
+  return std::chrono::duration_cast<std::chrono::microseconds>(
+             std::chrono::system_clock::now().time_since_epoch())
+      .count();
+}
+
+bool is_printable(std::string_view name) {
+  return std::all_of(name.begin(), name.end(), [](char c) { return c > 32 && c < 127; });
+}
+
+void increment(std::atomic<std::int64_t>& counter) noexcept {
+  counter.fetch_add(1, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+struct Listener::Group {
+  ~Group() {
+    if (socket >= 0) close(socket);
+  }
+  int socket = -1;
+  int receive_buffer_size = 0;
+  std::uint32_t overflows_seen = 0;  // the kernel's running number
+  bus::DatagramCounters counters;
+};
+
+std::vector<Source> default_sources() {
+  return {{"control", bus::parse_udpm_url("udpm://239.255.76.67:7667?ttl=0")},
+          {"housekeeping", bus::parse_udpm_url("udpm://239.255.76.68:7668?ttl=0")},
+          {"pictures", bus::parse_udpm_url("udpm://239.255.76.69:7669?ttl=0")}};
+}
+
+void put_urls(const std::vector<std::string>& texts, std::vector<Source>& sources) {
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    const std::string label = text.substr(0, equals);
+    const bool is_label =
+        !label.empty() &&
+        label.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
+    if (equals == std::string::npos || !is_label) {
+      throw std::invalid_argument("URL \"" + text +
+                                  "\" must read LABEL=udpm://..., with a label of a-z, 0-9 and _, "
+                                  "e.g. control=udpm://239.255.76.67:7667?ttl=0");
+    }
+    const bus::UdpmUrl url = bus::parse_udpm_url(text.substr(equals + 1));
+    const auto same = std::find_if(sources.begin(), sources.end(),
+                                   [&](const Source& one) { return one.label == label; });
+    if (same == sources.end()) {
+      sources.push_back({label, url});
+    } else {
+      same->url = url;
+    }
+  }
+}
+
+Listener::Listener(std::vector<Source> sources, Handler handler)
+    : sources_(std::move(sources)),
+      handler_(std::move(handler)),
+      buffer_(kBufferSize),
+      wall_us_(wall_us()),
+      monotonic_ns_(loop::monotonic_ns()) {
+  for (const Source& source : sources_) {
+    groups_.push_back(std::make_unique<Group>());
+    join(source.url, *groups_.back());
+  }
+  wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
+  if (wake_ < 0) throw std::runtime_error(std::string("no event: ") + std::strerror(errno));
+}
+
+Listener::~Listener() {
+  stop();
+  if (wake_ >= 0) close(wake_);
+}
+
+void Listener::join(const bus::UdpmUrl& url, Group& group) {
+  const auto require = [&url](bool success, const char* doing) {
+    if (!success) throw std::runtime_error(bus::explain_socket_error(doing, url, errno));
+  };
+  group.socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  const int fd = group.socket;
+  require(fd >= 0, "make a socket for");
+  const int on = 1;
+  require(setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on)) == 0, "share the port of");
+  setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on));
+  const int wanted = url.receive_buffer_size > 0 ? url.receive_buffer_size : kWantedReceiveBuffer;
+  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof(wanted));
+  int given = 0;
+  socklen_t length = sizeof(given);
+  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &given, &length);
+  group.receive_buffer_size = given / 2;  // the kernel doubles what is asked for
+
+  // Bound to the group, not to any address, the socket sees this group alone.
+  const sockaddr_in address = url.socket_address();
+  require(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0, "listen to");
+  ip_mreq membership{};
+  membership.imr_multiaddr = address.sin_addr;
+  membership.imr_interface.s_addr = htonl(INADDR_ANY);
+  require(setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership)) == 0,
+          "join the multicast group of");
+}
+
+void Listener::start() {
+  thread_ = loop::start_helper_thread("palpate-listen", [this] {
+    while (!stop_.load(std::memory_order_relaxed)) receive(-1);
+    // What came before; a flood does not hold up the end.
+    const std::int64_t end = loop::monotonic_ns() + kLongestEnd;
+    while (receive(0) && loop::monotonic_ns() < end) {
+    }
+  });
+}
+
+void Listener::stop() noexcept {
+  stop_.store(true);
+  if (!thread_.joinable()) return;
+  const std::uint64_t one = 1;
+  while (write(wake_, &one, sizeof(one)) < 0 && errno == EINTR) {
+  }
+  thread_.join();
+}
+
+bool Listener::receive(int timeout_ms) {
+  std::vector<pollfd> watched;
+  for (const auto& group : groups_) watched.push_back({group->socket, POLLIN, 0});
+  watched.push_back({wake_, POLLIN, 0});
+  if (poll(watched.data(), watched.size(), timeout_ms) <= 0) return false;
+  bool any = false;
+  // In turns, so that a flood on one URL does not silence the others.
+  for (int source = 0; source < static_cast<int>(groups_.size()); ++source) {
+    for (int i = 0; i < kDatagramsAtOnce && receive_one(source); ++i) any = true;
+  }
+  return any;
+}
+
+bool Listener::receive_one(int source) {
+  Group& group = *groups_[static_cast<std::size_t>(source)];
+  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];
+  iovec room{buffer_.data(), buffer_.size()};
+  msghdr header{};
+  header.msg_iov = &room;
+  header.msg_iovlen = 1;
+  header.msg_control = control;
+  header.msg_controllen = sizeof(control);
+  const ssize_t size = recvmsg(group.socket, &header, 0);
+  if (size < 0) return errno == EINTR;
+  for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
+       part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
+    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
+    std::uint32_t overflows = 0;
+    std::memcpy(&overflows, CMSG_DATA(part), sizeof(overflows));
+    group.counters.overflowed.fetch_add(overflows - group.overflows_seen,
+                                        std::memory_order_relaxed);
+    group.overflows_seen = overflows;
+  }
+  handle(source, static_cast<int>(size));
+  return true;
+}
+
+void Listener::handle(int source, int size) {
+  bus::DatagramCounters& counters = groups_[static_cast<std::size_t>(source)]->counters;
+  increment(counters.received);
+  bus::UdpmFrame frame{};
+  switch (bus::parse_udpm_frame(buffer_.data(), size, frame)) {
+    case bus::FrameKind::kMalformed:
+      return increment(counters.malformed);
+    case bus::FrameKind::kFragment:
+      return increment(counters.fragmented);
+    case bus::FrameKind::kMessage:
+      break;
+  }
+  if (!is_printable(frame.channel)) return increment(counters.malformed);
+  const std::int64_t now = loop::monotonic_ns();
+  handler_({source, wall_us_ + (now - monotonic_ns_) / 1000, now, frame.channel, frame.payload,
+            frame.payload_size});
+}
+
+const bus::DatagramCounters& Listener::datagrams(int source) const noexcept {
+  return groups_[static_cast<std::size_t>(source)]->counters;
+}
+
+int Listener::receive_buffer_size(int source) const noexcept {
+  return groups_[static_cast<std::size_t>(source)]->receive_buffer_size;
+}
+
+}  // namespace palpate::record

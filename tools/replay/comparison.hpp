@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+#include "core/math/fnv1a.hpp"
+
+namespace palpate::replay {
+
+/// What of one channel the daemon said when the log was made, and says now.
+struct ChannelComparison {
+  std::int64_t recorded = 0, replayed = 0;  // times of messages
+  std::int64_t common = 0;                  // of them in both
+  std::int64_t equal = 0;                   // of these, bit for bit alike
+  std::int64_t first_difference = -1;       // utime, us; below zero: there is none
+};
+
+/// Compares what a daemon said with what it says of the same log, message by message of the same
+/// utime, but for what is drawn anew at each start: number, session, counter and authentication.
+class Comparison {
+ public:
+  /// Channels that are compared: what follows from inputs alone.
+  static bool concerns(const std::string& channel);
+
+  void take_recorded(const std::string& channel, const std::uint8_t* data, int size);
+  void take_replayed(const std::string& channel, const std::uint8_t* data, int size);
+
+  /// By channel, those that were in either.
+  std::map<std::string, ChannelComparison> result() const;
+
+ private:
+  using Hashes = std::map<std::int64_t, math::Fnv1a>;  // by utime
+  static void take(Hashes& hashes, const std::string& channel, const std::uint8_t* data, int size);
+
+  std::map<std::string, Hashes> recorded_, replayed_;
+};
+
+}  // namespace palpate::replay

@@ -1,0 +1,201 @@
+#include "tools/replay/play_command.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <csignal>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <regex>
+
+#include "rt/bus/message_bus.hpp"
+#include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/record/channel_filter.hpp"
+#include "tools/record/listener.hpp"
+#include "tools/replay/keyboard.hpp"
+
+namespace palpate::replay {
+namespace {
+
+volatile std::sig_atomic_t stopped = 0;
+
+bool matches(const std::string& channel, const char* pattern) {
+  return std::regex_match(channel, std::regex(pattern));
+}
+
+/// Where the messages of each log go.
+class Outlets {
+ public:
+  explicit Outlets(const PlayCommand& command)
+      : command_(command), filter_(command.channels, command.invert) {
+    std::vector<record::Source> sources = record::default_sources();
+    record::put_urls(command.urls, sources);
+    for (const std::string& log : command.logs) {
+      std::string file;
+      const std::string label = label_of(log, file);
+      const auto source = std::find_if(sources.begin(), sources.end(),
+                                       [&](const auto& one) { return one.label == label; });
+      if (source == sources.end())
+        throw std::invalid_argument(log + ": no URL has the label " + label + "; give --url " +
+                                    label + "=udpm://...");
+      files_.push_back(file);
+      auto& bus = buses_[source->url.text()];
+      if (!bus) bus = bus::make_lcm_bus(source->url.text());
+      outlets_.push_back(bus.get());
+      if (!command.quiet)
+        std::printf("%s to %s %s\n", file.c_str(), label.c_str(), source->url.text().c_str());
+    }
+    std::fflush(stdout);
+  }
+
+  const std::vector<std::string>& files() const { return files_; }
+  long sent() const { return sent_; }
+  long left_out() const { return left_out_; }
+  long refused() const { return refused_; }
+
+  void take(int log, const bus::LoggedEvent& event) {
+    if (!wants(event.channel)) {
+      ++left_out_;
+    } else if (outlets_[static_cast<std::size_t>(log)]->publish(event.channel.c_str(), event.data,
+                                                                event.size)) {
+      ++sent_;
+    } else {
+      ++refused_;
+    }
+  }
+
+ private:
+  bool wants(const std::string& channel) {
+    const auto known = wanted_.find(channel);
+    if (known != wanted_.end()) return known->second;
+    const bool wanted = filter_.wants(channel) && (command_.commands || !moves_robot(channel)) &&
+                        (!command_.inputs_only || is_input(channel));
+    return wanted_[channel] = wanted;
+  }
+
+  const PlayCommand& command_;
+  record::ChannelFilter filter_;
+  std::map<std::string, bool> wanted_;
+  std::map<std::string, std::unique_ptr<bus::MessageBus>> buses_;  // by URL
+  std::vector<bus::MessageBus*> outlets_;                          // by log
+  std::vector<std::string> files_;
+  long sent_ = 0, left_out_ = 0, refused_ = 0;
+};
+
+void obey(Wish wish, Player& player, std::int64_t now_ns, const Sink& sink) {
+  constexpr double kJump = 5;  // s
+  switch (wish) {
+    case Wish::kPause:
+      return player.pause(!player.paused(), now_ns);
+    case Wish::kStep:
+      return player.step(now_ns, sink);
+    case Wish::kFaster:
+      return player.set_rate(2 * player.rate(), now_ns);
+    case Wish::kSlower:
+      return player.set_rate(0.5 * player.rate(), now_ns);
+    case Wish::kBack:
+      return player.seek(player.position(now_ns) - kJump, now_ns);
+    case Wish::kForward:
+      return player.seek(player.position(now_ns) + kJump, now_ns);
+    case Wish::kQuit:
+      stopped = 1;
+      return;
+    case Wish::kNone:
+      return;
+  }
+}
+
+void show(const Player& player, std::int64_t now_ns) {
+  std::fprintf(stderr, "\r%8.1f of %.1f s, %g x%s, %lld messages \x1b[K", player.position(now_ns),
+               player.duration(), player.rate(), player.paused() ? ", paused" : "",
+               static_cast<long long>(player.played()));
+}
+
+}  // namespace
+
+bool moves_robot(const std::string& channel) {
+  return matches(channel, "(TWIST_COMMAND|JOINT_VELOCITY_COMMAND|HAND_COMMAND)(_[0-9]+)?");
+}
+
+bool is_input(const std::string& channel) {
+  return matches(channel,
+                 "(FT_WRENCH|IMU|ROBOT_STATE|HAND_STATE)(_[0-9]+)?|BIOTAC_[0-9]|SHAPE_OBSERVATION|"
+                 "SHAPE_TARGET|MANUAL_FORCE|COMPONENT_COMMAND");
+}
+
+std::string label_of(const std::string& log, std::string& file) {
+  const std::size_t equals = log.find('=');
+  if (equals != std::string::npos && log.find('/') > equals) {
+    file = log.substr(equals + 1);
+    return log.substr(0, equals);
+  }
+  file = log;
+  const std::string name = std::filesystem::path(log).filename().string();
+  for (const char* label : {"control", "housekeeping", "pictures"}) {
+    if (name.find(std::string(".") + label + ".") != std::string::npos) return label;
+  }
+  return "control";
+}
+
+void PlayCommand::add_to(CLI::App& app) {
+  app.add_option("logs", logs,
+                 "logs that were recorded together. NAME.LABEL.lcmlog, as palpate-record writes "
+                 "them, goes to the URL of its label; LABEL=FILE says it; else control")
+      ->required();
+  app.add_option("--url", urls, "LABEL=URL: another URL for a label (repeatable)")
+      ->allow_extra_args(false);
+  app.add_option("--start", player.start, "s since the first message, where to begin")
+      ->check(CLI::NonNegativeNumber);
+  app.add_option("--end", player.end, "s, where to stop")->check(CLI::NonNegativeNumber);
+  app.add_option("--rate", player.rate, "times as fast as recorded")
+      ->check(CLI::Range(1e-3, 1e3))
+      ->capture_default_str();
+  app.add_flag("--loop", player.loop, "from --start again at the end");
+  app.add_option("-c,--channel", channels, "regular expression that a channel's whole name matches")
+      ->capture_default_str();
+  app.add_flag("-v,--invert-channels", invert, "the channels that do not match instead");
+  app.add_flag("--inputs", inputs_only, "only what palpated listens to, for one that runs");
+  app.add_flag("--commands", commands,
+               "also what moves a robot or hand (TWIST_COMMAND, JOINT_VELOCITY_COMMAND, "
+               "HAND_COMMAND), which is left out otherwise");
+  app.add_flag("-q,--quiet", quiet, "no progress and no summary");
+  app.footer(
+      "Keys, on a terminal: space pauses, . plays one message, + and - change the rate, left and\n"
+      "right arrow jump by 5 s, q quits.\n"
+      "Examples:\n"
+      "  palpate-replay play run.control.lcmlog run.housekeeping.lcmlog --rate 0.5\n"
+      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop");
+}
+
+int PlayCommand::run() const {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stopped = 1; };
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+  Outlets outlets(*this);
+  Player player_(outlets.files(), player);
+  for (const std::string& complaint : player_.complaints())
+    std::fprintf(stderr, "warning: %s\n", complaint.c_str());
+  const Sink sink = [&](int log, const bus::LoggedEvent& event) { outlets.take(log, event); };
+  Keyboard keyboard;
+  const bool shows = !quiet && isatty(STDERR_FILENO) != 0;
+  std::int64_t shown_ns = 0;
+  while (stopped == 0) {
+    const std::int64_t wait_ns = player_.advance(loop::monotonic_ns(), sink);
+    if (wait_ns < 0) break;
+    obey(keyboard.wait(std::min<std::int64_t>(wait_ns, 100'000'000)), player_, loop::monotonic_ns(),
+         sink);
+    const std::int64_t now_ns = loop::monotonic_ns();
+    if (shows && now_ns - shown_ns > 200'000'000) {
+      shown_ns = now_ns;
+      show(player_, now_ns);
+    }
+  }
+  if (shows) std::fprintf(stderr, "\n");
+  if (!quiet)
+    std::printf("%ld messages sent, %ld left out, %ld too large for a datagram or refused\n",
+                outlets.sent(), outlets.left_out(), outlets.refused());
+  return stopped == 0 ? 0 : 130;
+}
+
+}  // namespace palpate::replay

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/replay/player.hpp"
+
+namespace palpate::replay {
+
+/// The command line of `palpate-replay play`.
+struct PlayCommand {
+  std::vector<std::string> logs;  // FILE or LABEL=FILE
+  std::vector<std::string> urls;  // LABEL=URL
+  PlayerOptions player;
+  std::string channels = ".*";
+  bool invert = false;
+  bool inputs_only = false;  // what palpated listens to
+  bool commands = false;     // also those that move a robot
+  bool quiet = false;
+
+  void add_to(CLI::App& app);
+  /// Plays until the end, a signal, or the key q. Returns the exit code; throws
+  /// std::runtime_error and std::invalid_argument.
+  int run() const;
+};
+
+/// Whether a channel's messages move a robot or a hand.
+bool moves_robot(const std::string& channel);
+/// Whether palpated listens to it on its control URL.
+bool is_input(const std::string& channel);
+/// Of "LABEL=FILE", or of a name as palpate-record makes it (run.housekeeping.lcmlog); control
+/// where neither says.
+std::string label_of(const std::string& log, std::string& file);
+
+}  // namespace palpate::replay

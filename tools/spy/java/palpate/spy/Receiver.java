@@ -1,0 +1,64 @@
+package palpate.spy;
+
+import java.io.IOException;
+import java.net.DatagramPacket;
+import java.net.InetAddress;
+import java.net.InetSocketAddress;
+import java.net.MulticastSocket;
+import lcm.lcm.LCM;
+
+/**
+ * Takes the short messages of one LCM URL to the spy. LCM's own receiver for Java ends silently at
+ * the first packet that it cannot read; this one counts it and goes on.
+ */
+final class Receiver extends Thread {
+  private static final int BUFFER_SIZE = 65536;
+  private static final int WANTED_QUEUE = 4 << 20;
+
+  private final Url url;
+  private final LCM into;
+  private final MulticastSocket socket;
+  private volatile long refused;
+
+  Receiver(Url url, LCM into) throws IOException {
+    super("receive " + url.text);
+    this.url = url;
+    this.into = into;
+    InetAddress group = InetAddress.getByName(url.address);
+    // Bound to the group, not to any address, the socket sees this group alone.
+    socket = new MulticastSocket(new InetSocketAddress(group, url.port));
+    socket.setReceiveBufferSize(WANTED_QUEUE);
+    socket.joinGroup(new InetSocketAddress(group, url.port), null);
+    setDaemon(true);
+  }
+
+  /** Datagrams that were no short message, or that the spy could not take. */
+  long refused() {
+    return refused;
+  }
+
+  @Override
+  public void run() {
+    byte[] buffer = new byte[BUFFER_SIZE];
+    DatagramPacket packet = new DatagramPacket(buffer, buffer.length);
+    while (true) {
+      try {
+        packet.setLength(buffer.length);
+        socket.receive(packet);
+      } catch (IOException error) {
+        System.err.println("palpate-spy: " + url.text + ": " + error.getMessage());
+        return;
+      }
+      Datagram datagram = Datagram.parse(buffer, packet.getLength());
+      if (datagram == null) {
+        ++refused;
+        continue;
+      }
+      try {
+        into.receiveMessage(datagram.channel, buffer, datagram.payloadAt, datagram.payloadSize);
+      } catch (RuntimeException | OutOfMemoryError error) {
+        ++refused;
+      }
+    }
+  }
+}

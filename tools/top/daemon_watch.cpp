@@ -1,0 +1,79 @@
+#include "tools/top/daemon_watch.hpp"
+
+#include <algorithm>
+
+#include "tools/record/message_types.hpp"
+
+namespace palpate::top {
+namespace {
+
+constexpr std::int64_t kSilent = 2'000'000'000;  // ns, after which a daemon counts no more
+constexpr std::size_t kMostSessions = 64;
+
+template <class Message>
+bool decoded(const record::Heard& heard, Message& message) {
+  const record::MessageType* type = record::type_of(heard.data, heard.size);
+  return type != nullptr && type->fingerprint == Message::getHash() &&
+         type->fits(heard.data, heard.size) && message.decode(heard.data, 0, heard.size) >= 0;
+}
+
+template <std::size_t kSize>
+std::string text_of(const std::uint8_t (&field)[kSize]) {
+  return printable(field, static_cast<int>(kSize));
+}
+
+std::string line_of(const component_event_t& event) {
+  std::string line = text_of(event.slot);
+  for (const std::string& word : {text_of(event.component), text_of(event.event)}) {
+    if (!word.empty()) line += (line.empty() ? "" : " ") + word;
+  }
+  const std::string reason = text_of(event.reason);
+  return reason.empty() ? line : line + ": " + reason;
+}
+
+}  // namespace
+
+const std::array<const char*, kPhases> kPhaseNames = {"all",        "read",    "sensing", "contact",
+                                                      "estimation", "feature", "control", "gate",
+                                                      "publish",    "wake-up"};
+
+const char* state_name(int state) noexcept {
+  constexpr std::array<const char*, 6> kNames = {"unconfigured", "inactive", "active",
+                                                 "degraded",     "faulted",  "finalized"};
+  return state >= 0 && state < static_cast<int>(kNames.size())
+             ? kNames[static_cast<std::size_t>(state)]
+             : "unknown";
+}
+
+std::string printable(const std::uint8_t* field, int size) {
+  std::string text;
+  for (int i = 0; i < size && field[i] != 0; ++i)
+    text += field[i] >= 32 && field[i] < 127 ? static_cast<char>(field[i]) : '?';
+  return text;
+}
+
+void DaemonWatch::take(const record::Heard& heard) {
+  if (heard.channel.substr(0, 6) == "HEALTH") {
+    health_t health{};
+    if (!decoded(heard, health)) return;
+    health_ = health;
+    health_ns_ = heard.arrival_ns;
+    if (heard_.size() < kMostSessions || heard_.count(health.session) > 0)
+      heard_[health.session] = heard.arrival_ns;
+  } else if (heard.channel.substr(0, 15) == "COMPONENT_EVENT") {
+    component_event_t event{};
+    if (decoded(heard, event)) event_ = line_of(event);
+  }
+}
+
+double DaemonWatch::health_age(std::int64_t now_ns) const noexcept {
+  return static_cast<double>(now_ns - health_ns_) * 1e-9;
+}
+
+int DaemonWatch::daemons(std::int64_t now_ns) const noexcept {
+  return static_cast<int>(std::count_if(heard_.begin(), heard_.end(), [now_ns](const auto& one) {
+    return now_ns - one.second < kSilent;
+  }));
+}
+
+}  // namespace palpate::top

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <palpate/component_event_t.hpp>
+#include <palpate/health_t.hpp>
+#include <string>
+#include <string_view>
+
+#include "tools/record/listener.hpp"
+
+namespace palpate::top {
+
+inline constexpr int kPhases = 10;
+/// In the order of health_t.
+extern const std::array<const char*, kPhases> kPhaseNames;
+/// unconfigured, inactive, active, degraded, faulted, finalized; "unknown" for any other number.
+const char* state_name(int state) noexcept;
+
+/// Text of a char array of a message, as far as it can be printed.
+std::string printable(const std::uint8_t* field, int size);
+
+/// The last that was heard of palpated: HEALTH and COMPONENT_EVENT.
+class DaemonWatch {
+ public:
+  void take(const record::Heard& heard);
+
+  const std::optional<health_t>& health() const noexcept { return health_; }
+  double health_age(std::int64_t now_ns) const noexcept;  // s
+  /// Daemons that said something within the last two seconds.
+  int daemons(std::int64_t now_ns) const noexcept;
+  /// The last thing that happened, in a line; empty where nothing was heard.
+  const std::string& event() const noexcept { return event_; }
+
+ private:
+  std::optional<health_t> health_;
+  std::int64_t health_ns_ = 0;
+  std::map<std::int64_t, std::int64_t> heard_;  // by session: when
+  std::string event_;
+};
+
+}  // namespace palpate::top

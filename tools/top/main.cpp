@@ -1,0 +1,191 @@
+// palpate-top: what goes over palpate's LCM URLs, in a terminal. See --help.
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <csignal>
+#include <fstream>
+#include <iostream>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/top/terminal.hpp"
+#include "tools/top/view.hpp"
+
+namespace {
+
+using namespace palpate;
+
+constexpr int kNothingHeard = 2;  // exit code
+volatile std::sig_atomic_t stopped = 0;
+
+struct Options {
+  std::vector<std::string> urls;
+  std::string json;
+  bool once = false, plain = false;
+  double seconds = 3;
+  double interval = 0.25;  // s, between two drawings
+};
+
+constexpr char kHelp[] =
+    "palpate-top shows what goes over palpate's LCM URLs: the daemon's state, cycle times by "
+    "phase,\n"
+    "overruns, faults and inputs as HEALTH tells them, and of every channel the rate, jitter\n"
+    "(standard deviation and longest interval, ms), age, latency (from the sender's clock, ms),\n"
+    "losses (gaps in the numbers), bandwidth, and whether its type is one of palpate's.\n"
+    "It only listens, through palpate's guarded receiver: no packet can end it.\n"
+    "Keys: q quit, s sort by another column, r reset, arrows, j, k and page keys scroll.";
+constexpr char kExamples[] =
+    "Examples:\n"
+    "  palpate-top\n"
+    "  palpate-top --once --seconds 5 > now.txt\n"
+    "  palpate-top --json -                        JSON on standard output\n"
+    "  palpate-top --url control=udpm://239.255.76.67:7700?ttl=0\n"
+    "Colours are left out with --plain, NO_COLOR set, or TERM=dumb.\n"
+    "Exit codes: 0 done, 1 an error, 2 nothing was heard (--once, --json).";
+
+/// All that was heard, shared by the receiver and who draws.
+class Everything {
+ public:
+  void take(const record::Heard& heard) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    channels_.take(heard);
+    daemon_.take(heard);
+  }
+  void clear() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    channels_.clear();
+  }
+  /// Calls `use` with all as it is now.
+  template <class Use>
+  auto look(const record::Listener& listener, top::Order order, Use use) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    const std::int64_t now_ns = loop::monotonic_ns();
+    return use(
+        top::View{&listener, listener.sources(), channels_.rows(now_ns, order), &daemon_, now_ns});
+  }
+
+ private:
+  std::mutex mutex_;
+  top::ChannelTable channels_;
+  top::DaemonWatch daemon_;
+};
+
+void sleep_until_stopped(double seconds) {
+  const std::int64_t end = loop::monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
+  while (stopped == 0 && loop::monotonic_ns() < end)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+int print_once(Everything& everything, const record::Listener& listener, const Options& options) {
+  sleep_until_stopped(options.seconds);
+  return everything.look(listener, top::Order::kName, [&](const top::View& view) {
+    if (options.once) {
+      for (const top::Line& line : top::lines_of(view)) std::cout << line.text << '\n';
+    }
+    if (options.json == "-") {
+      std::cout << top::json_of(view).dump(2) << '\n';
+    } else if (!options.json.empty()) {
+      std::ofstream file(options.json);
+      file << top::json_of(view).dump(2) << '\n';
+      if (!file) throw std::runtime_error(options.json + ": cannot be written");
+    }
+    return view.rows.empty() ? kNothingHeard : 0;
+  });
+}
+
+int show(Everything& everything, const record::Listener& listener, const Options& options) {
+  top::Terminal terminal;
+  const bool colours = !options.plain && top::wants_colours();
+  top::Order order = top::Order::kName;
+  int first = 0;
+  while (stopped == 0) {
+    const top::Terminal::Size size = terminal.size();
+    const std::vector<top::Line> lines =
+        everything.look(listener, order, [](const top::View& view) { return top::lines_of(view); });
+    const int page = std::max(1, size.rows - 2);
+    first = std::clamp(first, 0, std::max(0, static_cast<int>(lines.size()) - page));
+    terminal.draw(top::frame(
+        lines, size.columns, size.rows, first, colours,
+        std::string("q quit  s sort (") + top::name(order) + ")  r reset  arrows scroll"));
+    switch (terminal.wait(static_cast<int>(options.interval * 1e3))) {
+      case top::Key::kNone:
+        break;
+      case top::Key::kQuit:
+        return 0;
+      case top::Key::kSort:
+        order = top::next(order);
+        break;
+      case top::Key::kReset:
+        everything.clear();
+        break;
+      case top::Key::kUp:
+        --first;
+        break;
+      case top::Key::kDown:
+        ++first;
+        break;
+      case top::Key::kPageUp:
+        first -= page;
+        break;
+      case top::Key::kPageDown:
+        first += page;
+        break;
+      case top::Key::kHome:
+        first = 0;
+        break;
+    }
+  }
+  return 0;
+}
+
+int run(const Options& options) {
+  std::vector<record::Source> sources = record::default_sources();
+  record::put_urls(options.urls, sources);
+  Everything everything;
+  record::Listener listener(sources, [&](const record::Heard& heard) { everything.take(heard); });
+  listener.start();
+  const bool prints = options.once || !options.json.empty();
+  const int code =
+      prints ? print_once(everything, listener, options) : show(everything, listener, options);
+  listener.stop();
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app(kHelp);
+  Options options;
+  app.add_option("--url", options.urls,
+                 "LABEL=URL: another URL for control, housekeeping or pictures, or a further one "
+                 "(repeatable)")
+      ->allow_extra_args(false);
+  app.add_flag("--once", options.once, "print plain text once and end");
+  app.add_option("--json", options.json,
+                 "write JSON to this file, or - for standard output, and end")
+      ->expected(0, 1)
+      ->default_str("-");
+  app.add_option("--seconds", options.seconds, "that --once and --json listen")
+      ->check(CLI::Range(0.1, 86400.0))
+      ->capture_default_str();
+  app.add_option("--interval", options.interval, "s, between two drawings")
+      ->check(CLI::Range(0.02, 60.0))
+      ->capture_default_str();
+  app.add_flag("--plain", options.plain, "no colours");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(kExamples);
+  CLI11_PARSE(app, argc, argv);
+  if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
+
+  struct sigaction action {};
+  action.sa_handler = [](int) { stopped = 1; };
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
+  try {
+    return run(options);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return 1;
+  }
+}

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <vector>
+
+#include "tools/record/listener.hpp"
+#include "tools/top/channel_table.hpp"
+#include "tools/top/daemon_watch.hpp"
+
+namespace palpate::top {
+
+/// How a line is to stand out where there are colours; without them bad ones begin with "!".
+enum class Tone { kPlain, kTitle, kGood, kWarning, kBad };
+
+struct Line {
+  std::string text;
+  Tone tone = Tone::kPlain;
+};
+
+/// All that is shown at a moment.
+struct View {
+  const record::Listener* listener = nullptr;  // its counters; nullptr: none are shown
+  std::vector<record::Source> sources;
+  std::vector<ChannelRow> rows;
+  const DaemonWatch* daemon = nullptr;
+  std::int64_t now_ns = 0;
+};
+
+/// The daemon's state with cycle times by phase and inputs, then the channels, a line each.
+std::vector<Line> lines_of(const View& view);
+
+/// The same to be read by programs.
+nlohmann::json json_of(const View& view);
+
+/// What of `lines` a screen of so many columns and rows shows from line `first` on, as bytes for
+/// the terminal: never more rows, none wider, the last one with the keys.
+std::string frame(const std::vector<Line>& lines, int columns, int rows, int first, bool colours,
+                  const std::string& keys);
+
+}  // namespace palpate::top
