@@ -24,7 +24,11 @@ int main(int argc, char** argv) {
   std::function<void()> chosen;
   exporting::add_info(app, chosen);
   exporting::add_csv(app, chosen);
+  exporting::add_plot(app, chosen);
+  exporting::add_mcap(app, chosen);
   exporting::add_vtu(app, chosen);
+  exporting::add_png(app, chosen);
+  exporting::add_mp4(app, chosen);
   CLI11_PARSE(app, argc, argv);
   try {
     chosen();

@@ -34,6 +34,7 @@ class McapWriter {
   void add_message(std::uint16_t channel, std::uint32_t sequence, std::uint64_t log_time,
                    std::uint64_t publish_time, std::string_view data);
 
+  const std::filesystem::path& path() const { return out_.path(); }
   std::uint64_t message_count() const { return message_count_; }
   std::int64_t written() const { return out_.written(); }
 

@@ -82,19 +82,32 @@ void ShapeFollower::read_meshes(Source& source) {
   });
 }
 
-bool ShapeFollower::in_time(double time) const {
-  return time >= source_->options().from && time <= source_->options().to;
+bool ShapeFollower::is_possible(const Source& source) {
+  return has(source, "SHAPE", "shape_t") || has(source, "TRUTH_SHAPE", "shape_t");
 }
 
-void ShapeFollower::each(const std::string& title, const Take& take) {
+const std::vector<std::string>& ShapeFollower::channels() {
+  static const std::vector<std::string> kChannels{"SHAPE",        "TRUTH_SHAPE",   "CONTACTS",
+                                                  "FEATURE",      "TRUTH_CONTACT", "ESTIMATE",
+                                                  "SHAPE_TARGET", "ROBOT_STATE"};
+  return kChannels;
+}
+
+void ShapeFollower::begin() {
   latest_ = {};
   waiting_.clear();
   last_truth_.reset();
-  std::vector<std::string> channels{"SHAPE",         "TRUTH_SHAPE", "CONTACTS",     "ESTIMATE",
-                                    "TRUTH_CONTACT", "FEATURE",     "SHAPE_TARGET", "ROBOT_STATE"};
-  source_->each_of(title, channels, [&](const Message& message) { follow(message, take); });
+}
+
+void ShapeFollower::end(const Take& take) {
   for (Instant& instant : waiting_) give(instant, take);
   waiting_.clear();
+}
+
+void ShapeFollower::each(const std::string& title, const Take& take) {
+  begin();
+  source_->each_of(title, channels(), [&](const Message& message) { follow(message, take); });
+  end(take);
 }
 
 void ShapeFollower::follow(const Message& message, const Take& take) {
@@ -190,7 +203,7 @@ void ShapeFollower::put_truth(Instant& instant, const Truth& before, const Truth
 }
 
 void ShapeFollower::give(Instant& instant, const Take& take) {
-  if (!in_time(instant.time)) return;
+  if (!source_->is_in_time(instant.time)) return;
   instant.stiffness = options_.stiffness;
   instant.truth_stiffness = options_.truth_stiffness;
   if (!instant.stiffness && instant.estimated && instant.estimated->log_young_modulus > 0)

@@ -60,14 +60,24 @@ class ShapeFollower {
   /// Whether shapes come with standard deviations.
   bool has_deviation() const { return has_deviation_; }
 
+  /// Whether a log holds any shape at all.
+  static bool is_possible(const Source& source);
+  /// Channels that it listens to.
+  static const std::vector<std::string>& channels();
+
+  using Take = std::function<void(const Instant&)>;
+  /// For who reads the log itself: begin(), follow() for each message of channels(), end().
+  void begin();
+  void follow(const Message& message, const Take& take);
+  void end(const Take& take);
+
   /// Calls `take` for each shape in the times that the source's options ask for, in their order.
-  void each(const std::string& title, const std::function<void(const Instant&)>& take);
+  void each(const std::string& title, const Take& take);
 
   /// At `rate` Hz from the first shape on (every shape where 0): the last shape at or before each
   /// of these times, `time` being that of the picture. Shapes are not repeated beyond one second of
   /// silence.
-  void sample(const std::string& title, double rate,
-              const std::function<void(const Instant&)>& take);
+  void sample(const std::string& title, double rate, const Take& take);
 
  private:
   struct Truth {
@@ -76,16 +86,13 @@ class ShapeFollower {
     std::int64_t mesh = 0;
     Eigen::Matrix3Xd positions;
   };
-  using Take = std::function<void(const Instant&)>;
 
   void read_meshes(Source& source);
-  void follow(const Message& message, const Take& take);
   void add_shape(const shape_t& shape, const Message& message);
   void add_truth(const shape_t& shape, const Message& message, const Take& take);
   void settle(std::int64_t now, const Take& take);
   void give(Instant& instant, const Take& take);
   void put_truth(Instant& instant, const Truth& before, const Truth& after);
-  bool in_time(double time) const;
 
   Source* source_;
   FollowerOptions options_;

@@ -85,23 +85,25 @@ std::int64_t Source::origin() const {
 
 void Source::each(const std::string& title, const std::function<void(const Message&)>& take) {
   read(
-      title, [this](const ChannelSurvey& channel) { return is_selected(channel); }, true, take);
+      title, [this](const ChannelSurvey& channel) { return is_selected(channel); },
+      [this, &take](const Message& message) {
+        if (is_in_time(message.time)) take(message);
+      });
 }
 
 void Source::each_of(const std::string& title, const std::vector<std::string>& channels,
                      const std::function<void(const Message&)>& take) {
   const auto wanted = [&channels](const ChannelSurvey& entry) {
-    return entry.type &&
-           std::find(channels.begin(), channels.end(), entry.channel) != channels.end();
+    return std::find(channels.begin(), channels.end(), entry.channel) != channels.end();
   };
-  read(title, wanted, false, take);
+  read(title, wanted, take);
 }
 
 void Source::read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
-                  bool in_time, const std::function<void(const Message&)>& take) {
+                  const std::function<void(const Message&)>& take) {
   std::unordered_map<std::string, std::vector<std::unique_ptr<log::Record>>> records;
   for (const ChannelSurvey& channel : survey_.channels)
-    if (wanted(channel))
+    if (channel.type && wanted(channel))
       records[channel.channel].push_back(std::make_unique<log::Record>(*channel.type));
 
   log_.rewind();
@@ -117,9 +119,7 @@ void Source::read(const std::string& title, const std::function<bool(const Chann
       if (&record->type() != type || !record->decode(event->data, event->size)) continue;
       const std::int64_t utime =
           options_.clock == Clock::kReceived ? event->utime : record->utime();
-      const double seconds = time(utime);
-      if (!in_time || (seconds >= options_.from && seconds <= options_.to))
-        take({*event, *record, seconds, utime});
+      take({*event, *record, time(utime), utime});
     }
   }
   stage.finish();

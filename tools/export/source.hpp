@@ -47,6 +47,8 @@ class Source {
   bool is_selected(const ChannelSurvey& channel) const;
   /// us, where `time` is 0: of all messages the earliest by the clock chosen.
   std::int64_t origin() const;
+  /// Whether a time (s) is one that the options ask for.
+  bool is_in_time(double time) const { return time >= options_.from && time <= options_.to; }
   double time(std::int64_t utime) const { return 1e-6 * static_cast<double>(utime - origin()); }
 
   /// Calls `take` for each whole message that is selected, in the order of reception; `title`
@@ -55,11 +57,11 @@ class Source {
   /// The same of these channels alone, whatever the options say of channels and times.
   void each_of(const std::string& title, const std::vector<std::string>& channels,
                const std::function<void(const Message&)>& take);
+  /// The same of the channels that are `wanted`, whatever their time.
+  void read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
+            const std::function<void(const Message&)>& take);
 
  private:
-  void read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
-            bool in_time, const std::function<void(const Message&)>& take);
-
   SourceOptions options_;
   log::MergedLog log_;
   Survey survey_;

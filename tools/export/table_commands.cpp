@@ -6,6 +6,7 @@
 #include "tools/export/info.hpp"
 #include "tools/export/options.hpp"
 #include "tools/export/output_file.hpp"
+#include "tools/export/plot_export.hpp"
 
 namespace palpate::exporting {
 
@@ -60,6 +61,46 @@ void add_csv(CLI::App& app, std::function<void()>& chosen) {
     chosen = [options] {
       Source source(options->source);
       report(export_csv(source, options->output), source);
+    };
+  });
+}
+
+void add_plot(CLI::App& app, std::function<void()>& chosen) {
+  auto* const command = app.add_subcommand(
+      "plot",
+      "Fields of any channel over time, to PNG or SVG by gnuplot; one panel for each --field:\n"
+      "  CHANNEL.field            all its numbers\n"
+      "  CHANNEL.field[2]         one of them, or a row of an array of two dimensions\n"
+      "  CHANNEL.field[0][0:3]    a range, the end left out\n"
+      "  norm(CHANNEL.field)      the length of the vector that they make\n"
+      "Several in one panel have commas between them: 'FEATURE.value[2],FEATURE.target[2]'.\n"
+      "Peaks are kept, however many messages there are.");
+  struct Options {
+    SourceOptions source;
+    std::vector<std::string> panels;
+    std::string output;
+    bool list = false;
+  };
+  const auto options = std::make_shared<Options>();
+  add_source(*command, options->source);
+  auto* const fields =
+      command->add_option("--field", options->panels, "What a panel shows")->type_name("PATH ...");
+  auto* const output = command->add_option("-o,--output", options->output, "File, .png or .svg");
+  auto* const list =
+      command->add_flag("--list", options->list, "Only list channels and fields with their units");
+  fields->needs(output)->excludes(list);
+  output->needs(fields);
+  command->callback([options, &chosen] {
+    chosen = [options] {
+      if (!options->list && options->panels.empty())
+        throw std::runtime_error("plot wants --field with --output, or --list");
+      Source source(options->source);
+      if (options->list) {
+        print_fields(source.found(), std::cout);
+        return;
+      }
+      const int curves = export_plot(source, options->panels, options->output);
+      report({{options->output, "curves", curves}}, source);
     };
   });
 }
