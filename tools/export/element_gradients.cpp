@@ -5,10 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/elasticity/element.hpp"
+
 namespace palpate::exporting {
 namespace {
 
-constexpr int kTetrahedronNodes = 4, kHexahedronNodes = 27;
+constexpr int kTetrahedronNodes = 4, kQuadraticNodes = 10, kHexahedronNodes = 27;
 
 /// Values and slopes on [0, 1] of the quadratic Lagrange polynomials on 0, 1/2, 1.
 struct Quadratic {
@@ -38,6 +40,8 @@ Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes) {
 ElementGradients::ElementGradients(const evaluate::MeshMessage& mesh) : elements_(mesh.elements) {
   if (elements_.rows() == kTetrahedronNodes)
     add_tetrahedra(mesh.nodes);
+  else if (elements_.rows() == kQuadraticNodes)
+    add_quadratic_tetrahedra(mesh.nodes);
   else if (elements_.rows() == kHexahedronNodes)
     add_hexahedra(mesh.nodes);
   else
@@ -57,6 +61,20 @@ void ElementGradients::add_tetrahedra(const Eigen::Matrix3Xd& nodes) {
     gradient.row(0) = -inverse.colwise().sum();
     volumes_.push_back(volume);
     gradients_.push_back(gradient);
+  }
+}
+
+void ElementGradients::add_quadratic_tetrahedra(const Eigen::Matrix3Xd& nodes) {
+  using Element = elasticity::Tetrahedron<kQuadraticNodes>;
+  points_ = Element::kPoints;
+  for (int e = 0; e < elements_.cols(); ++e) {
+    const Eigen::Matrix<double, 3, 4> corners = corners_of(nodes, elements_, e).leftCols<4>();
+    const double volume = elasticity::tetrahedron_volume(corners);
+    if (!(volume > 0)) throw std::runtime_error("a mesh with a tetrahedron without volume");
+    for (const auto& gradient : Element::gradients(corners)) {
+      volumes_.push_back(volume / points_);
+      gradients_.push_back(gradient.transpose());
+    }
   }
 }
 

@@ -7,8 +7,8 @@
 
 namespace palpate::exporting {
 
-/// How the elements of a mesh from SHAPE_MESH or TRUTH_MESH are deformed: tetrahedra by their
-/// corners, or 27-node hexahedra whose rest shape is a box, in 2 x 2 x 2 Gauss points.
+/// How the elements of a mesh are deformed: tetrahedra by their corners, straight-sided ones of ten
+/// nodes in four points, or 27-node hexahedra whose rest shape is a box, in 2 x 2 x 2 Gauss points.
 class ElementGradients {
  public:
   /// Throws std::runtime_error where the mesh has other elements, or one without volume.
@@ -28,6 +28,7 @@ class ElementGradients {
 
  private:
   void add_tetrahedra(const Eigen::Matrix3Xd& nodes);
+  void add_quadratic_tetrahedra(const Eigen::Matrix3Xd& nodes);
   void add_hexahedra(const Eigen::Matrix3Xd& nodes);
   std::size_t index(int element, int point) const {
     return static_cast<std::size_t>(element * points_ + point);

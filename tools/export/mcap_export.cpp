@@ -116,8 +116,8 @@ class Exporter {
 
   /// At most scene_rate times a second.
   bool is_due(double& next, double time) const {
-    if (time < next) return false;
     const double period = 1 / options_.scene_rate;
+    if (time < next - 0.01 * period) return false;  // times are rounded to us
     next = (next < time - period ? time : next) + period;
     return true;
   }

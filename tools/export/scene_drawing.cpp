@@ -188,7 +188,7 @@ camera::View SceneDrawing::view() const {
                          std::abs(p.y()) / tangent - p.z()});
   }
   // Room for title, legend and colour bar.
-  distance *= (arm_ ? 1.6 : 1.35) / options_.zoom;
+  distance *= (arm_ ? 1.5 : 1.2) / options_.zoom;
   return camera::make_view(
       middle + distance * towards, middle,
       std::abs(towards.z()) > 0.999 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ(),

@@ -1,22 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <memory>
 #include <optional>
 
 #include "tools/export/element_gradients.hpp"
+#include "tools/export/material_law.hpp"
+#include "tools/export/midside_nodes.hpp"
 
 namespace palpate::exporting {
 
 using Tensors = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // xx yy zz xy xz yz
-
-/// Law of a material: that of palpated's model, and that of the simulator's object.
-enum class Law { kCorotational, kNeoHookean };
-
-/// Stiffness of an object: of ESTIMATE, or told by the user.
-struct Stiffness {
-  double young_modulus = 0;  // Pa
-  double poisson_ratio = 0;
-};
 
 /// What a shape says beyond its positions. By node, 3 x n, and by element.
 struct ShapeFields {
@@ -29,8 +23,9 @@ struct ShapeFields {
   Eigen::Matrix3Xd force;     // N, what acts on each node from outside while it is in equilibrium
 };
 
-/// Evaluates the fields of one mesh. Of a mesh of quadratic tetrahedra only the corners are
-/// published; its elements count as linear ones here, which are a little stiffer in bending.
+/// Evaluates the fields of one mesh. Of quadratic tetrahedra only the corners are published; where
+/// their midside nodes stand is found again (MidsideNodes), so that stress and forces are those
+/// that palpated itself reckons with, but for what the weight of single elements does to them.
 class ShapeEvaluator {
  public:
   /// Throws as ElementGradients.
@@ -49,17 +44,14 @@ class ShapeEvaluator {
   void add_strain(const Eigen::Matrix3Xd& x, ShapeFields& fields) const;
   void add_stress(const Eigen::Matrix3Xd& x, const Stiffness& stiffness, ShapeFields& fields) const;
 
+  const ElementGradients& gradients() const;
+
   Law law_;
   evaluate::MeshMessage mesh_;
-  ElementGradients gradients_;
+  std::unique_ptr<MidsideNodes> midsides_;       // of quadratic tetrahedra, or
+  std::unique_ptr<ElementGradients> gradients_;  // of others
   Eigen::VectorXd element_volume_;
   Eigen::VectorXd node_volume_;  // of the elements around each
 };
-
-/// Cauchy stress, Pa, at the deformation gradient F, with E = R^T F - 1 and J = det F:
-///   co-rotational  R (2 mu E + lambda tr(E) 1) (1 + E) R^T / J
-///   Neo-Hookean    (mu (F F^T - 1) + lambda log(J) 1) / J
-/// Where J is below a hundredth, it counts as that hundredth.
-Eigen::Matrix3d cauchy_stress(Law law, const Eigen::Matrix3d& F, const Stiffness& stiffness);
 
 }  // namespace palpate::exporting
