@@ -1,0 +1,162 @@
+#include "tools/export/shape_fields.hpp"
+
+#include <gtest/gtest.h>
+
+#include "core/elasticity/element_stress.hpp"
+#include "core/elasticity/static_solver.hpp"
+#include "tests/unit/tools/export/two_shapes.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+const Eigen::Vector3d kSize(0.2, 0.04, 0.06);
+constexpr Stiffness kFoam{30e3, 0.3};
+
+/// At the end that is not held.
+bool is_end(const evaluate::MeshMessage& mesh, Eigen::Index node) {
+  return mesh.nodes(0, node) > kSize.x() - 1e-9;
+}
+
+class ShapeFieldsTest : public testing::TestWithParam<bool> {
+ protected:
+  static evaluate::MeshMessage box() {
+    return GetParam() ? hexahedral_box(kSize, {3, 2, 1}) : tetrahedral_box(kSize, {3, 2, 2});
+  }
+  static Law law() { return GetParam() ? Law::kNeoHookean : Law::kCorotational; }
+};
+
+TEST_P(ShapeFieldsTest, ATurnedBodyIsNotStrained) {
+  const ShapeEvaluator evaluator(box(), law());
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(1.2, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
+  const Eigen::Matrix3Xd x = (turn * evaluator.mesh().nodes).colwise() + Eigen::Vector3d(1, 2, 3);
+  const ShapeFields fields = evaluator.at(x, kFoam);
+  EXPECT_LT(fields.strain.cwiseAbs().maxCoeff(), 1e-12);
+  EXPECT_LT(fields.von_mises.maxCoeff(), 1e-7);
+  EXPECT_LT(fields.force.cwiseAbs().maxCoeff(), 1e-9);
+  EXPECT_NEAR(fields.displacement(0, 0), 1 + (turn * evaluator.mesh().nodes.col(0)).x(), 1e-12);
+}
+
+TEST_P(ShapeFieldsTest, AStretchIsTheSameEverywhere) {
+  const ShapeEvaluator evaluator(box(), law());
+  Eigen::Matrix3Xd x = evaluator.mesh().nodes;
+  x.row(0) *= 1.2;
+  x.row(1) *= 0.9;
+  const ShapeFields fields = evaluator.at(x, kFoam);
+  for (int e = 0; e < fields.strain.cols(); ++e) {
+    EXPECT_NEAR(fields.strain(0, e), 0.5 * (1.2 * 1.2 - 1), 1e-12);
+    EXPECT_NEAR(fields.strain(1, e), 0.5 * (0.9 * 0.9 - 1), 1e-12);
+    EXPECT_LT(fields.strain.col(e).tail<4>().cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_NEAR(fields.stress(0, e), fields.stress(0, 0), 1e-6);
+  }
+  // What pulls at the end is stress times area; nothing but the boundary is pulled at.
+  double pull = 0;
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    if (is_end(evaluator.mesh(), i)) pull += fields.force(0, i);
+  EXPECT_NEAR(pull, fields.stress(0, 0) * 0.9 * kSize.y() * kSize.z(), 1e-9);
+  EXPECT_LT(fields.force.rowwise().sum().norm(), 1e-9);
+  const Eigen::VectorXd at_nodes = evaluator.at_nodes(fields.von_mises);
+  EXPECT_NEAR(at_nodes.minCoeff(), fields.von_mises(0), 1e-6);
+  EXPECT_NEAR(at_nodes.maxCoeff(), fields.von_mises(0), 1e-6);
+}
+
+INSTANTIATE_TEST_SUITE_P(TetrahedraAndHexahedra, ShapeFieldsTest, testing::Bool());
+
+elasticity::Body body_of(const evaluate::MeshMessage& box) {
+  elasticity::Body body;
+  body.mesh.corner_count = static_cast<int>(box.nodes.cols());
+  body.mesh.nodes = box.nodes;
+  body.mesh.elements = box.elements;
+  body.material.young_modulus = kFoam.young_modulus;
+  body.material.poisson_ratio = kFoam.poisson_ratio;
+  body.fixed_nodes = box.constrained;
+  return body;
+}
+
+TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
+  const evaluate::MeshMessage box = tetrahedral_box(kSize, {6, 2, 2});
+  const elasticity::Body body = body_of(box);
+  Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, box.nodes.cols());
+  for (Eigen::Index i = 0; i < loads.cols(); ++i)
+    if (is_end(box, i)) loads.col(i) << 0.02, 0.01, -0.03;
+  const elasticity::StaticSolution solution = elasticity::solve_static(body, loads);
+  ASSERT_TRUE(solution.converged);
+  const ShapeFields fields = ShapeEvaluator(box, Law::kCorotational).at(solution.positions, kFoam);
+  const elasticity::ElementStress expected = elasticity::element_stress(body, solution.positions);
+  EXPECT_GT(expected.von_mises.maxCoeff(), 100);
+  EXPECT_LT((fields.stress - expected.cauchy).norm(), 1e-8 * expected.cauchy.norm());
+  EXPECT_LT((fields.von_mises - expected.von_mises).norm(), 1e-8 * expected.von_mises.norm());
+  EXPECT_LT((fields.force - loads - solution.reactions).cwiseAbs().maxCoeff(), 1e-8);
+}
+
+/// A quadratic body: its corners alone are told, as SHAPE does.
+TEST(ShapeFields, MidsideNodesThatAreNotToldAreFoundAgain) {
+  evaluate::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
+  box.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
+  elasticity::Body body = body_of(box);
+  mesh::TetrahedralMesh corners;
+  corners.nodes = box.nodes;
+  corners.tetrahedra = box.elements;
+  body.mesh = mesh::make_element_mesh(corners, mesh::ElementOrder::kQuadratic);
+  body.fixed_nodes = mesh::nodes_in_box(body.mesh, {0, 0, 0}, {0, 1, 1});
+  Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, body.mesh.node_count());
+  for (Eigen::Index i = 0; i < box.nodes.cols(); ++i)
+    if (is_end(box, i)) loads.col(i) << 0.1, 0.05, -0.1;
+  const elasticity::StaticSolution solution = elasticity::solve_static(body, loads);
+  ASSERT_TRUE(solution.converged);
+  const Eigen::Matrix3Xd told = solution.positions.leftCols(box.nodes.cols());
+  EXPECT_GT((told - box.nodes).cwiseAbs().maxCoeff(), 0.02) << "bent by a tenth of its length";
+
+  MidsideNodes midsides(box);
+  EXPECT_LT((midsides.at(told, kFoam.poisson_ratio) - solution.positions).cwiseAbs().maxCoeff(),
+            1e-7);
+  const ShapeFields fields = ShapeEvaluator(box, Law::kCorotational).at(told, kFoam);
+  const elasticity::ElementStress expected = elasticity::element_stress(body, solution.positions);
+  EXPECT_LT((fields.von_mises - expected.von_mises).norm(), 1e-3 * expected.von_mises.norm());
+  for (Eigen::Index i = 0; i < box.nodes.cols(); ++i) {
+    if (box.nodes(0, i) == 0) continue;
+    EXPECT_LT((fields.force.col(i) - loads.col(i)).norm(), 1e-4) << "node " << i;
+  }
+  EXPECT_LT(fields.force.rowwise().sum().norm(), 1e-9);
+  // Linear elements between the same corners would be far off.
+  box.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
+  const ShapeFields linear = ShapeEvaluator(box, Law::kCorotational).at(told, kFoam);
+  EXPECT_GT((linear.von_mises - expected.von_mises).norm(), 0.2 * expected.von_mises.norm());
+}
+
+TEST(ShapeFields, NodesInAnyOrderMakeTheSameHexahedron) {
+  evaluate::MeshMessage box = hexahedral_box(kSize, {1, 1, 1});
+  const ShapeEvaluator straight(box, Law::kNeoHookean);
+  box.elements.col(0).reverseInPlace();
+  box.elements.col(0).segment(3, 9).reverseInPlace();
+  const ShapeEvaluator mixed(box, Law::kNeoHookean);
+  Eigen::Matrix3Xd x = box.nodes;
+  for (Eigen::Index i = 0; i < x.cols(); ++i) x(2, i) += 3 * x(0, i) * x(0, i) + x(1, i);
+  const ShapeFields one = straight.at(x, kFoam), other = mixed.at(x, kFoam);
+  EXPECT_GT(one.von_mises(0), 100);
+  EXPECT_NEAR(one.von_mises(0), other.von_mises(0), 1e-6);
+  EXPECT_LT((one.force - other.force).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(ShapeFields, AnElementInsideOutStaysANumber) {
+  const evaluate::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
+  Eigen::Matrix3Xd x = box.nodes;
+  x.row(0) *= -1;
+  for (const Law law : {Law::kCorotational, Law::kNeoHookean}) {
+    const ShapeFields fields = ShapeEvaluator(box, law).at(x, kFoam);
+    EXPECT_TRUE(fields.von_mises.allFinite());
+    EXPECT_TRUE(fields.force.allFinite());
+  }
+}
+
+TEST(ShapeFields, OtherElementsAreRefused) {
+  evaluate::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
+  box.elements.conservativeResize(3, box.elements.cols());
+  EXPECT_THROW(ShapeEvaluator(box, Law::kCorotational), std::runtime_error);
+  box = tetrahedral_box(kSize, {1, 1, 1});
+  box.nodes.row(2).setZero();
+  EXPECT_THROW(ShapeEvaluator(box, Law::kCorotational), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace palpate::exporting

@@ -1,0 +1,117 @@
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "tests/unit/tools/export/python.hpp"
+#include "tests/unit/tools/export/small_run.hpp"
+#include "tools/export/vtu_export.hpp"
+#include "tools/export/vtu_writer.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+nlohmann::json read(const std::filesystem::path& series) {
+  const Answer answer = run_python("read_vtu.py", {series.string()});
+  EXPECT_EQ(answer.code, 0) << answer.text;
+  return answer.code == 0 ? nlohmann::json::parse(answer.text) : nlohmann::json();
+}
+
+TEST(VtuExport, AnIndependentReaderFindsShapesFieldsAndTimes) {
+  const SmallRun run;
+  Source source(quiet({run.control(), run.housekeeping()}));
+  FollowerOptions options;
+  options.truth_stiffness = Stiffness{30e3, 0.3};
+  ShapeFollower follower(source, options);
+  const auto folder = run.folder() / "vtu";
+  const std::vector<Written> written = export_vtu(follower, 10, folder);
+  ASSERT_EQ(written.size(), 3u);
+  EXPECT_EQ(written[0].count, 11);
+
+  const nlohmann::json estimate = read(folder / "estimate.pvd");
+  ASSERT_EQ(estimate.size(), 11u);
+  // Time runs from the first message, a truth 10 ms before the first shape.
+  EXPECT_NEAR(estimate[0]["time"], 0.01, 1e-9);
+  EXPECT_NEAR(estimate[10]["time"], 1.01, 1e-9);
+  const nlohmann::json& last = estimate[10];
+  EXPECT_EQ(last["cells"].size(), 1u);
+  EXPECT_EQ(last["cells"]["tetra"].size(), 30u);
+  EXPECT_EQ(last["points"].size(), 24u);
+  EXPECT_NEAR(last["points"][5][0], 0.22, 1e-6);
+  const nlohmann::json& fields = last["fields"];
+  EXPECT_EQ(fields["displacement"]["shape"], nlohmann::json({24, 3}));
+  EXPECT_NEAR(fields["displacement"]["greatest"], 0.02, 1e-6);
+  EXPECT_NEAR(fields["deviation"]["greatest"], 1e-3, 1e-6);  // along z
+  EXPECT_NEAR(fields["deviation"]["least"], 0, 1e-6);
+  EXPECT_EQ(fields["strain"]["shape"], nlohmann::json({30, 6}));
+  EXPECT_NEAR(fields["strain"]["greatest"], 0.5 * (1.1 * 1.1 - 1), 1e-5);
+  EXPECT_EQ(fields["von_mises_stress"]["shape"][0], 30);
+  EXPECT_GT(fields["von_mises_stress"]["least"], 2000);
+  EXPECT_EQ(fields["constrained"]["greatest"], 1);
+
+  const nlohmann::json truth = read(folder / "truth.pvd");
+  EXPECT_EQ(truth[10]["cells"]["hexahedron27"].size(), 4u);
+  EXPECT_NEAR(truth[10]["fields"]["displacement"]["greatest"], 0.02, 1e-6);
+  EXPECT_TRUE(truth[10]["fields"].contains("von_mises_stress"));
+  EXPECT_FALSE(truth[10]["fields"].contains("deviation"));
+
+  const nlohmann::json forces = read(folder / "forces.pvd");
+  EXPECT_EQ(forces[10]["points"].size(), 2u);  // a contact and a grasp
+  EXPECT_EQ(forces[10]["fields"]["force"]["greatest"], 2);
+  EXPECT_EQ(forces[10]["fields"]["torque"]["greatest"], 0.125);
+}
+
+TEST(VtuExport, WithoutATruthOrAnEstimateTheOtherIsThere) {
+  const SmallRun run;
+  const auto only = [&run](const std::string& name, const std::vector<std::string>& left_out) {
+    const auto file = run.folder() / name;
+    log::MergedLog log({run.housekeeping()});
+    LogWriter writer(file);
+    while (const bus::LoggedEvent* event = log.next())
+      if (std::find(left_out.begin(), left_out.end(), event->channel) == left_out.end())
+        writer.write_bytes(event->channel, event->utime, {event->data, event->data + event->size});
+    return file;
+  };
+  Source estimates(quiet({only("estimate", {"TRUTH_SHAPE", "TRUTH_MESH"})}));
+  ShapeFollower estimate(estimates, {});
+  EXPECT_FALSE(estimate.has_truth());
+  EXPECT_EQ(export_vtu(estimate, 0, run.folder() / "a")[0].count, SmallRun::kShapes);
+  const nlohmann::json fields = read(run.folder() / "a/estimate.pvd")[0]["fields"];
+  EXPECT_FALSE(fields.contains("deviation"));
+  EXPECT_FALSE(fields.contains("stress")) << "no ESTIMATE, no stiffness";
+
+  Source truths(quiet({only("truth", {"SHAPE"})}));
+  ShapeFollower truth(truths, {});
+  EXPECT_FALSE(truth.has_estimate());
+  EXPECT_EQ(export_vtu(truth, 0, run.folder() / "b")[0].what, "true shape");
+
+  Source nothing(quiet({only("none", {"SHAPE", "TRUTH_SHAPE"})}));
+  EXPECT_THROW(ShapeFollower(nothing, {}), std::runtime_error);
+  Source no_mesh(quiet({only("no_mesh", {"SHAPE_MESH", "TRUTH_MESH"})}));
+  EXPECT_THROW(ShapeFollower(no_mesh, {}), std::runtime_error);
+}
+
+TEST(VtkOrder, PutsCornersEdgesFacesAndMiddleInTheirPlaces) {
+  const evaluate::MeshMessage box = hexahedral_box({1, 1, 1}, {1, 1, 1});
+  const Eigen::VectorXi order = vtk_order(box.nodes);
+  const auto at = [&](int number) { return Eigen::Vector3d(box.nodes.col(order(number))); };
+  EXPECT_EQ(at(0), Eigen::Vector3d(0, 0, 0));
+  EXPECT_EQ(at(2), Eigen::Vector3d(1, 1, 0));
+  EXPECT_EQ(at(7), Eigen::Vector3d(0, 1, 1));
+  EXPECT_EQ(at(8), 0.5 * (at(0) + at(1)));
+  EXPECT_EQ(at(11), 0.5 * (at(3) + at(0)));
+  EXPECT_EQ(at(18), 0.5 * (at(2) + at(6)));
+  EXPECT_EQ(at(20), Eigen::Vector3d(0, 0.5, 0.5));
+  EXPECT_EQ(at(26), Eigen::Vector3d(0.5, 0.5, 0.5));
+}
+
+TEST(WriteVtu, AFieldOfAnotherLengthIsRefused) {
+  const support::ScratchFolder scratch;
+  Grid grid;
+  grid.points = Eigen::Matrix3Xd::Zero(3, 2);
+  grid.cells = Eigen::RowVector2i(0, 1);
+  grid.point_fields = {{"wrong", Eigen::MatrixXd::Zero(1, 3)}};
+  EXPECT_THROW(write_vtu(scratch.path() / "a.vtu", grid), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace palpate::exporting

@@ -1,0 +1,114 @@
+#include "tools/export/element_gradients.hpp"
+
+#include <Eigen/LU>
+#include <array>
+#include <cmath>
+#include <stdexcept>
+
+#include "core/elasticity/element.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+constexpr int kTetrahedronNodes = 4, kQuadraticNodes = 10, kHexahedronNodes = 27;
+
+/// Values and slopes on [0, 1] of the quadratic Lagrange polynomials on 0, 1/2, 1.
+struct Quadratic {
+  explicit Quadratic(double s)
+      : value{2 * (s - 0.5) * (s - 1), 4 * s * (1 - s), 2 * s * (s - 0.5)},
+        slope{4 * s - 3, 4 - 8 * s, 4 * s - 1} {}
+  std::array<double, 3> value, slope;
+};
+
+Eigen::Matrix3Xd corners_of(const Eigen::Matrix3Xd& nodes, const Eigen::MatrixXi& elements, int e) {
+  Eigen::Matrix3Xd corners(3, elements.rows());
+  for (int i = 0; i < corners.cols(); ++i) corners.col(i) = nodes.col(elements(i, e));
+  return corners;
+}
+
+}  // namespace
+
+Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes) {
+  const Eigen::Array3d lower = nodes.rowwise().minCoeff();
+  const Eigen::Array3d size = nodes.rowwise().maxCoeff().array() - lower;
+  Eigen::Matrix3Xi places(3, nodes.cols());
+  for (int i = 0; i < nodes.cols(); ++i)
+    places.col(i) = (2 * (nodes.col(i).array() - lower) / size).round().matrix().cast<int>();
+  return places;
+}
+
+ElementGradients::ElementGradients(const evaluate::MeshMessage& mesh) : elements_(mesh.elements) {
+  if (elements_.rows() == kTetrahedronNodes)
+    add_tetrahedra(mesh.nodes);
+  else if (elements_.rows() == kQuadraticNodes)
+    add_quadratic_tetrahedra(mesh.nodes);
+  else if (elements_.rows() == kHexahedronNodes)
+    add_hexahedra(mesh.nodes);
+  else
+    throw std::runtime_error("a mesh whose elements have " + std::to_string(elements_.rows()) +
+                             " nodes: neither tetrahedra by corners nor 27-node hexahedra");
+}
+
+void ElementGradients::add_tetrahedra(const Eigen::Matrix3Xd& nodes) {
+  for (int e = 0; e < elements_.cols(); ++e) {
+    const Eigen::Matrix3Xd corners = corners_of(nodes, elements_, e);
+    const Eigen::Matrix3d edges = corners.rightCols(3).colwise() - corners.col(0);
+    const double volume = edges.determinant() / 6;
+    if (!(volume > 0)) throw std::runtime_error("a mesh with a tetrahedron without volume");
+    const Eigen::Matrix3d inverse = edges.inverse();
+    Eigen::MatrixX3d gradient(kTetrahedronNodes, 3);
+    gradient.bottomRows(3) = inverse;
+    gradient.row(0) = -inverse.colwise().sum();
+    volumes_.push_back(volume);
+    gradients_.push_back(gradient);
+  }
+}
+
+void ElementGradients::add_quadratic_tetrahedra(const Eigen::Matrix3Xd& nodes) {
+  using Element = elasticity::Tetrahedron<kQuadraticNodes>;
+  points_ = Element::kPoints;
+  for (int e = 0; e < elements_.cols(); ++e) {
+    const Eigen::Matrix<double, 3, 4> corners = corners_of(nodes, elements_, e).leftCols<4>();
+    const double volume = elasticity::tetrahedron_volume(corners);
+    if (!(volume > 0)) throw std::runtime_error("a mesh with a tetrahedron without volume");
+    for (const auto& gradient : Element::gradients(corners)) {
+      volumes_.push_back(volume / points_);
+      gradients_.push_back(gradient.transpose());
+    }
+  }
+}
+
+void ElementGradients::add_hexahedra(const Eigen::Matrix3Xd& nodes) {
+  points_ = 8;
+  const double offset = 0.5 / std::sqrt(3.0);
+  for (int e = 0; e < elements_.cols(); ++e) {
+    const Eigen::Matrix3Xd corners = corners_of(nodes, elements_, e);
+    const Eigen::Matrix3Xi places = grid_places(corners);
+    const Eigen::Vector3d size = corners.rowwise().maxCoeff() - corners.rowwise().minCoeff();
+    if (!(size.prod() > 0)) throw std::runtime_error("a mesh with a hexahedron without volume");
+    for (int p = 0; p < points_; ++p) {
+      const Quadratic x(0.5 + (p & 1 ? offset : -offset)), y(0.5 + (p & 2 ? offset : -offset)),
+          z(0.5 + (p & 4 ? offset : -offset));
+      Eigen::MatrixX3d gradient(kHexahedronNodes, 3);
+      for (int i = 0; i < kHexahedronNodes; ++i) {
+        const auto a = static_cast<std::size_t>(places(0, i));
+        const auto b = static_cast<std::size_t>(places(1, i));
+        const auto c = static_cast<std::size_t>(places(2, i));
+        gradient.row(i) << x.slope[a] * y.value[b] * z.value[c] / size.x(),
+            x.value[a] * y.slope[b] * z.value[c] / size.y(),
+            x.value[a] * y.value[b] * z.slope[c] / size.z();
+      }
+      volumes_.push_back(size.prod() / points_);
+      gradients_.push_back(gradient);
+    }
+  }
+}
+
+Eigen::Matrix3d ElementGradients::at(int element, int point, const Eigen::Matrix3Xd& x) const {
+  const Eigen::MatrixX3d& gradient = gradients(element, point);
+  Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
+  for (int i = 0; i < elements_.rows(); ++i) F += x.col(elements_(i, element)) * gradient.row(i);
+  return F;
+}
+
+}  // namespace palpate::exporting

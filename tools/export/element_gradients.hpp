@@ -1,0 +1,46 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "tools/evaluate/plant_truth.hpp"
+
+namespace palpate::exporting {
+
+/// How the elements of a mesh are deformed: tetrahedra by their corners, straight-sided ones of ten
+/// nodes in four points, or 27-node hexahedra whose rest shape is a box, in 2 x 2 x 2 Gauss points.
+class ElementGradients {
+ public:
+  /// Throws std::runtime_error where the mesh has other elements, or one without volume.
+  explicit ElementGradients(const evaluate::MeshMessage& mesh);
+
+  int element_count() const { return static_cast<int>(elements_.cols()); }
+  int points_per_element() const { return points_; }
+  /// Rest volume that a point stands for, m^3.
+  double volume(int element, int point) const { return volumes_[index(element, point)]; }
+  /// Deformation gradient at a point, for node positions x, 3 x n.
+  Eigen::Matrix3d at(int element, int point, const Eigen::Matrix3Xd& x) const;
+  /// Gradients of the shape functions in the rest shape, nodes per element x 3, 1/m.
+  const Eigen::MatrixX3d& gradients(int element, int point) const {
+    return gradients_[index(element, point)];
+  }
+  const Eigen::MatrixXi& elements() const { return elements_; }
+
+ private:
+  void add_tetrahedra(const Eigen::Matrix3Xd& nodes);
+  void add_quadratic_tetrahedra(const Eigen::Matrix3Xd& nodes);
+  void add_hexahedra(const Eigen::Matrix3Xd& nodes);
+  std::size_t index(int element, int point) const {
+    return static_cast<std::size_t>(element * points_ + point);
+  }
+
+  Eigen::MatrixXi elements_;
+  int points_ = 1;
+  std::vector<double> volumes_;
+  std::vector<Eigen::MatrixX3d> gradients_;
+};
+
+/// Place of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
+Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes);
+
+}  // namespace palpate::exporting

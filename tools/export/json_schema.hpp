@@ -1,0 +1,25 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "tools/log/record.hpp"
+
+namespace palpate::exporting {
+
+/// JSON schema of a type as append_json() writes it; units and comments in the descriptions.
+nlohmann::ordered_json json_schema(const log::TypeInfo& type);
+
+/// Appends a message as JSON: numbers as such (null where not finite), texts as strings, hashes as
+/// hexadecimal strings, bytes in base64, arrays as long as what of them is in use. Each entry of an
+/// array of two dimensions is an object {"values": [...]}, since Foxglove takes no arrays of
+/// arrays.
+void append_json(const log::Record& record, std::string& text);
+
+/// Appends bytes in base64 (RFC 4648, padded), without quotes.
+void append_base64(const std::uint8_t* bytes, std::size_t size, std::string& text);
+
+/// Appends a quoted JSON string; bytes that are no UTF-8 become question marks.
+void append_json_string(const std::string& value, std::string& text);
+
+}  // namespace palpate::exporting

@@ -1,0 +1,43 @@
+#include <iostream>
+
+#include "rt/config/node.hpp"
+#include "tools/export/commands.hpp"
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  CLI::App app(
+      "Turns LCM logs of palpate into CSV, MCAP, VTU, plots, pictures and films, without a "
+      "display.\n"
+      "Several logs are merged by time; unknown types are named, counted and skipped; of a "
+      "damaged\n"
+      "log all that is whole is read, and what is not is told with its place.\n"
+      "\n"
+      "  palpate-export info control.log housekeeping.log\n"
+      "  palpate-export csv control.log --channel FT_WRENCH 'BIOTAC_*' --output out\n"
+      "  palpate-export plot control.log --field 'FT_WRENCH.wrench[0:3]' -o force.png\n"
+      "  palpate-export mcap control.log housekeeping.log --output run.mcap\n"
+      "  palpate-export vtu housekeeping.log --rate 20 --output out\n"
+      "  palpate-export png housekeeping.log --at 2.5 --colour stress --output shape.png\n"
+      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4");
+  app.set_version_flag("--version", PALPATE_VERSION);
+  app.require_subcommand(1);
+  std::function<void()> chosen;
+  exporting::add_info(app, chosen);
+  exporting::add_csv(app, chosen);
+  exporting::add_plot(app, chosen);
+  exporting::add_mcap(app, chosen);
+  exporting::add_vtu(app, chosen);
+  exporting::add_png(app, chosen);
+  exporting::add_mp4(app, chosen);
+  CLI11_PARSE(app, argc, argv);
+  try {
+    chosen();
+  } catch (const config::Error& error) {
+    std::cerr << "palpate-export: " << error.what() << '\n';
+    return config::kExitCode;
+  } catch (const std::exception& error) {
+    std::cerr << "palpate-export: " << error.what() << '\n';
+    return 1;
+  }
+  return 0;
+}

@@ -1,0 +1,47 @@
+#include "tools/export/options.hpp"
+
+#include <iostream>
+#include <map>
+
+namespace palpate::exporting {
+
+void add_source(CLI::App& command, SourceOptions& options) {
+  command
+      .add_option("logs", options.logs,
+                  "LCM logs; several, as those of the control and the housekeeping URL of one run, "
+                  "are merged by time")
+      ->required()
+      ->check(CLI::ExistingFile);
+  command
+      .add_option("--clock", options.clock,
+                  "What times go by: 'received', when the log received a message (one clock for "
+                  "all), or 'sent', the utime of its sender (for runs in lock-step)")
+      ->transform(CLI::CheckedTransformer(
+          std::map<std::string, Clock>{{"received", Clock::kReceived}, {"sent", Clock::kSent}}))
+      ->default_str("received");
+  command.add_option("--from", options.from, "s since the beginning; what is earlier is left out");
+  command.add_option("--to", options.to, "s since the beginning; what is later is left out");
+  command.add_flag("--quiet", options.quiet, "No progress");
+}
+
+void add_channels(CLI::App& command, SourceOptions& options) {
+  command
+      .add_option("--channel", options.channels,
+                  "Only these channels; patterns as 'BIOTAC_*' (default: all)")
+      ->type_name("NAME ...");
+}
+
+void report(const std::vector<Written>& written, const Source& source) {
+  for (const Written& file : written)
+    std::cout << file.file.string() << ": " << file.what << ", " << file.count << '\n';
+  const Survey& found = source.found();
+  for (const ChannelSurvey& channel : found.channels)
+    if (!channel.type)
+      std::cerr << "skipped: " << channel.messages << " messages of an unknown type on "
+                << channel.channel << '\n';
+    else if (channel.broken > 0)
+      std::cerr << "skipped: " << channel.broken << " broken messages on " << channel.channel
+                << " (" << channel.type->name << ")\n";
+}
+
+}  // namespace palpate::exporting

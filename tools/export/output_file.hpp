@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string_view>
+#include <vector>
+
+namespace palpate::exporting {  // "export" is a word of the language
+
+/// A file that has its name only once it is whole: until finish() it is called NAME.part, and what
+/// was never finished is removed.
+class OutputFile {
+ public:
+  /// Makes the folders on the way. Throws std::runtime_error, naming the file and why.
+  explicit OutputFile(std::filesystem::path path);
+  OutputFile(OutputFile&&) = default;
+  OutputFile& operator=(OutputFile&&) = delete;
+  ~OutputFile();
+
+  void write(std::string_view bytes);
+  std::int64_t written() const { return written_; }  // bytes
+  const std::filesystem::path& path() const { return path_; }
+
+  /// Throws std::runtime_error where not all could be written.
+  void finish();
+
+ private:
+  std::filesystem::path part() const { return path_.string() + ".part"; }
+
+  std::filesystem::path path_;
+  std::vector<char> buffer_;
+  std::ofstream out_;
+  std::int64_t written_ = 0;
+};
+
+}  // namespace palpate::exporting

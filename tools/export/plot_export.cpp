@@ -1,0 +1,250 @@
+#include "tools/export/plot_export.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+#include "tools/evaluate/plot.hpp"
+#include "tools/export/columns.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+constexpr int kPieces = 900;  // of time, each drawn by its least and greatest value
+
+/// A curve that never holds more than two points for each piece of time.
+class Envelope {
+ public:
+  Envelope(double begin, double end) : begin_(begin), width_((end - begin) / kPieces) {}
+
+  void add(double time, double value) {
+    if (!std::isfinite(value)) return;
+    const int piece =
+        width_ > 0 ? std::clamp(static_cast<int>((time - begin_) / width_), 0, kPieces - 1) : 0;
+    auto& [least, greatest] =
+        pieces_.try_emplace(piece, Point{time, value}, Point{time, value}).first->second;
+    if (value < least.value) least = {time, value};
+    if (value > greatest.value) greatest = {time, value};
+    ++count_;
+  }
+
+  bool empty() const { return count_ == 0; }
+
+  evaluate::Curve curve(const std::string& title) const {
+    evaluate::Curve curve;
+    curve.title = title;
+    for (const auto& [number, pair] : pieces_) {
+      const bool is_rising = pair.first.time <= pair.second.time;
+      const Point& first = is_rising ? pair.first : pair.second;
+      const Point& second = is_rising ? pair.second : pair.first;
+      curve.x.push_back(first.time);
+      curve.y.push_back(first.value);
+      if (first.time == second.time) continue;
+      curve.x.push_back(second.time);
+      curve.y.push_back(second.value);
+    }
+    return curve;
+  }
+
+ private:
+  struct Point {
+    double time = 0, value = 0;
+  };
+  double begin_, width_;
+  std::map<int, std::pair<Point, Point>> pieces_;
+  std::int64_t count_ = 0;
+};
+
+/// What one path names in one channel.
+struct Selected {
+  std::string channel;
+  const log::TypeInfo* type = nullptr;
+  int field = 0;
+  std::vector<int> indices;
+  bool is_norm = false;
+  std::string title, unit;
+  std::vector<std::string> titles;
+  std::vector<Envelope> curves;
+};
+
+const ChannelSurvey& channel_of(const Survey& survey, const FieldPath& path) {
+  std::string names;
+  for (const ChannelSurvey& channel : survey.channels) {
+    if (!channel.type) continue;
+    if (channel.channel == path.channel) return channel;
+    names += (names.empty() ? "" : ", ") + channel.channel;
+  }
+  throw std::runtime_error("no channel '" + path.channel + "' in the log; it has: " + names);
+}
+
+int field_of(const log::TypeInfo& type, const FieldPath& path) {
+  const int field = type.field(path.field);
+  std::string names;
+  for (const log::FieldInfo& info : type.fields)
+    if (!info.is_bytes()) names += (names.empty() ? "" : ", ") + info.name;
+  if (field < 0 || type.fields[static_cast<std::size_t>(field)].is_bytes())
+    throw std::runtime_error(path.channel + " (" + type.name + ") has no numbers '" + path.field +
+                             "'; it has: " + names);
+  return field;
+}
+
+/// Indices into all numbers of the field, of which `width` are in use at most.
+std::vector<int> indices_of(const log::FieldInfo& field, const FieldPath& path, int width) {
+  const std::string name = path.channel + "." + path.field;
+  if (path.ranges.size() > field.sizes.size())
+    throw std::runtime_error(name + " has " + std::to_string(field.sizes.size()) + " dimensions");
+  std::vector<int> indices{0};
+  for (std::size_t d = 0; d < field.sizes.size(); ++d) {
+    const int size = d == 0 ? width / field.row_size() : field.sizes[d];
+    auto [first, last] = d < path.ranges.size() ? path.ranges[d] : std::pair<int, int>{0, size};
+    if (last > size)
+      throw std::runtime_error(name + ": index " + std::to_string(last - 1) +
+                               " is not in use in this log; allowed: 0 to " +
+                               std::to_string(size - 1));
+    std::vector<int> deeper;
+    for (const int index : indices)
+      for (int i = first; i < last; ++i) deeper.push_back(index * size + i);
+    indices = deeper;
+  }
+  return indices;
+}
+
+Selected select(const Survey& survey, const std::string& text, double begin, double end) {
+  constexpr std::size_t kMostCurves = 64;
+  const FieldPath path = parse_field_path(text);
+  const ChannelSurvey& channel = channel_of(survey, path);
+  Selected selected;
+  selected.channel = channel.channel;
+  selected.type = channel.type;
+  selected.field = field_of(*channel.type, path);
+  const log::FieldInfo& field = channel.type->fields[static_cast<std::size_t>(selected.field)];
+  selected.indices =
+      indices_of(field, path, channel.widths[static_cast<std::size_t>(selected.field)]);
+  if (selected.indices.empty()) throw std::runtime_error(text + ": holds no number in this log");
+  selected.is_norm = path.is_norm;
+  selected.unit = unit_text(field, selected.indices.front());
+  if (path.is_norm) {
+    selected.titles = {text};
+  } else {
+    if (selected.indices.size() > kMostCurves)
+      throw std::runtime_error(
+          text + " are " + std::to_string(selected.indices.size()) +
+          " curves; at most 64 can be told from each other: name a range, as " + path.channel +
+          "." + path.field + "[0:6]");
+    for (const int index : selected.indices)
+      selected.titles.push_back(path.channel + "." + element_name(field, index));
+    for (const int index : selected.indices)
+      if (unit_text(field, index) != selected.unit) selected.unit += ", " + unit_text(field, index);
+  }
+  selected.curves.assign(selected.titles.size(), Envelope(begin, end));
+  return selected;
+}
+
+void take(Selected& selected, const Message& message) {
+  if (selected.channel != message.event.channel || selected.type != &message.record.type()) return;
+  const int used = message.record.used(selected.field);
+  double square = 0;
+  for (std::size_t i = 0; i < selected.indices.size(); ++i) {
+    const int index = selected.indices[i];
+    if (index >= used) {
+      if (selected.is_norm) return;
+      continue;
+    }
+    const double value = message.record.number(selected.field, index);
+    square += value * value;
+    if (!selected.is_norm) selected.curves[i].add(message.time, value);
+  }
+  if (selected.is_norm) selected.curves.front().add(message.time, std::sqrt(square));
+}
+
+/// Paths of one panel; commas inside of brackets do not part them.
+std::vector<std::string> paths_of(const std::string& panel) {
+  std::vector<std::string> paths{""};
+  int depth = 0;
+  for (const char c : panel) {
+    if (c == '(' || c == '[') ++depth;
+    if (c == ')' || c == ']') --depth;
+    if (c == ',' && depth == 0)
+      paths.emplace_back();
+    else if (c != ' ')
+      paths.back() += c;
+  }
+  return paths;
+}
+
+/// Without the channel where that is clear enough.
+void shorten(std::vector<evaluate::Curve>& curves) {
+  std::map<std::string, int> short_names;
+  const auto without_channel = [](const std::string& title) {
+    return title.rfind("norm(", 0) == 0 ? title : title.substr(title.rfind('.') + 1);
+  };
+  for (const evaluate::Curve& curve : curves) ++short_names[without_channel(curve.title)];
+  if (short_names.size() < curves.size()) return;
+  for (evaluate::Curve& curve : curves) curve.title = without_channel(curve.title);
+}
+
+/// gnuplot's colours without the yellow one, which cannot be seen on white.
+void colour(std::vector<evaluate::Curve>& curves) {
+  constexpr int kColours[] = {1, 2, 4, 6, 7, 3, 8};
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    curves[i].colour = kColours[i % std::size(kColours)];
+    curves[i].dashed = i >= std::size(kColours);
+  }
+}
+
+evaluate::Plot plot_of(const std::vector<Selected>& panel, const std::string& title) {
+  evaluate::Plot plot;
+  plot.title = title;
+  plot.x_label = "time, s";
+  std::vector<std::string> units;
+  for (const Selected& selected : panel) {
+    if (std::find(units.begin(), units.end(), selected.unit) == units.end())
+      units.push_back(selected.unit);
+    for (std::size_t i = 0; i < selected.curves.size(); ++i)
+      if (!selected.curves[i].empty())
+        plot.curves.push_back(selected.curves[i].curve(selected.titles[i]));
+  }
+  for (const std::string& unit : units)
+    if (!unit.empty()) plot.y_label += (plot.y_label.empty() ? "" : "; ") + unit;
+  if (plot.curves.empty()) throw std::runtime_error(title + ": nothing lies in these times");
+  shorten(plot.curves);
+  colour(plot.curves);
+  return plot;
+}
+
+}  // namespace
+
+int export_plot(Source& source, const std::vector<std::string>& panels,
+                const std::filesystem::path& picture) {
+  if (picture.extension() != ".png" && picture.extension() != ".svg")
+    throw std::runtime_error(picture.string() + ": the name of a plot must end in .png or .svg");
+  const Survey& survey = source.found();
+  const TimeSpan& span = source.options().clock == Clock::kReceived ? survey.received : survey.sent;
+  const double begin = std::max(0.0, source.options().from);
+  const double end = std::min(source.time(span.last), source.options().to);
+
+  std::vector<std::vector<Selected>> selected;
+  for (const std::string& panel : panels) {
+    selected.emplace_back();
+    for (const std::string& path : paths_of(panel))
+      selected.back().push_back(select(survey, path, begin, end));
+  }
+  source.each("reading", [&selected](const Message& message) {
+    for (std::vector<Selected>& panel : selected)
+      for (Selected& one : panel) take(one, message);
+  });
+  std::vector<evaluate::Plot> plots;
+  int count = 0;
+  for (std::size_t i = 0; i < panels.size(); ++i) {
+    plots.push_back(plot_of(selected[i], panels[i]));
+    count += static_cast<int>(plots.back().curves.size());
+  }
+  if (picture.has_parent_path()) std::filesystem::create_directories(picture.parent_path());
+  if (!evaluate::draw(plots, picture))
+    throw std::runtime_error("gnuplot is not installed (apt-get install gnuplot-nox)");
+  return count;
+}
+
+}  // namespace palpate::exporting

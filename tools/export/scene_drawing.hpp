@@ -1,0 +1,92 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "core/math/rigid.hpp"
+#include "sim/camera/renderer.hpp"
+#include "sim/robot/robot.hpp"
+#include "tools/export/mesh_edges.hpp"
+#include "tools/export/shape_follower.hpp"
+
+namespace palpate::exporting {
+
+/// What the colour of a shape says.
+enum class Quantity { kNone, kDisplacement, kDeviation, kUncertainty, kStrain, kStress };
+
+/// How a quantity is told: caption of its colour bar, and what it is multiplied by for it.
+struct QuantityText {
+  std::string name, unit;
+  double factor = 1;
+};
+QuantityText text_of(Quantity quantity);
+
+/// The quantity at the nodes of the shape that is drawn solid: the estimate, or the truth where
+/// there is no estimate; SI. Empty where the instant does not tell it.
+Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity);
+
+struct DrawingOptions {
+  Quantity quantity = Quantity::kDisplacement;
+  double low = 0, high = 0;  // ends of the colour scale, SI; the same: of what is drawn
+  double azimuth = -60;      // deg, from +x about z, where the camera stands
+  double elevation = 20;     // deg above the horizon
+  double zoom = 1;           // 2: everything twice as large
+  int width = 1280, height = 800;
+  std::string title;          // empty: made from the time
+  std::string configuration;  // of palpated, YAML; says where the object is in W. Empty: drawn in O
+  std::string urdf;           // of the arm, drawn where there is a configuration
+};
+
+/// Draws instants of a log without a display: the shape coloured by a quantity, the truth as a wire
+/// over it, forces as arrows, feature and target, clamp, and the arm where a configuration tells
+/// where it stands. Everything keeps its place in the picture from instant to instant.
+class SceneDrawing {
+ public:
+  /// Throws std::runtime_error without OSMesa, config::Error for a wrong configuration.
+  explicit SceneDrawing(const DrawingOptions& options);
+
+  /// All instants that will be drawn have to be shown to it first: they set the camera and, where
+  /// it is not given, the colour scale.
+  void measure(const Instant& instant);
+
+  /// Throws std::runtime_error where no instant that was measured tells the quantity.
+  void check() const;
+
+  const camera::Image& draw(const Instant& instant);
+
+ private:
+  void draw_shape(const Instant& instant);
+  void draw_truth(const Instant& instant);
+  void draw_rest(const evaluate::MeshMessage& mesh);
+  void draw_edges(const Eigen::Matrix3Xd& points_W, const Eigen::Matrix2Xi& edges, double width,
+                  const camera::Colour& colour);
+  void draw_clamp(const evaluate::MeshMessage& mesh);
+  void draw_forces(const Instant& instant);
+  void draw_arrow(const Eigen::Vector3d& at_O, const Eigen::Vector3d& force_O,
+                  const camera::Colour& colour);
+  void draw_target(const Instant& instant);
+  void draw_floor();
+  void draw_arm(const robot_state_t& state);
+  void draw_ball(const Eigen::Vector3d& at_O, double radius, const camera::Colour& colour);
+  camera::View view() const;
+  double high() const;
+  void annotate(const Instant& instant);
+  Eigen::Matrix3Xd in_world(const Eigen::Matrix3Xd& points_O) const;
+
+  DrawingOptions options_;
+  camera::Renderer renderer_;
+  camera::Image image_;
+  math::Pose X_WO_ = math::Pose::Identity();
+  std::unique_ptr<robot::Robot> arm_;
+  Eigen::AlignedBox3d bounds_W_;                        // of all shapes
+  Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // of the shape that is drawn
+  double size_ = 0;                                     // m, of the object
+  double largest_ = 0;                                  // of the quantity
+  double largest_force_ = 0;                            // N
+  bool any_value_ = false;
+  bool draws_truth_ = false, draws_force_ = false, draws_target_ = false, draws_feature_ = false;
+};
+
+}  // namespace palpate::exporting

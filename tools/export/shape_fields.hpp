@@ -1,0 +1,57 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <memory>
+#include <optional>
+
+#include "tools/export/element_gradients.hpp"
+#include "tools/export/material_law.hpp"
+#include "tools/export/midside_nodes.hpp"
+
+namespace palpate::exporting {
+
+using Tensors = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // xx yy zz xy xz yz
+
+/// What a shape says beyond its positions. By node, 3 x n, and by element.
+struct ShapeFields {
+  Eigen::Matrix3Xd displacement;      // m, from rest
+  Tensors strain;                     // Green-Lagrange, mean of the element, in the axes at rest
+  Eigen::VectorXd equivalent_strain;  // sqrt(2/3 |dev E|^2)
+  // Where the stiffness is known, otherwise empty:
+  Tensors stress;             // Cauchy, Pa, mean of the element
+  Eigen::VectorXd von_mises;  // Pa
+  Eigen::Matrix3Xd force;     // N, what acts on each node from outside while it is in equilibrium
+};
+
+/// Evaluates the fields of one mesh. Of quadratic tetrahedra only the corners are published; where
+/// their midside nodes stand is found again (MidsideNodes), so that stress and forces are those
+/// that palpated itself reckons with, but for what the weight of single elements does to them.
+class ShapeEvaluator {
+ public:
+  /// Throws as ElementGradients.
+  ShapeEvaluator(const evaluate::MeshMessage& mesh, Law law);
+
+  ShapeFields at(const Eigen::Matrix3Xd& positions,
+                 const std::optional<Stiffness>& stiffness) const;
+
+  /// A field of the elements at the nodes: the mean over the elements that meet there, weighted by
+  /// their volume.
+  Eigen::VectorXd at_nodes(const Eigen::VectorXd& by_element) const;
+
+  const evaluate::MeshMessage& mesh() const { return mesh_; }
+
+ private:
+  void add_strain(const Eigen::Matrix3Xd& x, ShapeFields& fields) const;
+  void add_stress(const Eigen::Matrix3Xd& x, const Stiffness& stiffness, ShapeFields& fields) const;
+
+  const ElementGradients& gradients() const;
+
+  Law law_;
+  evaluate::MeshMessage mesh_;
+  std::unique_ptr<MidsideNodes> midsides_;       // of quadratic tetrahedra, or
+  std::unique_ptr<ElementGradients> gradients_;  // of others
+  Eigen::VectorXd element_volume_;
+  Eigen::VectorXd node_volume_;  // of the elements around each
+};
+
+}  // namespace palpate::exporting

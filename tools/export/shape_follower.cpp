@@ -1,0 +1,241 @@
+#include "tools/export/shape_follower.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iostream>
+#include <stdexcept>
+
+#include "rt/bus/checked_decode.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+/// How long a shape waits for the truth of its time.
+constexpr std::int64_t kPatience = 200'000;  // us
+constexpr double kSilence = 1;               // s
+
+template <class T>
+bool decoded(const Message& message, T& into) {
+  return bus::checked_decode(into, message.event.data, message.event.size);
+}
+
+template <class T>
+void keep(const Message& message, std::optional<T>& into) {
+  T value;
+  if (decoded(message, value)) into = value;
+}
+
+bool has(const Source& source, const std::string& channel, const std::string& type) {
+  for (const ChannelSurvey& entry : source.found().channels)
+    if (entry.channel == channel && entry.type && entry.type->name == type &&
+        entry.messages > entry.broken)
+      return true;
+  return false;
+}
+
+}  // namespace
+
+ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
+    : source_(&source), options_(options) {
+  has_estimate_ = has(source, "SHAPE", "shape_t");
+  has_truth_ = has(source, "TRUTH_SHAPE", "shape_t");
+  if (!has_estimate_ && !has_truth_)
+    throw std::runtime_error(
+        "the log holds no shape (neither SHAPE nor TRUTH_SHAPE): was the log of the housekeeping "
+        "URL given?");
+  for (const ChannelSurvey& channel : source.found().channels)
+    if (channel.channel == "SHAPE" && channel.type && channel.type->name == "shape_t")
+      has_deviation_ =
+          channel.widths[static_cast<std::size_t>(channel.type->field("deviation"))] > 0;
+  read_meshes(source);
+  if (has_truth_ && truths_.empty()) {
+    std::cerr << "warning: TRUTH_SHAPE without a complete TRUTH_MESH: the truth is left out\n";
+    has_truth_ = false;
+  }
+  if (has_estimate_ && estimates_.empty()) {
+    std::cerr << "warning: SHAPE without a complete SHAPE_MESH: the estimate is left out\n";
+    has_estimate_ = false;
+  }
+  if (!has_estimate_ && !has_truth_)
+    throw std::runtime_error("the log holds shapes but no complete mesh for them");
+}
+
+void ShapeFollower::read_meshes(Source& source) {
+  using Chunks = std::map<std::int64_t, std::map<int, shape_mesh_t>>;
+  Chunks estimates, truths;
+  source.each_of("reading meshes", {"SHAPE_MESH", "TRUTH_MESH"}, [&](const Message& message) {
+    shape_mesh_t chunk;
+    if (!decoded(message, chunk)) return;
+    const bool is_truth = message.event.channel == "TRUTH_MESH";
+    const auto& known = is_truth ? truths_ : estimates_;
+    if (known.count(chunk.mesh_hash) > 0) return;
+    Chunks& chunks = is_truth ? truths : estimates;
+    auto& parts = chunks[chunk.mesh_hash];
+    const int count = chunk.chunks;
+    parts[chunk.chunk] = std::move(chunk);
+    if (static_cast<int>(parts.size()) < count) return;
+    std::vector<shape_mesh_t> all;
+    for (auto& [number, part] : parts) all.push_back(part);
+    auto& into = is_truth ? truths_ : estimates_;
+    into[all.front().mesh_hash] = std::make_unique<ShapeEvaluator>(
+        evaluate::assemble(all), is_truth ? Law::kNeoHookean : Law::kCorotational);
+  });
+}
+
+bool ShapeFollower::is_possible(const Source& source) {
+  return has(source, "SHAPE", "shape_t") || has(source, "TRUTH_SHAPE", "shape_t");
+}
+
+const std::vector<std::string>& ShapeFollower::channels() {
+  static const std::vector<std::string> kChannels{"SHAPE",        "TRUTH_SHAPE",   "CONTACTS",
+                                                  "FEATURE",      "TRUTH_CONTACT", "ESTIMATE",
+                                                  "SHAPE_TARGET", "ROBOT_STATE"};
+  return kChannels;
+}
+
+void ShapeFollower::begin() {
+  latest_ = {};
+  waiting_.clear();
+  last_truth_.reset();
+}
+
+void ShapeFollower::end(const Take& take) {
+  for (Instant& instant : waiting_) give(instant, take);
+  waiting_.clear();
+}
+
+void ShapeFollower::each(const std::string& title, const Take& take) {
+  begin();
+  source_->each_of(title, channels(), [&](const Message& message) { follow(message, take); });
+  end(take);
+}
+
+void ShapeFollower::follow(const Message& message, const Take& take) {
+  const std::string& channel = message.event.channel;
+  if (channel == "SHAPE" || channel == "TRUTH_SHAPE") {
+    shape_t shape;
+    if (!decoded(message, shape)) return;
+    if (channel == "SHAPE") {
+      add_shape(shape, message);
+      settle(message.utime, take);
+    } else {
+      add_truth(shape, message, take);
+    }
+  } else if (channel == "CONTACTS") {
+    keep(message, latest_.contacts);
+  } else if (channel == "ESTIMATE") {
+    keep(message, latest_.estimated);
+  } else if (channel == "TRUTH_CONTACT") {
+    keep(message, latest_.truth_contact);
+  } else if (channel == "FEATURE") {
+    keep(message, latest_.feature);
+  } else if (channel == "SHAPE_TARGET") {
+    keep(message, latest_.target);
+  } else {
+    keep(message, latest_.robot);
+  }
+}
+
+void ShapeFollower::add_shape(const shape_t& shape, const Message& message) {
+  const auto mesh = estimates_.find(shape.mesh_hash);
+  if (mesh == estimates_.end() ||
+      3 * mesh->second->mesh().nodes.cols() != static_cast<Eigen::Index>(shape.xyz.size()))
+    return;
+  Instant instant = latest_;
+  instant.time = message.time;
+  instant.utime = message.utime;
+  instant.received_utime = message.event.utime;
+  instant.estimate_mesh = mesh->second.get();
+  instant.estimate = evaluate::positions(shape);
+  instant.status = shape.status;
+  if (static_cast<Eigen::Index>(shape.deviation.size()) == instant.estimate.cols())
+    instant.node_deviation =
+        Eigen::Map<const Eigen::VectorXf>(shape.deviation.data(), instant.estimate.cols())
+            .cast<double>();
+  waiting_.push_back(std::move(instant));
+}
+
+void ShapeFollower::add_truth(const shape_t& shape, const Message& message, const Take& take) {
+  const auto mesh = truths_.find(shape.mesh_hash);
+  if (mesh == truths_.end() ||
+      3 * mesh->second->mesh().nodes.cols() != static_cast<Eigen::Index>(shape.xyz.size()))
+    return;
+  Truth truth{message.utime, message.event.utime, shape.mesh_hash, evaluate::positions(shape)};
+  if (!has_estimate_) {
+    Instant instant = latest_;
+    instant.time = message.time;
+    instant.utime = truth.utime;
+    instant.received_utime = truth.received_utime;
+    instant.truth_mesh = mesh->second.get();
+    instant.truth = truth.positions;
+    give(instant, take);
+    return;
+  }
+  while (!waiting_.empty() && waiting_.front().utime <= truth.utime) {
+    if (last_truth_ && last_truth_->mesh == truth.mesh &&
+        last_truth_->utime <= waiting_.front().utime &&
+        truth.utime - last_truth_->utime <= kPatience)
+      put_truth(waiting_.front(), *last_truth_, truth);
+    give(waiting_.front(), take);
+    waiting_.pop_front();
+  }
+  last_truth_ = std::move(truth);
+}
+
+/// Shapes that have waited long enough go without a truth.
+void ShapeFollower::settle(std::int64_t now, const Take& take) {
+  while (!waiting_.empty() && (!has_truth_ || waiting_.front().utime < now - kPatience)) {
+    give(waiting_.front(), take);
+    waiting_.pop_front();
+  }
+}
+
+void ShapeFollower::put_truth(Instant& instant, const Truth& before, const Truth& after) {
+  const auto span = static_cast<double>(after.utime - before.utime);
+  const double s = span > 0 ? static_cast<double>(instant.utime - before.utime) / span : 1;
+  instant.truth_mesh = truths_.at(after.mesh).get();
+  instant.truth = (1 - s) * before.positions + s * after.positions;
+  auto& places = places_[{instant.estimate_mesh->mesh().hash, after.mesh}];
+  if (!places)
+    places = std::make_unique<evaluate::PlantPoints>(instant.truth_mesh->mesh(),
+                                                     instant.estimate_mesh->mesh().nodes);
+  instant.deviation = instant.estimate - places->at(instant.truth);
+}
+
+void ShapeFollower::give(Instant& instant, const Take& take) {
+  if (!source_->is_in_time(instant.time)) return;
+  instant.stiffness = options_.stiffness;
+  instant.truth_stiffness = options_.truth_stiffness;
+  if (!instant.stiffness && instant.estimated && instant.estimated->log_young_modulus > 0)
+    instant.stiffness =
+        Stiffness{std::exp(instant.estimated->log_young_modulus), instant.estimated->poisson_ratio};
+  take(instant);
+}
+
+void ShapeFollower::sample(const std::string& title, double rate, const Take& take) {
+  if (!(rate > 0)) {
+    each(title, take);
+    return;
+  }
+  std::optional<Instant> held;
+  double begin = 0;
+  std::int64_t number = 0;
+  // Hands out what is held for the times before `end`.
+  const auto hand_out = [&](double end) {
+    while (held && begin + static_cast<double>(number) / rate < end) {
+      const double time = begin + static_cast<double>(number++) / rate;
+      if (time > held->time + kSilence) continue;
+      Instant shown = *held;
+      shown.time = time;
+      take(shown);
+    }
+  };
+  each(title, [&](const Instant& instant) {
+    if (!held) begin = std::max(instant.time, source_->options().from);
+    hand_out(instant.time);
+    held = instant;
+  });
+  if (held) hand_out(held->time + 1e-9);
+}
+
+}  // namespace palpate::exporting

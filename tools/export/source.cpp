@@ -1,0 +1,128 @@
+#include "tools/export/source.hpp"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <iostream>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <unordered_map>
+
+#include "tools/evaluate/progress.hpp"
+
+namespace palpate::exporting {
+namespace {
+
+constexpr std::int64_t kReportEvery = 20'000;  // events
+
+std::string size_text(std::int64_t bytes) {
+  char text[64];
+  if (bytes < 1'000'000)
+    std::snprintf(text, sizeof text, "%.0f kB", 1e-3 * static_cast<double>(bytes));
+  else if (bytes < 1'000'000'000)
+    std::snprintf(text, sizeof text, "%.1f MB", 1e-6 * static_cast<double>(bytes));
+  else
+    std::snprintf(text, sizeof text, "%.2f GB", 1e-9 * static_cast<double>(bytes));
+  return text;
+}
+
+/// A stage on standard error, or none.
+class Stage {
+ public:
+  Stage(bool quiet, const std::string& title, std::int64_t bytes) : bytes_(bytes) {
+    if (!quiet) progress_.emplace(1, 1, title);
+  }
+  void show(double part) {
+    if (progress_)
+      progress_->show(
+          part, size_text(static_cast<std::int64_t>(part * static_cast<double>(bytes_))) + " of " +
+                    size_text(bytes_));
+  }
+  void finish() {
+    if (progress_) progress_->finish(true, size_text(bytes_));
+  }
+
+ private:
+  std::int64_t bytes_;
+  std::optional<evaluate::Progress> progress_;
+};
+
+}  // namespace
+
+bool fits(const std::string& pattern, const std::string& name) {
+  return fnmatch(pattern.c_str(), name.c_str(), 0) == 0;
+}
+
+Source::Source(const SourceOptions& options) : options_(options), log_(options.logs) {
+  Stage stage(options_.quiet, "looking through the log", log_.size());
+  survey_ = survey(log_, [&stage](double part) { stage.show(part); });
+  stage.finish();
+  for (const std::string& complaint : survey_.complaints)
+    std::cerr << "warning: " << complaint << std::endl;
+  for (const std::string& pattern : options_.channels) {
+    if (std::any_of(survey_.channels.begin(), survey_.channels.end(),
+                    [&pattern](const ChannelSurvey& c) { return fits(pattern, c.channel); }))
+      continue;
+    std::string names;
+    for (const ChannelSurvey& channel : survey_.channels)
+      names += (names.empty() ? "" : ", ") + channel.channel;
+    throw std::runtime_error("no channel '" + pattern + "' in the log; it has: " + names);
+  }
+}
+
+bool Source::is_selected(const ChannelSurvey& channel) const {
+  if (channel.type == nullptr) return false;
+  if (options_.channels.empty()) return true;
+  return std::any_of(
+      options_.channels.begin(), options_.channels.end(),
+      [&channel](const std::string& pattern) { return fits(pattern, channel.channel); });
+}
+
+std::int64_t Source::origin() const {
+  return options_.clock == Clock::kReceived ? survey_.received.first : survey_.sent.first;
+}
+
+void Source::each(const std::string& title, const std::function<void(const Message&)>& take) {
+  read(
+      title, [this](const ChannelSurvey& channel) { return is_selected(channel); },
+      [this, &take](const Message& message) {
+        if (is_in_time(message.time)) take(message);
+      });
+}
+
+void Source::each_of(const std::string& title, const std::vector<std::string>& channels,
+                     const std::function<void(const Message&)>& take) {
+  const auto wanted = [&channels](const ChannelSurvey& entry) {
+    return std::find(channels.begin(), channels.end(), entry.channel) != channels.end();
+  };
+  read(title, wanted, take);
+}
+
+void Source::read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
+                  const std::function<void(const Message&)>& take) {
+  std::unordered_map<std::string, std::vector<std::unique_ptr<log::Record>>> records;
+  for (const ChannelSurvey& channel : survey_.channels)
+    if (channel.type && wanted(channel))
+      records[channel.channel].push_back(std::make_unique<log::Record>(*channel.type));
+
+  log_.rewind();
+  Stage stage(options_.quiet, title, log_.size());
+  std::int64_t events = 0;
+  while (const bus::LoggedEvent* event = log_.next()) {
+    if (events++ % kReportEvery == 0)
+      stage.show(static_cast<double>(log_.place()) / static_cast<double>(log_.size()));
+    const auto found = records.find(event->channel);
+    if (found == records.end()) continue;
+    const log::TypeInfo* type = log::type_of(event->data, event->size);
+    for (const auto& record : found->second) {
+      if (&record->type() != type || !record->decode(event->data, event->size)) continue;
+      const std::int64_t utime =
+          options_.clock == Clock::kReceived ? event->utime : record->utime();
+      take({*event, *record, time(utime), utime});
+    }
+  }
+  stage.finish();
+}
+
+}  // namespace palpate::exporting

@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdio>
+#include <filesystem>
+
+#include "sim/camera/image.hpp"
+
+namespace palpate::exporting {
+
+/// A film that Debian's ffmpeg makes (H.264, yuv420p, which every player knows) of pictures that
+/// are piped to it.
+class Video {
+ public:
+  /// Throws std::runtime_error where ffmpeg is not installed or does not start, or the name does
+  /// not end in .mp4; std::invalid_argument where width or height is odd, which H.264 cannot hold.
+  Video(const std::filesystem::path& file, int width, int height, double rate);
+  ~Video();
+  Video(const Video&) = delete;
+  Video& operator=(const Video&) = delete;
+
+  void add(const camera::Image& image);
+  /// Waits for ffmpeg; throws std::runtime_error with its last words where it failed.
+  void finish();
+
+ private:
+  [[noreturn]] void fail() const;
+
+  std::filesystem::path file_, part_, messages_;
+  int width_, height_;
+  FILE* pipe_ = nullptr;
+  int process_ = -1;
+};
+
+}  // namespace palpate::exporting

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <filesystem>
+
+#include "tools/export/csv_export.hpp"
+#include "tools/export/shape_follower.hpp"
+
+namespace palpate::exporting {
+
+/// Writes the shapes of a log for ParaView, `rate` a second (0: all): FOLDER/estimate.pvd,
+/// truth.pvd where the log holds the truth, and forces.pvd where it holds contacts or grasps, each
+/// a series of .vtu files beside it. SI units, in O. Time is in s since the beginning of the logs.
+///
+/// estimate   at nodes: displacement, deviation from the truth, standard_deviation, force (what
+/// acts
+///            on the node from outside); in elements: strain (Green-Lagrange: xx yy zz xy xz yz),
+///            equivalent_strain, stress (Cauchy, alike), von_mises_stress
+/// truth      the same without deviations; stress and force where its stiffness is told
+/// forces     points where contacts, grasps and unknown contacts act: force, torque, kind (0
+/// contact,
+///            1 grasp as estimated, 2 unknown contact, 3 true grasp), number
+///
+/// Fields that the log does not tell are left out, the same ones in every file of a series. Throws
+/// std::runtime_error.
+std::vector<Written> export_vtu(ShapeFollower& follower, double rate,
+                                const std::filesystem::path& folder);
+
+/// Nodes of a box-shaped 27-node hexahedron, given by their rest positions, in VTK's order.
+Eigen::VectorXi vtk_order(const Eigen::Matrix3Xd& nodes);
+
+}  // namespace palpate::exporting

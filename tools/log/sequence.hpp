@@ -1,0 +1,28 @@
+#pragma once
+
+#include <bitset>
+#include <cstdint>
+
+namespace palpate::log {
+
+/// What the numbers of one sender's messages on one channel tell of losses.
+class Sequence {
+ public:
+  void add(std::int64_t seq);
+
+  std::int64_t received() const { return received_; }
+  std::int64_t repeated() const { return repeated_; }  // numbers that had come already
+  std::int64_t late() const { return late_; }          // that came after a higher one
+  /// Numbers between the first and the last that never came. What came later than kWindow numbers
+  /// behind the highest counts as repeated.
+  std::int64_t lost() const;
+
+ private:
+  static constexpr std::int64_t kWindow = 1024;
+
+  std::int64_t received_ = 0, repeated_ = 0, late_ = 0;
+  std::int64_t lowest_ = 0, highest_ = 0;
+  std::bitset<kWindow> seen_;  // of the numbers up to kWindow below the highest, by their remainder
+};
+
+}  // namespace palpate::log
