@@ -1,0 +1,130 @@
+// The estimated and the true shape: surfaces coloured by a number a node, mesh lines, nodes.
+
+import {COLOURS, colourOf} from './colours.js';
+
+function edgesOf(triangles) {
+  const seen = new Set(), edges = [];
+  for (let t = 0; t < triangles.length; t += 3) {
+    for (let e = 0; e < 3; ++e) {
+      const a = triangles[t + e], b = triangles[t + (e + 1) % 3];
+      const low = Math.min(a, b), key = low * 2097152 + Math.max(a, b);
+      if (seen.has(key)) continue;
+      seen.add(key);
+      edges.push(a, b);
+    }
+  }
+  return edges;
+}
+
+export class ShapeView {
+  constructor(scene, style) {
+    this.style = style;
+    this.group = new THREE.Group();
+    scene.add(this.group);
+    this.mesh = null;
+    this.surfaceNodes = [];
+    this.values = null;
+  }
+
+  /** Takes another mesh: {hash, rest, triangles, constrained}. */
+  setMesh(mesh) {
+    for (const child of [...this.group.children]) {
+      this.group.remove(child);
+      child.geometry.dispose();
+      child.material.dispose();
+    }
+    this.mesh = mesh;
+    const count = mesh.rest.length / 3;
+    this.position = new THREE.BufferAttribute(new Float32Array(mesh.rest), 3);
+    this.colour = new THREE.BufferAttribute(new Float32Array(3 * count).fill(0.6), 3);
+    this.surfaceNodes = [...new Set(mesh.triangles)].sort((a, b) => a - b);
+
+    const surface = new THREE.BufferGeometry();
+    surface.setAttribute('position', this.position);
+    surface.setAttribute('color', this.colour);
+    surface.setIndex(new THREE.BufferAttribute(new Uint32Array(mesh.triangles), 1));
+    this.surface = new THREE.Mesh(surface, null);
+    const lines = new THREE.BufferGeometry();
+    lines.setAttribute('position', this.position);
+    lines.setIndex(new THREE.BufferAttribute(new Uint32Array(edgesOf(mesh.triangles)), 1));
+    this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial(
+        {color: this.style.edge, transparent: true, opacity: this.style.edgeOpacity}));
+    const nodes = new THREE.BufferGeometry();
+    nodes.setAttribute('position', this.position);
+    this.nodeColour = new THREE.BufferAttribute(new Float32Array(3 * count), 3);
+    nodes.setAttribute('color', this.nodeColour);
+    nodes.setIndex(new THREE.BufferAttribute(new Uint32Array(this.surfaceNodes), 1));
+    this.nodes = new THREE.Points(nodes, new THREE.PointsMaterial(
+        {size: 5, sizeAttenuation: false, vertexColors: THREE.VertexColors}));
+    this.nodes.visible = false;
+    for (const part of [this.surface, this.edges, this.nodes]) {
+      part.frustumCulled = false;
+      this.group.add(part);
+    }
+    this.setStyle({ghost: false, plain: false});
+    this.markNodes(new Set());
+  }
+
+  setStyle({ghost, plain}) {
+    if (!this.mesh || (this.surface.material && this.ghost === ghost && this.plain === plain)) return;
+    this.ghost = ghost;
+    this.plain = plain;
+    if (this.surface.material) this.surface.material.dispose();
+    const common = {side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
+    if (ghost) {
+      this.surface.material = new THREE.MeshLambertMaterial(
+          {...common, color: this.style.ghost, transparent: true, opacity: 0.26, depthWrite: false, flatShading: true});
+    } else {
+      const Material = plain ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial;
+      const shading = plain ? {} : {flatShading: true};
+      this.surface.material = new Material({...common, ...shading, vertexColors: THREE.VertexColors});
+    }
+    this.surface.renderOrder = ghost ? 2 : 0;
+    this.edges.material.color.set(ghost ? this.style.ghost : this.style.edge);
+    this.edges.material.opacity = ghost ? 0.55 : plain ? 0 : this.style.edgeOpacity;
+    this.edges.visible = this.edges.material.opacity > 0;
+  }
+
+  setPositions(xyz) {
+    this.position.array.set(xyz);
+    this.position.needsUpdate = true;
+  }
+
+  /** Colours by `values` (SI), which `most` is the top of; none: grey. */
+  paint(values, most) {
+    this.values = values;
+    const out = this.colour.array;
+    if (!values) out.fill(0.6);
+    else for (let n = 0; n < values.length; ++n) colourOf(values[n] / most, out, 3 * n);
+    this.colour.needsUpdate = true;
+  }
+
+  /** As in the thesis' Fig. 4.4: white nodes, green ones loaded, red ones held. */
+  markNodes(loaded) {
+    const held = new Set(this.mesh.constrained), colour = new THREE.Color();
+    for (let n = 0; n < this.nodeColour.count; ++n) {
+      colour.set(loaded.has(n) ? COLOURS.loaded : held.has(n) ? COLOURS.constrained : COLOURS.node);
+      colour.toArray(this.nodeColour.array, 3 * n);
+    }
+    this.nodeColour.needsUpdate = true;
+  }
+
+  node(n, out = new THREE.Vector3()) { return out.fromArray(this.position.array, 3 * n); }
+
+  /** Largest distance of the surface's nodes from their middle, and that middle. */
+  bounds() {
+    const box = new THREE.Box3(), p = new THREE.Vector3();
+    for (const n of this.surfaceNodes) box.expandByPoint(this.node(n, p));
+    return box;
+  }
+
+  nearestNode(point) {
+    let best = -1, least = Infinity;
+    const p = new THREE.Vector3();
+    for (const n of this.surfaceNodes) {
+      const d = this.node(n, p).distanceToSquared(point);
+      if (d < least) { least = d; best = n; }
+    }
+    return best;
+  }
+}
