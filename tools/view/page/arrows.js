@@ -6,12 +6,14 @@ const LENGTH_OF_ONE_NEWTON = 0.05, SHORTEST = 0.012, LONGEST = 0.3;  // m
 
 class Arrow {
   constructor(scene) {
-    const material = this.material = new THREE.MeshLambertMaterial({transparent: true});
+    const material = this.material = new THREE.MeshLambertMaterial({transparent: true, depthTest: false});
     this.shaft = new THREE.Mesh(new THREE.CylinderBufferGeometry(1, 1, 1, 12).translate(0, 0.5, 0), material);
     this.head = new THREE.Mesh(new THREE.ConeBufferGeometry(1, 1, 16).translate(0, -0.5, 0), material);
     this.group = new THREE.Group();
     this.group.add(this.shaft, this.head);
-    this.group.renderOrder = 3;
+    // Seen through the object, for many a force acts inside it.
+    this.shaft.renderOrder = 5;
+    this.head.renderOrder = 6;
     scene.add(this.group);
   }
 

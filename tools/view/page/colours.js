@@ -38,10 +38,10 @@ export const FIELDS = {
   uncertainty: {title: 'Standard deviation', unit: 'mm', factor: 1e3, least: 0.1},
 };
 
-/** The smallest of 1, 2, 5 times a power of ten that is not below x. */
+/** The smallest number with few digits that is not below x. */
 export function niceAbove(x) {
   const power = 10 ** Math.floor(Math.log10(x));
-  for (const m of [1, 2, 5, 10]) if (m * power >= x * (1 - 1e-9)) return m * power;
+  for (const m of [1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10]) if (m * power >= x * (1 - 1e-9)) return m * power;
   return 10 * power;
 }
 

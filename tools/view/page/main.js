@@ -32,7 +32,7 @@ const legend = new Legend();
 const panels = new Panels();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
 const latencyPlot = new Plot(byId('latency-plot'), [
-  {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'to this view', colour: '#b28cff'}], {unit: '\u00b5s'});
+  {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 5]});
 let frame = null, drawn = null, health = null, connected = false, greeting = null, size = 1;
 
 const send = (message) => link.send(message);

@@ -4,11 +4,12 @@ import {niceAbove, tickText} from './colours.js';
 
 export class Plot {
   /** `lines`: [{name, colour}]; `seconds`: the window of a live plot. */
-  constructor(canvas, lines, {unit = '', seconds = 60} = {}) {
+  constructor(canvas, lines, {unit = '', seconds = 60, decades = null} = {}) {
     this.canvas = canvas;
     this.lines = lines.map((line) => ({...line, time: [], value: []}));
     this.unit = unit;
     this.seconds = seconds;
+    this.decades = decades;  // [a, b]: a logarithmic scale from 10^a to 10^b
     this.fixed = null;  // {duration}: a log's, with a cursor
   }
 
@@ -33,6 +34,21 @@ export class Plot {
 
   clear() { for (const line of this.lines) line.time = [], line.value = []; }
 
+  /** Ticks [value, text], and where a value lies, 0 to 1. */
+  linear(from) {
+    let most = 0;
+    for (const {time, value} of this.lines)
+      for (let i = 0; i < time.length; ++i) if (time[i] >= from && value[i] > most) most = value[i];
+    const ceiling = niceAbove(Math.max(most, 1e-9) * 1.05);
+    return {ticks: [0, ceiling / 2, ceiling].map((v) => [v, tickText(v)]), share: (v) => v / ceiling};
+  }
+
+  logarithmic() {
+    const [a, b] = this.decades, ticks = [];
+    for (let e = a; e <= b; ++e) ticks.push([10 ** e, e < 3 ? `${10 ** e} \u00b5s` : e < 6 ? `${10 ** (e - 3)} ms` : `${10 ** (e - 6)} s`]);
+    return {ticks, share: (v) => (Math.log10(Math.max(v, 1e-12)) - a) / (b - a)};
+  }
+
   /** `now`: s, the right end of a live plot or the cursor of a log's. */
   draw(now) {
     const {canvas} = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
@@ -47,25 +63,22 @@ export class Plot {
     pen.clearRect(0, 0, width, height);
     const left = 42, right = 8, top = 20, bottom = 17, w = width - left - right, h = height - top - bottom;
     const end = this.fixed ? this.fixed.duration : now, span = this.fixed ? this.fixed.duration : this.seconds;
-    let most = 0;
-    for (const {time, value} of this.lines)
-      for (let i = 0; i < time.length; ++i) if (time[i] >= end - span && value[i] > most) most = value[i];
-    const ceiling = niceAbove(Math.max(most, 1e-9) * 1.05);
-    const x = (t) => left + w * (t - end + span) / span, y = (v) => top + h * (1 - Math.min(v / ceiling, 1.05));
+    const x = (t) => left + w * (t - end + span) / span;
+    const {ticks, share} = this.decades ? this.logarithmic() : this.linear(end - span);
+    const y = (v) => top + h * (1 - Math.min(Math.max(share(v), -0.1), 1.1));
 
     pen.font = '10.5px system-ui, "DejaVu Sans", sans-serif';
     pen.lineWidth = 1;
     pen.textBaseline = 'middle';
     pen.textAlign = 'right';
-    for (let i = 0; i <= 2; ++i) {
-      const v = ceiling * i / 2;
+    for (const [v, text] of ticks) {
       pen.strokeStyle = '#24303c';
       pen.beginPath();
       pen.moveTo(left, y(v));
       pen.lineTo(width - right, y(v));
       pen.stroke();
       pen.fillStyle = '#93a3b3';
-      pen.fillText(tickText(v), left - 6, y(v));
+      pen.fillText(text, left - 6, y(v));
     }
     pen.textBaseline = 'alphabetic';
     for (let i = 0; i <= 3; ++i) {

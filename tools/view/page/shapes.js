@@ -2,18 +2,29 @@
 
 import {COLOURS, colourOf} from './colours.js';
 
-function edgesOf(triangles) {
-  const seen = new Set(), edges = [];
+const CREASE = Math.cos(30 * Math.PI / 180);
+
+/** Pairs of nodes: all edges of the surface, and those where it bends sharply at rest. */
+function edgesOf(triangles, rest) {
+  const normals = [], seen = new Map(), edges = [];
+  const corner = (n) => new THREE.Vector3().fromArray(rest, 3 * n);
   for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => corner(triangles[t + k]));
+    normals.push(b.sub(a).cross(c.sub(a)).normalize());
     for (let e = 0; e < 3; ++e) {
-      const a = triangles[t + e], b = triangles[t + (e + 1) % 3];
-      const low = Math.min(a, b), key = low * 2097152 + Math.max(a, b);
-      if (seen.has(key)) continue;
-      seen.add(key);
-      edges.push(a, b);
+      const i = triangles[t + e], j = triangles[t + (e + 1) % 3];
+      const key = Math.min(i, j) * 2097152 + Math.max(i, j), known = seen.get(key);
+      if (known) {
+        known.crease = normals[known.triangle].dot(normals[t / 3]) < CREASE;
+      } else {
+        const edge = {i, j, triangle: t / 3, crease: true};
+        seen.set(key, edge);
+        edges.push(edge);
+      }
     }
   }
-  return edges;
+  const pairs = (list) => new THREE.BufferAttribute(new Uint32Array(list.flatMap(({i, j}) => [i, j])), 1);
+  return {all: pairs(edges), creases: pairs(edges.filter((edge) => edge.crease))};
 }
 
 export class ShapeView {
@@ -46,7 +57,8 @@ export class ShapeView {
     this.surface = new THREE.Mesh(surface, null);
     const lines = new THREE.BufferGeometry();
     lines.setAttribute('position', this.position);
-    lines.setIndex(new THREE.BufferAttribute(new Uint32Array(edgesOf(mesh.triangles)), 1));
+    this.lines = edgesOf(mesh.triangles, mesh.rest);
+    lines.setIndex(this.lines.all);
     this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial(
         {color: this.style.edge, transparent: true, opacity: this.style.edgeOpacity}));
     const nodes = new THREE.BufferGeometry();
@@ -72,17 +84,19 @@ export class ShapeView {
     if (this.surface.material) this.surface.material.dispose();
     const common = {side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
     if (ghost) {
-      this.surface.material = new THREE.MeshLambertMaterial(
-          {...common, color: this.style.ghost, transparent: true, opacity: 0.26, depthWrite: false, flatShading: true});
+      this.surface.material = new THREE.MeshPhongMaterial(
+          {...common, color: this.style.ghost, specular: 0, transparent: true, opacity: 0.1, depthWrite: false, flatShading: true});
+    } else if (plain) {
+      this.surface.material = new THREE.MeshBasicMaterial({...common, vertexColors: THREE.VertexColors});
     } else {
-      const Material = plain ? THREE.MeshBasicMaterial : THREE.MeshLambertMaterial;
-      const shading = plain ? {} : {flatShading: true};
-      this.surface.material = new Material({...common, ...shading, vertexColors: THREE.VertexColors});
+      this.surface.material = new THREE.MeshPhongMaterial(
+          {...common, specular: 0x1a1a1a, shininess: 20, flatShading: true, vertexColors: THREE.VertexColors});
     }
     this.surface.renderOrder = ghost ? 2 : 0;
+    this.edges.geometry.setIndex(ghost ? this.lines.creases : this.lines.all);
     this.edges.material.color.set(ghost ? this.style.ghost : this.style.edge);
-    this.edges.material.opacity = ghost ? 0.55 : plain ? 0 : this.style.edgeOpacity;
-    this.edges.visible = this.edges.material.opacity > 0;
+    this.edges.material.opacity = ghost ? 0.9 : this.style.edgeOpacity;
+    this.edges.visible = ghost || !plain;
   }
 
   setPositions(xyz) {

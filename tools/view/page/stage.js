@@ -11,8 +11,8 @@ export class Stage {
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(0.4, -1.6, 0.7);
-    this.hemisphere = new THREE.HemisphereLight(SKY, GROUND, 0.78);
-    this.sun = new THREE.DirectionalLight(0xffffff, 0.42);
+    this.hemisphere = new THREE.HemisphereLight(SKY, GROUND, 0.86);
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.4);
     this.scene.add(this.hemisphere, this.sun);
     this.makeControls();
     this.robots = [];
