@@ -94,7 +94,7 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
   double told = 0;
   while (const bus::LoggedEvent* event = reader.next()) {
     const double share = size > 0 ? static_cast<double>(event->at) / size : 1;
-    if (share - told >= 0.1) progress(path, told = share);
+    if (share - told >= 0.01) progress(path, told = share);
     if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
     note(event->channel, event->data, event->size, event->utime);
     std::vector<Entry>& list = entries_[event->channel];

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
+#include <chrono>
 #include <cstdio>
 #include <thread>
 
@@ -93,7 +94,11 @@ void say_damage(const std::vector<std::string>& complaints) {
 }
 
 std::unique_ptr<view::LogSource> open_log(const Options& options) {
-  const auto progress = [](const std::string& file, double share) {
+  auto told = std::chrono::steady_clock::now();
+  const auto progress = [&told](const std::string& file, double share) {
+    const auto now = std::chrono::steady_clock::now();
+    if (now - told < std::chrono::seconds(1)) return;
+    told = now;
     std::fprintf(stderr, "%s: %.0f %%\n", file.c_str(), 100 * share);
   };
   std::vector<std::string> complaints;
