@@ -60,13 +60,12 @@ LiveSource::LiveSource(const std::vector<std::string>& urls)
 LiveSource::~LiveSource() = default;
 
 void LiveSource::receive(Scene& scene, int most) {
-  const std::int64_t now_us = bus::wall_clock_us();
   for (udp::socket& socket : sockets_->all) {
     for (int i = 0; i < most; ++i) {
       boost::system::error_code error;
       const std::size_t size = socket.receive(asio::buffer(buffer_), 0, error);
       if (error) break;
-      handle(scene, buffer_.data(), static_cast<int>(size), now_us);
+      handle(scene, buffer_.data(), static_cast<int>(size), bus::wall_clock_us());
     }
   }
 }

@@ -67,6 +67,9 @@ export class Panels {
     pill.textContent = name;
     pill.className = `pill ${!connected || silent ? 'lost' : name}`;
     byId('reason').textContent = connected && !silent ? health.reason : '';
+    const age = frame.shape ? frame.shape.age_ms : 0, stale = byId('stale');
+    stale.hidden = connected && age < 1000;
+    stale.textContent = connected ? `The estimate is ${fixed(age / 1e3, 1)} s old` : 'No connection: what is shown is old';
   }
 
   showNumbers(frame) {
@@ -92,9 +95,10 @@ export class Panels {
       rows.push(['Hand commanded, mm/s', twist.valid ? fixed(1e3 * speed, 1) : 'no']);
     }
     if (estimate) {
-      const known = estimate.young_modulus_share >= 0;
-      rows.push(['Young\u2019s modulus, kPa', fixed(estimate.young_modulus / 1e3, 2) + (known ? ` \u00b1 ${fixed(100 * estimate.young_modulus_share, 0)} %` : '')]);
-      rows.push(['Poisson\u2019s ratio', fixed(estimate.poisson_ratio, 3)]);
+      // Before the first cycle the message holds zeros.
+      const known = estimate.young_modulus_share >= 0, told = estimate.young_modulus > 1.001;
+      if (told) rows.push(['Young\u2019s modulus, kPa', fixed(estimate.young_modulus / 1e3, 2) + (known ? ` \u00b1 ${fixed(100 * estimate.young_modulus_share, 0)} %` : '')]);
+      if (told) rows.push(['Poisson\u2019s ratio', fixed(estimate.poisson_ratio, 3)]);
       if (estimate.innovation >= 0) rows.push(['Innovation test', fixed(estimate.innovation, 2)]);
     }
     fill(byId('numbers'), rows);

@@ -39,7 +39,7 @@ export class Plot {
     let most = 0;
     for (const {time, value} of this.lines)
       for (let i = 0; i < time.length; ++i) if (time[i] >= from && value[i] > most) most = value[i];
-    const ceiling = niceAbove(Math.max(most, 1e-9) * 1.05);
+    const ceiling = most > 0 ? niceAbove(most * 1.05) : 1;
     return {ticks: [0, ceiling / 2, ceiling].map((v) => [v, tickText(v)]), share: (v) => v / ceiling};
   }
 
@@ -61,7 +61,7 @@ export class Plot {
     const pen = canvas.getContext('2d');
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
-    const left = 42, right = 8, top = 20, bottom = 17, w = width - left - right, h = height - top - bottom;
+    const left = 50, right = 8, top = 20, bottom = 17, w = width - left - right, h = height - top - bottom;
     const end = this.fixed ? this.fixed.duration : now, span = this.fixed ? this.fixed.duration : this.seconds;
     const x = (t) => left + w * (t - end + span) / span;
     const {ticks, share} = this.decades ? this.logarithmic() : this.linear(end - span);

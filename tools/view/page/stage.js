@@ -115,7 +115,7 @@ export class Stage {
     const towards = new THREE.Vector3().crossVectors(across, up).normalize();
     const wide = Math.abs(size.dot(across)), high = Math.max(Math.abs(size.dot(up)), 0.3 * size.length());
     const half = Math.tan(this.camera.fov * Math.PI / 360);
-    const distance = 0.62 * Math.max(wide / (half * this.camera.aspect), high / half) + 0.5 * size.length();
+    const distance = 0.56 * Math.max(wide / (half * this.camera.aspect), high / half) + 0.5 * size.length();
     this.controls.target.copy(middle);
     this.camera.position.copy(middle).addScaledVector(towards, distance)
         .addScaledVector(up, 0.42 * distance).addScaledVector(across, 0.22 * distance);
