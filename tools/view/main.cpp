@@ -61,14 +61,14 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str()
       ->needs(log);
   app.add_option("--listen", o.server.address,
-                 "address to listen on; others than this machine can "
-                 "reach any but 127.0.0.1 and ::1")
+                 "address to listen on; only 127.0.0.1 and ::1 keep other machines out")
       ->capture_default_str();
   app.add_option("--port", o.server.port, "port to listen on; 0: any that is free")
       ->check(CLI::Range(0, 65535))
       ->capture_default_str();
-  app.add_option("--name", o.server.names,
-                 "a further host name by which browsers may call the server (repeatable)")
+  app.add_option(
+         "--name", o.server.names,
+         "a further host name or address by which browsers may call the server (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--fps", o.server.rate, "frames a second at most, 1 to 120")
       ->check(CLI::Range(1.0, 120.0))

@@ -77,12 +77,15 @@ class Cell:
                    "loop.overrun_window_ms=10000", "--set", "loop.safe_stop_after_ms=10000",
                    "--set", "loop.fifo_priority=0")
 
-    def start_view(self):
+    def start_view(self, *source):
+        """Live, so that the page with the token may command; or what `source` says."""
+        live = ["--control", "--token-file", self.token_file]
+        printed = len(read(self.logs["palpate-view"])) if "palpate-view" in self.logs else 0
         self.start("palpate-view", "--url", self.url(0), "--housekeeping", self.url(1),
                    "--config", self.configuration(), "--set", SENSING, "--set", CONTACT,
                    "--robot", f"{self.source}/sim/robot/lwr_hand.urdf", "--port", str(self.port),
-                   "--control", "--token-file", self.token_file)
-        wait_for(lambda: "http://" in read(self.logs["palpate-view"]),
+                   *(source or live))
+        wait_for(lambda: "http://" in read(self.logs["palpate-view"])[printed:],
                  "palpate-view prints its address")
 
     def stop(self, name):

@@ -7,7 +7,7 @@ import time
 
 import numpy as np
 
-INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT"}
+INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT", b"HEALTH"}
 COMMON = ">qqiq"  # fingerprint, utime, seq, session
 
 

@@ -2,6 +2,7 @@
 
 usage: view_test.py BINARIES SOURCE [--pictures FOLDER]
 """
+import struct
 import sys
 import time
 import unittest
@@ -53,7 +54,10 @@ class ViewTest(unittest.TestCase):
 
     @classmethod
     def setUpClass(cls):
-        cls.cell = Cell(BINARIES, SOURCE)
+        try:
+            cls.cell = Cell(BINARIES, SOURCE)
+        except OSError as error:
+            raise SystemExit(f"{error}: build palpate-command, palpate-sim, palpated, palpate-view")
         try:
             cls.control = udpm.Listener(cls.cell.group, cls.cell.ports[0])
             cls.housekeeping = udpm.Listener(cls.cell.group, cls.cell.ports[1])
@@ -312,7 +316,49 @@ class ViewTest(unittest.TestCase):
         if PICTURES:
             cell.picture(f"{PICTURES}/phone.png")
 
-    def test_8_says_nothing_on_the_console(self):
+    def test_8_plays_a_recording(self):
+        cell = self.cell
+        self.assertTrue(self.record(f"{cell.folder.name}/run.log"))
+        cell.stop("palpate-view")
+        cell.start_view("--log", f"{cell.folder.name}/run.log")
+        cell.resize(*WIDE)
+        wait_for(lambda: cell.js("palpate.connected && !!palpate.frame.player"), "the recording")
+        self.assertFalse(cell.js("document.getElementById('timeline').hidden"))
+        self.assertTrue(cell.js("document.getElementById('commands').hidden"), "nothing to command")
+        if not cell.js("palpate.frame.player.playing"):
+            cell.click("#play")
+        wait_for(lambda: cell.js("palpate.frame.player.time > 0.3"), "it plays")
+        if cell.js("palpate.frame.player.playing"):
+            cell.click("#play")
+        wait_for(lambda: not cell.js("palpate.frame.player.playing"), "it pauses")
+        paused = cell.js("palpate.frame.player.time")
+        cell.next_frames()
+        self.assertEqual(cell.js("palpate.frame.player.time"), paused)
+        for number in (250, 60, 199):
+            cell.browser.execute_script(
+                "const s = document.getElementById('seek'); s.value = arguments[0];"
+                "s.oninput(); s.onchange();", self.recorded[number][0] + 0.004)
+            expected = udpm.shape(self.recorded[number][1])[0]
+            wait_for(lambda: np.array_equal(
+                np.array(cell.js("Array.from(palpate.estimate.position.array)")).reshape(-1, 3),
+                expected), f"shape {number} of the recording is shown")
+        if PICTURES:
+            cell.picture(f"{PICTURES}/recording.png")
+
+    def record(self, path):
+        """An LCM event log of the last 300 shapes, 10 ms apart."""
+        wait_for(lambda: len(self.housekeeping.shapes) > 300, "enough shapes to record")
+        shapes = list(self.housekeeping.shapes)[-300:]
+        self.recorded = [(0.01 * i, data) for i, data in enumerate(shapes)]
+        with open(path, "wb") as log:
+            events = [(0, b"SHAPE_MESH", self.housekeeping.last["SHAPE_MESH"])]
+            events += [(int(1e6 * at), b"SHAPE", data) for at, data in self.recorded]
+            for number, (at, channel, data) in enumerate(events):
+                log.write(struct.pack(">IqqII", 0xEDA1DA01, number, 1_700_000_000_000_000 + at,
+                                      len(channel), len(data)) + channel + data)
+        return len(events)
+
+    def test_9_says_nothing_on_the_console(self):
         # But that it was left alone while the server was away.
         errors = [e for e in self.cell.errors() if "ERR_CONNECTION_REFUSED" not in e]
         self.assertEqual(errors, [])

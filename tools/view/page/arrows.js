@@ -3,6 +3,7 @@
 import {COLOURS, colourOfSource} from './colours.js';
 
 const LENGTH_OF_ONE_NEWTON = 0.05, SHORTEST = 0.012, LONGEST = 0.3;  // m
+const BY_HAND = 7;  // contacts_t.source
 
 class Arrow {
   constructor(scene) {
@@ -54,12 +55,12 @@ export class Arrows {
     for (let i = this.used; i < this.arrows.length; ++i) this.arrows[i].group.visible = false;
   }
 
-  /** All forces of a frame; `pull`: {at, force} of a push under way. */
-  show(frame, pull, shown) {
+  /** All forces of a frame; `pushes`: [{at, force}], of persons, which messages place on the rest shape. */
+  show(frame, pushes, shown) {
     this.begin();
     if (shown) {
       for (const contact of frame.contacts || [])
-        this.add(contact.at, contact.wrench, colourOfSource(contact.source));
+        if (contact.source !== BY_HAND) this.add(contact.at, contact.wrench, colourOfSource(contact.source));
       const estimate = frame.estimate;
       if (estimate) {
         for (const grasp of estimate.grasps)
@@ -70,7 +71,7 @@ export class Arrows {
       for (const grasp of frame.truth_contacts || [])
         this.add(grasp.at, grasp.wrench, COLOURS.truthForce, {thick: 0.5, opacity: 0.8});
     }
-    if (pull) this.add(pull.at, pull.force, COLOURS.push, {into: false, thick: 1.3});
+    for (const {at, force} of pushes) this.add(at, force, COLOURS.push, {into: false, thick: 1.3});
     this.end();
   }
 }

@@ -32,7 +32,7 @@ const legend = new Legend();
 const panels = new Panels();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
 const latencyPlot = new Plot(byId('latency-plot'), [
-  {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 5]});
+  {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 6]});
 let frame = null, drawn = null, health = null, connected = false, greeting = null, size = 1;
 
 const send = (message) => link.send(message);
@@ -152,7 +152,8 @@ function showShapes() {
   legend.show(field, top, values ? (coloured === 'estimate' ? '' : 'of the true shape') : noteWithout(field, coloured));
   if (estimate.nodes) {
     estimate.nodes.visible = layers.nodes;
-    if (layers.nodes) estimate.markNodes(new Set((frame.contacts || []).map((c) => estimate.nearestNode(new THREE.Vector3(...c.at)))));
+    if (layers.nodes) estimate.markNodes(new Set((frame.contacts || []).map(
+        (c) => c.source === 7 ? estimate.nearestAtRest(c.at) : estimate.nearestNode(new THREE.Vector3(...c.at)))));
   }
   if (truth.nodes) truth.nodes.visible = false;
   byId('waiting').hidden = hasEstimate || hasTruth;
@@ -203,8 +204,7 @@ function showFrame() {
   const hasEstimate = showShapes();
   stage.placeRobot(0, frame.links, layers.robot);
   stage.placeRobot(1, frame.links_1, layers.robot);
-  const pushed = pointer.pull || (frame.push && hasEstimate ? pushOf(frame.push) : null);
-  arrows.show(frame, pushed, layers.forces);
+  arrows.show(frame, hasEstimate ? pushes() : [], layers.forces);
   marks.show(frame.feature, pointer.dragged, layers.feature, size);
   seen.visible = Boolean(frame.seen);
   if (frame.seen) seen.geometry.setAttribute('position', new THREE.BufferAttribute(frame.seen, 3));
@@ -221,24 +221,25 @@ function showFrame() {
   showKey();
 }
 
-/** Of another page: the force acts at the node that is nearest to the rest point. */
-function pushOf({at, force}) {
-  const rest = estimate.mesh.rest, p = new THREE.Vector3(...at), q = new THREE.Vector3();
-  let node = 0, least = Infinity;
-  for (const n of estimate.surfaceNodes) {
-    const d = q.fromArray(rest, 3 * n).distanceToSquared(p);
-    if (d < least) { least = d; node = n; }
-  }
-  return {at: estimate.node(node).toArray(), force};
+/** What persons push with: this page, and others or programs, at the nodes nearest to their rest points. */
+function pushes() {
+  const list = pointer.pull ? [pointer.pull] : frame.push ? [frame.push] : [];
+  return list.map((push) => push.node === undefined
+      ? {at: estimate.node(estimate.nearestAtRest(push.at)).toArray(), force: push.force} : push);
 }
 
+const timing = {show: 0, render: 0};  // ms a frame, of this thread
 let plotted = 0, frames = 0;
 function animate(now) {
   requestAnimationFrame(animate);
   if (!frame || !stage.dirty) return;
   const fresh = frame !== drawn;
+  const begin = performance.now();
   showFrame();
+  const shown = performance.now();
   stage.render();
+  timing.show += 0.05 * (shown - begin - timing.show);
+  timing.render += 0.05 * (performance.now() - shown - timing.render);
   drawn = frame;
   if (!fresh) return;
   ++frames;
@@ -259,9 +260,12 @@ for (const button of document.querySelectorAll('#layers button')) {
     stage.dirty = true;
   };
 }
-byId('home').onclick = frameObject;
+byId('home').onclick = () => {
+  stage.touched = false;
+  frameObject();
+};
 
 // For whoever wants to look at the page from outside, a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, fields: FIELDS,
+window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; },
   get connected() { return connected; }, frameObject};

@@ -132,11 +132,15 @@ export class ShapeView {
     return box;
   }
 
-  nearestNode(point) {
+  nearestNode(point) { return this.nearest(point, this.position.array); }
+  nearestAtRest(at) { return this.nearest(new THREE.Vector3(...at), this.mesh.rest); }
+
+  /** Of the surface's nodes, where `xyz` has them. */
+  nearest(point, xyz) {
     let best = -1, least = Infinity;
     const p = new THREE.Vector3();
     for (const n of this.surfaceNodes) {
-      const d = this.node(n, p).distanceToSquared(point);
+      const d = p.fromArray(xyz, 3 * n).distanceToSquared(point);
       if (d < least) { least = d; best = n; }
     }
     return best;

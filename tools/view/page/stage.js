@@ -2,10 +2,20 @@
 
 const SKY = 0xffffff, GROUND = 0x8090a0;
 
+/** Whether pictures are drawn without a graphics processor, which smooth edges cost a processor dear. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl');
+  const info = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  if (gl) gl.getExtension('WEBGL_lose_context').loseContext();
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
+}
+
 export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, alpha: true});
+    this.smooth = /[?&]smooth/.test(location.search) || !drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: true});
     this.renderer.setClearColor(0, 0);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
@@ -17,7 +27,7 @@ export class Stage {
     this.makeControls();
     this.robots = [];
     this.dirty = true;
-    this.framed = false;
+    this.framed = this.touched = false;
     this.resize();
     new ResizeObserver(() => this.resize()).observe(canvas);
   }
@@ -26,6 +36,7 @@ export class Stage {
     if (this.controls) this.controls.dispose();
     this.controls = new THREE.OrbitControls(this.camera, this.canvas);
     this.controls.addEventListener('change', () => { this.dirty = true; });
+    this.controls.addEventListener('start', () => { this.touched = true; });
     this.controls.minDistance = 0.05;
     this.controls.maxDistance = 15;
     this.controls.screenSpacePanning = true;
@@ -36,6 +47,8 @@ export class Stage {
     if (!width || !height) return;
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
+    // Until somebody has chosen a view, the object fits the picture.
+    if (!this.touched && Math.abs(this.camera.aspect - width / height) > 0.02) this.framed = false;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.dirty = true;
