@@ -167,7 +167,7 @@ class ViewTest(unittest.TestCase):
         self.still_shape()
         rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
         cell.picture(PICTURES and f"{PICTURES}/view.png")
-        self.set_layers(truth=False, robot=False, forces=False, feature=False, plain=True)
+        self.set_layers(truth=False, robot=False, forces=False, feature=False, plain=True, lines=False)
         shape, picture = self.picture(PICTURES and f"{PICTURES}/unlit.png")
         pixels = cell.project(shape)
         found, middle = visible(pixels, triangles)
@@ -192,7 +192,7 @@ class ViewTest(unittest.TestCase):
         gone = cell.picture()
         self.assertGreater((np.abs(gone[y, x] - expected).max(axis=1) > 20).mean(), 0.8)
         self.set_layers(estimate=True, truth=True, robot=True, forces=True, feature=True,
-                        plain=False)
+                        plain=False, lines=True)
         for field, title in (("strain", "strain"), ("stress", "stress"),
                              ("uncertainty", "deviation")):
             cell.browser.execute_script(
@@ -259,6 +259,8 @@ class ViewTest(unittest.TestCase):
         self.assertIn(("deformation", "linear", "replaced"),
                       [udpm.event(data) for _, data in self.housekeeping.history["COMPONENT_EVENT"]])
         self.assertTrue(put_in("feature", "component", "pose").startswith("refused"), "it needs three points")
+        self.assertEqual(cell.js("document.querySelector('#slots select[data-slot=feature]').value"), "point",
+                         "what there is")
         if PICTURES:
             cell.picture(f"{PICTURES}/control.png")
         cell.next_frames()

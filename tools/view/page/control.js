@@ -99,7 +99,10 @@ export class Control {
       command.parameters = `{${key}: ${name}${inner ? `, ${inner}` : ''}}`;
     }
     this.command(command, `${one.slot} ${one.instance}: ${name}`.replace(' :', ':'),
-                 () => { one.chosen[key] = name; this.showSlots(); });
+                 (good) => {
+                   if (good) one.chosen[key] = name;
+                   this.showSlots();  // where it was refused, what there is
+                 });
   }
 
   command(command, what, done) { this.ask({type: 'command', ...command}, what, done); }
@@ -125,7 +128,7 @@ export class Control {
     if (!last) return;
     this.asked.delete(id);
     if (!good) byId('reason').textContent = asked.said.textContent;
-    if (good && asked.done) asked.done();
+    if (asked.done) asked.done(good);
   }
 
   fail(reason) {

@@ -27,7 +27,7 @@ const chosen = new THREE.Mesh(new THREE.SphereBufferGeometry(1, 20, 14), new THR
 chosen.visible = false;
 stage.scene.add(chosen);
 
-const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, nodes: false, plain: false};
+const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, nodes: false, lines: true, plain: false};
 const legend = new Legend();
 const panels = new Panels();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
@@ -57,6 +57,7 @@ const link = new Link({
   },
   hello(message) {
     greeting = message;
+    frame = health = null;  // of what was shown before
     control.setHello(message);
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
@@ -73,6 +74,8 @@ const link = new Link({
     const other = shape.mesh && shape.mesh.hash !== mesh.hash;
     if (!shape.mesh || other) shape.setMesh(mesh);
     shape.known = mesh.hash;
+    if (shape === estimate && (other || !greeting.shown)) setLayer('lines', estimate.isCoarse());
+    greeting.shown = true;
     if (other && shape === estimate) pointer.pick(-1);
   },
   events(message) {
@@ -127,6 +130,12 @@ function plot() {
   latencyPlot.draw(player ? player.time : now);
 }
 
+function setLayer(name, on) {
+  layers[name] = on;
+  document.querySelector(`#layers [data-layer=${name}]`).classList.toggle('on', on);
+  stage.dirty = true;
+}
+
 /** Largest of the nodes that can be seen. */
 function largest(values, shape) {
   let most = 0;
@@ -144,8 +153,8 @@ function showShapes() {
   // Shown alone the true shape has the colours; beside the estimate it is a veil.
   const coloured = layers.estimate || !hasTruth ? 'estimate' : 'truth';
   const [shape, values] = coloured === 'estimate' ? [estimate, frame.values] : [truth, frame.truth_values];
-  if (hasEstimate) estimate.setStyle({ghost: false, plain: layers.plain});
-  if (hasTruth) truth.setStyle({ghost: coloured === 'estimate', plain: layers.plain});
+  if (hasEstimate) estimate.setStyle({ghost: false, plain: layers.plain, lines: layers.lines});
+  if (hasTruth) truth.setStyle({ghost: coloured === 'estimate', plain: layers.plain, lines: layers.lines});
   const field = frame.field;
   const top = legend.top(field, values && shape.mesh ? largest(values, shape) : 0);
   if (coloured === 'estimate' ? hasEstimate : hasTruth) shape.paint(values, top);
@@ -253,12 +262,7 @@ requestAnimationFrame(animate);
 
 byId('field').onchange = () => send({type: 'colour', field: byId('field').value});
 for (const button of document.querySelectorAll('#layers button')) {
-  button.onclick = () => {
-    const name = button.dataset.layer;
-    layers[name] = !layers[name];
-    button.classList.toggle('on', layers[name]);
-    stage.dirty = true;
-  };
+  button.onclick = () => setLayer(button.dataset.layer, !layers[button.dataset.layer]);
 }
 byId('home').onclick = () => {
   stage.touched = false;

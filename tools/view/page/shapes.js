@@ -2,6 +2,7 @@
 
 import {COLOURS, colourOf} from './colours.js';
 
+const MOST_LINES = 5000;
 const CREASE = Math.cos(30 * Math.PI / 180);
 
 /** Pairs of nodes: all edges of the surface, and those where it bends sharply at rest. */
@@ -73,19 +74,23 @@ export class ShapeView {
       part.frustumCulled = false;
       this.group.add(part);
     }
-    this.setStyle({ghost: false, plain: false});
+    this.styled = '';
+    this.setStyle({ghost: false, plain: false, lines: this.isCoarse()});
     this.markNodes(new Set());
   }
 
-  setStyle({ghost, plain}) {
-    if (!this.mesh || (this.surface.material && this.ghost === ghost && this.plain === plain)) return;
-    this.ghost = ghost;
-    this.plain = plain;
+  /** `lines`: all of the mesh's, else those of its creases. */
+  setStyle({ghost, plain, lines}) {
+    const style = `${ghost} ${plain} ${lines}`;
+    if (!this.mesh || (this.surface.material && this.styled === style)) return;
+    this.styled = style;
     if (this.surface.material) this.surface.material.dispose();
     const common = {side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
+    // Where both shapes are at the same place, the estimate is in front.
+    const behind = {polygonOffsetFactor: 3, polygonOffsetUnits: 12};
     if (ghost) {
       this.surface.material = new THREE.MeshPhongMaterial(
-          {...common, color: this.style.ghost, specular: 0, transparent: true, opacity: 0.1, depthWrite: false, flatShading: true});
+          {...common, ...behind, color: this.style.ghost, specular: 0, transparent: true, opacity: 0.1, depthWrite: false, flatShading: true});
     } else if (plain) {
       this.surface.material = new THREE.MeshBasicMaterial({...common, vertexColors: THREE.VertexColors});
     } else {
@@ -93,11 +98,14 @@ export class ShapeView {
           {...common, specular: 0x1a1a1a, shininess: 20, flatShading: true, vertexColors: THREE.VertexColors});
     }
     this.surface.renderOrder = ghost ? 2 : 0;
-    this.edges.geometry.setIndex(ghost ? this.lines.creases : this.lines.all);
+    this.edges.geometry.setIndex(lines && !ghost ? this.lines.all : this.lines.creases);
     this.edges.material.color.set(ghost ? this.style.ghost : this.style.edge);
     this.edges.material.opacity = ghost ? 0.9 : this.style.edgeOpacity;
     this.edges.visible = ghost || !plain;
   }
+
+  /** Whether lines leave something of the colours between them, and cost little. */
+  isCoarse() { return this.lines.all.count < 2 * MOST_LINES; }
 
   setPositions(xyz) {
     this.position.array.set(xyz);
