@@ -1,0 +1,175 @@
+"""Simulator, daemon, palpate-view and a browser, each in a process of its own."""
+import io
+import os
+import random
+import re
+import subprocess
+import tempfile
+import time
+
+import numpy as np
+from PIL import Image
+from selenium import webdriver
+from selenium.webdriver.chrome.service import Service
+
+SENSING = ("sensing=[{name: wrist, component: ft_newton_euler, payload: {mass: 4.8, "
+           "center_of_mass: [0.0015, -0.00065, 0.1137]}}, {name: user, component: manual}]")
+CONTACT = ("contact=[{name: grasp, component: wrench_patch, sources: wrist, on_grasp: true}, "
+           "{name: push, component: area_coordinates, sources: manual}]")
+# Busy machines are late: no figure of this test depends on how soon something happens.
+PATIENCE = 60  # s
+
+
+def wait_for(condition, what, patience=PATIENCE):
+    end = time.monotonic() + patience
+    while True:
+        value = condition()
+        if value is not None and value is not False:
+            return value
+        if time.monotonic() > end:
+            raise AssertionError(f"did not happen within {patience} s: {what}")
+        time.sleep(0.05)
+
+
+def read(path):
+    with open(path) as file:
+        return file.read()
+
+
+class Cell:
+    def __init__(self, binaries, source):
+        self.binaries, self.source = binaries, source
+        self.folder = tempfile.TemporaryDirectory(prefix="palpate_view_")
+        number = os.getpid() % 20000
+        self.group = f"239.255.{90 + number // 250}.{1 + number % 250}"
+        self.ports = [20000 + 2 * number % 40000 + i for i in (0, 1)]
+        self.processes, self.logs = {}, {}
+        self.token_file = os.path.join(self.folder.name, "token")
+        subprocess.run([f"{binaries}/palpate-command", "--make-key", self.token_file], check=True,
+                       stdout=subprocess.DEVNULL)
+        self.token = read(self.token_file).strip()
+        self.port = random.randint(20000, 50000)
+        self.browser = None
+
+    def url(self, which):
+        return f"udpm://{self.group}:{self.ports[which]}?ttl=0"
+
+    def start(self, name, *words):
+        self.logs[name] = os.path.join(self.folder.name, f"{name}.txt")
+        with open(self.logs[name], "a") as log:
+            self.processes[name] = subprocess.Popen([f"{self.binaries}/{name}", *words],
+                                                    stdout=log, stderr=subprocess.STDOUT)
+
+    def buses(self):
+        return ["--set", f"bus.control={self.url(0)}", "--set", f"bus.housekeeping={self.url(1)}"]
+
+    def configuration(self):
+        return f"{self.source}/rt/config/examples/bar_long_soft.yaml"
+
+    def start_simulator(self):
+        self.start("palpate-sim", f"{self.source}/sim/scenes/bar_long_soft_control.yaml",
+                   *self.buses())
+
+    def start_daemon(self):
+        # A machine that is busy with other tests is late without meaning a fault.
+        self.start("palpated", self.configuration(), *self.buses(), "--set", SENSING, "--set",
+                   CONTACT, "--set", "loop.degraded_after_ms=9000", "--set",
+                   "loop.overrun_window_ms=10000", "--set", "loop.safe_stop_after_ms=10000",
+                   "--set", "loop.fifo_priority=0")
+
+    def start_view(self, *source):
+        """Live, so that the page with the token may command; or what `source` says."""
+        live = ["--control", "--token-file", self.token_file]
+        printed = len(read(self.logs["palpate-view"])) if "palpate-view" in self.logs else 0
+        self.start("palpate-view", "--url", self.url(0), "--housekeeping", self.url(1),
+                   "--config", self.configuration(), "--set", SENSING, "--set", CONTACT,
+                   "--robot", f"{self.source}/sim/robot/lwr_hand.urdf", "--port", str(self.port),
+                   *(source or live))
+        wait_for(lambda: "http://" in read(self.logs["palpate-view"])[printed:],
+                 "palpate-view prints its address")
+
+    def stop(self, name):
+        process = self.processes.pop(name)
+        process.terminate()
+        try:
+            process.wait(20)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+        return process.returncode
+
+    def open_browser(self, width, height):
+        options = webdriver.ChromeOptions()
+        options.binary_location = "/usr/bin/chromium"
+        for word in ("--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader",
+                     "--enable-unsafe-swiftshader", "--disable-dev-shm-usage", "--hide-scrollbars",
+                     "--disable-background-networking", "--no-first-run",
+                     f"--user-data-dir={self.folder.name}/profile",
+                     f"--window-size={width},{height}"):
+            options.add_argument(word)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.browser = webdriver.Chrome(service=Service("/usr/bin/chromedriver"), options=options)
+        self.browser.set_script_timeout(PATIENCE)
+        self.resize(width, height)
+        self.browser.get(f"http://127.0.0.1:{self.port}/#token={self.token}")
+
+    def resize(self, width, height):
+        self.browser.execute_cdp_cmd(
+            "Emulation.setDeviceMetricsOverride",
+            {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 760})
+
+    def js(self, expression):
+        return self.browser.execute_script(f"return {expression};")
+
+    def click(self, selector):
+        self.browser.execute_script("document.querySelector(arguments[0]).click()", selector)
+
+    def text(self, selector):
+        return self.js(f"document.querySelector({selector!r}).textContent")
+
+    def mouse(self, kind, x, y, pressed=True):
+        self.browser.execute_cdp_cmd("Input.dispatchMouseEvent", {
+            "type": kind, "x": float(x), "y": float(y), "button": "left" if pressed else "none",
+            "buttons": 1 if pressed and kind != "mouseReleased" else 0, "clickCount": 1})
+
+    def picture(self, path=None):
+        """The page as pixels, height x width x 3."""
+        png = self.browser.get_screenshot_as_png()
+        if path:
+            with open(path, "wb") as file:
+                file.write(png)
+        return np.asarray(Image.open(io.BytesIO(png)).convert("RGB")).astype(int)
+
+    def frames(self):
+        return self.js("palpate.frames")
+
+    def next_frames(self, count=3):
+        """Waits until so many more frames were drawn."""
+        before = self.frames()
+        wait_for(lambda: self.frames() >= before + count, "frames are drawn")
+
+    def project(self, points):
+        """Pixels and depth of points in O, by the page's camera."""
+        camera = self.js(
+            "(() => { const s = palpate.stage, b = s.canvas.getBoundingClientRect(); return {"
+            "p: s.camera.projectionMatrix.elements, v: s.camera.matrixWorldInverse.elements,"
+            "box: [b.left, b.top, b.width, b.height]}; })()")
+        P, V = (np.array(camera[k]).reshape(4, 4).T for k in "pv")
+        left, top, width, height = camera["box"]
+        clip = P @ V @ np.vstack([points.T, np.ones(len(points))])
+        x, y, z = clip[:3] / clip[3]
+        return np.column_stack([left + (x + 1) / 2 * width, top + (1 - y) / 2 * height, z])
+
+    def errors(self):
+        return [e["message"] for e in self.browser.get_log("browser") if e["level"] == "SEVERE"]
+
+    def close(self):
+        if self.browser:
+            self.browser.quit()
+        for name in list(self.processes):
+            self.stop(name)
+        self.folder.cleanup()
+
+    def tail(self):
+        return "\n".join(f"--- {name}\n" + re.sub(r"token=\w+", "token=...", read(path))[-1500:]
+                         for name, path in self.logs.items())

@@ -1,0 +1,75 @@
+"""What palpate-view, with a page that looks, costs the daemon's loop.
+
+usage: loop_cost.py BINARIES SOURCE [--seconds S] [--turns N]
+
+Runs simulator and daemon, by turns without and with palpate-view and a browser, and prints
+the loop's cycle time and wake-up as HEALTH tells them, and the processor's share of each program.
+"""
+import argparse
+import struct
+import sys
+import time
+
+from cell import Cell, wait_for
+import udpm
+
+PHASES = {0: "cycle", 8: "publish", 9: "wake-up"}
+
+
+def health(data):
+    """50 and 99 % of each phase, us."""
+    at = struct.calcsize(udpm.COMMON) + 4 + 6 * 8
+    (phases,) = struct.unpack_from(">i", data, at)
+    assert phases == 10
+    return struct.unpack_from(">10f10f", data, at + 4)
+
+
+def processor_time(process):
+    with open(f"/proc/{process.pid}/stat") as file:
+        fields = file.read().rsplit(")", 1)[1].split()
+    return (int(fields[11]) + int(fields[12])) / 100  # s
+
+
+def turn(options, looked_at):
+    cell = Cell(options.binaries, options.source)
+    listener = udpm.Listener(cell.group, cell.ports[1])
+    try:
+        cell.start_simulator()
+        cell.start_daemon()
+        cell.start_view()
+        cell.open_browser(1280, 800)
+        wait_for(lambda: cell.js("!!window.palpate && palpate.control.granted"), "the page")
+        cell.click('#commands [data-event="start"]')
+        wait_for(lambda: cell.text("#state") in ("active", "degraded"), "the start")
+        if not looked_at:
+            cell.browser.quit()
+            cell.browser = None
+            cell.stop("palpate-view")
+        before = {name: processor_time(p) for name, p in cell.processes.items()}
+        time.sleep(options.seconds)
+        used = {name: processor_time(p) - before[name] for name, p in cell.processes.items()}
+        values = health(listener.last["HEALTH"])
+        times = "; ".join(f"{name} {values[i]:.0f} / {values[10 + i]:.0f} us" for i, name in PHASES.items())
+        shares = ", ".join(f"{name} {100 * s / options.seconds:.1f} %" for name, s in used.items())
+        print(f"{'with' if looked_at else 'without'} view: {times} (50 / 99 %); processor: {shares}",
+              flush=True)
+    finally:
+        listener.stop()
+        cell.close()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
+    parser.add_argument("binaries")
+    parser.add_argument("source")
+    parser.add_argument("--seconds", type=float, default=10)
+    parser.add_argument("--turns", type=int, default=3)
+    options = parser.parse_args()
+    for _ in range(options.turns):
+        turn(options, looked_at=False)
+        turn(options, looked_at=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,90 @@
+"""What comes over LCM, heard and decoded without palpate's or LCM's code."""
+import collections
+import socket
+import struct
+import threading
+import time
+
+import numpy as np
+
+INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT", b"HEALTH"}
+COMMON = ">qqiq"  # fingerprint, utime, seq, session
+
+
+class Listener:
+    """The last message of each channel of a multicast group, and how many came."""
+
+    def __init__(self, address, port):
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, 4 << 20)
+        self.socket.bind((address, port))
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP,
+                               struct.pack("4sI", socket.inet_aton(address), 0))
+        self.socket.settimeout(0.2)
+        self.last, self.count, self.history = {}, {}, {"MANUAL_FORCE": [], "COMPONENT_EVENT": []}
+        self.shapes = collections.deque(maxlen=3000)  # half a minute
+        self.stopped = False
+        self.thread = threading.Thread(target=self.listen, daemon=True)
+        self.thread.start()
+
+    def listen(self):
+        while not self.stopped:
+            try:
+                data = self.socket.recv(65536)
+            except socket.timeout:
+                continue
+            # Thousands come in a second; most are of no interest here.
+            end = data.find(b"\0", 8)
+            if data[:4] != b"LC02" or data[8:end] not in INTERESTING:
+                continue
+            channel, payload = data[8:end].decode(), data[end + 1:]
+            if channel in self.history:
+                self.history[channel].append((time.monotonic(), payload))
+            if channel == "SHAPE":
+                self.shapes.append(payload)
+            self.last[channel] = payload
+            self.count[channel] = self.count.get(channel, 0) + 1
+
+    def stop(self):
+        self.stopped = True
+        self.thread.join()
+        self.socket.close()
+
+
+def numbers(data, at, kind):
+    """A count and so many numbers of 4 bytes; they, and where they end."""
+    (count,) = struct.unpack_from(">i", data, at)
+    return np.frombuffer(data, kind, count, at + 4), at + 4 + 4 * count
+
+
+def shape(data):
+    """Positions of SHAPE or TRUTH_SHAPE, n x 3, m, and the mesh's hash."""
+    at = struct.calcsize(COMMON)
+    mesh_hash, _, _, _ = struct.unpack_from(">qiii", data, at)
+    xyz, _ = numbers(data, at + 20, ">f4")
+    return xyz.astype(float).reshape(-1, 3), mesh_hash
+
+
+def mesh(chunks):
+    """Rest positions and triangles of one whole SHAPE_MESH in its only chunk."""
+    at = struct.calcsize(COMMON)
+    _, _, _, count, _, _ = struct.unpack_from(">qihhii", chunks, at)
+    assert count == 1, "the test's mesh fits one chunk"
+    rest, at = numbers(chunks, at + 24, ">f4")
+    _, at = numbers(chunks, at + 4, ">i4")
+    triangles, at = numbers(chunks, at, ">i4")
+    return rest.astype(float).reshape(-1, 3), triangles.reshape(-1, 3)
+
+
+def manual_force(data):
+    """Rest point and force of MANUAL_FORCE."""
+    values = struct.unpack_from(">6d", data, struct.calcsize(COMMON) + 8 + 32)
+    return np.array(values[:3]), np.array(values[3:])
+
+
+def event(data):
+    """Slot, component and event of COMPONENT_EVENT."""
+    fields = struct.unpack_from("32s32s32s32s", data, struct.calcsize(COMMON))
+    slot, _, component, name = (field.split(b"\0")[0].decode() for field in fields)
+    return slot, component, name

@@ -1,0 +1,373 @@
+"""palpate-view in a real browser, with simulator and daemon behind it.
+
+usage: view_test.py BINARIES SOURCE [--pictures FOLDER]
+"""
+import struct
+import sys
+import time
+import unittest
+
+try:
+    import numpy as np
+    from cell import Cell, wait_for
+    import udpm
+except ImportError as missing:
+    print(f"skipped: {missing}; tools/packaging/packages.txt names what is needed")
+    sys.exit(77)
+
+VIRIDIS = np.array([[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
+                    [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]])
+WIDE, PHONE = (1280, 800), (390, 844)
+BINARIES, SOURCE, PICTURES = None, None, None
+
+
+def viridis(share):
+    share = np.clip(share, 0, 1)
+    return np.column_stack([np.interp(share, np.linspace(0, 1, 9), VIRIDIS[:, c]) for c in range(3)])
+
+
+def visible(pixels, triangles):
+    """Triangles that no other one hides at their middle, and which are not too small."""
+    corners = pixels[triangles]
+    a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
+
+    def cross(u, v):
+        return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
+
+    area = cross(b - a, c - a)
+    middle = corners.mean(axis=1)
+    found = []
+    for t in np.nonzero(np.abs(area) > 120)[0]:
+        p = middle[t]
+        weights = np.column_stack([cross(b - p, c - p), cross(c - p, a - p), cross(a - p, b - p)])
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weights = weights / area[:, None]
+            inside = (weights > -0.02).all(axis=1)
+            depth = (weights * corners[:, :, 2]).sum(axis=1)
+        if not (inside & (depth < p[2] - 1e-6)).any():
+            found.append(t)
+    return np.array(found), middle
+
+
+class ViewTest(unittest.TestCase):
+    """In the order of their names: each goes on where the one before ended."""
+
+    @classmethod
+    def setUpClass(cls):
+        try:
+            cls.cell = Cell(BINARIES, SOURCE)
+        except OSError as error:
+            raise SystemExit(f"{error}: build palpate-command, palpate-sim, palpated, palpate-view")
+        try:
+            cls.control = udpm.Listener(cls.cell.group, cls.cell.ports[0])
+            cls.housekeeping = udpm.Listener(cls.cell.group, cls.cell.ports[1])
+            cls.cell.start_simulator()
+            cls.cell.start_daemon()
+            cls.cell.start_view()
+            cls.cell.open_browser(*WIDE)
+        except Exception:
+            print(cls.cell.tail())
+            cls.cell.close()
+            raise
+
+    @classmethod
+    def tearDownClass(cls):
+        for listener in (cls.control, cls.housekeeping):
+            listener.stop()
+        cls.cell.close()
+
+    def tearDown(self):
+        outcome = self._outcome.result
+        if any(test is self for test, _ in outcome.failures + outcome.errors) and PICTURES:
+            self.cell.picture(f"{PICTURES}/failed.png")
+
+    def shape(self):
+        return udpm.shape(self.housekeeping.last["SHAPE"])[0]
+
+    def still_shape(self):
+        """Once nothing moves by more than 0.05 mm in a second."""
+        def still():
+            before = self.shape()
+            time.sleep(1)
+            now = self.shape()
+            return now if before.shape == now.shape and np.abs(now - before).max() < 5e-5 else None
+        shape = wait_for(still, "the shape comes to rest")
+        self.cell.next_frames()
+        return shape
+
+    def shown(self):
+        """Positions that the page shows: those of a message that was heard, to the bit."""
+        x = np.array(self.cell.js("Array.from(palpate.estimate.position.array)"))
+        heard = np.float32(x).astype(">f4").tobytes()
+        self.assertTrue(any(heard in data for data in list(self.housekeeping.shapes)),
+                        "no SHAPE held what the page shows")
+        return x.reshape(-1, 3)
+
+    def picture(self, path=None):
+        """What the page shows and its pixels, while nothing moves by a third of a millimetre."""
+        def take():
+            before, pixels = self.shown(), self.cell.picture(path)
+            return (before, pixels) if np.abs(self.shown() - before).max() < 3e-4 else None
+        return wait_for(take, "a picture of something still")
+
+    def command(self, event):
+        """By the button of the page, until the daemon has said that it did it."""
+        seen = len(self.housekeeping.history["COMPONENT_EVENT"])
+        self.cell.click(f'#commands [data-event="{event}"]')
+        wait_for(lambda: any(udpm.event(data)[2] == event for _, data in
+                             self.housekeeping.history["COMPONENT_EVENT"][seen:]), event)
+
+    def set_layers(self, **wanted):
+        for layer, on in wanted.items():
+            if self.cell.js(f"palpate.layers.{layer}") != on:
+                self.cell.click(f'#layers [data-layer="{layer}"]')
+        self.cell.next_frames(2)
+
+    def test_1_loads_and_shows_the_shape(self):
+        cell = self.cell
+        wait_for(lambda: cell.js("!!window.palpate && palpate.frames > 3 && palpate.truth.mesh"
+                                 " !== null && palpate.control.granted"), "the page draws")
+        self.assertEqual(cell.text("#state"), "inactive")
+        self.command("start")
+        wait_for(lambda: cell.js("palpate.estimate.mesh !== null"), "the estimate is shown")
+        self.assertTrue(cell.js("document.getElementById('waiting').hidden"))
+        wait_for(lambda: cell.text("#state") == "active", "the page says so")
+        self.assertNotIn("token", cell.js("location.href"), "and no longer stands in the address")
+        rest, triangles = udpm.mesh(wait_for(lambda: self.housekeeping.last.get("SHAPE_MESH"),
+                                             "the mesh"))
+        self.assertTrue(np.allclose(np.array(cell.js("Array.from(palpate.estimate.mesh.rest)")),
+                                    rest.ravel()))
+        self.assertEqual(cell.js("palpate.estimate.mesh.triangles.length"), triangles.size)
+        self.assertEqual(cell.js("palpate.stage.robots.length"), 1)
+
+    def test_2_moves_with_the_data(self):
+        cell = self.cell
+        before = self.shown()
+        # By hand: from where the feature is, 50 mm upwards in O.
+        cell.click('#pointer [data-mode="target"]')
+        value = np.array(wait_for(lambda: cell.js("palpate.frame.feature.value"), "a feature")[:3])
+        here, there = cell.project(np.array([value, value + [0, 0, 0.05]]))[:, :2]
+        cell.mouse("mousePressed", *here)
+        for share in np.linspace(0.2, 1, 5):
+            cell.mouse("mouseMoved", *(here + share * (there - here)))
+        cell.mouse("mouseReleased", *there)
+        wait_for(lambda: cell.js("palpate.frame.feature.revision >= 0"), "the target is taken")
+        target = np.array(cell.js("palpate.frame.feature.target")[:3])
+        # Dragged in the plane that faces the camera, which is not that of the object's z.
+        self.assertTrue(np.allclose(cell.project(target[None])[0, :2], there, atol=3))
+        wait_for(lambda: bool(np.linalg.norm(cell.js("palpate.frame.feature.error")) < 1.5e-3),
+                 "the feature reaches it")
+        cell.click('#pointer [data-mode="look"]')
+        self.still_shape()
+        self.assertGreater(np.abs(self.shown() - before).max(), 0.02, "the mesh has moved")
+
+    def test_3_pictures_show_the_data(self):
+        cell = self.cell
+        cell.browser.execute_script("palpate.frameObject()")
+        self.still_shape()
+        rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
+        cell.picture(PICTURES and f"{PICTURES}/view.png")
+        self.set_layers(truth=False, robot=False, forces=False, feature=False, plain=True, lines=False)
+        shape, picture = self.picture(PICTURES and f"{PICTURES}/unlit.png")
+        pixels = cell.project(shape)
+        found, middle = visible(pixels, triangles)
+        self.assertGreater(len(found), 20)
+        displacement = 1e3 * np.linalg.norm(shape - rest, axis=1)
+        top = float(cell.js("document.querySelector('#legend-ticks span:last-child').textContent"))
+        self.assertGreaterEqual(top * 1.001, displacement.max())
+        self.assertIn("Displacement, mm", cell.text("#legend-title"))
+        colours = viridis(displacement / top)
+        expected = colours[triangles[found]].mean(axis=1)
+        x, y = middle[found, 0].astype(int), middle[found, 1].astype(int)
+        off = np.abs(picture[y, x] - expected).max(axis=1)
+        self.assertLess(np.median(off), 6, "colours of 255")
+        self.assertGreater((off < 16).mean(), 0.9, f"{off.round()}")
+        spread = np.abs(expected.max(axis=0) - expected.min(axis=0)).max()
+        self.assertGreater(spread, 80, "the picture tells large from small")
+        # Beside the object there is nothing.
+        low, high = pixels[:, :2].min(axis=0) - 25, pixels[:, :2].max(axis=0) + 25
+        for p in ([low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]):
+            self.assertLess(picture[int(p[1]), int(p[0])].max(), 100)
+        self.set_layers(estimate=False)
+        gone = cell.picture()
+        self.assertGreater((np.abs(gone[y, x] - expected).max(axis=1) > 20).mean(), 0.8)
+        self.set_layers(estimate=True, truth=True, robot=True, forces=True, feature=True,
+                        plain=False, lines=True)
+        for field, title in (("strain", "strain"), ("stress", "stress"),
+                             ("uncertainty", "deviation")):
+            cell.browser.execute_script(
+                "const s = document.getElementById('field'); s.value = arguments[0]; s.onchange();",
+                field)
+            wait_for(lambda: cell.js("palpate.frame.field") == field, field)
+            wait_for(lambda: title in cell.text("#legend-title"), f"legend of {field}")
+        self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven tells none")
+        cell.browser.execute_script("const s = document.getElementById('field');"
+                                    "s.value = 'displacement'; s.onchange();")
+
+    def test_4_picks_and_pushes(self):
+        cell = self.cell
+        self.still_shape()
+        shape = self.shown()
+        rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
+        pixels = cell.project(shape)
+        found, middle = visible(pixels, triangles)
+        # Amid the bar, where nothing holds it.
+        t = min(found, key=lambda k: abs(rest[triangles[k], 0].mean() - 0.22))
+        node = min(triangles[t], key=lambda n: abs(rest[n, 0] - 0.22))
+        place = pixels[node, :2] + 0.2 * (middle[t, :2] - pixels[node, :2])
+        cell.mouse("mousePressed", *place)
+        cell.mouse("mouseReleased", *place)
+        self.assertEqual(cell.js("palpate.pointer.picked"), node)
+        wait_for(lambda: f"Node {node}" in cell.text("#picked"), "its numbers")
+
+        cell.click('#pointer [data-mode="push"]')
+        forces = self.control.history["MANUAL_FORCE"]
+        forces.clear()
+        cell.mouse("mousePressed", *place)
+        for share in np.linspace(0.25, 1, 4):
+            cell.mouse("mouseMoved", place[0], place[1] - 110 * share)
+        wait_for(lambda: bool(forces and np.linalg.norm(udpm.manual_force(forces[-1][1])[1]) > 0.3),
+                 "a force on the bus")
+
+        def moved():
+            force = udpm.manual_force(forces[-1][1])[1]
+            along = (self.shape()[node] - shape[node]) @ force / np.linalg.norm(force)
+            return bool(along > 1e-3)
+        wait_for(moved, "the node gives way to the push")
+        self.assertTrue(np.allclose(udpm.manual_force(forces[-1][1])[0], rest[node], atol=1e-6))
+        before = len(forces)
+        wait_for(lambda: len(forces) > before + 3, "it is renewed while the button is held")
+        self.assertIn("Pushing node", cell.text("#hint"))
+        if PICTURES:
+            cell.picture(f"{PICTURES}/push.png")
+        cell.mouse("mouseReleased", place[0], place[1] - 110)
+        wait_for(lambda: not udpm.manual_force(forces[-1][1])[1].any(), "the last one is zero")
+        wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the shape comes back")
+        cell.click('#pointer [data-mode="look"]')
+
+    def test_5_replaces_components(self):
+        cell = self.cell
+        cell.click('#tabs [data-tab="control"]')
+
+        def put_in(slot, key, name):
+            cell.browser.execute_script(
+                "const s = document.querySelector(arguments[0]); s.value = arguments[1];"
+                "s.nextElementSibling.click();", f'#slots select[data-slot="{slot}"][data-key="{key}"]', name)
+            return wait_for(lambda: (lambda said: said if said and said != "\u2026" and "replacing" not in said
+                                     else None)(cell.text("#answers li:first-child div")), f"answer for {name}")
+        self.assertEqual(put_in("deformation", "component", "linear"), "replaced")
+        self.assertIn(("deformation", "linear", "replaced"),
+                      [udpm.event(data) for _, data in self.housekeeping.history["COMPONENT_EVENT"]])
+        self.assertTrue(put_in("feature", "component", "pose").startswith("refused"), "it needs three points")
+        self.assertEqual(cell.js("document.querySelector('#slots select[data-slot=feature]').value"), "point",
+                         "what there is")
+        if PICTURES:
+            cell.picture(f"{PICTURES}/control.png")
+        cell.next_frames()
+
+    def test_6_survives_restarts(self):
+        cell = self.cell
+        cell.stop("palpated")
+        wait_for(lambda: cell.text("#state") == "no daemon", "the page sees that it is gone")
+        wait_for(lambda: "old" in cell.text("#stale"), "and that the shape is old")
+        cell.start_daemon()
+        wait_for(lambda: cell.text("#state") == "inactive", "the new one is seen")
+        self.command("start")
+        wait_for(lambda: cell.js("palpate.frame.shape.age_ms") < 1000, "its shape is shown")
+        wait_for(lambda: cell.js("document.getElementById('stale').hidden"), "which is new")
+        cell.next_frames()
+        self.assertEqual(cell.stop("palpate-view"), 0)
+        wait_for(lambda: not cell.js("palpate.connected"), "the connection has ended")
+        self.assertEqual(cell.text("#state"), "no server")
+        frames = cell.frames()
+        cell.start_view()
+        wait_for(lambda: cell.js("palpate.connected && palpate.control.granted"),
+                 "the page connects again and may command")
+        wait_for(lambda: cell.frames() > frames + 3, "frames come again")
+        self.command("stop")
+        self.command("start")
+
+    def test_7_fits_a_phone(self):
+        cell = self.cell
+        cell.resize(*PHONE)
+        cell.click('#tabs [data-tab="plots"]')
+        cell.next_frames()
+        self.assertLessEqual(cell.js("document.documentElement.scrollWidth"), PHONE[0])
+        boxes = cell.js(
+            "Object.fromEntries(['header', '#tools', '#legend', '#home', 'aside', '#tabs', '#error-plot'].map((s) => {"
+            "const b = document.querySelector(s).getBoundingClientRect();"
+            "return [s, [b.left, b.top, b.right, b.bottom]]; }))")
+        for name, (left, top, right, bottom) in boxes.items():
+            self.assertTrue(-1 <= left and right <= PHONE[0] + 1 and top < PHONE[1], f"{name} lies outside")
+        parts = ["header", "#tools", "#legend", "#home", "aside"]
+        for i, a in enumerate(parts):
+            for b in parts[i + 1:]:
+                (l1, t1, r1, b1), (l2, t2, r2, b2) = boxes[a], boxes[b]
+                over = min(r1, r2) - max(l1, l2) > 1 and min(b1, b2) - max(t1, t2) > 1
+                self.assertFalse(over, f"{a} and {b} overlap")
+        buttons = cell.js("[...document.querySelectorAll('#commands button')].map((b) =>"
+                          "b.getBoundingClientRect().right)")
+        self.assertLessEqual(max(buttons), PHONE[0])
+        cell.browser.execute_script("palpate.frameObject()")
+        cell.next_frames()
+        pixels = cell.project(self.shape())
+        canvas = cell.js("(() => { const b = palpate.stage.canvas.getBoundingClientRect();"
+                         "return [b.left, b.top, b.right, b.bottom]; })()")
+        self.assertTrue((pixels[:, 0] > canvas[0]).all() and (pixels[:, 0] < canvas[2]).all(),
+                        "the object lies in the picture")
+        if PICTURES:
+            cell.picture(f"{PICTURES}/phone.png")
+
+    def test_8_plays_a_recording(self):
+        cell = self.cell
+        self.assertTrue(self.record(f"{cell.folder.name}/run.log"))
+        cell.stop("palpate-view")
+        cell.start_view("--log", f"{cell.folder.name}/run.log")
+        cell.resize(*WIDE)
+        wait_for(lambda: cell.js("palpate.connected && !!palpate.frame.player"), "the recording")
+        self.assertFalse(cell.js("document.getElementById('timeline').hidden"))
+        self.assertTrue(cell.js("document.getElementById('commands').hidden"), "nothing to command")
+        if not cell.js("palpate.frame.player.playing"):
+            cell.click("#play")
+        wait_for(lambda: cell.js("palpate.frame.player.time > 0.3"), "it plays")
+        if cell.js("palpate.frame.player.playing"):
+            cell.click("#play")
+        wait_for(lambda: not cell.js("palpate.frame.player.playing"), "it pauses")
+        paused = cell.js("palpate.frame.player.time")
+        cell.next_frames()
+        self.assertEqual(cell.js("palpate.frame.player.time"), paused)
+        for number in (250, 60, 199):
+            cell.browser.execute_script(
+                "const s = document.getElementById('seek'); s.value = arguments[0];"
+                "s.oninput(); s.onchange();", self.recorded[number][0] + 0.004)
+            expected = udpm.shape(self.recorded[number][1])[0]
+            wait_for(lambda: np.array_equal(
+                np.array(cell.js("Array.from(palpate.estimate.position.array)")).reshape(-1, 3),
+                expected), f"shape {number} of the recording is shown")
+        if PICTURES:
+            cell.picture(f"{PICTURES}/recording.png")
+
+    def record(self, path):
+        """An LCM event log of the last 300 shapes, 10 ms apart."""
+        wait_for(lambda: len(self.housekeeping.shapes) > 300, "enough shapes to record")
+        shapes = list(self.housekeeping.shapes)[-300:]
+        self.recorded = [(0.01 * i, data) for i, data in enumerate(shapes)]
+        with open(path, "wb") as log:
+            events = [(0, b"SHAPE_MESH", self.housekeeping.last["SHAPE_MESH"])]
+            events += [(int(1e6 * at), b"SHAPE", data) for at, data in self.recorded]
+            for number, (at, channel, data) in enumerate(events):
+                log.write(struct.pack(">IqqII", 0xEDA1DA01, number, 1_700_000_000_000_000 + at,
+                                      len(channel), len(data)) + channel + data)
+        return len(events)
+
+    def test_9_says_nothing_on_the_console(self):
+        # But that it was left alone while the server was away.
+        errors = [e for e in self.cell.errors() if "ERR_CONNECTION_REFUSED" not in e]
+        self.assertEqual(errors, [])
+
+
+if __name__ == "__main__":
+    BINARIES, SOURCE = sys.argv[1:3]
+    PICTURES = sys.argv[4] if len(sys.argv) > 4 else None
+    result = unittest.main(argv=[sys.argv[0]], exit=False, verbosity=2, failfast=True).result
+    sys.exit(not result.wasSuccessful())

@@ -1,0 +1,109 @@
+#include "tools/view/log_source.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+
+#include "rt/daemon/text.hpp"
+#include "tests/support/scratch_folder.hpp"
+#include "tests/unit/tools/view/shapes.hpp"
+#include "tools/collect/event_log.hpp"
+
+namespace palpate::view {
+namespace {
+
+constexpr std::int64_t kBegin = 1'600'000'000'000'000;  // us
+
+/// Ten seconds: a shape each 10 ms whose node 0 stands at the time, HEALTH, three events, and the
+/// mesh late, as it may be.
+class LogSourceTest : public ::testing::Test {
+ protected:
+  LogSourceTest() {
+    const auto mesh = box_mesh({2, 1, 1});
+    collect::EventLog log(control_), housekeeping(housekeeping_);
+    for (int i = 0; i <= 1000; ++i) {
+      shape_t shape = shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; });
+      shape.xyz[0] = 0.01F * static_cast<float>(i);
+      housekeeping.write("SHAPE", kBegin + i * 10'000, shape);
+      feature_t feature{};
+      feature.revision = 1;
+      feature.error_count = 1;
+      feature.error[0] = i == 500 ? 0.5 : 0.01;
+      log.write("FEATURE", kBegin + i * 10'000, feature);
+      if (i == 700) housekeeping.write("SHAPE_MESH", kBegin + i * 10'000, box_chunks({2, 1, 1})[0]);
+      if (i % 400 == 0) {
+        component_event_t event{};
+        daemon::put_text(event.event, "event" + std::to_string(i));
+        housekeeping.write("COMPONENT_EVENT", kBegin + i * 10'000, event);
+      }
+    }
+  }
+  std::unique_ptr<LogSource> open() {
+    return std::make_unique<LogSource>(
+        std::vector<std::string>{control_, housekeeping_}, [](const std::string&, double) {},
+        complaints_);
+  }
+
+  support::ScratchFolder folder_;
+  std::string control_ = (folder_.path() / "control.log").string();
+  std::string housekeeping_ = (folder_.path() / "housekeeping.log").string();
+  std::vector<std::string> complaints_;
+};
+
+TEST_F(LogSourceTest, ShowsAnyTimeForwardsAndBack) {
+  const auto log = open();
+  EXPECT_NEAR(log->duration(), 10, 1e-9);
+  Scene scene;
+  log->go_to(0, scene);
+  for (const double time : {0.0, 3.333, 9.999, 10.0, 1.001, 8.0, 7.99, -5.0, 99.0}) {
+    log->go_to(time, scene);
+    scene.refresh();
+    const double shown = std::min(std::max(time, 0.0), 10.0);
+    ASSERT_NE(scene.shape.get(), nullptr);
+    EXPECT_NEAR(scene.shape.get()->xyz[0], std::floor(shown * 100 + 1e-6) / 100, 1e-5) << time;
+    EXPECT_NE(scene.meshes().find(77), nullptr) << "from the start on";
+    EXPECT_EQ(scene.events().size(), static_cast<std::size_t>(1 + shown / 4)) << time;
+  }
+}
+
+TEST_F(LogSourceTest, TellsTheWholeInSeries) {
+  const auto log = open();
+  const Series& error = log->series().at(0);
+  ASSERT_EQ(error.value.size(), 1001U);
+  EXPECT_FLOAT_EQ(error.value[500], 0.5F);
+  EXPECT_NEAR(error.time_s[500], 5, 1e-3);
+  ASSERT_EQ(log->marks().size(), 3U);
+  EXPECT_NEAR(log->marks()[1].first, 4, 1e-6);
+  EXPECT_EQ(log->marks()[2].second, "event800");
+}
+
+TEST_F(LogSourceTest, ReadsWhatIsLeftOfALogThatWasCutShort) {
+  std::filesystem::resize_file(housekeeping_, std::filesystem::file_size(housekeeping_) / 2);
+  const auto log = open();
+  ASSERT_EQ(complaints_.size(), 1U);
+  EXPECT_NE(complaints_[0].find(housekeeping_), std::string::npos);
+  Scene scene;
+  log->go_to(2, scene);
+  scene.refresh();
+  EXPECT_NEAR(scene.shape.get()->xyz[0], 2, 1e-5);
+}
+
+TEST_F(LogSourceTest, SaysWhenThereIsNothingToShow) {
+  const std::string other = (folder_.path() / "other.log").string();
+  collect::EventLog(other).write("FT_WRENCH", kBegin, health_t{});
+  const auto fail = [&](const std::string& path) {
+    try {
+      LogSource log(
+          {path}, [](const std::string&, double) {}, complaints_);
+    } catch (const std::runtime_error& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_NE(fail(other).find("no message to be shown"), std::string::npos);
+  EXPECT_NE(fail((folder_.path() / "none.log").string()).find("none.log"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::view

@@ -1,0 +1,102 @@
+#include "tools/view/scene.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "rt/daemon/text.hpp"
+#include "tests/unit/tools/view/shapes.hpp"
+#include "tools/view/live_source.hpp"
+
+namespace palpate::view {
+namespace {
+
+template <class Message>
+void give(Scene& scene, const char* channel, const Message& message, std::int64_t time_us = 1) {
+  const auto data = encoded(message);
+  scene.accept(channel, data.data(), static_cast<int>(data.size()), time_us);
+}
+
+TEST(Scene, KeepsTheLastOfAChannelAndEveryEvent) {
+  Scene scene;
+  health_t health{};
+  for (int i = 0; i < 3; ++i) {
+    health.cycles = i;
+    give(scene, "HEALTH", health, 10 + i);
+    component_event_t event{};
+    daemon::put_text(event.event, "zero");
+    give(scene, "COMPONENT_EVENT", event, 20 + i);
+  }
+  EXPECT_EQ(scene.health.get(), nullptr) << "until refresh";
+  scene.refresh();
+  ASSERT_NE(scene.health.get(), nullptr);
+  EXPECT_EQ(scene.health.get()->cycles, 2);
+  EXPECT_EQ(scene.health.time_us, 12);
+  ASSERT_EQ(scene.events().size(), 3U);
+  EXPECT_EQ(scene.events()[2].number, 3);
+  EXPECT_EQ(scene.events()[2].time_us, 22);
+  scene.forget_messages();
+  EXPECT_EQ(scene.health.get(), nullptr);
+  EXPECT_TRUE(scene.events().empty());
+}
+
+TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
+  Scene scene;
+  const auto mesh = box_mesh({1, 1, 1});
+  shape_t shape = shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; });
+  shape.xyz[4] = std::nanf("");
+  give(scene, "SHAPE", shape);
+  feature_t feature{};
+  feature.value_count = 33;
+  give(scene, "FEATURE", feature);
+  contacts_t contacts{};
+  contacts.count = -1;
+  give(scene, "CONTACTS", contacts);
+  robot_state_t robot{};
+  robot.joint_count = 17;
+  give(scene, "ROBOT_STATE", robot);
+  scene.refresh();
+  EXPECT_EQ(scene.refused(), 4);
+  EXPECT_EQ(scene.shape.get(), nullptr);
+  EXPECT_EQ(scene.feature.get(), nullptr);
+  EXPECT_EQ(scene.contacts.get(), nullptr);
+  EXPECT_EQ(scene.robot[0].get(), nullptr);
+}
+
+/// Whatever bytes come, nothing falls over and nothing is believed that cannot be.
+TEST(Scene, BearsAnyBytes) {
+  Scene scene;
+  LiveSource source({});
+  std::mt19937 random(7);
+  const auto mesh = box_mesh({2, 2, 2});
+  const std::vector<std::vector<std::uint8_t>> seeds = {
+      encoded(shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; })),
+      encoded(box_chunks({2, 2, 2}, 2)[0]), encoded(health_t{}), encoded(component_event_t{}),
+      encoded(feature_t{})};
+  const char* const channels[] = {"SHAPE", "SHAPE_MESH", "HEALTH", "COMPONENT_EVENT", "FEATURE"};
+  for (int i = 0; i < 20'000; ++i) {
+    const std::size_t which = random() % seeds.size();
+    std::vector<std::uint8_t> payload = seeds[which];
+    for (unsigned flips = random() % 4; flips > 0; --flips)
+      payload[random() % payload.size()] = static_cast<std::uint8_t>(random());
+    if (random() % 4 == 0) payload.resize(random() % (payload.size() + 1));
+    std::string datagram("LC02\0\0\0\1", 8);
+    datagram += channels[which];
+    if (random() % 16 != 0) datagram += '\0';
+    datagram.append(payload.begin(), payload.end());
+    if (random() % 16 == 0) datagram.resize(random() % 12);
+    source.handle(scene, reinterpret_cast<const std::uint8_t*>(datagram.data()),
+                  static_cast<int>(datagram.size()), i);
+    scene.refresh();
+    if (const shape_t* shape = scene.shape.get()) {
+      ASSERT_EQ(shape->xyz.size(), static_cast<std::size_t>(3) * shape->node_count);
+    }
+  }
+  EXPECT_GT(scene.refused(), 1'000);
+  EXPECT_GT(source.counters().malformed, 100);
+  EXPECT_GT(scene.health.count, 100) << "what is sound came through";
+}
+
+}  // namespace
+}  // namespace palpate::view

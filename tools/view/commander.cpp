@@ -1,0 +1,129 @@
+#include "tools/view/commander.hpp"
+
+#include <algorithm>
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::view {
+namespace {
+
+constexpr std::int64_t kRepeat = 200'000, kRepeatReplacing = 1'000'000;         // us
+constexpr std::int64_t kPatience = 5'000'000, kPatienceReplacing = 60'000'000;  // us
+
+}  // namespace
+
+Commander::Commander(bus::MessageBus& control, const bus::Access& access)
+    : commands_(control, "COMPONENT_COMMAND"),
+      targets_(control, "SHAPE_TARGET"),
+      forces_(control, "MANUAL_FORCE"),
+      command_sealer_("COMPONENT_COMMAND", access),
+      target_sealer_("SHAPE_TARGET", access),
+      force_sealer_("MANUAL_FORCE", access),
+      command_stamp_(bus::random_session()),
+      target_stamp_(bus::random_session()),
+      force_stamp_(bus::random_session()) {}
+
+void Commander::ask(component_command_t command, std::int64_t now_us, Heard heard) {
+  Asked asked;
+  command_stamp_.put(command, now_us);
+  command_sealer_.put(command, now_us);
+  asked.command = command;
+  asked.first_counter = command.counter;
+  asked.until_us = now_us + kPatience;
+  asked.heard = std::move(heard);
+  asked_.push_back(std::move(asked));
+  send(asked_.back(), now_us);
+}
+
+void Commander::ask(shape_target_t target, std::int64_t now_us, Heard heard) {
+  // Of several targets that wait for an answer only the last one is meant.
+  for (auto old = asked_.begin(); old != asked_.end();) {
+    if (!old->is_target) {
+      ++old;
+      continue;
+    }
+    old->heard({"", "another target came after it", true});
+    old = asked_.erase(old);
+  }
+  Asked asked;
+  asked.is_target = true;
+  asked.target = target;
+  asked.first_counter = -1;
+  asked.until_us = now_us + kPatience;
+  asked.heard = std::move(heard);
+  asked_.push_back(std::move(asked));
+  send(asked_.back(), now_us);
+}
+
+void Commander::send(Asked& asked, std::int64_t now_us) {
+  asked.sent_us = now_us;
+  if (!asked.is_target) {
+    // The same each time, so that the daemon knows it again.
+    asked.last_counter = asked.command.counter;
+    commands_.publish(asked.command);
+    return;
+  }
+  // A daemon is silent where a target comes again: a new revision of it is answered.
+  asked.target.revision = ++revision_;
+  target_stamp_.put(asked.target, now_us);
+  target_sealer_.put(asked.target, now_us);
+  asked.last_counter = asked.target.counter;
+  if (asked.first_counter < 0) asked.first_counter = asked.last_counter;
+  targets_.publish(asked.target);
+}
+
+void Commander::push(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us) {
+  manual_force_t message{};
+  std::copy_n(rest_point, 3, message.rest_point);
+  std::copy_n(force, 3, message.force);
+  force_stamp_.put(message, now_us);
+  force_sealer_.put(message, now_us);
+  forces_.publish(message);
+}
+
+void Commander::hear(const component_event_t& event) {
+  const std::string name = daemon::get_text(event.event);
+  const bool of_target = std::string_view(daemon::get_text(event.slot)) == "feature" &&
+                         (name == "target" || name == "refused");
+  for (auto asked = asked_.begin(); asked != asked_.end(); ++asked) {
+    if (event.command_counter < asked->first_counter || event.command_counter > asked->last_counter)
+      continue;
+    // Counters of targets and of commands may be the same numbers.
+    if (asked->is_target && !of_target) continue;
+    if (!asked->is_target && name == "target") continue;
+    if (name == "replacing") {
+      if (!asked->replacing) {
+        asked->replacing = true;
+        asked->until_us += kPatienceReplacing - kPatience;
+        asked->heard({name, daemon::get_text(event.reason), false});
+      }
+      return;
+    }
+    // Sent once more after another command: it was heard, and its answer is on its way or lost.
+    if (name == "repeated" && asked->replacing) return;
+    const Heard heard = std::move(asked->heard);
+    asked_.erase(asked);
+    heard({name, daemon::get_text(event.reason), true});
+    return;
+  }
+}
+
+void Commander::service(std::int64_t now_us) {
+  for (auto asked = asked_.begin(); asked != asked_.end();) {
+    if (now_us >= asked->until_us) {
+      const Heard heard = std::move(asked->heard);
+      const bool replacing = asked->replacing;
+      asked = asked_.erase(asked);
+      heard({"",
+             replacing ? "the replacement has begun, but its end was not heard of"
+                       : "no answer; does palpated run, and on this control URL?",
+             true});
+      continue;
+    }
+    if (now_us - asked->sent_us >= (asked->replacing ? kRepeatReplacing : kRepeat))
+      send(*asked, now_us);
+    ++asked;
+  }
+}
+
+}  // namespace palpate::view

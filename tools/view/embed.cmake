@@ -1,0 +1,16 @@
+# Writes OUTPUT, a C++ source with the files of FOLDER as texts by their names.
+file(GLOB files ${FOLDER}/*)
+set(text "#include \"tools/view/assets.hpp\"\n\nnamespace palpate::view {\n\n")
+string(APPEND text "const std::map<std::string, std::string>& page_files() {\n")
+string(APPEND text "  static const std::map<std::string, std::string> files = {\n")
+foreach(path ${files})
+  get_filename_component(name ${path} NAME)
+  file(READ ${path} hex HEX)
+  string(LENGTH "${hex}" digits)
+  # As bytes: a literal's length is limited, and any text may hold its end.
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${hex}")
+  math(EXPR size "${digits} / 2")
+  string(APPEND text "      {\"${name}\", std::string({${bytes}})},  // ${size} bytes\n")
+endforeach()
+string(APPEND text "  };\n  return files;\n}\n\n}  // namespace palpate::view\n")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,175 @@
+#include "tools/view/encode.hpp"
+
+#include <cmath>
+#include <cstring>
+
+#include "rt/daemon/text.hpp"
+
+namespace palpate::view {
+
+using nlohmann::json;
+
+namespace {
+
+/// Micrometres and micronewtons are more than a picture shows; what lies below makes texts long.
+json number(double x) { return std::isfinite(x) ? json(std::round(x * 1e6) / 1e6) : json(); }
+
+json numbers(const double* x, int count) {
+  json list = json::array();
+  for (int i = 0; i < count; ++i) list.push_back(number(x[i]));
+  return list;
+}
+
+json rounded(const float* x, int count) {
+  json list = json::array();
+  for (int i = 0; i < count; ++i) list.push_back(number(static_cast<double>(x[i])));
+  return list;
+}
+
+}  // namespace
+
+void Parcel::append(const char* name, const char* type, const void* data, std::size_t count) {
+  head_["arrays"].push_back({{"name", name}, {"type", type}, {"count", count}});
+  body_.append(static_cast<const char*>(data), 4 * count);
+}
+
+void Parcel::add(const char* name, const std::vector<float>& values) {
+  append(name, "f32", values.data(), values.size());
+}
+
+void Parcel::add(const char* name, const std::vector<std::int32_t>& values) {
+  append(name, "i32", values.data(), values.size());
+}
+
+std::string Parcel::finish() {
+  std::string text = dump(head_);
+  text.resize((text.size() + 3) / 4 * 4, ' ');
+  const auto length = static_cast<std::uint32_t>(text.size());
+  std::string whole(4, '\0');
+  // x86-64 and every browser's machine are little-endian.
+  std::memcpy(whole.data(), &length, 4);
+  whole.reserve(4 + text.size() + body_.size());
+  whole += text;
+  whole += body_;
+  return whole;
+}
+
+std::string dump(const json& value) {
+  return value.dump(-1, ' ', false, json::error_handler_t::replace);
+}
+
+std::string hash_text(std::int64_t hash) {
+  char text[17];
+  std::snprintf(text, sizeof(text), "%016llx", static_cast<unsigned long long>(hash));
+  return text;
+}
+
+std::string encode_mesh(const char* role, const ViewMesh& mesh) {
+  Parcel parcel({{"type", "mesh"},
+                 {"role", role},
+                 {"hash", hash_text(mesh.hash)},
+                 {"nodes", mesh.node_count},
+                 {"elements", mesh.elements.size() / static_cast<std::size_t>(mesh.element_size)}});
+  parcel.add("rest", mesh.rest_xyz);
+  parcel.add("triangles", mesh.triangles);
+  parcel.add("constrained", mesh.constrained);
+  return parcel.finish();
+}
+
+json to_json(const contacts_t& contacts) {
+  json list = json::array();
+  for (int i = 0; i < contacts.count; ++i) {
+    list.push_back({{"source", contacts.source[i]},
+                    {"at", numbers(contacts.location[i], 3)},
+                    {"wrench", numbers(contacts.wrench[i], 6)},
+                    {"deviation", number(contacts.deviation[i])}});
+  }
+  return list;
+}
+
+json to_json(const estimate_t& e) {
+  json grasps = json::array();
+  for (int g = 0; g < e.grasp_count; ++g) {
+    grasps.push_back({{"at", numbers(e.grasp_position[g], 3)},
+                      {"quaternion", numbers(e.grasp_quaternion[g], 4)},
+                      {"wrench", numbers(e.reaction[g], 6)}});
+  }
+  return {{"status", e.status},
+          {"grasps", grasps},
+          {"young_modulus", number(std::exp(e.log_young_modulus))},
+          {"young_modulus_share", number(e.log_young_modulus_deviation)},
+          {"poisson_ratio", number(e.poisson_ratio)},
+          {"poisson_ratio_deviation", number(e.poisson_ratio_deviation)},
+          {"innovation", number(e.innovation_test)},
+          {"unknown_at", numbers(e.unknown_contact_location, 3)},
+          {"unknown_force", numbers(e.unknown_contact_force, 3)},
+          {"unknown_deviation", number(e.unknown_contact_deviation)}};
+}
+
+json to_json(const feature_t& f) {
+  return {{"kind", daemon::get_text(f.kind)},
+          {"revision", f.revision},
+          {"value", numbers(f.value, f.value_count)},
+          {"target", numbers(f.target, f.value_count)},
+          {"error", numbers(f.error, f.error_count)},
+          {"unreachable", numbers(f.unreachable, f.error_count)}};
+}
+
+json to_json(const health_t& h) {
+  json inputs = json::array(), models = json::array();
+  for (int i = 0; i < h.input_count; ++i) {
+    inputs.push_back({{"name", daemon::get_text(h.input_name[i])},
+                      {"received", h.received[i]},
+                      {"lost", h.lost[i]},
+                      {"rejected", h.rejected[i]},
+                      {"frozen", h.frozen[i]},
+                      {"age_ms", number(static_cast<double>(h.age_ms[i]))}});
+  }
+  for (int i = 0; i < h.model_count; ++i) {
+    models.push_back({{"name", daemon::get_text(h.model_name[i])},
+                      {"executor", daemon::get_text(h.model_executor[i])},
+                      {"steps", h.model_steps[i]},
+                      {"late", h.model_late[i]},
+                      {"dropped", h.model_dropped[i]}});
+  }
+  return {{"state", h.state},
+          {"reason", daemon::get_text(h.reason)},
+          {"cycles", h.cycles},
+          {"overruns", h.overruns},
+          {"overrun_us", h.overrun_us},
+          {"not_converged", h.shapes_not_converged},
+          {"page_faults", h.page_faults},
+          {"allocations", h.allocations},
+          {"p50_us", rounded(h.p50_us, h.phase_count)},
+          {"p99_us", rounded(h.p99_us, h.phase_count)},
+          {"max_us", rounded(h.max_us, h.phase_count)},
+          {"inputs", inputs},
+          {"models", models},
+          {"malformed", h.malformed},
+          {"overflowed", h.overflowed},
+          {"telemetry_dropped", h.telemetry_dropped},
+          {"gate_limited", h.gate_limited},
+          {"gate_refused", h.gate_refused},
+          {"commands_refused", h.commands_refused}};
+}
+
+json to_json(const truth_contact_t& t) {
+  json grasps = json::array();
+  for (int g = 0; g < t.grasp_count; ++g)
+    grasps.push_back(
+        {{"at", numbers(t.grasp_position[g], 3)}, {"wrench", numbers(t.grasp_wrench[g], 6)}});
+  return grasps;
+}
+
+json to_json(const NumberedEvent& e) {
+  return {{"number", e.number},
+          {"time_us", e.time_us},
+          {"slot", daemon::get_text(e.event.slot)},
+          {"instance", daemon::get_text(e.event.instance)},
+          {"component", daemon::get_text(e.event.component)},
+          {"event", daemon::get_text(e.event.event)},
+          {"answer", e.event.command_counter >= 0},
+          {"reason", daemon::get_text(e.event.reason)}};
+}
+
+}  // namespace palpate::view

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tools/view/mesh_book.hpp"
+#include "tools/view/scene.hpp"
+
+namespace palpate::view {
+
+/// A binary message of the WebSocket: the length of a JSON text (u32), that text filled up with
+/// blanks to a multiple of four bytes, and behind it arrays of 4-byte numbers, all little-endian.
+/// The text's entry "arrays" lists them in their order: name, "f32" or "i32", and how many.
+class Parcel {
+ public:
+  explicit Parcel(nlohmann::json head) : head_(std::move(head)) {
+    head_["arrays"] = nlohmann::json::array();
+  }
+  void add(const char* name, const std::vector<float>& values);
+  void add(const char* name, const std::vector<std::int32_t>& values);
+  std::string finish();
+
+ private:
+  void append(const char* name, const char* type, const void* data, std::size_t count);
+  nlohmann::json head_;
+  std::string body_;
+};
+
+/// Any text of a message, which may hold anything, as JSON.
+std::string dump(const nlohmann::json& json);
+/// A mesh's name in JSON, whose numbers do not hold 64 bits.
+std::string hash_text(std::int64_t hash);
+
+/// `role`: "estimate" or "truth".
+std::string encode_mesh(const char* role, const ViewMesh& mesh);
+
+/// Messages as the page reads them. Numbers that are not finite become null.
+nlohmann::json to_json(const contacts_t& contacts);
+nlohmann::json to_json(const estimate_t& estimate);
+nlohmann::json to_json(const feature_t& feature);
+nlohmann::json to_json(const health_t& health);
+nlohmann::json to_json(const truth_contact_t& contact);
+nlohmann::json to_json(const NumberedEvent& event);
+
+}  // namespace palpate::view

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <nlohmann/json.hpp>
+
+#include "tools/view/scene.hpp"
+
+namespace palpate::view {
+
+/// The last two minutes of what the page plots, so that a page that comes later begins with it.
+class History {
+ public:
+  static constexpr std::int64_t kKept = 120'000'000;  // us
+
+  /// Takes a sample where the last one is 0.1 s old.
+  void sample(const Scene& scene, std::int64_t now_us);
+  /// Lists "time" (s before `now_us`, negative), "error", "cycle", "wake_up" (us), "view" (ms).
+  nlohmann::json to_json(std::int64_t now_us) const;
+
+ private:
+  struct Sample {
+    std::int64_t time_us;
+    double error, cycle, wake_up, view;  // NaN: not known
+  };
+  std::deque<Sample> samples_;
+};
+
+/// Norm of a feature's error, m, rad or 1/m; NaN without a target.
+double error_norm(const feature_t& feature);
+
+}  // namespace palpate::view

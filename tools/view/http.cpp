@@ -1,0 +1,110 @@
+#include <optional>
+
+#include "tools/view/page.hpp"
+
+namespace palpate::view {
+
+namespace beast = boost::beast;
+namespace http = beast::http;
+
+namespace {
+
+constexpr std::chrono::seconds kPatience{15};
+constexpr std::uint32_t kLongestHeader = 8 * 1024;
+constexpr std::size_t kMostPages = 16;
+
+using Response = http::response<http::string_body>;
+
+/// One connection that speaks HTTP.
+class Session : public std::enable_shared_from_this<Session> {
+ public:
+  Session(Room& room, boost::asio::ip::tcp::socket socket)
+      : room_(room), stream_(std::move(socket)) {}
+
+  void read() {
+    parser_.emplace();
+    parser_->header_limit(kLongestHeader);
+    parser_->body_limit(0);
+    stream_.expires_after(kPatience);
+    http::async_read(stream_, buffer_, *parser_,
+                     [self = shared_from_this()](beast::error_code error, std::size_t) {
+                       if (error) return self->close();
+                       self->handle(self->parser_->get());
+                     });
+  }
+
+ private:
+  void handle(const Page::Request& request) {
+    ++room_.counters.requests;
+    const std::string host(request[http::field::host]);
+    if (!room_.doorman.knows_host(host)) {
+      ++room_.counters.refused;
+      return answer(request, http::status::forbidden, "text/plain",
+                    "palpate-view is not known by this name; start it with --name\n");
+    }
+    if (beast::websocket::is_upgrade(request)) return upgrade(request, host);
+    if (request.method() != http::verb::get && request.method() != http::verb::head)
+      return answer(request, http::status::method_not_allowed, "text/plain", "GET alone\n");
+    const std::string target(request.target());
+    const Asset* asset = room_.assets.find(target.substr(0, target.find('?')));
+    if (!asset) return answer(request, http::status::not_found, "text/plain", "not here\n");
+    answer(request, http::status::ok, asset->type, asset->body);
+  }
+
+  void upgrade(const Page::Request& request, const std::string& host) {
+    const std::string origin(request[http::field::origin]);
+    if (!room_.doorman.knows_origin(origin, host)) {
+      ++room_.counters.refused;
+      return answer(request, http::status::forbidden, "text/plain", "not a page of this server\n");
+    }
+    if (request.target() != "/live")
+      return answer(request, http::status::not_found, "text/plain", "not here\n");
+    if (room_.pages.size() >= kMostPages)
+      return answer(request, http::status::service_unavailable, "text/plain", "too many pages\n");
+    std::make_shared<Page>(room_, std::move(stream_))->begin(request);
+  }
+
+  void answer(const Page::Request& request, http::status status, const std::string& type,
+              const std::string& body) {
+    response_ = Response(status, request.version());
+    response_.set(http::field::content_type, type);
+    // Of another version of the program the page is another one.
+    response_.set(http::field::cache_control, "no-cache");
+    response_.set("X-Content-Type-Options", "nosniff");
+    response_.set("Referrer-Policy", "no-referrer");
+    response_.set("Cross-Origin-Resource-Policy", "same-origin");
+    response_.set("Content-Security-Policy",
+                  "default-src 'self'; img-src 'self' data: blob:; object-src 'none'; "
+                  "base-uri 'none'; form-action 'none'; frame-ancestors 'none'");
+    response_.keep_alive(request.keep_alive() && status == http::status::ok);
+    response_.body() = body;
+    response_.prepare_payload();
+    if (request.method() == http::verb::head) response_.body().clear();
+    stream_.expires_after(kPatience);
+    http::async_write(stream_, response_,
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        if (error || !self->response_.keep_alive()) return self->close();
+                        self->read();
+                      });
+  }
+
+  void close() {
+    boost::system::error_code ignored;
+    stream_.socket().shutdown(boost::asio::ip::tcp::socket::shutdown_send, ignored);
+    stream_.close();
+  }
+
+  Room& room_;
+  beast::tcp_stream stream_;
+  beast::flat_buffer buffer_{64 * 1024};
+  std::optional<http::request_parser<http::empty_body>> parser_;
+  Response response_;
+};
+
+}  // namespace
+
+void serve_http(Room& room, boost::asio::ip::tcp::socket socket) {
+  std::make_shared<Session>(room, std::move(socket))->read();
+}
+
+}  // namespace palpate::view

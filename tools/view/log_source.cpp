@@ -1,0 +1,192 @@
+#include "tools/view/log_source.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
+#include "rt/daemon/text.hpp"
+
+namespace palpate::view {
+namespace {
+
+// Between two messages of one channel that are worth finding again; events and meshes all are.
+constexpr std::int64_t kClosest = 4'000;  // us
+constexpr std::size_t kSeriesPoints = 1'500;
+constexpr int kPhases = 10;  // of HEALTH: the whole cycle first, the wake-up last
+
+bool keeps_all(const std::string& channel) {
+  return channel == "COMPONENT_EVENT" || channel == "SHAPE_MESH" || channel == "TRUTH_MESH";
+}
+
+/// At most kSeriesPoints, each the largest of its stretch, so that no peak is lost.
+void thin(Series& series) {
+  const std::size_t n = series.value.size();
+  if (n <= kSeriesPoints) return;
+  Series thinned{series.name, series.unit, {}, {}};
+  for (std::size_t i = 0; i < kSeriesPoints; ++i) {
+    const std::size_t first = i * n / kSeriesPoints, last = (i + 1) * n / kSeriesPoints;
+    const auto largest = std::max_element(series.value.begin() + static_cast<std::ptrdiff_t>(first),
+                                          series.value.begin() + static_cast<std::ptrdiff_t>(last));
+    thinned.time_s.push_back(
+        series.time_s[static_cast<std::size_t>(largest - series.value.begin())]);
+    thinned.value.push_back(*largest);
+  }
+  series = std::move(thinned);
+}
+
+}  // namespace
+
+class LogSource::File {
+ public:
+  explicit File(const std::string& path) : descriptor_(open(path.c_str(), O_RDONLY | O_CLOEXEC)) {
+    if (descriptor_ < 0) throw std::runtime_error(path + ": cannot be opened");
+  }
+  ~File() { close(descriptor_); }
+  File(const File&) = delete;
+  File& operator=(const File&) = delete;
+
+  bool read(std::int64_t at, std::vector<std::uint8_t>& into) const {
+    return pread(descriptor_, into.data(), into.size(), at) == static_cast<ssize_t>(into.size());
+  }
+  double size() const {
+    struct stat status {};
+    return fstat(descriptor_, &status) == 0 ? static_cast<double>(status.st_size) : 0;
+  }
+
+ private:
+  int descriptor_;
+};
+
+LogSource::LogSource(const std::vector<std::string>& files, const Progress& progress,
+                     std::vector<std::string>& complaints) {
+  for (std::size_t i = 0; i < files.size(); ++i)
+    index(files[i], static_cast<std::int16_t>(i), progress, complaints);
+  std::int64_t end_us = 0;
+  begin_us_ = bus::kLatestEventTime;
+  for (auto& [channel, list] : entries_) {
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Entry& a, const Entry& b) { return a.time_us < b.time_us; });
+    begin_us_ = std::min(begin_us_, list.front().time_us);
+    end_us = std::max(end_us, list.back().time_us);
+  }
+  if (entries_.empty())
+    throw std::runtime_error(files.front() +
+                             ": holds no message to be shown; name the logs of both URLs, as "
+                             "--log control.log housekeeping.log");
+  duration_ = static_cast<double>(end_us - begin_us_) * 1e-6;
+  finish_series();
+}
+
+LogSource::~LogSource() = default;
+
+void LogSource::index(const std::string& path, std::int16_t number, const Progress& progress,
+                      std::vector<std::string>& complaints) {
+  files_.push_back(std::make_unique<File>(path));
+  const double size = files_.back()->size();
+  bus::EventLogReader reader(path);
+  const auto& wanted = Scene::channels();
+  double told = 0;
+  while (const bus::LoggedEvent* event = reader.next()) {
+    const double share = size > 0 ? static_cast<double>(event->at) / size : 1;
+    if (share - told >= 0.01) progress(path, told = share);
+    if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
+    note(event->channel, event->data, event->size, event->utime);
+    std::vector<Entry>& list = entries_[event->channel];
+    if (!keeps_all(event->channel) && !list.empty()) {
+      const std::int64_t since = event->utime - list.back().time_us;
+      if (since >= 0 && since < kClosest) continue;
+    }
+    const std::int64_t at =
+        event->at + bus::kEventHeaderSize + static_cast<std::int64_t>(event->channel.size());
+    list.push_back({event->utime, at, event->size, number});
+  }
+  if (!reader.complaint().empty()) complaints.push_back(reader.complaint());
+}
+
+void LogSource::note(const std::string& channel, const void* data, int size, std::int64_t time_us) {
+  const auto add = [&](std::size_t which, double value) {
+    if (std::isfinite(value)) noted_[which].push_back({time_us, static_cast<float>(value)});
+  };
+  if (channel == "FEATURE") {
+    feature_t feature;
+    if (!bus::checked_decode(feature, data, size) || feature.revision < 0 ||
+        feature.error_count < 1 || feature.error_count > 32)
+      return;
+    double sum = 0;
+    for (int i = 0; i < feature.error_count; ++i) sum += feature.error[i] * feature.error[i];
+    add(0, std::sqrt(sum));
+  } else if (channel == "HEALTH") {
+    health_t health;
+    if (!bus::checked_decode(health, data, size) || health.phase_count != kPhases) return;
+    add(1, static_cast<double>(health.p99_us[0]));
+    add(2, static_cast<double>(health.p99_us[kPhases - 1]));
+  } else if (channel == "COMPONENT_EVENT") {
+    component_event_t event;
+    if (bus::checked_decode(event, data, size))
+      happened_.emplace_back(time_us, daemon::get_text(event.event));
+  }
+}
+
+void LogSource::finish_series() {
+  const char* const kNames[][2] = {{"feature error", ""}, {"cycle", "us"}, {"wake-up", "us"}};
+  const auto seconds = [this](std::int64_t time_us) {
+    return static_cast<double>(time_us - begin_us_) * 1e-6;
+  };
+  for (std::size_t i = 0; i < noted_.size(); ++i) {
+    std::stable_sort(noted_[i].begin(), noted_[i].end(),
+                     [](const Noted& a, const Noted& b) { return a.time_us < b.time_us; });
+    Series series{kNames[i][0], kNames[i][1], {}, {}};
+    for (const Noted& noted : noted_[i]) {
+      series.time_s.push_back(static_cast<float>(seconds(noted.time_us)));
+      series.value.push_back(noted.value);
+    }
+    noted_[i] = {};
+    thin(series);
+    series_.push_back(std::move(series));
+  }
+  for (const auto& [time_us, what] : happened_) marks_.emplace_back(seconds(time_us), what);
+}
+
+void LogSource::offer(const std::string& channel, const Entry& entry, Scene& scene) {
+  buffer_.resize(static_cast<std::size_t>(entry.size));
+  if (files_[static_cast<std::size_t>(entry.file)]->read(entry.at, buffer_))
+    scene.accept(channel, buffer_.data(), entry.size, entry.time_us);
+}
+
+void LogSource::go_to(double time, Scene& scene) {
+  time = std::clamp(std::isfinite(time) ? time : 0.0, 0.0, duration_);
+  const std::int64_t now_us = begin_us_ + static_cast<std::int64_t>(std::llround(time * 1e6));
+  const bool all_meshes = time_ < 0;
+  if (time < time_) {
+    scene.forget_messages();
+    shown_.clear();
+  }
+  time_ = time;
+  for (const auto& [channel, list] : entries_) {
+    const auto end = std::upper_bound(
+        list.begin(), list.end(), now_us,
+        [](std::int64_t limit, const Entry& entry) { return limit < entry.time_us; });
+    const auto count = static_cast<std::size_t>(end - list.begin());
+    std::size_t& shown = shown_[channel];
+    if (channel == "COMPONENT_EVENT") {
+      const std::size_t most = Scene::kMostEvents;
+      for (std::size_t i = std::max(shown, count > most ? count - most : 0); i < count; ++i)
+        offer(channel, list[i], scene);
+    } else if (keeps_all(channel)) {
+      // A mesh counts for the whole log, though its chunks may come after the first shape.
+      if (all_meshes)
+        for (const Entry& entry : list) offer(channel, entry, scene);
+    } else if (count > shown) {
+      offer(channel, list[count - 1], scene);
+    }
+    shown = count;
+  }
+}
+
+}  // namespace palpate::view

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "tools/view/scene.hpp"
+
+namespace palpate::view {
+
+/// One number over a log's time, thinned so that a plot of it stays quick.
+struct Series {
+  std::string name, unit;
+  std::vector<float> time_s, value;
+};
+
+/// Plays LCM logs of one run (one file a URL) into a scene: any time of them at once, forwards at
+/// any rate, and back. Files are read once for an index and then piece by piece.
+class LogSource {
+ public:
+  using Progress = std::function<void(const std::string& file, double share)>;
+
+  /// Throws std::runtime_error, naming the file, where one cannot be read, is no log, or where none
+  /// holds a message to be shown. `complaints`: a line for each file with damage.
+  LogSource(const std::vector<std::string>& files, const Progress& progress,
+            std::vector<std::string>& complaints);
+  ~LogSource();
+
+  double duration() const { return duration_; }  // s
+  double time() const { return time_; }          // s since the log's beginning
+  std::int64_t begin_us() const { return begin_us_; }
+
+  /// Brings the scene to `time`, s, kept within the log.
+  void go_to(double time, Scene& scene);
+
+  /// Feature's error, latency and lateness of the whole log.
+  const std::vector<Series>& series() const { return series_; }
+  /// When something happened: s, and what. For marks on the timeline.
+  const std::vector<std::pair<double, std::string>>& marks() const { return marks_; }
+
+ private:
+  struct Entry {
+    std::int64_t time_us;
+    std::int64_t at;  // of the data in the file
+    std::int32_t size;
+    std::int16_t file;
+  };
+  class File;
+
+  void index(const std::string& path, std::int16_t number, const Progress& progress,
+             std::vector<std::string>& complaints);
+  void offer(const std::string& channel, const Entry& entry, Scene& scene);
+  void note(const std::string& channel, const void* data, int size, std::int64_t time_us);
+  void finish_series();
+
+  struct Noted {
+    std::int64_t time_us;
+    float value;
+  };
+
+  std::vector<std::unique_ptr<File>> files_;
+  std::map<std::string, std::vector<Entry>> entries_;  // by channel, in order of time
+  std::map<std::string, std::size_t> shown_;  // how many of each channel's the scene was offered
+  std::vector<std::uint8_t> buffer_;
+  std::array<std::vector<Noted>, 3> noted_;  // until all files are read
+  std::vector<std::pair<std::int64_t, std::string>> happened_;
+  std::vector<Series> series_;
+  std::vector<std::pair<double, std::string>> marks_;
+  std::int64_t begin_us_ = 0;
+  double duration_ = 0, time_ = -1;
+};
+
+}  // namespace palpate::view

@@ -1,0 +1,110 @@
+#include "tools/view/page.hpp"
+
+namespace palpate::view {
+
+namespace beast = boost::beast;
+namespace websocket = beast::websocket;
+
+namespace {
+
+constexpr std::size_t kLargestRequest = 16 * 1024;  // bytes of what a page says
+constexpr std::size_t kMostWaiting = 1'000;         // messages to a page that does not listen
+constexpr std::size_t kMostUndrawn = 2;             // frames
+
+}  // namespace
+
+Page::Page(Room& room, beast::tcp_stream stream) : room_(room), socket_(std::move(stream)) {}
+
+void Page::begin(const Request& request) {
+  beast::get_lowest_layer(socket_).expires_never();
+  websocket::stream_base::timeout timeout =
+      websocket::stream_base::timeout::suggested(beast::role_type::server);
+  timeout.idle_timeout = std::chrono::seconds(20);
+  timeout.keep_alive_pings = true;
+  socket_.set_option(timeout);
+  socket_.read_message_max(kLargestRequest);
+  // On one machine compressing costs more than it saves.
+  socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
+    if (error) return;
+    boost::system::error_code ignored;
+    beast::get_lowest_layer(self->socket_)
+        .socket()
+        .set_option(boost::asio::ip::tcp::no_delay(true), ignored);
+    self->client_->send_text = [page = std::weak_ptr<Page>(self)](std::string text) {
+      if (const auto there = page.lock()) there->send(false, std::move(text));
+    };
+    self->room_.pages.insert(self);
+    self->send(false, self->room_.viewer.greeting(bus::wall_clock_us()));
+    self->read();
+  });
+}
+
+void Page::read() {
+  socket_.async_read(buffer_, [self = shared_from_this()](beast::error_code error, std::size_t) {
+    if (error || self->left_) return self->leave();
+    const bool text = self->socket_.got_text();
+    const std::string said = beast::buffers_to_string(self->buffer_.data());
+    self->buffer_.consume(self->buffer_.size());
+    if (!text || !self->room_.viewer.receive(self->client_, said, bus::wall_clock_us())) {
+      return self->leave();
+    }
+    self->read();
+  });
+}
+
+void Page::deliver(std::int64_t now_us) {
+  if (left_) return;
+  while (!undrawn_.empty() && undrawn_.front() <= client_->acknowledged) undrawn_.pop_front();
+  // Sent is not drawn: the system's buffers alone would hold seconds of frames for a slow page.
+  if (undrawn_.size() >= kMostUndrawn) {
+    ++room_.counters.frames_skipped;
+    return;
+  }
+  Delivery delivery = room_.viewer.deliver(*client_, now_us);
+  for (std::string& text : delivery.texts) send(false, std::move(text));
+  for (std::string& parcel : delivery.parcels) {
+    room_.counters.bytes += static_cast<std::int64_t>(parcel.size());
+    send(true, std::move(parcel));
+  }
+  undrawn_.push_back(delivery.frame);
+  ++room_.counters.frames;
+}
+
+void Page::send(bool binary, std::string data) {
+  if (left_) return;
+  if (waiting_.size() >= kMostWaiting) return leave();
+  waiting_.push_back({binary, std::move(data)});
+  if (!writing_) write();
+}
+
+void Page::write() {
+  writing_ = true;
+  socket_.binary(waiting_.front().binary);
+  socket_.async_write(boost::asio::buffer(waiting_.front().data),
+                      [self = shared_from_this()](beast::error_code error, std::size_t) {
+                        self->writing_ = false;
+                        if (error) return self->leave();
+                        self->waiting_.pop_front();
+                        if (!self->waiting_.empty()) self->write();
+                      });
+}
+
+void Page::leave() {
+  if (left_) return;
+  left_ = true;
+  boost::system::error_code ignored;
+  beast::get_lowest_layer(socket_).socket().shutdown(boost::asio::ip::tcp::socket::shutdown_both,
+                                                     ignored);
+  beast::get_lowest_layer(socket_).close();
+  client_->send_text = nullptr;
+  room_.pages.erase(shared_from_this());
+}
+
+void deliver_to_pages(Room& room) {
+  const std::int64_t now_us = bus::wall_clock_us();
+  room.viewer.prepare(now_us);
+  const auto pages = room.pages;  // one may leave meanwhile
+  for (const auto& page : pages) page->deliver(now_us);
+}
+
+}  // namespace palpate::view

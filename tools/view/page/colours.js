@@ -1,0 +1,50 @@
+// Colours of numbers, and those that things have everywhere on the page.
+
+// Viridis (Smith and van der Walt, CC0) at ninths.
+const STOPS = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
+               [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
+
+/** Red, green, blue, 0 to 1, of a share from 0 to 1, into `out` from `at` on. */
+export function colourOf(share, out = [0, 0, 0], at = 0) {
+  const x = Math.min(Math.max(share, 0), 1) * (STOPS.length - 1);
+  const i = Math.min(Math.floor(x), STOPS.length - 2), f = x - i;
+  for (let c = 0; c < 3; ++c)
+    out[at + c] = (STOPS[i][c] + f * (STOPS[i + 1][c] - STOPS[i][c])) / 255;
+  return out;
+}
+
+export const COLOURS = {
+  truth: '#f0a83c', target: '#ff5d5d', feature: '#58e08c', reaction: '#8fb7d9', truthForce: '#f0a83c',
+  push: '#ff79e1', unknown: '#ffe25a', seen: '#9fd8ff', constrained: '#ff5050', loaded: '#4de08a',
+  node: '#ffffff',
+};
+
+/** Of a contact by its source: wrists, fingertips, a person. */
+export function colourOfSource(source) {
+  if (source <= 1) return '#4cc2ff';
+  return source === 7 ? COLOURS.push : '#b6f26a';
+}
+
+export function nameOfSource(source) {
+  if (source <= 1) return source === 0 ? 'wrist' : 'second wrist';
+  return source === 7 ? 'pushed by hand' : `fingertip ${source - 2}`;
+}
+
+/** What a field is called and counted in: factor from SI to the unit shown. */
+export const FIELDS = {
+  displacement: {title: 'Displacement', unit: 'mm', factor: 1e3, least: 1},
+  strain: {title: 'Largest principal strain', unit: '%', factor: 100, least: 1},
+  stress: {title: 'Von Mises stress', unit: 'kPa', factor: 1e-3, least: 0.1},
+  uncertainty: {title: 'Standard deviation', unit: 'mm', factor: 1e3, least: 0.1},
+};
+
+/** The smallest number with few digits that is not below x. */
+export function niceAbove(x) {
+  const power = 10 ** Math.floor(Math.log10(x));
+  for (const m of [1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10]) if (m * power >= x * (1 - 1e-9)) return m * power;
+  return 10 * power;
+}
+
+export function tickText(x) {
+  return Math.abs(x) >= 1e4 ? x.toExponential(0) : String(Number(x.toPrecision(3)));
+}

@@ -1,0 +1,156 @@
+// The estimated and the true shape: surfaces coloured by a number a node, mesh lines, nodes.
+
+import {COLOURS, colourOf} from './colours.js';
+
+const MOST_LINES = 5000;
+const CREASE = Math.cos(30 * Math.PI / 180);
+
+/** Pairs of nodes: all edges of the surface, and those where it bends sharply at rest. */
+function edgesOf(triangles, rest) {
+  const normals = [], seen = new Map(), edges = [];
+  const corner = (n) => new THREE.Vector3().fromArray(rest, 3 * n);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = [0, 1, 2].map((k) => corner(triangles[t + k]));
+    normals.push(b.sub(a).cross(c.sub(a)).normalize());
+    for (let e = 0; e < 3; ++e) {
+      const i = triangles[t + e], j = triangles[t + (e + 1) % 3];
+      const key = Math.min(i, j) * 2097152 + Math.max(i, j), known = seen.get(key);
+      if (known) {
+        known.crease = normals[known.triangle].dot(normals[t / 3]) < CREASE;
+      } else {
+        const edge = {i, j, triangle: t / 3, crease: true};
+        seen.set(key, edge);
+        edges.push(edge);
+      }
+    }
+  }
+  const pairs = (list) => new THREE.BufferAttribute(new Uint32Array(list.flatMap(({i, j}) => [i, j])), 1);
+  return {all: pairs(edges), creases: pairs(edges.filter((edge) => edge.crease))};
+}
+
+export class ShapeView {
+  constructor(scene, style) {
+    this.style = style;
+    this.group = new THREE.Group();
+    scene.add(this.group);
+    this.mesh = null;
+    this.surfaceNodes = [];
+    this.values = null;
+  }
+
+  /** Takes another mesh: {hash, rest, triangles, constrained}. */
+  setMesh(mesh) {
+    for (const child of [...this.group.children]) {
+      this.group.remove(child);
+      child.geometry.dispose();
+      child.material.dispose();
+    }
+    this.mesh = mesh;
+    const count = mesh.rest.length / 3;
+    this.position = new THREE.BufferAttribute(new Float32Array(mesh.rest), 3);
+    this.colour = new THREE.BufferAttribute(new Float32Array(3 * count).fill(0.6), 3);
+    this.surfaceNodes = [...new Set(mesh.triangles)].sort((a, b) => a - b);
+
+    const surface = new THREE.BufferGeometry();
+    surface.setAttribute('position', this.position);
+    surface.setAttribute('color', this.colour);
+    surface.setIndex(new THREE.BufferAttribute(new Uint32Array(mesh.triangles), 1));
+    this.surface = new THREE.Mesh(surface, null);
+    const lines = new THREE.BufferGeometry();
+    lines.setAttribute('position', this.position);
+    this.lines = edgesOf(mesh.triangles, mesh.rest);
+    lines.setIndex(this.lines.all);
+    this.edges = new THREE.LineSegments(lines, new THREE.LineBasicMaterial(
+        {color: this.style.edge, transparent: true, opacity: this.style.edgeOpacity}));
+    const nodes = new THREE.BufferGeometry();
+    nodes.setAttribute('position', this.position);
+    this.nodeColour = new THREE.BufferAttribute(new Float32Array(3 * count), 3);
+    nodes.setAttribute('color', this.nodeColour);
+    nodes.setIndex(new THREE.BufferAttribute(new Uint32Array(this.surfaceNodes), 1));
+    this.nodes = new THREE.Points(nodes, new THREE.PointsMaterial(
+        {size: 5, sizeAttenuation: false, vertexColors: THREE.VertexColors}));
+    this.nodes.visible = false;
+    for (const part of [this.surface, this.edges, this.nodes]) {
+      part.frustumCulled = false;
+      this.group.add(part);
+    }
+    this.styled = '';
+    this.setStyle({ghost: false, plain: false, lines: this.isCoarse()});
+    this.markNodes(new Set());
+  }
+
+  /** `lines`: all of the mesh's, else those of its creases. */
+  setStyle({ghost, plain, lines}) {
+    const style = `${ghost} ${plain} ${lines}`;
+    if (!this.mesh || (this.surface.material && this.styled === style)) return;
+    this.styled = style;
+    if (this.surface.material) this.surface.material.dispose();
+    const common = {side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
+    // Where both shapes are at the same place, the estimate is in front.
+    const behind = {polygonOffsetFactor: 3, polygonOffsetUnits: 12};
+    if (ghost) {
+      this.surface.material = new THREE.MeshPhongMaterial(
+          {...common, ...behind, color: this.style.ghost, specular: 0, transparent: true, opacity: 0.1, depthWrite: false, flatShading: true});
+    } else if (plain) {
+      this.surface.material = new THREE.MeshBasicMaterial({...common, vertexColors: THREE.VertexColors});
+    } else {
+      this.surface.material = new THREE.MeshPhongMaterial(
+          {...common, specular: 0x1a1a1a, shininess: 20, flatShading: true, vertexColors: THREE.VertexColors});
+    }
+    this.surface.renderOrder = ghost ? 2 : 0;
+    this.edges.geometry.setIndex(lines && !ghost ? this.lines.all : this.lines.creases);
+    this.edges.material.color.set(ghost ? this.style.ghost : this.style.edge);
+    this.edges.material.opacity = ghost ? 0.9 : this.style.edgeOpacity;
+    this.edges.visible = ghost || !plain;
+  }
+
+  /** Whether lines leave something of the colours between them, and cost little. */
+  isCoarse() { return this.lines.all.count < 2 * MOST_LINES; }
+
+  setPositions(xyz) {
+    this.position.array.set(xyz);
+    this.position.needsUpdate = true;
+  }
+
+  /** Colours by `values` (SI), which `most` is the top of; none: grey. */
+  paint(values, most) {
+    this.values = values;
+    const out = this.colour.array;
+    if (!values) out.fill(0.6);
+    else for (let n = 0; n < values.length; ++n) colourOf(values[n] / most, out, 3 * n);
+    this.colour.needsUpdate = true;
+  }
+
+  /** As in the thesis' Fig. 4.4: white nodes, green ones loaded, red ones held. */
+  markNodes(loaded) {
+    const held = new Set(this.mesh.constrained), colour = new THREE.Color();
+    for (let n = 0; n < this.nodeColour.count; ++n) {
+      colour.set(loaded.has(n) ? COLOURS.loaded : held.has(n) ? COLOURS.constrained : COLOURS.node);
+      colour.toArray(this.nodeColour.array, 3 * n);
+    }
+    this.nodeColour.needsUpdate = true;
+  }
+
+  node(n, out = new THREE.Vector3()) { return out.fromArray(this.position.array, 3 * n); }
+
+  /** Largest distance of the surface's nodes from their middle, and that middle. */
+  bounds() {
+    const box = new THREE.Box3(), p = new THREE.Vector3();
+    for (const n of this.surfaceNodes) box.expandByPoint(this.node(n, p));
+    return box;
+  }
+
+  nearestNode(point) { return this.nearest(point, this.position.array); }
+  nearestAtRest(at) { return this.nearest(new THREE.Vector3(...at), this.mesh.rest); }
+
+  /** Of the surface's nodes, where `xyz` has them. */
+  nearest(point, xyz) {
+    let best = -1, least = Infinity;
+    const p = new THREE.Vector3();
+    for (const n of this.surfaceNodes) {
+      const d = p.fromArray(xyz, 3 * n).distanceToSquared(point);
+      if (d < least) { least = d; best = n; }
+    }
+    return best;
+  }
+}

@@ -1,0 +1,166 @@
+// Camera, light, floor and robot.
+
+const SKY = 0xffffff, GROUND = 0x8090a0;
+
+/** Whether pictures are drawn without a graphics processor, which smooth edges cost a processor dear. */
+function drawsInSoftware() {
+  const gl = document.createElement('canvas').getContext('webgl');
+  const info = gl && gl.getExtension('WEBGL_debug_renderer_info');
+  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
+  if (gl) gl.getExtension('WEBGL_lose_context').loseContext();
+  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
+}
+
+export class Stage {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.smooth = /[?&]smooth/.test(location.search) || !drawsInSoftware();
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: true});
+    this.renderer.setClearColor(0, 0);
+    this.scene = new THREE.Scene();
+    this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
+    this.camera.up.set(0, 0, 1);
+    this.camera.position.set(0.4, -1.6, 0.7);
+    this.hemisphere = new THREE.HemisphereLight(SKY, GROUND, 0.86);
+    this.sun = new THREE.DirectionalLight(0xffffff, 0.4);
+    this.scene.add(this.hemisphere, this.sun);
+    this.makeControls();
+    this.robots = [];
+    this.dirty = true;
+    this.framed = this.touched = false;
+    this.resize();
+    new ResizeObserver(() => this.resize()).observe(canvas);
+  }
+
+  makeControls() {
+    if (this.controls) this.controls.dispose();
+    this.controls = new THREE.OrbitControls(this.camera, this.canvas);
+    this.controls.addEventListener('change', () => { this.dirty = true; });
+    this.controls.addEventListener('start', () => { this.touched = true; });
+    this.controls.minDistance = 0.05;
+    this.controls.maxDistance = 15;
+    this.controls.screenSpacePanning = true;
+  }
+
+  resize() {
+    const {clientWidth: width, clientHeight: height} = this.canvas;
+    if (!width || !height) return;
+    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setSize(width, height, false);
+    // Until somebody has chosen a view, the object fits the picture.
+    if (!this.touched && Math.abs(this.camera.aspect - width / height) > 0.02) this.framed = false;
+    this.camera.aspect = width / height;
+    this.camera.updateProjectionMatrix();
+    this.dirty = true;
+  }
+
+  /** The base of the first arm in O: its z is up, and the floor lies at it. */
+  setBase(base) {
+    if (this.floor) this.scene.remove(this.floor);
+    this.floor = null;
+    if (!base) return;
+    const turn = new THREE.Quaternion(...base.quaternion);
+    const up = new THREE.Vector3(0, 0, 1).applyQuaternion(turn);
+    if (this.camera.up.distanceTo(up) > 1e-6) {
+      this.camera.up.copy(up);
+      this.makeControls();
+    }
+    this.hemisphere.position.copy(up);
+    this.floor = new THREE.GridHelper(4, 40, 0x49617a, 0x2a3845);
+    this.floor.material.transparent = true;
+    this.floor.material.opacity = 0.55;
+    this.floor.rotation.x = Math.PI / 2;
+    const frame = new THREE.Group();
+    frame.add(this.floor);
+    frame.position.fromArray(base.at);
+    frame.quaternion.copy(turn);
+    this.floor = frame;
+    this.scene.add(frame);
+  }
+
+  setRobots(robots) {
+    for (const robot of this.robots) this.scene.remove(robot.group);
+    this.robots = robots.map((robot) => this.makeRobot(robot));
+  }
+
+  makeRobot({links, shapes}) {
+    const group = new THREE.Group(), parts = [];
+    for (let i = 0; i < links; ++i) {
+      parts.push(new THREE.Group());
+      group.add(parts[i]);
+    }
+    for (const shape of shapes) {
+      const [a, b, c] = shape.size;
+      let geometry;
+      if (shape.kind === 'box') geometry = new THREE.BoxBufferGeometry(a, b, c);
+      else if (shape.kind === 'sphere') geometry = new THREE.SphereBufferGeometry(a, 28, 18);
+      else geometry = new THREE.CylinderBufferGeometry(a, a, b, 32).rotateX(Math.PI / 2);
+      // Muted, so that the shape's colours are those that strike.
+      const colour = new THREE.Color(...shape.colour).lerp(new THREE.Color(0x8b98a5), 0.45);
+      const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({color: colour}));
+      mesh.position.fromArray(shape.at);
+      mesh.quaternion.set(...shape.quaternion);
+      parts[shape.link].add(mesh);
+    }
+    group.visible = false;
+    this.scene.add(group);
+    return {group, parts};
+  }
+
+  placeRobot(index, poses, shown) {
+    const robot = this.robots[index];
+    if (!robot) return;
+    robot.group.visible = shown && Boolean(poses);
+    if (!poses) return;
+    robot.parts.forEach((part, i) => {
+      part.position.set(poses[7 * i], poses[7 * i + 1], poses[7 * i + 2]);
+      part.quaternion.set(poses[7 * i + 3], poses[7 * i + 4], poses[7 * i + 5], poses[7 * i + 6]);
+    });
+  }
+
+  /** Looks at a box of O from the side where its longest extent lies across the picture. */
+  frame(box) {
+    const middle = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
+    const up = this.camera.up.clone();
+    const axes = [new THREE.Vector3(1, 0, 0), new THREE.Vector3(0, 1, 0), new THREE.Vector3(0, 0, 1)];
+    const across = axes.filter((a) => Math.abs(a.dot(up)) < 0.7)
+        .sort((a, b) => Math.abs(size.dot(b)) - Math.abs(size.dot(a)))[0];
+    const towards = new THREE.Vector3().crossVectors(across, up).normalize();
+    const wide = Math.abs(size.dot(across)), high = Math.max(Math.abs(size.dot(up)), 0.3 * size.length());
+    const half = Math.tan(this.camera.fov * Math.PI / 360);
+    const distance = 0.56 * Math.max(wide / (half * this.camera.aspect), high / half) + 0.5 * size.length();
+    this.controls.target.copy(middle);
+    this.camera.position.copy(middle).addScaledVector(towards, distance)
+        .addScaledVector(up, 0.42 * distance).addScaledVector(across, 0.22 * distance);
+    this.controls.update();
+    this.framed = true;
+    this.dirty = true;
+  }
+
+  /** Pixels of the canvas (CSS) of a point in O, with z in (-1, 1) before the camera. */
+  toScreen(point) {
+    const p = point.clone().project(this.camera);
+    return {x: (p.x + 1) / 2 * this.canvas.clientWidth, y: (1 - p.y) / 2 * this.canvas.clientHeight, z: p.z};
+  }
+
+  ray(x, y) {
+    const caster = new THREE.Raycaster();
+    caster.setFromCamera({x: 2 * x / this.canvas.clientWidth - 1, y: 1 - 2 * y / this.canvas.clientHeight}, this.camera);
+    return caster;
+  }
+
+  /** Where the ray of a pixel meets the plane through `point` that faces the camera. */
+  onPlane(x, y, point) {
+    const normal = this.camera.getWorldDirection(new THREE.Vector3());
+    const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, point);
+    return this.ray(x, y).ray.intersectPlane(plane, new THREE.Vector3());
+  }
+
+  render() {
+    this.sun.position.copy(this.camera.position).addScaledVector(this.camera.up, 0.6);
+    this.sun.target.position.copy(this.controls.target);
+    this.sun.target.updateMatrixWorld();
+    this.renderer.render(this.scene, this.camera);
+    this.dirty = false;
+  }
+}

@@ -1,0 +1,102 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <palpate/component_event_t.hpp>
+#include <palpate/config_t.hpp>
+#include <palpate/contacts_t.hpp>
+#include <palpate/estimate_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/hand_state_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/manual_force_t.hpp>
+#include <palpate/robot_state_t.hpp>
+#include <palpate/shape_observation_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <palpate/truth_contact_t.hpp>
+#include <palpate/twist_command_t.hpp>
+#include <string_view>
+#include <tuple>
+#include <vector>
+
+#include "rt/bus/checked_decode.hpp"
+#include "tools/view/mesh_book.hpp"
+
+namespace palpate::view {
+
+/// The last message of a channel: kept as it came, decoded when somebody looks.
+template <class Message>
+struct Latest {
+  using Type = Message;
+  Latest(const char* name) : channel(name) {}  // NOLINT(google-explicit-constructor): in lists
+
+  const char* channel;
+  std::vector<std::uint8_t> data;
+  std::int64_t time_us = 0;  // when it came: wall clock, or the log's
+  std::int64_t count = 0;    // decoded so far
+  bool fresh = false;        // not decoded yet
+  bool there = false;
+  Message message{};
+
+  /// nullptr where there is none.
+  const Message* get() const { return there ? &message : nullptr; }
+};
+
+/// An event with a number of its own, so that a reader knows which ones it has had.
+struct NumberedEvent {
+  std::int64_t number = 0;
+  std::int64_t time_us = 0;
+  component_event_t event;
+};
+
+/// What is known of the cell at one time: the last message of each channel, meshes, and the last
+/// events. It trusts no message: what is of another type, size or content than it should be is
+/// counted and forgotten. For one thread.
+class Scene {
+ public:
+  static constexpr std::size_t kMostEvents = 500;
+
+  /// All channels that accept() takes.
+  static const std::vector<std::string_view>& channels();
+
+  /// One message; cheap, for it may be one of thousands in a second.
+  void accept(std::string_view channel, const void* data, int size, std::int64_t time_us);
+
+  /// Decodes what came since the last call.
+  void refresh();
+
+  /// As at the start, but meshes stay known: after a jump in a log.
+  void forget_messages();
+
+  Latest<shape_t> shape{"SHAPE"}, truth{"TRUTH_SHAPE"};
+  Latest<truth_contact_t> truth_contact{"TRUTH_CONTACT"};
+  Latest<contacts_t> contacts{"CONTACTS"};
+  Latest<estimate_t> estimate{"ESTIMATE"};
+  Latest<feature_t> feature{"FEATURE"};
+  Latest<health_t> health{"HEALTH"};
+  Latest<config_t> config{"CONFIG"};
+  Latest<twist_command_t> twist{"TWIST_COMMAND"};
+  Latest<manual_force_t> manual{"MANUAL_FORCE"};
+  Latest<shape_observation_t> observation{"SHAPE_OBSERVATION"};
+  std::array<Latest<robot_state_t>, 2> robot{{{"ROBOT_STATE"}, {"ROBOT_STATE_1"}}};
+  std::array<Latest<hand_state_t>, 2> hand{{{"HAND_STATE"}, {"HAND_STATE_1"}}};
+
+  const MeshBook& meshes() const { return meshes_; }
+  const std::deque<NumberedEvent>& events() const { return events_; }
+  /// Counts up with forget_messages().
+  std::int64_t generation() const { return generation_; }
+  std::int64_t refused() const { return refused_ + meshes_.refused(); }
+
+ private:
+  template <class Visit>
+  void for_each_latest(Visit visit);
+
+  MeshBook meshes_;
+  std::deque<NumberedEvent> events_;
+  std::int64_t event_count_ = 0;
+  std::int64_t generation_ = 0;
+  std::int64_t refused_ = 0;
+};
+
+}  // namespace palpate::view

@@ -1,0 +1,111 @@
+#include "tools/view/server.hpp"
+
+#include <ctime>
+
+#include "tools/view/sessions.hpp"
+
+namespace palpate::view {
+
+struct Server::Impl {
+  Impl(const Options& wanted, const Assets& assets, Viewer& shown)
+      : options(wanted),
+        viewer(shown),
+        context(1),
+        acceptor(context),
+        receive_timer(context),
+        frame_timer(context) {
+    listen();
+    std::vector<std::string> names = options.names;
+    for (const char* name : {"127.0.0.1", "localhost", "[::1]"}) names.emplace_back(name);
+    const auto address = acceptor.local_endpoint().address();
+    if (!address.is_unspecified())
+      names.push_back(address.is_v6() ? "[" + address.to_string() + "]" : address.to_string());
+    room = std::make_unique<Room>(
+        Room{assets, viewer, Doorman(names, acceptor.local_endpoint().port()), {}, {}});
+  }
+
+  void listen() {
+    using tcp = boost::asio::ip::tcp;
+    const std::string where = options.address + ":" + std::to_string(options.port);
+    try {
+      const tcp::endpoint endpoint(boost::asio::ip::make_address(options.address),
+                                   static_cast<std::uint16_t>(options.port));
+      acceptor.open(endpoint.protocol());
+      acceptor.set_option(tcp::acceptor::reuse_address(true));
+      acceptor.bind(endpoint);
+      acceptor.listen();
+    } catch (const boost::system::system_error& error) {
+      throw std::runtime_error("cannot listen on " + where + ": " + error.code().message() +
+                               "; --listen ADDRESS and --port choose another place");
+    }
+  }
+
+  void accept() {
+    acceptor.async_accept(
+        [this](boost::system::error_code error, boost::asio::ip::tcp::socket socket) {
+          if (error == boost::asio::error::operation_aborted) return;
+          if (!error) serve_http(*room, std::move(socket));
+          accept();
+        });
+  }
+
+  /// Messages are taken from the sockets in gulps: a wake-up for each of thousands costs more than
+  /// all that is done with them.
+  void receive() {
+    constexpr std::chrono::milliseconds kEvery{5};
+    receive_timer.expires_after(kEvery);
+    receive_timer.async_wait([this](boost::system::error_code error) {
+      if (error) return;
+      viewer.advance(bus::wall_clock_us());
+      receive();
+    });
+  }
+
+  void send_frames() {
+    const auto period = std::chrono::duration_cast<std::chrono::steady_clock::duration>(
+        std::chrono::duration<double>(1 / options.rate));
+    const auto now = std::chrono::steady_clock::now();
+    next_frame = next_frame + period < now ? now : next_frame + period;
+    frame_timer.expires_at(next_frame);
+    frame_timer.async_wait([this](boost::system::error_code error) {
+      if (error) return;
+      if (!room->pages.empty())
+        deliver_to_pages(*room);
+      else
+        viewer.prepare(bus::wall_clock_us());
+      send_frames();
+    });
+  }
+
+  Options options;
+  Viewer& viewer;
+  boost::asio::io_context context;
+  boost::asio::ip::tcp::acceptor acceptor;
+  boost::asio::steady_timer receive_timer, frame_timer;
+  std::chrono::steady_clock::time_point next_frame = std::chrono::steady_clock::now();
+  std::unique_ptr<Room> room;
+};
+
+Server::Server(const Options& options, const Assets& assets, Viewer& viewer)
+    : impl_(std::make_unique<Impl>(options, assets, viewer)) {}
+
+Server::~Server() = default;
+
+int Server::port() const { return impl_->acceptor.local_endpoint().port(); }
+
+void Server::run() {
+  impl_->accept();
+  impl_->receive();
+  impl_->send_frames();
+  impl_->context.run();
+  timespec used{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
+  impl_->room->counters.work =
+      static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+}
+
+void Server::stop() { impl_->context.stop(); }
+
+const ServerCounters& Server::counters() const { return impl_->room->counters; }
+
+}  // namespace palpate::view

@@ -1,0 +1,109 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/view/access.hpp"
+#include "tools/view/cell.hpp"
+#include "tools/view/commander.hpp"
+#include "tools/view/encode.hpp"
+#include "tools/view/history.hpp"
+#include "tools/view/live_source.hpp"
+#include "tools/view/log_source.hpp"
+#include "tools/view/request.hpp"
+
+namespace palpate::view {
+
+/// One page that is connected, as the viewer knows it.
+struct Client {
+  std::function<void(std::string)> send_text;
+  bool may_control = false;
+  int wrong_tokens = 0;
+  Field field = Field::kDisplacement;
+  std::int64_t mesh = 0, truth_mesh = 0;  // hashes that it has, 0: none
+  std::int64_t events = 0;                // number of the last one that it has
+  std::int64_t generation = 0;            // of the scene that they are of
+  std::int64_t health = -1;               // count of HEALTH that it has
+  std::int64_t acknowledged = 0;          // frame
+};
+
+/// What a page may be sent in one go.
+struct Delivery {
+  std::vector<std::string> texts;
+  std::vector<std::string> parcels;  // meshes first, then the frame
+  std::int64_t frame = 0;            // its number
+};
+
+/// Holds what there is to see, and turns it into messages for pages and their requests into
+/// commands. Knows no sockets of browsers. For one thread.
+class Viewer {
+ public:
+  struct Options {
+    bool control = false;  // whether a page with the token may give commands
+    double max_force = 5;  // N, of a push
+    double rate = 1;       // of a log, at the start
+    Cell cell;
+  };
+  Viewer(Options options, Token token);
+
+  // One of the two.
+  void show_live(std::unique_ptr<LiveSource> source);
+  void show_log(std::unique_ptr<LogSource> source);
+  /// Live and with `control`: where commands go to.
+  void command_by(std::unique_ptr<Commander> commander) { commander_ = std::move(commander); }
+
+  /// Receives, or plays on. `now_us`: wall clock, here and below.
+  void advance(std::int64_t now_us);
+  /// To be called before deliver() for all clients.
+  void prepare(std::int64_t now_us);
+
+  /// What a new page needs to know before all else.
+  std::string greeting(std::int64_t now_us) const;
+  /// What is new for the client.
+  Delivery deliver(Client& client, std::int64_t now_us);
+  /// What a page sent. False: it shall be sent away.
+  bool receive(const std::shared_ptr<Client>& client, const std::string& text, std::int64_t now_us);
+
+  const Scene& scene() const { return scene_; }
+  const Token& token() const { return token_; }
+
+ private:
+  struct Painted {
+    std::int64_t hash = 0;
+    std::unique_ptr<FieldEvaluator> evaluator;
+    std::set<Field> done;  // of the present shape
+    std::array<std::vector<float>, 4> values;
+  };
+
+  void repaint(Painted& painted, const shape_t* shape);
+  const std::vector<float>* paint(Painted& painted, const shape_t& shape, Field field);
+  void add_meshes(Client& client, Delivery& delivery) const;
+  std::string frame(Client& client, std::int64_t now_us);
+  nlohmann::json state(Client& client, std::int64_t now_us);
+  void grant(Client& client, const TakeControl& request);
+  bool carry_out(const std::shared_ptr<Client>& client, const Request& request,
+                 std::int64_t now_us);
+  Commander::Heard answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const;
+  void play(const Play& request);
+
+  Options options_;
+  Token token_;
+  Scene scene_;
+  History history_;
+  std::unique_ptr<LiveSource> live_;
+  std::unique_ptr<LogSource> log_;
+  std::unique_ptr<Commander> commander_;
+  std::int64_t heard_events_ = 0;
+  Painted estimate_, truth_;
+  std::int64_t painted_count_ = -1, painted_truth_count_ = -1;
+  std::int64_t frames_ = 0;
+  std::int64_t played_us_ = 0;  // wall clock of the last advance of a log
+  bool playing_ = true;
+  double rate_ = 1;
+};
+
+}  // namespace palpate::view
