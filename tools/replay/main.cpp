@@ -28,6 +28,9 @@ int main(int argc, char** argv) {
   app.add_flag("--start", options.start, "send the event start first (a log of sensors has none)");
   app.add_option("--json", json, "write the summary to this file");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-replay run.log --config bar.yaml --start --output out.log");
   CLI11_PARSE(app, argc, argv);
 
   try {
