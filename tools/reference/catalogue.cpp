@@ -6,6 +6,9 @@
 namespace palpate::reference {
 namespace {
 
+/// Choices that decide what else of their section is read.
+const std::set<std::string> kDeciding = {"component", "law", "kind", "integrator", "action"};
+
 using Choices = std::map<std::string, std::string>;
 
 /// One mapping of one document: what was chosen in it, and what was asked for.
@@ -86,7 +89,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   };
   std::set<std::string> choices;
   for (const Visit& visit : visits)
-    for (const auto& choice : visit.choices) choices.insert(choice.first);
+    for (const auto& choice : visit.choices)
+      if (kDeciding.count(choice.first) != 0) choices.insert(choice.first);
   for (const std::string& choice : choices) {
     const std::set<std::string> with = values(visits, choice, asked);
     const std::set<std::string> all = values(visits, choice, [](const Visit&) { return true; });
@@ -159,10 +163,14 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
   for (Section& section : sections) {
     const std::vector<Visit> visits = visits_of(readings, section.path);
     std::set<std::pair<std::string, std::string>> seen;
-    for (const Visit& visit : visits)
-      for (const config::Declaration& declaration : visit.declarations)
+    for (const Visit& visit : visits) {
+      for (const config::Declaration& declaration : visit.declarations) {
+        // Any component may have one.
+        if (declaration.name == "fallback" && declaration.type == "section") continue;
         if (seen.insert({declaration.name, declaration.meaning}).second)
           section.parameters.push_back(describe(declaration, visits));
+      }
+    }
   }
   sort_by_tree(sections);
   const std::vector<Section> all = sections;

@@ -45,6 +45,18 @@ TEST(Declarations, AKeyIsListedOnceWithTheMeaningThatOneOfItsReadersTells) {
   EXPECT_EQ(list.all()[0].unit, "m");
 }
 
+TEST(Declarations, ATextThatIsThenAChoiceIsAChoice) {
+  const Node root = Node::from_text("component: b", "t.yaml");
+  DeclarationList list;
+  root.text("component");
+  root.choice({"component", "", "which"}, {"a", "b"});
+  ASSERT_EQ(list.all().size(), 1U);
+  EXPECT_EQ(list.all()[0].type, "one of");
+  EXPECT_EQ(list.all()[0].allowed, "a, b");
+  EXPECT_EQ(list.all()[0].value, "b");
+  EXPECT_EQ(list.all()[0].meaning, "which");
+}
+
 TEST(Declarations, AreListedOnlyWhileSomebodyListens) {
   const Node root = Node::from_text("a: 1", "t.yaml");
   root.number({"a", "m", "length"}, {0, 2});
