@@ -138,8 +138,9 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
 }  // namespace
 
 sensing::PayloadParameters read_payload(const config::Node& node) {
-  const config::Node payload = node.child(
-      {"payload", "", "what the sensor carries, as palpate-evaluate payload identifies it"});
+  const config::Node payload = node.child({"payload", "",
+                                           "what the sensor carries, as palpate-evaluate payload "
+                                           "identifies it; ft_newton_euler needs it"});
   sensing::PayloadParameters parameters;
   parameters.mass = payload.number({"mass", "kg", "behind the sensor"}, {0, 1000});
   parameters.first_moment = parameters.mass * payload.vector3({"center_of_mass", "m", "in S"},

@@ -115,7 +115,12 @@ struct Node::Impl {
     if (list == nullptr || Undeclared::now()) return nobodys;
     const Entry entry = peek(key.name);
     const std::string name = key.kind != nullptr ? key.kind : key.name;
-    const bool known = list->find(document->name(), path, name) != nullptr;
+    Declaration* known = list->find(document->name(), path, name);
+    if (known != nullptr && known->type == "text" && type == "one of") {
+      known->type = type;  // a text to who looks first, a choice to who knows the words
+      if (*key.meaning != '\0') known->meaning = key.meaning;
+      return *known;
+    }
     Declaration declaration;
     declaration.document = document->name();
     declaration.path = path;
@@ -128,7 +133,7 @@ struct Node::Impl {
     declaration.present = entry.present;
     if (entry.present && entry.value.IsScalar()) declaration.value = entry.value.Scalar();
     list->add(declaration);
-    return known ? nobodys : *list->find(document->name(), path, name);
+    return known != nullptr ? nobodys : *list->find(document->name(), path, name);
   }
 
   Entry require(const std::string& key, const std::string& kind) const {

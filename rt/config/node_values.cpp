@@ -77,7 +77,8 @@ std::string Node::choice(const Key& key, const std::vector<std::string>& names,
                          const std::string& otherwise) const {
   Declaration& declared = impl_->declare(key, "one of");
   declared.allowed = listed(names);
-  declared.fallback = declared.value = otherwise;
+  declared.fallback = otherwise;
+  if (!declared.present) declared.value = otherwise;
   return impl_->find(key.name).present ? choice(key, names) : otherwise;
 }
 

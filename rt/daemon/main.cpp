@@ -257,6 +257,9 @@ int main(int argc, char** argv) {
   app.add_flag("--stepped", options.stepped,
                "run one cycle for each SIM_TICK (palpate-sim --fast) instead of in real time");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
   CLI11_PARSE(app, argc, argv);
 
   const sigset_t signals = block_signals();

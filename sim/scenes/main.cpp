@@ -166,6 +166,9 @@ int main(int argc, char** argv) {
       ->check(CLI::PositiveNumber);
   app.add_option("--json", options.json, "write the summary to this file at the end");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-sim scene.yaml --duration 30 --set seed=2");
   CLI11_PARSE(app, argc, argv);
 
   struct sigaction action {};

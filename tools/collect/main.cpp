@@ -47,8 +47,13 @@ void run_emulate(const EmulateOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("Collects recordings to train tactile models on, and scores what emulates them.");
+  CLI::App app(
+      "Collects recordings to train tactile models on, and scores what emulates them.\n"
+      "Exit codes: 0 done, 1 an error, 78 wrong configuration.");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-collect emulate --seed 7 --most 100 -o presses.csv");
   app.require_subcommand(1);
 
   CLI::App* compare = app.add_subcommand(

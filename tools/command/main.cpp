@@ -111,6 +111,12 @@ int main(int argc, char** argv) {
   CLI::Option* make_key =
       app.add_option("--make-key", options.new_key_file, "write a new key to this file, and end");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Examples:\n"
+      "  palpate-command zero\n"
+      "  palpate-command --key robot.key start\n"
+      "  palpate-command target point 0.25 0.03 0.08\n"
+      "  palpate-command replace control --set provider=kinematic");
   add_events(app, options);
   try {
     app.parse(argc, argv);

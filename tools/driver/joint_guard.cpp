@@ -6,7 +6,8 @@
 namespace palpate::driver {
 namespace {
 
-constexpr double kDamper = 5;  // 1/s: an end is approached no faster than by this share of the way
+constexpr double kDamper = 5;  // 1/s: an end is approached no faster than by this share of the way,
+constexpr double kBraking = 0.9;  // nor so that braking would take more than this of what there is
 
 Eigen::Vector3d limited(const Eigen::Vector3d& velocity, double limit) {
   const double speed = velocity.stableNorm();
@@ -31,14 +32,16 @@ void JointGuard::follow(const math::Twist& V_W_E, const Joints& q) {
   wanted_.noalias() = state_.J_W_E.transpose() * A.ldlt().solve(twist);
 }
 
-/// Towards an end, every joint slows down as one that nears it must.
+/// Every joint slows down as the one that nears its end must.
 void JointGuard::slow_down_near_ends(const Joints& q) {
   double share = 1;
   for (int i = 0; i < wanted_.size(); ++i) {
     const kinematics::Joint& joint = chain_.joint(i);
     const double left = wanted_[i] > 0 ? joint.upper - options_.margin - q[i]
                                        : q[i] - joint.lower - options_.margin;
-    const double most = std::min(options_.speed_share * joint.speed, kDamper * std::max(0.0, left));
+    const double fastest = options_.speed_share * joint.speed;
+    const double damper = std::min(kDamper, kBraking * options_.acceleration / fastest);
+    const double most = std::min(fastest, damper * std::max(0.0, left));
     const double speed = std::abs(wanted_[i]);
     if (speed > most) share = std::min(share, most / speed);
   }
@@ -59,12 +62,8 @@ const Joints& JointGuard::limit(const Command& command, const Joints& q) {
   }
   slow_down_near_ends(q);
   const double step = options_.acceleration * options_.period;
-  const double change = (wanted_ - sent_).lpNorm<Eigen::Infinity>();
-  if (change > step) {
-    sent_ += step / change * (wanted_ - sent_);
-  } else {
-    sent_ = wanted_;
-  }
+  // Each by itself: a joint that brakes before its end must not wait for the others.
+  sent_ += (wanted_ - sent_).cwiseMax(-step).cwiseMin(step);
   return sent_;
 }
 

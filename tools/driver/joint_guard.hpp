@@ -4,8 +4,9 @@
 
 namespace palpate::driver {
 
-/// Turns what is wanted into velocities of joints that keep every limit. All joints are slowed down
-/// alike, so that the hand keeps its direction. Keep this too, beside your arm's own safety.
+/// Turns what is wanted into velocities of joints that keep every limit. Speeds of all
+/// joints are scaled alike, so that the hand keeps its direction. Keep this too, beside your arm's
+/// own safety.
 class JointGuard {
  public:
   struct Options {

@@ -39,6 +39,10 @@ int run(CLI::App& app, int argc, char** argv) {
   std::string json;
   app.require_subcommand(1);
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Examples:\n"
+      "  palpate-evaluate demo --output out/demo\n"
+      "  palpate-evaluate thesis --quick --out out/thesis");
   app.add_option("--root", root, "folder with scenes and configurations (default: palpate's own)");
   app.fallthrough();
 

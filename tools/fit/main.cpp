@@ -65,7 +65,9 @@ std::string footer() {
       names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) text += " " + name;
-  return text + "\n\nExit codes: 0 done, 1 a fit failed or derivatives are wrong, 78 a wrong plan.";
+  return text +
+         "\n\nExample:\n  palpate-fit foam.yaml --data recordings --out out/foam --details\n\n"
+         "Exit codes: 0 done, 1 a fit failed or derivatives are wrong, 78 a wrong plan.";
 }
 
 std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Options& options) {

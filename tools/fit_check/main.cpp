@@ -108,6 +108,9 @@ int main(int argc, char** argv) {
       "model on another mesh, and recordings made by the fitted models themselves.\n"
       "Exit codes: 0 met, 1 missed or failed, 78 a wrong scene.");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-fit-check simulated --json results.json");
   app.require_subcommand(1);
   app.add_option("--folder", options.folder, "For recordings")->capture_default_str();
   app.add_option("--json", options.json, "File for the results");

@@ -45,8 +45,13 @@ int main(int argc, char** argv) {
   std::string preset, map_file, json_file;
   std::vector<std::string> columns, where;
 
-  CLI::App app("Turns a CSV recording, plain or .gz, into an LCM log.");
+  CLI::App app(
+      "Turns a CSV recording, plain or .gz, into an LCM log.\n"
+      "Exit codes: 0 done, 1 an error, 78 a wrong map.");
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-import wrist.csv --format force_torque --channel FT_WRENCH -o wrist.log");
   app.add_option("csv", options.input, "Recording with a header line")->required();
   app.add_option("-o,--output", options.output, "LCM log to write")->required();
   auto* const preset_option =

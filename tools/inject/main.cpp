@@ -112,6 +112,9 @@ int run(CLI::App& app, int argc, char** argv) {
   Options options;
   app.require_subcommand(1);
   app.set_version_flag("--version", PALPATE_VERSION);
+  app.footer(
+      "Example:\n"
+      "  palpate-inject malformed 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate 1000");
   const auto common = [&options](CLI::App* command) {
     command->add_option("url", options.url, "LCM URL, e.g. udpm://239.255.76.67:7667?ttl=0")
         ->required();

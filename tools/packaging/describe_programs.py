@@ -225,9 +225,9 @@ def bash(command):
     sets = "\n".join(sets)
     return f"""# bash completion for {name}, made from its --help
 {function}() {{
-  local cur=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} state='' word options words value=0
-  for word in "${{COMP_WORDS[@]:1:COMP_CWORD-1}}"; do
-    case "$state:$word" in
+  local cur=${{COMP_WORDS[COMP_CWORD]}} before=${{COMP_WORDS[COMP_CWORD-1]}} state='' options words value=0 i
+  for ((i = 1; i < COMP_CWORD; ++i)); do
+    case "$state:${{COMP_WORDS[i]}}" in
 {steps}
     esac
   done

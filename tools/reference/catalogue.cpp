@@ -6,6 +6,9 @@
 namespace palpate::reference {
 namespace {
 
+/// Choices that decide what else of their section is read.
+const std::set<std::string> kDeciding = {"component", "law", "kind", "integrator", "action"};
+
 using Choices = std::map<std::string, std::string>;
 
 /// One mapping of one document: what was chosen in it, and what was asked for.
@@ -47,10 +50,16 @@ std::vector<Visit> visits_of(const std::vector<Declarations>& readings,
   return visits;
 }
 
-const config::Declaration* find(const Visit& visit, const std::string& name,
-                                const std::string& meaning) {
+/// The same parameter, and not merely one of the same name.
+bool is_same(const config::Declaration& a, const config::Declaration& b) {
+  // A range may depend on what was read before; the words of a choice do not.
+  return a.name == b.name && a.meaning == b.meaning &&
+         (a.type != "one of" || a.allowed == b.allowed);
+}
+
+const config::Declaration* find(const Visit& visit, const config::Declaration& wanted) {
   for (const config::Declaration& declaration : visit.declarations)
-    if (declaration.name == name && declaration.meaning == meaning) return &declaration;
+    if (is_same(declaration, wanted)) return &declaration;
   return nullptr;
 }
 
@@ -81,12 +90,11 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   parameter.unit = first.unit;
   parameter.allowed = first.allowed;
   parameter.meaning = first.meaning;
-  const auto asked = [&](const Visit& visit) {
-    return find(visit, first.name, first.meaning) != nullptr;
-  };
+  const auto asked = [&](const Visit& visit) { return find(visit, first) != nullptr; };
   std::set<std::string> choices;
   for (const Visit& visit : visits)
-    for (const auto& choice : visit.choices) choices.insert(choice.first);
+    for (const auto& choice : visit.choices)
+      if (kDeciding.count(choice.first) != 0) choices.insert(choice.first);
   for (const std::string& choice : choices) {
     const std::set<std::string> with = values(visits, choice, asked);
     const std::set<std::string> all = values(visits, choice, [](const Visit&) { return true; });
@@ -94,7 +102,7 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   }
   parameter.required = true;
   for (const Visit& visit : visits) {
-    const config::Declaration* declaration = find(visit, first.name, first.meaning);
+    const config::Declaration* declaration = find(visit, first);
     if (declaration == nullptr) {
       // Not asked for although it might have been: a reader that looks first whether it is there.
       if (holds(parameter, visit)) parameter.required = false;
@@ -158,11 +166,18 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
   }
   for (Section& section : sections) {
     const std::vector<Visit> visits = visits_of(readings, section.path);
-    std::set<std::pair<std::string, std::string>> seen;
-    for (const Visit& visit : visits)
-      for (const config::Declaration& declaration : visit.declarations)
-        if (seen.insert({declaration.name, declaration.meaning}).second)
-          section.parameters.push_back(describe(declaration, visits));
+    std::vector<config::Declaration> seen;
+    for (const Visit& visit : visits) {
+      for (const config::Declaration& declaration : visit.declarations) {
+        // Any component may have one.
+        if (declaration.name == "fallback" && declaration.type == "section") continue;
+        if (std::any_of(seen.begin(), seen.end(),
+                        [&](const auto& known) { return is_same(known, declaration); }))
+          continue;
+        seen.push_back(declaration);
+        section.parameters.push_back(describe(declaration, visits));
+      }
+    }
   }
   sort_by_tree(sections);
   const std::vector<Section> all = sections;
