@@ -21,7 +21,8 @@ class Examples(ProcessTest):
             steered = self.run_example(
                 "steer_a_point.py", "--to", 0.25, 0.03, 0.08, "--within", 1.5, "--for", 90
             )
-            self.assertEqual(steered.returncode, 0, steered.stderr + daemon.output())
+            said = steered.stderr + daemon.output() + simulator.output()
+            self.assertEqual(steered.returncode, 0, said)
             simulator.end()
         self.assertRegex(steered.stdout, r"1\.[0-4]\d mm to go\n$|0\.\d\d mm to go\n$|1\.50 mm")
 
