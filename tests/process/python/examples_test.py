@@ -21,7 +21,8 @@ class Examples(ProcessTest):
             steered = self.run_example(
                 "steer_a_point.py", "--to", 0.25, 0.03, 0.08, "--within", 1.5, "--for", 90
             )
-            self.assertEqual(steered.returncode, 0, steered.stderr + daemon.output())
+            said = steered.stderr + daemon.output() + simulator.output()
+            self.assertEqual(steered.returncode, 0, said)
             simulator.end()
         self.assertRegex(steered.stdout, r"1\.[0-4]\d mm to go\n$|0\.\d\d mm to go\n$|1\.50 mm")
 
@@ -29,7 +30,7 @@ class Examples(ProcessTest):
         log = palpate.read_log(path, clock="sent")
         feature = palpate.feature_error(log)
         self.assertGreater(feature.distance[0], 0.018)
-        self.assertLess(feature.distance[-1], 0.003)
+        self.assertLess(feature.distance[-1], 0.004)
 
         scores, picture = self.folder / "scores.json", self.folder / "error.png"
         plotted = self.run_example(
