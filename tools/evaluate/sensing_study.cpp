@@ -78,7 +78,7 @@ struct Run {
 };
 
 SensingScene scene_of(const StudyJob& job) {
-  return {job.scene, job.scene_overrides, job.configuration, {}};
+  return {job.scene, job.scene_overrides, job.configuration, {}, job.duration};
 }
 
 Json scored(const Run& run, bool pictures) {
@@ -231,8 +231,8 @@ std::optional<int> SensingStudyCommand::run(const fs::path& root, std::ostream& 
     return 0;
   }
   for (const StudyJob& job : jobs)
-    if (job.kind != "force")
-      throw std::invalid_argument(job.application + ": only kind force can be replayed");
+    if (job.kind == "control")
+      throw std::invalid_argument(job.application + ": what is controlled cannot be replayed");
   catch_interruptions();
   report.folder = fs::absolute(o.output);
   fs::create_directories(report.folder);

@@ -8,9 +8,9 @@
 
 namespace palpate::evaluate {
 
-/// The command `published-sensing`: a plan of kind `force` in which the hand's motion does not
-/// depend on the estimate, so that each application is simulated once for each level and seed, and
-/// every method then runs on the very same recording (palpate-replay).
+/// The command `published-sensing`: a plan of kinds `force` and `tactile`, in which the hand's
+/// motion does not depend on the estimate, so that each application is simulated once for each
+/// level and seed, and every method then runs on the very same recording (palpate-replay).
 class SensingStudyCommand {
  public:
   explicit SensingStudyCommand(CLI::App& app);

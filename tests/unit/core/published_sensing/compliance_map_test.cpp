@@ -18,7 +18,7 @@ TEST(ComplianceProcessTest, MapsASurfaceByTouchingWhereItIsKnownLeast) {
   ComplianceProcess process(ComplianceProcess::Options{});
   EXPECT_NEAR(process.at(places.col(0)).deviation, 1, 1e-9);
   double before = 0;
-  for (int touches = 0; touches < 16; ++touches) {
+  for (int touches = 0; touches < 24; ++touches) {
     const Eigen::Index next = process.least_known(places);
     process.add(places.col(next), truth(places.col(next)));
     double worst = 0;
