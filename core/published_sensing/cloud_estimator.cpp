@@ -62,7 +62,11 @@ sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
   const bool is_new =
       inputs.observation.freshness == Freshness::kNew && inputs.observation.points_O.cols() > 0;
   unseen_for_ = is_new ? 0 : unseen_for_ + dt;
-  if (unseen_for_ > options_.patience) trouble = "nothing is seen of the shape";
+  if (unseen_for_ > options_.patience) {
+    trouble = "nothing is seen of the shape";
+    // A hand that is known goes on; what was seen long ago would hold the shape back.
+    if (options_.hand) matches_.reset();
+  }
   if (is_new) matches_.begin(inputs.observation.points_O);
   seen_ = seen_ || is_new;
   if (matches_.advance(model.positions())) take(model);

@@ -1,6 +1,7 @@
 #include "rt/component/published_sensing_registry.hpp"
 
 #include "core/published_sensing/cloud_driven_fem.hpp"
+#include "core/published_sensing/compliance_map.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
 #include "core/published_sensing/evolved_mass_spring.hpp"
 #include "core/published_sensing/mass_spring_em.hpp"
@@ -90,6 +91,19 @@ std::unique_ptr<estimation::Estimator> make_learned_shape(const config::Node& no
   return std::make_unique<LearnedShape>(context.object->body, model, average);
 }
 
+ComplianceMap::Options read_compliance_map(const config::Node& node) {
+  ComplianceMap::Options options;
+  options.process.length = node.number("length", {1e-4, 1}, options.process.length);
+  options.process.deviation =
+      node.number("log_compliance_deviation", {1e-3, 10}, options.process.deviation);
+  options.process.noise = node.number("log_compliance_noise", {1e-3, 10}, options.process.noise);
+  options.process.mean = node.number("compliance", {1e-9, 10}, options.process.mean);
+  options.footprint = node.number("footprint", {1e-4, 1}, options.footprint);
+  options.least_force = node.number("least_force", {1e-3, 100}, options.least_force);
+  options.every = node.number("every_ms", {1, 1e5}, options.every * 1e3) * 1e-3;
+  return options;
+}
+
 void read_curve(const config::Node& node, CurveFit::Options& options) {
   read_cloud(node, options);
   options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
@@ -132,9 +146,9 @@ ProbeAndFit::Options read_probe_and_fit(const config::Node& node) {
 
 const std::vector<std::string>& published_sensing_names() {
   static const std::vector<std::string> names{
-      "cloud_driven_fem", "voxel_mass_spring",   "shape_matching_fit",
-      "mass_spring_em",   "euler_bernoulli_fit", "spline_fit",
-      "probe_and_fit",    "evolved_mass_spring", "learned_shape"};
+      "cloud_driven_fem",    "voxel_mass_spring", "shape_matching_fit", "mass_spring_em",
+      "euler_bernoulli_fit", "spline_fit",        "probe_and_fit",      "evolved_mass_spring",
+      "learned_shape",       "compliance_map"};
   return names;
 }
 
@@ -151,6 +165,7 @@ std::unique_ptr<estimation::Estimator> make_published_sensing(const std::string&
     return make<EulerBernoulliFit>(read_euler_bernoulli_fit(node), context);
   if (name == "evolved_mass_spring")
     return make<EvolvedMassSpring>(read_evolved_mass_spring(node), context);
+  if (name == "compliance_map") return make<ComplianceMap>(read_compliance_map(node), context);
   if (name == "learned_shape") return make_learned_shape(node, context);
   if (name == "spline_fit") return make<SplineFit>(read_spline_fit(node), context);
   return make<ProbeAndFit>(read_probe_and_fit(node), context);

@@ -16,6 +16,7 @@
 #include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"
 #include "tools/evaluate/score.hpp"
+#include "tools/evaluate/sensing_study.hpp"
 #include "tools/evaluate/sensing_training.hpp"
 #include "tools/evaluate/sensing_tuning.hpp"
 #include "tools/evaluate/sensors.hpp"
@@ -144,12 +145,7 @@ int run(CLI::App& app, int argc, char** argv) {
             "errors",
             "tools/evaluate/control.yaml"});
 
-  StudyCommand published_sensing(
-      app,
-      {"published-sensing", "the published sensing methods beside palpate's, seen by a camera",
-       "the sensing methods of the thesis' Table 2.1 on one plant, with a camera that sees well, "
-       "badly and not at all times",
-       "tools/evaluate/published_sensing.yaml"});
+  SensingStudyCommand published_sensing(app);
 
   TuneSensingCommand tune_sensing(app);
   TrainSensingCommand train_sensing(app);
@@ -163,8 +159,9 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
-  for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
+  for (StudyCommand* study : {&thesis, &estimate, &control})
     if (const auto code = study->run(root, std::cout)) return *code;
+  if (const auto code = published_sensing.run(root, std::cout)) return *code;
   if (const auto code = tune_sensing.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;

@@ -29,8 +29,9 @@ std::int64_t sent_at(const bus::LoggedEvent& event) {
 /// Writes what comes from sensors, each at the simulator's time when it came: in lock-step the
 /// log's own times are those of a machine that may be slow.
 void keep_sensors(const fs::path& from, const fs::path& to) {
-  static const std::set<std::string> kSensors{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE",
-                                              "SHAPE_OBSERVATION"};
+  static const std::set<std::string> kSensors{
+      "FT_WRENCH", "IMU",      "ROBOT_STATE", "HAND_STATE", "SHAPE_OBSERVATION",
+      "BIOTAC_0",  "BIOTAC_1", "BIOTAC_2",    "BIOTAC_3",   "BIOTAC_4"};
   bus::EventLogReader reader(from.string());
   lcm::LogFile writer(to.string(), "w");
   if (!writer.good()) throw RunFailed(to.string() + " cannot be written");
@@ -49,6 +50,7 @@ void keep_sensors(const fs::path& from, const fs::path& to) {
 }
 
 double motion_duration(const SensingScene& scene) {
+  if (scene.duration > 0) return scene.duration;
   const auto motion =
       scenes::read_scene(config::Node::load_file(scene.scene.string(), scene.scene_overrides))
           .motion;

@@ -20,6 +20,7 @@ struct SensingScene {
   std::vector<std::string> scene_overrides;
   std::filesystem::path configuration;
   std::vector<std::string> daemon_overrides;
+  double duration = 0;  // s; 0: that of the scene's motion
 };
 
 /// Simulates the scene in lock-step, or takes what an earlier call has left in `folder` of the same
