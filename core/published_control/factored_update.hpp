@@ -4,16 +4,15 @@
 
 namespace palpate::published_control {
 
-/// Alambeigi, Wang, Hegeman, Liu and Armand, "Autonomous data-driven manipulation of unknown
-/// anisotropic deformable tissues using unmodelled continuum manipulators", IEEE Robotics and
-/// Automation Letters 4(2), 2018: row [54] of Table 2.2.
+/// Alambeigi, Wang, Hegeman, Liu and Armand, "A robust data-driven approach for online learning and
+/// manipulation of unmodeled 3-D heterogeneous compliant objects", IEEE Robotics and Automation
+/// Letters 3(4), 2018: row [54] of Table 2.2.
 ///
 /// Consumes: image features (vision, see TwoCameraView), the hand's pose, six probes; no model.
 /// Kept: the Jacobian is a product of two unknown ones, of the image by the deformation and of the
 /// deformation by the hand, J = A B, both learnt on line as the object changes: each by the
 /// rank-one update that is smallest given the other, with half of what is left to explain. Left
-/// out: the constrained least squares by which the paper estimates both, the cut in mid-run (the
-/// plant cannot be cut; a part that is stiffer stands for an unlike object), their continuum robot.
+/// out: the constrained least squares by which the paper estimates both, their continuum robot.
 class FactoredUpdate final : public JacobianUpdate {
  public:
   /// Throws std::invalid_argument where gain is not in (0, 1].

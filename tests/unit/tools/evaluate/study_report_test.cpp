@@ -138,11 +138,11 @@ TEST(StudyOverview, ALineARunOfWhatItScored) {
   std::ostringstream out;
   write_runs_csv(report.results, out);
   const std::string csv = out.str();
-  EXPECT_THAT(csv, HasSubstr("application,method,model_error,seed,outcome,"
+  EXPECT_THAT(csv, HasSubstr("application,method,model_error,seed,outcome,version,inputs_hash,"
                              "belief/young_modulus_kpa,score/feature/error_mm\r\n"));
-  EXPECT_THAT(csv, HasSubstr(",first,none,1,done,25.5,3.0\r\n"));
-  EXPECT_THAT(csv, HasSubstr(",first,none,2,done,,3.0\r\n"));
-  EXPECT_THAT(csv, HasSubstr(",second,none,1,failed,,\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",first,none,1,done," PALPATE_VERSION ",,25.5,3.0\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",first,none,2,done," PALPATE_VERSION ",,,3.0\r\n"));
+  EXPECT_THAT(csv, HasSubstr(",second,none,1,failed," PALPATE_VERSION ",,,\r\n"));
 }
 
 TEST(StudyPage, NoTextIsMarkup) {
