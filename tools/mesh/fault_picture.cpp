@@ -110,7 +110,10 @@ class Scene {
   void draw(camera::Renderer& renderer, std::size_t kind, double ball) const {
     const Fault& fault = faults_[kind];
     camera::MeshStyle style;
-    style.colour = colour_of(kind);
+    // What is less bad does not hide the worst.
+    const Colour colour = colour_of(kind);
+    style.colour = colour;
+    style.colour.alpha = kind == 0 ? 1.0F : 0.45F;
     style.edges = kDark;
     style.shading = camera::Shading::kFlat;
     if (!fault.faces.empty()) {
@@ -123,15 +126,14 @@ class Scene {
       }
       renderer.draw_mesh(points, triangles, style);
     }
-    for (const auto& [a, b] : fault.lines)
-      renderer.draw_line(place_of(a), place_of(b), 5, style.colour);
+    for (const auto& [a, b] : fault.lines) renderer.draw_line(place_of(a), place_of(b), 5, colour);
     // Where there are many they can be seen without.
     if (fault.points.size() > kMostBalls && !fault.faces.empty()) return;
     for (std::size_t i = 0; i < std::min(kMostSingleBalls, fault.points.size()); ++i) {
       if (!fault.points[i].allFinite()) continue;
       math::Pose at = math::Pose::Identity();
       at.translation() = place_of(fault.points[i]);
-      renderer.draw_sphere(at, ball, style.colour);
+      renderer.draw_sphere(at, ball, colour);
     }
   }
 
