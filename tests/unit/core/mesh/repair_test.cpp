@@ -18,7 +18,7 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr int kMeshes = 150;
+constexpr int kMeshes = 60;
 
 using Break = std::function<void(MeshWithGroups&, RandomMeshes&)>;
 
