@@ -76,7 +76,7 @@ class Scene {
       }
       Vector3d direction = Vector3d(0.45, -1, 0.5).normalized();
       if (place.norm() > 0.05) direction = (direction + 1.5 * place.normalized()).normalized();
-      const double distance = std::clamp(7 * size, 0.35, 1.6);
+      const double distance = std::clamp(7 * size, 0.6, 1.6);
       std::string label = "from near: " + fault.kind;
       if (!fault.numbers.empty() && fault.numbers.front() >= 0)
         label += " " + std::to_string(fault.numbers.front());
@@ -95,14 +95,16 @@ class Scene {
   camera::Image draw(const Vector3d& target, const Vector3d& direction, double distance,
                      double ball, const std::string& label) const {
     camera::Renderer renderer(kPanel, kHeight, kSupersampling);
-    renderer.begin(camera::make_view(target + distance * direction, target, Vector3d::UnitZ(),
-                                     kFieldOfView, kPanel, kHeight));
+    const camera::View view = camera::make_view(target + distance * direction, target,
+                                                Vector3d::UnitZ(), kFieldOfView, kPanel, kHeight);
+    renderer.begin(view);
     camera::MeshStyle style;
     style.colour = kBody;
     style.edges = kWire;
     if (body_.triangle_count() > 0) renderer.draw_mesh(body_.points, body_.triangles, style);
     for (std::size_t kind = faults_.size(); kind-- > 0;) draw(renderer, kind, ball);
     camera::Image image = renderer.end();
+    for (std::size_t kind = faults_.size(); kind-- > 0;) frame(image, kind, view);
     if (!label.empty()) camera::draw_text(image, 12, 12, label, Colour{0.15F, 0.18F, 0.22F, 1}, 2);
     return image;
   }
@@ -110,7 +112,10 @@ class Scene {
   void draw(camera::Renderer& renderer, std::size_t kind, double ball) const {
     const Fault& fault = faults_[kind];
     camera::MeshStyle style;
-    style.colour = colour_of(kind);
+    // What is less bad does not hide the worst.
+    const Colour colour = colour_of(kind);
+    style.colour = colour;
+    style.colour.alpha = kind == 0 ? 1.0F : 0.45F;
     style.edges = kDark;
     style.shading = camera::Shading::kFlat;
     if (!fault.faces.empty()) {
@@ -123,15 +128,34 @@ class Scene {
       }
       renderer.draw_mesh(points, triangles, style);
     }
-    for (const auto& [a, b] : fault.lines)
-      renderer.draw_line(place_of(a), place_of(b), 5, style.colour);
+    for (const auto& [a, b] : fault.lines) renderer.draw_line(place_of(a), place_of(b), 5, colour);
     // Where there are many they can be seen without.
     if (fault.points.size() > kMostBalls && !fault.faces.empty()) return;
     for (std::size_t i = 0; i < std::min(kMostSingleBalls, fault.points.size()); ++i) {
       if (!fault.points[i].allFinite()) continue;
       math::Pose at = math::Pose::Identity();
       at.translation() = place_of(fault.points[i]);
-      renderer.draw_sphere(at, ball, style.colour);
+      renderer.draw_sphere(at, ball, colour);
+    }
+  }
+
+  /// A square round each place of a few, whatever hides it.
+  void frame(camera::Image& image, std::size_t kind, const camera::View& view) const {
+    constexpr int kHalf = 11, kLine = 3;  // px
+    if (faults_[kind].points.size() > kMostBalls) return;
+    for (const Vector3d& point : faults_[kind].points) {
+      if (!point.allFinite()) continue;
+      const Vector3d p = view.X_WC.inverse() * place_of(point);
+      if (p.z() < view.near) continue;
+      const double x = view.intrinsics.fx * p.x() / p.z() + view.intrinsics.cx,
+                   y = view.intrinsics.fy * p.y() / p.z() + view.intrinsics.cy;
+      if (!(x > kHalf && x < kPanel - kHalf && y > kHalf && y < kHeight - kHalf)) continue;
+      const int left = static_cast<int>(x) - kHalf, top = static_cast<int>(y) - kHalf;
+      const Colour colour = colour_of(kind);
+      camera::draw_rectangle(image, left, top, 2 * kHalf, kLine, colour);
+      camera::draw_rectangle(image, left, top + 2 * kHalf - kLine, 2 * kHalf, kLine, colour);
+      camera::draw_rectangle(image, left, top, kLine, 2 * kHalf, colour);
+      camera::draw_rectangle(image, left + 2 * kHalf - kLine, top, kLine, 2 * kHalf, colour);
     }
   }
 
@@ -195,10 +219,9 @@ void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& fa
   for (std::size_t kind = 0; kind < faults.size(); ++kind) {
     const Fault& fault = faults[kind];
     if (fault.points.empty() && fault.faces.empty() && fault.lines.empty()) continue;
-    std::string label = fault.numbers.empty()
-                            ? fault.text
-                            : std::to_string(fault.numbers.size()) + " " + fault.text;
-    constexpr std::size_t kLongest = 58;
+    std::string label = fault.text;
+    if (!fault.numbers.empty()) label += ": " + std::to_string(fault.numbers.size());
+    constexpr std::size_t kLongest = 115;
     if (label.size() > kLongest) label = label.substr(0, kLongest - 3) + "...";
     legend.push_back({label, colour_of(kind)});
   }

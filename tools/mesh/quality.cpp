@@ -79,7 +79,8 @@ Quality measure_quality(const mesh::TetrahedralMesh& mesh) {
                           c = mesh.nodes.col(surface.triangles(2, t));
     quality.area += 0.5 * (b - a).cross(c - a).norm();
   }
-  Distribution volumes{"volume, m^3", "volume_m3", {}}, edges{"edge length, m", "edge_m", {}},
+  Distribution volumes{"volume of an element, m^3", "element_volume_m3", {}},
+      edges{"edge length, m", "edge_m", {}},
       smallest{"smallest dihedral angle, deg", "smallest_angle_deg", {}},
       largest{"largest dihedral angle, deg", "largest_angle_deg", {}},
       ratio{"radius ratio", "radius_ratio", {}}, jacobian{"scaled Jacobian", "scaled_jacobian", {}},

@@ -1,10 +1,13 @@
 // Mesh files: the first byte is the format, '%' separates the two files of TetGen and what a .veg
-// includes.
+// includes. A capital letter reads faults and all, and repairs.
 
+#include <cctype>
 #include <cmath>
 #include <sstream>
 
 #include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_writer.hpp"
+#include "core/mesh/repair.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/tetgen.hpp"
 #include "core/mesh/vega.hpp"
@@ -33,11 +36,29 @@ const char* kTenNodes =
 
 mesh::MeshWithGroups read(char format, const std::string& first, const std::string& second) {
   std::istringstream stream(first), other(second);
-  if (format == 'g') return mesh::read_gmsh(stream, "a.msh");
-  if (format == 'v')
-    return mesh::read_vega(stream, "a.veg", [&second](const std::string&) { return second; });
-  return {mesh::read_tetgen(stream, "a.node", other, "a.ele"), {}, {}};
+  const bool keeps = std::isupper(static_cast<unsigned char>(format)) != 0;
+  const auto on_fault = keeps ? mesh::OnFault::kKeep : mesh::OnFault::kThrow;
+  const int kind = std::tolower(static_cast<unsigned char>(format));
+  if (kind == 'g') return mesh::read_gmsh(stream, "a.msh", on_fault);
+  if (kind == 'v')
+    return mesh::read_vega(
+        stream, "a.veg", [&second](const std::string&) { return second; }, on_fault);
+  return {mesh::read_tetgen(stream, "a.node", other, "a.ele", on_fault), {}, {}};
 }
+
+/// A binary .msh of a box of six tetrahedra.
+std::string binary_gmsh(mesh::GmshVersion version, mesh::ElementOrder order) {
+  mesh::MeshWithGroups box{mesh::make_box({1, 1, 1}, {1, 1, 1}), {}, {}};
+  box.groups["half"].tetrahedra = {0, 1, 2};
+  std::ostringstream out;
+  mesh::write_gmsh(box, {version, mesh::Encoding::kBinary, order}, out);
+  return "g" + out.str();
+}
+
+const char* kMixed =
+    "G$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n"
+    "5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n9 .5 .5 2\n$EndNodes\n$Elements\n3\n"
+    "9 5 0 1 2 3 4 5 6 7 8\n10 7 0 5 6 7 8 9\n11 4 0 1 2 3 77\n$EndElements\n";
 
 /// What a reader promises of a mesh that it returns.
 void check(const mesh::MeshWithGroups& read) {
@@ -60,6 +81,22 @@ void check(const mesh::MeshWithGroups& read) {
   }
 }
 
+/// What a repair promises, whatever it was given.
+void check_repaired(const mesh::MeshWithGroups& repaired) {
+  const mesh::MeshReport report = mesh::check(repaired.mesh);
+  require(report.unused_nodes.empty() || !repaired.others.empty(), "no stray nodes");
+  require(repaired.node_numbers.size() == static_cast<std::size_t>(repaired.mesh.node_count()) &&
+              repaired.tetrahedron_numbers.size() ==
+                  static_cast<std::size_t>(repaired.mesh.tetrahedron_count()),
+          "numbers of all nodes and elements");
+  for (const auto& [name, group] : repaired.groups) {
+    for (const int t : group.tetrahedra)
+      require(t >= 0 && t < repaired.mesh.tetrahedron_count(), "tetrahedra of a group");
+    for (const int n : group.nodes)
+      require(n >= 0 && n < repaired.mesh.node_count(), "nodes of a group");
+  }
+}
+
 }  // namespace
 
 std::vector<std::string> seeds() {
@@ -68,6 +105,12 @@ std::vector<std::string> seeds() {
           "t" + node + "%1 10 0\n1 1 2 3 4 5 5 5 5 5 5\n",
           std::string("g") + kGmsh2,
           std::string("g") + kGmsh4,
+          std::string("G") + kGmsh4,
+          kMixed,
+          "T" + node + "%" + ele,
+          binary_gmsh(mesh::GmshVersion::k2_2, mesh::ElementOrder::kLinear),
+          binary_gmsh(mesh::GmshVersion::k4_1, mesh::ElementOrder::kLinear),
+          binary_gmsh(mesh::GmshVersion::k4_1, mesh::ElementOrder::kQuadratic),
           std::string("g") + kTenNodes,
           "v*VERTICES\n" + node + "*ELEMENTS\nTETS\n" + ele + "*SET middle\n1, 2\n*REGION\n",
           "v*VERTICES\n*INCLUDE a.node\n*ELEMENTS\nTET\n" + ele + "%" + node};
@@ -83,6 +126,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const std::string second = cut == std::string::npos ? "" : text.substr(cut + 1);
   try {
     mesh::MeshWithGroups read = fuzz::read(static_cast<char>(data[0]), text.substr(0, cut), second);
+    if (std::isupper(data[0]) != 0) {
+      mesh::repair(read, {});
+      fuzz::check_repaired(read);
+      return 0;
+    }
     mesh::orient(read.mesh);
     try {
       mesh::keep_curved_volume(read.mesh, read.middles);
@@ -92,7 +140,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   } catch (const mesh::ParseError& error) {
     const std::string what = error.what();
     // What a .veg includes may have a name of any bytes, a zero among them.
-    fuzz::require(data[0] == 'v' || what.find("a.") == 0, "an error names its file");
+    fuzz::require(std::tolower(data[0]) == 'v' || what.find("a.") == 0, "an error names its file");
   }
   return 0;
 }
