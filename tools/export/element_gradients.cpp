@@ -1,6 +1,7 @@
 #include "tools/export/element_gradients.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -19,6 +20,14 @@ struct Quadratic {
         slope{4 * s - 3, 4 - 8 * s, 4 * s - 1} {}
   std::array<double, 3> value, slope;
 };
+
+/// Whether each place of the grid of 3 x 3 x 3 nodes is taken once.
+bool is_whole(const Eigen::Matrix3Xi& places) {
+  std::array<bool, kHexahedronNodes> taken{};
+  for (const auto& place : places.colwise())
+    taken[static_cast<std::size_t>(place.x() + 3 * place.y() + 9 * place.z())] = true;
+  return std::all_of(taken.begin(), taken.end(), [](bool is_taken) { return is_taken; });
+}
 
 Eigen::Matrix3Xd corners_of(const Eigen::Matrix3Xd& nodes, const Eigen::MatrixXi& elements, int e) {
   Eigen::Matrix3Xd corners(3, elements.rows());
@@ -86,6 +95,8 @@ void ElementGradients::add_hexahedra(const Eigen::Matrix3Xd& nodes) {
     const Eigen::Matrix3Xi places = grid_places(corners);
     const Eigen::Vector3d size = corners.rowwise().maxCoeff() - corners.rowwise().minCoeff();
     if (!(size.prod() > 0)) throw std::runtime_error("a mesh with a hexahedron without volume");
+    if (!is_whole(places))
+      throw std::runtime_error("a mesh with a hexahedron that is no box at rest");
     for (int p = 0; p < points_; ++p) {
       const Quadratic x(0.5 + (p & 1 ? offset : -offset)), y(0.5 + (p & 2 ? offset : -offset)),
           z(0.5 + (p & 4 ? offset : -offset));

@@ -36,7 +36,8 @@ void print_row(std::ostream& out, const ChannelSurvey& channel) {
 }
 
 void print_sessions(std::ostream& out, const ChannelSurvey& channel) {
-  for (const auto& [session, sequence] : channel.sessions) {
+  for (const auto& [session, entry] : channel.sessions) {
+    const log::Sequence& sequence = entry.sequence;
     const bool is_odd = sequence.lost() + sequence.late() + sequence.repeated() > 0;
     if (channel.sessions.size() < 2 && !is_odd) continue;
     out << "    " << channel.channel << ", session " << hex(static_cast<std::uint64_t>(session))
@@ -96,12 +97,15 @@ nlohmann::json info_json(const Survey& survey) {
   nlohmann::json channels = nlohmann::json::array();
   for (const ChannelSurvey& channel : survey.channels) {
     nlohmann::json sessions = nlohmann::json::array();
-    for (const auto& [session, sequence] : channel.sessions)
+    for (const auto& [session, entry] : channel.sessions) {
+      const log::Sequence& sequence = entry.sequence;
       sessions.push_back({{"session", hex(static_cast<std::uint64_t>(session))},
                           {"messages", sequence.received()},
                           {"lost", sequence.lost()},
                           {"overtaken", sequence.late()},
-                          {"repeated", sequence.repeated()}});
+                          {"repeated", sequence.repeated()},
+                          {"strange_clock", survey.strange_clocks.count(session) > 0}});
+    }
     channels.push_back({{"channel", channel.channel},
                         {"type", channel.type ? nlohmann::json(channel.type->name) : nullptr},
                         {"fingerprint", hex(channel.fingerprint)},

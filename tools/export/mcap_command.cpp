@@ -27,8 +27,12 @@ void add_mcap(CLI::App& app, std::function<void()>& chosen) {
   add_source(*command, options->source);
   add_channels(*command, options->source);
   command->add_option("--compression", options->mcap.compression, "none, lz4 or zstd")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Compression>{
-          {"none", Compression::kNone}, {"lz4", Compression::kLz4}, {"zstd", Compression::kZstd}}))
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, Compression>{{"none", Compression::kNone},
+                                                                     {"lz4", Compression::kLz4},
+                                                                     {"zstd", Compression::kZstd}})
+              .description(""))
+      ->type_name("KIND")
       ->default_str("zstd");
   command
       ->add_option("--scene-rate", options->mcap.scene_rate,

@@ -1,7 +1,9 @@
 #include "tools/export/mcap_export.hpp"
 
 #include <algorithm>
+#include <iostream>
 #include <map>
+#include <stdexcept>
 
 #include "rt/bus/checked_decode.hpp"
 #include "rt/bus/event_log.hpp"
@@ -29,7 +31,12 @@ class Exporter {
       if (source.is_selected(channel)) add_channel(channel);
     const bool wants_scene = options.scene_rate > 0 && ShapeFollower::is_possible(source) &&
                              (selects("SHAPE") || selects("TRUTH_SHAPE"));
-    if (wants_scene) follower_.emplace(source, FollowerOptions{});
+    if (!wants_scene) return;
+    try {
+      follower_.emplace(source, FollowerOptions{});
+    } catch (const std::runtime_error& error) {
+      std::cerr << "warning: no scenes for 3-D views: " << error.what() << std::endl;
+    }
   }
 
   std::vector<Written> write() {

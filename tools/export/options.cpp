@@ -13,11 +13,16 @@ void add_source(CLI::App& command, SourceOptions& options) {
       ->required()
       ->check(CLI::ExistingFile);
   command
-      .add_option("--clock", options.clock,
-                  "What times go by: 'received', when the log received a message (one clock for "
-                  "all), or 'sent', the utime of its sender (for runs in lock-step)")
-      ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Clock>{{"received", Clock::kReceived}, {"sent", Clock::kSent}}))
+      .add_option(
+          "--clock", options.clock,
+          "What times go by: 'received', when the log received a message (one clock for "
+          "all), or 'sent', the utime of its sender (for runs in lock-step; senders with quite "
+          "another clock, as a user, count as sent when those before them in the log were)")
+      ->transform(
+          CLI::CheckedTransformer(
+              std::map<std::string, Clock>{{"received", Clock::kReceived}, {"sent", Clock::kSent}})
+              .description(""))
+      ->type_name("received|sent")
       ->default_str("received");
   command.add_option("--from", options.from, "s since the beginning; what is earlier is left out");
   command.add_option("--to", options.to, "s since the beginning; what is later is left out");

@@ -26,12 +26,14 @@ void add_drawing(CLI::App& command, Options& options) {
           "What colours show: displacement from rest, deviation from the truth, uncertainty "
           "(standard deviation), equivalent strain, von Mises stress, or none")
       ->transform(CLI::CheckedTransformer(
-          std::map<std::string, Quantity>{{"none", Quantity::kNone},
-                                          {"displacement", Quantity::kDisplacement},
-                                          {"deviation", Quantity::kDeviation},
-                                          {"uncertainty", Quantity::kUncertainty},
-                                          {"strain", Quantity::kStrain},
-                                          {"stress", Quantity::kStress}}))
+                      std::map<std::string, Quantity>{{"none", Quantity::kNone},
+                                                      {"displacement", Quantity::kDisplacement},
+                                                      {"deviation", Quantity::kDeviation},
+                                                      {"uncertainty", Quantity::kUncertainty},
+                                                      {"strain", Quantity::kStrain},
+                                                      {"stress", Quantity::kStress}})
+                      .description(""))
+      ->type_name("QUANTITY")
       ->default_str("displacement");
   command
       .add_option("--range", options.range,
@@ -83,7 +85,8 @@ void add_png(CLI::App& app, std::function<void()>& chosen) {
   add_source(*command, options->source);
   command->add_option("--at", options->times,
                       "s since the beginning of the logs; several make several pictures, with the "
-                      "same scale and camera (default: the last shape)");
+                      "same scale and camera (default: the last shape that"
+                      " tells what --colour asks for)");
   add_drawing(*command, *options);
   command->add_option("-o,--output", options->output, "File to write, .png")->required();
   command->callback([options, &chosen] {

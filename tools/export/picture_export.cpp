@@ -28,7 +28,12 @@ std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& o
   std::vector<Instant> shown;
   std::size_t next = 0;
   std::optional<Instant> held;
+  bool is_told = false;
   follower.each("looking for shapes", [&](const Instant& instant) {
+    // Recordings often end with shapes that there is no truth to: the last that can be coloured.
+    const bool tells_it = tells(instant, options.quantity);
+    if (times.empty() && is_told && !tells_it) return;
+    is_told = tells_it;
     for (; next < times.size() && times[next] < instant.time; ++next)
       if (held) shown.push_back(*held);
     held = instant;

@@ -8,9 +8,9 @@
 
 namespace palpate::exporting {
 
-/// Draws the shapes at these times (s since the beginning of the logs), or the last one where none
-/// is given, to `file`; several to names with the time before the ending. Throws
-/// std::runtime_error.
+/// Draws the shapes at these times (s since the beginning of the logs), or the last one that tells
+/// the quantity where none is given, to `file`; several to names with the time before the ending.
+/// Throws std::runtime_error.
 std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& options,
                                 std::vector<double> times, const std::filesystem::path& file);
 

@@ -14,10 +14,12 @@ namespace {
 
 constexpr int kPieces = 900;  // of time, each drawn by its least and greatest value
 
-/// A curve that never holds more than two points for each piece of time.
+/// A curve that never holds more than two points for each piece of time, and is broken where more
+/// than `silence` seconds pass without a message.
 class Envelope {
  public:
-  Envelope(double begin, double end) : begin_(begin), width_((end - begin) / kPieces) {}
+  Envelope(double begin, double end, double silence)
+      : begin_(begin), width_((end - begin) / kPieces), silence_(std::max(silence, 3 * width_)) {}
 
   void add(double time, double value) {
     if (!std::isfinite(value)) return;
@@ -39,6 +41,10 @@ class Envelope {
       const bool is_rising = pair.first.time <= pair.second.time;
       const Point& first = is_rising ? pair.first : pair.second;
       const Point& second = is_rising ? pair.second : pair.first;
+      if (!curve.x.empty() && first.time - curve.x.back() > silence_) {
+        curve.x.push_back(0.5 * (first.time + curve.x.back()));
+        curve.y.push_back(std::numeric_limits<double>::quiet_NaN());
+      }
       curve.x.push_back(first.time);
       curve.y.push_back(first.value);
       if (first.time == second.time) continue;
@@ -52,7 +58,7 @@ class Envelope {
   struct Point {
     double time = 0, value = 0;
   };
-  double begin_, width_;
+  double begin_, width_, silence_;
   std::map<int, std::pair<Point, Point>> pieces_;
   std::int64_t count_ = 0;
 };
@@ -138,7 +144,9 @@ Selected select(const Survey& survey, const std::string& text, double begin, dou
     for (const int index : selected.indices)
       if (unit_text(field, index) != selected.unit) selected.unit += ", " + unit_text(field, index);
   }
-  selected.curves.assign(selected.titles.size(), Envelope(begin, end));
+  constexpr double kSilence = 10;  // times the mean distance of two messages
+  const double silence = kSilence * (end - begin) / static_cast<double>(channel.messages);
+  selected.curves.assign(selected.titles.size(), Envelope(begin, end, silence));
   return selected;
 }
 

@@ -57,48 +57,6 @@ std::string text_of_kind(const std::uint8_t* bytes, std::size_t size) {
 
 }  // namespace
 
-QuantityText text_of(Quantity quantity) {
-  switch (quantity) {
-    case Quantity::kDisplacement:
-      return {"displacement", "mm", 1e3};
-    case Quantity::kDeviation:
-      return {"deviation from truth", "mm", 1e3};
-    case Quantity::kUncertainty:
-      return {"standard deviation", "mm", 1e3};
-    case Quantity::kStrain:
-      return {"equivalent strain", "%", 100};
-    case Quantity::kStress:
-      return {"von Mises stress", "kPa", 1e-3};
-    case Quantity::kNone:
-      break;
-  }
-  return {};
-}
-
-Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity) {
-  const bool is_estimate = instant.estimate_mesh != nullptr;
-  const ShapeEvaluator* evaluator = is_estimate ? instant.estimate_mesh : instant.truth_mesh;
-  if (evaluator == nullptr) return {};
-  const Eigen::Matrix3Xd& x = is_estimate ? instant.estimate : instant.truth;
-  const auto& stiffness = is_estimate ? instant.stiffness : instant.truth_stiffness;
-  switch (quantity) {
-    case Quantity::kDisplacement:
-      return (x - evaluator->mesh().nodes).colwise().norm();
-    case Quantity::kDeviation:
-      return instant.deviation.colwise().norm();
-    case Quantity::kUncertainty:
-      return instant.node_deviation;
-    case Quantity::kStrain:
-      return evaluator->at_nodes(evaluator->at(x, {}).equivalent_strain);
-    case Quantity::kStress:
-      if (!stiffness) return {};
-      return evaluator->at_nodes(evaluator->at(x, stiffness).von_mises);
-    case Quantity::kNone:
-      break;
-  }
-  return {};
-}
-
 SceneDrawing::SceneDrawing(const DrawingOptions& options)
     : options_(options), renderer_(options.width, options.height, kSupersampling) {
   if (options_.configuration.empty()) return;
@@ -114,6 +72,7 @@ Eigen::Matrix3Xd SceneDrawing::in_world(const Eigen::Matrix3Xd& points_O) const 
 
 void SceneDrawing::measure(const Instant& instant) {
   const auto add = [this](const Eigen::Matrix3Xd& points_O) {
+    if (!points_O.allFinite()) return;  // such a shape is drawn nowhere
     const Eigen::Matrix3Xd points = in_world(points_O);
     for (Eigen::Index i = 0; i < points.cols(); ++i) bounds_W_.extend(points.col(i));
   };
@@ -197,6 +156,7 @@ camera::View SceneDrawing::view() const {
 
 const camera::Image& SceneDrawing::draw(const Instant& instant) {
   draws_truth_ = draws_force_ = draws_target_ = draws_feature_ = false;
+  values_ = values_at_nodes(instant, options_.quantity);
   renderer_.begin(view());
   const ShapeEvaluator* solid =
       instant.estimate_mesh != nullptr ? instant.estimate_mesh : instant.truth_mesh;
@@ -223,10 +183,9 @@ void SceneDrawing::draw_shape(const Instant& instant) {
   const Eigen::Matrix3Xd x = in_world(is_estimate ? instant.estimate : instant.truth);
   camera::MeshStyle style;
   style.colour = kPlain;
-  const Eigen::VectorXd values = values_at_nodes(instant, options_.quantity);
-  for (Eigen::Index i = 0; i < values.size(); ++i)
+  for (Eigen::Index i = 0; i < values_.size(); ++i)
     style.vertex_colours.push_back(
-        camera::colour_map((values(i) - options_.low) / (high() - options_.low)));
+        camera::colour_map((values_(i) - options_.low) / (high() - options_.low)));
   renderer_.draw_mesh(x, mesh.triangles, style);
   draw_edges(x, surface_edges(mesh, Edges::kAll), 1, kEdge);
   draw_edges(x, surface_edges(mesh, Edges::kSharp), 2, kSharpEdge);
@@ -373,10 +332,10 @@ void SceneDrawing::annotate(const Instant& instant) {
   std::snprintf(line, sizeof line, "%s%st = %.2f s", options_.title.c_str(),
                 options_.title.empty() ? "" : ", ", instant.time);
   std::string title = line;
-  const Eigen::VectorXd values = values_at_nodes(instant, options_.quantity);
-  if (values.size() > 0) {
+  if (values_.size() > 0) {
     std::snprintf(line, sizeof line, "   %s: mean %.3g, max %.3g %s", text.name.c_str(),
-                  text.factor * values.mean(), text.factor * values.maxCoeff(), text.unit.c_str());
+                  text.factor * values_.mean(), text.factor * values_.maxCoeff(),
+                  text.unit.c_str());
     title += line;
   }
   if (instant.status == shape_t::STATUS_OLD) title += "   SHAPE IS OLD";
@@ -386,7 +345,7 @@ void SceneDrawing::annotate(const Instant& instant) {
   std::vector<camera::LegendEntry> legend;
   const bool is_estimate = instant.estimate_mesh != nullptr;
   const std::string shape = is_estimate ? "estimated shape" : "true shape";
-  if (values.size() > 0)
+  if (values_.size() > 0)
     legend.push_back({shape + " by " + text.name, camera::colour_map(0.5)});
   else
     legend.push_back({shape, kPlain});

@@ -9,23 +9,10 @@
 #include "sim/camera/renderer.hpp"
 #include "sim/robot/robot.hpp"
 #include "tools/export/mesh_edges.hpp"
+#include "tools/export/quantity.hpp"
 #include "tools/export/shape_follower.hpp"
 
 namespace palpate::exporting {
-
-/// What the colour of a shape says.
-enum class Quantity { kNone, kDisplacement, kDeviation, kUncertainty, kStrain, kStress };
-
-/// How a quantity is told: caption of its colour bar, and what it is multiplied by for it.
-struct QuantityText {
-  std::string name, unit;
-  double factor = 1;
-};
-QuantityText text_of(Quantity quantity);
-
-/// The quantity at the nodes of the shape that is drawn solid: the estimate, or the truth where
-/// there is no estimate; SI. Empty where the instant does not tell it.
-Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity);
 
 struct DrawingOptions {
   Quantity quantity = Quantity::kDisplacement;
@@ -82,9 +69,10 @@ class SceneDrawing {
   std::unique_ptr<robot::Robot> arm_;
   Eigen::AlignedBox3d bounds_W_;                        // of all shapes
   Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // of the shape that is drawn
-  double size_ = 0;                                     // m, of the object
-  double largest_ = 0;                                  // of the quantity
-  double largest_force_ = 0;                            // N
+  Eigen::VectorXd values_;    // of the quantity, of the instant that is drawn
+  double size_ = 0;           // m, of the object
+  double largest_ = 0;        // of the quantity
+  double largest_force_ = 0;  // N
   bool any_value_ = false;
   bool draws_truth_ = false, draws_force_ = false, draws_target_ = false, draws_feature_ = false;
 };

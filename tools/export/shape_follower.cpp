@@ -33,6 +33,32 @@ bool has(const Source& source, const std::string& channel, const std::string& ty
   return false;
 }
 
+/// Whether all that a mesh names is there; logs may come from anywhere.
+bool is_sound(const evaluate::MeshMessage& mesh) {
+  const auto count = static_cast<int>(mesh.nodes.cols());
+  const auto is_node = [count](int node) { return node >= 0 && node < count; };
+  return mesh.nodes.allFinite() && mesh.elements.cols() > 0 &&
+         std::all_of(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size(),
+                     is_node) &&
+         std::all_of(mesh.constrained.begin(), mesh.constrained.end(), is_node);
+}
+
+/// nullptr, with a warning, where the chunks make no mesh.
+std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& chunks,
+                                             const std::string& channel, Law law) {
+  constexpr int kMostNodes = 10'000'000;
+  try {
+    if (chunks.front().corner_count <= 0 || chunks.front().corner_count > kMostNodes)
+      throw std::runtime_error("mesh message without nodes");
+    const evaluate::MeshMessage mesh = evaluate::assemble(chunks);
+    if (!is_sound(mesh)) throw std::runtime_error("mesh message that names nodes that it has not");
+    return std::make_unique<ShapeEvaluator>(mesh, law);
+  } catch (const std::exception& error) {
+    std::cerr << "warning: " << channel << ": " << error.what() << ": left out" << std::endl;
+    return nullptr;
+  }
+}
+
 }  // namespace
 
 ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
@@ -76,9 +102,13 @@ void ShapeFollower::read_meshes(Source& source) {
     if (static_cast<int>(parts.size()) < count) return;
     std::vector<shape_mesh_t> all;
     for (auto& [number, part] : parts) all.push_back(part);
+    auto evaluator =
+        evaluator_of(all, message.event.channel, is_truth ? Law::kNeoHookean : Law::kCorotational);
     auto& into = is_truth ? truths_ : estimates_;
-    into[all.front().mesh_hash] = std::make_unique<ShapeEvaluator>(
-        evaluate::assemble(all), is_truth ? Law::kNeoHookean : Law::kCorotational);
+    if (evaluator)
+      into[all.front().mesh_hash] = std::move(evaluator);
+    else
+      parts.clear();
   });
 }
 

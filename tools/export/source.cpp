@@ -27,6 +27,23 @@ std::string size_text(std::int64_t bytes) {
   return text;
 }
 
+/// What every message of ours begins with, after the fingerprint.
+struct Head {
+  std::int64_t utime = 0, session = 0;
+};
+
+/// Nothing of a stranger, or of what is too short.
+std::optional<Head> head_of(const bus::LoggedEvent& event) {
+  constexpr int kUtimeAt = 8, kSessionAt = 20, kEnd = 28;
+  const auto number = [&event](int at) {
+    std::uint64_t value = 0;
+    for (int i = 0; i < 8; ++i) value = value << 8 | event.data[at + i];
+    return static_cast<std::int64_t>(value);
+  };
+  if (event.size < kEnd || log::type_of(event.data, event.size) == nullptr) return std::nullopt;
+  return Head{number(kUtimeAt), number(kSessionAt)};
+}
+
 /// A stage on standard error, or none.
 class Stage {
  public:
@@ -108,17 +125,20 @@ void Source::read(const std::string& title, const std::function<bool(const Chann
 
   log_.rewind();
   Stage stage(options_.quiet, title, log_.size());
-  std::int64_t events = 0;
+  std::int64_t events = 0, last_sent = survey_.sent.first;
   while (const bus::LoggedEvent* event = log_.next()) {
     if (events++ % kReportEvery == 0)
       stage.show(static_cast<double>(log_.place()) / static_cast<double>(log_.size()));
+    if (options_.clock == Clock::kSent) {
+      const std::optional<Head> head = head_of(*event);
+      if (head && survey_.strange_clocks.count(head->session) == 0) last_sent = head->utime;
+    }
     const auto found = records.find(event->channel);
     if (found == records.end()) continue;
     const log::TypeInfo* type = log::type_of(event->data, event->size);
     for (const auto& record : found->second) {
       if (&record->type() != type || !record->decode(event->data, event->size)) continue;
-      const std::int64_t utime =
-          options_.clock == Clock::kReceived ? event->utime : record->utime();
+      const std::int64_t utime = options_.clock == Clock::kReceived ? event->utime : last_sent;
       take({*event, *record, time(utime), utime});
     }
   }

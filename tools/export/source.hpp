@@ -13,7 +13,9 @@ namespace palpate::exporting {
 /// Which clock `time` goes by.
 enum class Clock {
   kReceived,  // when the log received a message: one clock for all channels
-  kSent       // the sender's utime: in lock-step, where all senders follow the simulator
+  // The sender's utime: in lock-step, where all follow the simulator. Whoever has a strange clock
+  // (Survey), as a user, sent when the last of the others before it in the log did.
+  kSent
 };
 
 /// What of which logs is read.

@@ -32,9 +32,42 @@ void count(Entry& entry, const bus::LoggedEvent& event) {
     return;
   }
   channel.sent.add(entry.record->utime());
-  channel.sessions[entry.record->session()].add(entry.record->seq());
+  SessionSurvey& session = channel.sessions[entry.record->session()];
+  session.sequence.add(entry.record->seq());
+  session.sent.add(entry.record->utime());
   for (std::size_t f = 0; f < channel.widths.size(); ++f)
     channel.widths[f] = std::max(channel.widths[f], entry.record->used(static_cast<int>(f)));
+}
+
+/// Of all channels together, by session.
+void compare_clocks(Survey& survey) {
+  struct Sender {
+    TimeSpan sent;
+    std::int64_t messages = 0;
+  };
+  std::map<std::int64_t, Sender> senders;
+  for (const ChannelSurvey& channel : survey.channels)
+    for (const auto& [session, entry] : channel.sessions) {
+      senders[session].sent.add(entry.sent.first);
+      senders[session].sent.add(entry.sent.last);
+      senders[session].messages += entry.sequence.received();
+    }
+  if (senders.empty()) return;
+  const TimeSpan reference =
+      std::max_element(senders.begin(), senders.end(), [](const auto& a, const auto& b) {
+        return a.second.messages < b.second.messages;
+      })->second.sent;
+  for (const auto& [session, sender] : senders) {
+    // Halves, since a clock may say anything that 64 bits hold.
+    const bool is_near = sender.sent.last / 2 >= reference.first / 2 - kStrangeClock / 2 &&
+                         sender.sent.first / 2 <= reference.last / 2 + kStrangeClock / 2;
+    if (!is_near) {
+      survey.strange_clocks.insert(session);
+      continue;
+    }
+    survey.sent.add(sender.sent.first);
+    survey.sent.add(sender.sent.last);
+  }
 }
 
 }  // namespace
@@ -52,7 +85,7 @@ double ChannelSurvey::rate() const {
 
 std::int64_t ChannelSurvey::lost() const {
   std::int64_t sum = 0;
-  for (const auto& [session, sequence] : sessions) sum += sequence.lost();
+  for (const auto& [session, entry] : sessions) sum += entry.sequence.lost();
   return sum;
 }
 
@@ -99,12 +132,9 @@ Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) 
   }
   result.complaints = log.complaints();
   for (auto& [key, entry] : entries) {
-    if (!entry.survey.sent.empty) {
-      result.sent.add(entry.survey.sent.first);
-      result.sent.add(entry.survey.sent.last);
-    }
     result.channels.push_back(std::move(entry.survey));
   }
+  compare_clocks(result);
   return result;
 }
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,12 @@ struct TimeSpan {
   double seconds() const { return 1e-6 * static_cast<double>(last - first); }
 };
 
+/// What one start of a sender sent on one channel.
+struct SessionSurvey {
+  log::Sequence sequence;
+  TimeSpan sent;  // by its clock
+};
+
 /// What a log holds of one type on one channel.
 struct ChannelSurvey {
   std::string channel;
@@ -31,7 +38,7 @@ struct ChannelSurvey {
   std::int64_t broken = 0;       // of the messages, those whose length is not what their type says
   TimeSpan received, sent;       // by the log's clock and by the sender's
   std::int64_t longest_gap = 0;  // us, between receptions
-  std::map<std::int64_t, log::Sequence> sessions;  // by the sender's session
+  std::map<std::int64_t, SessionSurvey> sessions;  // by the sender's session
   std::vector<int> widths;                         // by field: most numbers that were in use
 
   double rate() const;  // Hz, mean; 0 where fewer than two
@@ -42,15 +49,21 @@ struct ChannelSurvey {
 struct Survey {
   std::vector<ChannelSurvey> channels;  // by name; strangers too
   std::int64_t events = 0;
-  std::int64_t bytes = 0;  // of the files
-  TimeSpan received, sent;
-  std::vector<std::string> complaints;  // a line for each damaged log
+  std::int64_t bytes = 0;                 // of the files
+  TimeSpan received, sent;                // sent: without strange clocks
+  std::set<std::int64_t> strange_clocks;  // sessions; see below
+  std::vector<std::string> complaints;    // a line for each damaged log
 
   /// nullptr where the log has none.
   const ChannelSurvey* find(const std::string& channel, const log::TypeInfo* type) const;
   std::int64_t unknown() const;  // messages of no type of ours
   std::int64_t broken() const;
 };
+
+/// Senders need not share a clock: in lock-step most go by the simulator's, while a user's commands
+/// go by the wall's. A session is strange where its clock is more than an hour away from all that
+/// the session with the most messages sent.
+inline constexpr std::int64_t kStrangeClock = 3'600'000'000;  // us
 
 /// Reads all of `log`. `progress` gets the part that is done, 0 to 1, now and then.
 Survey survey(log::MergedLog& log, const std::function<void(double)>& progress = {});

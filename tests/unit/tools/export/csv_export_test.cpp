@@ -74,6 +74,41 @@ TEST(CsvExport, ChannelsTimesAndClockAreChosen) {
   }
 }
 
+// In lock-step a user's command goes by the wall's clock, all else by the simulator's.
+TEST(CsvExport, ByTheSendersClockAStrangerIsWhereItStandsInTheLog) {
+  const support::ScratchFolder scratch;
+  const auto file = scratch.path() / "log";
+  {
+    LogWriter log(file);
+    const std::int64_t wall = 1'700'000'000'000'000;
+    ft_wrench_t wrench{};
+    wrench.session = 1;
+    component_event_t event{};
+    event.session = 2;
+    event.utime = wall;
+    log.write("BEFORE", wall, event);
+    for (int i = 0; i < 5; ++i) {
+      wrench.utime = 1'000'000 + 1000 * i;
+      log.write("FT_WRENCH", wall + 70'000 * i, wrench);
+      if (i == 2) log.write("COMPONENT_EVENT", wall + 70'000 * i, event);
+    }
+  }
+  SourceOptions options = quiet({file});
+  options.clock = Clock::kSent;
+  Source source(options);
+  EXPECT_EQ(source.found().strange_clocks, std::set<std::int64_t>{2});
+  EXPECT_EQ(source.origin(), 1'000'000);
+  export_csv(source, scratch.path());
+  EXPECT_EQ(lines(scratch.path() / "FT_WRENCH.csv")[5].substr(0, 9), "0.004000,");
+  EXPECT_EQ(lines(scratch.path() / "COMPONENT_EVENT.csv")[1].substr(0, 9), "0.002000,");
+  EXPECT_EQ(lines(scratch.path() / "BEFORE.csv")[1].substr(0, 9), "0.000000,");
+
+  options.channels = {"COMPONENT_EVENT"};  // though the others are not wanted
+  Source alone(options);
+  export_csv(alone, scratch.path() / "alone");
+  EXPECT_EQ(lines(scratch.path() / "alone/COMPONENT_EVENT.csv")[1].substr(0, 9), "0.002000,");
+}
+
 TEST(CsvExport, TextsBytesAndUnlikeLengths) {
   const support::ScratchFolder scratch;
   const auto file = scratch.path() / "log";

@@ -55,6 +55,19 @@ INSTANTIATE_TEST_SUITE_P(EachCompression, McapTest,
                            return name.empty() ? "none" : name;
                          });
 
+TEST(Mcap, WithoutAMeshThereAreMessagesButNoScenes) {
+  const SmallRun run;
+  const auto log = run.folder() / "log", file = run.folder() / "run.mcap";
+  LogWriter(log).write("SHAPE", 2, shape_message(run.estimate_mesh, run.estimate_mesh.nodes, 2));
+  Source source(quiet({log}));
+  testing::internal::CaptureStderr();
+  export_mcap(source, {}, file);
+  EXPECT_NE(testing::internal::GetCapturedStderr().find("no scenes"), std::string::npos);
+  const Answer answer = run_python("read_mcap.py", {file.string()});
+  ASSERT_EQ(answer.code, 0) << answer.text;
+  EXPECT_EQ(nlohmann::json::parse(answer.text)["counts"], nlohmann::json({{"SHAPE", 1}}));
+}
+
 TEST(Mcap, ManyChunksWithMessagesOutOfOrder) {
   const support::ScratchFolder scratch;
   const auto file = scratch.path() / "file.mcap";

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <fstream>
 #include <sstream>
 
@@ -64,6 +65,31 @@ TEST_F(PlotTest, SaysWhatThereIsWhereANameIsWrong) {
   EXPECT_NE(error("SHAPE.xyz").find("at most 64"), std::string::npos);
   EXPECT_THROW(export_plot(source_, {"FT_WRENCH.wrench"}, run_.folder() / "plot.pdf"),
                std::runtime_error);
+}
+
+TEST(Plot, WhereNothingCameThereIsNoLine) {
+  const support::ScratchFolder scratch;
+  const auto strokes = [&scratch](int missing) {
+    const auto log = scratch.path() / "log", file = scratch.path() / "plot.svg";
+    {
+      LogWriter writer(log);
+      for (int i = 0; i < 1000; ++i)
+        if (i < 500 || i >= 500 + missing) writer.write("FT_WRENCH", 1000 * i, ft_wrench_t{});
+    }
+    Source source(quiet({log}));
+    export_plot(source, {"FT_WRENCH.wrench[0]"}, file);
+    std::ifstream in(file);
+    std::stringstream text;
+    text << in.rdbuf();
+    // Behind the line of the key begin those of the curve.
+    const std::string svg = text.str();
+    const std::size_t key = svg.find("wrench[0]</");
+    const std::size_t path = svg.find(" d='M", svg.find("<path", key));
+    const std::string line = svg.substr(path, svg.find("'/>", path) - path);
+    return std::count(line.begin(), line.end(), 'M');
+  };
+  EXPECT_EQ(strokes(100), strokes(0) + 1);
+  EXPECT_EQ(strokes(5), strokes(0));
 }
 
 // A single message among 100,000 that stands out.

@@ -156,6 +156,9 @@ TEST(ShapeFields, OtherElementsAreRefused) {
   box = tetrahedral_box(kSize, {1, 1, 1});
   box.nodes.row(2).setZero();
   EXPECT_THROW(ShapeEvaluator(box, Law::kCorotational), std::runtime_error);
+  box = hexahedral_box(kSize, {1, 1, 1});
+  box.nodes.col(1) = box.nodes.col(0);
+  EXPECT_THROW(ShapeEvaluator(box, Law::kNeoHookean), std::runtime_error);
 }
 
 }  // namespace

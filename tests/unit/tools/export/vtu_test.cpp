@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <nlohmann/json.hpp>
 
 #include "tests/unit/tools/export/python.hpp"
@@ -88,6 +89,34 @@ TEST(VtuExport, WithoutATruthOrAnEstimateTheOtherIsThere) {
   EXPECT_THROW(ShapeFollower(nothing, {}), std::runtime_error);
   Source no_mesh(quiet({only("no_mesh", {"SHAPE_MESH", "TRUTH_MESH"})}));
   EXPECT_THROW(ShapeFollower(no_mesh, {}), std::runtime_error);
+}
+
+// A log may hold anything that has the right fingerprint.
+TEST(ShapeFollower, MeshesThatNameWhatTheyHaveNotAreLeftOut) {
+  const SmallRun run;
+  const auto file = run.folder() / "log";
+  const auto written = [&](const std::function<void(shape_mesh_t&)>& spoil) {
+    {
+      LogWriter log(file);
+      shape_mesh_t mesh = mesh_message(run.estimate_mesh);
+      spoil(mesh);
+      log.write("SHAPE_MESH", 1, mesh);
+      log.write("SHAPE", 2, shape_message(run.estimate_mesh, run.estimate_mesh.nodes, 2));
+    }
+    Source source(quiet({file}));
+    return ShapeFollower(source, {}).has_estimate();
+  };
+  EXPECT_TRUE(written([](shape_mesh_t&) {}));
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.triangles[3] = 1'000'000; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.elements[0] = -1; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.constrained[0] = 24; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.corner_count = -24; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.corner_count = 2'000'000'000; }),
+               std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.element_size = 0; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.element_size = 5; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.first_node = 7; }), std::runtime_error);
+  EXPECT_THROW(written([](shape_mesh_t& m) { m.chunks = 2; }), std::runtime_error);
 }
 
 TEST(VtkOrder, PutsCornersEdgesFacesAndMiddleInTheirPlaces) {
