@@ -155,14 +155,19 @@ TEST(PlayCommand, KnowsLabelsAndWhatMovesARobot) {
   EXPECT_EQ(file, "/a=b/any.log");
   for (const char* channel :
        {"TWIST_COMMAND", "TWIST_COMMAND_1", "JOINT_VELOCITY_COMMAND", "HAND_COMMAND_1"}) {
-    EXPECT_TRUE(moves_robot(channel)) << channel;
+    EXPECT_TRUE(is_command(channel)) << channel;
     EXPECT_FALSE(is_input(channel)) << channel;
   }
-  for (const char* channel : {"FT_WRENCH", "ROBOT_STATE_1", "BIOTAC_4", "SHAPE_TARGET"}) {
-    EXPECT_FALSE(moves_robot(channel)) << channel;
+  for (const char* channel : {"FT_WRENCH", "ROBOT_STATE_1", "BIOTAC_4"}) {
+    EXPECT_FALSE(is_command(channel)) << channel;
+    EXPECT_TRUE(is_input(channel)) << channel;
+  }
+  for (const char* channel : {"SHAPE_TARGET", "COMPONENT_COMMAND", "MANUAL_FORCE"}) {
+    EXPECT_TRUE(is_command(channel)) << channel << " makes a daemon move the robot";
     EXPECT_TRUE(is_input(channel)) << channel;
   }
   EXPECT_FALSE(is_input("SHAPE"));
+  EXPECT_FALSE(is_command("SHAPE"));
 }
 
 }  // namespace
