@@ -69,7 +69,7 @@ class Outlets {
   bool wants(const std::string& channel) {
     const auto known = wanted_.find(channel);
     if (known != wanted_.end()) return known->second;
-    const bool wanted = filter_.wants(channel) && (command_.commands || !moves_robot(channel)) &&
+    const bool wanted = filter_.wants(channel) && (command_.commands || !is_command(channel)) &&
                         (!command_.inputs_only || is_input(channel));
     return wanted_[channel] = wanted;
   }
@@ -114,8 +114,10 @@ void show(const Player& player, std::int64_t now_ns) {
 
 }  // namespace
 
-bool moves_robot(const std::string& channel) {
-  return matches(channel, "(TWIST_COMMAND|JOINT_VELOCITY_COMMAND|HAND_COMMAND)(_[0-9]+)?");
+bool is_command(const std::string& channel) {
+  return matches(channel,
+                 "(TWIST_COMMAND|JOINT_VELOCITY_COMMAND|HAND_COMMAND|COMPONENT_COMMAND|"
+                 "SHAPE_TARGET|MANUAL_FORCE)(_[0-9]+)?");
 }
 
 bool is_input(const std::string& channel) {
@@ -156,16 +158,19 @@ void PlayCommand::add_to(CLI::App& app) {
       ->capture_default_str();
   app.add_flag("-v,--invert-channels", invert, "the channels that do not match instead");
   app.add_flag("--inputs", inputs_only, "only what palpated listens to, for one that runs");
-  app.add_flag("--commands", commands,
-               "also what moves a robot or hand (TWIST_COMMAND, JOINT_VELOCITY_COMMAND, "
-               "HAND_COMMAND), which is left out otherwise");
+  app.add_flag(
+      "--commands", commands,
+      "also what moves a robot or a hand (TWIST_COMMAND, JOINT_VELOCITY_COMMAND, "
+      "HAND_COMMAND), or makes a palpated that runs do so (COMPONENT_COMMAND, SHAPE_TARGET, "
+      "MANUAL_FORCE), which is left out otherwise");
   app.add_flag("-q,--quiet", quiet, "no progress and no summary");
   app.footer(
       "Keys, on a terminal: space pauses, . plays one message, + and - change the rate, left and\n"
       "right arrow jump by 5 s, q quits.\n"
       "Examples:\n"
       "  palpate-replay play run.control.lcmlog run.housekeeping.lcmlog --rate 0.5\n"
-      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop");
+      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop\n"
+      "Exit codes: 0 played to the end, 1 an error, 130 ended by q or a signal.");
 }
 
 int PlayCommand::run() const {

@@ -16,7 +16,7 @@ struct PlayCommand {
   std::string channels = ".*";
   bool invert = false;
   bool inputs_only = false;  // what palpated listens to
-  bool commands = false;     // also those that move a robot
+  bool commands = false;     // also what is_command()
   bool quiet = false;
 
   void add_to(CLI::App& app);
@@ -25,8 +25,9 @@ struct PlayCommand {
   int run() const;
 };
 
-/// Whether a channel's messages move a robot or a hand.
-bool moves_robot(const std::string& channel);
+/// Whether a channel's messages move a robot or a hand, or tell a palpated that runs what to do, so
+/// that it moves them.
+bool is_command(const std::string& channel);
 /// Whether palpated listens to it on its control URL.
 bool is_input(const std::string& channel);
 /// Of "LABEL=FILE", or of a name as palpate-record makes it (run.housekeeping.lcmlog); control

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <functional>
 #include <memory>
+#include <sstream>
 #include <string>
 
 #include "tests/support/child_process.hpp"
@@ -38,16 +39,18 @@ class Display {
  public:
   static bool is_installed() { return std::filesystem::exists(kServer); }
 
-  /// The server takes the first number that is free, and says which.
+  /// The server takes the first number that is free, and says which. It would begin anew whenever
+  /// its last client goes, and end the one that is just coming, but for -noreset.
   Display()
-      : server_({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp"}) {
-    const auto number = [this] { return std::atoi(server_.output().c_str()); };
-    works_ = eventually([&] {
-      const std::string text = server_.output();
-      return !server_.running() || text.find('\n') != std::string::npos;
+      : server_({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
+                 "-noreset"}) {
+    std::string number;
+    eventually([&] {
+      number = number_in(server_.output());
+      return !server_.running() || !number.empty();
     });
-    works_ = works_ && server_.running();
-    setenv("DISPLAY", (":" + std::to_string(number())).c_str(), 1);
+    works_ = server_.running() && !number.empty();
+    setenv("DISPLAY", (":" + number).c_str(), 1);
   }
   ~Display() { unsetenv("DISPLAY"); }
   Display(const Display&) = delete;
@@ -69,6 +72,16 @@ class Display {
 
  private:
   static constexpr char kServer[] = "/usr/bin/Xvfb";
+
+  /// The line of digits alone: among others the server complains of numbers that are taken.
+  static std::string number_in(const std::string& output) {
+    std::istringstream lines(output);
+    for (std::string line; std::getline(lines, line) && !lines.eof();) {
+      if (!line.empty() && line.find_first_not_of("0123456789") == std::string::npos) return line;
+    }
+    return "";
+  }
+
   support::ChildProcess server_;
   bool works_ = false;
 };

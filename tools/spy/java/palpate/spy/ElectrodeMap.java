@@ -5,6 +5,7 @@ import java.awt.Color;
 import java.awt.Dimension;
 import java.awt.Graphics;
 import java.awt.Graphics2D;
+import java.awt.RenderingHints;
 import java.awt.event.MouseAdapter;
 import java.awt.event.MouseEvent;
 import java.awt.geom.Area;
@@ -171,6 +172,8 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
       if (last != null) {
         BufferedImage field = field(bounds);
         g.setClip(skin);
+        g.setRenderingHint(
+            RenderingHints.KEY_INTERPOLATION, RenderingHints.VALUE_INTERPOLATION_BILINEAR);
         g.drawImage(field, (int) bounds.getX(), (int) bounds.getY(), (int) bounds.getWidth(),
             (int) bounds.getHeight(), null);
         g.setClip(null);
