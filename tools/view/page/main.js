@@ -189,7 +189,7 @@ function showKey() {
   const parts = [];
   if (layers.estimate && frame.x) parts.push(['linear-gradient(90deg,#440154,#21918c,#fde725)', 'estimate']);
   if (layers.truth && frame.truth_x) parts.push([COLOURS.truth, 'true shape']);
-  if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force']);
+  if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force, 1 N = 30 mm']);
   if (layers.forces && frame.estimate && frame.estimate.grasps.length) parts.push([COLOURS.reaction, 'force of the model']);
   if (layers.feature && frame.feature && placesOf(frame.feature.kind, frame.feature.value).length) {
     parts.push([COLOURS.feature, 'feature']);
