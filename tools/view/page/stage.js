@@ -126,6 +126,9 @@ export class Stage {
     const across = axes.filter((a) => Math.abs(a.dot(up)) < 0.7)
         .sort((a, b) => Math.abs(size.dot(b)) - Math.abs(size.dot(a)))[0];
     const towards = new THREE.Vector3().crossVectors(across, up).normalize();
+    // Not from behind the arm.
+    const arm = this.floor ? this.floor.position.clone().sub(middle) : new THREE.Vector3();
+    if (arm.dot(towards) > 0.3 * arm.length()) towards.negate();
     const wide = Math.abs(size.dot(across)), high = Math.max(Math.abs(size.dot(up)), 0.3 * size.length());
     const half = Math.tan(this.camera.fov * Math.PI / 360);
     const distance = 0.56 * Math.max(wide / (half * this.camera.aspect), high / half) + 0.5 * size.length();
