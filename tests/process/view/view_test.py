@@ -231,7 +231,7 @@ class ViewTest(unittest.TestCase):
 
         def moved():
             force = udpm.manual_force(forces[-1][1])[1]
-            along = (self.shape()[node] - shape[node]) @ force / np.linalg.norm(force)
+            along = (self.shape()[node] - shape[node]) @ force / max(np.linalg.norm(force), 1e-9)
             return bool(along > 1e-3)
         wait_for(moved, "the node gives way to the push")
         self.assertTrue(np.allclose(udpm.manual_force(forces[-1][1])[0], rest[node], atol=1e-6))
@@ -243,6 +243,16 @@ class ViewTest(unittest.TestCase):
         cell.mouse("mouseReleased", place[0], place[1] - 110)
         wait_for(lambda: not udpm.manual_force(forces[-1][1])[1].any(), "the last one is zero")
         wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the shape comes back")
+
+        # A page that no longer renews its push, whatever the reason, pushes no longer.
+        cell.mouse("mousePressed", *place)
+        cell.mouse("mouseMoved", place[0], place[1] - 110)
+        wait_for(moved, "it gives way once more")
+        cell.browser.execute_script("palpate.pointer.renew = () => {}")
+        wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the push has expired")
+        self.assertGreater(np.linalg.norm(udpm.manual_force(forces[-1][1])[1]), 0.3, "it was not ended")
+        cell.mouse("mouseReleased", place[0], place[1] - 110)
+        cell.browser.execute_script("delete palpate.pointer.renew")
         cell.click('#pointer [data-mode="look"]')
 
     def test_5_replaces_components(self):
