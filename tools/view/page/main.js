@@ -222,6 +222,10 @@ function showFrame() {
     chosen.position.copy(estimate.node(pointer.picked));
     chosen.scale.setScalar(0.006 * size);
   }
+}
+
+/** What is written beside the picture: not with every frame, for nobody reads so fast. */
+function showTexts() {
   pointer.showPicked();
   panels.showState(frame, health, connected);
   panels.showNumbers(frame);
@@ -255,6 +259,7 @@ function animate(now) {
   send({type: 'ack', frame: frame.frame});
   if (now - plotted > 90) {
     plotted = now;
+    showTexts();
     plot();
   }
 }

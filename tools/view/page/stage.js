@@ -15,8 +15,9 @@ export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.smooth = /[?&]smooth/.test(location.search) || !drawsInSoftware();
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: true});
-    this.renderer.setClearColor(0, 0);
+    // Nor does it blend the picture over the page's own background for nothing.
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: this.smooth});
+    this.renderer.setClearColor(0x18212b, this.smooth ? 0 : 1);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
     this.camera.up.set(0, 0, 1);
