@@ -296,6 +296,8 @@ class ViewTest(unittest.TestCase):
         wait_for(lambda: cell.frames() > frames + 3, "frames come again")
         self.command("stop")
         self.command("start")
+        wait_for(lambda: cell.js("palpate.estimate.group.visible && palpate.truth.group.visible"),
+                 "the shapes are shown again")
 
     def test_7_fits_a_phone(self):
         cell = self.cell
@@ -304,12 +306,12 @@ class ViewTest(unittest.TestCase):
         cell.next_frames()
         self.assertLessEqual(cell.js("document.documentElement.scrollWidth"), PHONE[0])
         boxes = cell.js(
-            "Object.fromEntries(['header', '#tools', '#legend', '#home', 'aside', '#tabs', '#error-plot'].map((s) => {"
+            "Object.fromEntries(['header', '#tools', '#legend', '#home', 'aside', '#tabs', '#picked', '#error-plot'].map((s) => {"
             "const b = document.querySelector(s).getBoundingClientRect();"
             "return [s, [b.left, b.top, b.right, b.bottom]]; }))")
         for name, (left, top, right, bottom) in boxes.items():
             self.assertTrue(-1 <= left and right <= PHONE[0] + 1 and top < PHONE[1], f"{name} lies outside")
-        parts = ["header", "#tools", "#legend", "#home", "aside"]
+        parts = ["header", "#tools", "#legend", "#home", "#picked", "aside"]
         for i, a in enumerate(parts):
             for b in parts[i + 1:]:
                 (l1, t1, r1, b1), (l2, t2, r2, b2) = boxes[a], boxes[b]
