@@ -1,5 +1,6 @@
 #include "tools/view/server.hpp"
 
+#include <cstdio>
 #include <ctime>
 
 #include "tools/view/sessions.hpp"
@@ -56,8 +57,8 @@ struct Server::Impl {
     receive_timer.expires_after(kEvery);
     receive_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
+      receive();  // first: whatever happens, it goes on
       viewer.advance(bus::wall_clock_us());
-      receive();
     });
   }
 
@@ -69,12 +70,23 @@ struct Server::Impl {
     frame_timer.expires_at(next_frame);
     frame_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
-      if (!room->pages.empty())
-        deliver_to_pages(*room);
-      else
-        viewer.prepare(bus::wall_clock_us());
       send_frames();
+      if (room->pages.empty())
+        viewer.prepare(bus::wall_clock_us());
+      else
+        deliver_to_pages(*room);
     });
+  }
+
+  /// What goes wrong with one message or page does not end it for the others.
+  void serve() {
+    while (!context.stopped()) {
+      try {
+        context.run();
+      } catch (const std::exception& error) {
+        std::fprintf(stderr, "error: %s\n", error.what());
+      }
+    }
   }
 
   Options options;
@@ -97,7 +109,7 @@ void Server::run() {
   impl_->accept();
   impl_->receive();
   impl_->send_frames();
-  impl_->context.run();
+  impl_->serve();
   timespec used{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &used);
   impl_->room->counters.work =

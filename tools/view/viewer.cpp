@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "rt/daemon/text.hpp"
 
@@ -139,8 +140,12 @@ const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, 
       const estimate_t* estimate = scene_.estimate.get();
       if (is_truth || !has_elements || !estimate) break;
       const double E = std::exp(estimate->log_young_modulus), nu = estimate->poisson_ratio;
-      if (std::isfinite(E) && E > 0 && nu > -1 && nu < 0.4999)
+      if (!std::isfinite(E) || !(E > 0 && nu > -1 && nu < 0.4999)) break;
+      try {
         painted.evaluator->stress(shape.xyz, E, nu, values);
+      } catch (const std::invalid_argument&) {
+        values.clear();  // a mesh that is no body
+      }
       break;
     }
     case Field::kUncertainty:

@@ -231,7 +231,7 @@ class ViewTest(unittest.TestCase):
 
         def moved():
             force = udpm.manual_force(forces[-1][1])[1]
-            along = (self.shape()[node] - shape[node]) @ force / np.linalg.norm(force)
+            along = (self.shape()[node] - shape[node]) @ force / max(np.linalg.norm(force), 1e-9)
             return bool(along > 1e-3)
         wait_for(moved, "the node gives way to the push")
         self.assertTrue(np.allclose(udpm.manual_force(forces[-1][1])[0], rest[node], atol=1e-6))
@@ -243,6 +243,16 @@ class ViewTest(unittest.TestCase):
         cell.mouse("mouseReleased", place[0], place[1] - 110)
         wait_for(lambda: not udpm.manual_force(forces[-1][1])[1].any(), "the last one is zero")
         wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the shape comes back")
+
+        # A page that no longer renews its push, whatever the reason, pushes no longer.
+        cell.mouse("mousePressed", *place)
+        cell.mouse("mouseMoved", place[0], place[1] - 110)
+        wait_for(moved, "it gives way once more")
+        cell.browser.execute_script("palpate.pointer.renew = () => {}")
+        wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the push has expired")
+        self.assertGreater(np.linalg.norm(udpm.manual_force(forces[-1][1])[1]), 0.3, "it was not ended")
+        cell.mouse("mouseReleased", place[0], place[1] - 110)
+        cell.browser.execute_script("delete palpate.pointer.renew")
         cell.click('#pointer [data-mode="look"]')
 
     def test_5_replaces_components(self):
@@ -286,6 +296,8 @@ class ViewTest(unittest.TestCase):
         wait_for(lambda: cell.frames() > frames + 3, "frames come again")
         self.command("stop")
         self.command("start")
+        wait_for(lambda: cell.js("palpate.estimate.group.visible && palpate.truth.group.visible"),
+                 "the shapes are shown again")
 
     def test_7_fits_a_phone(self):
         cell = self.cell
@@ -294,12 +306,12 @@ class ViewTest(unittest.TestCase):
         cell.next_frames()
         self.assertLessEqual(cell.js("document.documentElement.scrollWidth"), PHONE[0])
         boxes = cell.js(
-            "Object.fromEntries(['header', '#tools', '#legend', '#home', 'aside', '#tabs', '#error-plot'].map((s) => {"
+            "Object.fromEntries(['header', '#tools', '#legend', '#home', 'aside', '#tabs', '#picked', '#error-plot'].map((s) => {"
             "const b = document.querySelector(s).getBoundingClientRect();"
             "return [s, [b.left, b.top, b.right, b.bottom]]; }))")
         for name, (left, top, right, bottom) in boxes.items():
             self.assertTrue(-1 <= left and right <= PHONE[0] + 1 and top < PHONE[1], f"{name} lies outside")
-        parts = ["header", "#tools", "#legend", "#home", "aside"]
+        parts = ["header", "#tools", "#legend", "#home", "#picked", "aside"]
         for i, a in enumerate(parts):
             for b in parts[i + 1:]:
                 (l1, t1, r1, b1), (l2, t2, r2, b2) = boxes[a], boxes[b]

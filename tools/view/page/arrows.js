@@ -2,7 +2,7 @@
 
 import {COLOURS, colourOfSource} from './colours.js';
 
-const LENGTH_OF_ONE_NEWTON = 0.05, SHORTEST = 0.012, LONGEST = 0.3;  // m
+const LENGTH_OF_ONE_NEWTON = 0.03, SHORTEST = 0.012, LONGEST = 0.3;  // m
 const BY_HAND = 7;  // contacts_t.source
 
 class Arrow {
@@ -129,8 +129,8 @@ export class FeatureMarks {
       }
     };
     const small = from.length > 4 ? 0.55 : 1;
-    put(from, COLOURS.feature, 0.014 * size * small, 1);
-    put(to, COLOURS.target, 0.016 * size * small, 0.85);
+    put(from, COLOURS.feature, 0.011 * size * small, 1);
+    put(to, COLOURS.target, 0.018 * size * small, 0.5);
     for (let i = used; i < this.marks.length; ++i) this.marks[i].visible = false;
     const pairs = shown ? Math.min(from.length, to.length, 32) : 0, xyz = this.lineGeometry.attributes.position;
     for (let i = 0; i < pairs; ++i) {

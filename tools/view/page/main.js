@@ -189,7 +189,7 @@ function showKey() {
   const parts = [];
   if (layers.estimate && frame.x) parts.push(['linear-gradient(90deg,#440154,#21918c,#fde725)', 'estimate']);
   if (layers.truth && frame.truth_x) parts.push([COLOURS.truth, 'true shape']);
-  if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force']);
+  if (layers.forces && (frame.contacts || []).length) parts.push(['#4cc2ff', 'measured force, 1 N = 30 mm']);
   if (layers.forces && frame.estimate && frame.estimate.grasps.length) parts.push([COLOURS.reaction, 'force of the model']);
   if (layers.feature && frame.feature && placesOf(frame.feature.kind, frame.feature.value).length) {
     parts.push([COLOURS.feature, 'feature']);
@@ -222,6 +222,10 @@ function showFrame() {
     chosen.position.copy(estimate.node(pointer.picked));
     chosen.scale.setScalar(0.006 * size);
   }
+}
+
+/** What is written beside the picture: not with every frame, for nobody reads so fast. */
+function showTexts() {
   pointer.showPicked();
   panels.showState(frame, health, connected);
   panels.showNumbers(frame);
@@ -255,6 +259,7 @@ function animate(now) {
   send({type: 'ack', frame: frame.frame});
   if (now - plotted > 90) {
     plotted = now;
+    showTexts();
     plot();
   }
 }

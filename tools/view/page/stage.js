@@ -15,8 +15,9 @@ export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
     this.smooth = /[?&]smooth/.test(location.search) || !drawsInSoftware();
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: true});
-    this.renderer.setClearColor(0, 0);
+    // Nor does it blend the picture over the page's own background for nothing.
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: this.smooth});
+    this.renderer.setClearColor(0x18212b, this.smooth ? 0 : 1);
     this.scene = new THREE.Scene();
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
     this.camera.up.set(0, 0, 1);
@@ -126,6 +127,9 @@ export class Stage {
     const across = axes.filter((a) => Math.abs(a.dot(up)) < 0.7)
         .sort((a, b) => Math.abs(size.dot(b)) - Math.abs(size.dot(a)))[0];
     const towards = new THREE.Vector3().crossVectors(across, up).normalize();
+    // Not from behind the arm.
+    const arm = this.floor ? this.floor.position.clone().sub(middle) : new THREE.Vector3();
+    if (arm.dot(towards) > 0.3 * arm.length()) towards.negate();
     const wide = Math.abs(size.dot(across)), high = Math.max(Math.abs(size.dot(up)), 0.3 * size.length());
     const half = Math.tan(this.camera.fov * Math.PI / 360);
     const distance = 0.56 * Math.max(wide / (half * this.camera.aspect), high / half) + 0.5 * size.length();
