@@ -224,7 +224,9 @@ PluginCell cell_of(const Context& context, const Frames& frames) {
 
 std::shared_ptr<const Plugins> Plugins::load(const config::Node& root) {
   auto plugins = std::make_shared<Plugins>();
-  for (const config::Node& item : root.list("plugins")) plugins->add(item.path("library"), item);
+  for (const config::Node& item :
+       root.list({"plugins", "", "libraries with components of your own (tools/examples)"}))
+    plugins->add(item.path({"library", "", "shared library, relative to this file"}), item);
   return plugins;
 }
 

@@ -33,22 +33,31 @@ struct Wanted {
 };
 
 published_control::ProbeOptions read_probes(const config::Node& control) {
-  const config::Node node = control.child_or_empty("probes");
+  const config::Node node =
+      control.child_or_empty({"probes", "", "motions that try each direction first"});
   published_control::ProbeOptions probes;
-  probes.distance = node.number("distance_mm", {0.1, 100}, probes.distance * 1e3) * 1e-3;
-  probes.angle = node.number("angle_deg", {0.1, 45}, probes.angle / kDegree) * kDegree;
-  probes.move = node.number("move", {0.05, 10}, probes.move);
-  probes.settle = node.number("settle", {0, 10}, probes.settle);
+  probes.distance =
+      node.number({"distance_mm", "mm", "of a probe"}, {0.1, 100}, probes.distance * 1e3) * 1e-3;
+  probes.angle =
+      node.number({"angle_deg", "degrees", "of a probe"}, {0.1, 45}, probes.angle / kDegree) *
+      kDegree;
+  probes.move = node.number({"move", "s", "of a probe, each way"}, {0.05, 10}, probes.move);
+  probes.settle = node.number({"settle", "s", "of rest after a probe"}, {0, 10}, probes.settle);
   return probes;
 }
 
 published_control::LearningOptions read_learning(const config::Node& node) {
   published_control::LearningOptions options;
   options.probes = read_probes(node);
-  options.period = node.number("period_ms", {0, 1e4}, options.period * 1e3) * 1e-3;
-  options.least_motion =
-      node.number("least_motion_mm", {1e-3, 100}, options.least_motion * 1e3) * 1e-3;
-  options.length = node.number("rotation_length", {1e-3, 10}, options.length);
+  options.period =
+      node.number({"period_ms", "ms", "between two updates"}, {0, 1e4}, options.period * 1e3) *
+      1e-3;
+  options.least_motion = node.number({"least_motion_mm", "mm", "of the hand, that an update takes"},
+                                     {1e-3, 100}, options.least_motion * 1e3) *
+                         1e-3;
+  options.length = node.number(
+      {"rotation_length", "m", "a rotation by 1 rad weighs as much as this displacement"},
+      {1e-3, 10}, options.length);
   return options;
 }
 
@@ -66,27 +75,33 @@ std::unique_ptr<published_control::FeatureView> make_two_camera_view(const Wante
   options.target_O = 0.5 * (nodes.rowwise().minCoeff() + nodes.rowwise().maxCoeff());
   options.eyes_O[0] = options.target_O + Eigen::Vector3d(0, -1, 0.4);
   options.eyes_O[1] = options.target_O + Eigen::Vector3d(0, 0.5, 1.1);
-  options.focal = wanted.node.number("focal_px", {10, 1e5}, options.focal);
+  options.focal = wanted.node.number({"focal_px", "", "focal length of the two cameras, pixels"},
+                                     {10, 1e5}, options.focal);
   return std::make_unique<published_control::TwoCameraView>(options);
 }
 
 std::unique_ptr<published_control::JacobianUpdate> make_gradient(const config::Node& node) {
   published_control::GradientUpdate::Options options;
-  options.gain = node.number("update_gain", {1e-4, 1.999}, options.gain);
-  options.softness = node.number("softness_mm", {0, 100}, options.softness * 1e3) * 1e-3;
+  options.gain = node.number({"update_gain", "", "of the adaptation"}, {1e-4, 1.999}, options.gain);
+  options.softness = node.number({"softness_mm", "mm", "motion that counts as half a motion"},
+                                 {0, 100}, options.softness * 1e3) *
+                     1e-3;
   return std::make_unique<published_control::GradientUpdate>(options);
 }
 
 std::unique_ptr<published_control::JacobianUpdate> make_broyden(const config::Node& node) {
   return std::make_unique<published_control::BroydenUpdate>(
-      node.number("update_gain", {1e-4, 1}, 0.5));
+      node.number({"update_gain", "", "of the adaptation"}, {1e-4, 1}, 0.5));
 }
 
 std::unique_ptr<published_control::JacobianUpdate> make_window(const config::Node& node) {
   published_control::WeightedLeastSquaresUpdate::Options options;
-  options.window = node.integer("window", {6, 500}, options.window);
-  options.forgetting = node.number("forgetting", {0.1, 1}, options.forgetting);
-  options.confidence = node.number("confidence", {1e-6, 0.999}, options.confidence);
+  options.window = node.integer({"window", "", "samples that the Jacobian is fitted to"}, {6, 500},
+                                options.window);
+  options.forgetting = node.number({"forgetting", "", "weight of a sample against the next"},
+                                   {0.1, 1}, options.forgetting);
+  options.confidence = node.number({"confidence", "", "least eigenvalue of the samples, relative"},
+                                   {1e-6, 0.999}, options.confidence);
   return std::make_unique<published_control::WeightedLeastSquaresUpdate>(options);
 }
 
@@ -102,9 +117,16 @@ std::unique_ptr<published_control::FeatureView> plain() {
 
 Provider make_diminishing(const Wanted& wanted, bool directional) {
   published_control::DiminishingRigidityOptions options;
-  options.translation = wanted.node.number("rigidity", {0, 1e3}, options.translation);
-  options.rotation = wanted.node.number("rotation_rigidity", {0, 1e3}, options.rotation);
-  if (directional) options.push = wanted.node.number("push_rigidity", {1e-3, 1e3}, 8);
+  options.translation = wanted.node.number(
+      {"rigidity", "", "how soon influence fades with distance, or how stiff a match is"}, {0, 1e3},
+      options.translation);
+  options.rotation = wanted.node.number(
+      {"rotation_rigidity", "1/m", "how soon the influence of a rotation fades with distance"},
+      {0, 1e3}, options.rotation);
+  if (directional)
+    options.push = wanted.node.number(
+        {"push_rigidity", "1/m", "how soon the influence of a push fades with distance"},
+        {1e-3, 1e3}, 8);
   return std::make_unique<published_control::DiminishingRigidity>(options,
                                                                   wanted.context.object->body, 0);
 }
@@ -137,9 +159,11 @@ Provider make_gaussian_process(const Wanted& wanted) {
   options.period = learning.period;
   options.least_motion = learning.least_motion;
   options.length = learning.length;
-  options.reach = node.number("reach", {1e-2, 100}, options.reach);
-  options.noise = node.number("process_noise", {1e-4, 10}, options.noise);
-  options.samples = node.integer("samples", {6, 80}, options.samples);
+  options.reach =
+      node.number({"reach", "m", "over which motions are alike"}, {1e-2, 100}, options.reach);
+  options.noise =
+      node.number({"process_noise", "", "of the regression"}, {1e-4, 10}, options.noise);
+  options.samples = node.integer({"samples", "", "that are kept"}, {6, 80}, options.samples);
   options.gain = node.number("gain", {1e-3, 50}, options.gain);
   options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
   options.angular_speed = node.number("angular_speed", {1e-4, 10}, options.angular_speed);
@@ -149,16 +173,19 @@ Provider make_gaussian_process(const Wanted& wanted) {
 
 /// The feature's value on the rest shape, moved as key `goal` says.
 Eigen::VectorXd read_goal(const Wanted& wanted) {
-  const config::Node goal = wanted.node.child("goal");
+  const config::Node goal = wanted.node.child(
+      {"goal", "", "where the feature shall be, for a plan that is made at the start"});
   shape::Feature& feature = wanted.feature;
   Eigen::VectorXd value(feature.value_count());
   feature.evaluate(wanted.context.object->body.mesh.nodes, value);
   if (goal.has("values")) {
-    const std::vector<double> values = goal.numbers("values", feature.value_count(), {-100, 100});
+    const std::vector<double> values =
+        goal.numbers({"values", "", "of the feature itself"}, feature.value_count(), {-100, 100});
     return Eigen::Map<const Eigen::VectorXd>(values.data(), feature.value_count());
   }
   published_control::check_points(feature);
-  const Eigen::Vector3d displacement = goal.vector3("displacement", {-1, 1});
+  const Eigen::Vector3d displacement =
+      goal.vector3({"displacement", "m", "of every point of the feature from rest, in O"}, {-1, 1});
   return value + displacement.replicate(feature.value_count() / 3, 1);
 }
 
@@ -169,7 +196,8 @@ Provider make_open_loop(const Wanted& wanted, bool by_force) {
   options.gain = node.number("gain", {1e-3, 50}, options.gain);
   options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
   options.angular_speed = node.number("angular_speed", {1e-4, 10}, options.angular_speed);
-  options.filter = node.number("filter", {1e-3, 100}, options.filter);
+  options.filter =
+      node.number({"filter", "s", "time constant of the plan"}, {1e-3, 100}, options.filter);
   return std::make_unique<published_control::OpenLoop>(
       options, published_control::solve_inverse(wanted.context.object->body, 0, wanted.feature,
                                                 read_goal(wanted)));
@@ -197,8 +225,8 @@ const std::map<std::string, Maker>& makers() {
       {"factored",
        [](const Wanted& w) {
          return learning(w, make_two_camera_view(w),
-                         std::make_unique<published_control::FactoredUpdate>(
-                             w.node.number("update_gain", {1e-4, 1}, 0.5)));
+                         std::make_unique<published_control::FactoredUpdate>(w.node.number(
+                             {"update_gain", "", "of the adaptation"}, {1e-4, 1}, 0.5)));
        }},
       {"gaussian_process", make_gaussian_process},
       {"inverse_elements_displacement", [](const Wanted& w) { return make_open_loop(w, false); }},
@@ -241,11 +269,15 @@ Provider make_published_provider(const std::string& name, const config::Node& no
 std::unique_ptr<published_control::MarkerSight> make_marker_sight(const config::Node& node,
                                                                   const Context& context,
                                                                   const shape::Feature& feature) {
-  const std::string kind = node.choice("sight", {"none", "markers", "markers_and_model"}, "none");
+  const std::string kind = node.choice({"sight", "",
+                                        "whether the feature is read off tracked markers, and "
+                                        "whether the model stands in while they are hidden"},
+                                       {"none", "markers", "markers_and_model"}, "none");
   if (kind == "none") return nullptr;
   published_control::MarkerSight::Options options;
   if (kind == "markers_and_model") options.kind = published_control::MarkerSight::Kind::kOffset;
-  options.patience = node.number("sight_patience", {0.001, 100}, options.patience);
+  options.patience = node.number({"sight_patience", "s", "that sight may be lost for"},
+                                 {0.001, 100}, options.patience);
   return std::make_unique<published_control::MarkerSight>(context.object->body.mesh,
                                                           feature.rest_points(), options);
 }

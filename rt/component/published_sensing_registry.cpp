@@ -18,15 +18,24 @@ using namespace published_sensing;
 
 /// What all of them share.
 void read_cloud(const config::Node& node, CloudEstimator::Options& options) {
-  options.hand = node.flag("hand", options.hand);
-  options.reach = node.number("observation_reach", {1e-4, 1}, options.reach);
+  options.hand =
+      node.flag({"hand", "", "whether the pose of the hand is taken as well"}, options.hand);
+  options.reach =
+      node.number({"observation_reach", "m", "beyond which a point is no part of the object"},
+                  {1e-4, 1}, options.reach);
   options.points_per_tick =
-      node.integer("observation_points_per_tick", {1, 256}, options.points_per_tick);
-  options.patience = node.number("observation_timeout_ms", {1, 1e5}, options.patience * 1e3) * 1e-3;
+      node.integer({"observation_points_per_tick", "", "points that are worked on in a cycle"},
+                   {1, 256}, options.points_per_tick);
+  options.patience = node.number({"observation_timeout_ms", "ms", "after which a cloud is old"},
+                                 {1, 1e5}, options.patience * 1e3) *
+                     1e-3;
   options.follower.pose_timeout =
-      node.number("pose_timeout_ms", {1, 1e4}, options.follower.pose_timeout * 1e3) * 1e-3;
-  options.follower.approach_speed =
-      node.number("approach_speed", {1e-3, 10}, options.follower.approach_speed);
+      node.number({"pose_timeout_ms", "ms", "after which the pose of the hand is old"}, {1, 1e4},
+                  options.follower.pose_timeout * 1e3) *
+      1e-3;
+  options.follower.approach_speed = node.number(
+      {"approach_speed", "m/s", "with which the grasp goes to where the hand is at the start"},
+      {1e-3, 10}, options.follower.approach_speed);
 }
 
 template <class Method>
@@ -38,107 +47,150 @@ std::unique_ptr<estimation::Estimator> make(const typename Method::Options& opti
 CloudDrivenFem::Options read_cloud_driven_fem(const config::Node& node) {
   CloudDrivenFem::Options options;
   read_cloud(node, options);
-  options.stiffness = node.number("spring_stiffness", {1e-3, 1e6}, options.stiffness);
-  options.damping = node.number("spring_damping", {0, 1e4}, options.damping);
+  options.stiffness =
+      node.number({"spring_stiffness", "N/m", "of the springs"}, {1e-3, 1e6}, options.stiffness);
+  options.damping =
+      node.number({"spring_damping", "N s/m", "of the springs"}, {0, 1e4}, options.damping);
   return options;
 }
 
 MassSpringEm::Options read_mass_spring_em(const config::Node& node) {
   MassSpringEm::Options options;
   read_cloud(node, options);
-  options.stiffness = node.number("spring_stiffness", {1e-3, 1e6}, options.stiffness);
-  options.damping = node.number("spring_damping", {0, 1e4}, options.damping);
-  options.width = node.number("width", {1e-4, 1}, options.width);
-  options.noise = node.number("noise_share", {1e-6, 0.999}, options.noise);
+  options.stiffness =
+      node.number({"spring_stiffness", "N/m", "of the springs"}, {1e-3, 1e6}, options.stiffness);
+  options.damping =
+      node.number({"spring_damping", "N s/m", "of the springs"}, {0, 1e4}, options.damping);
+  options.width = node.number({"width", "m", "deviation of the points about the shape"}, {1e-4, 1},
+                              options.width);
+  options.noise = node.number({"noise_share", "", "of points that belong to nothing"},
+                              {1e-6, 0.999}, options.noise);
   return options;
 }
 
 VoxelMassSpring::Options read_voxel_mass_spring(const config::Node& node) {
   VoxelMassSpring::Options options;
   read_cloud(node, options);
-  options.voxel = node.number("voxel", {1e-3, 1}, options.voxel);
-  options.stiffness = node.number("spring_stiffness", {1e-6, 10}, options.stiffness);
-  options.damping = node.number("damping_share", {1e-4, 0.99}, options.damping);
+  options.voxel = node.number({"voxel", "m", "edge of a voxel"}, {1e-3, 1}, options.voxel);
+  options.stiffness =
+      node.number({"spring_stiffness", "N/m", "of the springs"}, {1e-6, 10}, options.stiffness);
+  options.damping =
+      node.number({"damping_share", "", "of the critical damping"}, {1e-4, 0.99}, options.damping);
   return options;
 }
 
 ShapeMatchingFit::Options read_shape_matching_fit(const config::Node& node) {
   ShapeMatchingFit::Options options;
   read_cloud(node, options);
-  options.regions = node.integer("regions", {1, 50}, options.regions);
-  options.candidates = node.integer("candidates", {1, 20}, options.candidates);
-  options.iterations = node.integer("iterations", {1, 50}, options.iterations);
-  options.rigidity = node.number("rigidity", {1e-3, 1}, options.rigidity);
-  options.memory = node.number("memory_s", {1e-3, 1e4}, options.memory);
+  options.regions = node.integer({"regions", "", "clusters of the shape that are matched"}, {1, 50},
+                                 options.regions);
+  options.candidates = node.integer({"candidates", "", "points that a node may belong to"}, {1, 20},
+                                    options.candidates);
+  options.iterations = node.integer({"iterations", "", "in a cycle"}, {1, 50}, options.iterations);
+  options.rigidity = node.number(
+      {"rigidity", "", "how soon influence fades with distance, or how stiff a match is"},
+      {1e-3, 1}, options.rigidity);
+  options.memory = node.number({"memory_s", "s", "after which what was seen is forgotten"},
+                               {1e-3, 1e4}, options.memory);
   return options;
 }
 
 EvolvedMassSpring::Options read_evolved_mass_spring(const config::Node& node) {
   EvolvedMassSpring::Options options;
   read_cloud(node, options);
-  options.voxel = node.number("voxel", {1e-3, 1}, options.voxel);
-  options.population = node.integer("population", {3, 50}, options.population);
-  options.generation = node.number("generation_s", {1e-2, 1e4}, options.generation);
-  options.mutation = node.number("mutation", {1e-3, 10}, options.mutation);
-  options.damping = node.number("damping_share", {1e-4, 0.99}, options.damping);
+  options.voxel = node.number({"voxel", "m", "edge of a voxel"}, {1e-3, 1}, options.voxel);
+  options.population =
+      node.integer({"population", "", "candidates of a generation"}, {3, 50}, options.population);
+  options.generation =
+      node.number({"generation_s", "s", "of one generation"}, {1e-2, 1e4}, options.generation);
+  options.mutation = node.number({"mutation", "", "deviation of a mutation, of the logarithm"},
+                                 {1e-3, 10}, options.mutation);
+  options.damping =
+      node.number({"damping_share", "", "of the critical damping"}, {1e-4, 0.99}, options.damping);
   return options;
 }
 
 std::unique_ptr<estimation::Estimator> make_learned_shape(const config::Node& node,
                                                           const Context& context) {
-  const LearnedShape::Model model = read_learned_shape(node.path("model"));
-  const double average = node.number("average_ms", {0.1, 1e4}, 30) * 1e-3;
+  const LearnedShape::Model model = read_learned_shape(
+      node.path({"model", "", "file that palpate-evaluate train-sensing writes"}));
+  const double average =
+      node.number({"average_ms", "ms", "over which the wrench is averaged"}, {0.1, 1e4}, 30) * 1e-3;
   return std::make_unique<LearnedShape>(context.object->body, model, average);
 }
 
 ComplianceMap::Options read_compliance_map(const config::Node& node) {
   ComplianceMap::Options options;
-  options.process.length = node.number("length", {1e-4, 1}, options.process.length);
+  options.process.length = node.number({"length", "m", "over which compliances are alike"},
+                                       {1e-4, 1}, options.process.length);
   options.process.deviation =
-      node.number("log_compliance_deviation", {1e-3, 10}, options.process.deviation);
-  options.process.noise = node.number("log_compliance_noise", {1e-3, 10}, options.process.noise);
-  options.process.mean = node.number("compliance", {1e-9, 10}, options.process.mean);
-  options.footprint = node.number("footprint", {1e-4, 1}, options.footprint);
-  options.least_force = node.number("least_force", {1e-3, 100}, options.least_force);
-  options.every = node.number("every_ms", {1, 1e5}, options.every * 1e3) * 1e-3;
+      node.number({"log_compliance_deviation", "", "prior of the logarithm of the compliance"},
+                  {1e-3, 10}, options.process.deviation);
+  options.process.noise =
+      node.number({"log_compliance_noise", "", "of a touch"}, {1e-3, 10}, options.process.noise);
+  options.process.mean = node.number({"compliance", "m/N", "expected before any touch"}, {1e-9, 10},
+                                     options.process.mean);
+  options.footprint =
+      node.number({"footprint", "m", "that a touch presses in"}, {1e-4, 1}, options.footprint);
+  options.least_force =
+      node.number({"least_force", "N", "of a touch that tells"}, {1e-3, 100}, options.least_force);
+  options.every =
+      node.number({"every_ms", "ms", "between two updates"}, {1, 1e5}, options.every * 1e3) * 1e-3;
   return options;
 }
 
 void read_curve(const config::Node& node, CurveFit::Options& options) {
   read_cloud(node, options);
-  options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
-  options.memory = node.number("memory", {0, 1e9}, options.memory);
+  options.deviation = node.number({"observation_deviation", "m", "standard deviation of a point"},
+                                  {1e-6, 1}, options.deviation);
+  options.memory = node.number({"memory", "", "share of the last estimate that is kept"}, {0, 1e9},
+                               options.memory);
 }
 
 EulerBernoulliFit::Options read_euler_bernoulli_fit(const config::Node& node) {
   EulerBernoulliFit::Options options;
   read_curve(node, options);
   options.log_young_deviation =
-      node.number("log_young_modulus_deviation", {1e-6, 10}, options.log_young_deviation);
+      node.number({"log_young_modulus_deviation", "", "prior of the logarithm of E"}, {1e-6, 10},
+                  options.log_young_deviation);
   return options;
 }
 
 SplineFit::Options read_spline_fit(const config::Node& node) {
   SplineFit::Options options;
   read_curve(node, options);
-  options.controls = node.integer("controls", {3, 12}, options.controls);
-  options.stretch = node.number("stretch_deviation", {1e-6, 10}, options.stretch);
-  options.bend = node.number("bend_deviation", {1e-3, 1e9}, options.bend);
+  options.controls =
+      node.integer({"controls", "", "control points of the spline"}, {3, 12}, options.controls);
+  options.stretch =
+      node.number({"stretch_deviation", "", "prior of the stretch"}, {1e-6, 10}, options.stretch);
+  options.bend =
+      node.number({"bend_deviation", "1/m", "prior of the curvature"}, {1e-3, 1e9}, options.bend);
   return options;
 }
 
 ProbeAndFit::Options read_probe_and_fit(const config::Node& node) {
   ProbeAndFit::Options options;
   read_cloud(node, options);
-  options.probing = node.number("probing_s", {0.1, 1e4}, options.probing);
-  options.rounds = node.number("round_s", {0.01, 1e4}, options.rounds);
-  options.force = node.number("force_deviation", {1e-5, 10}, options.force);
-  options.torque = node.number("torque_deviation", {1e-6, 1}, options.torque);
-  options.period = node.number("wrench_period_ms", {0.1, 1e4}, options.period * 1e3) * 1e-3;
-  options.deviation = node.number("observation_deviation", {1e-6, 1}, options.deviation);
+  options.probing = node.number({"probing_s", "s", "of probing before anything is told"},
+                                {0.1, 1e4}, options.probing);
+  options.rounds =
+      node.number({"round_s", "s", "between two rounds of the fit"}, {0.01, 1e4}, options.rounds);
+  options.force = node.number({"force_deviation", "N", "standard deviation of a measured force"},
+                              {1e-5, 10}, options.force);
+  options.torque =
+      node.number({"torque_deviation", "N m", "standard deviation of a measured torque"}, {1e-6, 1},
+                  options.torque);
+  options.period = node.number({"wrench_period_ms", "ms", "between two wrenches that are taken"},
+                               {0.1, 1e4}, options.period * 1e3) *
+                   1e-3;
+  options.deviation = node.number({"observation_deviation", "m", "standard deviation of a point"},
+                                  {1e-6, 1}, options.deviation);
   options.log_young_prior =
-      node.number("log_young_modulus_deviation", {1e-3, 10}, options.log_young_prior);
-  options.poisson_prior = node.number("poisson_ratio_deviation", {1e-3, 1}, options.poisson_prior);
+      node.number({"log_young_modulus_deviation", "", "prior of the logarithm of E"}, {1e-3, 10},
+                  options.log_young_prior);
+  options.poisson_prior =
+      node.number({"poisson_ratio_deviation", "", "prior of the ratio of Poisson"}, {1e-3, 1},
+                  options.poisson_prior);
   return options;
 }
 

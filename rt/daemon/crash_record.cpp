@@ -36,7 +36,7 @@ std::string file_name(const char* cause) {
   gmtime_r(&now.tv_sec, &utc);
   char time[32], name[96];
   std::strftime(time, sizeof(time), "%Y%m%dT%H%M%S", &utc);
-  std::snprintf(name, sizeof(name), "%s%s.%03ldZ-%d-%s%s", kPrefix, time, now.tv_nsec / 1000000,
+  std::snprintf(name, sizeof(name), "%s%s.%09ldZ-%d-%s%s", kPrefix, time, now.tv_nsec,
                 static_cast<int>(getpid()), cause, kExtension);
   return name;
 }

@@ -291,9 +291,11 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
 /// {at, box}: from `at` on what lies in the box at rest bears nearly nothing.
 std::vector<Cut> read_cuts(const config::Node& node) {
   std::vector<Cut> cuts;
-  for (const config::Node& item : node.list("cuts")) {
+  for (const config::Node& item :
+       node.list({"cuts", "", "knife: from a moment on a part bears nearly nothing"})) {
     const double before = cuts.empty() ? 0 : cuts.back().at;
-    cuts.push_back({item.number("at", {before, 1e5}), read_box(item.child("box"))});
+    cuts.push_back({item.number({"at", "s", "moment of the cut"}, {before, 1e5}),
+                    read_box(item.child({"box", "", "what is cut, at rest, in O"}))});
   }
   return cuts;
 }
@@ -304,17 +306,18 @@ MarkerOptions read_markers(const config::Node& node, const Scene& scene) {
   constexpr std::size_t kMost = 256;
   const Eigen::Vector3d lower = scene.plant.origin, upper = lower + scene.plant.size;
   MarkerOptions markers;
-  markers.rest_points = node.points("rest_points");
+  markers.rest_points = node.points({"rest_points", "m", "places of markers at rest, in O"});
   if (markers.rest_points.empty() || markers.rest_points.size() > kMost)
     node.fail("rest_points", "has no or too many points; allowed: 1 to 256");
   for (const Eigen::Vector3d& p : markers.rest_points) {
     if ((p.array() < lower.array() - 1e-9).any() || (p.array() > upper.array() + 1e-9).any())
       node.fail("rest_points", "a point lies outside the object");
   }
-  markers.timing.rate = node.number("rate", {0.1, 1000}, 30);
-  markers.timing.delay = node.number("delay", {0, 10}, 0);
-  markers.timing.drop_out = node.number("drop_out", {0, 1}, 0);
-  markers.noise = node.number("noise", {0, 0.1}, 0);
+  markers.timing.rate = node.number({"rate", "Hz", "of messages"}, {0.1, 1000}, 30);
+  markers.timing.delay = node.number({"delay", "s", "of messages"}, {0, 10}, 0);
+  markers.timing.drop_out =
+      node.number({"drop_out", "", "share of markers that are missed"}, {0, 1}, 0);
+  markers.noise = node.number({"noise", "m", "standard deviation of a coordinate"}, {0, 0.1}, 0);
   markers.occlusions = read_occlusions(node);
   return markers;
 }

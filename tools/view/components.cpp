@@ -1,6 +1,18 @@
 #include "tools/view/components.hpp"
 
+#include "rt/component/published_control_registry.hpp"
+#include "rt/component/published_sensing_registry.hpp"
+
 namespace palpate::view {
+namespace {
+
+std::vector<std::string> with(std::vector<std::string> names,
+                              const std::vector<std::string>& more) {
+  names.insert(names.end(), more.begin(), more.end());
+  return names;
+}
+
+}  // namespace
 
 const std::vector<SlotChoices>& slot_choices() {
   // A test asks the registries whether these are all.
@@ -13,9 +25,9 @@ const std::vector<SlotChoices>& slot_choices() {
       {"contact", true, {{"component", {"area_coordinates", "wrench_patch"}}}},
       {"estimation",
        false,
-       {{"component",
-         {"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
-          "pose_wrench_filter"}}}},
+       {{"component", with({"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
+                            "pose_wrench_filter"},
+                           component::published_sensing_names())}}},
       {"deformation",
        false,
        {{"component",
@@ -27,7 +39,7 @@ const std::vector<SlotChoices>& slot_choices() {
          {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"}}}},
       {"control",
        false,
-       {{"provider", {"fem", "kinematic"}},
+       {{"provider", with({"fem", "kinematic"}, component::published_providers())},
         {"law", {"proportional_twist", "dual_quaternion", "quadratic_program"}}}}};
   return all;
 }

@@ -52,7 +52,8 @@ TEST(Components, AreThoseOfTheRegistries) {
       ASSERT_EQ(slot.choices.size(), 2U);
       EXPECT_EQ(
           listed(slot.choices[0].names),
-          asked([&](const Node& n) { component::make_jacobian_provider(n, context); }, "provider"));
+          asked([&](const Node& n) { component::make_jacobian_provider(n, context, *feature); },
+                "provider"));
       EXPECT_EQ(
           listed(slot.choices[1].names),
           asked([&](const Node& n) { component::make_control_law(n, context, *feature); }, "law"));
