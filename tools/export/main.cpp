@@ -10,15 +10,18 @@ int main(int argc, char** argv) {
       "display.\n"
       "Several logs are merged by time; unknown types are named, counted and skipped; of a "
       "damaged\n"
-      "log all that is whole is read, and what is not is told with its place.\n"
-      "\n"
+      "log all that is whole is read, and what is not is told with its place.");
+  app.footer(
+      "Examples:\n"
       "  palpate-export info control.log housekeeping.log\n"
       "  palpate-export csv control.log --channel FT_WRENCH 'BIOTAC_*' --output out\n"
       "  palpate-export plot control.log --field 'FT_WRENCH.wrench[0:3]' -o force.png\n"
       "  palpate-export mcap control.log housekeeping.log --output run.mcap\n"
       "  palpate-export vtu housekeeping.log --rate 20 --output out\n"
       "  palpate-export png housekeeping.log --at 2.5 --colour stress --output shape.png\n"
-      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4");
+      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4"
+      "\nExit codes: 0 done, 1 a log cannot be read or nothing can be written, 78 a wrong "
+      "configuration.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.require_subcommand(1);
   std::function<void()> chosen;
