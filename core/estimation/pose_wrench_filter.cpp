@@ -35,7 +35,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       filter_(static_cast<int>(body.grasps.size()), options.filter),
       search_(body, surface, options.search),
       loads_(body),
-      sight_(body.mesh.node_count(), surface, options.sight),
+      sight_(body.mesh.nodes, surface, options.sight),
       history_(body.mesh.node_count()),
       shift_(WrenchFilter::ShapeState::Zero(filter_.shape_size())),
       node_deviation_(static_cast<std::size_t>(body.mesh.node_count()), 0.0F) {

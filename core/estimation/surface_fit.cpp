@@ -8,17 +8,39 @@ namespace palpate::estimation {
 
 using Eigen::Vector3d;
 
-SurfaceFit::SurfaceFit(int nodes, const mesh::Surface& surface, const Options& options)
-    : options_(options), matcher_(surface) {
+namespace {
+
+/// Median distance from one of some of the points to the nearest other one, m.
+double spacing_of(const ObservationInput::Points& points) noexcept {
+  constexpr int kSome = 16;
+  std::array<double, kSome> nearest{};
+  const Eigen::Index count = points.cols();
+  if (count < kSome) return 0;
+  for (int i = 0; i < kSome; ++i) {
+    const Eigen::Index own = i * count / kSome;
+    double least = 1e300;
+    for (Eigen::Index k = 0; k < count; ++k)
+      if (k != own) least = std::min(least, (points.col(k) - points.col(own)).squaredNorm());
+    nearest[static_cast<std::size_t>(i)] = least;
+  }
+  std::nth_element(nearest.begin(), nearest.begin() + kSome / 2, nearest.end());
+  return std::sqrt(nearest[kSome / 2]);
+}
+
+}  // namespace
+
+SurfaceFit::SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface,
+                       const Options& options)
+    : options_(options), matcher_(surface), edges_(rest, surface) {
   for (const double value :
        {options.lag_deviation, options.correlation, options.gate, options.reach}) {
     if (!(value > 0)) throw std::invalid_argument("options of a surface fit must be positive");
   }
   if (!(options.lag >= 0 && options.lag < ShapeHistory::kLongest) || !(options.surface >= 0) ||
-      options.places < 1 || options.points_per_tick < 1)
+      !(options.beside >= 0) || options.places < 1 || options.points_per_tick < 1)
     throw std::invalid_argument("options of a surface fit are out of range");
-  moment_.positions.setZero(3, nodes);
-  moment_.velocities.setZero(3, nodes);
+  moment_.positions.setZero(3, rest.cols());
+  moment_.velocities.setZero(3, rest.cols());
 }
 
 void SurfaceFit::reset() noexcept {
@@ -39,7 +61,8 @@ bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history
   points_ = seen.points_O;
   deviation_ = seen.deviation;
   const double alike = std::max(1.0, static_cast<double>(points_.cols()) / options_.places);
-  model_variance_ = options_.surface * options_.surface * alike * options_.correlation / interval_;
+  alike_ = alike * options_.correlation / interval_;
+  beside_ = options_.beside * spacing_of(points_);
   matcher_.take(moment_.positions);
   residual_count_ = 0;
   information_.used = information_.rejected = 0;
@@ -110,7 +133,9 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
   // Huber's weight: what is far off for a point pulls no harder than what is a little off.
   const double usual = 1.5 * std::max(plain, scale_ < 0 ? expected : scale_);
   const double trust = std::min(1.0, usual / std::max(std::abs(y), 1e-12));
-  const double weight = trust / (own + model_variance_);
+  double lasting = options_.surface * options_.surface;
+  if (edges_.is_near(match, beside_)) lasting += own;
+  const double weight = trust / (own + alike_ * lasting);
   information_.matrix.noalias() += (weight * h) * h.transpose();
   information_.vector += weight * z * h;
   ++information_.used;

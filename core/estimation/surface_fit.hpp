@@ -2,7 +2,7 @@
 
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/shape_history.hpp"
-#include "core/estimation/surface_match.hpp"
+#include "core/estimation/surface_edges.hpp"
 #include "core/estimation/virtual_loads.hpp"
 
 namespace palpate::estimation {
@@ -22,6 +22,9 @@ class SurfaceFit {
     /// nor more messages tell more of it. The correlation must be long: where the points tell
     /// little, as of motion along the surface, what repeats itself would be believed in the end.
     double surface = 5e-4;
+    /// Beside an edge the noise of the points themselves is such an error: it decides of which side
+    /// a point is taken to be, and who thins a cloud chooses among both sides.
+    double beside = 1.5;  // in distances between points seen
     int places = 20;
     double correlation = 3;  // s
     double gate = 3;         // deviations: points beyond are of something else, a hand or a table,
@@ -43,7 +46,8 @@ class SurfaceFit {
   };
 
   /// Throws std::invalid_argument where an option is out of range.
-  SurfaceFit(int nodes, const mesh::Surface& surface, const Options& options);
+  /// `rest`: nodes, 3 x n, m.
+  SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface, const Options& options);
 
   void reset() noexcept;
   /// A new message; what was left of the one before is dropped. False where nothing is known of the
@@ -66,13 +70,15 @@ class SurfaceFit {
 
   Options options_;
   SurfaceMatcher matcher_;
+  SurfaceEdges edges_;
   ShapeHistory::Moment moment_;
   ObservationInput::Points points_;
   Eigen::Index next_ = 0;
   double deviation_ = 0;
   double since_ = 0;     // s, from the beginning of the last message
   double interval_ = 0;  // s, between messages
-  double model_variance_ = 0;
+  double beside_ = 0;    // m, from an edge
+  double alike_ = 1;     // readings of the same error while it lasts
   double scale_ = -1;  // m, robust deviation of the last message's residuals; below zero: none yet
   std::array<double, ObservationInput::kMostPoints> residuals_{};
   int residual_count_ = 0;

@@ -64,9 +64,14 @@ bool VirtualLoads::is_known(const elasticity::Sensitivity& sensitivity) noexcept
 VirtualLoads::Forces VirtualLoads::for_distance(
     double distance, const elasticity::Sensitivity& sensitivity) const noexcept {
   Forces forces = Forces::Zero();
-  for (int i = 0; i < kStates; ++i)
-    if (i % 3 != axis_)
-      forces[i] = distance / sensitivity.dx_dforce[i / 3].col(i % 3).cwiseAbs().maxCoeff();
+  for (int k = 0; k < kCount; ++k) {
+    double softest = 0;  // m/N
+    for (int axis = 0; axis < 3; ++axis)
+      if (axis != axis_)
+        softest = std::max(softest, sensitivity.dx_dforce[k].col(axis).cwiseAbs().maxCoeff());
+    forces.segment<3>(3 * k).setConstant(distance / softest);
+    forces[3 * k + axis_] = 0;
+  }
   return forces;
 }
 

@@ -24,9 +24,11 @@ class VirtualLoads {
   /// The model answers for them in its first contact slots from its next factor on.
   void watch(elasticity::DeformationModel& model) const noexcept;
   static bool is_known(const elasticity::Sensitivity& sensitivity) noexcept;
-  /// N of each component that moves some node by as much as `distance`, m. None along the longest
-  /// axis: points on the sides do not tell how they slide along them, so that such loads would take
-  /// up whatever else is wrong and wander by millimetres unseen.
+  /// N that move some node by as much as `distance`, m, in the direction that is softest; as much
+  /// in others, since what is unknown has no direction: within its plane a plate is a hundred times
+  /// as stiff as across, and its model's errors are as much smaller. None along the longest axis:
+  /// points on the sides do not tell how they slide along them, so that such loads would take up
+  /// whatever else is wrong and wander by millimetres unseen.
   Forces for_distance(double distance, const elasticity::Sensitivity& sensitivity) const noexcept;
   void add_to(Eigen::Matrix3Xd& loads, const Forces& forces) const noexcept;
 
