@@ -27,6 +27,9 @@ struct GraspRegion {
   /// How the object gives way in the hand: minus its motion in it (m, rad), in G, by the wrench of
   /// the hand on it at the origin of G, in G; see pad_compliance(). Zero: held firmly.
   math::Matrix6d compliance = math::Matrix6d::Zero();
+  /// The same of the object beside the grasp, where the model is stiffer than it: falls with
+  /// Young's modulus, so that what it gives by does not depend on that. See estimation::grasp_give.
+  math::Matrix6d object_compliance = math::Matrix6d::Zero();
 };
 
 /// A deformable object, everything in its rest frame O.

@@ -5,6 +5,15 @@
 #include "core/elasticity/grasp_pose.hpp"
 
 namespace palpate::estimation {
+namespace {
+
+/// What gives way in the hand under the reaction of a model that the object is `stiffness` times as
+/// stiff as.
+math::Matrix6d compliance_of(const elasticity::GraspRegion& grasp, double stiffness) noexcept {
+  return stiffness * grasp.compliance + grasp.object_compliance;
+}
+
+}  // namespace
 
 HandFollower::HandFollower(const Options& options) : options_(options) {
   if (!(options.pose_timeout > 0) || !(options.approach_speed > 0) ||
@@ -28,18 +37,19 @@ void HandFollower::take_over(const Estimate& last, elasticity::DeformationModel&
     if (!last.X_OG[i].matrix().allFinite()) continue;
     hands_[i].hand = hands_[i].held = last.X_OG[i];
     hands_[i].seen = true;
-    give_way(hands_[i], i, 1, last.reaction[i], model.body());
+    give_way(hands_[i], i, 1, last.reaction[i], 1, model.body());
     model.hold(i, hands_[i].held);
   }
 }
 
-/// Goes on by `share` towards where pads give way to, under `reaction` of the hand at G, in O.
+/// Goes on by `share` towards where the object gives way to in the hand, under `reaction` of the
+/// hand at G, in O, as the model has it.
 void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction,
-                            const elasticity::Body& body) const noexcept {
+                            double stiffness, const elasticity::Body& body) const noexcept {
   const math::Vector6d wrench =
       math::both_halves(hand.held.linear()).transpose() * reaction.vector();
   if (!wrench.allFinite()) return;
-  const math::Vector6d goal = -(body.grasps[grasp].compliance * wrench);
+  const math::Vector6d goal = -(compliance_of(body.grasps[grasp], stiffness) * wrench);
   hand.give += share * (goal - hand.give);
 }
 
@@ -48,10 +58,10 @@ void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wre
 double HandFollower::pad_share(int grasp, double dt, double stiffness,
                                const elasticity::DeformationModel& model) const noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  const math::Matrix6d& C = model.body().grasps[grasp].compliance;
+  const math::Matrix6d C = compliance_of(model.body().grasps[grasp], stiffness);
   if (!sensitivity.valid || C(0, 0) == 0) return 0;
   const math::Matrix6d turn = math::both_halves(hands_[grasp].held.linear());
-  const math::Matrix6d K = stiffness * turn.transpose() * sensitivity.dw_dxi[grasp][grasp] * turn;
+  const math::Matrix6d K = turn.transpose() * sensitivity.dw_dxi[grasp][grasp] * turn;
   const double softness = std::max(0.0, C.cwiseProduct(K.transpose()).sum());
   return std::min(1.0, dt / options_.pad_time) / (1 + softness);
 }
@@ -75,8 +85,8 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
 
   math::Pose goal = hand.hand * correction;
   if (model.is_held(grasp)) {
-    const math::Wrench reaction = math::Wrench::from(stiffness * model.reaction(grasp).vector());
-    give_way(hand, grasp, pad_share(grasp, dt, stiffness, model), reaction, model.body());
+    give_way(hand, grasp, pad_share(grasp, dt, stiffness, model), model.reaction(grasp), stiffness,
+             model.body());
   } else {
     hand.give.setZero();
   }

@@ -49,7 +49,7 @@ class HandFollower {
     math::Vector6d give = math::Vector6d::Zero();  // of the pads: (m, rad) of the object, in G
     bool seen = false;
   };
-  void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction,
+  void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
                 const elasticity::Body& body) const noexcept;
   double pad_share(int grasp, double dt, double stiffness,
                    const elasticity::DeformationModel& model) const noexcept;

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/elasticity/pad_compliance.hpp"
+#include "core/estimation/grasp_give.hpp"
 #include "core/mesh/report.hpp"
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
@@ -149,6 +150,10 @@ Object read_object(const config::Node& root, const Frames& frames) {
     body.check();
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());
+  }
+  for (std::size_t g = 0; g < body.grasps.size(); ++g) {
+    elasticity::GraspRegion& grasp = body.grasps[g];
+    grasp.object_compliance = estimation::grasp_give(body, g, grasp.compliance) - grasp.compliance;
   }
   return object;
 }

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "core/contact/surface_search.hpp"
+#include "core/estimation/surface_edges.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::estimation {
@@ -80,6 +81,20 @@ TEST_F(SurfaceMatchTest, OnFlatFacesItFindsWhatAnExhaustiveSearchFinds) {
 
 TEST(SurfaceMatcher, WithoutASurfaceNothingIsFound) {
   EXPECT_EQ(SurfaceMatcher(mesh::Surface()).find({0, 0, 0}).count, 0);
+}
+
+TEST_F(SurfaceMatchTest, EdgesAreWhereFacesMeetAtAnAngleAndStayThereWhenTheyBend) {
+  bend(mesh::ElementOrder::kQuadratic, 0.4);
+  const SurfaceEdges edges(rest_, surface_);
+  EXPECT_EQ(edges.count(), 4 * 10 + 2 * 4);  // and not where the triangles of a side meet
+  const auto is_near = [&](const Vector3d& at_rest, double distance) {
+    return edges.is_near(matcher_->find(arc(at_rest, 0.4)), distance);
+  };
+  EXPECT_TRUE(is_near({0.23, 0.005, 0.06}, 0.006));
+  EXPECT_FALSE(is_near({0.23, 0.005, 0.06}, 0.004));
+  EXPECT_FALSE(is_near({0.23, 0.03, 0.06}, 0.028));
+  EXPECT_TRUE(is_near({0.49, 0.03, 0.06}, 0.012));
+  EXPECT_FALSE(is_near({0.23, 0, 0.06}, 0));
 }
 
 }  // namespace
