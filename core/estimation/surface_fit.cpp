@@ -61,7 +61,7 @@ bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history
   points_ = seen.points_O;
   deviation_ = seen.deviation;
   const double alike = std::max(1.0, static_cast<double>(points_.cols()) / options_.places);
-  alike_ = alike / interval_;
+  alike_ = alike * options_.correlation / interval_;
   beside_ = options_.beside * spacing_of(points_);
   matcher_.take(moment_.positions);
   residual_count_ = 0;
@@ -133,8 +133,9 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
   // Huber's weight: what is far off for a point pulls no harder than what is a little off.
   const double usual = 1.5 * std::max(plain, scale_ < 0 ? expected : scale_);
   const double trust = std::min(1.0, usual / std::max(std::abs(y), 1e-12));
-  double lasting = options_.surface * options_.surface * options_.correlation;
-  if (edges_.is_near(match, beside_)) lasting += own * options_.beside_correlation;
+  constexpr double kBeside = 9;  // times the surface's own variance, at most
+  double lasting = options_.surface * options_.surface;
+  if (edges_.is_near(match, beside_)) lasting = std::clamp(own, lasting, kBeside * lasting);
   const double weight = trust / (own + alike_ * lasting);
   information_.matrix.noalias() += (weight * h) * h.transpose();
   information_.vector += weight * z * h;

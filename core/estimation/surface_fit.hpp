@@ -24,8 +24,7 @@ class SurfaceFit {
     double surface = 5e-4;
     /// Beside an edge the noise of the points themselves is such an error: it decides of which side
     /// a point is taken to be, and who thins a cloud chooses among both sides.
-    double beside = 1.5;             // in distances between points seen
-    double beside_correlation = 60;  // s; it stays while the camera looks from the same side
+    double beside = 1.5;  // in distances between points seen
     int places = 20;
     double correlation = 3;  // s
     double gate = 3;         // deviations: points beyond are of something else, a hand or a table,
@@ -79,7 +78,7 @@ class SurfaceFit {
   double since_ = 0;     // s, from the beginning of the last message
   double interval_ = 0;  // s, between messages
   double beside_ = 0;    // m, from an edge
-  double alike_ = 1;     // 1/s, readings of the same error
+  double alike_ = 1;     // readings of the same error while it lasts
   double scale_ = -1;  // m, robust deviation of the last message's residuals; below zero: none yet
   std::array<double, ObservationInput::kMostPoints> residuals_{};
   int residual_count_ = 0;
