@@ -13,6 +13,14 @@ math::Matrix6d compliance_of(const elasticity::GraspRegion& grasp, double stiffn
   return stiffness * grasp.compliance + grasp.object_compliance;
 }
 
+/// (m, rad) from one pose to another one, in the axes of the first.
+math::Vector6d way_between(const math::Pose& from, const math::Pose& to) noexcept {
+  const math::Pose motion = from.inverse() * to;
+  math::Vector6d way;
+  way << motion.translation(), math::log_rotation(motion.linear());
+  return way;
+}
+
 }  // namespace
 
 HandFollower::HandFollower(const Options& options) : options_(options) {
@@ -37,7 +45,7 @@ void HandFollower::take_over(const Estimate& last, elasticity::DeformationModel&
     if (!last.X_OG[i].matrix().allFinite()) continue;
     hands_[i].hand = hands_[i].held = last.X_OG[i];
     hands_[i].seen = true;
-    give_way(hands_[i], i, 1, last.reaction[i], 1, model.body());
+    hands_[i].inherited = true;
     model.hold(i, hands_[i].held);
   }
 }
@@ -59,7 +67,8 @@ double HandFollower::pad_share(int grasp, double dt, double stiffness,
                                const elasticity::DeformationModel& model) const noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   const math::Matrix6d C = compliance_of(model.body().grasps[grasp], stiffness);
-  if (!sensitivity.valid || C(0, 0) == 0) return 0;
+  if (C(0, 0) == 0) return 1;  // held firmly
+  if (!sensitivity.valid) return 0;
   const math::Matrix6d turn = math::both_halves(hands_[grasp].held.linear());
   const math::Matrix6d K = turn.transpose() * sensitivity.dw_dxi[grasp][grasp] * turn;
   const double softness = std::max(0.0, C.cwiseProduct(K.transpose()).sum());
@@ -84,6 +93,10 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
   if (!hand.seen) return *trouble != '\0' ? trouble : "no pose of the hand yet";
 
   math::Pose goal = hand.hand * correction;
+  if (hand.inherited) {
+    hand.inherited = false;
+    if (model.is_held(grasp)) hand.give = way_between(goal, hand.held);
+  }
   if (model.is_held(grasp)) {
     give_way(hand, grasp, pad_share(grasp, dt, stiffness, model), model.reaction(grasp), stiffness,
              model.body());

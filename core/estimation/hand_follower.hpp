@@ -48,6 +48,7 @@ class HandFollower {
     double age = 0;                                // s since a new pose came
     math::Vector6d give = math::Vector6d::Zero();  // of the pads: (m, rad) of the object, in G
     bool seen = false;
+    bool inherited = false;  // held where another estimator had it, which may give way otherwise
   };
   void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
                 const elasticity::Body& body) const noexcept;
