@@ -147,6 +147,7 @@ void Daemon::publish(const Now& now) noexcept {
   if (pipeline_.is_running()) {
     if (status == elasticity::StepStatus::kConverged) shape_ns_ = now.monotonic_ns;
     if (status != elasticity::StepStatus::kConverged) ++counters_.shapes_not_converged;
+    if (pipeline_.estimate().step.restarted) tell_jump(now);
   }
   const std::int64_t cycle = counters_.cycles;
   if (cycle % settings_.shape_every == 0 && pipeline_.is_running()) {
@@ -171,6 +172,17 @@ void Daemon::publish(const Now& now) noexcept {
   for (int chunk = 0; chunk < telemetry_.mesh_chunks(); ++chunk) {
     if (every(1.0, 11 + 2 * chunk)) telemetry_.publish_mesh_chunk(now.utime);
   }
+}
+
+/// Once a second at most, however often it jumps.
+void Daemon::tell_jump(const Now& now) noexcept {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  if (told_jump_ns_ != 0 && now.monotonic_ns - told_jump_ns_ < kSecond) return;
+  told_jump_ns_ = now.monotonic_ns;
+  commands_.announce("estimation", "", "", "jump",
+                     "the shape was one that the object can hardly have, and is given up for a "
+                     "better one",
+                     now.utime);
 }
 
 bool Daemon::is_still() const noexcept {
