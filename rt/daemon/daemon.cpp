@@ -126,7 +126,9 @@ void Daemon::replace(const Now& now) noexcept {
 void Daemon::publish(const Now& now) noexcept {
   const component::Condition condition = pipeline_.condition();
   if (condition.state != announced_) {
-    if (announced_ == component::LifeCycle::kInactive) {
+    const bool begins = announced_ == component::LifeCycle::kUnconfigured ||
+                        announced_ == component::LifeCycle::kInactive;
+    if (begins) {
       faults_at_start_ = loop::page_faults_of_this_thread();
       allocations_at_start_ = loop::allocations_of_this_thread();
     }
