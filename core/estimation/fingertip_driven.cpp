@@ -129,6 +129,7 @@ void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) n
   const contact::SurfacePoint found =
       contact::closest_point_on_surface(touch.place, triangles_, model.positions());
   touch.triangle = found.triangle;
+  touch.slip.setZero();
   const Vector3d& w = found.weights;
   mesh::PointWeights& point = touch.point;
   point.count = midsides_.empty() ? 3 : 6;
@@ -209,8 +210,7 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   Vector gap(3 * count);
   for (int i = 0; i < count; ++i) {
     const Touch& touch = touches_[order_[i]];
-    Vector3d way = touch.place - touch.force / options_.skin_stiffness -
-                   touch.point.interpolate(model.positions());
+    Vector3d way = gap_of(touch, model.positions());
     if (touch.sliding) {  // only the normal is held: what it lags behind must not leave a gap there
       const Vector3d out = normal(touch, model.positions());
       way = out.dot(way) * out;
@@ -235,10 +235,20 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
     known.sliding = !keep_to_friction(known, model.positions());
     if (!known.sliding) continue;
     const Vector3d out = normal(known, model.positions());
+    // Where it has slid to is where it holds again: the way back would be a pull that starts anew.
+    const Vector3d way = gap_of(known, model.positions());
+    known.slip += way - out.dot(way) * out;
     Vector3d lag = known.place - known.point.interpolate(model.positions());
     lag -= out.dot(lag) * out;
     if (lag.norm() > options_.slide) touch(known, model);
   }
+}
+
+/// From the material to where finger and skin hold it, m.
+Vector3d FingertipDriven::gap_of(const Touch& touch,
+                                 const Eigen::Matrix3Xd& positions) const noexcept {
+  return touch.place - touch.slip - touch.force / options_.skin_stiffness -
+         touch.point.interpolate(positions);
 }
 
 /// Cuts off what friction cannot bear; false where it slides. Friction has at least what the finger
