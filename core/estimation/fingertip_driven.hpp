@@ -62,7 +62,6 @@ class FingertipDriven : public Estimator {
     mesh::PointWeights point;                         // material that is touched
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, of the skin there, in O
     Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
-    Eigen::Vector3d slip = Eigen::Vector3d::Zero();   // m, of the finger along its material
     double felt = 0;                                  // N, by the sensor
     double since = 0;                                 // s, that it touches
     double missing = 0;                               // s since the last contact
@@ -76,8 +75,8 @@ class FingertipDriven : public Estimator {
   bool has_compliance(const Touch& touch, const elasticity::Sensitivity& known) const noexcept;
   int gather_compliance(const elasticity::DeformationModel& model) noexcept;
   void follow(double dt, elasticity::DeformationModel& model) noexcept;
+  Vector solve(const Vector& gap) noexcept;
   Eigen::Vector3d gap_of(const Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
-  bool keep_to_friction(Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
   Eigen::Vector3d normal(const Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
 
   Options options_;
