@@ -17,7 +17,8 @@ import sys
 import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
-READERS = ("rt/daemon", "rt/component", "rt/config", "sim/scenes", "sim/sensors")
+READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
+           "tools/train/plan.cpp")
 GETTER = re.compile(
     r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
     r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
@@ -55,8 +56,8 @@ def keys(root):
     told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", (root / "docs/configuration.md").read_text(), re.M))
     missing = []
     asked = 0
-    for folder in READERS:
-        for path in sorted((root / folder).glob("*.cpp")):
+    for files in READERS:
+        for path in sorted(root.glob(files)):
             for key in GETTER.findall(path.read_text()):
                 asked += 1
                 if key not in told | OF_OTHER_FILES | OF_LIBRARIES:
