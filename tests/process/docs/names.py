@@ -17,6 +17,7 @@ BEFORE = {"sudo", "nice", "time", "exec", "until", "while", "if", "!", "then", "
 OPTION = re.compile(r"(?<![\w-])(--[A-Za-z][\w-]*|-[A-Za-z])\b")
 IDENTIFIER = re.compile(r"\b[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+\b")
 FRAMES = re.compile(r"[A-Za-z]+_[A-Z]{1,2}(?:_[A-Z])?$|.*_[12x]$")  # X_AB, p_AB_C, F_P_A
+WRITTEN = re.compile(r"\.(?:csv|json|html|log|png|svg|mp4|vtu|pt)$")  # files that programs write
 FILE = re.compile(r"[\w-]+\.(?:hpp|cpp|yaml|py|md|lcm|cmake|service|conf)$")
 
 
@@ -273,7 +274,8 @@ class Page:
         if PROGRAM.match(first) and first not in self.tree.packages | self.tree.words or self.is_program(first):
             for command in simple_commands(code):
                 self.command(line, command)
-        elif re.match(r"[a-z_]+(?:\.[a-z_0-9]+)+$", code) and code.split(".")[0] in self.tree.paths:
+        elif (re.match(r"[a-z_]+(?:\.[a-z_0-9]+)+$", code) and code.split(".")[0] in self.tree.paths
+              and not WRITTEN.search(code)):
             path = re.sub(r"\.\d+", "", code)
             self.need(line, code, path in self.tree.paths, "is no key of docs/configuration.md")
         elif re.match(r"(?:unit|property|integration|fault|process)\.\w+\.[\w.]+$", code):
