@@ -7,6 +7,7 @@ import sys
 import time
 import unittest
 from pathlib import Path
+from typing import Callable
 
 from processes import PATIENCE
 
@@ -16,6 +17,15 @@ from processes import Program
 print(Program(unittest.TestCase(), ["sleep", 600]).process.pid, flush=True)
 time.sleep(600)
 """
+
+
+def wait_for(condition: Callable[[], bool]) -> bool:
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        if time.monotonic() > end:
+            return False
+        time.sleep(0.02)
+    return True
 
 
 def runs(pid: int) -> bool:
@@ -35,12 +45,11 @@ class Processes(unittest.TestCase):
         ) as test:
             assert test.stdout is not None
             child = int(test.stdout.readline())
-            self.assertTrue(runs(child))
+            # Begun: only then the kernel knows with whom it is to end.
+            name = Path(f"/proc/{child}/comm")
+            self.assertTrue(wait_for(lambda: name.read_text() == "sleep\n"))
             test.send_signal(signal.SIGKILL)
-        end = time.monotonic() + PATIENCE
-        while runs(child) and time.monotonic() < end:
-            time.sleep(0.02)
-        self.assertFalse(runs(child))
+        self.assertTrue(wait_for(lambda: not runs(child)))
 
 
 if __name__ == "__main__":
