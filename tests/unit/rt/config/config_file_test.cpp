@@ -100,6 +100,17 @@ TEST_F(ConfigFile, EntriesGoOverThoseOfTheBase) {
   EXPECT_NO_THROW(node.check_all_used());  // `base` is none of the reader's keys
 }
 
+TEST_F(ConfigFile, AnEmptyEntryTakesAwayThatOfTheBase) {
+  write("mesh: {box: {size: 1}, order: 2}\nkept: low\n", "low.yaml");
+  const Node node = Node::load_file(write("base: low.yaml\nmesh: {box: ~, file: bar.msh}\n"));
+  const Node mesh = node.child("mesh");
+  EXPECT_FALSE(mesh.has("box"));
+  EXPECT_EQ(mesh.text("file"), "bar.msh");
+  EXPECT_EQ(mesh.integer("order", {}), 2);
+  EXPECT_EQ(node.text("kept"), "low");
+  EXPECT_NO_THROW(node.check_all_used());
+}
+
 TEST_F(ConfigFile, ValuesRememberTheFileTheyAreFrom) {
   const std::string low = write("# why\na: {b: low,\n  c: low}\nmesh: bar.msh\n", "deep/low.yaml");
   const std::string top = write("base: deep/low.yaml\n\na:\n  b: top\nown: foo.msh\n");
