@@ -35,7 +35,8 @@ std::string goal_of(const Eigen::VectorXd& values) {
 bool plans_ahead(const StudyJob& job) {
   return std::any_of(job.daemon_overrides.begin(), job.daemon_overrides.end(),
                      [](const std::string& setting) {
-                       return setting.find("control.provider=inverse_elements") == 0;
+                       return setting.find("control.provider=inverse_elements") == 0 ||
+                              setting == "control.provider=rheological_chain";
                      });
 }
 
