@@ -58,10 +58,11 @@ SensingScene scene_of(const StudyJob& job) {
   return {job.scene, job.scene_overrides, job.configuration, {}, job.duration};
 }
 
-std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash) {
+std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures) {
   const fs::path programs = program_folder();
-  return hash_of_inputs(job, {recording_hash, hash_of_file(programs / "palpate-replay"),
-                              hash_of_file(programs / "palpate-evaluate")});
+  return hash_of_inputs(
+      job, {recording_hash, hash_of_file(programs / "palpate-replay"),
+            hash_of_file(programs / "palpate-evaluate"), pictures ? "drawn" : "not drawn"});
 }
 
 void run_sensing_job(const StudyJob& job, const std::string& inputs_hash, const fs::path& recorded,

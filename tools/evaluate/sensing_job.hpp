@@ -13,8 +13,8 @@ SensingScene scene_of(const StudyJob& job);
 
 /// Hash of all that a method's result on a recording depends on: the recording's own hash, the
 /// method's configuration with the files that it names, the programs that replay and score, how it
-/// is scored.
-std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash);
+/// is scored, and whether its states are drawn.
+std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures);
 
 /// Replays the recording in `recorded` with the job's method, scores it on the plant's truth and
 /// writes result.json (with pictures of the states, where wanted) to `folder`. Throws RunFailed and

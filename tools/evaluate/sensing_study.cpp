@@ -212,7 +212,7 @@ std::optional<int> SensingStudyCommand::run(const fs::path& root, std::ostream& 
       }
       if (o.job != job.name) continue;
       fs::create_directories(o.folder(job.name));
-      run_sensing_job(job, hash_of_replay(job, hash_of_recording(scene_of(job))),
+      run_sensing_job(job, hash_of_replay(job, hash_of_recording(scene_of(job)), o.pictures),
                       o.folder(recording), o.folder(job.name), o.pictures);
       return 0;
     }
@@ -236,7 +236,7 @@ std::optional<int> SensingStudyCommand::run(const fs::path& root, std::ostream& 
                                   [&name](const Task& task) { return task.name == name; });
     if (!mine) continue;
     replays.push_back({job.name, o.command_of(job.name, job.seed, root, plan_file),
-                       o.folder(job.name), hash_of_replay(job, hashes[name])});
+                       o.folder(job.name), hash_of_replay(job, hashes[name], o.pictures)});
     report.results.push_back({job, {}, false});
   }
   if (!o.report_only) {

@@ -83,7 +83,7 @@ TEST(PublishedControl, PalpatedTakesEveryMethod) {
   for (const StudyJob& job : study_jobs(plan(), selection)) {
     if (job.mismatch != "noisy vision") continue;
     std::vector<std::string> overrides = job.daemon_overrides;
-    if (job.method.find("inverse") == 0)
+    if (job.method.find("inverse") == 0 || job.method.find("rheological") == 0)
       overrides.emplace_back("control.goal={displacement: [0, 0, 0.01]}");
     try {
       const config::Node root = config::Node::load_file(job.configuration.string(), overrides);
