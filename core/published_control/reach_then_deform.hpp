@@ -35,7 +35,7 @@ class ReachThenDeform final : public control::JacobianProvider {
     double softness = 2e-3;        // m, motion that counts as half a motion
     double least_motion = 1e-3;    // m, of the tip, that is learnt from
     double touch = 5e-4;           // m, motion of the points from which the tip is known to touch
-    double dead_band = 1e-4;       // m, RMS over the points
+    double dead_band = 1e-3;       // m, RMS over the points
     double period = 1.0 / 30;      // s between two motions that are learnt from, at least
   };
 

@@ -50,6 +50,7 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
   region.radius = 0.012;
   options.region = region;
   options.linear_speed = 0.1;
+  options.dead_band = 1e-4;
   ReachThenDeform law(options, feature_);
   math::Pose X = math::Pose::Identity();
   X.translation() = region.place_O - region.tip_G - Eigen::Vector3d(0.03, -0.02, 0.08);
@@ -83,6 +84,7 @@ TEST_F(Reaching, OfWhatIsInTheHandDeformsAtOnce) {
   testing::HeldBarPlant plant(body_);
   ReachThenDeform::Options options;
   options.gain = 2;
+  options.dead_band = 1e-4;
   ReachThenDeform law(options, feature_);
   EXPECT_EQ(law.weight(), 1);
   const Eigen::VectorXd target =
