@@ -1,6 +1,7 @@
-"""A study in shards: as tasks of a Slurm array, and by GNU parallel over hosts that are network namespaces.
+"""The studies of published methods from one command; and in shards: as tasks of a Slurm array, and by GNU
+parallel over hosts that are network namespaces.
 
-shards_test.py BIN_FOLDER SOURCE_FOLDER
+studies_test.py BIN_FOLDER SOURCE_FOLDER
 """
 import json
 import os
@@ -28,6 +29,24 @@ applications:
     seeds: [1]
     duration: 0.6
     target: {feature: point, rest_points: [[0.25, 0.03, 0.06]], displacement: [0, 0, 0.01]}
+"""
+
+SENSING = """octree_resolution: 0.02
+applications:
+  - name: bar seen
+    kind: force
+    scene: {folder}/scene.yaml
+    configuration: rt/config/examples/bar_long_soft.yaml
+    method_file: tools/evaluate/published_sensing_methods.yaml
+    methods: ["palpate, pose and wrench, blind", "[31] spline fit, Jordt"]
+    mismatch_file: tools/evaluate/published_sensing_vision.yaml
+    mismatch: [noisy vision]
+    seeds: [1]
+"""
+SCENE = """base: {root}/sim/scenes/bar_long_soft_six_poses.yaml
+motion:
+  start_delay: 0.2
+  poses: [{{name: up, move: 0.5, hold: 0.6, translation: [0, 0, 0.03], rotation_deg: [0, 0, 0]}}]
 """
 
 # A host as GNU parallel's --sshlogin takes it: a command that is given a name and what to run there.
@@ -66,7 +85,7 @@ def remove_hosts():
             run(["ip", "netns", "del", host])
 
 
-class Shards(unittest.TestCase):
+class Studies(unittest.TestCase):
     def setUp(self):
         self.folder = tempfile.TemporaryDirectory()
         self.path = pathlib.Path(self.folder.name)
@@ -85,8 +104,30 @@ class Shards(unittest.TestCase):
         report = run([ROOT / "tools/evaluate/report_rivals", self.path / "out"])
         self.assertEqual(report.returncode, 0, report.stdout)
         self.assertIn("Shape control, Table 2.2", report.stdout)
-        self.assertEqual(len((self.path / "out/control.csv").read_text(encoding="utf-8")
-                             .splitlines()), 5)
+        rows = (self.path / "out/control.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(len(rows), 5)
+
+    def test_one_command_runs_everything_once(self):
+        (self.path / "scene.yaml").write_text(SCENE.format(root=ROOT), encoding="utf-8")
+        (self.path / "sensing.yaml").write_text(SENSING.format(folder=self.path), encoding="utf-8")
+        command = [ROOT / "tools/evaluate/report_rivals", "--run", "--program", EVALUATE,
+                   "--control-plan", self.path / "plan.yaml", "--sensing-plan",
+                   self.path / "sensing.yaml", self.path / "out"]
+        said = run(command)
+        self.assertEqual(said.returncode, 0, said.stdout)
+        self.assertIn("4 jobs run, 0 kept, 0 failed", said.stdout)
+        self.assertIn("methods on recordings: 2 run, 0 kept, 0 failed", said.stdout)
+        page = (self.path / "out/rivals.html").read_text(encoding="utf-8")
+        for text in ("Table 2.2", "Table 2.1", "<h2>kinematic only</h2>",
+                     "<h2>[31] spline fit, Jordt</h2>", "data:image/png"):
+            self.assertIn(text, page)
+        # Interrupted, as it were: what is missing is run, and nothing else.
+        shutil.rmtree(self.path / "out/control" / self.results()[0]["job"]["name"])
+        again = run(command)
+        self.assertEqual(again.returncode, 0, again.stdout)
+        self.assertIn("1 jobs run, 3 kept, 0 failed", again.stdout)
+        self.assertIn("methods on recordings: 0 run, 2 kept, 0 failed", again.stdout)
+        self.check_report()
 
     def test_slurm_array(self):
         """As sbatch runs the script: with its own variables, one task after the other."""
