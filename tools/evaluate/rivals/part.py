@@ -12,12 +12,13 @@ class Part:
 
     runs: of rivals.runs. about: a file of pages. levels: in their order. measures: (key, name, unit,
     difference below which two are alike); less is better. columns: (title, function of runs to text).
-    own_level: the level at which ours are compared whatever the rival's; None: the rival's.
+    baselines: (method of ours, level at which it is compared whatever the rival's; None: the rival's,
+    how the report tells that).
     """
 
-    def __init__(self, title, runs, about, levels, measures, columns, own_level=None, settings=None):
+    def __init__(self, title, runs, about, levels, measures, columns, baselines, settings=None):
         self.title, self.runs, self.about = title, runs, about
-        self.measures, self.columns, self.own_level = measures, columns, own_level
+        self.measures, self.columns = measures, columns
         self.settings = settings or {}
         self.levels = [level for level in levels if of(runs, level=level)]
         known = about["methods"]
@@ -25,16 +26,16 @@ class Part:
         if missing:
             raise SystemExit(f"{title}: no page tells of {', '.join(missing)}")
         self.methods = [method for method in known if of(runs, method=method)]
-        self.own = [own for own in about["ours"] if of(runs, method=own)]
+        self.baselines = [base for base in baselines if of(runs, method=base[0])]
         self.rivals = [m for m in self.methods if known[m]["row"] != "ours"]
 
     @functools.cache
-    def comparisons(self, own):
+    def comparisons(self, own, at):
         rows = []
         for level in self.levels:
-            ours = of(self.runs, method=own, level=self.own_level or level)
+            ours = of(self.runs, method=own, level=at or level)
             for method in self.methods:
-                if method == own and level == (self.own_level or level):
+                if method == own and level == (at or level):
                     continue
                 theirs = of(self.runs, method=method, level=level)
                 by_measure = [differences(ours, theirs, key) for key, *_ in self.measures]
@@ -51,9 +52,9 @@ class Part:
     def first_lines(self):
         """Who wins or ties: plain text, the shortest first."""
         lines, somewhere = [], set()
-        for own in self.own:
+        for own, at, words in self.baselines:
             for level in self.levels:
-                here = [row for row in self.comparisons(own)
+                here = [row for row in self.comparisons(own, at)
                         if row["level"] == level and row["method"] in self.rivals]
                 if not here:
                     continue
@@ -64,21 +65,20 @@ class Part:
                         somewhere.update(names)
                         if names:
                             parts.append(f"by {name} {word}: {'; '.join(names)}")
-                at = f" ({self.own_level})" if self.own_level else ""
-                lines.append(f"{level}, {len(here)} methods beside {own}{at}: " +
+                lines.append(f"{level}, {len(here)} methods beside {own}, {words}: " +
                              (" - ".join(parts) if parts else "none wins or ties") + ".")
         return [f"{self.title}: {len(somewhere)} of {len(self.rivals)} other methods win or tie with "
-                "palpate's own by some measure, at some level of sight."] + lines
+                "palpate's own by some measure, at some level of sight. "
+                "Below, who does so, by level of the method's sight:"] + lines
 
     def comparison_tables(self):
         out = []
-        for own in self.own:
+        for own, at, words in self.baselines:
             header = ["sight", "method"]
             for _, name, unit, _ in self.measures:
-                header += [f"{name}, {unit}, minus that of {own}"
-                           f"{' (' + self.own_level + ')' if self.own_level else ''}", "method is"]
+                header += [f"{name}, {unit}, minus that of {own}, {words}", "method is"]
             rows = []
-            for row in self.comparisons(own):
+            for row in self.comparisons(own, at):
                 cells = [row["level"], row["method"]]
                 for mean, word in zip(row["differences"], row["verdicts"]):
                     cells += ["{:+.2f} ({:+.2f} to {:+.2f})".format(*mean), word]
