@@ -2,7 +2,6 @@
 
 #include <functional>
 #include <map>
-#include <set>
 
 #include "core/elasticity/as_rigid_as_possible.hpp"
 #include "core/elasticity/mass_spring_model.hpp"
@@ -239,8 +238,6 @@ Provider make_reach_then_deform(const Wanted& wanted) {
     region.place_O = reach.vector3({"place", "m", "where it shall be, in O"}, {-10, 10});
     region.radius = reach.number({"radius", "m", "of the region"}, {1e-3, 1}, region.radius);
     options.region = region;
-  } else if (wanted.context.object->body.grasps.empty()) {
-    node.fail("reach", "is needed where no hand holds the object: object.grasp_box");
   }
   options.gain = node.number("gain", {1e-3, 50}, options.gain);
   options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
@@ -307,11 +304,7 @@ Provider make_published_provider(const std::string& name, const config::Node& no
                                  const Context& context, shape::Feature& feature) {
   if (read_moving_arms(node, context) != MovingArms::kFirst)
     node.fail("provider", name + " moves the first arm only; see moves");
-  // Whoever learns all of it from what is seen needs nothing of where the hand holds the object.
-  static const std::set<std::string> kOfSightAlone{
-      "adaptive_deformation", "broyden",    "factored",          "fourier_contour",
-      "gaussian_process",     "multi_view", "reach_then_deform", "weighted_least_squares"};
-  if (context.object->body.grasps.empty() && kOfSightAlone.count(name) == 0)
+  if (context.object->body.grasps.empty())
     node.fail("provider", name + " needs an object that a hand holds: object.grasp_box");
   if (read_commands_joints(node, context))
     node.fail("provider", name + " moves the hand by twists; see command");

@@ -32,8 +32,9 @@ TEST(PublishedControl, EveryMethodIsTunedWithinTheSameBudgetAndHasItsPage) {
     std::set<std::string> methods;
     for (const Method& method : application.methods) methods.insert(method.name);
     // An object that is not held has no wrench at the wrist.
-    if (application.name.find("not touched") != std::string::npos)
+    if (application.name.find("not touched") != std::string::npos) {
       EXPECT_TRUE(methods.insert("palpate, pose and wrench").second) << application.name;
+    }
     EXPECT_EQ(methods, tuned) << application.name;
     EXPECT_EQ(methods, pages) << application.name;
     EXPECT_EQ(methods, first) << application.name;
