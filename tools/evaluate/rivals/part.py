@@ -51,7 +51,7 @@ class Part:
 
     def first_lines(self):
         """Who wins or ties: plain text, the shortest first."""
-        lines, somewhere = [], set()
+        lines, wins, ties = [], {}, {}
         for own, at, words in self.baselines:
             for level in self.levels:
                 here = [row for row in self.comparisons(own, at)
@@ -60,16 +60,33 @@ class Part:
                     continue
                 parts = []
                 for i, (_, name, *_) in enumerate(self.measures):
-                    for kind, word in (("ahead", "win"), ("tie", "tie")):
+                    for kind, word, somewhere in (("ahead", "win", wins), ("tie", "tie", ties)):
                         names = [row["method"] for row in here if row["verdicts"][i] == kind]
-                        somewhere.update(names)
+                        somewhere.update(dict.fromkeys(names))
                         if names:
                             parts.append(f"by {name} {word}: {'; '.join(names)}")
                 lines.append(f"{level}, {len(here)} methods beside {own}, {words}: " +
                              (" - ".join(parts) if parts else "none wins or ties") + ".")
-        return [f"{self.title}: {len(somewhere)} of {len(self.rivals)} other methods win or tie with "
-                "palpate's own by some measure, at some level of sight. "
-                "Below, who does so, by level of the method's sight:"] + lines
+        only_ties = [method for method in ties if method not in wins]
+        return [f"{self.title}: {len(wins) + len(only_ties)} of {len(self.rivals)} other methods win or "
+                "tie with one of palpate's own by some measure, at some level of sight. "
+                f"Win somewhere: {'; '.join(wins) or 'none'}. "
+                f"Only tie: {'; '.join(only_ties) or 'none'}."] + lines
+
+    def verdicts(self):
+        """A table for each of ours: a method a row, a level of sight a column, a word a measure."""
+        out = []
+        for own, at, words in self.baselines:
+            rows = {row["method"]: {} for row in self.comparisons(own, at)}
+            for row in self.comparisons(own, at):
+                rows[row["method"]][row["level"]] = " / ".join(row["verdicts"])
+            levels = [level for level in self.levels if any(level in row for row in rows.values())]
+            measures = " / ".join(name for _, name, *_ in self.measures)
+            out.append(f"<p>Beside <b>{html.escape(own)}</b>, {html.escape(words)}; {measures}:</p>")
+            out.append(table(["method"] + levels,
+                             [[method] + [row.get(level, "") for level in levels]
+                              for method, row in rows.items()]))
+        return "".join(out)
 
     def comparison_tables(self):
         out = []
@@ -149,7 +166,7 @@ class Part:
         return table(["task", "sight", "seeds", "methods with fewer"], rows)
 
     def body(self):
-        out = [f'<section class="page"><h2>{html.escape(self.title)}</h2>']
+        out = [f'<section class="page"><h2>{html.escape(self.title)}: differences</h2>']
         out += [self.comparison_tables(), self.no_score(), self.seeds(), "</section>"]
         out += [self.task(a) for a in dict.fromkeys(run["application"] for run in self.runs)]
         out += [self.method_page(method) for method in self.methods]

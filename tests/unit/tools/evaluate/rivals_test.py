@@ -76,6 +76,7 @@ class Report(unittest.TestCase):
             self.put("control", control_result(LIKE, "noisy vision", seed, 4, 1.55))
         lines, html = self.report()
         self.assertIn("2 of 3 other methods win or tie", lines[0])
+        self.assertIn(f"Win somewhere: {FAST}. Only tie: {LIKE}.", lines[0])
         self.assertIn("by time to stay within 2 mm win: " + FAST, lines[1])
         self.assertIn("by error at the end tie: " + LIKE, lines[1])
         self.assertNotIn(SLOW, lines[1])
@@ -83,6 +84,7 @@ class Report(unittest.TestCase):
         self.assertLess(html.index("2 of 3 other methods"), html.index("<table>"))
         for method in (OURS, FAST, SLOW, LIKE):
             self.assertIn(f"<h2>{method}</h2>", html)
+        self.assertIn("<td>ahead / behind</td>", html)
         self.assertIn("+12.98", html)  # who never stays is behind by the cap
         self.assertIn("<polyline", html)
 
