@@ -246,6 +246,9 @@ bool SolidMembrane::press_on(const MembraneVector& p, const std::vector<Vector2d
     }
     return to;
   };
+  // J; at small strain the energy is a difference of numbers so much larger that rounding hides
+  // descents below this, and the forces decide.
+  const double blind = 1e-14 * p[kShear] * (x_.back() - x_.front()) * (y_.back() - y_.front());
   bool converged = false;
   for (int iteration = 0; iteration < 60 && !converged; ++iteration) {
     const double energy = evaluate(u, p, system, true, with_slopes);
@@ -265,7 +268,7 @@ bool SolidMembrane::press_on(const MembraneVector& p, const std::vector<Vector2d
       u = moved(from, step, alpha);
       const double next = evaluate(u, p, system, false, false);
       accepted = next <= energy + 1e-4 * alpha * descent ||
-                 (std::isfinite(next) && std::abs(descent) < 1e-10 * std::abs(energy) &&
+                 (std::isfinite(next) && std::abs(descent) < 1e-10 * std::abs(energy) + blind &&
                   gathered().cwiseAbs().maxCoeff() < imbalance);
     }
     if (!accepted) {

@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "core/contact/surface_search.hpp"
@@ -37,6 +38,16 @@ std::vector<std::array<int, 3>> midsides_of(const elasticity::Body& body,
     midsides.push_back(found);
   }
   return midsides;
+}
+
+/// The part of it that lies in the plane with this normal.
+Vector3d along(const Vector3d& way, const Vector3d& normal) noexcept {
+  return way - normal.dot(way) * normal;
+}
+
+Vector3d limited(const Vector3d& way, double farthest) noexcept {
+  const double length = way.norm();
+  return length > farthest ? Vector3d(farthest / length * way) : way;
 }
 
 /// Motion of the material at `point` by a force in a slot.
@@ -201,57 +212,77 @@ int FingertipDriven::gather_compliance(const elasticity::DeformationModel& model
   return count;
 }
 
-/// One Newton step of the forces towards  place - force / stiffness = material.
+/// One Newton step of the forces towards  place - force / stiffness = material.  Which touches
+/// slide is told by the step that would let all of them stick; those then take what friction bears,
+/// and their normal forces are found with it: a step that is cut off afterwards would leave these
+/// wrong, and chatter between sticking and sliding.
 void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noexcept {
   const int count = gather_compliance(model);
   if (count == 0) return;
   const double farthest = options_.approach_speed * dt;
   Vector gap(3 * count);
-  for (int i = 0; i < count; ++i) {
-    const Touch& touch = touches_[order_[i]];
-    Vector3d way = touch.place - touch.force / options_.skin_stiffness -
-                   touch.point.interpolate(model.positions());
-    if (touch.sliding) {  // only the normal is held: what it lags behind must not leave a gap there
-      const Vector3d out = normal(touch, model.positions());
-      way = out.dot(way) * out;
-    }
-    const double length = way.norm();
-    if (length > farthest) way *= farthest / length;
-    gap.segment<3>(3 * i) = way;
-  }
+  for (int i = 0; i < count; ++i)
+    gap.segment<3>(3 * i) = limited(gap_of(touches_[order_[i]], model.positions()), farthest);
   const Matrix turned = compliance_.transpose();
   compliance_ = 0.5 * (compliance_ + turned);  // the turned columns are not quite symmetric
   compliance_.diagonal().array() += 1 / options_.skin_stiffness;
-  Eigen::LDLT<Matrix> solver(compliance_);
-  if (!solver.isPositive()) {  // near buckling: smaller steps
-    compliance_.diagonal().array() += compliance_.diagonal().cwiseAbs().sum();
-    solver.compute(compliance_);
-  }
-  const Vector change = kGain * solver.solve(gap);
+  Vector change = solve(gap);
   if (!change.allFinite()) return;
+
+  Matrix frames = Matrix::Identity(3 * count, 3 * count);  // of touches that slide: normal, across
+  Vector given = Vector::Constant(3 * count, std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < count; ++i) {
     Touch& known = touches_[order_[i]];
-    known.force += change.segment<3>(3 * i);
-    known.sliding = !keep_to_friction(known, model.positions());
+    const Vector3d out = normal(known, model.positions());
+    const Vector3d wanted = along(known.force + change.segment<3>(3 * i), out);
+    const double bearable = options_.friction * std::max(-known.force.dot(out), known.felt);
+    known.sliding = wanted.norm() > bearable;
+    if (!known.sliding) continue;
+    const Vector3d one = wanted.normalized(), other = out.cross(one);
+    const Vector3d missing = bearable * one - along(known.force, out);
+    frames.block<3, 3>(3 * i, 3 * i) << out, one, other;
+    const Vector3d way = gap_of(known, model.positions());
+    gap.segment<3>(3 * i) = Vector3d(std::clamp(out.dot(way), -farthest, farthest), 0, 0);
+    given.segment<2>(3 * i + 1) << one.dot(missing), other.dot(missing);
+  }
+  if (!given.array().isNaN().all()) {
+    compliance_ = (frames.transpose() * compliance_ * frames).eval();
+    for (int k = 0; k < 3 * count; ++k) {
+      if (std::isnan(given[k])) continue;
+      gap -= given[k] * compliance_.col(k);
+      compliance_.row(k).setZero();
+      compliance_.col(k).setZero();
+      compliance_(k, k) = 1;
+    }
+    for (int k = 0; k < 3 * count; ++k)
+      if (!std::isnan(given[k])) gap[k] = given[k];
+    change = frames * solve(gap);
+    if (!change.allFinite()) return;
+  }
+  for (int i = 0; i < count; ++i) {
+    Touch& known = touches_[order_[i]];
+    known.force += kGain * change.segment<3>(3 * i);
     if (!known.sliding) continue;
     const Vector3d out = normal(known, model.positions());
-    Vector3d lag = known.place - known.point.interpolate(model.positions());
-    lag -= out.dot(lag) * out;
+    const Vector3d lag = along(known.place - known.point.interpolate(model.positions()), out);
     if (lag.norm() > options_.slide) touch(known, model);
   }
 }
 
-/// Cuts off what friction cannot bear; false where it slides. Friction has at least what the finger
-/// feels to hold by: the model may press too little while it is still on its way.
-bool FingertipDriven::keep_to_friction(Touch& touch,
-                                       const Eigen::Matrix3Xd& positions) const noexcept {
-  const Vector3d out = normal(touch, positions);
-  const double pressing = -touch.force.dot(out);
-  const Vector3d across = touch.force + pressing * out;
-  const double most = options_.friction * std::max(pressing, touch.felt), size = across.norm();
-  if (size <= most) return true;
-  touch.force = -pressing * out + most / size * across;
-  return false;
+/// Of compliance_, N. Near buckling, where it is not positive: smaller steps.
+FingertipDriven::Vector FingertipDriven::solve(const Vector& gap) noexcept {
+  Eigen::LDLT<Matrix> solver(compliance_);
+  if (!solver.isPositive()) {
+    compliance_.diagonal().array() += compliance_.diagonal().cwiseAbs().sum();
+    solver.compute(compliance_);
+  }
+  return solver.solve(gap);
+}
+
+/// From the material to where finger and skin hold it, m.
+Vector3d FingertipDriven::gap_of(const Touch& touch,
+                                 const Eigen::Matrix3Xd& positions) const noexcept {
+  return touch.place - touch.force / options_.skin_stiffness - touch.point.interpolate(positions);
 }
 
 /// Out of the object.

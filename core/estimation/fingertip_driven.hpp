@@ -75,7 +75,8 @@ class FingertipDriven : public Estimator {
   bool has_compliance(const Touch& touch, const elasticity::Sensitivity& known) const noexcept;
   int gather_compliance(const elasticity::DeformationModel& model) noexcept;
   void follow(double dt, elasticity::DeformationModel& model) noexcept;
-  bool keep_to_friction(Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
+  Vector solve(const Vector& gap) noexcept;
+  Eigen::Vector3d gap_of(const Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
   Eigen::Vector3d normal(const Touch& touch, const Eigen::Matrix3Xd& positions) const noexcept;
 
   Options options_;

@@ -29,6 +29,7 @@ void BiotacLinear::reset() noexcept {
   tare_.reset();
   tare_.start();
   has_inputs_ = in_contact_ = has_location_ = false;
+  placeless_.reset();
 }
 
 UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) noexcept {
@@ -54,6 +55,7 @@ UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) 
   in_contact_ = size > (in_contact_ ? options_.release_force : options_.contact_force);
   if (!in_contact_) {
     has_location_ = false;
+    placeless_.reset();
     return {};
   }
   const Localization found = locate_contact(inputs_.head<kElectrodeCount>(), options_.localization);
@@ -61,7 +63,7 @@ UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) 
     location_ = options_.model.place.size() > 0 ? options_.model.location(inputs_) : found.location;
     has_location_ = true;
   }
-  if (!has_location_) return {Status::kDegraded, "a force, but no active electrode to place it"};
+  if (!has_location_) return placeless_.judge(stream.fresh_count);
 
   Contact contact;
   contact.source = static_cast<Source>(static_cast<int>(Source::kFinger0) + options_.finger);

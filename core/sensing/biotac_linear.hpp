@@ -3,7 +3,7 @@
 #include <cstdint>
 
 #include "core/sensing/linear_tactile.hpp"
-#include "core/sensing/sensor_model.hpp"
+#include "core/sensing/placeless_force.hpp"
 #include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
@@ -48,6 +48,7 @@ class BiotacLinear : public SensorModel {
   bool has_inputs_ = false;
   bool in_contact_ = false;
   bool has_location_ = false;  // of this contact
+  PlacelessForce placeless_;
   Eigen::Vector3d location_ = Eigen::Vector3d::Zero();
   std::int64_t skipped_ = 0;
 };

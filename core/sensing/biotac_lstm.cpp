@@ -62,6 +62,7 @@ void BiotacLstm::reset() noexcept {
   tare_.start();
   random_ = math::Random(kSeed);
   has_time_ = in_contact_ = limited_ = has_location_ = false;
+  placeless_.reset();
   interval_ = 1 / options_.rate;
 }
 
@@ -142,11 +143,15 @@ UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) no
   if (limited_) force *= options_.largest_force / size;
   if (!in_contact_) {
     has_location_ = false;
+    placeless_.reset();
     return verdict();
   }
   // Between samples nothing has changed.
   if (stream.fresh_count > 0 || !has_location_) has_location_ = locate() || has_location_;
-  if (!has_location_) return {Status::kDegraded, "a force, but no active electrode to place it"};
+  if (!has_location_) {
+    const UpdateResult placeless = placeless_.judge(stream.fresh_count);
+    return placeless.status == Status::kOk ? verdict() : placeless;
+  }
 
   Contact contact;
   contact.source = static_cast<Source>(static_cast<int>(Source::kFinger0) + options_.finger);

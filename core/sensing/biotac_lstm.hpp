@@ -5,7 +5,7 @@
 
 #include "core/sensing/electrode_scatter.hpp"
 #include "core/sensing/linear_tactile.hpp"
-#include "core/sensing/sensor_model.hpp"
+#include "core/sensing/placeless_force.hpp"
 #include "core/sensing/streamed_model.hpp"
 #include "core/sensing/tare.hpp"
 
@@ -85,6 +85,7 @@ class BiotacLstm : public SensorModel {
   bool in_contact_ = false;
   bool limited_ = false;
   bool has_location_ = false;  // of this contact
+  PlacelessForce placeless_;
   Eigen::Vector3d location_ = Eigen::Vector3d::Zero();
   std::int64_t skipped_ = 0;
 };

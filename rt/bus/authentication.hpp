@@ -95,18 +95,26 @@ enum class Admitted {
 class Admission {
  public:
   Admission(std::string channel, const Access& access)
-      : channel_(std::move(channel)), key_(access.key), counter_(access.start_us) {}
+      : channel_(std::move(channel)),
+        key_(access.key),
+        start_(access.start_us),
+        counter_(access.start_us) {}
 
   /// From now on refuses what was sent before `start_us`, wall clock.
   void begin(std::int64_t start_us) noexcept {
-    if (start_us > counter_) counter_ = start_us;
+    if (start_us > counter_) start_ = counter_ = start_us;
   }
 
   template <class Message>
   Admitted judge(const Message& message) noexcept {
     if (!key_) return Admitted::kFresh;
+    before_start_ = -1;
     if (!verify(*key_, channel_, message)) return refuse("no valid authentication code");
     if (any_ && message.counter == counter_) return Admitted::kRepeated;
+    if (message.counter <= start_) {
+      before_start_ = message.counter;
+      return refuse("sent before this program started");
+    }
     if (message.counter <= counter_) return refuse("counter of an older message");
     counter_ = message.counter;
     any_ = true;
@@ -116,6 +124,9 @@ class Admission {
   const std::string& channel() const noexcept { return channel_; }
   std::int64_t refused() const noexcept { return refused_; }
   const char* reason() const noexcept { return reason_; }  // of the last refusal
+  /// Counter of the last refused message where it was sent before the start: it was surely not
+  /// obeyed, so that whoever sent it may send it with a new counter. -1 for any other.
+  std::int64_t before_start() const noexcept { return before_start_; }
 
  private:
   Admitted refuse(const char* reason) noexcept {
@@ -126,7 +137,9 @@ class Admission {
 
   std::string channel_;
   std::optional<Key> key_;
+  std::int64_t start_;  // counters up to here are of before the start
   std::int64_t counter_;
+  std::int64_t before_start_ = -1;
   bool any_ = false;  // the counter is that of a message
   std::int64_t refused_ = 0;
   const char* reason_ = "";

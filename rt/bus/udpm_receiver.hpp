@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/bus/udpm_url.hpp"
+#include "rt/bus/udpm_socket.hpp"
 
 namespace palpate::bus {
 
@@ -36,29 +36,14 @@ class UdpmReceiver {
   /// Joins the group and starts the receiver's thread. Throws as open() does.
   void start(const UdpmUrl& url);
   void stop() noexcept;
-  bool started() const noexcept { return socket_.get() >= 0; }
+  bool started() const noexcept { return socket_.is_open(); }
   /// Bytes that the system gave the socket for its queue, as the URL counts them; 0 before start().
-  int receive_buffer_size() const noexcept { return receive_buffer_size_; }
+  int receive_buffer_size() const noexcept { return socket_.receive_buffer_size(); }
 
   /// One datagram of `size` bytes, as the thread calls it.
   void handle(const std::uint8_t* data, int size, std::int64_t arrival_ns) noexcept;
 
  private:
-  /// Closes what it holds; -1 holds nothing.
-  class Descriptor {
-   public:
-    Descriptor() = default;
-    ~Descriptor() { reset(-1); }
-    Descriptor(const Descriptor&) = delete;
-    Descriptor& operator=(const Descriptor&) = delete;
-    void reset(int value) noexcept;
-    int get() const noexcept { return value_; }
-
-   private:
-    int value_ = -1;
-  };
-
-  void join_group(const UdpmUrl& url);
   void receive_until_stopped() noexcept;
   bool receive_all() noexcept;
   bool receive_one() noexcept;
@@ -66,14 +51,11 @@ class UdpmReceiver {
 
   DatagramCounters& counters_;
   std::vector<std::unique_ptr<Subscription>> subscriptions_;
-  std::vector<std::uint8_t> buffer_;
-  Descriptor socket_;
-  Descriptor wake_;
-  int receive_buffer_size_ = 0;
+  UdpmSocket socket_;
+  int wake_ = -1;  // the event that ends the thread
   int fifo_priority_ = 0;
-  std::int64_t busy_since_ns_ = 0;    // without a pause
-  std::int64_t arrival_ns_ = 0;       // of the last datagram
-  std::uint32_t overflows_seen_ = 0;  // the kernel's running number
+  std::int64_t busy_since_ns_ = 0;  // without a pause
+  std::int64_t arrival_ns_ = 0;     // of the last datagram
   std::atomic<bool> stop_{false};
   std::thread thread_;
 };

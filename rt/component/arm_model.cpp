@@ -1,12 +1,9 @@
 #include "rt/component/arm_model.hpp"
 
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
-
 #include <algorithm>
-#include <fstream>
-#include <sstream>
 #include <stdexcept>
+
+#include "rt/component/urdf_file.hpp"
 
 namespace palpate::component {
 namespace {
@@ -14,23 +11,6 @@ namespace {
 using kinematics::SerialChain;
 constexpr double kDegree = 0.017453292519943295;
 constexpr double kTurn = 2 * 3.14159265358979323846;
-
-math::Pose to_pose(const urdf::Pose& pose) {
-  const Eigen::Quaterniond q(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
-  return math::make_pose(q.normalized().toRotationMatrix(),
-                         {pose.position.x, pose.position.y, pose.position.z});
-}
-
-/// What urdfdom reads of it; nullptr otherwise.
-urdf::ModelInterfaceSharedPtr parse(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::invalid_argument(path + ": cannot be opened");
-  std::ostringstream text;
-  text << file.rdbuf();
-  const urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text.str());
-  if (!model) throw std::invalid_argument(path + ": not a URDF file that urdfdom can read");
-  return model;
-}
 
 kinematics::Joint to_joint(const urdf::Joint& from) {
   const bool turns_on = from.type == urdf::Joint::CONTINUOUS;
@@ -61,7 +41,7 @@ void read_ends(const config::Node& node, const std::string& key, SerialChain::Jo
 }  // namespace
 
 SerialChain read_urdf(const std::string& path, const std::string& flange) {
-  const urdf::ModelInterfaceSharedPtr model = parse(path);
+  const urdf::ModelInterfaceSharedPtr model = parse_urdf(path);
   urdf::LinkConstSharedPtr link = model->getLink(flange);
   if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
   std::vector<kinematics::Joint> joints;         // from the flange to the base

@@ -4,6 +4,7 @@
 #include "core/sensing/ft_rnnob.hpp"
 #include "rt/component/fallback_checks.hpp"
 #include "rt/component/sensor_fallback.hpp"
+#include "rt/component/sensor_keys.hpp"
 #include "rt/inference/model_file.hpp"
 
 namespace palpate::component {
@@ -137,45 +138,6 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
 
 }  // namespace
 
-sensing::PayloadParameters read_payload(const config::Node& node) {
-  const config::Node payload = node.child({"payload", "",
-                                           "what the sensor carries, as palpate-evaluate payload "
-                                           "identifies it; ft_newton_euler needs it"});
-  sensing::PayloadParameters parameters;
-  parameters.mass = payload.number({"mass", "kg", "behind the sensor"}, {0, 1000});
-  parameters.first_moment = parameters.mass * payload.vector3({"center_of_mass", "m", "in S"},
-                                                              {-2, 2}, Eigen::Vector3d::Zero());
-  if (payload.has("inertia")) {
-    const std::vector<double> inertia = payload.numbers(
-        {"inertia", "kg m^2", "xx, xy, xz, yy, yz, zz about the origin of S"}, 6, {-100, 100});
-    parameters.inertia = Eigen::Map<const math::Vector6d>(inertia.data());
-  }
-  if (payload.has("bias")) {
-    const std::vector<double> bias =
-        payload.numbers({"bias", "N, N m", "that the sensor adds, force first"}, 6, {-1000, 1000});
-    parameters.bias = math::Wrench::from(Eigen::Map<const math::Vector6d>(bias.data()));
-  }
-  return parameters;
-}
-
-sensing::LocalizationOptions read_localization(const config::Node& node) {
-  sensing::LocalizationOptions options;
-  options.polarity = node.integer({"polarity", "",
-                                   "-1 for a sensor that reports what the load exerts on it, or "
-                                   "whose counts fall under pressure"},
-                                  {-1, 1}, 1);
-  options.threshold = node.number({"threshold", "counts", "beyond which an electrode is active"},
-                                  {0, 4095}, options.threshold);
-  options.saturation = node.number({"saturation", "counts", "that make full intensity"}, {1, 4095},
-                                   options.saturation);
-  if (node.choice(
-          {"weighting", "",
-           "how the intensities place the contact: their centroid, or as published in the thesis"},
-          {"centroid", "published"}, "centroid") == "published")
-    options.weighting = sensing::Weighting::kPublished;
-  return options;
-}
-
 /// Null where the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
   if (has_fallback(node) || node.choice({"fallback", "", "what stands in where the network fails"},
@@ -192,12 +154,10 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context) {
   const Model model(node, "model_file", context);
   sensing::BiotacLstm::Options options;
-  options.finger =
-      node.integer({"finger", "", "which fingertip: channel BIOTAC_n"}, {0, 4}, options.finger);
+  read_fingertip_keys(node, options);
   options.inputs = tactile_inputs_of(model);
   options.outputs = model.outputs({{"fx", "N"}, {"fy", "N"}, {"fz", "N"}});
   options.rate = model.card().rate;
-  options.localization = read_localization(node);
   const std::string scatter = node.choice({"localisation", "",
                                            "whether electrodes count where they are, or drawn "
                                            "about it (gaussian: wider under pressure)"},
@@ -205,23 +165,9 @@ std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
   if (scatter == "gaussian") options.scatter = sensing::ElectrodeScatter::kGaussian;
   if (scatter == "inverted_gaussian")
     options.scatter = sensing::ElectrodeScatter::kInvertedGaussian;
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.contact_force = node.number({"contact_force", "N", "above which a contact begins"},
-                                      {0, 100}, options.contact_force);
-  options.release_force =
-      node.number({"release_force", "N", "below which it ends"}, {0, 100}, options.release_force);
   options.largest_force = node.number(
       {"largest_force", "N", "that can be; a longer answer is shortened, and the model degraded"},
       {0, 1000}, options.largest_force);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
   auto direction = read_direction(node, context, options.rate);
   std::unique_ptr<sensing::SensorModel> fallback = make_tactile_fallback(node);
   auto learned =
@@ -269,24 +215,7 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   options.gravity_W = frames.gravity_W;
   options.X_ES = frames.X_ES;
   options.X_EI = frames.X_EI;
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.tare_at_start =
-      node.flag({"tare_at_start", "",
-                 "whether it tares at the start and after a reset; nothing may be held then"},
-                options.tare_at_start);
-  options.polarity = node.integer({"polarity", "",
-                                   "-1 for a sensor that reports what the load exerts on it, or "
-                                   "whose counts fall under pressure"},
-                                  {-1, 1}, 1);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
+  read_wrist_keys(node, options);
   return std::make_unique<sensing::FtRnnob>(options, model.make_executor());
 }
 

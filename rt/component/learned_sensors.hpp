@@ -2,8 +2,6 @@
 
 #include <memory>
 
-#include "core/sensing/biotac_geometry.hpp"
-#include "core/sensing/payload.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "rt/component/registry.hpp"
 
@@ -31,12 +29,5 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
 /// names.
 std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,
                                                          const std::string& file_key);
-
-/// Keys `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
-/// torque).
-sensing::PayloadParameters read_payload(const config::Node& node);
-
-/// Keys polarity, threshold, saturation, weighting of a fingertip.
-sensing::LocalizationOptions read_localization(const config::Node& node);
 
 }  // namespace palpate::component

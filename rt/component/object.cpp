@@ -24,7 +24,8 @@ void check_size(const config::Node& node, const std::string& key, double count) 
 mesh::TetrahedralMesh read_mesh(const config::Node& object) {
   const config::Node node =
       object.child({"mesh", "", "its tetrahedra; exactly one of box and file"});
-  if (node.has("box") == node.has("file")) node.fail("", "give exactly one of box and file");
+  if (node.has("box") == node.has("file"))
+    node.fail("", "give exactly one of box and file (an empty `box:` takes away that of the base)");
   mesh::TetrahedralMesh mesh;
   if (node.has("box")) {
     const config::Node box = node.child({"box", "", "a box with a corner in O"});

@@ -78,4 +78,4 @@ struct PluginRegistrar {
   __attribute__((visibility("default"))) void palpate_plugin_register(                         \
       ::palpate::component::PluginRegistrar&);                                                 \
   }                                                                                            \
-  void palpate_plugin_register(::palpate::component::PluginRegistrar& registrar)
+  void palpate_plugin_register(::palpate::component::PluginRegistrar&(registrar))

@@ -6,6 +6,7 @@
 #include "core/elasticity/as_rigid_as_possible.hpp"
 #include "core/elasticity/mass_spring_model.hpp"
 #include "core/published_control/broyden_update.hpp"
+#include "core/published_control/chain_plan.hpp"
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"
 #include "core/published_control/diminishing_rigidity.hpp"
@@ -15,6 +16,7 @@
 #include "core/published_control/gradient_update.hpp"
 #include "core/published_control/learning_jacobian.hpp"
 #include "core/published_control/open_loop.hpp"
+#include "core/published_control/reach_then_deform.hpp"
 #include "core/published_control/two_camera_view.hpp"
 #include "core/published_control/weighted_least_squares_update.hpp"
 
@@ -189,18 +191,63 @@ Eigen::VectorXd read_goal(const Wanted& wanted) {
   return value + displacement.replicate(feature.value_count() / 3, 1);
 }
 
-Provider make_open_loop(const Wanted& wanted, bool by_force) {
-  const config::Node& node = wanted.node;
+published_control::OpenLoop::Options read_open_loop(const config::Node& node) {
   published_control::OpenLoop::Options options;
-  options.by_force = by_force;
   options.gain = node.number("gain", {1e-3, 50}, options.gain);
   options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
   options.angular_speed = node.number("angular_speed", {1e-4, 10}, options.angular_speed);
   options.filter =
       node.number({"filter", "s", "time constant of the plan"}, {1e-3, 100}, options.filter);
+  return options;
+}
+
+Provider make_open_loop(const Wanted& wanted, bool by_force) {
+  published_control::OpenLoop::Options options = read_open_loop(wanted.node);
+  options.by_force = by_force;
   return std::make_unique<published_control::OpenLoop>(
       options, published_control::solve_inverse(wanted.context.object->body, 0, wanted.feature,
                                                 read_goal(wanted)));
+}
+
+Provider make_rheological_chain(const Wanted& wanted) {
+  const config::Node& node = wanted.node;
+  const published_control::OpenLoop::Options options = read_open_loop(node);
+  published_control::ChainPlanOptions plan;
+  plan.linear_speed = options.linear_speed;
+  plan.chain.masses = node.integer({"masses", "", "of the chain"}, {6, 60}, plan.chain.masses);
+  plan.chain.relaxation =
+      node.number({"relaxation", "", "stiffness that creeps away, over that which stays"}, {0, 100},
+                  plan.chain.relaxation);
+  plan.chain.relaxation_time = node.number({"relaxation_time", "s", "in which it creeps away"},
+                                           {1e-3, 1e6}, plan.chain.relaxation_time);
+  plan.until = node.number({"until", "s", "when the target shall have been crept to"}, {0.5, 1e4},
+                           plan.until);
+  return std::make_unique<published_control::OpenLoop>(
+      options, published_control::plan_with_chain(wanted.context.object->body, 0, wanted.feature,
+                                                  read_goal(wanted), plan));
+}
+
+Provider make_reach_then_deform(const Wanted& wanted) {
+  const config::Node& node = wanted.node;
+  published_control::ReachThenDeform::Options options;
+  if (node.has("reach")) {
+    const config::Node reach = node.child(
+        {"reach", "", "region that a fingertip reaches first; absent: the object is in the hand"});
+    published_control::ReachThenDeform::Region region;
+    region.tip_G = reach.vector3({"tip", "m", "of the fingertip, in G"}, {-1, 1});
+    region.place_O = reach.vector3({"place", "m", "where it shall be, in O"}, {-10, 10});
+    region.radius = reach.number({"radius", "m", "of the region"}, {1e-3, 1}, region.radius);
+    options.region = region;
+  }
+  options.gain = node.number("gain", {1e-3, 50}, options.gain);
+  options.linear_speed = node.number("linear_speed", {1e-4, 10}, options.linear_speed);
+  options.update_gain =
+      node.number({"update_gain", "", "of the adaptation"}, {1e-4, 1.999}, options.update_gain);
+  options.softness = node.number({"softness_mm", "mm", "motion that counts as half a motion"},
+                                 {1e-3, 100}, options.softness * 1e3) *
+                     1e-3;
+  options.dead_band = node.number("dead_band_mm", {0, 1000}, options.dead_band * 1e3) * 1e-3;
+  return std::make_unique<published_control::ReachThenDeform>(options, wanted.feature);
 }
 
 using Maker = std::function<Provider(const Wanted&)>;
@@ -234,6 +281,8 @@ const std::map<std::string, Maker>& makers() {
       {"mass_spring", make_mass_spring},
       {"multi_view",
        [](const Wanted& w) { return learning(w, make_two_camera_view(w), make_gradient(w.node)); }},
+      {"reach_then_deform", make_reach_then_deform},
+      {"rheological_chain", make_rheological_chain},
       {"weighted_least_squares",
        [](const Wanted& w) { return learning(w, plain(), make_window(w.node)); }},
   };

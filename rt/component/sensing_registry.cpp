@@ -6,6 +6,7 @@
 #include "rt/component/learned_sensors.hpp"
 #include "rt/component/plugins.hpp"
 #include "rt/component/registry.hpp"
+#include "rt/component/sensor_keys.hpp"
 
 namespace palpate::component {
 namespace {
@@ -25,56 +26,22 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
       {"imu_offset_time", "s",
        "time constant of the offsets of the accelerometer that are followed; 0: it is trusted"},
       {0, 1000}, options.imu_offset_time);
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.tare_at_start =
-      node.flag({"tare_at_start", "",
-                 "whether it tares at the start and after a reset; nothing may be held then"},
-                options.tare_at_start);
+  read_wrist_keys(node, options);
   options.cutoff = node.number({"cutoff_hz", "Hz", "of the low-pass filter of the output; 0: none"},
                                {0, 500}, options.cutoff);
   options.sample_rate = node.number({"sample_rate", "Hz", "of FT_WRENCH, for the filter"}, {1, 1e5},
                                     options.sample_rate);
-  options.polarity = node.integer({"polarity", "",
-                                   "-1 for a sensor that reports what the load exerts on it, or "
-                                   "whose counts fall under pressure"},
-                                  {-1, 1}, 1);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::FtNewtonEuler>(options);
 }
 
 std::unique_ptr<sensing::SensorModel> make_tare_only(const config::Node& node) {
   sensing::FtTareOnly::Options options;
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.tare_at_start =
-      node.flag({"tare_at_start", "",
-                 "whether it tares at the start and after a reset; nothing may be held then"},
-                options.tare_at_start);
+  read_wrist_keys(node, options);
   options.moving_average = node.integer({"moving_average", "readings", "averaged; 1: none"},
                                         {1, 100000}, options.moving_average);
   options.delay = node.integer(
       {"delay", "readings", "that the output is held back, to align it with a slower signal"},
       {0, 100000}, options.delay);
-  options.polarity = node.integer({"polarity", "",
-                                   "-1 for a sensor that reports what the load exerts on it, or "
-                                   "whose counts fall under pressure"},
-                                  {-1, 1}, 1);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::FtTareOnly>(options);
 }
 
@@ -134,24 +101,8 @@ std::unique_ptr<sensing::SensorModel> make_manual(const config::Node& node) {
 std::unique_ptr<sensing::SensorModel> make_biotac_linear(const config::Node& node,
                                                          const std::string& file_key) {
   sensing::BiotacLinear::Options options;
-  options.finger =
-      node.integer({"finger", "", "which fingertip: channel BIOTAC_n"}, {0, 4}, options.finger);
+  read_fingertip_keys(node, options);
   options.model = read_tactile_model(node, file_key);
-  options.localization = read_localization(node);
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.contact_force = node.number({"contact_force", "N", "above which a contact begins"},
-                                      {0, 100}, options.contact_force);
-  options.release_force =
-      node.number({"release_force", "N", "below which it ends"}, {0, 100}, options.release_force);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
   return std::make_unique<sensing::BiotacLinear>(options);
 }
 

@@ -39,7 +39,8 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-/// `upper` over `lower`, both mappings. The nodes of keys are kept, since they know their lines.
+/// `upper` over `lower`, both mappings; an empty entry takes away that below. The nodes of keys are
+/// kept, since they know their lines.
 YAML::Node merged(const YAML::Node& lower, const YAML::Node& upper) {
   YAML::Node result(YAML::NodeType::Map);
   for (const auto& entry : lower) {
@@ -48,6 +49,8 @@ YAML::Node merged(const YAML::Node& lower, const YAML::Node& upper) {
                                    [&](const auto& item) { return item.first.Scalar() == key; });
     if (over == upper.end()) {
       result.force_insert(entry.first, entry.second);
+    } else if (over->second.IsNull()) {
+      continue;
     } else if (over->second.IsMap() && entry.second.IsMap()) {
       result.force_insert(over->first, merged(entry.second, over->second));
     } else {

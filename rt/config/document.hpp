@@ -21,8 +21,8 @@ class Document {
 
   /// Reads a file. Where it says `base: FILE` (relative to its own folder), its entries are put
   /// over those of that file, which may have a base itself: mappings are merged key by key,
-  /// anything else is replaced whole. Throws Error, also where a file cannot be read or is its own
-  /// base.
+  /// anything else is replaced whole, and an empty entry takes away that of the base. Throws Error,
+  /// also where a file cannot be read or is its own base.
   static std::shared_ptr<Document> load(const std::string& path);
 
   /// Applies "path.to.key=value".

@@ -138,7 +138,10 @@ void Commands::announce_refused(const bus::Admission& manual, std::int64_t monot
     std::snprintf(reason, sizeof(reason), "%lld of %s, the last one: %s",
                   static_cast<long long>(more), admissions[i]->channel().c_str(),
                   admissions[i]->reason());
-    answer("all", "no_access", -1, reason, utime);
+    // With its counter a sender can tell that this one was of before the start, and seal it anew.
+    const std::int64_t counter =
+        admissions[i] == &command_admission_ ? command_admission_.before_start() : -1;
+    answer("all", "no_access", counter, reason, utime);
     return;  // the next channel a second later
   }
 }

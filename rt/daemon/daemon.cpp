@@ -126,7 +126,9 @@ void Daemon::replace(const Now& now) noexcept {
 void Daemon::publish(const Now& now) noexcept {
   const component::Condition condition = pipeline_.condition();
   if (condition.state != announced_) {
-    if (announced_ == component::LifeCycle::kInactive) {
+    const bool begins = announced_ == component::LifeCycle::kUnconfigured ||
+                        announced_ == component::LifeCycle::kInactive;
+    if (begins) {
       faults_at_start_ = loop::page_faults_of_this_thread();
       allocations_at_start_ = loop::allocations_of_this_thread();
     }
@@ -147,6 +149,7 @@ void Daemon::publish(const Now& now) noexcept {
   if (pipeline_.is_running()) {
     if (status == elasticity::StepStatus::kConverged) shape_ns_ = now.monotonic_ns;
     if (status != elasticity::StepStatus::kConverged) ++counters_.shapes_not_converged;
+    if (pipeline_.estimate().step.restarted) tell_jump(now);
   }
   const std::int64_t cycle = counters_.cycles;
   if (cycle % settings_.shape_every == 0 && pipeline_.is_running()) {
@@ -171,6 +174,17 @@ void Daemon::publish(const Now& now) noexcept {
   for (int chunk = 0; chunk < telemetry_.mesh_chunks(); ++chunk) {
     if (every(1.0, 11 + 2 * chunk)) telemetry_.publish_mesh_chunk(now.utime);
   }
+}
+
+/// Once a second at most, however often it jumps.
+void Daemon::tell_jump(const Now& now) noexcept {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  if (told_jump_ns_ != 0 && now.monotonic_ns - told_jump_ns_ < kSecond) return;
+  told_jump_ns_ = now.monotonic_ns;
+  commands_.announce("estimation", "", "", "jump",
+                     "the shape was one that the object can hardly have, and is given up for a "
+                     "better one",
+                     now.utime);
 }
 
 bool Daemon::is_still() const noexcept {

@@ -60,6 +60,7 @@ class Daemon {
   void mark(Phase phase) noexcept;
   void replace(const Now& now) noexcept;
   void publish(const Now& now) noexcept;
+  void tell_jump(const Now& now) noexcept;
 
   Mode mode_;
   Settings settings_;
@@ -81,6 +82,7 @@ class Daemon {
   int told_fallbacks_ = 0;
   std::int64_t phase_began_ns_ = 0;
   std::int64_t shape_ns_ = 0;  // when the shape was last brought up to date
+  std::int64_t told_jump_ns_ = 0;
   std::int64_t faults_at_start_ = 0;
   std::int64_t allocations_at_start_ = 0;
 };

@@ -18,8 +18,10 @@ class LockStep {
  public:
   enum class Answer { kDone, kNone, kStopped };
 
-  /// Before the bus starts, without a thread. `patience`: s to wait for an answer.
-  LockStep(bus::MessageBus& control, std::int64_t session, double patience = 5);
+  /// Before the bus starts, without a thread. `patience`: s to wait for an answer, which a
+  /// busy machine may take long for.
+  LockStep(bus::MessageBus& control, std::int64_t session, double patience = kPatience);
+  static constexpr int kPatience = 20;
 
   /// Says that `tick` is over: all its messages are out.
   void send(std::int64_t tick, std::int64_t period_us, std::int64_t utime);

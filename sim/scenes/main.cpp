@@ -67,8 +67,9 @@ nlohmann::json run_fast(Simulation& simulation, LockStep& lock_step, std::int64_
     if (tick < ticks) simulation.advance();
     const LockStep::Answer answer = lock_step.wait(stop);
     if (answer == LockStep::Answer::kNone)
-      throw std::runtime_error("no answer to SIM_TICK " + std::to_string(tick) +
-                               " for 5 s: is palpated running with --stepped on " +
+      throw std::runtime_error("no answer to SIM_TICK " + std::to_string(tick) + " for " +
+                               std::to_string(LockStep::kPatience) +
+                               " s: is palpated running with --stepped on " +
                                simulation.scene().bus.control + "?");
     if (tick == ticks) break;
     simulation.obey();

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
+#include <numeric>
 
 #include "rt/daemon/text.hpp"
 
@@ -14,7 +16,9 @@ constexpr std::int64_t kPatience = 20'000'000;  // ns, of one look at the bus
 
 Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping,
                            const bus::Access& access)
-    : housekeeping_(housekeeping),
+    : control_(control),
+      housekeeping_(housekeeping),
+      features_(control, "FEATURE", 64),
       events_(housekeeping, "COMPONENT_EVENT", 64),
       commands_(control, "COMPONENT_COMMAND"),
       targets_(control, "SHAPE_TARGET"),
@@ -25,9 +29,10 @@ Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeepi
   housekeeping_.start_without_thread();
 }
 
-/// `send`: sends, and returns the counter of what it sent; counters do not fall.
-template <class Send>
-Answer Conversation::wait(Send send, double timeout) {
+/// `send`: sends, and returns the counter of what it sent; counters do not fall. `renew` is called
+/// where that was sent before the daemon started, which will never obey it.
+template <class Send, class Renew>
+Answer Conversation::wait(Send send, Renew renew, double timeout) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout);
   const std::int64_t first = send();
   std::int64_t last = first;
@@ -41,6 +46,10 @@ Answer Conversation::wait(Send send, double timeout) {
       const std::string name = daemon::get_text(event.event);
       if (name == "no_access") answer.reason = name + ": " + daemon::get_text(event.reason);
       if (event.command_counter < first || event.command_counter > last) continue;
+      if (name == "no_access") {
+        if (event.command_counter == last) renew();
+        continue;
+      }
       if (name == "replacing") {
         answer.reason = "the replacement has begun, but its end was not heard of";
         continue;
@@ -55,31 +64,53 @@ Answer Conversation::wait(Send send, double timeout) {
 }
 
 Answer Conversation::ask(component_command_t command, double timeout) {
-  const std::int64_t now = bus::wall_clock_us();
-  command_stamp_.put(command, now);
-  command_sealer_.put(command, now);
+  const auto seal = [&] {
+    const std::int64_t now = bus::wall_clock_us();
+    command_stamp_.put(command, now);
+    command_sealer_.put(command, now);
+  };
+  seal();
   // The same each time, so that the daemon knows it again.
-  return wait(
-      [&] {
-        commands_.publish(command);
-        return command.counter;
-      },
-      timeout);
+  const auto send = [&] {
+    commands_.publish(command);
+    return command.counter;
+  };
+  return wait(send, seal, timeout);
 }
 
 Answer Conversation::ask(shape_target_t target, double timeout) {
   // A daemon is silent where a target comes again: a new revision of it is answered.
   --target.revision;
-  return wait(
-      [&] {
-        const std::int64_t now = bus::wall_clock_us();
-        ++target.revision;
-        target_stamp_.put(target, now);
-        target_sealer_.put(target, now);
-        targets_.publish(target);
-        return target.counter;
-      },
-      timeout);
+  const auto send = [&] {
+    const std::int64_t now = bus::wall_clock_us();
+    ++target.revision;
+    target_stamp_.put(target, now);
+    target_sealer_.put(target, now);
+    targets_.publish(target);
+    return target.counter;
+  };
+  const Answer answer = wait(
+      send, [] {}, timeout);
+  revision_ = target.revision;
+  return answer;
+}
+
+std::optional<double> Conversation::follow(double within, double timeout) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout);
+  control_.start_without_thread();
+  std::optional<double> error;
+  while (Clock::now() < end && !(error && *error <= within)) {
+    control_.receive(kPatience);
+    feature_t feature;
+    std::int64_t arrival_ns = 0;
+    while (features_.take(feature, arrival_ns)) {
+      if (feature.revision != revision_) continue;
+      const int count = std::clamp(feature.error_count, 0, 32);
+      error =
+          std::sqrt(std::inner_product(feature.error, feature.error + count, feature.error, 0.));
+    }
+  }
+  return error;
 }
 
 }  // namespace palpate::command

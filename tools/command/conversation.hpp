@@ -1,7 +1,9 @@
 #pragma once
 
+#include <optional>
 #include <palpate/component_command_t.hpp>
 #include <palpate/component_event_t.hpp>
+#include <palpate/feature_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <string>
 
@@ -21,23 +23,31 @@ struct Answer {
 /// Commands to a daemon, each sent again until it is answered; the daemon carries it out once.
 class Conversation {
  public:
-  /// Subscribes and starts `housekeeping`, which must not have been started.
+  /// Subscribes to both buses and starts `housekeeping`; neither must have been started.
   Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping, const bus::Access& access);
 
   /// Waits for the last word, at most `timeout` s: for a replacement that is how it ended.
   Answer ask(component_command_t command, double timeout);
   Answer ask(shape_target_t target, double timeout);
 
- private:
-  template <class Send>
-  Answer wait(Send send, double timeout);
+  /// After a target that was taken, once: waits until the length of the feature's error is at most
+  /// `within` (m, rad or 1/m, as the feature's), at most `timeout` s. The last error that was heard
+  /// of; nothing where none was.
+  std::optional<double> follow(double within, double timeout);
 
+ private:
+  template <class Send, class Renew>
+  Answer wait(Send send, Renew renew, double timeout);
+
+  bus::MessageBus& control_;
   bus::MessageBus& housekeeping_;
+  bus::TypedSubscription<feature_t> features_;
   bus::TypedSubscription<component_event_t> events_;
   bus::TypedPublisher<component_command_t> commands_;
   bus::TypedPublisher<shape_target_t> targets_;
   bus::Sealer command_sealer_, target_sealer_;
   bus::Stamp command_stamp_, target_stamp_;
+  int revision_ = -1;  // of the last target
 };
 
 }  // namespace palpate::command

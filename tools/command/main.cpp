@@ -16,6 +16,7 @@ struct Options {
   std::string housekeeping = "udpm://239.255.76.68:7668?ttl=0";
   std::string key_file, new_key_file;
   double timeout = 10;  // s
+  double reach = 0;     // m, rad, 1/m; 0: do not wait for it
 
   command::Request request;
   std::vector<std::string> parameters;  // key=value
@@ -55,7 +56,24 @@ void add_events(CLI::App& app, Options& options) {
       ->required();
   target->add_option("--points", options.points,
                      "x y z of rest points in O, m, where not as configured");
+  target
+      ->add_option("--reach", options.reach,
+                   "wait until the feature's error is this small (m, rad, 1/m); code 1 where it is "
+                   "not within --timeout")
+      ->check(CLI::PositiveNumber);
   for (CLI::App* sub : app.get_subcommands({})) sub->fallthrough();
+}
+
+/// Waits until the feature is where the target wants it, and says how near it came.
+int follow(command::Conversation& conversation, const Options& options) {
+  const std::optional<double> error = conversation.follow(options.reach, options.timeout);
+  if (!error) {
+    std::fprintf(stderr, "no FEATURE of this target in %g s\n", options.timeout);
+    return 1;
+  }
+  const bool reached = *error <= options.reach;
+  std::printf("%s: error %.4g\n", reached ? "reached" : "not reached", *error);
+  return reached ? 0 : 1;
 }
 
 int run(const CLI::App& app, Options& options) {
@@ -91,6 +109,7 @@ int run(const CLI::App& app, Options& options) {
   }
   std::printf("%s%s%s\n", answer.event.c_str(), answer.reason.empty() ? "" : ": ",
               answer.reason.c_str());
+  if (answer.done() && options.reach > 0) return follow(conversation, options);
   return answer.done() ? 0 : 1;
 }
 
@@ -115,7 +134,7 @@ int main(int argc, char** argv) {
       "Examples:\n"
       "  palpate-command zero\n"
       "  palpate-command --key robot.key start\n"
-      "  palpate-command target point 0.25 0.03 0.08\n"
+      "  palpate-command target point 0.25 0.03 0.08 --reach 2e-3\n"
       "  palpate-command replace control --set provider=kinematic");
   add_events(app, options);
   try {

@@ -50,6 +50,7 @@ struct CaseCommands::Options {
     command.add_option("--own-mesh", own_mesh, "nx,ny,nz: cells of our own mesh of boxes instead")
         ->delimiter(',')
         ->expected(3)
+        ->allow_extra_args(false)
         ->check(CLI::Range(1, 1000));
     command.add_option("--cut", cut, "tetrahedra of a cell of our own mesh: five or six")
         ->check(CLI::IsMember({"five", "six"}))
@@ -183,6 +184,7 @@ CaseCommands::CaseCommands(CLI::App& app) : options_(std::make_unique<Options>()
   beam_command_->add_option("--own-mesh", options_->own_mesh, "nx,ny,nz: cells of the mesh")
       ->delimiter(',')
       ->expected(3)
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 1000));
   beam_command_->add_option("--grading", options_->beam.grid.grading, "as for static")
       ->check(CLI::Range(0.5, 4.0))

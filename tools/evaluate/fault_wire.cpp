@@ -87,16 +87,20 @@ void FaultWire::play(const faults::Recording& recording, const faults::Scenario&
 faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, double period) {
   stop_ = true;
   listener_.join();
+  // What it did when goes by its own stamps: on a busy machine HEALTH comes long after the commands
+  // of its cycle, and datagrams overtake each other. When something was told is when it came.
+  const auto said_ns = [this](const bus::Published& message) {
+    return 1000 * (faults::header_of(message).utime - origin_us_);
+  };
   std::stable_sort(heard_.begin(), heard_.end(),
-                   [](const auto& a, const auto& b) { return a.time_ns < b.time_ns; });
-  // On a busy machine datagrams overtake each other; whoever takes them goes by their sequence.
+                   [&](const auto& a, const auto& b) { return said_ns(a) < said_ns(b); });
   heard_ = faults::rising(heard_);
   faults::Monitor monitor(limits, period);
   faults::Trace trace;
   faults::Cycle cycle;
   auto next = heard_.begin();
   for (int tick = 1; tick <= ticks; ++tick) {
-    for (; next != heard_.end() && next->time_ns <= kMillisecond * tick; ++next)
+    for (; next != heard_.end() && said_ns(*next) <= kMillisecond * tick; ++next)
       monitor.look(*next, {}, {});
     if (!monitor.health().empty())
       cycle.state = static_cast<component::LifeCycle>(monitor.health().back().state);

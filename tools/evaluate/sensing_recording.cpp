@@ -1,14 +1,16 @@
 #include "tools/evaluate/sensing_recording.hpp"
 
-#include <fstream>
 #include <lcm/lcm-cpp.hpp>
+#include <nlohmann/json.hpp>
 #include <set>
-#include <sstream>
 
 #include "rt/config/node.hpp"
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/report.hpp"
 #include "tools/evaluate/shape_score.hpp"
+#include "tools/evaluate/study_hash.hpp"
+#include "tools/evaluate/study_scheduler.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -17,6 +19,9 @@ namespace fs = std::filesystem;
 
 constexpr double kSettle = 0.5;  // s after the end of a scene's motion
 constexpr double kSlack = 10;    // s
+constexpr const char* kSensorLog = "sensors.log";
+constexpr const char* kTruthLog = "truth.log";
+constexpr const char* kFormat = "recording 2";  // changes with what is kept of a run
 
 /// The sender's clock, the second field of every message.
 std::int64_t sent_at(const bus::LoggedEvent& event) {
@@ -58,43 +63,49 @@ double motion_duration(const SensingScene& scene) {
   return motion->duration() + kSettle;
 }
 
-std::string describe(const SensingScene& scene) {
-  std::string text = scene.scene.string() + '\n' + scene.configuration.string() + '\n';
-  for (const std::string& setting : scene.scene_overrides) text += setting + '\n';
-  for (const std::string& setting : scene.daemon_overrides) text += setting + '\n';
-  return text;
-}
-
 }  // namespace
 
+std::string hash_of_recording(const SensingScene& scene) {
+  StudyJob job;
+  job.kind = "recording";
+  job.scene = scene.scene;
+  job.scene_overrides = scene.scene_overrides;
+  job.configuration = scene.configuration;
+  job.daemon_overrides = scene.daemon_overrides;
+  job.duration = scene.duration;
+  return hash_of_inputs(job, {kFormat, hash_of_file(program_folder() / "palpate-sim")});
+}
+
+SensingRecording read_recording(const SensingScene& scene, const fs::path& folder) {
+  if (!has_result({"", {}, folder, hash_of_recording(scene)}))
+    throw RunFailed(folder.string() + " holds no recording of this scene");
+  const fs::path sensors = folder / kSensorLog;
+  return {sensors, read_run(sensors, folder / kTruthLog, LogClock::kSent)};
+}
+
 SensingRecording record_sensing(const SensingScene& scene, const fs::path& folder) {
-  SensingRecording recording;
-  recording.sensors = folder / "sensors.log";
-  const fs::path truth = folder / "truth.log", about = folder / "recording.txt";
-  std::stringstream known;
-  known << std::ifstream(about).rdbuf();
-  if (known.str() != describe(scene)) {
-    fs::create_directories(folder);
-    RunPlan plan;
-    plan.name = "recording";
-    plan.source.scene = scene.scene;
-    plan.source.scene_overrides = scene.scene_overrides;
-    plan.source.duration = motion_duration(scene);
-    plan.configuration = scene.configuration;
-    plan.overrides = scene.daemon_overrides;
-    plan.duration = plan.source.duration + kSlack;
-    plan.settled = plan.duration;
-    plan.lock_step = true;
-    Progress progress(1, 1, "recording of " + scene.scene.filename().string());
-    const RunFiles files = run_live(plan, folder, progress);
-    progress.finish(true);
-    keep_sensors(files.control, recording.sensors);
-    fs::rename(files.housekeeping, truth);
-    fs::remove(files.control);
-    std::ofstream(about) << describe(scene);
-  }
-  recording.truth = read_run(recording.sensors, truth, LogClock::kSent);
-  return recording;
+  const std::string hash = hash_of_recording(scene);
+  if (has_result({"", {}, folder, hash})) return read_recording(scene, folder);
+  fs::create_directories(folder);
+  fs::remove(folder / "result.json");
+  RunPlan plan;
+  plan.name = "recording";
+  plan.source.scene = scene.scene;
+  plan.source.scene_overrides = scene.scene_overrides;
+  plan.source.duration = motion_duration(scene);
+  plan.configuration = scene.configuration;
+  plan.overrides = scene.daemon_overrides;
+  plan.duration = plan.source.duration + kSlack;
+  plan.settled = plan.duration;
+  plan.lock_step = true;
+  Progress progress(1, 1, "recording of " + scene.scene.filename().string());
+  const RunFiles files = run_live(plan, folder, progress);
+  progress.finish(true);
+  keep_sensors(files.control, folder / kSensorLog);
+  fs::rename(files.housekeeping, folder / kTruthLog);
+  fs::remove(files.control);
+  write_json({{"inputs_hash", hash}, {"version", PALPATE_VERSION}}, folder / "result.json");
+  return read_recording(scene, folder);
 }
 
 double replay_error(const fs::path& replayed, const SensingRecording& recording) {

@@ -23,9 +23,16 @@ struct SensingScene {
   double duration = 0;  // s; 0: that of the scene's motion
 };
 
+/// Hash of all that a recording depends on: scene and configuration after overrides, the files that
+/// they name, its duration, the simulator's program.
+std::string hash_of_recording(const SensingScene& scene);
+
 /// Simulates the scene in lock-step, or takes what an earlier call has left in `folder` of the same
-/// scene and seed. Throws RunFailed.
+/// hash; result.json there holds it. Throws RunFailed.
 SensingRecording record_sensing(const SensingScene& scene, const std::filesystem::path& folder);
+
+/// What such a call has left there. Throws RunFailed where it is missing, or of another hash.
+SensingRecording read_recording(const SensingScene& scene, const std::filesystem::path& folder);
 
 /// What an estimator makes of a recording: mean error of its nodes where the hand held still, m,
 /// from SHAPE in the log that palpate-replay has left; throws where there is none.

@@ -53,7 +53,10 @@ void add_named_files(Fnv& hash, const YAML::Node& node, const fs::path& folder) 
 
 void add_document(Fnv& hash, const fs::path& file, const std::vector<std::string>& overrides) {
   hash.add(std::to_string(config::Node::load_file(file.string(), overrides).hash()));
-  add_named_files(hash, YAML::LoadFile(file.string()), file.parent_path());
+  const fs::path folder = file.parent_path();
+  add_named_files(hash, YAML::LoadFile(file.string()), folder);
+  for (const std::string& setting : overrides)
+    add_named_files(hash, YAML::Load(setting.substr(setting.find('=') + 1)), folder);
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ std::string goal_of(const Eigen::VectorXd& values) {
 bool plans_ahead(const StudyJob& job) {
   return std::any_of(job.daemon_overrides.begin(), job.daemon_overrides.end(),
                      [](const std::string& setting) {
-                       return setting.find("control.provider=inverse_elements") == 0;
+                       return setting.find("control.provider=inverse_elements") == 0 ||
+                              setting == "control.provider=rheological_chain";
                      });
 }
 
@@ -107,7 +108,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
   const math::Pose X_WO = component::read_frames(configuration).X_WO;
 
-  Json result{{"inputs_hash", inputs_hash}, {"job", describe(job)}};
+  Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};
   result["score"] = to_json(scored);
   // A stepped daemon has no clock to be late by.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");

@@ -39,6 +39,7 @@ void add_drawing(CLI::App& command, Options& options) {
       .add_option("--range", options.range,
                   "Ends of the colour scale in SI units (default: 0 and the largest value drawn)")
       ->expected(2)
+      ->allow_extra_args(false)
       ->type_name("LOW HIGH");
   command.add_option("--azimuth", drawing.azimuth, "deg about z, from +x: where the camera stands")
       ->capture_default_str();

@@ -16,6 +16,7 @@ void add(CLI::App& command, const std::string& name, const std::string& descript
           },
           description)
       ->expected(2)
+      ->allow_extra_args(false)
       ->type_name("E NU");
 }
 

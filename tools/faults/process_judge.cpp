@@ -42,8 +42,8 @@ bool runs_late(const Trace& trace, double end) {
   return last > before;
 }
 
-/// The state is known from HEALTH, which the commands of the same cycle precede, and other threads
-/// of a busy machine bring both: only what lasts counts.
+/// The state is known from HEALTH, which the commands of the same cycle precede: only what lasts
+/// counts.
 int longest_command_while_inactive(const Trace& trace) {
   int inactive = 0, commands = 0, longest = 0;
   for (const Cycle& cycle : trace.cycles) {

@@ -1,6 +1,6 @@
 #include "tools/fit/held_cell.hpp"
 
-#include "rt/component/learned_sensors.hpp"
+#include "rt/component/sensor_keys.hpp"
 
 namespace palpate::fit {
 

@@ -72,7 +72,8 @@ void add_held_plan_command(CLI::App& app, int& code) {
       ->allow_extra_args(false);
   plan->add_option("--grasp", arguments->grasp,
                    "Another grasp: the nodes between two corners in O, m (six numbers)")
-      ->expected(6);
+      ->expected(6)
+      ->allow_extra_args(false);
   plan->add_option("--steps", o.steps, "Motions at most")->capture_default_str();
   plan->add_option("--amplitude", o.amplitude, "Shifts, m")->capture_default_str();
   plan->add_option("--turn", arguments->turn_deg, "Turns, degrees")->capture_default_str();

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <stdexcept>
 
 #include "core/math/random.hpp"
@@ -92,8 +93,10 @@ double cost_at(const Problem& problem, const Loss& loss, const Eigen::VectorXd& 
 
 Solution solve(const Problem& problem, const SolverOptions& options, const Eigen::VectorXd& start,
                const std::vector<bool>& held) {
-  // A start without equilibrium is told by an exception, not on standard error.
-  FLAGS_minloglevel = google::GLOG_FATAL;
+  // A start without equilibrium is told by an exception, not on standard error. Fits run side by
+  // side.
+  static std::once_flag silenced;
+  std::call_once(silenced, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
   const Eigen::VectorXd lower = problem.lower(), upper = problem.upper();
   std::vector<Eigen::Index> moving;
   for (Eigen::Index i = 0; i < start.size(); ++i)

@@ -18,8 +18,15 @@ using evaluate::number;
 
 constexpr double kLeastCoverage = 0.90, kMostCoverage = 0.99;
 
+/// Below where the system keeps what is temporary; here, where it has no such place.
+std::string default_folder() {
+  std::error_code error;
+  const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);
+  return ((error ? "." : temporary) / "palpate_fit_check").string();
+}
+
 struct Options {
-  std::string folder = (std::filesystem::temp_directory_path() / "palpate_fit_check").string();
+  std::string folder = default_folder();
   int seeds = 200;
   std::vector<std::string> overrides;
   std::string cells = fit_check::StatementOptions().cells;

@@ -239,6 +239,7 @@ void add_make_commands(CLI::App& app, int& code) {
       add(app, code, "box", "A box from the origin, cells of a grid cut up", make_box, box);
   command->add_option("--size", box->size, "Along x, y and z, m")
       ->expected(3)
+      ->allow_extra_args(false)
       ->check(CLI::PositiveNumber)
       ->required();
   CLI::App* density = command->add_option_group("density");
@@ -246,6 +247,7 @@ void add_make_commands(CLI::App& app, int& code) {
       ->check(CLI::PositiveNumber);
   density->add_option("--cells", box->cells, "Along x, y and z")
       ->expected(3)
+      ->allow_extra_args(false)
       ->check(CLI::Range(1, 2000));
   density->require_option(1);
   command->add_option("--cut", box->cut, "Tetrahedra a cell: six, all alike, or five")
@@ -263,6 +265,7 @@ void add_make_commands(CLI::App& app, int& code) {
       add(app, code, "ellipsoid", "An ellipsoid about the origin", make_ellipsoid, ellipsoid);
   round->add_option("--half-axes", ellipsoid->size, "Along x, y and z, m")
       ->expected(3)
+      ->allow_extra_args(false)
       ->check(CLI::PositiveNumber)
       ->required();
   for (const auto& [to, options] : {std::pair{command, cylinder}, std::pair{round, ellipsoid}}) {

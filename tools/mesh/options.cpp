@@ -32,6 +32,10 @@ std::string title_of(const Outcome& outcome) {
   return std::filesystem::path(outcome.file).filename().string();
 }
 
+std::string heading(const Outcome& outcome) {
+  return outcome.file + (outcome.faults.empty() ? ": no faults\n" : ":\n");
+}
+
 template <typename Mesh>
 void picture(const Mesh& mesh, const Outcome& outcome, const ReportOptions& options,
              std::ostream& out) {
@@ -115,7 +119,7 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
   // With JSON on the standard output nothing else may be there.
   std::ostream& out = options.json == "-" ? std::cerr : std::cout;
   const bool is_broken = has_errors(outcome.faults);
-  out << outcome.file << ":\n" << text(outcome.steps) << text(outcome.faults);
+  out << heading(outcome) << text(outcome.steps) << text(outcome.faults);
   nlohmann::json json{{"file", outcome.file},
                       {"repaired", to_json(outcome.steps)},
                       {"faults", to_json(outcome.faults)},
@@ -149,9 +153,8 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
 int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
            const ReportOptions& options) {
   std::ostream& out = options.json == "-" ? std::cerr : std::cout;
-  out << outcome.file << ":\n"
-      << text(outcome.steps) << text(outcome.faults) << surface.point_count() << " points, "
-      << surface.triangle_count() << " triangles\n";
+  out << heading(outcome) << text(outcome.steps) << text(outcome.faults) << surface.point_count()
+      << " points, " << surface.triangle_count() << " triangles\n";
   nlohmann::json json{{"file", outcome.file},
                       {"repaired", to_json(outcome.steps)},
                       {"faults", to_json(outcome.faults)},

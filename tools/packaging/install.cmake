@@ -4,6 +4,7 @@
 #   sim     palpate-sim     the simulator and its scenes
 #   tools   palpate-tools   everything else that has a command line
 #   dev     palpate-dev     headers and static libraries of core and rt, message types, the driver
+#   python  python3-palpate the Python package (tools/python)
 #
 # Data keeps its place in the source tree below share/palpate, since scenes and configurations name
 # each other by relative paths. Nothing that is installed knows where it was built or installed.

@@ -2,7 +2,6 @@
 
 #include <poll.h>
 #include <sys/eventfd.h>
-#include <sys/socket.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -12,16 +11,15 @@
 #include <stdexcept>
 
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/bus/udpm_socket.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/helper_thread.hpp"
 
 namespace palpate::record {
 namespace {
 
-constexpr std::size_t kBufferSize = 65536;         // more than any datagram
-constexpr int kWantedReceiveBuffer = 16 << 20;     // the kernel cuts it down to net.core.rmem_max
-constexpr int kDatagramsAtOnce = 64;               // of one URL while others wait
-constexpr std::int64_t kLongestEnd = 200'000'000;  // ns
+constexpr int kDatagramsAtOnce = 64;                 // of one URL while others wait
+constexpr std::int64_t kLongestEnd = 2'000'000'000;  // ns
 
 std::int64_t wall_us() {
   return std::chrono::duration_cast<std::chrono::microseconds>(
@@ -40,12 +38,7 @@ void increment(std::atomic<std::int64_t>& counter) noexcept {
 }  // namespace
 
 struct Listener::Group {
-  ~Group() {
-    if (socket >= 0) close(socket);
-  }
-  int socket = -1;
-  int receive_buffer_size = 0;
-  std::uint32_t overflows_seen = 0;  // the kernel's running number
+  bus::UdpmSocket socket;
   bus::DatagramCounters counters;
 };
 
@@ -81,12 +74,11 @@ void put_urls(const std::vector<std::string>& texts, std::vector<Source>& source
 Listener::Listener(std::vector<Source> sources, Handler handler)
     : sources_(std::move(sources)),
       handler_(std::move(handler)),
-      buffer_(kBufferSize),
       wall_us_(wall_us()),
       monotonic_ns_(loop::monotonic_ns()) {
   for (const Source& source : sources_) {
     groups_.push_back(std::make_unique<Group>());
-    join(source.url, *groups_.back());
+    groups_.back()->socket.open(source.url);
   }
   wake_ = eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK);
   if (wake_ < 0) throw std::runtime_error(std::string("no event: ") + std::strerror(errno));
@@ -95,33 +87,6 @@ Listener::Listener(std::vector<Source> sources, Handler handler)
 Listener::~Listener() {
   stop();
   if (wake_ >= 0) close(wake_);
-}
-
-void Listener::join(const bus::UdpmUrl& url, Group& group) {
-  const auto require = [&url](bool success, const char* doing) {
-    if (!success) throw std::runtime_error(bus::explain_socket_error(doing, url, errno));
-  };
-  group.socket = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  const int fd = group.socket;
-  require(fd >= 0, "make a socket for");
-  const int on = 1;
-  require(setsockopt(fd, SOL_SOCKET, SO_REUSEADDR, &on, sizeof(on)) == 0, "share the port of");
-  setsockopt(fd, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on));
-  const int wanted = url.receive_buffer_size > 0 ? url.receive_buffer_size : kWantedReceiveBuffer;
-  setsockopt(fd, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof(wanted));
-  int given = 0;
-  socklen_t length = sizeof(given);
-  getsockopt(fd, SOL_SOCKET, SO_RCVBUF, &given, &length);
-  group.receive_buffer_size = given / 2;  // the kernel doubles what is asked for
-
-  // Bound to the group, not to any address, the socket sees this group alone.
-  const sockaddr_in address = url.socket_address();
-  require(bind(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0, "listen to");
-  ip_mreq membership{};
-  membership.imr_multiaddr = address.sin_addr;
-  membership.imr_interface.s_addr = htonl(INADDR_ANY);
-  require(setsockopt(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof(membership)) == 0,
-          "join the multicast group of");
 }
 
 void Listener::start() {
@@ -145,7 +110,7 @@ void Listener::stop() noexcept {
 
 bool Listener::receive(int timeout_ms) {
   std::vector<pollfd> watched;
-  for (const auto& group : groups_) watched.push_back({group->socket, POLLIN, 0});
+  for (const auto& group : groups_) watched.push_back({group->socket.descriptor(), POLLIN, 0});
   watched.push_back({wake_, POLLIN, 0});
   if (poll(watched.data(), watched.size(), timeout_ms) <= 0) return false;
   bool any = false;
@@ -158,33 +123,17 @@ bool Listener::receive(int timeout_ms) {
 
 bool Listener::receive_one(int source) {
   Group& group = *groups_[static_cast<std::size_t>(source)];
-  alignas(cmsghdr) char control[CMSG_SPACE(sizeof(std::uint32_t))];
-  iovec room{buffer_.data(), buffer_.size()};
-  msghdr header{};
-  header.msg_iov = &room;
-  header.msg_iovlen = 1;
-  header.msg_control = control;
-  header.msg_controllen = sizeof(control);
-  const ssize_t size = recvmsg(group.socket, &header, 0);
-  if (size < 0) return errno == EINTR;
-  for (const cmsghdr* part = CMSG_FIRSTHDR(&header); part != nullptr;
-       part = CMSG_NXTHDR(&header, const_cast<cmsghdr*>(part))) {
-    if (part->cmsg_level != SOL_SOCKET || part->cmsg_type != SO_RXQ_OVFL) continue;
-    std::uint32_t overflows = 0;
-    std::memcpy(&overflows, CMSG_DATA(part), sizeof(overflows));
-    group.counters.overflowed.fetch_add(overflows - group.overflows_seen,
-                                        std::memory_order_relaxed);
-    group.overflows_seen = overflows;
-  }
-  handle(source, static_cast<int>(size));
+  const int size = group.socket.receive(group.counters);
+  if (size < 0) return false;
+  handle(source, group.socket.data(), size);
   return true;
 }
 
-void Listener::handle(int source, int size) {
+void Listener::handle(int source, const std::uint8_t* data, int size) {
   bus::DatagramCounters& counters = groups_[static_cast<std::size_t>(source)]->counters;
   increment(counters.received);
   bus::UdpmFrame frame{};
-  switch (bus::parse_udpm_frame(buffer_.data(), size, frame)) {
+  switch (bus::parse_udpm_frame(data, size, frame)) {
     case bus::FrameKind::kMalformed:
       return increment(counters.malformed);
     case bus::FrameKind::kFragment:
@@ -203,7 +152,7 @@ const bus::DatagramCounters& Listener::datagrams(int source) const noexcept {
 }
 
 int Listener::receive_buffer_size(int source) const noexcept {
-  return groups_[static_cast<std::size_t>(source)]->receive_buffer_size;
+  return groups_[static_cast<std::size_t>(source)]->socket.receive_buffer_size();
 }
 
 }  // namespace palpate::record

@@ -68,14 +68,12 @@ class Listener {
  private:
   struct Group;
 
-  void join(const bus::UdpmUrl& url, Group& group);
   bool receive_one(int source);
-  void handle(int source, int size);
+  void handle(int source, const std::uint8_t* data, int size);
 
   std::vector<Source> sources_;
   Handler handler_;
   std::vector<std::unique_ptr<Group>> groups_;
-  std::vector<std::uint8_t> buffer_;
   int wake_ = -1;
   std::int64_t wall_us_, monotonic_ns_;  // at the start
   std::atomic<bool> stop_{false};

@@ -11,6 +11,7 @@
 #include "rt/config/node.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/inference/model_file.hpp"
+#include "tools/train/plan.hpp"
 #ifndef PALPATE_WITHOUT_SIM
 #include "sim/scenes/scene.hpp"
 #endif
@@ -74,6 +75,8 @@ Declarations read(Reader reader, const Exploration& exploration) {
   const config::Node root = config::Node::load_file(exploration.file, exploration.overrides);
   if (reader == Reader::kDaemon) {
     read_daemon(root);
+  } else if (reader == Reader::kTrain) {
+    train::read_plan(root);
   } else {
 #ifndef PALPATE_WITHOUT_SIM
     scenes::read_scene(root);
@@ -95,7 +98,9 @@ std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
   std::string zeros = "[0";
   for (int i = 1; i < 21; ++i) zeros += ", 0";
   std::vector<Exploration> found;
-  for (const config::Node& item : plan.list(reader == Reader::kDaemon ? "daemon" : "scene")) {
+  for (const config::Node& item : plan.list(reader == Reader::kDaemon  ? "daemon"
+                                            : reader == Reader::kTrain ? "train"
+                                                                       : "scene")) {
 #ifdef PALPATE_WITHOUT_TORCH
     if (item.flag("torch", false)) continue;
 #endif

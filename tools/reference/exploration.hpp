@@ -9,7 +9,7 @@
 namespace palpate::reference {
 
 /// What reads a document.
-enum class Reader { kDaemon, kScene };
+enum class Reader { kDaemon, kScene, kTrain };
 
 /// A document to be read, with keys set otherwise.
 struct Exploration {
@@ -20,8 +20,8 @@ struct Exploration {
 /// Everything that was asked of it.
 using Declarations = std::vector<config::Declaration>;
 
-/// Reads it as palpated or palpate-sim does before they begin. Throws config::Error where they
-/// would refuse it.
+/// Reads it as palpated, palpate-sim or palpate-train does before they begin. Throws config::Error
+/// where they would refuse it.
 Declarations read(Reader reader, const Exploration& exploration);
 
 /// Those of explorations.yaml; `models` is a folder to write to, for models that they name. Throws

@@ -20,8 +20,9 @@ constexpr const char* kHead =
     "Made by `palpate-reference` from the declarations in the code that reads them; do not edit.\n"
     "SI units throughout. A key that nobody reads is an error, which names file, line, key and "
     "what\n"
-    "is allowed. `base: FILE` at the top puts a file's entries over those of another, and\n"
-    "`--set path.to.key=value` over both. A pose is `{position: [x, y, z], quaternion: [w, x, y, "
+    "is allowed. `base: FILE` at the top puts a file's entries over those of another (an\n"
+    "empty entry, `key: ~`, takes away what is there) and `--set path.to.key=value` over both. A "
+    "pose is `{position: [x, y, z], quaternion: [w, x, y, "
     "z]}`\n"
     "or `{position: ..., rpy_deg: [r, p, y]}`; files are named relative to the file that names "
     "them.\n"
@@ -69,24 +70,23 @@ bool write_all(std::ostream& out) {
   const Scratch models;
   out << kHead;
   bool told = true;
-  for (const Reader reader : {Reader::kDaemon, Reader::kScene}) {
+  const std::pair<Reader, const char*> chapters[] = {
+      {Reader::kDaemon, kDaemon},
+      {Reader::kScene, "## Scenes of palpate-sim\n\n"},
+      {Reader::kTrain, "## Plans of palpate-train\n\n"}};
+  for (const auto& [reader, title] : chapters) {
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
       readings.push_back(read(reader, exploration));
-    out << (reader == Reader::kDaemon ? kDaemon : "## Scenes of palpate-sim\n\n");
+    out << title;
     told = write(out, readings, 3) && told;
   }
   return told;
 }
 
-int run(const std::string& file, bool is_scene, const std::vector<std::string>& overrides) {
-  bool told = true;
-  if (file.empty()) {
-    told = write_all(std::cout);
-  } else {
-    const Reader reader = is_scene ? Reader::kScene : Reader::kDaemon;
-    told = write(std::cout, {read(reader, {file, overrides})}, 2);
-  }
+int run(const std::string& file, Reader reader, const std::vector<std::string>& overrides) {
+  const bool told =
+      file.empty() ? write_all(std::cout) : write(std::cout, {read(reader, {file, overrides})}, 2);
   return told ? 0 : 1;
 }
 
@@ -94,22 +94,28 @@ int run(const std::string& file, bool is_scene, const std::vector<std::string>& 
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "palpate-reference prints every parameter of configurations and scenes as a table in\n"
-      "Markdown: type, unit, default, range and meaning, as the code declares them.\n"
+      "palpate-reference prints every parameter of configurations, scenes and plans of\n"
+      "palpate-train as a table in Markdown: type, unit, default, range and meaning, as the code "
+      "declares them.\n"
       "Exit codes: 0 done, 1 a parameter tells no meaning, 78 wrong configuration.");
   std::string file;
   std::vector<std::string> overrides;
-  bool is_scene = false;
+  bool is_scene = false, is_plan = false;
   app.add_option("configuration", file,
                  "only what this one is asked for; without it everything there is");
-  app.add_flag("--scene", is_scene, "it is a scene of palpate-sim");
+  CLI::Option* scene = app.add_flag("--scene", is_scene, "it is a scene of palpate-sim");
+  app.add_flag("--train", is_plan, "it is a plan of palpate-train")->excludes(scene);
   app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer("Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md");
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(file, is_scene, overrides);
+    return run(file,
+               is_scene  ? Reader::kScene
+               : is_plan ? Reader::kTrain
+                         : Reader::kDaemon,
+               overrides);
   } catch (const palpate::config::Error& error) {
     std::cerr << "error: " << error.what() << "\n";
     return palpate::config::kExitCode;

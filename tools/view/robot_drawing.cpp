@@ -1,35 +1,13 @@
 #include "tools/view/robot_drawing.hpp"
 
-#include <urdf_model/model.h>
-#include <urdf_parser/urdf_parser.h>
-
 #include <cmath>
-#include <fstream>
 #include <set>
-#include <sstream>
 #include <stdexcept>
+
+#include "rt/component/urdf_file.hpp"
 
 namespace palpate::view {
 namespace {
-
-math::Pose to_pose(const urdf::Pose& pose) {
-  const Eigen::Quaterniond q(pose.rotation.w, pose.rotation.x, pose.rotation.y, pose.rotation.z);
-  return math::make_pose(q.normalized().toRotationMatrix(),
-                         {pose.position.x, pose.position.y, pose.position.z});
-}
-
-urdf::ModelInterfaceSharedPtr parse(const std::string& path) {
-  std::ifstream file(path);
-  if (!file) throw std::invalid_argument(path + ": cannot be opened");
-  std::ostringstream text;
-  text << file.rdbuf();
-  if (text.str().find("<xacro:") != std::string::npos)
-    throw std::invalid_argument(path + ": holds xacro macros; expand it first");
-  urdf::ModelInterfaceSharedPtr model = urdf::parseURDF(text.str());
-  if (!model || !model->getRoot())
-    throw std::invalid_argument(path + ": not a URDF file that urdfdom can read");
-  return model;
-}
 
 /// False for shapes that are no primitives.
 bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
@@ -54,7 +32,7 @@ bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
     default:
       return false;
   }
-  shape.X_LV = to_pose(visual.origin);
+  shape.X_LV = component::to_pose(visual.origin);
   shape.colour.setConstant(0.6);
   if (visual.material) {
     const urdf::Color& c = visual.material->color;
@@ -66,7 +44,7 @@ bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
 }  // namespace
 
 RobotDrawing::RobotDrawing(const std::string& path, const std::string& flange) {
-  const urdf::ModelInterfaceSharedPtr model = parse(path);
+  const urdf::ModelInterfaceSharedPtr model = component::parse_urdf(path);
   std::set<std::string> arm;  // links from the root to the flange
   urdf::LinkConstSharedPtr link = model->getLink(flange);
   if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
@@ -80,7 +58,7 @@ RobotDrawing::RobotDrawing(const std::string& path, const std::string& flange) {
     made.parent = parent;
     if (from->parent_joint) {
       const urdf::Joint& joint = *from->parent_joint;
-      made.X_PL = to_pose(joint.parent_to_joint_origin_transform);
+      made.X_PL = component::to_pose(joint.parent_to_joint_origin_transform);
       const bool turns =
           joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
       if (turns || joint.type == urdf::Joint::PRISMATIC) {

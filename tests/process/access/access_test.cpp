@@ -275,6 +275,24 @@ TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
   EXPECT_EQ(health.state, 1);
 }
 
+TEST_F(AccessProcess, ACommandThatWasThereBeforeTheDaemonIsObeyed) {
+  ChildProcess asks({kBin + "palpate-command", "--url", control_url_, "--housekeeping",
+                     housekeeping_url_, "--key", key_file_, "--timeout", "60", "start"});
+  component_command_t asked{};
+  std::int64_t arrival_ns = 0;
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  while (!commands_->take(asked, arrival_ns) && std::chrono::steady_clock::now() < end)
+    std::this_thread::sleep_for(milliseconds(5));
+  ASSERT_STREQ(daemon::get_text(asked.event), "start") << asks.output();
+  ChildProcess palpated(palpated_with());
+  ChildProcess arm(driver());
+  EXPECT_EQ(asks.wait(milliseconds(70000)), 0) << asks.output() << palpated.output();
+  EXPECT_EQ(asks.output(), "start\n");
+  health_t health;
+  EXPECT_TRUE(wait_health([](const health_t& h) { return h.state >= 2; }, health));
+  EXPECT_GT(health.commands_refused, 0) << "it was not there before the daemon";
+}
+
 /// The whole chain: command -> daemon -> driver -> daemon, each link sealed.
 TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
   ChildProcess palpated(palpated_with());
@@ -286,7 +304,11 @@ TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
   ASSERT_TRUE(flange(before));
   std::string said;
   ASSERT_EQ(command({"start"}, said), 0) << said;
-  ASSERT_EQ(command({"target", "point", "0.25", "0.03", "0.08"}, said), 0) << said;
+  ASSERT_EQ(
+      command({"target", "point", "0.25", "0.03", "0.08", "--reach", "1e-9", "--timeout", "1"},
+              said),
+      1);
+  EXPECT_NE(said.find("\nnot reached: error 0.0"), std::string::npos) << said;
   double rise = 0;
   for (int i = 0; i < 1000 && rise < 0.005; ++i) {
     std::this_thread::sleep_for(milliseconds(10));
@@ -294,6 +316,12 @@ TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
     rise = now.z() - before.z();
   }
   EXPECT_GT(rise, 0.005) << palpated.output();
+  EXPECT_EQ(
+      command({"target", "point", "0.25", "0.03", "0.08", "--reach", "5e-3", "--timeout", "50"},
+              said),
+      0)
+      << said;
+  EXPECT_NE(said.find("\nreached: error 0.00"), std::string::npos) << said;
   arm.send(SIGTERM);
   EXPECT_EQ(arm.wait(milliseconds(10000)), 0);
   long long obeyed = 0, refused = 0, rejected = 0;

@@ -2,6 +2,7 @@
 """Fails where documentation and programs differ.
 
 usage: docs_test.py configuration ROOT BIN    docs/configuration.md is what palpate-reference prints
+       docs_test.py published ROOT            docs/published_methods.md is what its script prints
        docs_test.py keys ROOT                 and tells every key that the sources ask for
        docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says, installed
 """
@@ -15,8 +16,9 @@ import subprocess
 import sys
 import tempfile
 
-PATIENCE = 500  # s, for a machine that is very busy; a quiet one takes 40
-READERS = ("rt/daemon", "rt/component", "rt/config", "sim/scenes", "sim/sensors")
+PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
+READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
+           "tools/train/plan.cpp")
 GETTER = re.compile(
     r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
     r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
@@ -26,27 +28,36 @@ OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg", 
 OF_LIBRARIES = {"plugins", "library"}
 
 
-def configuration(root, programs):
-    printed = subprocess.run([programs / "palpate-reference"], capture_output=True, text=True, timeout=300)
+def is_printed(page, words, root):
+    """Whether a page is what a command prints."""
+    printed = subprocess.run(words, capture_output=True, text=True, timeout=300)
     if printed.returncode != 0:
         print(printed.stderr)
         return 1
-    text = (root / "docs/configuration.md").read_text()
+    text = (root / page).read_text()
     if printed.stdout != text:
-        difference = difflib.unified_diff(text.splitlines(), printed.stdout.splitlines(),
-                                          "docs/configuration.md", "palpate-reference", lineterm="")
+        difference = difflib.unified_diff(text.splitlines(), printed.stdout.splitlines(), page, str(words[-1]),
+                                          lineterm="")
         print("\n".join(list(difference)[:60]))
-        print("run: build/release/bin/palpate-reference > docs/configuration.md")
+        print(f"run: {words[-1]} > {page}")
         return 1
     return 0
+
+
+def configuration(root, programs):
+    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root)
+
+
+def published(root):
+    return is_printed("docs/published_methods.md", [sys.executable, root / "tools/reference/published_methods"], root)
 
 
 def keys(root):
     told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", (root / "docs/configuration.md").read_text(), re.M))
     missing = []
     asked = 0
-    for folder in READERS:
-        for path in sorted((root / folder).glob("*.cpp")):
+    for files in READERS:
+        for path in sorted(root.glob(files)):
             for key in GETTER.findall(path.read_text()):
                 asked += 1
                 if key not in told | OF_OTHER_FILES | OF_LIBRARIES:
@@ -80,7 +91,7 @@ def commands(root, programs, guide):
     control, housekeeping = f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
     folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))
     prefix = folder / "installed"
-    for component in ("daemon", "dev"):
+    for component in ("daemon", "sim", "dev"):
         subprocess.run(["cmake", "--install", programs.parent, "--component", component, "--prefix", prefix],
                        check=True, stdout=subprocess.DEVNULL)
     script = ["set -euo pipefail", "trap 'kill $(jobs -p) 2>/dev/null || true' EXIT"]
@@ -89,10 +100,12 @@ def commands(root, programs, guide):
     body = "\n".join(script).replace("udpm://239.255.76.67:7667?ttl=0", control)
     body = body.replace("udpm://239.255.76.68:7668?ttl=0", housekeeping)
     environment = {**os.environ, "PATH": f"{prefix}/bin:{programs}:{os.environ['PATH']}",
-                   "PALPATE": f"{prefix}/share/palpate", "CMAKE_PREFIX_PATH": str(prefix)}
+                   "CMAKE_PREFIX_PATH": str(prefix)}
+    environment.pop("PALPATE", None)  # the guide finds what is installed
     work = folder / "work"
     work.mkdir()
-    process = subprocess.Popen(["bash", "-c", body], cwd=work, env=environment, text=True,
+    # Where this test is killed, the shell ends and with it, by its trap, what runs behind it.
+    process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "bash", "-c", body], cwd=work, env=environment, text=True,
                                stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
     try:
         output = process.communicate(timeout=PATIENCE)[0]
@@ -111,8 +124,8 @@ def commands(root, programs, guide):
 
 def main():
     what, root = sys.argv[1], pathlib.Path(sys.argv[2])
-    if what == "keys":
-        return keys(root)
+    if what in ("keys", "published"):
+        return {"keys": keys, "published": published}[what](root)
     programs = pathlib.Path(sys.argv[3])
     return configuration(root, programs) if what == "configuration" else commands(root, programs, root / sys.argv[4])
 

@@ -148,6 +148,12 @@ class Prefix(unittest.TestCase):
         self.assertEqual(simulator.returncode, 0, said + heard)
         self.assertGreaterEqual(json.loads(result.read_text())["commands_accepted"], 3900, said + heard)
 
+    def test_7_python_finds_its_package(self):
+        folder = self.prefix / "lib/python3/dist-packages"
+        done = run(["/usr/bin/python3", "-c", "import palpate; print(palpate.__file__, palpate.messages.shape_t().seq)"],
+                   env={**os.environ, "PYTHONPATH": str(folder), "PYTHONDONTWRITEBYTECODE": "1"})
+        self.assertEqual((done.returncode, done.stdout), (0, f"{folder}/palpate/__init__.py 0\n"), done.stderr)
+
     def test_7_the_unit_is_one_that_systemd_takes(self):
         if not shutil.which("systemd-analyze"):
             self.skipTest("no systemd here")
@@ -172,7 +178,9 @@ class Debian(unittest.TestCase):
             self.assertIn("ExecStart=/usr/bin/palpated /etc/palpate/palpated.yaml", unit)
             for name in ("etc/palpate/palpated.yaml", "etc/security/limits.d/palpate.conf",
                          "usr/lib/sysctl.d/60-palpate.conf", "usr/share/man/man1/palpated.1.gz",
-                         "usr/share/doc/palpate-dev/copyright", "usr/share/zsh/vendor-completions/_palpated"):
+                         "usr/share/doc/palpate-dev/copyright",
+                         "usr/share/doc/python3-palpate/copyright",
+                         "usr/lib/python3/dist-packages/palpate/__init__.py", "usr/share/zsh/vendor-completions/_palpated"):
                 self.assertTrue((root / name).is_file(), name)
             conffiles = (SOURCE / "tools/packaging/debian/conffiles").read_text().split()
             self.assertEqual(sorted(conffiles), sorted("/" + str(path.relative_to(root))

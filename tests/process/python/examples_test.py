@@ -1,5 +1,6 @@
 """The examples against real processes: what they find, not only that they end well."""
 
+import concurrent.futures
 import json
 import re
 import subprocess
@@ -9,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import palpate
 
-from processes import BAR, BIN, EXAMPLES, ProcessTest, Program
+from processes import BAR, BIN, EXAMPLES, PATIENCE, ProcessTest, Program
 
 
 class Examples(ProcessTest):
@@ -110,6 +111,20 @@ class Access(ProcessTest):
         self.assertEqual(owner.start().event, "start")
         self.assertEqual(owner.target("point", [0.25, 0.03, 0.07]).event, "target")
         self.assertEqual(owner.stop().event, "stop")
+
+    def test_a_command_that_was_there_before_the_daemon_is_obeyed(self) -> None:
+        key = self.folder / "robot.key"
+        Program(self, [BIN / "palpate-command", "--make-key", key]).process.wait(30)
+        owner = self.connect(key_file=key)
+        heard = palpate.Bus(self.control)
+        self.addCleanup(heard.close)
+        commands = heard.subscribe("COMPONENT_COMMAND")
+        with concurrent.futures.ThreadPoolExecutor() as pool:
+            answer = pool.submit(owner.start)
+            commands.get(PATIENCE)
+            self.start_daemon(access__key_file=str(key))
+            self.assertEqual(answer.result(PATIENCE).event, "start")
+        self.assertGreater(owner.health(PATIENCE).commands_refused, 0)
 
 
 if __name__ == "__main__":

@@ -26,13 +26,19 @@ SCENE = SOURCE / "sim/scenes/bar_long_soft_control.yaml"
 COARSE = "object.elements=[10, 1, 1]"
 
 
+# A test that is killed takes what it has started with it.
+WITH_THE_TEST = ("setpriv", "--pdeathsig", "KILL")
+
+
 class Program:
     """A program with its output in a file; ended with the test."""
 
     def __init__(self, test: unittest.TestCase, words: Sequence[object]) -> None:
         self._output: IO[str] = tempfile.TemporaryFile("w+")  # noqa: SIM115
         self.process = subprocess.Popen(
-            [str(word) for word in words], stdout=self._output, stderr=subprocess.STDOUT
+            [*WITH_THE_TEST, *(str(word) for word in words)],
+            stdout=self._output,
+            stderr=subprocess.STDOUT,
         )
         test.addCleanup(self._output.close)
         test.addCleanup(self.end)
@@ -103,5 +109,8 @@ class ProcessTest(unittest.TestCase):
             place = []
         command = [sys.executable, EXAMPLES / name, *place, *words]
         return subprocess.run(
-            [str(word) for word in command], capture_output=True, text=True, timeout=3 * PATIENCE
+            [*WITH_THE_TEST, *(str(word) for word in command)],
+            capture_output=True,
+            text=True,
+            timeout=3 * PATIENCE,
         )

@@ -37,8 +37,14 @@ def read(path):
 
 
 class Cell:
-    def __init__(self, binaries, source):
+    """Of one example of the daemon, with what is set otherwise, and the robot that the page draws."""
+
+    def __init__(self, binaries, source, example="bar_long_soft.yaml", sets=(SENSING, CONTACT),
+                 robot="sim/robot/lwr_hand.urdf"):
         self.binaries, self.source = binaries, source
+        self.configuration = f"{source}/rt/config/examples/{example}"
+        self.sets = [word for text in sets for word in ("--set", text)]
+        self.robot = ["--robot", f"{source}/{robot}"] if robot else []
         self.folder = tempfile.TemporaryDirectory(prefix="palpate_view_")
         number = os.getpid() % 20000
         self.group = f"239.255.{90 + number // 250}.{1 + number % 250}"
@@ -57,14 +63,13 @@ class Cell:
     def start(self, name, *words):
         self.logs[name] = os.path.join(self.folder.name, f"{name}.txt")
         with open(self.logs[name], "a") as log:
-            self.processes[name] = subprocess.Popen([f"{self.binaries}/{name}", *words],
-                                                    stdout=log, stderr=subprocess.STDOUT)
+            # A test that is killed takes what it has started with it.
+            self.processes[name] = subprocess.Popen(
+                ["setpriv", "--pdeathsig", "KILL", f"{self.binaries}/{name}", *words],
+                stdout=log, stderr=subprocess.STDOUT)
 
     def buses(self):
         return ["--set", f"bus.control={self.url(0)}", "--set", f"bus.housekeeping={self.url(1)}"]
-
-    def configuration(self):
-        return f"{self.source}/rt/config/examples/bar_long_soft.yaml"
 
     def start_simulator(self):
         self.start("palpate-sim", f"{self.source}/sim/scenes/bar_long_soft_control.yaml",
@@ -72,18 +77,16 @@ class Cell:
 
     def start_daemon(self):
         # A machine that is busy with other tests is late without meaning a fault.
-        self.start("palpated", self.configuration(), *self.buses(), "--set", SENSING, "--set",
-                   CONTACT, "--set", "loop.degraded_after_ms=9000", "--set",
-                   "loop.overrun_window_ms=10000", "--set", "loop.safe_stop_after_ms=10000",
-                   "--set", "loop.fifo_priority=0")
+        self.start("palpated", self.configuration, *self.buses(), *self.sets, "--set",
+                   "loop.degraded_after_ms=9000", "--set", "loop.overrun_window_ms=10000",
+                   "--set", "loop.safe_stop_after_ms=10000", "--set", "loop.fifo_priority=0")
 
     def start_view(self, *source):
         """Live, so that the page with the token may command; or what `source` says."""
         live = ["--control", "--token-file", self.token_file]
         printed = len(read(self.logs["palpate-view"])) if "palpate-view" in self.logs else 0
         self.start("palpate-view", "--url", self.url(0), "--housekeeping", self.url(1),
-                   "--config", self.configuration(), "--set", SENSING, "--set", CONTACT,
-                   "--robot", f"{self.source}/sim/robot/lwr_hand.urdf", "--port", str(self.port),
+                   "--config", self.configuration, *self.sets, *self.robot, "--port", str(self.port),
                    *(source or live))
         wait_for(lambda: "http://" in read(self.logs["palpate-view"])[printed:],
                  "palpate-view prints its address")

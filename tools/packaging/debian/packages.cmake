@@ -12,7 +12,7 @@ set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_OUTPUT_FILE_PREFIX ${CMAKE_BINARY_DIR}/packages)
 set(CPACK_THREADS 0)
-set(CPACK_COMPONENTS_ALL daemon sim tools dev)
+set(CPACK_COMPONENTS_ALL daemon sim tools dev python)
 set(CPACK_DEB_COMPONENT_INSTALL ON)
 set(CPACK_DEBIAN_ENABLE_COMPONENT_DEPENDS OFF)
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
@@ -63,6 +63,15 @@ palpate_package(dev palpate-dev libdevel "headers and libraries of palpate for d
   "codes of authentication, the mathematics, and a driver to start one's own"
   "from.")
 set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)  # nothing in it is linked
+palpate_package(python python3-palpate python "logs, buses and commands of palpated from Python"
+  "python3, python3-numpy"
+  "Reads LCM logs as numpy arrays, publishes and subscribes, commands palpated"
+  "and scores shapes on the simulator's truth. Needs no LCM module.")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, palpate")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
+  "${CMAKE_CURRENT_SOURCE_DIR}/debian/python/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/python/prerm")
 # Loaded when a model is, so that no program names it.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, rt-tests, stress-ng, liblcm-bin")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "palpate-tools, palpate-sim")

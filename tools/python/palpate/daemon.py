@@ -134,14 +134,19 @@ class Daemon:
         message.instance = field_of(instance, 32, "instance")
         message.component = field_of(component, 32, "component")
         message.parameters = field_of(parameters, 2048, "parameters")
-        self.control.stamp("COMPONENT_COMMAND", message)
-        self._sealers["COMPONENT_COMMAND"].put(message)
+
+        def renew() -> None:
+            message.utime = 0
+            self.control.stamp("COMPONENT_COMMAND", message)
+            self._sealers["COMPONENT_COMMAND"].put(message)
 
         def send() -> int:  # the same each time, so that the daemon knows it again
             self.control.publish_sealed("COMPONENT_COMMAND", message)
-            return message.counter
+            counter: int = message.counter
+            return counter
 
-        return self._ask(event, send)
+        renew()
+        return self._ask(event, send, renew)
 
     def target(
         self,
@@ -252,7 +257,11 @@ class Daemon:
         except TimeoutError as error:
             raise NoAnswer(str(error)) from None
 
-    def _ask(self, what: str, send: Callable[[], int]) -> Answer:
+    def _ask(
+        self, what: str, send: Callable[[], int], renew: Callable[[], None] = lambda: None
+    ) -> Answer:
+        """`renew` is called where what was sent is of before the daemon's start, which will never
+        obey it."""
         self.housekeeping.drain()
         self._events.clear()  # what was said before
         end = time.monotonic() + self.timeout
@@ -272,7 +281,10 @@ class Daemon:
                 known = f"{name}: {reason}"
             if not first <= event.command_counter <= last:
                 continue
-            if name == "replacing":
+            if name == "no_access":
+                if event.command_counter == last:
+                    renew()
+            elif name == "replacing":
                 known = "the replacement has begun, but its end was not heard of"
             elif name == "refused":
                 raise Refused(f"{what}: {reason}")

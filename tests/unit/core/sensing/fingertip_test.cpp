@@ -184,7 +184,7 @@ TEST(BiotacLinear, HoldsThePlaceOfItsContactWhenNoElectrodeIsActive) {
   BioTac pressed = at_rest();
   pressed.pdc += 300;
   feed(signals, 2, pressed);
-  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kDegraded);
+  sensor.update(signals, contacts = {});
   EXPECT_EQ(contacts.count, 0);
   pressed.electrodes[kE17] += 40;
   feed(signals, 2, pressed);
@@ -195,6 +195,34 @@ TEST(BiotacLinear, HoldsThePlaceOfItsContactWhenNoElectrodeIsActive) {
   feed(signals, 2, pressed);
   EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
   EXPECT_EQ(contacts.contacts[0].location, place);
+}
+
+TEST(BiotacLinear, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
+  BiotacLinear sensor(pdc_options());
+  Signals signals;
+  ContactSet contacts;
+  for (int i = 0; i < 3; ++i) {
+    feed(signals, 2, at_rest());
+    sensor.update(signals, contacts = {});
+  }
+  BioTac pressed = at_rest();
+  pressed.pdc += 300;
+  const auto reads = [&](const BioTac& sample) {
+    feed(signals, 2, sample);
+    const Status status = sensor.update(signals, contacts = {}).status;
+    EXPECT_EQ(contacts.count, 0);
+    return status;
+  };
+  for (int again = 0; again < 2; ++again) {  // noise: some readings of a force, and none again
+    for (int i = 0; i < PlacelessForce::kMost; ++i) EXPECT_EQ(reads(pressed), Status::kOk) << i;
+    if (again == 0) {
+      EXPECT_EQ(reads(at_rest()), Status::kOk);
+    }
+  }
+  EXPECT_EQ(reads(pressed), Status::kDegraded);
+  signals.biotac[2].fresh_count = 0;  // between readings
+  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kDegraded);
+  EXPECT_EQ(reads(at_rest()), Status::kOk);
 }
 
 TEST(BiotacLinear, DegradesWhenItsFingerIsSilentAndCountsBadSamples) {

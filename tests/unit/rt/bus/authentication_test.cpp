@@ -127,6 +127,7 @@ TEST_F(AdmissionTest, FreshMessagesComeThroughOnceAndInOrder) {
   EXPECT_EQ(receiver_.judge(first), Admitted::kRefused) << "replayed within the session";
   EXPECT_EQ(receiver_.refused(), 1);
   EXPECT_STREQ(receiver_.reason(), "counter of an older message");
+  EXPECT_EQ(receiver_.before_start(), -1) << "it may have been obeyed";
 }
 
 TEST_F(AdmissionTest, ReplayOfAnotherSessionIsRefused) {
@@ -146,7 +147,10 @@ TEST_F(AdmissionTest, WhatWasRecordedBeforeAReceiversRestartIsRefused) {
   for (const twist_command_t& message : recorded) {
     EXPECT_EQ(restarted.judge(message), Admitted::kRefused);
     EXPECT_EQ(begun.judge(message), Admitted::kRefused);
+    EXPECT_EQ(restarted.before_start(), message.counter);
+    EXPECT_EQ(begun.before_start(), message.counter);
   }
+  EXPECT_STREQ(begun.reason(), "sent before this program started");
   EXPECT_EQ(restarted.judge(sent(sender_, kStart + 60'001)), Admitted::kFresh);
 }
 

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "rt/component/pipeline.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 
 namespace palpate::component {
 namespace {
@@ -52,35 +53,15 @@ TEST(ControlLimits, JointsOfAnotherArmAreNotCommanded) {
   const config::Node root = config::Node::load_file(
       PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft_limits.yaml", {kUrdf, kJoints});
   Pipeline pipeline(root, 1e-3);
-  sensing::Signals signals;
-  const Frames& frames = pipeline.frames();
-  signals.robot.freshness = signals.hand.freshness = signals.force_torque.freshness =
-      sensing::Freshness::kNew;
-  signals.robot.age = signals.hand.age = signals.force_torque.age = 0;
-  signals.force_torque.fresh_count = 1;
-  signals.hand.latest.grasp = sensing::Grasp::kHolding;
+  sensing::Signals signals = support::at_rest(pipeline);
   signals.robot.latest.joint_count = 7;  // all at zero: the flange is elsewhere
-  signals.robot.latest.X_WE =
-      frames.X_WO * pipeline.object().body.grasps[0].X_OG_rest * frames.X_EG.inverse();
   const char* reason = "";
   pipeline.start();
-  const auto tick = [&] {
-    pipeline.sense(signals);
-    pipeline.distribute();
-    while (elasticity::Refactorisation* job = pipeline.model().wanted_refactorisation()) {
-      job->run();
-      pipeline.model().install(*job);
-    }
-    pipeline.estimate(1e-3);
-    pipeline.evaluate_feature();
-    pipeline.control(1e-3);
-    pipeline.gate(1e-3);
-  };
-  for (int i = 0; i < 50; ++i) tick();
+  support::run(pipeline, signals, 50);
   Eigen::Vector3d target = pipeline.feature_state().value;
   target.z() += 0.02;
   ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
-  for (int i = 0; i < 50; ++i) tick();
+  support::run(pipeline, signals, 50);
   EXPECT_STREQ(pipeline.condition().reason, "the robot's joints are not those of its model");
   EXPECT_EQ(pipeline.gate_output(0).joint_velocity.size(), 7);
   EXPECT_EQ(pipeline.gate_output(0).joint_velocity.norm(), 0);

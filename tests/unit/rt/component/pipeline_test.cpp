@@ -5,10 +5,13 @@
 #include <cmath>
 #include <string>
 
-#include "tests/support/recordings.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 
 namespace palpate::component {
 namespace {
+
+using support::at_rest;
+using support::run;
 
 const std::string kExample =
     std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
@@ -17,112 +20,15 @@ config::Node example(const std::vector<std::string>& overrides = {}) {
   return config::Node::load_file(kExample, overrides);
 }
 
-std::string error_of(const std::vector<std::string>& overrides) {
-  try {
-    const config::Node root = example(overrides);
-    const Pipeline pipeline(root, 1e-3);
-  } catch (const config::Error& error) {
-    return error.what();
-  }
-  return "";
-}
-
-sensing::Signals at_rest(const Frames& frames, const Object& object) {
-  sensing::Signals signals;
-  signals.robot.freshness = sensing::Freshness::kNew;
-  signals.robot.age = 0;
-  signals.robot.latest.X_WE = frames.X_WO * object.body.grasps[0].X_OG_rest * frames.X_EG.inverse();
-  signals.hand.freshness = sensing::Freshness::kNew;
-  signals.hand.age = 0;
-  signals.hand.latest.grasp = sensing::Grasp::kHolding;
-  signals.force_torque.freshness = sensing::Freshness::kNew;
-  signals.force_torque.age = 0;
-  signals.force_torque.fresh_count = 1;
-  return signals;
-}
-
-void run(Pipeline& pipeline, const sensing::Signals& signals, int cycles) {
-  for (int i = 0; i < cycles; ++i) {
-    pipeline.sense(signals);
-    pipeline.distribute();
-    while (elasticity::Refactorisation* job = pipeline.model().wanted_refactorisation()) {
-      job->run();
-      pipeline.model().install(*job);
-    }
-    pipeline.estimate(1e-3);
-    pipeline.evaluate_feature();
-    pipeline.control(1e-3);
-    pipeline.gate(1e-3);
-  }
-}
-
 TEST(Pipeline, ExampleIsBuiltAndStartsInactive) {
   Pipeline pipeline(example(), 1e-3);
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kInactive);
   EXPECT_FALSE(pipeline.is_running());
 }
 
-TEST(Pipeline, UnknownComponentsAreNamedWithTheKnownOnes) {
-  for (const char* key :
-       {"sensing.0.component", "contact.0.component", "estimation.component",
-        "deformation.component", "feature.component", "control.provider", "control.law"}) {
-    const std::string error = error_of({std::string(key) + "=no_such_thing"});
-    EXPECT_NE(error.find("no_such_thing"), std::string::npos) << key << ": " << error;
-    EXPECT_NE(error.find(key), std::string::npos) << key << ": " << error;
-    EXPECT_NE(error.find("allowed"), std::string::npos) << key << ": " << error;
-  }
-}
-
-TEST(Pipeline, KeysOfWhatIsSeenAreKeptInTheirRanges) {
-  const auto with = [](const char* key, const char* value) {
-    return error_of({"estimation.component=pose_wrench_filter",
-                     std::string("estimation.") + key + "=" + value});
-  };
-  const struct {
-    const char *key, *good, *bad;
-  } keys[] = {{"observation_lag_ms", "40", "251"},
-              {"observation_lag_deviation_ms", "2", "0"},
-              {"surface_deviation", "0", "-1"},
-              {"surface_correlation_s", "1", "0"},
-              {"observation_gate", "4", "0.5"},
-              {"observation_reach", "0.05", "0"},
-              {"observation_points_per_tick", "256", "257"},
-              {"shape_deviation", "0.01", "0"},
-              {"observation_fade_ms", "300", "0"},
-              {"shape_memory_s", "10", "0"}};
-  for (const auto& key : keys) {
-    EXPECT_EQ(with(key.key, key.good), "");
-    EXPECT_NE(with(key.key, key.bad).find(key.key), std::string::npos) << key.key;
-  }
-}
-
-TEST(Pipeline, MissingMeshIsNamed) {
-  const std::string error = error_of({"object.mesh={file: nowhere.msh}"});
-  EXPECT_NE(error.find("nowhere.msh"), std::string::npos) << error;
-}
-
-TEST(Pipeline, MeshesBeyondAnyLoopAreRefusedBeforeTheyAreMade) {
-  const std::string error = error_of({"object.mesh={box: {size: [1, 1, 1], cells: [200, 99, 5]}}"});
-  EXPECT_NE(error.find("cells: the mesh would have 120600 nodes"), std::string::npos) << error;
-  // 41004 corners and the middles of their edges.
-  const std::string middles =
-      error_of({"object.mesh={box: {size: [1, 1, 1], cells: [200, 50, 3]}}"});
-  EXPECT_NE(middles.find("order: the mesh would have"), std::string::npos) << middles;
-}
-
-TEST(Pipeline, OutOfRangeMaterialIsNamedWithItsRange) {
-  const std::string error = error_of({"object.material.poisson_ratio=0.5"});
-  EXPECT_NE(error.find("poisson_ratio"), std::string::npos) << error;
-  EXPECT_NE(error.find("0.4999"), std::string::npos) << error;
-}
-
-TEST(Pipeline, GraspBoxWithoutNodesIsRefused) {
-  EXPECT_NE(error_of({"object.grasp_box={lower: [9, 9, 9], upper: [10, 10, 10]}"}), "");
-}
-
 TEST(Pipeline, ShapeFollowsTheHand) {
   Pipeline pipeline(example({"object.gravity=false", "object.grasp_stiffness=1e9"}), 1e-3);
-  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 20);
   const Eigen::Matrix3Xd rest = pipeline.model().positions();
@@ -154,7 +60,7 @@ TEST(Pipeline, WhatIsSeenReachesTheEstimatorInTheObjectsFrame) {
   Pipeline pipeline(example(), 1e-3);
   estimation::ObservationInput seen;
   pipeline.slots_at_setup().estimator = std::make_unique<Witness>(seen);
-  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 2);
   EXPECT_EQ(seen.freshness, sensing::Freshness::kNoData);
@@ -176,7 +82,7 @@ TEST(Pipeline, WhatIsSeenReachesTheEstimatorInTheObjectsFrame) {
 
 TEST(Pipeline, NothingMovesBeforeStartOrWithoutTarget) {
   Pipeline pipeline(example(), 1e-3);
-  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  const sensing::Signals signals = at_rest(pipeline);
   run(pipeline, signals, 50);
   EXPECT_EQ(pipeline.gate(1e-3).V_W_E.vector().norm(), 0);
   pipeline.start();
@@ -186,7 +92,7 @@ TEST(Pipeline, NothingMovesBeforeStartOrWithoutTarget) {
 
 TEST(Pipeline, TargetMovesTheHandTowardsIt) {
   Pipeline pipeline(example({"sensing=[]"}), 1e-3);
-  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  const sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 100);
   Eigen::VectorXd target = pipeline.feature_state().value;
@@ -205,7 +111,7 @@ TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
                              "feature={component: curvature, rest_points: [[0.05, 0.03, 0.03], "
                              "[0.1, 0.03, 0.0302], [0.15, 0.03, 0.03]]}"}),
                     1e-3);
-  sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 100);
   const double target = 2;
@@ -233,7 +139,7 @@ TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
 TEST(Pipeline, TooMuchForceAtTheWristStopsTheHand) {
   Pipeline pipeline(example(), 1e-3);
   // The sensor reads nothing where the hand's own weight should be: 47 N of contact.
-  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  const sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 100);
   Eigen::VectorXd target = pipeline.feature_state().value;
@@ -282,7 +188,7 @@ TEST(Pipeline, AContactThatCannotBeGoesNoFartherAndDegrades) {
   for (const double number : {0.5, std::nan(""), HUGE_VAL, 1e308}) {
     Pipeline pipeline(example(), 1e-3);
     pipeline.exchange_sensor_model(0, std::make_unique<WrongContact>(number));
-    const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+    const sensing::Signals signals = at_rest(pipeline);
     pipeline.start();
     run(pipeline, signals, 200);
     const bool good = number == 0.5;
@@ -294,7 +200,7 @@ TEST(Pipeline, AContactThatCannotBeGoesNoFartherAndDegrades) {
 
 TEST(Pipeline, FaultIsLatchedUntilReset) {
   Pipeline pipeline(example(), 1e-3);
-  const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+  const sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 10);
   pipeline.fault("test");
@@ -328,7 +234,7 @@ int cycles_until(Pipeline& pipeline, const sensing::Signals& signals, LifeCycle 
 
 TEST(Pipeline, WhereMechanicsFaultTheirFallbackGoesOnInTheSameTick) {
   Pipeline without(example({"sensing=[]"}), 1e-3);
-  const sensing::Signals signals = at_rest(without.frames(), without.object());
+  const sensing::Signals signals = at_rest(without);
   without.start();
   run(without, signals, 20);
   break_model(without);
@@ -374,7 +280,7 @@ TEST(Pipeline, WhereTheControllerFaultsItsFallbackSteersInTheSameTick) {
                  (fallback ? ", fallback: {provider: fem, law: proportional_twist, gain: 0.001}}"
                            : "}")}),
         1e-3);
-    const sensing::Signals signals = at_rest(pipeline.frames(), pipeline.object());
+    const sensing::Signals signals = at_rest(pipeline);
     pipeline.start();
     run(pipeline, signals, 100);
     const double target[3] = {1e308, 1e308, 1e308};
@@ -391,15 +297,6 @@ TEST(Pipeline, WhereTheControllerFaultsItsFallbackSteersInTheSameTick) {
     run(pipeline, signals, 10);
     EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
   }
-}
-
-TEST(Pipeline, FallbacksAreCheckedAsTheSlotsAre) {
-  EXPECT_NE(error_of({"deformation.fallback={component: no_such_thing}"}).find("no_such_thing"),
-            std::string::npos);
-  EXPECT_NE(
-      error_of({"deformation.fallback={component: corotational_dynamic, pity: 1}"}).find("pity"),
-      std::string::npos);
-  EXPECT_EQ(error_of({"deformation.fallback={component: corotational_dynamic}"}), "");
 }
 
 }  // namespace

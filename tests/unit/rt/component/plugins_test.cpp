@@ -9,6 +9,7 @@
 #include <fstream>
 
 #include "rt/component/pipeline.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace palpate::component {
@@ -48,17 +49,7 @@ std::string library(const std::string& name) {
 class Running {
  public:
   explicit Running(const std::vector<std::string>& overrides) : pipeline(example(overrides), 1e-3) {
-    const Frames& frames = pipeline.frames();
-    signals_.robot.freshness = sensing::Freshness::kNew;
-    signals_.robot.age = 0;
-    signals_.robot.latest.X_WE =
-        frames.X_WO * pipeline.object().body.grasps[0].X_OG_rest * frames.X_EG.inverse();
-    signals_.hand.freshness = sensing::Freshness::kNew;
-    signals_.hand.age = 0;
-    signals_.hand.latest.grasp = sensing::Grasp::kHolding;
-    signals_.force_torque.freshness = sensing::Freshness::kNew;
-    signals_.force_torque.age = 0;
-    signals_.force_torque.fresh_count = 1;
+    signals_ = support::at_rest(pipeline);
     const Eigen::Vector3d target(0.25, 0.03, 0.08);
     const char* reason = "";
     pipeline.start();
@@ -67,16 +58,8 @@ class Running {
 
   void run(int cycles) {
     for (int i = 0; i < cycles; ++i) {
-      pipeline.sense(signals_);
-      pipeline.distribute();
-      while (elasticity::Refactorisation* job = pipeline.model().wanted_refactorisation()) {
-        job->run();
-        pipeline.model().install(*job);
-      }
-      pipeline.estimate(1e-3);
-      pipeline.evaluate_feature();
-      pipeline.control(1e-3);
-      const math::Twist twist = pipeline.gate(1e-3).V_W_E;
+      support::run(pipeline, signals_, 1);
+      const math::Twist twist = pipeline.gate_output(0).V_W_E;
       ASSERT_TRUE(twist.vector().allFinite());
       speed = twist.vector().norm();
     }

@@ -81,10 +81,10 @@ class Rivals : public ::testing::Test {
 };
 
 TEST_F(Rivals, EachIsBuiltMovesTheHandAndAllocatesNothing) {
-  ASSERT_GE(published_providers().size(), 13u);
+  ASSERT_GE(published_providers().size(), 16u);
   for (const std::string& name : published_providers()) {
     std::vector<std::string> overrides{"control.provider=" + name};
-    if (name.find("inverse_elements") == 0)
+    if (name.find("inverse_elements") == 0 || name == "rheological_chain")
       overrides.emplace_back("control.goal={displacement: [0, 0, 0.03]}");
     if (name == "inverse_elements_force")  // what it needs and the test has not
       overrides.emplace_back("control.filter=0.1");
@@ -112,6 +112,13 @@ TEST_F(Rivals, WrongKeysAreNamed) {
             std::string::npos);
   EXPECT_NE(error_of({"control.provider=inverse_elements_force"}).find("goal"), std::string::npos);
   EXPECT_NE(error_of({"control.sight=crystal_ball"}).find("markers_and_model"), std::string::npos);
+  EXPECT_NE(error_of({"control.provider=rheological_chain", "control.masses=3",
+                      "control.goal={displacement: [0, 0, 0.03]}"})
+                .find("masses"),
+            std::string::npos);
+  EXPECT_NE(error_of({"control.provider=reach_then_deform", "control.reach={tip: [0, 0, 0]}"})
+                .find("place"),
+            std::string::npos);
   const std::string pose = error_of(
       {"control.provider=broyden",
        "feature={component: pose, rest_points: [[0.4655, 0.0297, 0], [0.3875, 0.0297, 0], [0.3625, "

@@ -4,6 +4,7 @@
 
 #include "rt/component/pipeline.hpp"
 #include "tests/support/faulty_slots.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 
 namespace palpate::component {
 namespace {
@@ -51,10 +52,7 @@ class SlotFallbacks : public ::testing::Test {
     // A sensor that always feels something.
     std::unique_ptr<sensing::SensorModel> sound = std::make_unique<Scripted>(never_);
     if (slots.sensing[0].fallback == nullptr) slots.sensing[0].model.swap(sound);
-    signals_.robot.freshness = sensing::Freshness::kNew;
-    signals_.robot.latest.X_WE = pipeline_->frames().X_WO *
-                                 pipeline_->object().body.grasps[0].X_OG_rest *
-                                 pipeline_->frames().X_EG.inverse();
+    signals_ = support::at_rest(*pipeline_);
   }
   void start() {
     pipeline_->start();
@@ -69,16 +67,7 @@ class SlotFallbacks : public ::testing::Test {
   }
   void run(int cycles) {
     for (int i = 0; i < cycles; ++i) {
-      pipeline_->sense(signals_);
-      pipeline_->distribute();
-      while (elasticity::Refactorisation* job = pipeline_->model().wanted_refactorisation()) {
-        job->run();
-        pipeline_->model().install(*job);
-      }
-      pipeline_->estimate(1e-3);
-      pipeline_->evaluate_feature();
-      pipeline_->control(1e-3);
-      pipeline_->gate(1e-3);
+      support::run(*pipeline_, signals_, 1);
       EXPECT_TRUE(pipeline_->feature_state().value.allFinite());
       EXPECT_TRUE(pipeline_->model().positions().allFinite());
     }

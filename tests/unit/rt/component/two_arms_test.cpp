@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "rt/component/pipeline.hpp"
+#include "tests/support/pipeline_cycles.hpp"
 
 namespace palpate::component {
 namespace {
@@ -26,36 +27,11 @@ class TwoArms : public ::testing::Test {
  protected:
   void build(const std::vector<std::string>& overrides) {
     pipeline_ = std::make_unique<Pipeline>(config::Node::load_file(kTwoHands, overrides), 1e-3);
-    for (int i = 0; i < 2; ++i) signals_[i] = at_rest(i);
+    for (int i = 0; i < 2; ++i) signals_[i] = support::at_rest(*pipeline_, i);
     pipeline_->start();
   }
 
-  sensing::Signals at_rest(int arm) const {
-    const Frames& frames = pipeline_->frames(arm);
-    sensing::Signals signals;
-    signals.robot.freshness = sensing::Freshness::kNew;
-    signals.robot.age = 0;
-    signals.robot.latest.X_WE =
-        frames.X_WO * pipeline_->object().body.grasps[arm].X_OG_rest * frames.X_EG.inverse();
-    signals.hand.freshness = sensing::Freshness::kNew;
-    signals.hand.latest.grasp = sensing::Grasp::kHolding;
-    return signals;
-  }
-
-  void run(int cycles) {
-    for (int i = 0; i < cycles; ++i) {
-      pipeline_->sense(signals_[0], signals_[1]);
-      pipeline_->distribute();
-      while (elasticity::Refactorisation* job = pipeline_->model().wanted_refactorisation()) {
-        job->run();
-        pipeline_->model().install(*job);
-      }
-      pipeline_->estimate(1e-3);
-      pipeline_->evaluate_feature();
-      pipeline_->control(1e-3);
-      pipeline_->gate(1e-3);
-    }
-  }
+  void run(int cycles) { support::run(*pipeline_, signals_[0], signals_[1], cycles); }
 
   void aim(const Eigen::Vector3d& way) {
     const Eigen::VectorXd target = pipeline_->feature_state().value + way;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <palpate/manual_force_t.hpp>
 
@@ -201,6 +202,13 @@ TEST_F(DaemonAccess, InRealTimeCountersAreThoseOfTheWallClock) {
   published_.clear();
   for (int i = 1; i <= 3; ++i) daemon.tick({1'000'000 * i, bus::wall_clock_us(), 0});
   EXPECT_FALSE(daemon.pipeline().is_running());
+  // So that who sent it can seal it anew.
+  const auto events = sent<component_event_t>("COMPONENT_EVENT");
+  const auto refused = std::find_if(events.begin(), events.end(), [](const component_event_t& e) {
+    return std::string(get_text(e.event)) == "no_access";
+  });
+  ASSERT_NE(refused, events.end());
+  EXPECT_EQ(refused->command_counter, 2);
   for (const twist_command_t& command : sent<twist_command_t>("TWIST_COMMAND"))
     EXPECT_GE(command.counter, before);
   component_command_t start = event("start");

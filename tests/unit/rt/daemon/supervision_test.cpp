@@ -69,6 +69,20 @@ TEST_F(Supervision, ALongCycleIsAnOverrunAsALateWakeUpIs) {
   EXPECT_EQ(daemon_.counters().overrun_ns, 6 * kMillisecond);
 }
 
+TEST_F(Supervision, ALoopThatIsStartedInItsFirstCycleIsNotChargedWithTheSetUp) {
+  bus::TypedPublisher<component_command_t> commands(*outside_, "COMPONENT_COMMAND");
+  component_command_t command{};
+  command.session = 3;
+  command.counter = 1;
+  put_text(command.slot, "all");
+  put_text(command.event, "start");
+  commands.publish(command);
+  tick();
+  ASSERT_TRUE(daemon_.pipeline().is_running());
+  EXPECT_LE(daemon_.counters().allocations, 0);
+  EXPECT_LT(daemon_.counters().page_faults, 100) << "the set-up takes thousands";
+}
+
 TEST_F(Supervision, CommandsWithoutEndAreTakenAFewACycle) {
   tick();
   bus::TypedPublisher<component_command_t> commands(*outside_, "COMPONENT_COMMAND");

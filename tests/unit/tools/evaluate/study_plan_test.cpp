@@ -246,6 +246,17 @@ TEST_F(StudyHash, ChangesWithEveryInputAndNothingElse) {
   EXPECT_NE(hash(scene, settings), before);
 }
 
+TEST_F(StudyHash, ChangesWithAFileThatAnOverrideNames) {
+  StudyJob job;
+  job.scene = folder_.write("scene.yaml", "a: 1\n");
+  job.configuration = folder_.write("configuration.yaml", "estimation: {component: none}\n");
+  job.daemon_overrides = {"estimation={component: learned_shape, model: model.yaml}"};
+  folder_.write("model.yaml", "weights: [1]");
+  const std::string before = hash_of_inputs(job, {});
+  folder_.write("model.yaml", "weights: [2]");
+  EXPECT_NE(hash_of_inputs(job, {}), before);
+}
+
 TEST_F(StudyHash, OfTheJobItself) {
   std::vector<StudyJob> jobs = study_jobs(read(kPlan), {});
   std::set<std::string> hashes;

@@ -98,6 +98,23 @@ TEST_F(CommanderTest, AReplacementHasTwoAnswersAndOthersPassItBy) {
   EXPECT_EQ(commander_->under_way(), 0U);
 }
 
+TEST_F(CommanderTest, WhatWasSealedBeforeTheDaemonsStartIsSealedAnew) {
+  commander_->ask(command::make_command({"start", "all", "", "", ""}), kStart, note());
+  const component_command_t early = taken()[0];
+  say("all", "no_access", -1, "1 of COMPONENT_COMMAND, the last one: no valid authentication code");
+  commander_->service(kStart + 300'000);
+  EXPECT_EQ(taken()[0].counter, early.counter) << "another one's, perhaps";
+  say("all", "no_access", early.counter);
+  EXPECT_TRUE(answers_.empty());
+  commander_->service(kStart + 600'000);
+  const component_command_t late = taken()[0];
+  EXPECT_GT(late.counter, early.counter);
+  EXPECT_STREQ(daemon::get_text(late.event), "start");
+  say("all", "start", late.counter);
+  ASSERT_EQ(answers_.size(), 1U);
+  EXPECT_EQ(answers_[0].event, "start");
+}
+
 TEST_F(CommanderTest, GivesUp) {
   commander_->ask(command::make_command({"zero", "all", "", "", ""}), kStart, note());
   commander_->service(kStart + 4'900'000);

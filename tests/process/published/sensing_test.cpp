@@ -1,0 +1,213 @@
+// palpate-evaluate's commands for published sensing methods with real programs: what is recorded,
+// what is run again and what is not, what a failure counts for, and what tuning and training leave.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <cstdlib>
+#include <nlohmann/json.hpp>
+
+#include "rt/component/pipeline.hpp"
+#include "tests/unit/tools/evaluate/study_folder.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+using ::testing::HasSubstr;
+
+const std::string kRoot = PALPATE_SOURCE_DIR;
+
+constexpr const char* kMotion =
+    "motion: {start_delay: 0.2, poses: [{name: up, move: 0.5, hold: 0.6, translation: [0, 0, "
+    "0.03], rotation_deg: [0, 0, 0]}]}\n";
+
+class PublishedSensing : public testing::Test {
+ protected:
+  PublishedSensing() {
+    folder_.write("scene.yaml",
+                  "base: " + kRoot + "/sim/scenes/bar_long_soft_six_poses.yaml\n" + kMotion);
+    folder_.write("levels.yaml", levels(0.1));
+    folder_.write("methods.yaml", methods(5));
+    folder_.write("plan.yaml", R"(octree_resolution: 0.02
+applications:
+  - name: bar
+    kind: force
+    scene: )" + folder_.file("scene.yaml").string() +
+                                   R"(
+    configuration: rt/config/examples/bar_long_soft.yaml
+    method_file: )" + folder_.file("methods.yaml").string() +
+                                   R"(
+    methods: [pose, spline]
+    mismatch_file: )" + folder_.file("levels.yaml").string() +
+                                   R"(
+    mismatch: [clear, dim]
+    seeds: [1]
+)");
+  }
+  /// Two levels of sight on a short motion.
+  static std::string levels(double noise) {
+    const auto level = [](const std::string& name, double share) {
+      return name + ":\n  about: sight\n  scene:\n    - \"camera={eye: [1.1, -0.7, 0.8]}\"\n" +
+             "    - \"sensors.camera={rate: 30, depth: {noise: " + std::to_string(share) + "}}\"\n";
+    };
+    return level("clear", noise) + level("dim", 1);
+  }
+  static std::string methods(int controls) {
+    return "pose: []\nspline:\n  - \"estimation={component: spline_fit, controls: " +
+           std::to_string(controls) +
+           "}\"\n  - \"deformation={component: as_rigid_as_possible}\"\n";
+  }
+  int run(const std::string& arguments, const std::string& name = "said.txt") const {
+    const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-evaluate --root '" +
+                                kRoot + "' " + arguments + " > '" + folder_.file(name).string() +
+                                "' 2>&1";
+    const int status = std::system(command.c_str());
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+  int study(const std::string& options = "") const {
+    return run("published-sensing --plan '" + folder_.file("plan.yaml").string() + "' --out '" +
+               folder_.file("out").string() + "' " + options);
+  }
+  std::string said() const { return folder_.read("said.txt"); }
+  nlohmann::json result(const std::string& job) const {
+    return nlohmann::json::parse(folder_.read("out/" + job + "/result.json"));
+  }
+
+  StudyFolder folder_;
+};
+
+TEST_F(PublishedSensing, RunsAgainWhatHasChangedAndNothingElse) {
+  ASSERT_EQ(study(), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("recordings: 2 run, 0 kept, 0 failed"));
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 4 run, 0 kept, 0 failed"));
+  const nlohmann::json pose = result("bar_pose_clear_1");
+  EXPECT_EQ(pose["job"]["seed"], 1);
+  EXPECT_FALSE(pose["version"].get<std::string>().empty());
+  // The hand has moved by 30 mm, and a shape driven by its pose follows.
+  EXPECT_GT(pose["states"][0]["displacement_mm"], 20);
+  EXPECT_LT(pose["states"][0]["mean_mm"], 3);
+  EXPECT_THAT(folder_.read("out/states.csv"), HasSubstr("spline,dim,1,up"));
+
+  ASSERT_EQ(study(), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("recordings: 0 run, 2 kept, 0 failed"));
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 0 run, 4 kept, 0 failed"));
+
+  folder_.write("methods.yaml", methods(6));  // a number of one method
+  ASSERT_EQ(study(), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("recordings: 0 run, 2 kept, 0 failed"));
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 2 run, 2 kept, 0 failed"));
+
+  folder_.write("levels.yaml", levels(0.2));  // a scene
+  ASSERT_EQ(study(), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("recordings: 1 run, 1 kept, 0 failed"));
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 2 run, 2 kept, 0 failed"));
+}
+
+TEST_F(PublishedSensing, ShardsMakeTheSameReportTogether) {
+  ASSERT_EQ(study("--shard 1/2"), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("shard 1/2: 2 of 4 jobs"));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("out/report.html")));
+  EXPECT_FALSE(std::filesystem::exists(folder_.file("out/bar_pose_dim_1")));
+  ASSERT_EQ(study("--shard 2/2"), 0) << said();
+  ASSERT_EQ(study("--report-only"), 0) << said();
+  EXPECT_THAT(folder_.read("out/report.html"), HasSubstr("spline"));
+  ASSERT_EQ(study(), 0) << said();
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 0 run, 4 kept, 0 failed"));
+  EXPECT_NE(study("--shard 3/2"), 0);
+  EXPECT_THAT(said(), HasSubstr("1 <= I <= N"));
+}
+
+TEST_F(PublishedSensing, AMethodThatFailsCountsAtTheCap) {
+  std::string broken = methods(5);
+  const std::string from = "controls: 5";
+  broken.replace(broken.find(from), from.size(), "controls: none");
+  folder_.write("methods.yaml", broken);
+  EXPECT_EQ(study("--cap 42"), 1) << said();
+  EXPECT_THAT(said(), HasSubstr("methods on recordings: 2 run, 0 kept, 2 failed"));
+  EXPECT_THAT(said(), HasSubstr("controls"));
+  EXPECT_THAT(said(), HasSubstr("42.00 / 42.00"));
+}
+
+TEST_F(PublishedSensing, WhatIsControlledIsRefused) {
+  EXPECT_EQ(
+      run("published-sensing --plan '" + kRoot + "/tools/evaluate/published_control.yaml' --out '" +
+          folder_.file("out").string() + "'"),
+      1);
+  EXPECT_THAT(said(), HasSubstr("what is controlled cannot be replayed"));
+}
+
+TEST_F(PublishedSensing, TuningKeepsTheBestOfAllItsTrials) {
+  folder_.write("tuning.yaml", "scene: " + folder_.file("scene.yaml").string() + R"(
+configuration: rt/config/examples/bar_long_soft.yaml
+method_file: )" + folder_.file("methods.yaml").string() +
+                                   R"(
+seed: 7
+cap_mm: 50
+scene_overrides:
+  - "camera={eye: [1.1, -0.7, 0.8]}"
+methods:
+  - method: spline
+    parameters:
+      - {path: estimation.controls, range: [4, 9], whole: true}
+      - {path: estimation.observation_deviation, range: [1.0e-3, 0.01]}
+)");
+  const std::string arguments = "tune-sensing --plan '" + folder_.file("tuning.yaml").string() +
+                                "' --out '" + folder_.file("tuned").string() + "' --trials 3";
+  ASSERT_EQ(run(arguments), 0) << said();
+  std::istringstream csv(folder_.read("tuned/trials.csv"));
+  std::string line;
+  std::getline(csv, line);
+  EXPECT_EQ(line, "method,trial,settings,mean_mm,failure,seed,version");
+  double least = 1e9;
+  std::string best;
+  int rows = 0;
+  for (; std::getline(csv, line); ++rows) {
+    EXPECT_EQ(line.rfind("spline," + std::to_string(rows) + ",", 0), 0u) << line;
+    EXPECT_THAT(line, HasSubstr(",7," PALPATE_VERSION));
+    std::istringstream row(line);
+    std::vector<std::string> cells;
+    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
+    const double error = std::stod(cells[3]);
+    EXPECT_LE(error, 50);
+    if (error < least) best = cells[2];
+    least = std::min(least, error);
+  }
+  EXPECT_EQ(rows, 3);
+  const std::string chosen = folder_.read("tuned/best.yaml");
+  EXPECT_THAT(chosen, HasSubstr("\"spline\":"));
+  EXPECT_EQ(best.empty(), chosen.find("  - ") == std::string::npos) << "the first has no settings";
+  EXPECT_THAT(chosen, HasSubstr(best.substr(0, best.find(';'))));
+
+  EXPECT_EQ(run(arguments + " --only nothing"), 1);
+  EXPECT_THAT(said(), HasSubstr("leaves no method"));
+}
+
+TEST_F(PublishedSensing, TrainingLeavesModelsThatPalpatedTakes) {
+  folder_.write("training.yaml", R"(seed: 3
+units: 6
+hidden: 5
+epochs: 400
+objects:
+  - name: bar
+    scene: sim/scenes/bar_long_soft_six_poses.yaml
+    configuration: rt/config/examples/bar_long_soft.yaml
+    motion: {poses: 4, translation: [0.01, 0.05, 0.05], rotation_deg: [10, 10, 10]}
+)");
+  ASSERT_EQ(run("train-sensing --plan '" + folder_.file("training.yaml").string() + "' --out '" +
+                folder_.file("trained").string() + "'"),
+            0)
+      << said();
+  for (const char* kind : {"position", "angle"}) {
+    const std::string model = "trained/bar_" + std::string(kind) + ".yaml";
+    EXPECT_THAT(folder_.read(model), HasSubstr("seed 3"));
+    const config::Node root = config::Node::load_file(
+        kRoot + "/rt/config/examples/bar_long_soft.yaml",
+        {"estimation={component: learned_shape, model: '" + folder_.file(model).string() + "'}",
+         "deformation={component: as_rigid_as_possible}"});
+    EXPECT_NO_THROW(component::Pipeline(root, 1e-3)) << model;
+  }
+}
+
+}  // namespace
+}  // namespace palpate::evaluate

@@ -1,0 +1,173 @@
+"""The studies of published methods from one command; and in shards: as tasks of a Slurm array, and by GNU
+parallel over hosts that are network namespaces.
+
+studies_test.py BIN_FOLDER SOURCE_FOLDER
+"""
+import json
+import os
+import pathlib
+import shutil
+import subprocess
+import sys
+import tempfile
+import unittest
+
+BIN, ROOT = pathlib.Path(sys.argv.pop(1)), pathlib.Path(sys.argv.pop(1))
+EVALUATE = BIN / "palpate-evaluate"
+HOSTS = [f"palpate{os.getpid() % 10000}{letter}" for letter in "ab"]
+
+PLAN = """octree_resolution: 0.02
+applications:
+  - name: pull
+    kind: control
+    scene: sim/scenes/bar_long_soft_control_markers.yaml
+    configuration: rt/config/examples/bar_long_soft.yaml
+    method_file: tools/evaluate/rivals_tuned.yaml
+    mismatch_file: tools/evaluate/vision.yaml
+    methods: ["palpate, model and markers", kinematic only]
+    mismatch: [perfect vision, blind]
+    seeds: [1]
+    duration: 0.6
+    target: {feature: point, rest_points: [[0.25, 0.03, 0.06]], displacement: [0, 0, 0.01]}
+"""
+
+SENSING = """octree_resolution: 0.02
+applications:
+  - name: bar seen
+    kind: force
+    scene: {folder}/scene.yaml
+    configuration: rt/config/examples/bar_long_soft.yaml
+    method_file: tools/evaluate/published_sensing_methods.yaml
+    methods: ["palpate, pose and wrench, blind", "[31] spline fit, Jordt"]
+    mismatch_file: tools/evaluate/published_sensing_vision.yaml
+    mismatch: [noisy vision]
+    seeds: [1]
+"""
+SCENE = """base: {root}/sim/scenes/bar_long_soft_six_poses.yaml
+motion:
+  start_delay: 0.2
+  poses: [{{name: up, move: 0.5, hold: 0.6, translation: [0, 0, 0.03], rotation_deg: [0, 0, 0]}}]
+"""
+
+# A host as GNU parallel's --sshlogin takes it: a command that is given a name and what to run there.
+SSH = """#!/bin/sh
+host=$1
+shift
+[ "$1" = -- ] && shift
+echo "$host" >> "{folder}/hosts"
+exec ip netns exec "$host" sh -c "$*"
+"""
+
+
+def run(command, **variables):
+    return subprocess.run([str(word) for word in command], check=False, text=True,
+                          stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                          env={**os.environ, "PALPATE_EVALUATE": str(EVALUATE), **variables})
+
+
+def make_hosts():
+    """Two namespaces with a loopback that multicast goes over. False where that is not permitted."""
+    for host in HOSTS:
+        for command in (["ip", "netns", "add", host],
+                        ["ip", "-n", host, "link", "set", "lo", "up", "multicast", "on"],
+                        ["ip", "-n", host, "route", "add", "224.0.0.0/4", "dev", "lo"]):
+            try:
+                if run(command).returncode != 0:
+                    return False
+            except FileNotFoundError:
+                return False
+    return True
+
+
+def remove_hosts():
+    for host in HOSTS:
+        if shutil.which("ip"):
+            run(["ip", "netns", "del", host])
+
+
+class Studies(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.path = pathlib.Path(self.folder.name)
+        (self.path / "plan.yaml").write_text(PLAN, encoding="utf-8")
+        self.study = ["control", "--plan", self.path / "plan.yaml", "--out",
+                      self.path / "out/control"]
+
+    def tearDown(self):
+        self.folder.cleanup()
+
+    def results(self):
+        files = sorted((self.path / "out/control").glob("*/result.json"))
+        return [json.loads(file.read_text(encoding="utf-8")) for file in files]
+
+    def check_report(self):
+        report = run([ROOT / "tools/evaluate/report_rivals", self.path / "out"])
+        self.assertEqual(report.returncode, 0, report.stdout)
+        self.assertIn("Shape control, Table 2.2", report.stdout)
+        rows = (self.path / "out/control.csv").read_text(encoding="utf-8").splitlines()
+        self.assertEqual(len(rows), 5)
+
+    def test_one_command_runs_everything_once(self):
+        (self.path / "scene.yaml").write_text(SCENE.format(root=ROOT), encoding="utf-8")
+        (self.path / "sensing.yaml").write_text(SENSING.format(folder=self.path), encoding="utf-8")
+        command = [ROOT / "tools/evaluate/report_rivals", "--run", "--program", EVALUATE,
+                   "--control-plan", self.path / "plan.yaml", "--sensing-plan",
+                   self.path / "sensing.yaml", self.path / "out"]
+        said = run(command)
+        self.assertEqual(said.returncode, 0, said.stdout)
+        self.assertIn("4 jobs run, 0 kept, 0 failed", said.stdout)
+        self.assertIn("methods on recordings: 2 run, 0 kept, 0 failed", said.stdout)
+        page = (self.path / "out/rivals.html").read_text(encoding="utf-8")
+        for text in ("Table 2.2", "Table 2.1", "<h2>kinematic only</h2>",
+                     "<h2>[31] spline fit, Jordt</h2>", "data:image/png"):
+            self.assertIn(text, page)
+        # Interrupted, as it were: what is missing is run, and nothing else.
+        shutil.rmtree(self.path / "out/control" / self.results()[0]["job"]["name"])
+        again = run(command)
+        self.assertEqual(again.returncode, 0, again.stdout)
+        self.assertIn("1 jobs run, 3 kept, 0 failed", again.stdout)
+        self.assertIn("methods on recordings: 0 run, 2 kept, 0 failed", again.stdout)
+        self.check_report()
+
+    def test_slurm_array(self):
+        """As sbatch runs the script: with its own variables, one task after the other."""
+        for task in (1, 2, 3):
+            said = run(["sh", ROOT / "tools/evaluate/shards.sbatch", *self.study],
+                       SLURM_ARRAY_TASK_ID=str(task), SLURM_ARRAY_TASK_COUNT="3",
+                       SLURM_SUBMIT_DIR=str(ROOT))
+            self.assertEqual(said.returncode, 0, said.stdout)
+            self.assertIn(f"shard {task}/3: {2 if task == 1 else 1} of 4 jobs", said.stdout)
+        self.assertEqual(len(self.results()), 4)
+        merged = run([EVALUATE, "--root", ROOT, *self.study, "--report-only"])
+        self.assertEqual(merged.returncode, 0, merged.stdout)
+        self.assertTrue((self.path / "out/control/report.html").exists())
+        self.check_report()
+        outside = run(["sh", ROOT / "tools/evaluate/shards.sbatch", *self.study])
+        self.assertNotEqual(outside.returncode, 0)
+        self.assertIn("SLURM_ARRAY_TASK_ID", outside.stdout)
+
+    def test_gnu_parallel_over_hosts(self):
+        if shutil.which("parallel") is None:
+            self.skipTest("GNU parallel is not installed")
+        self.addCleanup(remove_hosts)
+        if not make_hosts():
+            self.skipTest("network namespaces are not permitted here")
+        ssh = self.path / "ssh"
+        ssh.write_text(SSH.format(folder=self.path), encoding="utf-8")
+        ssh.chmod(0o755)
+        logins = self.path / "hosts.txt"
+        logins.write_text("".join(f"1/{ssh} {host}\n" for host in HOSTS), encoding="utf-8")
+        said = run([ROOT / "tools/evaluate/run_shards", "2", *self.study],
+                   PALPATE_HOSTS=f"--sshloginfile {logins}", PALPATE_SHARDS_AT_ONCE="1")
+        self.assertEqual(said.returncode, 0, said.stdout)
+        for shard in ("1/2", "2/2"):
+            self.assertIn(f"shard {shard}: 2 of 4 jobs", said.stdout)
+        used = set((self.path / "hosts").read_text(encoding="utf-8").split())
+        self.assertEqual(used, set(HOSTS), "each host has had its share")
+        self.assertEqual(len(self.results()), 4)
+        self.assertIn("4 kept", run([EVALUATE, "--root", ROOT, *self.study]).stdout)
+        self.check_report()
+
+
+if __name__ == "__main__":
+    unittest.main()

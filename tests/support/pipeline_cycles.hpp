@@ -1,0 +1,47 @@
+#pragma once
+
+#include "rt/component/pipeline.hpp"
+
+namespace palpate::support {
+
+/// What is heard of an arm whose hand holds the object where it rests, with no force at the wrist.
+inline sensing::Signals at_rest(const component::Pipeline& pipeline, int arm = 0) {
+  const component::Frames& frames = pipeline.frames(arm);
+  sensing::Signals signals;
+  signals.robot.freshness = sensing::Freshness::kNew;
+  signals.robot.age = 0;
+  signals.robot.latest.X_WE =
+      frames.X_WO * pipeline.object().body.grasps[arm].X_OG_rest * frames.X_EG.inverse();
+  signals.hand.freshness = sensing::Freshness::kNew;
+  signals.hand.age = 0;
+  signals.hand.latest.grasp = sensing::Grasp::kHolding;
+  signals.force_torque.freshness = sensing::Freshness::kNew;
+  signals.force_torque.age = 0;
+  signals.force_torque.fresh_count = 1;
+  return signals;
+}
+
+/// Cycles of 1 ms as the daemon runs them, each new factor there at once. `second`: of the second
+/// arm.
+inline void run(component::Pipeline& pipeline, const sensing::Signals& signals,
+                const sensing::Signals& second, int cycles) {
+  constexpr double kPeriod = 1e-3;  // s
+  for (int i = 0; i < cycles; ++i) {
+    pipeline.sense(signals, second);
+    pipeline.distribute();
+    while (elasticity::Refactorisation* job = pipeline.model().wanted_refactorisation()) {
+      job->run();
+      pipeline.model().install(*job);
+    }
+    pipeline.estimate(kPeriod);
+    pipeline.evaluate_feature();
+    pipeline.control(kPeriod);
+    pipeline.gate(kPeriod);
+  }
+}
+
+inline void run(component::Pipeline& pipeline, const sensing::Signals& signals, int cycles) {
+  run(pipeline, signals, signals, cycles);
+}
+
+}  // namespace palpate::support

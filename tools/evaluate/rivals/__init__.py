@@ -1,0 +1,1 @@
+"""What tools/evaluate/report_rivals is made of."""
