@@ -24,8 +24,10 @@ struct Quadratic {
 /// Whether each place of the grid of 3 x 3 x 3 nodes is taken once.
 bool is_whole(const Eigen::Matrix3Xi& places) {
   std::array<bool, kHexahedronNodes> taken{};
-  for (const auto& place : places.colwise())
-    taken[static_cast<std::size_t>(place.x() + 3 * place.y() + 9 * place.z())] = true;
+  for (const auto& place : places.colwise()) {
+    const int at = place.x() + 3 * place.y() + 9 * place.z();
+    taken[static_cast<std::size_t>(at)] = true;
+  }
   return std::all_of(taken.begin(), taken.end(), [](bool is_taken) { return is_taken; });
 }
 

@@ -31,7 +31,8 @@ class ElementGradients {
   void add_quadratic_tetrahedra(const Eigen::Matrix3Xd& nodes);
   void add_hexahedra(const Eigen::Matrix3Xd& nodes);
   std::size_t index(int element, int point) const {
-    return static_cast<std::size_t>(element * points_ + point);
+    return static_cast<std::size_t>(element) * static_cast<std::size_t>(points_) +
+           static_cast<std::size_t>(point);
   }
 
   Eigen::MatrixXi elements_;
