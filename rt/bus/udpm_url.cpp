@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <random>
 #include <stdexcept>
 
 namespace palpate::bus {
@@ -82,6 +83,15 @@ UdpmUrl parse_udpm_url(const std::string& url) {
     at = next;
   }
   return result;
+}
+
+UdpmUrl private_url() {
+  std::random_device random;
+  const auto draw = [&](unsigned low, unsigned high) { return low + random() % (high - low + 1); };
+  UdpmUrl url;
+  url.address = "239.255." + std::to_string(draw(80, 249)) + "." + std::to_string(draw(1, 250));
+  url.port = static_cast<int>(draw(10000, 32000));
+  return url;
 }
 
 std::string explain_socket_error(const std::string& doing, const UdpmUrl& url, int error) {

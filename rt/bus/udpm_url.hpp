@@ -23,6 +23,10 @@ struct UdpmUrl {
 /// left out. Throws std::invalid_argument that names what is wrong.
 UdpmUrl parse_udpm_url(const std::string& url);
 
+/// One that nobody else has, for this machine alone: a random group of 239.255.80 to 249, and a
+/// port below those that the system hands out, since one that a stranger holds cannot be bound.
+UdpmUrl private_url();
+
 /// "cannot DOING URL: reason", and for errors that a missing multicast route causes, how to add
 /// one.
 std::string explain_socket_error(const std::string& doing, const UdpmUrl& url, int error);

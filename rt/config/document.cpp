@@ -77,7 +77,8 @@ std::size_t item_of(const YAML::Node& list, const std::string& part, const std::
   return index;
 }
 
-/// Sets the value at parts[i...] below `node`, a handle to the tree itself.
+/// Sets the value at parts[i...] below `node`, a handle to the tree itself; an empty value takes
+/// the key away.
 void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t i,
             const YAML::Node& value, const std::string& where) {
   const std::string& part = parts[i];
@@ -90,6 +91,10 @@ void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t 
       assign(node[index], parts, i + 1, value, where);
     }
   } else if (node.IsMap() || node.IsNull()) {
+    if (last && value.IsNull()) {
+      if (!node.remove(part)) throw Error(where + ": there is no key to take away");
+      return;
+    }
     if (last) {
       node[part] = value;
       return;
@@ -222,6 +227,8 @@ void Document::apply_override(const std::string& text) {
   } catch (const YAML::Exception& error) {
     throw Error(where + ": not valid YAML: " + error.msg);
   }
+  if (value.IsNull() && equals + 1 == text.size())  // a shell's variable that was not set
+    throw Error(where + ": has no value; path.to.key=~ takes a key away");
   assign(root_, parts, 0, value, where);
   add_override(path, text);
   check_keys(value, path);

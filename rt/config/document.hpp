@@ -25,7 +25,7 @@ class Document {
   /// also where a file cannot be read or is its own base.
   static std::shared_ptr<Document> load(const std::string& path);
 
-  /// Applies "path.to.key=value".
+  /// Applies "path.to.key=value"; "path.to.key=~" takes the key away.
   void apply_override(const std::string& text);
 
   const YAML::Node& root() const { return root_; }

@@ -251,7 +251,7 @@ int main(int argc, char** argv) {
       ->required();
   app.add_option("--set", options.overrides,
                  "override a key: path.to.key=value (repeatable), e.g. "
-                 "object.material.young_modulus=39e3")
+                 "object.material.young_modulus=39e3; a value of ~ takes the key away")
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write statistics to this file at the end");
   app.add_flag("--stepped", options.stepped,

@@ -89,12 +89,13 @@ class ChildProcess {
   std::filesystem::path output_;
 };
 
-/// LCM URL of this test process alone: two test runs at once do not hear each other.
+/// LCM URL of this test process alone, the same at each call: two test runs at once do not hear
+/// each other. Its port is below those that the system hands out.
 inline std::string private_url(int which) {
   const int number = getpid() % 20000;
   return "udpm://239.255." + std::to_string(80 + number / 250) + "." +
          std::to_string(1 + number % 250) + ":" +
-         std::to_string(20000 + 3 * number % 40000 + which) + "?ttl=0";
+         std::to_string(10000 + 3 * number % 22000 + which) + "?ttl=0";
 }
 
 }  // namespace palpate::support

@@ -1,5 +1,3 @@
-#include <unistd.h>
-
 #include <set>
 
 #include "rt/bus/message_bus.hpp"
@@ -21,7 +19,7 @@ void receive_until(record::Listener& listener, double seconds, Done done) {
 /// Sends to a group beside the control URL's, so that nobody is disturbed.
 Finding check_loopback(const Needs& needs, double seconds) {
   bus::UdpmUrl url = needs.control;
-  url.port = 20000 + static_cast<int>(getpid() % 40000);
+  url.port = bus::private_url().port;
   url.ttl = 0;
   constexpr char kChannel[] = "DOCTOR";
   bool came = false;

@@ -1,19 +1,15 @@
 #include "tools/evaluate/operator.hpp"
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
 #include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
 #include <palpate/component_command_t.hpp>
-#include <random>
 #include <stdexcept>
 
+#include "rt/bus/udpm_url.hpp"
 #include "tools/evaluate/interruption.hpp"
 
 namespace palpate::evaluate {
@@ -28,28 +24,6 @@ void put(std::uint8_t (&field)[N], const std::string& text) {
   std::memcpy(field, text.data(), std::min(text.size(), N - 1));
 }
 
-/// True where nobody has the UDP port.
-bool is_free(int port) {
-  const int socket = ::socket(AF_INET, SOCK_DGRAM, 0);
-  if (socket < 0) return false;
-  sockaddr_in address = {};
-  address.sin_family = AF_INET;
-  address.sin_port = htons(static_cast<std::uint16_t>(port));
-  address.sin_addr.s_addr = htonl(INADDR_ANY);
-  const bool free = bind(socket, reinterpret_cast<sockaddr*>(&address), sizeof address) == 0;
-  close(socket);
-  return free;
-}
-
-std::string private_url() {
-  std::random_device random;
-  for (int attempt = 0; attempt < 100; ++attempt) {
-    const int port = 20000 + static_cast<int>(random() % 20000);
-    if (is_free(port)) return "udpm://239.255.76.67:" + std::to_string(port) + "?ttl=0";
-  }
-  throw std::runtime_error("no free UDP port was found");
-}
-
 }  // namespace
 
 std::int64_t wall_clock() {
@@ -59,11 +33,8 @@ std::int64_t wall_clock() {
 }
 
 Urls private_urls() {
-  Urls urls{private_url(), private_url(), private_url()};
-  while (urls.housekeeping == urls.control) urls.housekeeping = private_url();
-  while (urls.pictures == urls.control || urls.pictures == urls.housekeeping)
-    urls.pictures = private_url();
-  return urls;
+  const auto url = [] { return bus::private_url().text(); };
+  return {url(), url(), url()};
 }
 
 Operator::Operator(const Urls& urls, const std::optional<bus::Key>& key)

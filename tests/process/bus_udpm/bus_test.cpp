@@ -15,14 +15,13 @@
 #include "rt/bus/udpm_receiver.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
 
 namespace palpate::bus {
 namespace {
 
 using testing::Injector;
-using testing::private_group;
 
 /// Waits for something that another thread or process does; false when it takes absurdly long.
 bool eventually(const std::function<bool()>& condition) {
@@ -51,7 +50,7 @@ void send_wrenches(MessageBus& bus, int count) {
 }
 
 TEST(LcmBus, CarriesMessagesBetweenTwoBuses) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto receiver = make_lcm_bus(url.text());
   const auto sender = make_lcm_bus(url.text());
@@ -75,7 +74,7 @@ TEST(LcmBus, CarriesMessagesBetweenTwoBuses) {
 }
 
 TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto receiver = make_lcm_bus(url.text());
   TypedSubscription<ft_wrench_t> subscription(*receiver, "FT_WRENCH", 1000);
@@ -107,7 +106,7 @@ TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
 }
 
 TEST(LcmBus, WithoutAThreadReceivesInTheCallersAndIsWokenByWhatComes) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto receiver = make_lcm_bus(url.text());
   const auto sender = make_lcm_bus(url.text());
@@ -137,7 +136,7 @@ TEST(LcmBus, WithoutAThreadReceivesInTheCallersAndIsWokenByWhatComes) {
 }
 
 TEST(LcmBus, HearsWhatStockLibLcmOfAnotherProcessPublishes) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto receiver = make_lcm_bus(url.text());
   TypedSubscription<ft_wrench_t> subscription(*receiver, "FT_WRENCH", 200);
@@ -160,7 +159,7 @@ TEST(LcmBus, HearsWhatStockLibLcmOfAnotherProcessPublishes) {
 }
 
 TEST(LcmBus, LargestMessageOfOneDatagramArrivesWholeAndALargerOneIsRefused) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto bus = make_lcm_bus(url.text());
   constexpr int kSize = 60'000;
@@ -180,7 +179,7 @@ TEST(LcmBus, LargestMessageOfOneDatagramArrivesWholeAndALargerOneIsRefused) {
 }
 
 TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto bus = make_lcm_bus(url.text());
   TypedSubscription<ft_wrench_t> subscription(*bus, "FT_WRENCH", 4000);
@@ -230,7 +229,7 @@ TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
 }
 
 TEST(UdpmReceiver, StopsAndStartsAgainWithTheBufferThatTheUrlAsksFor) {
-  UdpmUrl url = private_group();
+  UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   DatagramCounters counters;
   UdpmReceiver receiver(counters);
@@ -254,7 +253,7 @@ TEST(UdpmReceiver, StopsAndStartsAgainWithTheBufferThatTheUrlAsksFor) {
 }
 
 TEST(UdpmReceiver, CountsWhatItsSocketCouldNotHold) {
-  UdpmUrl url = private_group();
+  UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   url.receive_buffer_size = 5000;
   DatagramCounters counters;
@@ -272,7 +271,7 @@ TEST(UdpmReceiver, CountsWhatItsSocketCouldNotHold) {
 }
 
 TEST(LcmBus, PublishingDoesNotAllocate) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   const auto bus = make_lcm_bus(url.text());
   TypedPublisher<ft_wrench_t> publisher(*bus, "FT_WRENCH");

@@ -14,13 +14,12 @@
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
 
 namespace palpate::bus {
 namespace {
 
-using testing::private_group;
 
 /// A program that runs until it ends by itself or this object does.
 class Program {
@@ -129,7 +128,7 @@ void write_log(const std::string& file, int count) {
 }
 
 TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
-  UdpmUrl url = private_group();
+  UdpmUrl url = private_url();
   url.receive_buffer_size = 2 << 20;  // the logger may be held up while all are sent
   PALPATE_REQUIRE_MULTICAST(url);
   if (!installed("lcm-logger")) GTEST_SKIP() << "lcm-logger is absent; install liblcm-bin";
@@ -162,7 +161,7 @@ TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
 }
 
 TEST(StockPrograms, LcmLogplayerIsHeardByTheBus) {
-  const UdpmUrl url = private_group();
+  const UdpmUrl url = private_url();
   PALPATE_REQUIRE_MULTICAST(url);
   if (!installed("lcm-logplayer")) GTEST_SKIP() << "lcm-logplayer is absent; install liblcm-bin";
   constexpr int kCount = 300;

@@ -86,7 +86,7 @@ def commands(root, programs, guide):
     """One shell runs all blocks in their order, in an empty folder, with palpate installed for it
     alone and on LCM URLs of its own."""
     text = guide.read_text()
-    port = 20000 + os.getpid() % 20000 * 2
+    port = 10000 + os.getpid() % 11000 * 2
     group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
     control, housekeeping = f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
     folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))

@@ -8,7 +8,7 @@
 #include <thread>
 
 #include "rt/bus/message_bus.hpp"
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/scratch_folder.hpp"
 
@@ -25,7 +25,7 @@ const std::string kExample =
 class Doctor : public testing::Test {
  protected:
   void SetUp() override {
-    for (bus::UdpmUrl& url : urls_) url = bus::testing::private_group();
+    for (bus::UdpmUrl& url : urls_) url = bus::private_url();
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
   }
   std::vector<std::string> command(const std::vector<std::string>& more) const {

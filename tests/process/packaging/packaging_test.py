@@ -128,7 +128,7 @@ class Prefix(unittest.TestCase):
         """Simulator and daemon in lock-step, which depends on no clock."""
         number = os.getpid()
         group = f"239.255.{90 + number % 100}.{1 + number // 100 % 250}"
-        control, housekeeping = (f"udpm://{group}:{20000 + number % 20000 * 2 + k}?ttl=0" for k in (0, 1))
+        control, housekeeping = (f"udpm://{group}:{10000 + number % 11000 * 2 + k}?ttl=0" for k in (0, 1))
         bus = ["--set", f"bus.control={control}", "--set", f"bus.housekeeping={housekeeping}"]
         data, result = prefix / "share/palpate", self.installed.folder / "sim.json"
         daemon = subprocess.Popen(

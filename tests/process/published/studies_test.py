@@ -163,8 +163,8 @@ class Studies(unittest.TestCase):
         for shard in ("1/2", "2/2"):
             self.assertIn(f"shard {shard}: 2 of 4 jobs", said.stdout)
         used = set((self.path / "hosts").read_text(encoding="utf-8").split())
-        self.assertEqual(used, set(HOSTS), "each host has had its share")
-        self.assertEqual(len(self.results()), 4)
+        self.assertEqual(used, set(HOSTS), f"each host has had its share; {said.stdout}")
+        self.assertEqual(len(self.results()), 4, said.stdout)
         self.assertIn("4 kept", run([EVALUATE, "--root", ROOT, *self.study]).stdout)
         self.check_report()
 

@@ -72,7 +72,7 @@ class ProcessTest(unittest.TestCase):
     def setUp(self) -> None:
         generator = random.SystemRandom()
         group = f"239.255.{generator.randint(160, 250)}.{generator.randint(1, 250)}"
-        port = generator.randint(20000, 60000)
+        port = generator.randint(10000, 32000)
         self.control = f"udpm://{group}:{port}?ttl=0"
         self.housekeeping = f"udpm://{group}:{port + 1}?ttl=0"
         self.urls = ["--set", f"bus.control={self.control}",

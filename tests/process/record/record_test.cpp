@@ -10,7 +10,7 @@
 
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
@@ -39,7 +39,7 @@ bool eventually(Condition condition) {
 class Record : public testing::Test {
  protected:
   void SetUp() override {
-    for (bus::UdpmUrl& url : urls_) url = bus::testing::private_group();
+    for (bus::UdpmUrl& url : urls_) url = bus::private_url();
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -132,7 +132,7 @@ TEST_F(Record, LcmLogplayerPlaysItUnchanged) {
   recorder.send(SIGTERM);
   ASSERT_EQ(recorder.wait(seconds(20)), 0) << recorder.output();
 
-  const bus::UdpmUrl elsewhere = bus::testing::private_group();
+  const bus::UdpmUrl elsewhere = bus::private_url();
   const auto bus = bus::make_lcm_bus(elsewhere.text());
   bus::TypedSubscription<ft_wrench_t> heard(*bus, "FT_WRENCH", 400);
   bus->start();

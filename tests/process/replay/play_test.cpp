@@ -9,7 +9,7 @@
 #include <palpate/ft_wrench_t.hpp>
 
 #include "rt/bus/message_bus.hpp"
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
@@ -37,7 +37,7 @@ bool eventually(Condition condition) {
 class Play : public testing::Test {
  protected:
   void SetUp() override {
-    for (bus::UdpmUrl& url : urls_) url = bus::testing::private_group();
+    for (bus::UdpmUrl& url : urls_) url = bus::private_url();
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }

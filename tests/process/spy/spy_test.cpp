@@ -5,7 +5,7 @@
 
 #include <fstream>
 
-#include "tests/process/bus_udpm/private_group.hpp"
+#include "tests/process/bus_udpm/injector.hpp"
 #include "tests/process/spy/display.hpp"
 #include "tests/process/spy/scene.hpp"
 #include "tests/support/scratch_folder.hpp"
@@ -52,7 +52,7 @@ class Spy : public testing::Test {
     if (!std::filesystem::exists(kSpy))
       GTEST_SKIP() << "built without Java: default-jdk-headless, liblcm-java, libjchart2d-java";
     if (!Display::is_installed()) GTEST_SKIP() << "Xvfb is absent; install xvfb";
-    for (bus::UdpmUrl& url : urls_) url = bus::testing::private_group();
+    for (bus::UdpmUrl& url : urls_) url = bus::private_url();
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
     display_ = std::make_unique<Display>();
     ASSERT_TRUE(display_->works()) << display_->complaint();

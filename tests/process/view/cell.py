@@ -48,13 +48,13 @@ class Cell:
         self.folder = tempfile.TemporaryDirectory(prefix="palpate_view_")
         number = os.getpid() % 20000
         self.group = f"239.255.{90 + number // 250}.{1 + number % 250}"
-        self.ports = [20000 + 2 * number % 40000 + i for i in (0, 1)]
+        self.ports = [10000 + 2 * number % 22000 + i for i in (0, 1)]
         self.processes, self.logs = {}, {}
         self.token_file = os.path.join(self.folder.name, "token")
         subprocess.run([f"{binaries}/palpate-command", "--make-key", self.token_file], check=True,
                        stdout=subprocess.DEVNULL)
         self.token = read(self.token_file).strip()
-        self.port = random.randint(20000, 50000)
+        self.port = random.randint(10000, 32000)
         self.browser = None
 
     def url(self, which):

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cerrno>
+#include <set>
 
 namespace palpate::bus {
 namespace {
@@ -49,6 +50,18 @@ TEST(UdpmUrl, NamesWhatIsWrong) {
   expect_refusal("udpm://239.255.76.67:7667?recv_buf_size=-1", "recv_buf_size must be");
   expect_refusal("udpm://239.255.76.67:7667?tll=0", "unknown option \"tll\"");
   expect_refusal("udpm://239.255.76.67:7667?", "unknown option");
+}
+
+TEST(UdpmUrl, PrivateOnesDifferAndStayOnThisMachine) {
+  std::set<std::string> groups;
+  for (int i = 0; i < 100; ++i) {
+    const UdpmUrl url = private_url();
+    EXPECT_EQ(parse_udpm_url(url.text()).group(), url.group());
+    EXPECT_EQ(url.ttl, 0);
+    EXPECT_LT(url.port, 32768) << "the system hands out those above";
+    groups.insert(url.group());
+  }
+  EXPECT_EQ(groups.size(), 100u);
 }
 
 TEST(UdpmUrl, AMissingRouteIsExplainedWithItsRemedy) {

@@ -69,6 +69,18 @@ TEST_F(ConfigFile, OverridesReplaceAndAddValues) {
   EXPECT_NO_THROW(node.check_all_used());
 }
 
+TEST_F(ConfigFile, AnEmptyOverrideTakesAKeyAway) {
+  const std::string path = write("a: {b: 1, c: 2}\nlist: [{x: 1}]\n");
+  const Node node = Node::load_file(path, {"a.b=~", "list.0.x=null"});
+  EXPECT_FALSE(node.child("a").has("b"));
+  EXPECT_EQ(node.child("a").integer("c", {}), 2);
+  EXPECT_FALSE(node.list("list")[0].has("x"));
+  for (const char* wrong : {"a.b=", "a.d=~", "e=~", "e.f=~"}) {
+    EXPECT_THAT(error_of([&] { Node::load_file(path, {wrong}); }), StartsWith("override '"))
+        << wrong;
+  }
+}
+
 TEST_F(ConfigFile, ErrorsOfOverriddenValuesNameTheOverride) {
   const std::string path = write("a: {b: 1}\nlist: [{x: 1}]\n");
   const Node node = Node::load_file(path, {"a.b=fast", "typo.key=1"});

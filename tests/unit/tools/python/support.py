@@ -13,7 +13,7 @@ def private_url() -> str:
     """A multicast group that no other test uses at this time, on this machine alone."""
     generator = random.SystemRandom()
     return f"udpm://239.255.{generator.randint(160, 250)}.{generator.randint(1, 250)}:" \
-           f"{generator.randint(20000, 60000)}?ttl=0"  # fmt: skip
+           f"{generator.randint(10000, 32000)}?ttl=0"  # fmt: skip
 
 
 def require_multicast() -> None:

@@ -7,20 +7,11 @@
 #include <unistd.h>
 
 #include <cstdint>
-#include <random>
 #include <string>
 
 #include "rt/bus/udpm_url.hpp"
 
 namespace palpate::bus::testing {
-
-/// A multicast group that no other test uses at this time, on this machine alone.
-inline UdpmUrl private_group() {
-  std::random_device device;
-  UdpmUrl url;
-  url.port = 20000 + static_cast<int>(device() % 40000);
-  return url;
-}
 
 /// Sends raw datagrams to a group, as anybody on the network could.
 class Injector {
