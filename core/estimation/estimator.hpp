@@ -47,6 +47,7 @@ struct UnknownContact {
 /// A negative deviation: not estimated, or not observable.
 struct Estimate {
   elasticity::StepReport step;
+  bool jumped = false;  // what the shape did in this cycle is no motion (ShapeJump, or a restart)
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};
   double log_young_modulus = 0;

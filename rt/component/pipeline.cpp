@@ -159,11 +159,14 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.contacts = slots.loads.data();
   take_observation(inputs.observation);
   slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
-  if (slots.estimation_condition.state != LifeCycle::kFaulted ||
-      !fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason))
-    return;
+  if (slots.estimation_condition.state == LifeCycle::kFaulted &&
+      fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason)) {
+    Slots& now = *slots_;
+    now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
+  }
   Slots& now = *slots_;
-  now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
+  const bool jumps = now.jump.update(now.model->positions(), dt);
+  now.estimate.jumped = jumps || now.estimate.step.restarted;
 }
 
 void Pipeline::evaluate_feature() noexcept {

@@ -54,6 +54,7 @@ Slots::Slots(const config::Node& root, const Context& cell, const Changes& chang
     driver.leave_to_another("fallback");
     model = make_deformation_model(mechanics, context);
     estimator = make_estimator(driver, context);
+    jump = estimation::ShapeJump(model->body().mesh.nodes);
   }
   if (changes.steering) build_steering(root);
 }
@@ -183,6 +184,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
   if (!changes.mechanics) {
     model.swap(other.model);
     estimator.swap(other.estimator);
+    std::swap(jump, other.jump);
   } else if (estimation_condition.state == LifeCycle::kFaulted) {
     estimation_condition = {LifeCycle::kActive, ""};
   }
@@ -218,6 +220,7 @@ void Slots::start() noexcept {
   estimation_condition = feature_condition = control_condition = {LifeCycle::kActive, ""};
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
+  jump.forget();
   law->reset();
   provider->reset();
 }
@@ -233,6 +236,7 @@ void Slots::reset() noexcept {
   }
   estimator->reset();
   model->reset();
+  jump.forget();
   estimator->activate(*model);
   law->reset();
   provider->reset();

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "core/estimation/shape_jump.hpp"
 #include "rt/component/contact_fallback.hpp"
 #include "rt/component/life_cycle.hpp"
 #include "rt/component/registry.hpp"
@@ -117,6 +118,7 @@ struct Slots {
 
   std::vector<contact::ContactLoads> loads;  // by contact of the tick
   estimation::Estimate estimate;
+  estimation::ShapeJump jump;  // of the model's shape
   Target target;
   FeatureState feature_state;
   Eigen::MatrixXd jacobian;

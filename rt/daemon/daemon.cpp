@@ -149,7 +149,7 @@ void Daemon::publish(const Now& now) noexcept {
   if (pipeline_.is_running()) {
     if (status == elasticity::StepStatus::kConverged) shape_ns_ = now.monotonic_ns;
     if (status != elasticity::StepStatus::kConverged) ++counters_.shapes_not_converged;
-    if (pipeline_.estimate().step.restarted) tell_jump(now);
+    if (pipeline_.estimate().jumped) tell_jump(now);
   }
   const std::int64_t cycle = counters_.cycles;
   if (cycle % settings_.shape_every == 0 && pipeline_.is_running()) {
@@ -181,9 +181,11 @@ void Daemon::tell_jump(const Now& now) noexcept {
   constexpr std::int64_t kSecond = 1'000'000'000;
   if (told_jump_ns_ != 0 && now.monotonic_ns - told_jump_ns_ < kSecond) return;
   told_jump_ns_ = now.monotonic_ns;
+  const bool restarted = pipeline_.estimate().step.restarted;
   commands_.announce("estimation", "", "", "jump",
-                     "the shape was one that the object can hardly have, and is given up for a "
-                     "better one",
+                     restarted ? "the shape was one that the object can hardly have, and is given "
+                                 "up for a better one"
+                               : "the shape has moved further in a cycle than any motion explains",
                      now.utime);
 }
 

@@ -34,6 +34,8 @@ Bench make_bench() {
   const Trace& reference = bench.reference;
   if (!reference.sound())
     throw std::runtime_error("the fault-free run is not sound: " + reference.complaint);
+  for (const EventNote& event : reference.events)
+    if (event.event == "jump") throw std::runtime_error("the shape of the fault-free run jumps");
   for (double t = 0.2; t < time_of(kRecordedTicks - 1); t += 0.05) {
     const Cycle& cycle = reference.cycles[index_of(t)];
     if (cycle.state != LifeCycle::kActive || !(cycle.speed > 1e-3))

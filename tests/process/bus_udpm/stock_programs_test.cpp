@@ -20,7 +20,6 @@
 namespace palpate::bus {
 namespace {
 
-
 /// A program that runs until it ends by itself or this object does.
 class Program {
  public:
