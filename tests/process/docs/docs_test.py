@@ -18,7 +18,7 @@ import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
 READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
-           "tools/train/plan.cpp")
+           "tools/train/plan.cpp", "tools/fit/plan.cpp", "tools/evaluate/study_plan.cpp")
 GETTER = re.compile(
     r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
     r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
