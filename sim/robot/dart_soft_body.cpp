@@ -23,6 +23,8 @@
 #include <utility>
 #include <vector>
 
+#include "sim/robot/dart_options.hpp"
+
 namespace palpate::robot {
 namespace dd = dart::dynamics;
 namespace {
@@ -241,6 +243,15 @@ void DartSoftBody::step(double dt) {
   d.world->step(false);  // a probe's command stays
   d.sum_forces();
   d.read_positions();
+}
+
+std::string DartSoftBody::effective_options() const {
+  const Dynamics& d = *dynamics_;
+  return robot::effective_options(*d.world) + "; skin of " +
+         std::to_string(d.soft->getNumPointMasses()) + " masses, stiffness " +
+         std::to_string(d.soft->getVertexSpringStiffness()) + " N/m to the core and " +
+         std::to_string(d.soft->getEdgeSpringStiffness()) + " N/m along edges, damping " +
+         std::to_string(d.soft->getDampingCoefficient());
 }
 
 int DartSoftBody::vertex_count() const { return static_cast<int>(dynamics_->positions.cols()); }

@@ -51,6 +51,9 @@ class DartSoftBody {
 
   void step(double dt);
 
+  /// What DART itself uses for it, in a line.
+  std::string effective_options() const;
+
   int vertex_count() const;
   const Eigen::Matrix3Xd& positions() const;          // m
   const Eigen::Matrix3Xi& surface_triangles() const;  // outward

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/robot/dart_options.hpp"
 #include "sim/robot/joint_access.hpp"
 
 // Never take a dynamic Eigen object from DART by value, nor give it one: the two sides allocate
@@ -54,6 +55,7 @@ struct ExternalLoad {
 struct Robot::Dynamics {
   dart::simulation::WorldPtr world = dart::simulation::World::create();
   dd::SkeletonPtr skeleton;
+  std::vector<std::string> remarks;
   dd::BodyNode* flange = nullptr;
   dd::BodyNode* sensor = nullptr;
   dd::BodyNode* imu = nullptr;
@@ -174,6 +176,7 @@ Robot::Robot(const RobotModel& model, const RobotOptions& options)
     : dynamics_(std::make_unique<Dynamics>()), visuals_(model.visuals) {
   Dynamics& d = *dynamics_;
   d.skeleton = load_skeleton(model);
+  d.remarks = model.remarks;
   d.gravity = options.gravity_W;
   d.world->setGravity(d.gravity);
   d.world->addSkeleton(d.skeleton);
@@ -228,6 +231,9 @@ math::Wrench Robot::link_load(const std::string& link) const {
   const ExternalLoad* known = dynamics_->load_on(dynamics_->body(link));
   return known ? known->wrench : math::Wrench();
 }
+
+const std::vector<std::string>& Robot::remarks() const { return dynamics_->remarks; }
+std::string Robot::effective_options() const { return robot::effective_options(*dynamics_->world); }
 
 void Robot::step(double dt) {
   Dynamics& d = *dynamics_;

@@ -46,6 +46,10 @@ class Robot {
   ~Robot();
 
   int joint_count() const;
+  /// Of its model, on masses and inertias.
+  const std::vector<std::string>& remarks() const;
+  /// What DART itself uses for it, in a line.
+  std::string effective_options() const;
   const JointLimits& limits() const;
 
   /// At rest in `q` (rad). Throws where a joint is beyond its limits.

@@ -8,6 +8,8 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "sim/robot/inertia_check.hpp"
+
 namespace palpate::robot {
 namespace {
 
@@ -76,7 +78,7 @@ RobotModel parse_model(const std::string& text, const std::string& name) {
   }
   if (links == 0) fail("has no links");
 
-  RobotModel model{text, links, joints, {}};
+  RobotModel model{text, links, joints, {}, remarks_on_inertia(*urdf)};
   for (const auto& [link_name, link] : urdf->links_)
     for (const auto& visual : link->visual_array) {
       VisualShape shape;

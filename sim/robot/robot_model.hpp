@@ -25,6 +25,7 @@ struct RobotModel {
   int link_count = 0;
   int joint_count = 0;
   std::vector<VisualShape> visuals;  // meshes are left out
+  std::vector<std::string> remarks;  // on masses and inertias, which are taken all the same
 };
 
 /// Reads and checks an expanded URDF file. urdfdom returns a model for broken files too, so the

@@ -20,6 +20,7 @@
 #include "sim/scenes/lock_step.hpp"
 #include "sim/scenes/real_time_pacer.hpp"
 #include "sim/scenes/simulation.hpp"
+#include "sim/scenes/soft_box_plant.hpp"
 
 namespace {
 
@@ -108,6 +109,11 @@ int run(const Options& options) {
   spdlog::info("palpate-sim {}: {} nodes, {}", PALPATE_VERSION,
                simulation.object().positions().cols(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
+  for (const std::string& remark : simulation.robot().remarks()) spdlog::warn("{}", remark);
+  spdlog::info("DART's arm: {}", simulation.robot().effective_options());
+  if (const auto* soft = dynamic_cast<const palpate::scenes::SoftBoxPlant*>(&simulation.object())) {
+    spdlog::info("DART's soft body: {}", soft->effective_options());
+  }
   if (simulation.scene().motion)
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
 

@@ -21,6 +21,7 @@ class SoftBoxPlant final : public object::Plant {
   /// DART allocates, and may throw bad_alloc, which ends the program.
   void step(double dt) noexcept override;
   int substeps() const override { return 1; }
+  std::string effective_options() const { return body_.effective_options(); }
   /// Tips get there at an even speed, without turning. First calls must be in the order of tips.
   void move_fingertip(int tip, const Eigen::Vector3d& centre,
                       const math::Twist& velocity) noexcept override;

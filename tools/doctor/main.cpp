@@ -7,6 +7,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/node.hpp"
+#include "tools/doctor/channels.hpp"
 #include "tools/doctor/checks.hpp"
 #include "tools/doctor/report.hpp"
 
@@ -18,7 +20,7 @@ struct Options {
   std::string configuration, json, root = "/";
   std::vector<std::string> overrides;
   double seconds = 1.5;
-  bool no_live = false, strict = false, only_bad = false, plain = false;
+  bool no_live = false, strict = false, only_bad = false, plain = false, channels = false;
 };
 
 constexpr char kHelp[] =
@@ -33,7 +35,9 @@ constexpr char kExamples[] =
     "  palpate-doctor\n"
     "  palpate-doctor rt/config/examples/bar_long_soft.yaml --only-bad\n"
     "  palpate-doctor my.yaml --strict --json -\n"
-    "Exit codes: 0 nothing fails, 1 something fails (with --strict: or warns), 2 an error.";
+    "  palpate-doctor my.yaml --channels\n"
+    "Exit codes: 0 nothing fails, 1 something fails (with --strict: or warns), 2 an error,\n"
+    "78 --channels of a wrong configuration.";
 
 /// Beside this program, as it is built and as it is installed; from the root.
 std::string spy_jar() {
@@ -89,12 +93,24 @@ int run(const Options& options) {
   return is_bad ? 1 : 0;
 }
 
+int list_channels(const Options& options) {
+  const auto channels = doctor::channels_of(options.configuration, options.overrides);
+  if (options.json != "-") doctor::print(channels, std::cout);
+  if (options.json == "-") std::cout << doctor::to_json(channels).dump(2) << '\n';
+  if (options.json.empty() || options.json == "-") return 0;
+  std::ofstream file(options.json);
+  file << doctor::to_json(channels).dump(2) << '\n';
+  if (!file) throw std::runtime_error(options.json + ": cannot be written");
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
-  app.add_option("configuration", options.configuration, "of palpated: YAML file");
+  CLI::Option* configuration =
+      app.add_option("configuration", options.configuration, "of palpated: YAML file");
   app.add_option("--set", options.overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write JSON to this file, or - for standard output alone")
@@ -110,6 +126,10 @@ int main(int argc, char** argv) {
                  "examine the files of another machine below this folder; nothing live, no disk")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
+  app.add_flag("--channels", options.channels,
+               "instead of all that: which channels palpated would hear and speak on with the "
+               "configuration, of which type, on which URL, how often")
+      ->needs(configuration);
   app.add_flag("--plain", options.plain, "no colours");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
@@ -120,7 +140,10 @@ int main(int argc, char** argv) {
     if (extension == ".yaml" || extension == ".yml")
       throw std::invalid_argument("--json " + options.json +
                                   ": would overwrite a configuration; name that before --json");
-    return run(options);
+    return options.channels ? list_channels(options) : run(options);
+  } catch (const palpate::config::Error& error) {
+    std::fprintf(stderr, "error: %s\n", error.what());
+    return palpate::config::kExitCode;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return 2;

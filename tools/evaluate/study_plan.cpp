@@ -15,26 +15,28 @@ namespace fs = std::filesystem;
 
 constexpr double kSettle = 0.5;  // s after the end of a scene's motion
 
-fs::path source_file(const config::Node& node, const std::string& key, const fs::path& root,
+fs::path source_file(const config::Node& node, const config::Key& key, const fs::path& root,
                      const std::string& otherwise = "") {
   const fs::path file = root / (otherwise.empty() ? node.text(key) : node.text(key, otherwise));
-  if (!fs::exists(file)) node.fail(key, "there is no file " + file.string());
+  if (!fs::exists(file)) node.fail(key.name, "there is no file " + file.string());
   return file;
 }
 
-std::vector<std::string> names(const config::Node& node, const std::string& key) {
+std::vector<std::string> names(const config::Node& node, const config::Key& key) {
   const std::vector<std::string> texts = node.texts(key);
-  if (texts.empty()) node.fail(key, "is empty");
+  if (texts.empty()) node.fail(key.name, "is empty");
   if (std::set<std::string>(texts.begin(), texts.end()).size() != texts.size())
-    node.fail(key, "names something twice");
+    node.fail(key.name, "names something twice");
   return texts;
 }
 
 std::vector<Method> chosen_methods(const config::Node& node, const fs::path& root) {
-  const std::vector<Method> known =
-      read_methods(source_file(node, "method_file", root, "tools/evaluate/methods.yaml"));
+  const std::vector<Method> known = read_methods(
+      source_file(node, {"method_file", "", "of the methods, in the folder of palpate"}, root,
+                  "tools/evaluate/methods.yaml"));
   std::vector<Method> chosen;
-  for (const std::string& name : names(node, "methods")) {
+  for (const std::string& name :
+       names(node, {"methods", "", "that run, by their names in method_file"})) {
     const auto found = std::find_if(known.begin(), known.end(),
                                     [&name](const Method& method) { return method.name == name; });
     if (found == known.end()) {
@@ -61,7 +63,8 @@ void add_settings(const config::Node& node, StudyApplication& application) {
     if (!is_method && level == application.levels.end())
       node.fail(name, "is no method and no model error of this application");
     std::vector<std::string>& settings = is_method ? method->overrides : level->daemon;
-    for (const std::string& setting : node.texts(name)) {
+    for (const std::string& setting : node.texts(
+             {name, "", "key=value over the configuration, for this method or error alone"})) {
       if (setting.find('=') == std::string::npos)
         node.fail(name, "\"" + setting + "\" is not of the form key=value");
       settings.push_back(setting);
@@ -71,16 +74,20 @@ void add_settings(const config::Node& node, StudyApplication& application) {
 
 std::vector<Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
                                     const StudyApplication& application) {
-  const fs::path file = source_file(node, "mismatch_file", root, "tools/evaluate/mismatch.yaml");
+  const fs::path file =
+      source_file(node, {"mismatch_file", "", "of the model errors, in the folder of palpate"},
+                  root, "tools/evaluate/mismatch.yaml");
   std::vector<Mismatch> levels;
-  for (const std::string& name : names(node, "mismatch"))
+  for (const std::string& name :
+       names(node, {"mismatch", "", "model errors, each for every method, by their names"}))
     levels.push_back(read_mismatch(file, name, application.scene, application.configuration));
   return levels;
 }
 
 std::vector<int> seeds_of(const config::Node& node) {
   std::vector<int> seeds;
-  for (const double seed : node.numbers("seeds", -1, {0, 1e9})) {
+  for (const double seed :
+       node.numbers({"seeds", "", "of the scene's noise, a run for each"}, -1, {0, 1e9})) {
     if (seed != std::floor(seed)) node.fail("seeds", "wants whole numbers");
     seeds.push_back(static_cast<int>(seed));
   }
@@ -91,15 +98,19 @@ std::vector<int> seeds_of(const config::Node& node) {
 ControlTarget read_target(const config::Node& node, const std::string& name) {
   ControlTarget target;
   target.name = name;
-  target.kind = node.choice("feature", {"point", "points", "pose"});
-  target.rest_points = node.points("rest_points");
+  target.kind = node.choice({"feature", "", "what is steered"}, {"point", "points", "pose"});
+  target.rest_points = node.points({"rest_points", "m", "that it names on the rest shape, in O"});
   if (node.has("hand")) {
     if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
-    const config::Node hand = node.child("hand");
-    target.hand = HandMotion{hand.vector3("translation", {-1, 1}, Eigen::Vector3d::Zero()),
-                             hand.vector3("rotation_deg", {-180, 180}, Eigen::Vector3d::Zero())};
+    const config::Node hand = node.child(
+        {"hand", "", "the target is where this motion of the hand would bring the feature"});
+    target.hand = HandMotion{
+        hand.vector3({"translation", "m", "of the hand, in O"}, {-1, 1}, Eigen::Vector3d::Zero()),
+        hand.vector3({"rotation_deg", "deg", "of the hand, a rotation vector"}, {-180, 180},
+                     Eigen::Vector3d::Zero())};
   } else {
-    target.displacement = node.vector3("displacement", {-1, 1});
+    target.displacement =
+        node.vector3({"displacement", "m", "of the feature from where it rests"}, {-1, 1});
   }
   try {
     target.displace();
@@ -119,38 +130,50 @@ void read_motion(const config::Node& node, StudyApplication& application) {
       application.pose_names.push_back(pose.text("name", ""));
   }
   if (motion && !node.has("duration")) return;
-  application.duration = node.number("duration", {0.5, 3600});
+  application.duration = node.number(
+      {"duration", "s",
+       "of a scene that does not move by itself; else half a second more than it moves"},
+      {0.5, 3600});
 }
 
 StudyApplication read_application(const config::Node& node, const fs::path& root) {
   StudyApplication application;
-  application.name = node.text("name");
-  application.kind = node.choice("kind", {"force", "control", "tactile"});
-  application.note = node.text("note", "");
-  application.quick = node.flag("quick", true);
-  application.scene = source_file(node, "scene", root);
-  application.configuration = source_file(node, "configuration", root);
+  application.name = node.text({"name", "", "of the application"});
+  application.kind = node.choice({"kind", "", "what is scored"}, {"force", "control", "tactile"});
+  application.note = node.text({"note", "", "printed beside its results"}, "");
+  application.quick = node.flag({"quick", "", "it is among those that --quick runs"}, true);
+  application.scene =
+      source_file(node, {"scene", "", "of palpate-sim, in the folder of palpate"}, root);
+  application.configuration =
+      source_file(node, {"configuration", "", "of palpated, in the folder of palpate"}, root);
   application.methods = chosen_methods(node, root);
   application.levels = chosen_levels(node, root, application);
-  add_settings(node.child_or_empty("also"), application);
+  add_settings(
+      node.child_or_empty({"also", "", "settings by method or model error, after its own"}),
+      application);
   application.seeds = seeds_of(node);
   read_motion(node, application);
-  for (const config::Node& state : node.list("states"))
+  for (const config::Node& state : node.list({"states", "", "instants that are scored apart"}))
     application.states.push_back(
-        {state.text("name"), state.number("time", {0, application.duration})});
+        {state.text({"name", "", "of the instant"}),
+         state.number({"time", "s", "since the start"}, {0, application.duration})});
   if (node.has("pose_points")) {
-    application.pose_points = node.points("pose_points");
+    application.pose_points =
+        node.points({"pose_points", "m", "three on the rest shape whose pose is scored, in O"});
     if (application.pose_points.size() != 3) node.fail("pose_points", "wants three points");
   }
   if (application.kind == "control") {
-    application.target = read_target(node.child("target"), application.name);
+    application.target =
+        read_target(node.child({"target", "", "where what is steered shall go"}), application.name);
     if (application.target->kind == "pose")
       application.pose_points = application.target->rest_points;
   } else if (node.has("target")) {
     node.fail("target", "belongs to kind control alone");
   }
-  for (const config::Node& figure : node.list("published"))
-    application.published.push_back({figure.text("quantity"), figure.text("value")});
+  for (const config::Node& figure :
+       node.list({"published", "", "figures of a publication, printed beside ours"}))
+    application.published.push_back({figure.text({"quantity", "", "what was measured"}),
+                                     figure.text({"value", "", "with its unit"})});
   return application;
 }
 
@@ -208,9 +231,11 @@ StudyJob make_job(const StudyApplication& application, const Method& method, con
 StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
   const config::Node node = config::Node::load_file(file.string());
   StudyPlan plan;
-  plan.octree_resolution = node.number("octree_resolution", {1e-3, 1});
+  plan.octree_resolution = node.number(
+      {"octree_resolution", "m", "of the octrees that shapes are compared by"}, {1e-3, 1});
   std::set<std::string> names;
-  for (const config::Node& entry : node.list("applications")) {
+  for (const config::Node& entry :
+       node.list({"applications", "", "what is run, each with every method, error and seed"})) {
     plan.applications.push_back(read_application(entry, root));
     if (!names.insert(file_name(plan.applications.back().name)).second)
       entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");

@@ -18,20 +18,28 @@ config::Node laid_over(const config::Node& lower, const std::string& upper,
   return upper.empty() ? lower : lower.changed("", upper, false, name);
 }
 
+/// A document whose `key` the mapping is, so that what is wrong with it is named in full.
+config::Node under(const std::string& key, const config::Node& mapping, const std::string& plan,
+                   const std::string& place) {
+  return config::Node::from_text(key + ": {}", plan).changed(key, mapping.dump(), false, place);
+}
+
 std::map<std::string, ParameterChange> read_parameters(const config::Node& node) {
   std::map<std::string, ParameterChange> changes;
   if (!node.has("parameters")) return changes;
-  const config::Node parameters = node.child("parameters");
+  const config::Node parameters =
+      node.child_or_empty({"parameters", "", "how each is sought, by its name"});
   for (const std::string& name : parameters.keys()) {
-    const config::Node entry = parameters.child(name);
+    const config::Node entry =
+        parameters.child_or_empty({name, "", "absent: as the kind of recording has it"});
     ParameterChange change;
-    const auto read = [&](const char* key, std::optional<double>& to) {
-      if (entry.has(key)) to = entry.number(key, {-kInfinity, kInfinity});
+    const auto read = [&](const config::Key& key, std::optional<double>& to) {
+      if (entry.has(key.name)) to = entry.number(key, {-kInfinity, kInfinity});
     };
-    read("start", change.start);
-    read("lower", change.lower);
-    read("upper", change.upper);
-    read("known", change.known);
+    read({"start", "SI", "where the search begins"}, change.start);
+    read({"lower", "SI", "it is sought above this"}, change.lower);
+    read({"upper", "SI", "it is sought below this"}, change.upper);
+    read({"known", "SI", "it is this, and not sought"}, change.known);
     changes[name] = change;
   }
   return changes;
@@ -39,20 +47,32 @@ std::map<std::string, ParameterChange> read_parameters(const config::Node& node)
 
 FitOptions read_solver(const config::Node& node, FitOptions options) {
   SolverOptions& solver = options.solver;
-  const std::string loss = node.choice("loss", {"none", "huber", "cauchy"}, "none");
+  const std::string loss = node.choice(
+      {"loss", "", "what far-off samples weigh: as all, in proportion, or by a logarithm"},
+      {"none", "huber", "cauchy"}, "none");
   solver.loss.kind = loss == "huber"    ? Loss::Kind::kHuber
                      : loss == "cauchy" ? Loss::Kind::kCauchy
                                         : Loss::Kind::kNone;
-  solver.loss.scale = node.number("loss_scale", {0.1, 100}, solver.loss.scale);
-  solver.starts = node.integer("starts", {1, 10000}, solver.starts);
-  solver.seed = node.integer("seed", {0, 1e9}, solver.seed);
-  solver.iterations = node.integer("iterations", {1, 1e6}, solver.iterations);
-  solver.tolerance = node.number("tolerance", {1e-15, 1e-2}, solver.tolerance);
-  const std::string profile = node.choice("profile", {"auto", "always", "never"}, "auto");
+  solver.loss.scale = node.number({"loss_scale", "deviations", "from where on a sample is far off"},
+                                  {0.1, 100}, solver.loss.scale);
+  solver.starts = node.integer(
+      {"starts", "", "places where the search begins, the first being `start`, others by chance"},
+      {1, 10000}, solver.starts);
+  solver.seed = node.integer({"seed", "", "of those by chance"}, {0, 1e9}, solver.seed);
+  solver.iterations =
+      node.integer({"iterations", "", "at most, of one search"}, {1, 1e6}, solver.iterations);
+  solver.tolerance =
+      node.number({"tolerance", "", "relative change of the cost below which a search ends"},
+                  {1e-15, 1e-2}, solver.tolerance);
+  const std::string profile = node.choice(
+      {"profile", "", "intervals by profiles of the likelihood, or where the curvature misleads"},
+      {"auto", "always", "never"}, "auto");
   options.profile = profile == "always"  ? Profile::kAlways
                     : profile == "never" ? Profile::kNever
                                          : Profile::kAuto;
-  options.is_reweighed = node.flag("reweigh", options.is_reweighed);
+  options.is_reweighed = node.flag(
+      {"reweigh", "", "deviations of series are taken from their residuals, then fitted again"},
+      options.is_reweighed);
   return options;
 }
 
@@ -66,9 +86,12 @@ struct Variant {
 
 std::vector<Variant> read_variants(const config::Node& node) {
   std::vector<Variant> variants;
-  for (const config::Node& entry : node.list("variants")) {
-    variants.push_back({entry.text("name"), entry.dump("recording"), entry.dump("solver"),
-                        entry.dump("parameters")});
+  for (const config::Node& entry : node.list(
+           {"variants", "",
+            "each fit is done with each of them: `recording`, `solver`, `parameters` laid over the "
+            "plan's"})) {
+    variants.push_back({entry.text({"name", "", "of the variant"}), entry.dump("recording"),
+                        entry.dump("solver"), entry.dump("parameters")});
     for (const char* key : {"recording", "solver", "parameters"}) entry.leave_to_another(key);
   }
   if (variants.empty()) variants.emplace_back();
@@ -93,13 +116,19 @@ struct Entry {
 Entry read_entry(const config::Node& node, const std::string& name, bool is_in_list) {
   Entry entry;
   entry.name = name;
-  entry.group = node.text("group", name);
-  for (const config::Node& recording : node.list("recordings"))
+  entry.group = name;
+  if (node.has("group"))
+    entry.group = node.text(
+        {"group", "", "medians and spread of fits of one group are told too; absent: the name"});
+  for (const config::Node& recording :
+       node.list({"recordings", "", "that tell the parameters together; see each `kind`"}))
     entry.recordings.push_back(recording.dump());
   if (entry.recordings.empty()) node.fail("recordings", "must hold one or more");
   entry.parameters = node.dump("parameters");
-  entry.each = node.text("each", "");
-  if (is_in_list && node.has("variants")) entry.variants = node.texts("variants");
+  entry.each = node.text(
+      {"each", "", "one fit for each number in this column of the first recording's file"}, "");
+  if (is_in_list && node.has("variants"))
+    entry.variants = node.texts({"variants", "", "only these; absent: all"});
   node.leave_to_another("recordings");
   node.leave_to_another("parameters");
   return entry;
@@ -117,36 +146,41 @@ std::string Job::title() const { return variant.empty() ? name : name + ", " + v
 
 Plan read_plan(const config::Node& node, const std::filesystem::path& data) {
   Plan plan;
-  plan.name = node.text("name");
-  plan.about = node.text("about", "");
+  plan.name = node.text({"name", "", "of the plan"});
+  plan.about = node.text({"about", "", "how it is done, printed above the results"}, "");
   plan.hash = std::to_string(node.hash());
   const config::Node nothing = config::Node::from_text("{}", plan.name);
   const config::Node common = laid_over(nothing, node.dump("recording"), plan.name);
   const config::Node solver = laid_over(nothing, node.dump("solver"), plan.name);
   const config::Node parameters = laid_over(nothing, node.dump("parameters"), plan.name);
   for (const char* key : {"recording", "solver", "parameters"}) node.leave_to_another(key);
-  const double effective_strain = node.child_or_empty("effective").number("strain", {1e-6, 100}, 0);
+  const double effective_strain =
+      node.child_or_empty({"effective", "", "the co-rotational material that comes nearest"})
+          .number({"strain", "", "its greatest strain; 0: all that is fitted"}, {1e-6, 100}, 0);
   const std::vector<Variant> variants = read_variants(node);
   std::vector<Entry> entries;
   std::set<std::string> names;
-  for (const config::Node& entry : node.list("fits")) {
-    entries.push_back(read_entry(entry, entry.text("name"), true));
+  for (const config::Node& entry :
+       node.list({"fits", "", "each by itself; absent: one fit of the plan's own `recordings`"})) {
+    entries.push_back(read_entry(entry, entry.text({"name", "", "of the fit"}), true));
     if (!names.insert(entries.back().name).second) entry.fail("name", "comes twice");
   }
   if (entries.empty()) entries.push_back(read_entry(node, plan.name, false));
   node.check_all_used();
 
   for (const Variant& variant : variants) {
-    const config::Node settings = laid_over(solver, variant.solver, plan.name + ": solver");
-    const FitOptions options = read_solver(settings, {});
+    const config::Node settings = under("solver", laid_over(solver, variant.solver, plan.name),
+                                        plan.name, plan.name + ": solver");
+    const FitOptions options =
+        read_solver(settings.child_or_empty({"solver", "", "how the fits are done"}), {});
     settings.check_all_used();
     for (const Entry& entry : entries) {
       if (!entry.has(variant.name)) continue;
       const std::string place = plan.name + ": " + entry.name;
-      config::Node changes =
-          laid_over(laid_over(parameters, entry.parameters, place), variant.parameters, place);
-      changes = config::Node::from_text("parameters: {}", plan.name)
-                    .changed("parameters", changes.dump(), false, place);
+      const config::Node changes = under(
+          "parameters",
+          laid_over(laid_over(parameters, entry.parameters, place), variant.parameters, place),
+          plan.name, place);
       Job job{entry.group,  entry.name,
               variant.name, !entry.each.empty(),
               {},           read_parameters(changes),

@@ -11,9 +11,11 @@
 #include "rt/config/node.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/inference/model_file.hpp"
+#include "tools/fit/plan.hpp"
 #include "tools/train/plan.hpp"
 #ifndef PALPATE_WITHOUT_SIM
 #include "sim/scenes/scene.hpp"
+#include "tools/evaluate/study_plan.hpp"
 #endif
 
 namespace palpate::reference {
@@ -68,6 +70,55 @@ void read_daemon(const config::Node& root) {
   root.check_all_used();
 }
 
+/// Sections whose keys are names that the document gives: a fit's parameters, and a study's
+/// methods.
+bool has_names_for_keys(const std::string& path) {
+  return path == "parameters" ||
+         (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
+}
+
+/// One entry, NAME, stands for all of such a section.
+Declarations without_names(Declarations declarations) {
+  for (config::Declaration& declaration : declarations) {
+    if (has_names_for_keys(declaration.path)) {
+      declaration.name = "NAME";
+    } else if (declaration.path.rfind("parameters.", 0) == 0) {
+      declaration.path = "parameters.NAME";
+    }
+  }
+  return declarations;
+}
+
+const char* chapter_of(Reader reader) {
+  switch (reader) {
+    case Reader::kDaemon:
+      return "daemon";
+    case Reader::kScene:
+      return "scene";
+    case Reader::kTrain:
+      return "train";
+    case Reader::kFit:
+      return "fit";
+    case Reader::kStudy:
+      return "study";
+  }
+  return "";
+}
+
+#ifndef PALPATE_WITHOUT_SIM
+void read_with_simulator(Reader reader, const config::Node& root, const std::string& file) {
+  if (reader == Reader::kScene) {
+    scenes::read_scene(root);
+  } else {
+    evaluate::read_study_plan(file, config::data_folder());
+  }
+}
+#else
+void read_with_simulator(Reader, const config::Node&, const std::string& file) {
+  throw config::Error(file + ": this build has no simulator");
+}
+#endif
+
 }  // namespace
 
 Declarations read(Reader reader, const Exploration& exploration) {
@@ -77,17 +128,17 @@ Declarations read(Reader reader, const Exploration& exploration) {
     read_daemon(root);
   } else if (reader == Reader::kTrain) {
     train::read_plan(root);
+  } else if (reader == Reader::kFit) {
+    // Its parts are laid over each other in documents of their own.
+    fit::read_plan(root, "");
+    return without_names(list.all());
   } else {
-#ifndef PALPATE_WITHOUT_SIM
-    scenes::read_scene(root);
-#else
-    throw config::Error(exploration.file + ": this build has no simulator");
-#endif
+    read_with_simulator(reader, root, exploration.file);
   }
   Declarations own;
   for (const config::Declaration& declaration : list.all())
     if (declaration.document == exploration.file) own.push_back(declaration);
-  return own;
+  return reader == Reader::kStudy ? without_names(own) : own;
 }
 
 std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
@@ -98,9 +149,7 @@ std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
   std::string zeros = "[0";
   for (int i = 1; i < 21; ++i) zeros += ", 0";
   std::vector<Exploration> found;
-  for (const config::Node& item : plan.list(reader == Reader::kDaemon  ? "daemon"
-                                            : reader == Reader::kTrain ? "train"
-                                                                       : "scene")) {
+  for (const config::Node& item : plan.list(chapter_of(reader))) {
 #ifdef PALPATE_WITHOUT_TORCH
     if (item.flag("torch", false)) continue;
 #endif

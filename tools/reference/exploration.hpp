@@ -9,7 +9,7 @@
 namespace palpate::reference {
 
 /// What reads a document.
-enum class Reader { kDaemon, kScene, kTrain };
+enum class Reader { kDaemon, kScene, kTrain, kFit, kStudy };
 
 /// A document to be read, with keys set otherwise.
 struct Exploration {
@@ -20,7 +20,8 @@ struct Exploration {
 /// Everything that was asked of it.
 using Declarations = std::vector<config::Declaration>;
 
-/// Reads it as palpated, palpate-sim or palpate-train does before they begin. Throws config::Error
+/// Reads it as palpated, palpate-sim, palpate-train, palpate-fit or palpate-evaluate does before it
+/// begins. Throws config::Error
 /// where they would refuse it.
 Declarations read(Reader reader, const Exploration& exploration);
 

@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <iostream>
+#include <tuple>
 
 #include "rt/config/node.hpp"
 #include "tools/reference/markdown.hpp"
@@ -35,6 +36,19 @@ constexpr const char* kDaemon =
     "have\n"
     "a section `fallback`, as its slot's own, which takes its place where the component errs.\n"
     "Sections of `second_arm` that are not listed are as those of the first arm.\n\n";
+
+constexpr const char* kFit =
+    "## Plans of palpate-fit\n\n"
+    "`recording`, laid under every recording, and each entry of `recordings` hold what the kind "
+    "of\n"
+    "recording asks for: `palpate-fit --help` and the presets tell it. NAME is that of a "
+    "parameter.\n\n";
+
+constexpr const char* kStudy =
+    "## Plans of palpate-evaluate\n\n"
+    "Of `palpate-evaluate thesis`, `control`, `estimate` and the others that take `--plan`. Files "
+    "are\n"
+    "named from palpate's own folder. NAME is that of a method or a model error.\n\n";
 
 /// A folder of this run alone.
 class Scratch {
@@ -73,7 +87,9 @@ bool write_all(std::ostream& out) {
   const std::pair<Reader, const char*> chapters[] = {
       {Reader::kDaemon, kDaemon},
       {Reader::kScene, "## Scenes of palpate-sim\n\n"},
-      {Reader::kTrain, "## Plans of palpate-train\n\n"}};
+      {Reader::kTrain, "## Plans of palpate-train\n\n"},
+      {Reader::kFit, kFit},
+      {Reader::kStudy, kStudy}};
   for (const auto& [reader, title] : chapters) {
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
@@ -95,27 +111,33 @@ int run(const std::string& file, Reader reader, const std::vector<std::string>& 
 int main(int argc, char** argv) {
   CLI::App app(
       "palpate-reference prints every parameter of configurations, scenes and plans of\n"
-      "palpate-train as a table in Markdown: type, unit, default, range and meaning, as the code "
+      "palpate-train, palpate-fit and palpate-evaluate as a table in Markdown: type, unit, "
+      "default, range and meaning, as the code "
       "declares them.\n"
       "Exit codes: 0 done, 1 a parameter tells no meaning, 78 wrong configuration.");
   std::string file;
   std::vector<std::string> overrides;
-  bool is_scene = false, is_plan = false;
+  Reader reader = Reader::kDaemon;
   app.add_option("configuration", file,
                  "only what this one is asked for; without it everything there is");
-  CLI::Option* scene = app.add_flag("--scene", is_scene, "it is a scene of palpate-sim");
-  app.add_flag("--train", is_plan, "it is a plan of palpate-train")->excludes(scene);
+  const std::tuple<const char*, Reader, const char*> kinds[] = {
+      {"--scene", Reader::kScene, "it is a scene of palpate-sim"},
+      {"--train", Reader::kTrain, "it is a plan of palpate-train"},
+      {"--fit", Reader::kFit, "it is a plan of palpate-fit"},
+      {"--study", Reader::kStudy, "it is a plan of palpate-evaluate"}};
+  CLI::Option_group* kind = app.add_option_group("what the file is", "absent: a configuration");
+  for (const auto& [name, of, meaning] : kinds) {
+    kind->add_flag_callback(
+        name, [&reader, of = of] { reader = of; }, meaning);
+  }
+  kind->require_option(0, 1);
   app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer("Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md");
   CLI11_PARSE(app, argc, argv);
   try {
-    return run(file,
-               is_scene  ? Reader::kScene
-               : is_plan ? Reader::kTrain
-                         : Reader::kDaemon,
-               overrides);
+    return run(file, reader, overrides);
   } catch (const palpate::config::Error& error) {
     std::cerr << "error: " << error.what() << "\n";
     return palpate::config::kExitCode;

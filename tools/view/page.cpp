@@ -48,15 +48,30 @@ void Page::read() {
     if (!text || !self->room_.viewer.receive(self->client_, said, bus::wall_clock_us())) {
       return self->leave();
     }
+    self->catch_up();
     self->read();
   });
 }
 
-void Page::deliver(std::int64_t now_us) {
-  if (left_) return;
+bool Page::is_behind() {
   while (!undrawn_.empty() && undrawn_.front() <= client_->acknowledged) undrawn_.pop_front();
   // Sent is not drawn: the system's buffers alone would hold seconds of frames for a slow page.
-  if (undrawn_.size() >= kMostUndrawn) {
+  return undrawn_.size() >= kMostUndrawn;
+}
+
+/// A page that drew a little late does not wait for the next period: it would lose a frame each
+/// time.
+void Page::catch_up() {
+  if (!owed_ || is_behind()) return;
+  const std::int64_t now_us = bus::wall_clock_us();
+  room_.viewer.prepare(now_us);
+  deliver(now_us);
+}
+
+void Page::deliver(std::int64_t now_us) {
+  if (left_) return;
+  owed_ = is_behind();
+  if (owed_) {
     ++room_.counters.frames_skipped;
     return;
   }

@@ -27,6 +27,8 @@ class Page : public std::enable_shared_from_this<Page> {
     std::string data;
   };
   void read();
+  void catch_up();
+  bool is_behind();
   void send(bool binary, std::string data);
   void write();
   void leave();
@@ -37,6 +39,7 @@ class Page : public std::enable_shared_from_this<Page> {
   std::deque<Message> waiting_;
   bool writing_ = false;
   bool left_ = false;
+  bool owed_ = false;                 // a frame was due while the page was behind
   std::deque<std::int64_t> undrawn_;  // frames that were sent and not acknowledged
   std::shared_ptr<Client> client_ = std::make_shared<Client>();
 };

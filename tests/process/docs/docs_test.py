@@ -5,6 +5,7 @@ usage: docs_test.py configuration ROOT BIN    docs/configuration.md is what palp
        docs_test.py published ROOT            docs/published_methods.md is what its script prints
        docs_test.py keys ROOT                 and tells every key that the sources ask for
        docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says, installed
+       docs_test.py readme ROOT BIN           those of README.md do, in the tree and as it was built
 """
 import difflib
 import os
@@ -18,7 +19,7 @@ import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
 READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
-           "tools/train/plan.cpp")
+           "tools/train/plan.cpp", "tools/fit/plan.cpp", "tools/evaluate/study_plan.cpp")
 GETTER = re.compile(
     r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
     r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
@@ -26,6 +27,11 @@ GETTER = re.compile(
 OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg", "units", "hidden"}
 # Asked for by hand: they name a library that the user has built (tools/examples).
 OF_LIBRARIES = {"plugins", "library"}
+
+
+# Of README.md: what is not run here, and why.
+NOT_RUN = {"tools/demo": "installs packages and runs for half an hour",
+           "tools/test": "installs packages and runs all tests, this one among them"}
 
 
 def is_printed(page, words, root):
@@ -82,13 +88,58 @@ def blocks(text):
     return found
 
 
+def private_urls():
+    """For control and housekeeping, of this process alone."""
+    port = 10000 + os.getpid() % 11000 * 2
+    group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
+    return f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
+
+
+def say_and_run(body, folder, environment):
+    """What a shell said, and its exit code; nothing that it began outlives it."""
+    # Where this test is killed, the shell ends and with it, by its trap, what runs behind it.
+    process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "bash", "-c", body], cwd=folder, env=environment,
+                               text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
+    try:
+        output = process.communicate(timeout=PATIENCE)[0]
+    except subprocess.TimeoutExpired:
+        os.killpg(process.pid, signal.SIGKILL)
+        output = process.communicate()[0] + f"\nerror: not done after {PATIENCE} s"
+    print(output)
+    return output, process.returncode
+
+
+def readme(root, programs):
+    """Blocks of README.md, on LCM URLs of their own, by a machine that may be busy."""
+    control, housekeeping = private_urls()
+    urls = f"--set 'bus.control={control}' --set 'bus.housekeeping={housekeeping}'"
+    script = ["set -euo pipefail", "trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT",
+              f'palpate-sim() {{ exec "{programs}/palpate-sim" "$@" {urls}; }}',
+              f'palpated() {{ exec "{programs}/palpated" "$@" {urls} --set loop.degraded_after_ms=9000 '
+              "--set loop.overrun_window_ms=10000 --set loop.safe_stop_after_ms=10000; }",
+              f'palpate-command() {{ "{programs}/palpate-command" --url "{control}" --housekeeping "{housekeeping}" '
+              '--timeout 60 "$@"; }']
+    left_out, run = set(), 0
+    for start, lines in blocks((root / "README.md").read_text()):
+        for number, line in enumerate(lines, start):
+            words = line.split()
+            if words and words[0] in NOT_RUN:
+                left_out.add(words[0])
+                print(f"README.md:{number}: not run, since it {NOT_RUN[words[0]]}")
+            elif words and not line.startswith("export PATH="):
+                run += 1
+                script += [f"echo 'README.md:{number}: {words[0]}'", line]
+    if left_out != set(NOT_RUN) or run < 4:
+        print(f"error: README.md has {sorted(left_out)} and {run} other commands: mend NOT_RUN")
+        return 1
+    return say_and_run("\n".join(script), root, {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"})[1]
+
+
 def commands(root, programs, guide):
     """One shell runs all blocks in their order, in an empty folder, with palpate installed for it
     alone and on LCM URLs of its own."""
     text = guide.read_text()
-    port = 10000 + os.getpid() % 11000 * 2
-    group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
-    control, housekeeping = f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
+    control, housekeeping = private_urls()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))
     prefix = folder / "installed"
     for component in ("daemon", "sim", "dev"):
@@ -104,29 +155,24 @@ def commands(root, programs, guide):
     environment.pop("PALPATE", None)  # the guide finds what is installed
     work = folder / "work"
     work.mkdir()
-    # Where this test is killed, the shell ends and with it, by its trap, what runs behind it.
-    process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "bash", "-c", body], cwd=work, env=environment, text=True,
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
     try:
-        output = process.communicate(timeout=PATIENCE)[0]
-    except subprocess.TimeoutExpired:
-        os.killpg(process.pid, signal.SIGKILL)
-        output = process.communicate()[0] + f"\nerror: not done after {PATIENCE} s"
+        output, code = say_and_run(body, work, environment)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    print(output)
     for expected in re.findall(r"<!-- says: (.*?) -->", text):
         if not re.search(expected, output):
             print(f"error: nothing says: {expected}")
             return 1
-    return process.returncode
+    return code
 
 
 def main():
     what, root = sys.argv[1], pathlib.Path(sys.argv[2])
     if what in ("keys", "published"):
         return {"keys": keys, "published": published}[what](root)
-    programs = pathlib.Path(sys.argv[3])
+    programs = pathlib.Path(sys.argv[3]).resolve()
+    if what == "readme":
+        return readme(root, programs)
     return configuration(root, programs) if what == "configuration" else commands(root, programs, root / sys.argv[4])
 
 

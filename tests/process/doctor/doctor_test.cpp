@@ -59,6 +59,41 @@ TEST_F(Doctor, HearsItselfAndNoDaemon) {
   EXPECT_EQ(daemons["found"], "0 heard on " + urls_[1].group());
 }
 
+TEST_F(Doctor, ListsTheChannelsOfAConfigurationBeforeItRuns) {
+  ChildProcess doctor(command({"--channels", "--json"}));
+  ASSERT_EQ(doctor.wait(seconds(60)), 0) << doctor.output();
+  const nlohmann::json json = nlohmann::json::parse(doctor.output());
+  const auto channel = [&json](const std::string& name) -> nlohmann::json {
+    for (const nlohmann::json& one : json["channels"])
+      if (one["channel"] == name) return one;
+    return nullptr;
+  };
+  EXPECT_EQ(channel("FT_WRENCH")["type"], "ft_wrench_t");
+  EXPECT_EQ(channel("FT_WRENCH")["direction"], "heard");
+  EXPECT_EQ(channel("FT_WRENCH")["url"], urls_[0].text());
+  EXPECT_EQ(channel("TWIST_COMMAND")["direction"], "spoken");
+  EXPECT_NEAR(channel("TWIST_COMMAND")["rate_hz"], 1000, 2);
+  EXPECT_NEAR(channel("SHAPE")["rate_hz"], 100, 1);
+  EXPECT_NEAR(channel("HEALTH")["rate_hz"], 10, 1);
+  EXPECT_EQ(channel("SHAPE")["url"], urls_[1].text());
+  EXPECT_EQ(channel("COMPONENT_EVENT")["rate_hz"], 0) << "on change";
+  EXPECT_TRUE(channel("TWIST_COMMAND_1").is_null()) << "one arm";
+  EXPECT_TRUE(channel("JOINT_VELOCITY_COMMAND").is_null()) << "by the flange";
+
+  // Other loops, other rates.
+  ChildProcess slow(command({"--channels", "--json", "--set", "loop.period_ms=2"}));
+  ASSERT_EQ(slow.wait(seconds(60)), 0) << slow.output();
+  const nlohmann::json slower = nlohmann::json::parse(slow.output());
+  for (const nlohmann::json& one : slower["channels"]) {
+    if (one["channel"] == "TWIST_COMMAND") {
+      EXPECT_NEAR(one["rate_hz"], 500, 2);
+    }
+  }
+  ChildProcess wrong(command({"--channels", "--set", "gate.no_such=1"}));
+  EXPECT_EQ(wrong.wait(seconds(60)), 78) << wrong.output();
+  EXPECT_NE(wrong.output().find("gate.no_such"), std::string::npos) << wrong.output();
+}
+
 TEST_F(Doctor, TwoDaemonsOnOneUrlFail) {
   std::atomic<bool> stop{false};
   std::thread daemons([&] {

@@ -50,6 +50,10 @@ def bar(nodes):
                 corner = [index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) for c in range(8)]
                 tetrahedra += [(corner[0], corner[a], corner[b], corner[7]) for a, b in ways]
     tetrahedra = np.array(tetrahedra)
+    # Positive, as palpated's are, so that all triangles look outwards.
+    edges = xyz[tetrahedra[:, 1:]] - xyz[tetrahedra[:, :1]]
+    mirrored = np.linalg.det(edges) < 0
+    tetrahedra[mirrored, 2:] = tetrahedra[mirrored, :1:-1]
     faces = tetrahedra[:, [[1, 2, 3], [0, 3, 2], [0, 1, 3], [0, 2, 1]]].reshape(-1, 3)
     _, first, times = np.unique(np.sort(faces, axis=1), axis=0, return_index=True, return_counts=True)
     return xyz, tetrahedra, faces[first[times == 1]]

@@ -145,17 +145,17 @@ class ViewTest(unittest.TestCase):
         before = self.shown()
         # By hand: from where the feature is, 50 mm upwards in O.
         cell.click('#pointer [data-mode="target"]')
-        value = np.array(wait_for(lambda: cell.js("palpate.frame.feature.value"), "a feature")[:3])
+        value = np.array(wait_for(lambda: cell.js("palpate.frame?.feature?.value"), "a feature")[:3])
         here, there = cell.project(np.array([value, value + [0, 0, 0.05]]))[:, :2]
         cell.mouse("mousePressed", *here)
         for share in np.linspace(0.2, 1, 5):
             cell.mouse("mouseMoved", *(here + share * (there - here)))
         cell.mouse("mouseReleased", *there)
-        wait_for(lambda: cell.js("palpate.frame.feature.revision >= 0"), "the target is taken")
-        target = np.array(cell.js("palpate.frame.feature.target")[:3])
+        wait_for(lambda: cell.js("palpate.frame?.feature?.revision >= 0"), "the target is taken")
+        target = np.array(cell.js("palpate.frame?.feature?.target")[:3])
         # Dragged in the plane that faces the camera, which is not that of the object's z.
         self.assertTrue(np.allclose(cell.project(target[None])[0, :2], there, atol=3))
-        wait_for(lambda: bool(np.linalg.norm(cell.js("palpate.frame.feature.error")) < 1.5e-3),
+        wait_for(lambda: bool(np.linalg.norm(cell.js("palpate.frame?.feature?.error ?? [1]")) < 1.5e-3),
                  "the feature reaches it")
         cell.click('#pointer [data-mode="look"]')
         self.still_shape()
@@ -198,7 +198,7 @@ class ViewTest(unittest.TestCase):
             cell.browser.execute_script(
                 "const s = document.getElementById('field'); s.value = arguments[0]; s.onchange();",
                 field)
-            wait_for(lambda: cell.js("palpate.frame.field") == field, field)
+            wait_for(lambda: cell.js("palpate.frame?.field") == field, field)
             wait_for(lambda: title in cell.text("#legend-title"), f"legend of {field}")
         self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven tells none")
         cell.browser.execute_script("const s = document.getElementById('field');"
@@ -283,7 +283,7 @@ class ViewTest(unittest.TestCase):
         cell.start_daemon()
         wait_for(lambda: cell.text("#state") == "inactive", "the new one is seen")
         self.command("start")
-        wait_for(lambda: cell.js("palpate.frame.shape.age_ms") < 1000, "its shape is shown")
+        wait_for(lambda: cell.js("palpate.frame?.shape?.age_ms < 1000"), "its shape is shown")
         wait_for(lambda: cell.js("document.getElementById('stale').hidden"), "which is new")
         cell.next_frames()
         self.assertEqual(cell.stop("palpate-view"), 0)
@@ -336,18 +336,23 @@ class ViewTest(unittest.TestCase):
         cell.stop("palpate-view")
         cell.start_view("--log", f"{cell.folder.name}/run.log")
         cell.resize(*WIDE)
-        wait_for(lambda: cell.js("palpate.connected && !!palpate.frame.player"), "the recording")
+        wait_for(lambda: cell.js("palpate.connected && !!palpate.frame?.player"), "the recording")
         self.assertFalse(cell.js("document.getElementById('timeline').hidden"))
         self.assertTrue(cell.js("document.getElementById('commands').hidden"), "nothing to command")
-        if not cell.js("palpate.frame.player.playing"):
+        if not cell.js("palpate.frame?.player?.playing"):
             cell.click("#play")
-        wait_for(lambda: cell.js("palpate.frame.player.time > 0.3"), "it plays")
-        if cell.js("palpate.frame.player.playing"):
+        wait_for(lambda: cell.js("palpate.frame?.player?.time > 0.3"), "it plays")
+        if cell.js("palpate.frame?.player?.playing"):
             cell.click("#play")
-        wait_for(lambda: not cell.js("palpate.frame.player.playing"), "it pauses")
-        paused = cell.js("palpate.frame.player.time")
+        wait_for(lambda: cell.js("palpate.frame?.player?.playing === false"), "it pauses")
+        paused = cell.js("palpate.frame?.player?.time")
         cell.next_frames()
-        self.assertEqual(cell.js("palpate.frame.player.time"), paused)
+        self.assertEqual(cell.js("palpate.frame?.player?.time"), paused)
+        # What rests is drawn once, and sharp: but for the scale of colours, which may shrink once.
+        wait_for(lambda: cell.js("palpate.stage.sharpness") == 1, "a sharp picture")
+        before = cell.js("palpate.pictures")
+        cell.next_frames(10)
+        self.assertLessEqual(cell.js("palpate.pictures"), before + 1, "nothing is drawn for nothing")
         for number in (250, 60, 199):
             cell.browser.execute_script(
                 "const s = document.getElementById('seek'); s.value = arguments[0];"
@@ -371,6 +376,29 @@ class ViewTest(unittest.TestCase):
                 log.write(struct.pack(">IqqII", 0xEDA1DA01, number, 1_700_000_000_000_000 + at,
                                       len(channel), len(data)) + channel + data)
         return len(events)
+
+    def test_9_draws_as_sharp_as_is_fluent(self):
+        # By a clock of the test's own: [ms from one frame to the next, by sharpness] for so many s.
+        script = """
+            const [full, half, seconds, moves] = arguments, done = arguments[arguments.length - 1];
+            import('./pace.js').then(({Pace}) => {
+              const pace = new Pace(), seen = [];
+              for (let now = 1000, sharpness = 1; now < 1000 * seconds;) {
+                if (now < 1000 * moves) pace.moved(now);
+                sharpness = pace.next(now, true);
+                seen.push(sharpness);
+                now += sharpness > 0.8 ? full : half;
+              }
+              done([Math.min(...seen), seen[Math.floor(seen.length / 2)], seen[seen.length - 1]]);
+            });"""
+
+        def paced(*words):
+            return self.cell.browser.execute_async_script(script, *words)
+        self.assertEqual(paced(17, 17, 10, 10), [1, 1, 1], "a fluent picture stays sharp")
+        least, middle, last = paced(60, 25, 10, 10)
+        self.assertEqual((least, middle, last), (0.75, 0.75, 0.75), "a slow one becomes fluent")
+        self.assertEqual(paced(60, 25, 10, 8)[2], 1, "and sharp again once it rests")
+        self.assertEqual(paced(60, 58, 12, 12)[1:], [1, 1], "where it does not help it stays sharp")
 
     def test_9_says_nothing_on_the_console(self):
         # But that it was left alone while the server was away.

@@ -5,6 +5,7 @@ import {COLOURS, FIELDS} from './colours.js';
 import {Control, takeToken} from './control.js';
 import {Legend} from './legend.js';
 import {Link} from './link.js';
+import {Pace} from './pace.js';
 import {Panels, fixed, unitOf} from './panels.js';
 import {Plot} from './plot.js';
 import {Pointer} from './pointer.js';
@@ -12,6 +13,7 @@ import {ShapeView} from './shapes.js';
 import {Stage} from './stage.js';
 import {Timeline} from './timeline.js';
 
+const SEEN = 3e-4;  // of the object's size: movement that an eye follows
 const byId = (id) => document.getElementById(id);
 const token = takeToken();
 
@@ -62,6 +64,7 @@ const link = new Link({
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
     stage.setRobots(message.robots);
+    stage.dirty = true;
     byId('source').textContent = message.mode === 'log' ? 'recording' : '';
     beginPlots(message);
   },
@@ -74,6 +77,7 @@ const link = new Link({
     const other = shape.mesh && shape.mesh.hash !== mesh.hash;
     if (!shape.mesh || other) shape.setMesh(mesh);
     shape.known = mesh.hash;
+    stage.dirty = true;
     if (shape === estimate && (other || !greeting.shown)) setLayer('lines', estimate.isCoarse());
     greeting.shown = true;
     if (other && shape === estimate) pointer.pick(-1);
@@ -87,7 +91,6 @@ const link = new Link({
   frame(message) {
     frame = message;
     if (message.health) health = message.health;
-    stage.dirty = true;
   },
 });
 
@@ -148,8 +151,9 @@ function showShapes() {
   const hasTruth = Boolean(frame.truth_x && truth.mesh && frame.truth_mesh === truth.mesh.hash);
   estimate.group.visible = hasEstimate && layers.estimate;
   truth.group.visible = hasTruth && layers.truth;
-  if (hasEstimate) estimate.setPositions(frame.x);
-  if (hasTruth) truth.setPositions(frame.truth_x);
+  const went = Math.max(hasEstimate ? estimate.setPositions(frame.x) : 0, hasTruth ? truth.setPositions(frame.truth_x) : 0);
+  if (went > 0) stage.dirty = true;
+  if (went > SEEN * size) pace.moved(performance.now());
   // Shown alone the true shape has the colours; beside the estimate it is a veil.
   const coloured = layers.estimate || !hasTruth ? 'estimate' : 'truth';
   const [shape, values] = coloured === 'estimate' ? [estimate, frame.values] : [truth, frame.truth_values];
@@ -157,7 +161,7 @@ function showShapes() {
   if (hasTruth) truth.setStyle({ghost: coloured === 'estimate', plain: layers.plain, lines: layers.lines});
   const field = frame.field;
   const top = legend.top(field, values && shape.mesh ? largest(values, shape) : 0);
-  if (coloured === 'estimate' ? hasEstimate : hasTruth) shape.paint(values, top);
+  if ((coloured === 'estimate' ? hasEstimate : hasTruth) && shape.paint(values, top)) stage.dirty = true;
   legend.show(field, top, values ? (coloured === 'estimate' ? '' : 'of the true shape') : noteWithout(field, coloured));
   if (estimate.nodes) {
     estimate.nodes.visible = layers.nodes;
@@ -241,18 +245,37 @@ function pushes() {
       ? {at: estimate.node(estimate.nearestAtRest(push.at)).toArray(), force: push.force} : push);
 }
 
+/** Whether anything but the shapes is drawn otherwise than in the last picture: arrows, marks, robots, layers. */
+function othersDiffer() {
+  const {links, links_1, seen: points, contacts, truth_contacts, estimate: grasps, feature, push} = frame;
+  const text = JSON.stringify([links && [...links], links_1 && [...links_1], contacts, truth_contacts, grasps, push, pointer.pull,
+    pointer.dragged, pointer.picked, feature && [feature.value, feature.target, feature.revision], points && [...points.slice(0, 30)],
+    layers, estimate.group.visible, truth.group.visible, size]);
+  const differ = text !== othersDrawn;
+  othersDrawn = text;
+  return differ;
+}
+
 const timing = {show: 0, render: 0};  // ms a frame, of this thread
-let plotted = 0, frames = 0;
+const pace = new Pace();
+stage.controls.addEventListener('change', () => pace.moved(performance.now()));
+let plotted = 0, frames = 0, pictures = 0, drew = false, othersDrawn = '';
 function animate(now) {
   requestAnimationFrame(animate);
-  if (!frame || !stage.dirty) return;
+  stage.setSharpness(pace.next(now, drew));
   const fresh = frame !== drawn;
+  drew = false;
+  if (!frame || (!fresh && !stage.dirty)) return;
   const begin = performance.now();
   showFrame();
   const shown = performance.now();
-  stage.render();
   timing.show += 0.05 * (shown - begin - timing.show);
-  timing.render += 0.05 * (performance.now() - shown - timing.render);
+  if (othersDiffer() || stage.dirty) {
+    stage.render();
+    drew = true;
+    ++pictures;
+    timing.render += 0.05 * (performance.now() - shown - timing.render);
+  }
   drawn = frame;
   if (!fresh) return;
   ++frames;
@@ -275,6 +298,6 @@ byId('home').onclick = () => {
 };
 
 // For whoever wants to look at the page from outside, a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, fields: FIELDS, timing,
-  get frame() { return frame; }, get health() { return health; }, get frames() { return frames; },
+window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fields: FIELDS, timing,
+  get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

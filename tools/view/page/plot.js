@@ -1,6 +1,7 @@
 // Lines over time on a canvas.
 
 import {niceAbove, tickText} from './colours.js';
+import {penOf} from './software.js';
 
 export class Plot {
   /** `lines`: [{name, colour}]; `seconds`: the window of a live plot. */
@@ -58,7 +59,7 @@ export class Plot {
       canvas.width = Math.round(width * ratio);
       canvas.height = Math.round(height * ratio);
     }
-    const pen = canvas.getContext('2d');
+    const pen = penOf(canvas);
     pen.setTransform(ratio, 0, 0, ratio, 0, 0);
     pen.clearRect(0, 0, width, height);
     const left = 50, right = 8, top = 20, bottom = 17, w = width - left - right, h = height - top - bottom;

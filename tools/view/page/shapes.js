@@ -1,6 +1,7 @@
 // The estimated and the true shape: surfaces coloured by a number a node, mesh lines, nodes.
 
 import {COLOURS, colourOf} from './colours.js';
+import {facets} from './facets.js';
 
 const MOST_LINES = 5000;
 const CREASE = Math.cos(30 * Math.PI / 180);
@@ -26,6 +27,12 @@ function edgesOf(triangles, rest) {
   }
   const pairs = (list) => new THREE.BufferAttribute(new Uint32Array(list.flatMap(({i, j}) => [i, j])), 1);
   return {all: pairs(edges), creases: pairs(edges.filter((edge) => edge.crease))};
+}
+
+/** Whether two lists, or none, hold the same numbers. */
+function same(a, b) {
+  if (!a || !b) return !a && !b;
+  return a.length === b.length && a.every((value, i) => value === b[i]);
 }
 
 export class ShapeView {
@@ -75,6 +82,7 @@ export class ShapeView {
       this.group.add(part);
     }
     this.styled = '';
+    this.painted = false;
     this.setStyle({ghost: false, plain: false, lines: this.isCoarse()});
     this.markNodes(new Set());
   }
@@ -89,13 +97,11 @@ export class ShapeView {
     // Where both shapes are at the same place, the estimate is in front.
     const behind = {polygonOffsetFactor: 3, polygonOffsetUnits: 12};
     if (ghost) {
-      this.surface.material = new THREE.MeshPhongMaterial(
-          {...common, ...behind, color: this.style.ghost, specular: 0, transparent: true, opacity: 0.1, depthWrite: false, flatShading: true});
+      this.surface.material = facets({...common, ...behind, tint: this.style.ghost, opacity: 0.1, depthWrite: false});
     } else if (plain) {
       this.surface.material = new THREE.MeshBasicMaterial({...common, vertexColors: THREE.VertexColors});
     } else {
-      this.surface.material = new THREE.MeshPhongMaterial(
-          {...common, specular: 0x1a1a1a, shininess: 20, flatShading: true, vertexColors: THREE.VertexColors});
+      this.surface.material = facets(common);
     }
     this.surface.renderOrder = ghost ? 2 : 0;
     this.edges.geometry.setIndex(lines && !ghost ? this.lines.all : this.lines.creases);
@@ -107,18 +113,28 @@ export class ShapeView {
   /** Whether lines leave something of the colours between them, and cost little. */
   isCoarse() { return this.lines.all.count < 2 * MOST_LINES; }
 
+  /** How far the coordinate went that went farthest, m; nothing is sent to be drawn where none did. */
   setPositions(xyz) {
-    this.position.array.set(xyz);
+    const old = this.position.array;
+    let farthest = 0;
+    for (let i = 0; i < xyz.length; ++i) farthest = Math.max(farthest, Math.abs(xyz[i] - old[i]));
+    if (farthest === 0) return 0;
+    old.set(xyz);
     this.position.needsUpdate = true;
+    return farthest;
   }
 
-  /** Colours by `values` (SI), which `most` is the top of; none: grey. */
+  /** Colours by `values` (SI), which `most` is the top of; none: grey. Whether they are others than before. */
   paint(values, most) {
+    const {values: old, most: oldMost} = this;
     this.values = values;
+    this.most = most;
+    if (this.painted && most === oldMost && same(values, old)) return false;
     const out = this.colour.array;
     if (!values) out.fill(0.6);
     else for (let n = 0; n < values.length; ++n) colourOf(values[n] / most, out, 3 * n);
-    this.colour.needsUpdate = true;
+    this.colour.needsUpdate = this.painted = true;
+    return true;
   }
 
   /** As in the thesis' Fig. 4.4: white nodes, green ones loaded, red ones held. */

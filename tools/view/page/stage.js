@@ -1,20 +1,13 @@
 // Camera, light, floor and robot.
 
-const SKY = 0xffffff, GROUND = 0x8090a0;
-
-/** Whether pictures are drawn without a graphics processor, which smooth edges cost a processor dear. */
-function drawsInSoftware() {
-  const gl = document.createElement('canvas').getContext('webgl');
-  const info = gl && gl.getExtension('WEBGL_debug_renderer_info');
-  const name = info ? gl.getParameter(info.UNMASKED_RENDERER_WEBGL) : '';
-  if (gl) gl.getExtension('WEBGL_lose_context').loseContext();
-  return /swiftshader|llvmpipe|softpipe|software/i.test(name);
-}
+import {GROUND, SKY, SKY_STRENGTH, SUN_STRENGTH, light} from './facets.js';
+import {inSoftware} from './software.js';
 
 export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
-    this.smooth = /[?&]smooth/.test(location.search) || !drawsInSoftware();
+    // Smooth edges cost a processor dear.
+    this.smooth = /[?&]smooth/.test(location.search) || !inSoftware;
     // Nor does it blend the picture over the page's own background for nothing.
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: this.smooth});
     this.renderer.setClearColor(0x18212b, this.smooth ? 0 : 1);
@@ -22,11 +15,12 @@ export class Stage {
     this.camera = new THREE.PerspectiveCamera(32, 1, 0.01, 50);
     this.camera.up.set(0, 0, 1);
     this.camera.position.set(0.4, -1.6, 0.7);
-    this.hemisphere = new THREE.HemisphereLight(SKY, GROUND, 0.86);
-    this.sun = new THREE.DirectionalLight(0xffffff, 0.4);
+    this.hemisphere = new THREE.HemisphereLight(SKY, GROUND, SKY_STRENGTH);
+    this.sun = new THREE.DirectionalLight(SKY, SUN_STRENGTH);
     this.scene.add(this.hemisphere, this.sun);
     this.makeControls();
     this.robots = [];
+    this.sharpness = 1;
     this.dirty = true;
     this.framed = this.touched = false;
     this.resize();
@@ -46,13 +40,20 @@ export class Stage {
   resize() {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (!width || !height) return;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio || 1, 2));
+    this.renderer.setPixelRatio(this.sharpness * Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
     // Until somebody has chosen a view, the object fits the picture.
     if (!this.touched && Math.abs(this.camera.aspect - width / height) > 0.02) this.framed = false;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.dirty = true;
+  }
+
+  /** Pixels drawn for each of the screen's, along a side, 0 to 1. */
+  setSharpness(sharpness) {
+    if (sharpness === this.sharpness) return;
+    this.sharpness = sharpness;
+    this.resize();
   }
 
   /** The base of the first arm in O: its z is up, and the floor lies at it. */
@@ -164,6 +165,9 @@ export class Stage {
     this.sun.position.copy(this.camera.position).addScaledVector(this.camera.up, 0.6);
     this.sun.target.position.copy(this.controls.target);
     this.sun.target.updateMatrixWorld();
+    this.camera.updateMatrixWorld();
+    light.up.value.copy(this.hemisphere.position).transformDirection(this.camera.matrixWorldInverse);
+    light.sun.value.subVectors(this.sun.position, this.sun.target.position).transformDirection(this.camera.matrixWorldInverse);
     this.renderer.render(this.scene, this.camera);
     this.dirty = false;
   }

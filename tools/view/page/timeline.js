@@ -1,5 +1,7 @@
 // The timeline of a log: play, pause, time, rate.
 
+import {penOf} from './software.js';
+
 const byId = (id) => document.getElementById(id);
 
 export class Timeline {
@@ -40,7 +42,7 @@ export class Timeline {
     const canvas = byId('marks'), ratio = Math.min(window.devicePixelRatio || 1, 2);
     canvas.width = canvas.clientWidth * ratio;
     canvas.height = canvas.clientHeight * ratio;
-    const pen = canvas.getContext('2d');
+    const pen = penOf(canvas);
     pen.scale(ratio, ratio);
     const thumb = 8;  // half of the slider's handle
     for (const [time, what] of this.log.marks) {

@@ -107,5 +107,42 @@ TEST(OtherRobot, BrokenOnesAreRefusedWithAReason) {
   EXPECT_NE(refusal(six_joint_arm(), RobotOptions()).find("flange"), std::string::npos);
 }
 
+std::string all(const std::vector<std::string>& remarks) {
+  std::string text;
+  for (const std::string& remark : remarks) text += remark + "\n";
+  return text;
+}
+
+std::string remarks_where(const std::string& what, const std::string& by) {
+  std::string text = six_joint_arm();
+  return all(parse_model(text.replace(text.find(what), what.size(), by), "six.urdf").remarks);
+}
+
+TEST(OtherRobot, MassesAndInertiasThatWouldMakeItUnstableAreTold) {
+  EXPECT_EQ(all(parse_model(six_joint_arm(), "six.urdf").remarks), "");
+  EXPECT_EQ(all(load_model(PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf").remarks), "");
+  // The fifth link, of 1 kg, between one of 2 and one of 0.5 kg with its tool.
+  const std::string light = remarks_where("mass value='1.000000'", "mass value='0.0001'");
+  EXPECT_NE(light.find("l4 of 2 kg and l5 of 0.0001 kg"), std::string::npos) << light;
+  EXPECT_NE(light.find("joint j6 joins l5 of 0.0001 kg and l6 of 1.5 kg"), std::string::npos)
+      << "with the tool that is fixed to it: " << light;
+  const std::string none = remarks_where("mass value='1.000000'", "mass value='0'");
+  EXPECT_NE(none.find("link l5, which joint j5 moves, weighs nothing"), std::string::npos) << none;
+  const std::string flat = remarks_where("izz='0.01'", "izz='0.05'");
+  EXPECT_NE(flat.find("link base has principal moments 0.02, 0.02 and 0.05"), std::string::npos)
+      << flat;
+  const std::string negative = remarks_where("izz='0.01'", "izz='-0.01'");
+  EXPECT_NE(negative.find("all must be above zero"), std::string::npos) << negative;
+}
+
+TEST(OtherRobot, TellsWhatDartItselfUses) {
+  Robot robot(parse_model(six_joint_arm(), "six.urdf"), named());
+  robot.step(2e-3);
+  const std::string told = robot.effective_options();
+  EXPECT_NE(told.find("step 2 ms, gravity [0, 0, -9.81] m/s^2, 1 skeletons"), std::string::npos)
+      << told;
+  EXPECT_NE(told.find("solved by "), std::string::npos) << told;
+}
+
 }  // namespace
 }  // namespace palpate::robot

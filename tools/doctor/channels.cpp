@@ -1,0 +1,156 @@
+#include "tools/doctor/channels.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iomanip>
+#include <map>
+#include <palpate/component_command_t.hpp>
+
+#include "rt/daemon/daemon.hpp"
+#include "rt/daemon/text.hpp"
+#include "tools/log/type_table.hpp"
+
+namespace palpate::doctor {
+namespace {
+
+// Of virtual time: the start, which events belong to, and what is counted; the slowest channel
+// speaks once a second.
+constexpr double kBeginning = 1, kCounted = 2;
+
+/// What a bus carried, by channel.
+class Listener final : public bus::MessageTap {
+ public:
+  struct Heard {
+    const log::TypeInfo* type = nullptr;
+    int messages = 0;
+  };
+  void note(const std::string& channel, const void* data, int size) noexcept override {
+    Heard& heard = heard_[channel];
+    heard.type = log::type_of(static_cast<const std::uint8_t*>(data), size);
+    if (counts) ++heard.messages;
+  }
+  bool counts = false;
+  const std::map<std::string, Heard>& heard() const { return heard_; }
+
+ private:
+  std::map<std::string, Heard> heard_;
+};
+
+const log::TypeInfo* type_of(std::int64_t fingerprint) {
+  const auto& types = log::types();
+  const auto found = std::find_if(types.begin(), types.end(), [fingerprint](const auto& type) {
+    return type.fingerprint == fingerprint;
+  });
+  return found == types.end() ? nullptr : &*found;
+}
+
+Channel described(const std::string& name, const log::TypeInfo* type, const std::string& url) {
+  Channel channel{name, "unknown", url, false, 0, ""};
+  if (type != nullptr) {
+    channel.type = type->name;
+    channel.about = type->comment.substr(0, type->comment.find_first_of(".;\n"));
+  }
+  return channel;
+}
+
+/// One of the daemon's two buses, in memory, and all that passes it.
+struct Line {
+  std::string url;
+  std::shared_ptr<bus::MemoryHub> hub = bus::make_memory_hub();
+  std::unique_ptr<bus::MessageBus> bus = bus::make_memory_bus(hub);
+  Listener listener;
+};
+
+void start_it(Line& control) {
+  component_command_t start{};
+  start.session = 2;
+  daemon::put_text(start.event, "start");
+  const auto operator_bus = bus::make_memory_bus(control.hub);
+  bus::TypedPublisher<component_command_t>(*operator_bus, "COMPONENT_COMMAND").publish(start);
+}
+
+}  // namespace
+
+std::vector<Channel> channels_of(const std::string& path,
+                                 const std::vector<std::string>& overrides) {
+  const config::Node root = config::Node::load_file(path, overrides);
+  const daemon::Settings told = daemon::read_settings(root);
+  // Whoever only looks needs no key, and leaves no record.
+  std::vector<std::string> open = overrides;
+  for (const std::string key : {"access", "record"})
+    if (root.has(key)) open.push_back(key + "=~");
+  Line lines[2];
+  lines[0].url = told.control_url;
+  lines[1].url = told.housekeeping_url;
+  daemon::Daemon daemon(config::Node::load_file(path, open), *lines[0].bus, *lines[1].bus,
+                        daemon::Mode::kDeterministic, 1);
+  for (Line& line : lines) {
+    line.bus->set_tap(&line.listener);
+    line.bus->start();
+  }
+  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 * told.loop.period));
+  const auto cycles = static_cast<int>(std::ceil((kBeginning + kCounted) / told.loop.period));
+  for (int i = 1; i <= cycles; ++i) {
+    daemon::Now now;
+    now.monotonic_ns = i * period_ns;
+    now.utime = now.monotonic_ns / 1000;
+    for (Line& line : lines) {
+      bus::set_time(*line.hub, now.monotonic_ns);
+      line.listener.counts = 1e-9 * static_cast<double>(now.monotonic_ns) > kBeginning;
+    }
+    if (i == 2) start_it(lines[0]);
+    daemon.tick(now);
+  }
+
+  std::vector<Channel> channels, spoken;
+  for (Line& line : lines) {
+    std::map<std::string, bool> subscribed;
+    for (const bus::Subscription* subscription : line.bus->subscriptions()) {
+      subscribed[subscription->channel()] = true;
+      channels.push_back(
+          described(subscription->channel(), type_of(subscription->fingerprint()), line.url));
+      channels.back().is_heard = true;
+    }
+    for (const auto& [name, heard] : line.listener.heard()) {
+      if (subscribed.count(name) != 0) continue;  // what the tap saw was taken, not spoken
+      spoken.push_back(described(name, heard.type, line.url));
+      spoken.back().rate = heard.messages / kCounted;
+    }
+  }
+  channels.insert(channels.end(), spoken.begin(), spoken.end());
+  return channels;
+}
+
+void print(const std::vector<Channel>& channels, std::ostream& out) {
+  for (const bool is_heard : {true, false}) {
+    out << (is_heard ? "palpated hears\n" : "palpated speaks\n");
+    for (const Channel& channel : channels) {
+      if (channel.is_heard != is_heard) continue;
+      out << "  " << std::left << std::setw(24) << channel.name << std::setw(26) << channel.type;
+      if (is_heard) {
+        out << std::setw(9) << "";
+      } else if (channel.rate == 0) {
+        out << "on change";
+      } else {
+        out << std::right << std::setw(6) << std::lround(channel.rate) << " Hz";
+      }
+      out << "  " << channel.url << "\n";
+    }
+  }
+}
+
+nlohmann::json to_json(const std::vector<Channel>& channels) {
+  nlohmann::json list = nlohmann::json::array();
+  for (const Channel& channel : channels) {
+    list.push_back({{"channel", channel.name},
+                    {"type", channel.type},
+                    {"url", channel.url},
+                    {"direction", channel.is_heard ? "heard" : "spoken"},
+                    {"about", channel.about}});
+    list.back()["rate_hz"] =
+        channel.is_heard ? nlohmann::json(nullptr) : nlohmann::json(channel.rate);
+  }
+  return {{"channels", list}};
+}
+
+}  // namespace palpate::doctor
