@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -184,6 +185,48 @@ class Statistics(unittest.TestCase):
         self.assertEqual(verdict(1, 0.5, 2, 0.1), "behind")
         self.assertEqual(verdict(1, -0.5, 2, 0.1), "tie")
         self.assertEqual(verdict(0.05, 0.04, 0.06, 0.1), "tie")
+
+
+def code_lines(header):
+    """Of a component, header and source together, without blank lines and comments."""
+    count = 0
+    for file in (header, header.with_suffix(".cpp")):
+        if file.exists():
+            text = re.sub(r"//.*", "", file.read_text(encoding="utf-8"))
+            count += sum(1 for line in text.splitlines() if line.strip())
+    return count
+
+
+class Components(unittest.TestCase):
+    """Every published method's own code: short, and told at its head."""
+
+    ROOT = HERE.parents[1]
+
+    def sources(self):
+        """Headers below core/published_* by method."""
+        for name in ("published_control_methods.yaml", "published_sensing_pages.yaml"):
+            for method, page in report_rivals.load(name)["methods"].items():
+                headers = [self.ROOT / source for source in page["source"].split(", ")
+                           if source.startswith("core/published_")]
+                if headers and page["row"] != "ours":
+                    yield method, headers
+
+    def test_each_is_under_200_lines(self):
+        headers = [h for folder in ("control", "sensing")
+                   for h in sorted((self.ROOT / f"core/published_{folder}").glob("*.hpp"))]
+        self.assertGreater(len(headers), 35)
+        for header in headers:
+            self.assertLess(code_lines(header), 200, header.name)
+
+    def test_each_tells_what_it_consumes_keeps_and_leaves_out_and_cites(self):
+        methods = dict(self.sources())
+        self.assertGreater(len(methods), 25)
+        for method, headers in methods.items():
+            text = " ".join(re.sub(r"(?m)^ *///? ?", "", "".join(
+                header.read_text(encoding="utf-8") for header in headers)).split())
+            for words in (r"\bConsumes: ", r"\b[Kk]ept(: | are )", r"\bLeft out: ",
+                          r"\b(19|20)\d\d\b|\[\d\d\]"):
+                self.assertTrue(re.search(words, text), f"{method}: {words} in {headers}")
 
 
 class Pages(unittest.TestCase):
