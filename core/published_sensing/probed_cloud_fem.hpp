@@ -11,20 +11,21 @@ namespace palpate::published_sensing {
 /// Consumes: vision, the hand's pose (where the object is pushed), the wrench and probes for the
 /// first `probing` seconds of a run, which its time counts; model (mesh, clamp, density, gravity;
 /// of E a first guess).
-/// Kept: a first phase in which E is the one under which the simulated force of the contact is
-/// nearest to the measured one; then [33]: co-rotational finite elements with implicit dynamics,
-/// drawn along by springs from the cloud, now with that E; and the force that the model then tells.
-/// Left out: what [33] leaves out; nu, which its force hardly shows. A model of a stiffness k times
-/// as large is the same under springs and weights k times as weak, which is how E is applied. The
-/// deformation slot is to hold `corotational_dynamic`. Written from summaries of the work.
+/// Kept: a first phase in which E is the one under which the simulated force of the contact changes
+/// most nearly as the measured one does, found once at its end; then [33]: co-rotational finite
+/// elements with implicit dynamics, drawn along by springs from the cloud, now with that E; and the
+/// force that the model then tells. Left out: what [33] leaves out; nu, which its force hardly
+/// shows. A model of a stiffness k times as large is the same under springs and weights k times as
+/// weak, which is how E is applied. The deformation slot is to hold `corotational_dynamic`. Written
+/// from summaries of the work.
 class ProbedCloudFem final : public CloudEstimator {
  public:
   struct Options : CloudEstimator::Options {
     Options() { hand = true; }
     double stiffness = 600;  // N/m, of all springs together; N s/m below
     double damping = 4;
-    double probing = 5;  // s since the first cloud
-    double round = 1;    // s; E is found anew after each within the probing
+    double probing = 5;   // s since the first cloud
+    double force = 0.01;  // N, changes that are smaller tell nothing
   };
 
   /// Throws std::invalid_argument where an option is out of range.
@@ -44,7 +45,8 @@ class ProbedCloudFem final : public CloudEstimator {
   Options options_;
   double nominal_log_young_;
   double found_ = 1;
-  double since_start_ = 0, since_found_ = 0;  // s
+  double since_start_ = 0;                            // s
+  Eigen::Vector3d first_measured_, first_simulated_;  // N, of the first grasp
   double common_ = 0, simulated_ = 0;  // N^2, sums of products: of both forces, of the simulated
 };
 

@@ -67,8 +67,8 @@ ProbedCloudFem::Options read_probed_cloud_fem(const config::Node& node) {
   read_springs(node, options);
   options.probing = node.number({"probing_s", "s", "of probing before anything is told"},
                                 {0.1, 1e4}, options.probing);
-  options.round =
-      node.number({"round_s", "s", "between two rounds of the fit"}, {0.01, 1e4}, options.round);
+  options.force = node.number({"force_deviation", "N", "standard deviation of a measured force"},
+                              {1e-5, 10}, options.force);
   return options;
 }
 
