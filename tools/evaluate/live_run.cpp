@@ -127,9 +127,10 @@ bool LiveRun::check_programs() {
 
 void LiveRun::start_lock_step() {
   const std::int64_t begin = wall_clock();
+  const double patience = std::max(kActivationPatience, plan_.standstill);
   while (tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
     check_programs();
-    if (static_cast<double>(wall_clock() - begin) * 1e-6 > kActivationPatience)
+    if (static_cast<double>(wall_clock() - begin) * 1e-6 > patience)
       fail("palpated does not listen", daemon_.get());
     operator_->spin(0.02);
   }
