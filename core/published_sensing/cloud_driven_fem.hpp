@@ -6,7 +6,7 @@ namespace palpate::published_sensing {
 
 /// Point-cloud driven co-rotational finite elements: A. Petit, V. Lippiello and B. Siciliano,
 /// "Real-time tracking of 3D elastic objects with an RGB-D sensor", IROS 2015 (thesis [33]; [36]
-/// adds a phase that finds E and nu before, [40] further bodies).
+/// is probed_cloud_fem, [40] adds further bodies).
 ///
 /// Consumes: vision, model (mesh, clamp, E, nu, density, gravity). Not the hand's pose, unless
 /// `hand`. No probes.

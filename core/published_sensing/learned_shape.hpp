@@ -10,12 +10,13 @@ namespace palpate::published_sensing {
 ///
 /// `position`: A.-M. Cretu, P. Payeur and E. M. Petriu, "Soft object deformation monitoring and
 /// learning for model-based robotic hand manipulation", IEEE Transactions on Systems, Man, and
-/// Cybernetics B 2012 (thesis [28]): growing neural gas on the object's contour, and a feed-forward
-/// network from force and fingers' position to the units' places.
+/// Cybernetics B 2012 (thesis [28]): kept are growing neural gas on the object's contour, and a
+/// feed-forward network from force and fingers' position to the units' places.
 /// Inputs: force (3) and place of the hand (3).
 /// `angle`: B. Tawbe and A.-M. Cretu, "Acquisition and neural network prediction of 3D deformable
-/// object shape using a Kinect and a force-torque sensor", Sensors 2017 (thesis [37]): the object's
-/// points clustered by a neural gas, a network from magnitude of the force, its angle and place.
+/// object shape using a Kinect and a force-torque sensor", Sensors 2017 (thesis [37]): kept are the
+/// object's points clustered by a neural gas, a network from magnitude of the force, its angle and
+/// place.
 /// Inputs: magnitude of the force (1), rotation vector of the hand (3), its place (3).
 ///
 /// Consumes: the wrench, the hand's pose, mesh; and recordings of the object's shape under other

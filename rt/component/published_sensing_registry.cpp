@@ -2,10 +2,12 @@
 
 #include "core/published_sensing/cloud_driven_fem.hpp"
 #include "core/published_sensing/compliance_map.hpp"
+#include "core/published_sensing/deformation_graph_fit.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
 #include "core/published_sensing/evolved_mass_spring.hpp"
 #include "core/published_sensing/mass_spring_em.hpp"
 #include "core/published_sensing/probe_and_fit.hpp"
+#include "core/published_sensing/probed_cloud_fem.hpp"
 #include "core/published_sensing/shape_matching_fit.hpp"
 #include "core/published_sensing/spline_fit.hpp"
 #include "core/published_sensing/voxel_mass_spring.hpp"
@@ -44,23 +46,50 @@ std::unique_ptr<estimation::Estimator> make(const typename Method::Options& opti
   return std::make_unique<Method>(context.object->body, context.object->surface, options);
 }
 
-CloudDrivenFem::Options read_cloud_driven_fem(const config::Node& node) {
-  CloudDrivenFem::Options options;
+/// A cloud with springs to the shape.
+template <class Options>
+void read_springs(const config::Node& node, Options& options) {
   read_cloud(node, options);
   options.stiffness =
       node.number({"spring_stiffness", "N/m", "of the springs"}, {1e-3, 1e6}, options.stiffness);
   options.damping =
       node.number({"spring_damping", "N s/m", "of the springs"}, {0, 1e4}, options.damping);
+}
+
+CloudDrivenFem::Options read_cloud_driven_fem(const config::Node& node) {
+  CloudDrivenFem::Options options;
+  read_springs(node, options);
+  return options;
+}
+
+ProbedCloudFem::Options read_probed_cloud_fem(const config::Node& node) {
+  ProbedCloudFem::Options options;
+  read_springs(node, options);
+  options.probing = node.number({"probing_s", "s", "of probing before anything is told"},
+                                {0.1, 1e4}, options.probing);
+  options.force = node.number({"force_deviation", "N", "standard deviation of a measured force"},
+                              {1e-5, 10}, options.force);
+  return options;
+}
+
+DeformationGraphFit::Options read_deformation_graph_fit(const config::Node& node) {
+  DeformationGraphFit::Options options;
+  read_cloud(node, options);
+  options.nodes = node.integer({"nodes", "", "of the deformation graph"},
+                               {4, DeformationGraphFit::kMostNodes}, options.nodes);
+  options.deviation = node.number({"observation_deviation", "m", "standard deviation of a point"},
+                                  {1e-6, 1}, options.deviation);
+  options.rigidity =
+      node.number({"rigidity_deviation", "m", "by which the end of an edge may be missed"},
+                  {1e-6, 1}, options.rigidity);
+  options.memory = node.number({"memory", "", "share of the last estimate that is kept"}, {0, 1e9},
+                               options.memory);
   return options;
 }
 
 MassSpringEm::Options read_mass_spring_em(const config::Node& node) {
   MassSpringEm::Options options;
-  read_cloud(node, options);
-  options.stiffness =
-      node.number({"spring_stiffness", "N/m", "of the springs"}, {1e-3, 1e6}, options.stiffness);
-  options.damping =
-      node.number({"spring_damping", "N s/m", "of the springs"}, {0, 1e4}, options.damping);
+  read_springs(node, options);
   options.width = node.number({"width", "m", "deviation of the points about the shape"}, {1e-4, 1},
                               options.width);
   options.noise = node.number({"noise_share", "", "of points that belong to nothing"},
@@ -200,7 +229,7 @@ const std::vector<std::string>& published_sensing_names() {
   static const std::vector<std::string> names{
       "cloud_driven_fem",    "voxel_mass_spring", "shape_matching_fit", "mass_spring_em",
       "euler_bernoulli_fit", "spline_fit",        "probe_and_fit",      "evolved_mass_spring",
-      "learned_shape",       "compliance_map"};
+      "learned_shape",       "compliance_map",    "probed_cloud_fem",   "deformation_graph_fit"};
   return names;
 }
 
@@ -220,6 +249,9 @@ std::unique_ptr<estimation::Estimator> make_published_sensing(const std::string&
   if (name == "compliance_map") return make<ComplianceMap>(read_compliance_map(node), context);
   if (name == "learned_shape") return make_learned_shape(node, context);
   if (name == "spline_fit") return make<SplineFit>(read_spline_fit(node), context);
+  if (name == "probed_cloud_fem") return make<ProbedCloudFem>(read_probed_cloud_fem(node), context);
+  if (name == "deformation_graph_fit")
+    return make<DeformationGraphFit>(read_deformation_graph_fit(node), context);
   return make<ProbeAndFit>(read_probe_and_fit(node), context);
 }
 

@@ -55,6 +55,7 @@ class J2Yield {
   Yield yield_;
   Eigen::Matrix<double, 9, Eigen::Dynamic> inverse_;  // F_p^-1, column-major, by point
   Eigen::VectorXd strain_;                            // alpha
+  Eigen::VectorXd stiffening_;                        // that flow() tells, by point
 };
 
 }  // namespace palpate::object

@@ -40,6 +40,7 @@ struct RunPlan {
   /// Simulator and daemon tick by tick instead of in real time, to the end of the source, whose
   /// duration has to be set: what comes out does not depend on the machine's load.
   bool lock_step = false;
+  double standstill = 120;  // s without simulated time to pass, after which such a run is given up
 };
 
 struct RunFiles {

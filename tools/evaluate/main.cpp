@@ -18,7 +18,6 @@
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/sensing_study.hpp"
 #include "tools/evaluate/sensing_training.hpp"
-#include "tools/evaluate/sensing_tuning.hpp"
 #include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/soak.hpp"
 #include "tools/evaluate/study.hpp"
@@ -147,7 +146,6 @@ int run(CLI::App& app, int argc, char** argv) {
 
   SensingStudyCommand published_sensing(app);
 
-  TuneSensingCommand tune_sensing(app);
   TrainSensingCommand train_sensing(app);
 
   FaultsCommand faults(app);
@@ -162,7 +160,6 @@ int run(CLI::App& app, int argc, char** argv) {
   for (StudyCommand* study : {&thesis, &estimate, &control})
     if (const auto code = study->run(root, std::cout)) return *code;
   if (const auto code = published_sensing.run(root, std::cout)) return *code;
-  if (const auto code = tune_sensing.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;
   if (demo_command->parsed()) {

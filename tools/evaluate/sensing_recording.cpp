@@ -8,7 +8,6 @@
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/shape_score.hpp"
 #include "tools/evaluate/study_hash.hpp"
 #include "tools/evaluate/study_scheduler.hpp"
 
@@ -106,18 +105,6 @@ SensingRecording record_sensing(const SensingScene& scene, const fs::path& folde
   fs::remove(files.control);
   write_json({{"inputs_hash", hash}, {"version", PALPATE_VERSION}}, folder / "result.json");
   return read_recording(scene, folder);
-}
-
-double replay_error(const fs::path& replayed, const SensingRecording& recording) {
-  RunLog log;
-  LogReader reader(LogClock::kSent);
-  reader.collect("SHAPE", log.shapes);
-  reader.collect("SHAPE_MESH", log.shape_chunks);
-  reader.read(replayed);
-  log.truths = recording.truth.truths;
-  log.truth_chunks = recording.truth.truth_chunks;
-  log.truth_contacts = recording.truth.truth_contacts;
-  return score_shape(log).at_holds().mean;
 }
 
 std::vector<std::string> replay_command(const SensingScene& scene,

@@ -34,10 +34,6 @@ SensingRecording record_sensing(const SensingScene& scene, const std::filesystem
 /// What such a call has left there. Throws RunFailed where it is missing, or of another hash.
 SensingRecording read_recording(const SensingScene& scene, const std::filesystem::path& folder);
 
-/// What an estimator makes of a recording: mean error of its nodes where the hand held still, m,
-/// from SHAPE in the log that palpate-replay has left; throws where there is none.
-double replay_error(const std::filesystem::path& replayed, const SensingRecording& recording);
-
 /// The replay as a command: `overrides` of the configuration, log to `output`.
 std::vector<std::string> replay_command(const SensingScene& scene,
                                         const SensingRecording& recording,

@@ -1,5 +1,5 @@
 // palpate-evaluate's commands for published sensing methods with real programs: what is recorded,
-// what is run again and what is not, what a failure counts for, and what tuning and training leave.
+// what is run again and what is not, what a failure counts for, and what training leaves.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -135,52 +135,6 @@ TEST_F(PublishedSensing, WhatIsControlledIsRefused) {
           folder_.file("out").string() + "'"),
       1);
   EXPECT_THAT(said(), HasSubstr("what is controlled cannot be replayed"));
-}
-
-TEST_F(PublishedSensing, TuningKeepsTheBestOfAllItsTrials) {
-  folder_.write("tuning.yaml", "scene: " + folder_.file("scene.yaml").string() + R"(
-configuration: rt/config/examples/bar_long_soft.yaml
-method_file: )" + folder_.file("methods.yaml").string() +
-                                   R"(
-seed: 7
-cap_mm: 50
-scene_overrides:
-  - "camera={eye: [1.1, -0.7, 0.8]}"
-methods:
-  - method: spline
-    parameters:
-      - {path: estimation.controls, range: [4, 9], whole: true}
-      - {path: estimation.observation_deviation, range: [1.0e-3, 0.01]}
-)");
-  const std::string arguments = "tune-sensing --plan '" + folder_.file("tuning.yaml").string() +
-                                "' --out '" + folder_.file("tuned").string() + "' --trials 3";
-  ASSERT_EQ(run(arguments), 0) << said();
-  std::istringstream csv(folder_.read("tuned/trials.csv"));
-  std::string line;
-  std::getline(csv, line);
-  EXPECT_EQ(line, "method,trial,settings,mean_mm,failure,seed,version");
-  double least = 1e9;
-  std::string best;
-  int rows = 0;
-  for (; std::getline(csv, line); ++rows) {
-    EXPECT_EQ(line.rfind("spline," + std::to_string(rows) + ",", 0), 0u) << line;
-    EXPECT_THAT(line, HasSubstr(",7," PALPATE_VERSION));
-    std::istringstream row(line);
-    std::vector<std::string> cells;
-    for (std::string cell; std::getline(row, cell, ',');) cells.push_back(cell);
-    const double error = std::stod(cells[3]);
-    EXPECT_LE(error, 50);
-    if (error < least) best = cells[2];
-    least = std::min(least, error);
-  }
-  EXPECT_EQ(rows, 3);
-  const std::string chosen = folder_.read("tuned/best.yaml");
-  EXPECT_THAT(chosen, HasSubstr("\"spline\":"));
-  EXPECT_EQ(best.empty(), chosen.find("  - ") == std::string::npos) << "the first has no settings";
-  EXPECT_THAT(chosen, HasSubstr(best.substr(0, best.find(';'))));
-
-  EXPECT_EQ(run(arguments + " --only nothing"), 1);
-  EXPECT_THAT(said(), HasSubstr("leaves no method"));
 }
 
 TEST_F(PublishedSensing, TrainingLeavesModelsThatPalpatedTakes) {

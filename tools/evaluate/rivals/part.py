@@ -2,9 +2,11 @@
 import functools
 import html
 
+from rivals.markdown import seeds_of
 from rivals.page import picture, plot, table
 from rivals.runs import of
 from rivals.statistics import cell, differences, mean_difference, verdict
+from rivals.tuning import words as words_of_tuning
 
 
 class Part:
@@ -13,13 +15,14 @@ class Part:
     runs: of rivals.runs. about: a file of pages. levels: in their order. measures: (key, name, unit,
     difference below which two are alike); less is better. columns: (title, function of runs to text).
     baselines: (method of ours, level at which it is compared whatever the rival's; None: the rival's,
-    how the report tells that).
+    how the report tells that). settings: by method. trials: of rivals.tuning.
     """
 
-    def __init__(self, title, runs, about, levels, measures, columns, baselines, settings=None):
+    def __init__(self, title, runs, about, levels, measures, columns, baselines, settings=None,
+                 trials=None):
         self.title, self.runs, self.about = title, runs, about
         self.measures, self.columns = measures, columns
-        self.settings = settings or {}
+        self.settings, self.trials = settings or {}, trials or {}
         self.levels = [level for level in levels if of(runs, level=level)]
         known = about["methods"]
         missing = sorted({run["method"] for run in runs} - set(known))
@@ -30,14 +33,16 @@ class Part:
         self.rivals = [m for m in self.methods if known[m]["row"] != "ours"]
 
     @functools.cache
-    def comparisons(self, own, at):
+    def comparisons(self, own, at, task=None):
+        """Each method beside one of ours at each level, over all tasks that both have, or on one."""
+        runs = of(self.runs, application=task) if task else self.runs
         rows = []
         for level in self.levels:
-            ours = of(self.runs, method=own, level=at or level)
+            ours = of(runs, method=own, level=at or level)
             for method in self.methods:
                 if method == own and level == (at or level):
                     continue
-                theirs = of(self.runs, method=method, level=level)
+                theirs = of(runs, method=method, level=level)
                 by_measure = [differences(ours, theirs, key) for key, *_ in self.measures]
                 if not by_measure[0]:
                     continue
@@ -46,7 +51,9 @@ class Part:
                              "verdicts": [verdict(*mean, margin) for mean, (*_, margin)
                                           in zip(means, self.measures)],
                              "runs": sum(map(len, by_measure[0].values())),
-                             "tasks": len(by_measure[0])})
+                             "tasks": len(by_measure[0]),
+                             "seeds": ", ".join(map(str, sorted({run["seed"] for run in theirs} &
+                                                                {run["seed"] for run in ours})))})
         return rows
 
     def first_lines(self):
@@ -68,10 +75,23 @@ class Part:
                 lines.append(f"{level}, {len(here)} methods beside {own}, {words}: " +
                              (" - ".join(parts) if parts else "none wins or ties") + ".")
         only_ties = [method for method in ties if method not in wins]
+        on_tasks = self.on_single_tasks(wins)
         return [f"{self.title}: {len(wins) + len(only_ties)} of {len(self.rivals)} other methods win or "
-                "tie with one of palpate's own by some measure, at some level of sight. "
-                f"Win somewhere: {'; '.join(wins) or 'none'}. "
-                f"Only tie: {'; '.join(only_ties) or 'none'}."] + lines
+                "tie with one of palpate's own by some measure, at some level of sight, in the mean of all "
+                f"tasks. Win somewhere: {'; '.join(wins) or 'none'}. "
+                f"Only tie: {'; '.join(only_ties) or 'none'}. Beside these win on a single task: " +
+                ("; ".join(f"{m} ({', '.join(where)})" for m, where in on_tasks.items()) or "none") +
+                "."] + lines
+
+    def on_single_tasks(self, known):
+        """Tasks by rival that is ahead there of one of ours, for those that are not in `known`."""
+        found = {}
+        for task in dict.fromkeys(run["application"] for run in self.runs):
+            for own, at, _ in self.baselines:
+                for row in self.comparisons(own, at, task):
+                    if row["method"] in self.rivals and "ahead" in row["verdicts"]:
+                        found.setdefault(row["method"], {})[task] = None
+        return {method: list(where) for method, where in found.items() if method not in known}
 
     def verdicts(self):
         """A table for each of ours: a method a row, a level of sight a column, a word a measure."""
@@ -99,17 +119,18 @@ class Part:
                 cells = [row["level"], row["method"]]
                 for mean, word in zip(row["differences"], row["verdicts"]):
                     cells += ["{:+.2f} ({:+.2f} to {:+.2f})".format(*mean), word]
-                rows.append(cells + [f"{row['runs']} on {row['tasks']}"])
+                rows.append(cells + [f"{row['runs']} on {row['tasks']}", row["seeds"]])
             if rows:
-                out.append(table(header + ["runs, tasks"], rows))
+                out.append(table(header + ["runs, tasks", "seeds"], rows))
         return "".join(out)
 
     def row(self, runs):
         return [function(runs) for _, function in self.columns] + [
-            f"{len(runs)}" + (f", {failed} failed" if (failed := len(of(runs, failed=True))) else "")]
+            seeds_of(runs, self.levels) +
+            (f", {failed} failed" if (failed := len(of(runs, failed=True))) else "")]
 
     def header(self):
-        return [title for title, _ in self.columns] + ["runs"]
+        return [title for title, _ in self.columns] + ["seeds"]
 
     def task(self, application):
         out = [f'<section class="page"><h2>{html.escape(application)}</h2>']
@@ -132,7 +153,8 @@ class Part:
                                                "leaves out", "note") if key in about]
         settings = "; ".join(self.settings.get(method, []))
         out = [f'<section class="page"><h2>{html.escape(method)}</h2>',
-               table(["", ""], facts + ([("settings", settings)] if settings else []))]
+               table(["", ""], facts + [("tuned by", words_of_tuning(method, self.trials))] +
+                     ([("settings", settings)] if settings else []))]
         here = of(self.runs, method=method)
         groups = dict.fromkeys((run["application"], level) for run in here for level in self.levels)
         rows = [[application, level] + self.row(runs) for application, level in groups

@@ -4,9 +4,11 @@
 
 #include "core/elasticity/mass_spring_model.hpp"
 #include "core/published_sensing/cloud_driven_fem.hpp"
+#include "core/published_sensing/deformation_graph_fit.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
 #include "core/published_sensing/evolved_mass_spring.hpp"
 #include "core/published_sensing/mass_spring_em.hpp"
+#include "core/published_sensing/probed_cloud_fem.hpp"
 #include "core/published_sensing/shape_matching_fit.hpp"
 #include "core/published_sensing/spline_fit.hpp"
 #include "core/published_sensing/voxel_mass_spring.hpp"
@@ -107,6 +109,50 @@ TEST_F(TrackersTest, ASpline) {
   const auto [mean, largest] = follow(method, testing::carrier(body_));
   EXPECT_LT(mean, 3e-3);
   EXPECT_LT(largest, 10e-3);
+}
+
+TEST_F(TrackersTest, ADeformationGraph) {
+  DeformationGraphFit method(body_, surface_, {});
+  const auto [mean, largest] = follow(method, testing::carrier(body_));
+  EXPECT_LT(mean, 6e-3);
+  EXPECT_LT(largest, 20e-3);
+}
+
+// Turned as a whole, the graph turns the mesh with it; a shift of one node moves what is near.
+TEST_F(TrackersTest, AGraphCarriesTheMesh) {
+  DeformationGraph graph(body_, 12);
+  const Vector3d turn(0.3, -0.2, 0.5), shift(0.01, 0.02, -0.03);
+  const Eigen::Matrix3d R = math::exp_rotation(turn);
+  for (int node = 0; node < graph.size(); ++node)
+    graph.move(node, turn, R * graph.place(node) + shift - graph.place(node));
+  Eigen::Matrix3Xd shape = 0 * body_.mesh.nodes;
+  graph.draw(shape);
+  const Eigen::Matrix3Xd expected = (R * body_.mesh.nodes).colwise() + shift;
+  EXPECT_LT((shape - expected).cwiseAbs().maxCoeff(), 1e-12);
+  graph.reset();
+  graph.move(0, Vector3d::Zero(), shift);
+  graph.draw(shape);
+  const Eigen::Matrix3Xd moved = shape - body_.mesh.nodes;
+  EXPECT_GT(moved.colwise().norm().maxCoeff(), 0.7 * shift.norm());
+  EXPECT_LE(moved.colwise().norm().maxCoeff(), shift.norm());
+  EXPECT_LT(moved.colwise().norm().minCoeff(), 1e-6);
+  EXPECT_THROW(DeformationGraph(body_, 3), std::invalid_argument);
+}
+
+// Petit et al. 2017: a force tells the stiffness, with which finite elements follow the cloud.
+TEST_F(TrackersTest, FiniteElementsThatAProbeHasToldTheStiffness) {
+  elasticity::Body soft = body_;
+  soft.material.young_modulus = 20e3;  // the truth's is 33 kPa
+  ProbedCloudFem::Options options;
+  options.probing = 2.5;
+  ProbedCloudFem method(soft, surface_, options);
+  const auto [mean, largest] =
+      follow(method, std::make_unique<elasticity::CorotationalDynamic>(soft));
+  EXPECT_NEAR(method.found(), 33.0 / 20, 0.15 * 33.0 / 20);
+  EXPECT_LT(mean, 2e-3);
+  EXPECT_LT(largest, 8e-3);
+  options.hand = false;
+  EXPECT_THROW(ProbedCloudFem(soft, surface_, options), std::invalid_argument);
 }
 
 // A hand whose pose is told holds its nodes where they are, whatever the cloud says of them.

@@ -126,6 +126,22 @@ TEST(J2Yield, ShearStressStopsAtTheYieldStressWhereverItIsTurned) {
   EXPECT_LT((there - R * here).cwiseAbs().maxCoeff(), 1e-9 * here.cwiseAbs().maxCoeff());
 }
 
+// What has flowed bounds the step from then on, flowing or not.
+TEST(J2Yield, WhatHasFlowedStaysStiffer) {
+  const HexahedralGrid grid = block();
+  NeoHookeanSolid solid(grid, {NeoHookean::from_young(30e3, 0.3), 0, {}, Yield{200, 0}});
+  Eigen::Matrix3Xd sheared = grid.nodes(), forces = 0 * grid.nodes();
+  const double before = solid.add_forces(sheared, 0 * sheared, 0.1, forces);
+  sheared.row(0) += 0.3 * grid.nodes().row(1);
+  solid.add_forces(sheared, 0 * sheared, 0.1, forces);
+  const double flowed = solid.greatest_plastic_strain();
+  EXPECT_GT(flowed, 0.1);
+  const double first = solid.add_forces(sheared, 0 * sheared, 0.1, forces);
+  EXPECT_GT(first, 1.05 * before);
+  EXPECT_NEAR(solid.add_forces(sheared, 0 * sheared, 0.1, forces), first, 1e-9);
+  EXPECT_NEAR(solid.greatest_plastic_strain(), flowed, 1e-9) << "it was on the yield surface";
+}
+
 TEST(J2Yield, ScrambledElementsStayFinite) {
   PlantOptions options = small_free_block();
   options.mass_damping = 20;

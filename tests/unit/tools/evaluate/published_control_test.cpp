@@ -26,7 +26,8 @@ std::set<std::string> keys(const YAML::Node& node) {
 TEST(PublishedControl, EveryMethodIsTunedWithinTheSameBudgetAndHasItsPage) {
   const YAML::Node tuning = YAML::LoadFile(kRoot / "tools/evaluate/tuning.yaml");
   const YAML::Node about = YAML::LoadFile(kRoot / "tools/evaluate/published_control_methods.yaml");
-  const std::set<std::string> tuned = keys(tuning["methods"]), pages = keys(about["methods"]);
+  const std::set<std::string> tuned = keys(tuning["tasks"][0]["methods"]),
+                              pages = keys(about["methods"]);
   const std::set<std::string> first = keys(YAML::LoadFile(kRoot / "tools/evaluate/rivals.yaml"));
   for (const StudyApplication& application : plan().applications) {
     std::set<std::string> methods;

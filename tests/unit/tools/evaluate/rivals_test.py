@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import re
 import sys
 import tempfile
 import unittest
@@ -16,6 +17,7 @@ HERE = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"]) / "tools/evaluate"
 sys.path.insert(0, str(HERE))
 from rivals import runs as rival_runs  # noqa: E402
 from rivals.statistics import differences, interval, mean_difference, verdict  # noqa: E402
+from rivals.tuning import read_trials, words  # noqa: E402
 
 loader = importlib.machinery.SourceFileLoader("report_rivals", str(HERE / "report_rivals"))
 spec = importlib.util.spec_from_loader("report_rivals", loader)
@@ -26,9 +28,9 @@ OURS, SECOND = "palpate, model and markers", "palpate, pose and wrench"
 FAST, SLOW, LIKE = "kinematic only", "Broyden with probing [44]", "adaptive 3-D [46]"
 
 
-def control_result(method, level, seed, time, error):
+def control_result(method, level, seed, time, error, application="pull"):
     return {"inputs_hash": "h", "version": "9.9", "job": {
-        "application": "pull", "method": method, "seed": seed, "model_error": level},
+        "application": application, "method": method, "seed": seed, "model_error": level},
         "score": {"feature": {"duration_s": 15, "error_mm": error, "start_error_mm": 40,
                               "overshoot_percent": 1, "path_mm": 44, "time_to_5mm_s": 1,
                               "time_to_2mm_s": time, "time_to_1mm_s": None}},
@@ -88,6 +90,21 @@ class Report(unittest.TestCase):
         self.assertIn("+12.98", html)  # who never stays is behind by the cap
         self.assertIn("<polyline", html)
 
+    def test_who_wins_on_one_task_alone_is_named_with_it_and_rows_name_their_seeds(self):
+        for seed in (1, 2):
+            for task, theirs in (("pull", 14), ("push", 1)):
+                self.put("control", control_result(OURS, "blind", seed, 2, 1.5, task))
+                if seed == 1 or task == "pull":
+                    self.put("control", control_result(SLOW, "blind", seed, theirs, 5, task))
+        lines, html = self.report()
+        self.assertIn("0 of 1 other methods win or tie", lines[0])
+        self.assertIn(f"Beside these win on a single task: {SLOW} (push).", lines[0])
+        self.assertIn("<td>1, 2</td>", html)
+        text = (self.path / "rivals.md").read_text(encoding="utf-8")
+        self.assertIn(lines[0], text)
+        self.assertIn(f"| {SLOW} | 5.00, 14.0 s | 1, 2 |", text)
+        self.assertIn(f"| {SLOW} | 5.00, 1.0 s | 1 |", text)
+
     def test_a_failed_job_counts_at_the_cap(self):
         self.put("control", control_result(OURS, "blind", 1, 2, 1))
         self.put("control", control_result(FAST, "blind", 1, 3, 1))
@@ -132,6 +149,19 @@ class Report(unittest.TestCase):
         self.assertIn("unheard of", str(end.exception))
 
 
+class Tuning(unittest.TestCase):
+    def test_trials_are_counted_and_the_best_is_named(self):
+        with tempfile.TemporaryDirectory() as folder:
+            file = pathlib.Path(folder) / "trials.csv"
+            self.assertEqual(read_trials(file), {})
+            file.write_text("method,trial,parameters,score,seed,version\na,0,,3.5,1,9\n"
+                            "a,1,x=2,1.25,1,9\nb,0,,2,1,9\n", encoding="utf-8")
+            trials = read_trials(file)
+        self.assertEqual(words("a", trials), "2 trials at random, the best #1 with 1.25")
+        self.assertIn("nothing to tune", words("b", trials))
+        self.assertIn("trained", words("c", trials))
+
+
 class Statistics(unittest.TestCase):
     def test_interval_holds_the_median(self):
         self.assertEqual(interval([3.0]), (3.0, 3.0, 3.0))
@@ -157,6 +187,48 @@ class Statistics(unittest.TestCase):
         self.assertEqual(verdict(0.05, 0.04, 0.06, 0.1), "tie")
 
 
+def code_lines(header):
+    """Of a component, header and source together, without blank lines and comments."""
+    count = 0
+    for file in (header, header.with_suffix(".cpp")):
+        if file.exists():
+            text = re.sub(r"//.*", "", file.read_text(encoding="utf-8"))
+            count += sum(1 for line in text.splitlines() if line.strip())
+    return count
+
+
+class Components(unittest.TestCase):
+    """Every published method's own code: short, and told at its head."""
+
+    ROOT = HERE.parents[1]
+
+    def sources(self):
+        """Headers below core/published_* by method."""
+        for name in ("published_control_methods.yaml", "published_sensing_pages.yaml"):
+            for method, page in report_rivals.load(name)["methods"].items():
+                headers = [self.ROOT / source for source in page["source"].split(", ")
+                           if source.startswith("core/published_")]
+                if headers and page["row"] != "ours":
+                    yield method, headers
+
+    def test_each_is_under_200_lines(self):
+        headers = [h for folder in ("control", "sensing")
+                   for h in sorted((self.ROOT / f"core/published_{folder}").glob("*.hpp"))]
+        self.assertGreater(len(headers), 35)
+        for header in headers:
+            self.assertLess(code_lines(header), 200, header.name)
+
+    def test_each_tells_what_it_consumes_keeps_and_leaves_out_and_cites(self):
+        methods = dict(self.sources())
+        self.assertGreater(len(methods), 25)
+        for method, headers in methods.items():
+            text = " ".join(re.sub(r"(?m)^ *///? ?", "", "".join(
+                header.read_text(encoding="utf-8") for header in headers)).split())
+            for words in (r"\bConsumes: ", r"\b[Kk]ept(: | are )", r"\bLeft out: ",
+                          r"\b(19|20)\d\d\b|\[\d\d\]"):
+                self.assertTrue(re.search(words, text), f"{method}: {words} in {headers}")
+
+
 class Pages(unittest.TestCase):
     def test_every_method_of_the_plans_has_a_page_and_every_row_a_method_or_a_reason(self):
         plan = report_rivals.load("published_sensing.yaml")
@@ -168,12 +240,13 @@ class Pages(unittest.TestCase):
                 self.assertTrue((HERE.parents[1] / source.strip()).exists(), source)
             for key in ("consumes", "keeps", "leaves out"):
                 self.assertIn(key, page, method)
-        rows = {str(page["row"]) for page in about["methods"].values()}
+        of_method = {m: str(page["row"]).split(", ") for m, page in about["methods"].items()}
+        rows = {row for own in of_method.values() for row in own}
         rows |= {str(entry["row"]) for entry in about["no score"]}
         self.assertLessEqual({str(row) for row in range(26, 43)}, rows)
         # A row that has a score has it on two tasks at least.
         for row in rows - {"ours", "baseline"}:
-            names = [m for m, page in about["methods"].items() if str(page["row"]) == row]
+            names = [m for m, own in of_method.items() if row in own]
             tasks = sum(any(m in a["methods"] for m in names) for a in plan["applications"])
             self.assertTrue(not names or tasks >= 2, row)
 

@@ -1,0 +1,47 @@
+// A run in lock-step may be slow, but not stand still for ever.
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/unit/tools/evaluate/study_folder.hpp"
+#include "tools/evaluate/live_run.hpp"
+
+namespace palpate::evaluate {
+namespace {
+
+const std::filesystem::path kRoot = PALPATE_SOURCE_DIR;
+
+RunPlan plan_of(const std::string& setting) {
+  RunPlan plan;
+  plan.name = "bar";
+  plan.source.scene = kRoot / "sim/scenes/bar_long_soft_control_yield_markers.yaml";
+  plan.source.scene_overrides = {setting};
+  plan.source.duration = 0.4;
+  plan.configuration = kRoot / "rt/config/examples/bar_long_soft.yaml";
+  plan.lock_step = true;
+  return plan;
+}
+
+TEST(Standstill, ARunWhoseSimulatorMakesNoHeadwayIsGivenUpAndSaysSo) {
+  StudyFolder folder;
+  RunPlan plan = plan_of("object.material.young_modulus=1e9");  // takes a long time for a tick
+  plan.standstill = 1;
+  Progress progress(1, 1, plan.name);
+  try {
+    run_live(plan, folder.file("run"), progress);
+    ADD_FAILURE() << "it came to its end";
+  } catch (const RunFailed& failure) {
+    EXPECT_THAT(failure.what(), testing::HasSubstr("stands still"));
+  }
+}
+
+TEST(Standstill, ARunThatMovesIsNot) {
+  StudyFolder folder;
+  RunPlan plan = plan_of("seed=1");
+  Progress progress(1, 1, plan.name);
+  const RunFiles files = run_live(plan, folder.file("run"), progress);
+  EXPECT_TRUE(std::filesystem::exists(files.simulator));
+}
+
+}  // namespace
+}  // namespace palpate::evaluate
