@@ -96,8 +96,11 @@ Verdict judge(std::uint64_t seed, Told told) {
   Vector13d truth;
   for (int i = 0; i < 13; ++i)
     truth[i] = filter.filter().deviation(states[static_cast<std::size_t>(i)]) * normal(random);
-  // The filter's prior of the bias is that of a hand whose tilt is told wrongly; sensors have less.
+  // As it is used its priors of stiffness and bias are wider than worlds are: E is told wrongly by
+  // 30 %, sensors drift by 0.1 N. From its own, as wide as they are, NEES is 15 of 13 where the
+  // model is wrong: the wrench is not linear in a stiffness that is unknown by a factor of 1.65.
   if (told != Told::kJustThis) {
+    truth[6] *= std::log(1.3) / options.filter.log_young;
     truth.segment<3>(7) *= 0.1 / options.filter.bias_force;
     truth.tail<3>() *= 0.01 / options.filter.bias_torque;
   }
