@@ -54,11 +54,17 @@ ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& 
 
 Eigen::Matrix<double, 6, 3> ContactSearch::response(const mesh::PointWeights& point,
                                                     const elasticity::Sensitivity& sensitivity,
-                                                    int grasp) noexcept {
+                                                    const PatchMotion& motion, int grasp) noexcept {
   Eigen::Matrix<double, 6, 3> dw_df = Eigen::Matrix<double, 6, 3>::Zero();
-  for (int i = 0; i < point.count; ++i)
-    dw_df.noalias() -=
-        point.weights[i] * sensitivity.dx_dxi[grasp].middleRows<3>(3 * point.nodes[i]).transpose();
+  for (int other = 0; other < 2; ++other) {
+    const auto felt = motion.felt().block<6, 6>(6 * grasp, 6 * other);
+    if (felt.isZero(0)) continue;
+    Eigen::Matrix<double, 6, 3> held = Eigen::Matrix<double, 6, 3>::Zero();
+    for (int i = 0; i < point.count; ++i)
+      held.noalias() -= point.weights[i] *
+                        sensitivity.dx_dxi[other].middleRows<3>(3 * point.nodes[i]).transpose();
+    dw_df.noalias() += felt * held;
+  }
   return dw_df;
 }
 
@@ -74,13 +80,13 @@ void ContactSearch::begin(const WrenchFilter::Wrenches& y, const WrenchFilter::N
   if (factor.info() != Eigen::Success || !whitened_.allFinite()) next_ = place_count();
 }
 
-ContactSearch::Found ContactSearch::judge(
-    int index, const elasticity::DeformationModel& model) const noexcept {
+ContactSearch::Found ContactSearch::judge(int index, const elasticity::DeformationModel& model,
+                                          const PatchMotion& motion) const noexcept {
   const Place& place = places_[index];
   Eigen::Matrix<double, Eigen::Dynamic, 3, 0, WrenchFilter::kMostRows, 3> H(whitened_.size(), 3);
   for (int g = 0, row = 0; g < 2; ++g) {
     if (!held_[g]) continue;
-    H.middleRows<6>(row) = response(place.point, model.sensitivity(), g);
+    H.middleRows<6>(row) = response(place.point, model.sensitivity(), motion, g);
     row += 6;
   }
   H = (whiten_ * H).eval();
@@ -118,10 +124,11 @@ ContactSearch::Found ContactSearch::judge(
   return rubbed.cost < pressed.cost ? rubbed : pressed;
 }
 
-bool ContactSearch::advance(const elasticity::DeformationModel& model, int places) noexcept {
+bool ContactSearch::advance(const elasticity::DeformationModel& model, const PatchMotion& motion,
+                            int places) noexcept {
   const int end = std::min(place_count(), next_ + places);
   for (; next_ < end; ++next_) {
-    const Found found = judge(next_, model);
+    const Found found = judge(next_, model, motion);
     if (best_.place < 0 || found.cost < best_.cost) best_ = found;
   }
   return !is_searching();

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "core/elasticity/deformation_model.hpp"
-#include "core/estimation/wrench_filter.hpp"
+#include "core/estimation/patch_motion.hpp"
 #include "core/mesh/surface.hpp"
 
 namespace palpate::estimation {
@@ -11,7 +11,8 @@ namespace palpate::estimation {
 /// Looks on the surface for one force that would explain why the wrenches of the hands differ from
 /// what is predicted. By reciprocity (Betti) the wrench of a hand follows a force at a point as the
 /// point follows the motion of the hand: dw / df = -(dx / dxi)^T, so that the columns which the
-/// controller has anyway answer for every point at once. One hand gives six numbers for five
+/// controller has anyway answer for every point at once. A hand whose grasp gives way feels that
+/// much less. One hand gives six numbers for five
 /// unknowns. Reference: control.md 6.4, 6.9. Nothing allocates after construction.
 class ContactSearch {
  public:
@@ -45,16 +46,18 @@ class ContactSearch {
              const std::array<bool, 2>& held) noexcept;
   /// Looks at the next `places`, so that a search can be spread over ticks. True when all have been
   /// looked at; found() is then the best. The model's sensitivity must be valid.
-  bool advance(const elasticity::DeformationModel& model, int places) noexcept;
+  bool advance(const elasticity::DeformationModel& model, const PatchMotion& motion,
+               int places) noexcept;
   bool is_searching() const noexcept { return next_ < static_cast<int>(places_.size()); }
   const Found& found() const noexcept { return best_; }
   /// How well another place explains what the search began with.
-  Found judge(int place, const elasticity::DeformationModel& model) const noexcept;
+  Found judge(int place, const elasticity::DeformationModel& model,
+              const PatchMotion& motion) const noexcept;
 
   /// dw / df at a place, 6 x 3, of a hand.
   static Eigen::Matrix<double, 6, 3> response(const mesh::PointWeights& point,
                                               const elasticity::Sensitivity& sensitivity,
-                                              int grasp) noexcept;
+                                              const PatchMotion& motion, int grasp) noexcept;
 
   const Place& place(int index) const noexcept { return places_[index]; }
   int place_count() const noexcept { return static_cast<int>(places_.size()); }

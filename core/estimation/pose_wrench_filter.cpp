@@ -33,6 +33,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       follower_(options.hand),
       step_watch_(options.step),
       filter_(static_cast<int>(body.grasps.size()), options.filter),
+      motion_(filter_.shape_size()),
       search_(body, surface, options.search),
       loads_(body),
       sight_(body.mesh.nodes, surface, options.sight),
@@ -133,6 +134,8 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
     loads_.add_to(model.loads(), applied().segment<WrenchFilter::kLoads>(filter_.load()));
   estimate.step = model.step(dt);
 
+  if (model.sensitivity().valid)
+    motion_.update(model, filter_, {follower_.X_OG(0), follower_.X_OG(1)}, stiffness());
   filter_.predict(dt);
   for (int i = 0; i < grasps; ++i) predict_wrench(i, inputs.grasps[i], model, dt);
   bool moves = false;
@@ -146,7 +149,7 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   see(inputs.observation, model, dt);
   if (search_.is_searching()) {
     const int share = std::max(1, search_.place_count() / 10);  // within ten ticks
-    if (search_.advance(model, share)) judge_search(model);
+    if (search_.advance(model, motion_, share)) judge_search(model);
   }
   judge_contact(model, dt);
   tell(model, grasps, estimate);
@@ -188,29 +191,22 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   if (!input.wrench_valid) return;
   const math::Vector6d measured = input.F_G_O.vector();
   if (!measured.allFinite()) return;
-  hand.sum += measured;
+  hand.sum += measured - hand.lagged;
   ++hand.count;
 }
 
 WrenchFilter::Rows PoseWrenchFilter::wrench_rows(
     const std::array<bool, 2>& held, const elasticity::DeformationModel& model) const noexcept {
-  const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  const double k = stiffness();
   const int rows = 6 * (static_cast<int>(held[0]) + static_cast<int>(held[1]));
   WrenchFilter::Rows H = WrenchFilter::Rows::Zero(rows, filter_.size());
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     if (!held[g]) continue;
-    for (int other = 0; other < filter_.grasp_count(); ++other) {
-      if (!model.is_held(other)) continue;
-      H.block<6, 6>(row, filter_.offset(other)) =
-          k * sensitivity.dw_dxi[g][other] * math::both_halves(follower_.X_OG(other).linear());
-    }
-    H.block<6, 1>(row, filter_.log_young()) =
-        k * sensitivity.dw_dparameter[g].col(elasticity::Sensitivity::kLogYoung);
+    H.block(row, 0, 6, filter_.load()) =
+        stiffness() * motion_.wrench_by_state().block(6 * g, 0, 6, filter_.load());
     H.block<6, 6>(row, filter_.bias(g)) = math::both_halves(follower_.X_OG(g).linear());
     if (filter_.has_contact())
       H.block<6, 3>(row, filter_.contact()) =
-          ContactSearch::response(search_.place(place_).point, sensitivity, g);
+          ContactSearch::response(search_.place(place_).point, model.sensitivity(), motion_, g);
     row += 6;
   }
   return H;
@@ -238,7 +234,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
         late += k * sensitivity.dw_dxi[g][other] * hands_[other].speed * options_.lag_deviation;
     }
     result.y.segment<6>(row) =
-        hand.sum / hand.count - hand.lagged -
+        hand.sum / hand.count -
         math::both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
     // All wrenches until the model's error is another one tell as much as one.
     const double told = hand.news * std::min(1.0, options_.period / kTelling);
@@ -358,12 +354,12 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
   } else {
     contact = UnknownContact();
   }
-  tell_nodes(model, grasps);
+  tell_nodes(model);
   estimate.node_deviation = &node_deviation_;
 }
 
 /// A tenth of the nodes a tick.
-void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model, int grasps) noexcept {
+void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model) noexcept {
   if (!model.sensitivity().valid) return;
   const SurfaceFit::Basis now = basis(model);
   const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();
@@ -373,11 +369,7 @@ void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model, int
   for (int i = 0; i < nodes / 10 + 1; ++i, next_node_ = (next_node_ + 1) % nodes) {
     rows.setZero(3, filter_.shape_size());
     SurfaceFit::add_node(now, next_node_, 1, rows);
-    J = rows.leftCols(columns);
-    for (int g = 0; g < grasps; ++g) {
-      const int first = filter_.offset(g);
-      J.middleCols<6>(first).noalias() = rows.middleCols<6>(first) * now.turn[g];
-    }
+    J.noalias() = rows * motion_.by_state().leftCols(columns);
     JP.noalias() = J * filter_.covariance().topLeftCorner(columns, columns);
     const double variance = JP.cwiseProduct(J).sum() / 3 + own;
     node_deviation_[static_cast<std::size_t>(next_node_)] =

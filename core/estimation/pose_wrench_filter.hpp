@@ -35,7 +35,11 @@ class PoseWrenchFilter : public Estimator {
     WrenchFilter::Options filter;
     ContactSearch::Options search;
     SurfaceFit::Options sight;
-    double shape = 5e-3;    // m, prior of what each virtual load moves the shape by
+    /// m, prior of what each virtual load moves the shape by: about what the model of an object
+    /// alone is wrong by (blind 0.3 to 1 mm, docs/results.md). A wider one would take up the
+    /// camera's own errors and make a good shape worse, a narrower one would be slow about a poor
+    /// one.
+    double shape = 1e-3;
     double fade = 0.15;     // s, in which what was seen comes into the shape
     double period = 0.01;   // s, between two wrenches that the filter takes
     double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
@@ -72,7 +76,8 @@ class PoseWrenchFilter : public Estimator {
  private:
   struct Hand {
     math::Vector6d lagged = math::Vector6d::Zero();  // predicted wrench, as late as the measured
-    math::Vector6d sum = math::Vector6d::Zero();     // of the wrenches since the last one taken
+    /// Measured less predicted, of the wrenches since the last one taken.
+    math::Vector6d sum = math::Vector6d::Zero();
     int count = 0;
     math::Pose X_OG_before = math::Pose::Identity();
     math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
@@ -128,7 +133,7 @@ class PoseWrenchFilter : public Estimator {
   void push(const Eigen::Vector3d& force_O, const elasticity::DeformationModel& model) noexcept;
   void drop_contact(const elasticity::DeformationModel& model) noexcept;
   void tell(const elasticity::DeformationModel& model, int grasps, Estimate& estimate) noexcept;
-  void tell_nodes(const elasticity::DeformationModel& model, int grasps) noexcept;
+  void tell_nodes(const elasticity::DeformationModel& model) noexcept;
 
   Options options_;
   std::array<double, 2> lever_{};  // m, from each grasp to the object's middle, at rest
@@ -136,6 +141,7 @@ class PoseWrenchFilter : public Estimator {
   StepGuard step_guard_;
   StepWatch step_watch_;
   WrenchFilter filter_;
+  PatchMotion motion_;
   ContactSearch search_;
   VirtualLoads loads_;
   SurfaceFit sight_;

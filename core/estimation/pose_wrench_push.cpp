@@ -158,7 +158,8 @@ void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) n
   const ContactSearch::Found& found = search_.found();
   if (found.place < 0 || found.share < kExplained || found.force_O.isZero(0)) return;
   if (filter_.has_contact()) {
-    if (found.place == place_ || found.cost + kClearlyBetter > search_.judge(place_, model).cost)
+    if (found.place == place_ ||
+        found.cost + kClearlyBetter > search_.judge(place_, model, motion_).cost)
       return;
   } else if (suspicions_ == 0) {
     return;  // it was nothing
@@ -198,8 +199,9 @@ void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
     const bool told = at_rest_count_ > 0 && at_rest_held_[g];  // rows are those of who tells
     if (model.is_held(g)) {
       const math::Vector6d wrench =
-          ContactSearch::response(point, model.sensitivity(), g) * force_O;
+          ContactSearch::response(point, model.sensitivity(), motion_, g) * force_O;
       hands_[g].lagged += wrench;
+      hands_[g].sum -= hands_[g].count * wrench;
       if (told) latest_.segment<6>(row) -= wrench;
     }
     row += told ? 6 : 0;

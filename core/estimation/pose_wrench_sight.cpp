@@ -10,10 +10,8 @@ SurfaceFit::Basis PoseWrenchFilter::basis(
   SurfaceFit::Basis basis;
   basis.sensitivity = &model.sensitivity();
   basis.filter = &filter_;
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    basis.held[g] = model.is_held(g);
-    basis.turn[g] = math::both_halves(follower_.X_OG(g).linear());
-  }
+  basis.motion = &motion_;
+  for (int g = 0; g < filter_.grasp_count(); ++g) basis.held[g] = model.is_held(g);
   return basis;
 }
 
@@ -21,23 +19,12 @@ SurfaceFit::Basis PoseWrenchFilter::basis(
 /// yet, and the virtual loads, which are no forces of this world.
 math::Vector6d PoseWrenchFilter::wrench_of_shift(
     int grasp, const elasticity::DeformationModel& model) const noexcept {
-  const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  math::Vector6d wrench = math::Vector6d::Zero();
-  if (!sensitivity.valid) return wrench;
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    if (!model.is_held(g)) continue;
-    const math::Vector6d in_O =
-        math::both_halves(follower_.X_OG(g).linear()) * shift_.segment<6>(filter_.offset(g));
-    wrench.noalias() += sensitivity.dw_dxi[grasp][g] * in_O;
-  }
-  wrench += shift_[filter_.log_young()] *
-            sensitivity.dw_dparameter[grasp].col(elasticity::Sensitivity::kLogYoung);
-  for (int k = 0; filter_.has_loads() && k < VirtualLoads::kCount; ++k) {
-    const int first = filter_.load() + 3 * k;
-    const Eigen::Vector3d force = filter_.mean().segment<3>(first) + shift_.segment<3>(first);
-    wrench.noalias() += sensitivity.dw_dforce[grasp][k] * force;
-  }
-  return stiffness() * wrench;
+  if (!model.sensitivity().valid) return math::Vector6d::Zero();
+  WrenchFilter::ShapeState off = shift_;
+  if (filter_.has_loads())
+    off.segment<WrenchFilter::kLoads>(filter_.load()) +=
+        filter_.mean().segment<WrenchFilter::kLoads>(filter_.load());
+  return stiffness() * motion_.wrench_by_state().middleRows<6>(6 * grasp) * off;
 }
 
 /// From the first message on the shapes are remembered, so that later ones find theirs.

@@ -107,11 +107,8 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
     add_node(basis, match.nodes[i], match.weights[i], rows_);
     velocity += match.weights[i] * moment_.velocities.col(match.nodes[i]);
   }
-  WrenchFilter::ShapeState h = rows_.transpose() * match.normal;
-  for (int g = 0; g < filter.grasp_count(); ++g) {
-    const math::Vector6d in_O = h.segment<6>(filter.offset(g));
-    h.segment<6>(filter.offset(g)).noalias() = basis.turn[g].transpose() * in_O;
-  }
+  const WrenchFilter::ShapeState by_patch = rows_.transpose() * match.normal;
+  const WrenchFilter::ShapeState h = basis.motion->by_state().transpose() * by_patch;
   const double z = match.normal.dot(p - match.position) + h.dot(moment_.state);
   const double y = z - h.dot(filter.mean().head(filter.shape_size()));
   const double late = match.normal.dot(velocity) * options_.lag_deviation;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/estimation/estimator.hpp"
+#include "core/estimation/patch_motion.hpp"
 #include "core/estimation/shape_history.hpp"
 #include "core/estimation/surface_edges.hpp"
 #include "core/estimation/virtual_loads.hpp"
@@ -41,7 +42,7 @@ class SurfaceFit {
   struct Basis {
     const elasticity::Sensitivity* sensitivity = nullptr;
     std::array<bool, 2> held{};
-    std::array<math::Matrix6d, 2> turn;  // from G to O, for displacements and rotations
+    const PatchMotion* motion = nullptr;
     const WrenchFilter* filter = nullptr;
   };
 
@@ -60,8 +61,9 @@ class SurfaceFit {
   void wait(double dt) noexcept { since_ += dt; }
   const Information& information() const noexcept { return information_; }
 
-  /// Derivative of a node's position by the states, 3 x shape_size().
   using NodeRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, WrenchFilter::kMostShape>;
+  /// Adds a share of the derivative of a node's position by the patches' motions, log E and virtual
+  /// loads, 3 x shape_size(): times PatchMotion::by_state() it is that by the states.
   static void add_node(const Basis& basis, int node, double weight, NodeRows& rows) noexcept;
 
  private:

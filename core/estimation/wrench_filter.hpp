@@ -14,11 +14,13 @@ namespace palpate::estimation {
 class WrenchFilter {
  public:
   struct Options {
-    double position = 1e-3;     // m, prior deviation of each axis of a grasp's offset
-    double rotation = 9e-3;     // rad; 0.5 degree
-    double log_young = 0.5;     // 1; a factor of 1.65
-    double bias_force = 0.1;    // N
-    double bias_torque = 0.01;  // N m
+    double position = 1e-3;  // m, prior deviation of each axis of a grasp's offset
+    double rotation = 9e-3;  // rad; 0.5 degree
+    double log_young = 0.5;  // 1; a factor of 1.65
+    /// Of a wrench's bias: a hand of 5 kg at 0.2 m whose tilt is told as wrongly as above is
+    /// compensated by so much too much, which is several times what a sensor drifts by.
+    double bias_force = 0.4;    // N
+    double bias_torque = 0.08;  // N m
     double memory = 300;        // s
     double load_memory = 30;    // s, in which virtual loads wander by their prior deviation
   };

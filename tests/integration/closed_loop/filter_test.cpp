@@ -63,29 +63,35 @@ TEST(Filter, FeelsAPushThatNothingMeasures) {
   loop.run(0.1);
   loop.send_event("start");
   double time = 0.1, found_at = -1, lost_at = -1;
-  estimation::UnknownContact last;
-  Eigen::Vector3d truth = rest_point;
+  // Of its last second: what is felt while it goes says nothing of it.
+  constexpr double kFrom = kReleased - 1.1, kTo = kReleased - 0.1;
+  double distance = 0;
+  Eigen::Vector3d force = Eigen::Vector3d::Zero();
+  int looks = 0;
   loop.run(9.8, [&] {
     time += 1e-3;
     const estimation::UnknownContact& contact = loop.daemon().pipeline().estimate().unknown_contact;
     if (contact.found) {
       if (found_at < 0) found_at = time;
-      if (time < kReleased) {
-        last = contact;
-        truth = loop.simulation().plant().position_at(rest_point);
+      if (time > kFrom && time < kTo) {
+        ++looks;
+        force += contact.force_O;
+        distance += (contact.location_O - loop.simulation().plant().position_at(rest_point)).norm();
       }
     } else if (found_at > 0 && lost_at < 0) {
       lost_at = time;
     }
   });
-  const double distance = (last.location_O - truth).norm();
+  force /= looks;
+  distance /= looks;
   std::printf("found after %.0f ms, gone after %.0f ms; %.1f mm off, force %.2f %.2f %.2f N\n",
-              1e3 * (found_at - kPushed), 1e3 * (lost_at - kReleased), 1e3 * distance,
-              last.force_O.x(), last.force_O.y(), last.force_O.z());
+              1e3 * (found_at - kPushed), 1e3 * (lost_at - kReleased), 1e3 * distance, force.x(),
+              force.y(), force.z());
   ASSERT_GT(found_at, kPushed) << "no false alarm, but found";
   EXPECT_LT(found_at, kPushed + 0.3);
   EXPECT_GT(lost_at, kReleased);
   EXPECT_LT(distance, 0.04);
+  EXPECT_LT((force - Eigen::Vector3d(0, 0, -0.5)).norm(), 0.1) << "of 0.5 N";
 }
 
 /// Object of the examples, and of which the daemon is told another stiffness.

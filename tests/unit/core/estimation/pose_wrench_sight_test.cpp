@@ -64,6 +64,17 @@ class SeenWorld {
   CorotationalQuasistatic& model() { return model_; }
   math::Pose hand_ = math::Pose::Identity(), shift_ = math::Pose::Identity();
   bool sees_ = true;
+  /// From now on only what lies amid a face: beside an edge a point's noise decides of which face
+  /// it is taken to be, so that its errors have a mean.
+  void look_amid_faces() {
+    const Eigen::Matrix3Xd& rest = model_.body().mesh.nodes;
+    const auto is_beside = [&](int node) {
+      const Vector3d p = rest.col(node);
+      return std::abs(p.y() - 0.03) > 0.02 && std::abs(p.z() - 0.03) > 0.02;
+    };
+    seen_nodes_.erase(std::remove_if(seen_nodes_.begin(), seen_nodes_.end(), is_beside),
+                      seen_nodes_.end());
+  }
   std::function<void(ObservationInput::Points&)> spoil_;
 
  private:
@@ -157,7 +168,10 @@ class PoseWrenchSightTest : public ::testing::Test {
 TEST_F(PoseWrenchSightTest, SeesHowTheGraspIsShifted) {
   SeenWorld world(nominal(), 1);
   world.shift_ = math::make_pose(math::exp_rotation({0.01, -0.012, 0.008}), {1e-3, -1.2e-3, 8e-4});
-  start(nominal());
+  PoseWrenchFilter::Options options;
+  options.filter.bias_force = 0.1;  // zeroed where the hand is
+  options.filter.bias_torque = 0.01;
+  start(nominal(), options);
   run(world, 4, true);
   const double found = worst_error(world);
   EXPECT_LT(found, 3e-4);
@@ -281,6 +295,7 @@ TEST_F(PoseWrenchSightTest, IntervalsOfTheShapeCoverIt) {
     };
     const Vector3d shifted = draw(options.filter.position);
     world.shift_ = math::make_pose(math::exp_rotation(draw(options.filter.rotation)), shifted);
+    world.look_amid_faces();
     start(body, options);
     run(world, 1.5, true);
     const std::vector<float>& deviation = *estimate_.node_deviation;

@@ -188,7 +188,8 @@ class Scene {
   void judge_observability(Outcome& outcome) const {
     const elasticity::Sensitivity& sensitivity = world_->sensitivity();
     Eigen::Matrix<double, 6, 5> J;
-    J.leftCols<3>() = ContactSearch::response(place_, sensitivity, 0);
+    const PatchMotion firm(0);
+    J.leftCols<3>() = ContactSearch::response(place_, sensitivity, firm, 0);
     const Vector6d change = J.leftCols<3>() * force_;
     const Eigen::Matrix3Xd& rest = nominal_.mesh.nodes;
     constexpr double kStep = 4e-3;
@@ -200,9 +201,11 @@ class Scene {
       if (is_normal || column == 5) continue;
       const Vector3d step = kStep * Vector3d::Unit(axis);
       const Vector6d there =
-          ContactSearch::response(locator_.locate(rest_point_ + step), sensitivity, 0) * force_;
+          ContactSearch::response(locator_.locate(rest_point_ + step), sensitivity, firm, 0) *
+          force_;
       const Vector6d here =
-          ContactSearch::response(locator_.locate(rest_point_ - step), sensitivity, 0) * force_;
+          ContactSearch::response(locator_.locate(rest_point_ - step), sensitivity, firm, 0) *
+          force_;
       J.col(column++) = (there - here) / (2 * kStep);
     }
     Vector6d weight;
