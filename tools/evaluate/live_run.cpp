@@ -78,17 +78,22 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   urls_ = private_urls();
   const Urls& urls = urls_;
   operator_ = std::make_unique<Operator>(urls);
-  const auto logger = [&](const std::string& name, const std::string& url,
+  const std::string palpated = (program_folder() / "palpated").string();
+  // Not lcm-logger: a run in lock-step is faster than it writes, and it drops what it cannot keep.
+  const std::string recorder = (program_folder() / "palpate-record").string();
+  const auto record = [&](const std::string& label, const std::string& url,
                           const std::filesystem::path& log) {
+    const std::string name = "logger_" + label;
     loggers_.emplace_back(
-        name, std::vector<std::string>{"lcm-logger", "--quiet", "--force", "--lcm-url=" + url, log},
+        name,
+        std::vector<std::string>{recorder, "--quiet", "--force", "--flush-interval", "20", "--only",
+                                 label, "--url", label + "=" + url, log.string()},
         folder / (name + ".txt"));
   };
   if (plan.recorded) {
-    logger("logger_control", urls.control, files_.control);
-    logger("logger_housekeeping", urls.housekeeping, files_.housekeeping);
+    record("control", urls.control, files_.control);
+    record("housekeeping", urls.housekeeping, files_.housekeeping);
   }
-  const std::string palpated = (program_folder() / "palpated").string();
   std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
                                    files_.daemon.string()};
   if (plan.lock_step) command.push_back("--stepped");

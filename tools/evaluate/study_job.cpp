@@ -86,19 +86,40 @@ std::string picture_of(const StateScore& state, std::size_t number, const math::
   }
 }
 
+/// One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
+std::int64_t lost_by(const RunLog& log, const RunFiles& files) {
+  return json_in(files.daemon).value("cycles", std::int64_t{0}) -
+         static_cast<std::int64_t>(log.features.size());
+}
+
+/// A log that misses more than one cycle of 200 cannot be scored: a machine that was too busy for
+/// the recorder has another two tries.
+RunLog run_and_read(const StudyJob& job, const RunPlan& plan, const fs::path& folder,
+                    RunFiles& files) {
+  constexpr int kTries = 3;
+  for (int attempt = 1;; ++attempt) {
+    Progress progress(1, 1, job.name);
+    files = run_live(plan, folder, progress);
+    progress.finish(true);
+    RunLog log = read_run(files.control, files.housekeeping,
+                          job.real_time ? LogClock::kReceived : LogClock::kSent);
+    const std::int64_t lost = lost_by(log, files);
+    if (lost * 200 <= static_cast<std::int64_t>(log.features.size())) return log;
+    const std::string what = "the log misses " + std::to_string(lost) + " cycles of " +
+                             std::to_string(lost + static_cast<std::int64_t>(log.features.size())) +
+                             ": the machine is too busy to record the run";
+    if (attempt == kTries) throw RunFailed(what + ", in each of three tries");
+    std::cout << what << "; once more\n";
+  }
+}
+
 }  // namespace
 
 void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs::path& folder,
                    bool keep_logs) {
   const RunPlan plan = plan_of(job);
   RunFiles files;
-  {
-    Progress progress(1, 1, job.name);
-    files = run_live(plan, folder, progress);
-    progress.finish(true);
-  }
-  const RunLog log = read_run(files.control, files.housekeeping,
-                              job.real_time ? LogClock::kReceived : LogClock::kSent);
+  const RunLog log = run_and_read(job, plan, folder, files);
   ScoredRun scored;
   scored.stage = job.application;
   scored.name = job.method;
@@ -113,10 +134,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   // A stepped daemon has no clock to be late by.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
   result["simulator"] = json_in(files.simulator);
-  // One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
-  const Json daemon = json_in(files.daemon);
-  result["features_lost_by_log"] =
-      daemon.value("cycles", std::int64_t{0}) - static_cast<std::int64_t>(log.features.size());
+  result["features_lost_by_log"] = lost_by(log, files);
   std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
   for (std::size_t i = 0; i < states.size(); ++i) {
     Json state = to_json(states[i], scored.shape->length);

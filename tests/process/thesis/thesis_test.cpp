@@ -80,8 +80,7 @@ class StudyProcess : public testing::Test {
     }
     return found;
   }
-  /// Bit for bit, of all that both logs have, which must be most: lcm-logger loses what it is too
-  /// slow for.
+  /// Bit for bit, of all that both logs have, which must be nearly all.
   void expect_same(const std::string& log, const std::string& channel, std::size_t sent) const {
     const auto a = messages(job("a") / log, channel), b = messages(job("b") / log, channel);
     std::size_t both = 0, different = 0;
@@ -92,7 +91,7 @@ class StudyProcess : public testing::Test {
       different += other->second == bytes ? 0 : 1;
     }
     EXPECT_EQ(different, 0u) << channel << " of " << both;
-    EXPECT_GT(both, sent / 2) << channel;
+    EXPECT_GT(both, sent - sent / 50) << channel;
   }
   StudyFolder folder_;
 };
