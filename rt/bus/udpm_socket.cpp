@@ -13,7 +13,7 @@ namespace {
 
 // More than any UDP datagram, so that none is cut short.
 constexpr std::size_t kBufferSize = 65536;
-// Without recv_buf_size; the kernel cuts it down to net.core.rmem_max.
+// Without recv_buf_size; without privilege the kernel cuts it down to net.core.rmem_max.
 constexpr int kWantedReceiveBuffer = 16 << 20;
 
 }  // namespace
@@ -47,11 +47,15 @@ void UdpmSocket::join(const UdpmUrl& url) {
           "share the port of");
   setsockopt(descriptor_, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on));
   const int wanted = url.receive_buffer_size > 0 ? url.receive_buffer_size : kWantedReceiveBuffer;
-  setsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &wanted, sizeof(wanted));
-  int given = 0;
-  socklen_t length = sizeof(given);
-  getsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &given, &length);
-  receive_buffer_size_ = given / 2;  // the kernel doubles what is asked for, to cover its own needs
+  // The second takes a privilege, and then no limit holds.
+  for (const int option : {SO_RCVBUF, SO_RCVBUFFORCE}) {
+    setsockopt(descriptor_, SOL_SOCKET, option, &wanted, sizeof(wanted));
+    int given = 0;
+    socklen_t length = sizeof(given);
+    getsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &given, &length);
+    receive_buffer_size_ = given / 2;  // the kernel doubles what is asked for, for its own needs
+    if (receive_buffer_size_ >= wanted) break;
+  }
 
   // Bound to the group, not to any address, the socket sees this group alone.
   const sockaddr_in address = url.socket_address();

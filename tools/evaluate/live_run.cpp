@@ -84,10 +84,11 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   const auto record = [&](const std::string& label, const std::string& url,
                           const std::filesystem::path& log) {
     const std::string name = "logger_" + label;
+    constexpr char kRoom[] = "&recv_buf_size=67108864";  // for a second in which others compute
     loggers_.emplace_back(
         name,
         std::vector<std::string>{recorder, "--quiet", "--force", "--flush-interval", "20", "--only",
-                                 label, "--url", label + "=" + url, log.string()},
+                                 label, "--url", label + "=" + url + kRoom, log.string()},
         folder / (name + ".txt"));
   };
   if (plan.recorded) {
