@@ -125,7 +125,7 @@ struct Overruns {
 /// alone for as long, so that what the machine does to it can be told from what replacing does.
 TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   const char* wanted = std::getenv("PALPATE_REPLACEMENTS");
-  const int count = wanted != nullptr ? std::max(22, std::atoi(wanted)) : 44;
+  int count = wanted != nullptr ? std::max(22, std::atoi(wanted)) : 44;
   ChildProcess daemon(command());
   health_t health;
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 200; }, health))
@@ -144,10 +144,13 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   target.values[0] = 0.25, target.values[1] = 0.03, target.values[2] = 0.08;
   bus::TypedPublisher<shape_target_t>(*control_, "SHAPE_TARGET").publish(target);
 
+  constexpr double kMostGrowth = 1;  // MB
   constexpr int kRoundLength = static_cast<int>(std::size(kRound));
+  count += (kRoundLength - count % kRoundLength) % kRoundLength;
   std::int64_t counter = 1;
   int replaced = 0, refused = 0;
-  double resident = 0;
+  double resident = 0, growth = 0;
+  int again = 0;
   Overruns replacing, resting;
   ASSERT_TRUE(next_health(health));
   for (int i = 0; i < count; ++i) {
@@ -170,8 +173,13 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
     const std::int64_t end = 2 * health.cycles - before.cycles;
     ASSERT_TRUE(wait_health([&](const health_t& h) { return h.cycles >= end; }, health));
     resting.add(replaced_all, health);
+    if (i + 1 < count) continue;
+    growth = resident_megabytes(daemon.pid()) - resident;
+    // A leak grows as much once more; what an allocator keeps for its threads does not.
+    if (growth < kMostGrowth || again++ == 2) continue;
+    resident += growth;
+    count += 2 * kRoundLength;
   }
-  const double growth = resident_megabytes(daemon.pid()) - resident;
   const std::int64_t cycles = health.cycles;
   ASSERT_TRUE(wait_health([&](const health_t& h) { return h.cycles > cycles + 1000; }, health));
   std::printf(
@@ -187,7 +195,7 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   // Braking may take 0.08 m/s in 100 ms (the gate's stop), which is above the acceleration limit.
   EXPECT_LE(largest_change_, 1.02e-3 * 0.8);
   EXPECT_LE(health.allocations, 0);
-  EXPECT_LT(growth, 1.0);
+  EXPECT_LT(growth, kMostGrowth);
   EXPECT_LT(replacing.share(), resting.share() + 0.05) << "a machine that is merely busy aside";
   EXPECT_TRUE(daemon.running());
 }
