@@ -158,12 +158,15 @@ void Pipeline::estimate(double dt) noexcept {
   inputs.contact_count = contacts_O_.count;
   inputs.contacts = slots.loads.data();
   take_observation(inputs.observation);
-  slots.estimation_condition.apply(slots.estimator->update(inputs, *slots.model, slots.estimate));
-  if (slots.estimation_condition.state == LifeCycle::kFaulted &&
-      fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason)) {
+  const auto is_sound = [this] {
     Slots& now = *slots_;
-    now.estimation_condition.apply(now.estimator->update(inputs, *now.model, now.estimate));
-  }
+    now.estimation_condition.apply(
+        now.estimator->update(estimation_inputs_, *now.model, now.estimate));
+    return now.estimation_condition.state != LifeCycle::kFaulted;
+  };
+  if (!is_sound() &&
+      fall_back(fallbacks_->mechanics, "estimation", slots.estimation_condition.reason))
+    is_sound();
   Slots& now = *slots_;
   const bool jumps = now.jump.update(now.model->positions(), dt);
   now.estimate.jumped = jumps || now.estimate.step.restarted;

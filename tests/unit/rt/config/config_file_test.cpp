@@ -8,23 +8,13 @@
 #include <fstream>
 
 #include "rt/config/node.hpp"
+#include "tests/unit/rt/config/error_of.hpp"
 
 namespace palpate::config {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
-
-/// What the error of `action` says; empty where there is none.
-template <typename Action>
-std::string error_of(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.what();
-  }
-  return "";
-}
 
 class ConfigFile : public ::testing::Test {
  protected:
