@@ -50,12 +50,13 @@ motion:
 """
 
 # A host as GNU parallel's --sshlogin takes it: a command that is given a name and what to run there.
+# What runs there expects the SHELL that sshd sets: without it GNU parallel runs nothing, and is silent.
 SSH = """#!/bin/sh
 host=$1
 shift
 [ "$1" = -- ] && shift
 echo "$host" >> "{folder}/hosts"
-exec ip netns exec "$host" sh -c "$*"
+SHELL=/bin/sh exec ip netns exec "$host" sh -c "$*"
 """
 
 
