@@ -70,6 +70,11 @@ class Node {
   /// A path, taken relative to the folder of the file that gives it.
   std::string path(const Key& key) const;
 
+  /// Declares a number that comes with a unit ("10 mm"), which its reader takes apart himself;
+  /// `otherwise` tells what its absence means, where it need not be there and that is known.
+  void declare_quantity(const Key& key, Range range, bool is_required,
+                        const std::string& otherwise = "") const;
+
   /// Throws Error naming the first key below this node that no getter has asked for, with the keys
   /// that are known beside it.
   void check_all_used() const;

@@ -34,6 +34,13 @@ int Node::integer(const Key& key, Range range, int otherwise) const {
   return impl_->find(key.name).present ? integer(key, range) : otherwise;
 }
 
+void Node::declare_quantity(const Key& key, Range range, bool is_required,
+                            const std::string& otherwise) const {
+  Declaration& declared = impl_->declare(key, "number with unit", range);
+  declared.fallback = otherwise;
+  declared.required = is_required;
+}
+
 bool Node::flag(const Key& key, bool otherwise) const {
   impl_->declare(key, "flag").fallback = otherwise ? "true" : "false";
   const Impl::Entry entry = impl_->find(key.name);

@@ -62,14 +62,20 @@ class Indentation final : public Experiment {
   /// `half_space` has read everything but the layer.
   Indentation(std::unique_ptr<Experiment> half_space, const config::Node& node)
       : half_space_(std::move(half_space)), parameters_(half_space_->parameters()) {
-    const config::Node geometry = node.child("geometry");
-    radius_ = read_quantity(geometry, "radius", Dimension::kLength, {1e-6, 10});
+    const config::Node geometry = node.child({"geometry", "", "of ball and layer"});
+    radius_ =
+        read_quantity(geometry, {"radius", "", "of the ball"}, Dimension::kLength, {1e-6, 10});
     const double thickness =
-        read_quantity(geometry, "thickness", Dimension::kLength, {0.2 * radius_, 500 * radius_});
-    poisson_ratio_ = node.number("poisson_ratio", {0, 0.4999}, 0.49);
-    material_ = node.choice("material", {"neo_hookean", "mooney_rivlin"}, "neo_hookean");
+        read_quantity(geometry, {"thickness", "", "of the layer, 0.2 to 500 radii"},
+                      Dimension::kLength, {1e-7, 5e3});
+    if (thickness < 0.2 * radius_ || thickness > 500 * radius_)
+      geometry.fail("thickness", "is out of range; allowed: 0.2 to 500 times the radius");
+    poisson_ratio_ = node.number({"poisson_ratio", "", "known, not sought"}, {0, 0.4999}, 0.49);
+    material_ = node.choice({"material", "", "law of the layer"}, {"neo_hookean", "mooney_rivlin"},
+                            "neo_hookean");
     const double mooney = material_ == "mooney_rivlin" ? 0.5 : 0;
-    const double stiffening = node.number("stiffening", {0, 100}, 0);
+    const double stiffening =
+        node.number({"stiffening", "", "c20 of Yeoh's law by the shear modulus"}, {0, 100}, 0);
     curve_ = curve_of({thickness / radius_, poisson_ratio_, mooney, stiffening});
     parameters_[1] = {"poisson_ratio", "", poisson_ratio_, poisson_ratio_, poisson_ratio_};
   }

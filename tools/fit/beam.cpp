@@ -16,22 +16,34 @@ struct Marker {
   Eigen::Vector3d at;
 };
 
-std::vector<Marker> read_markers(const config::Node& node, const std::string& key) {
+std::vector<Marker> read_markers(const config::Node& node, const config::Key& key) {
   std::vector<Marker> markers;
   for (const config::Node& entry : node.list(key)) {
-    markers.push_back({entry.text("name"), entry.vector3("at", {-10, 10})});
+    markers.push_back({entry.text({"name", "", "its columns are NAME_x, NAME_y, NAME_z"}),
+                       entry.vector3({"at", "m", "its place at rest"}, {-10, 10})});
   }
   return markers;
 }
 
 std::vector<WantedColumn> wanted_columns(const std::vector<Marker>& markers) {
-  std::vector<WantedColumn> wanted = {{"time", Dimension::kTime}};
+  std::vector<WantedColumn> wanted = {{"time", Dimension::kTime, "of the sample"}};
   for (const Marker& marker : markers) {
     for (const char* axis : {"_x", "_y", "_z"}) {
-      wanted.push_back({marker.name + axis, Dimension::kLength});
+      wanted.push_back({marker.name + axis, Dimension::kLength, "of each marker, and _y and _z",
+                        true, "MARKER_x"});
     }
   }
   return wanted;
+}
+
+/// A time that was recorded; `otherwise` where it is absent. Throws config::Error.
+double read_time(const config::Node& node, const config::Key& key, double least, double most,
+                 double otherwise) {
+  const double time = optional_quantity(node, key, Dimension::kTime, {}).value_or(otherwise);
+  if (!(time >= least && time <= most))
+    node.fail(key.name, "is out of range; allowed: " + std::to_string(least) + " to " +
+                            std::to_string(most) + " s");
+  return time;
 }
 
 /// Mean of a column over rows whose time lies in [from, to].
@@ -55,10 +67,11 @@ double mean_between(const Recording& recording, const std::string& column, doubl
 class Beam final : public Experiment {
  public:
   Beam(const config::Node& node, const std::filesystem::path& folder)
-      : markers_(read_markers(node, "markers")) {
+      : markers_(read_markers(node, {"markers", "", "near the end, that a camera follows"})) {
     if (markers_.empty()) node.fail("markers", "a beam needs at least one marker");
     std::vector<Marker> all = markers_;
-    const std::vector<Marker> on_clamp = read_markers(node, "clamp_markers");
+    const std::vector<Marker> on_clamp =
+        read_markers(node, {"clamp_markers", "", "on the clamp, which may turn under the load"});
     all.insert(all.end(), on_clamp.begin(), on_clamp.end());
     const Recording recording(node, folder, wanted_columns(all));
     name_ = recording.name();
@@ -67,12 +80,14 @@ class Beam final : public Experiment {
     recording.require_varying(markers_.front().name + "_z");
 
     BeamShape shape;
-    const config::Node geometry = node.child("geometry");
-    shape.corner = geometry.vector3("corner", {-10, 10});
-    shape.size = geometry.vector3("size", {1e-4, 10});
-    const std::vector<double> cells = geometry.numbers("cells", 3, {1, 40});
+    const config::Node geometry = node.child({"geometry", "", "of the beam at rest"});
+    shape.corner = geometry.vector3({"corner", "m", "its lower corner, at the clamp"}, {-10, 10});
+    shape.size = geometry.vector3({"size", "m", "of the beam, along x from the clamp"}, {1e-4, 10});
+    const std::vector<double> cells =
+        geometry.numbers({"cells", "", "of the mesh, along each axis"}, 3, {1, 40});
     for (int k = 0; k < 3; ++k) shape.cells[k] = static_cast<int>(cells[k]);
-    shape.tip_mass = read_quantity(node, "tip_load", Dimension::kForce, {0, 1e4}, 0) / kGravity;
+    const config::Key tip_load{"tip_load", "", "weight at the end"};
+    shape.tip_mass = read_quantity(node, tip_load, Dimension::kForce, {0, 1e4}, 0) / kGravity;
     for (const Marker& m : markers_) shape.markers.push_back(m.at);
     for (const Marker& m : on_clamp) shape.clamp_markers.push_back(m.at);
 
@@ -131,13 +146,18 @@ class Beam final : public Experiment {
   void read_series(const config::Node& node, const Recording& recording,
                    const std::vector<Marker>& all) {
     const double end = recording.column("time").maxCoeff();
-    const double held = read_quantity(node, "held_until", Dimension::kTime, {-1e6, end}, 0);
-    const double rest = read_quantity(node, "rest_from", Dimension::kTime, {held, end}, end - 1);
-    const config::Node part = node.child("swing");
-    const double from = read_quantity(part, "from", Dimension::kTime, {held, end}, held);
-    const double to = read_quantity(part, "to", Dimension::kTime, {from, end}, end);
-    step_ = read_quantity(part, "step", Dimension::kTime, {1e-5, 1}, 5e-3);
-    const config::Node deviations = node.child_or_empty("deviations");
+    const double held =
+        read_time(node, {"held_until", "", "then the beam is let go; absent: 0"}, -1e6, end, 0);
+    const double rest = read_time(
+        node, {"rest_from", "", "it hangs still; absent: the last second"}, held, end, end - 1);
+    const config::Node part = node.child({"swing", "", "the oscillation that is fitted"});
+    const double from =
+        read_time(part, {"from", "", "its start; absent: held_until"}, held, end, held);
+    const double to = read_time(part, {"to", "", "its end; absent: the last"}, from, end, end);
+    step_ =
+        read_quantity(part, {"step", "", "of the integration"}, Dimension::kTime, {1e-5, 1}, 5e-3);
+    const config::Node deviations =
+        node.child_or_empty({"deviations", "", "standard, of a marker's place"});
 
     Series at_rest;
     at_rest.quantity = "rest_displacement";
@@ -146,7 +166,8 @@ class Beam final : public Experiment {
     at_rest.x.setLinSpaced(static_cast<Eigen::Index>(3 * all.size()), 0,
                            3. * static_cast<double>(all.size()) - 1);
     at_rest.measured.resize(at_rest.x.size());
-    at_rest.deviation = read_quantity(deviations, "rest", Dimension::kLength, {1e-9, 1}, 0.5e-3);
+    at_rest.deviation =
+        read_quantity(deviations, {"rest", "", "at rest"}, Dimension::kLength, {1e-9, 1}, 0.5e-3);
     Eigen::Index row = 0;
     for (const Marker& marker : all) {
       for (const char* axis : {"_x", "_y", "_z"}) {
@@ -162,7 +183,8 @@ class Beam final : public Experiment {
     swing.unit = "m";
     swing.abscissa = "time";
     swing.abscissa_unit = "s";
-    swing.deviation = read_quantity(deviations, "swing", Dimension::kLength, {1e-9, 1}, 1e-3);
+    swing.deviation = read_quantity(deviations, {"swing", "", "in the oscillation"},
+                                    Dimension::kLength, {1e-9, 1}, 1e-3);
     std::vector<double> times, heights;
     const Eigen::VectorXd& time = recording.column("time");
     for (Eigen::Index i = 0; i < time.size(); ++i) {
@@ -183,15 +205,18 @@ class Beam final : public Experiment {
   }
 
   void read_parameters(const config::Node& node, const Recording& recording) {
-    const config::Node nu = node.child_or_empty("poisson_ratio");
-    const double density = node.number("density", {1, 3e4});
-    const double least = nu.number("from", {0, 0.4999}, 0.499);
-    const double most = nu.number("to", {least, 0.4999}, least);
-    const bool free = node.choice("clamp", {"rigid", "free"}, "rigid") == "free";
+    const config::Node nu =
+        node.child_or_empty({"poisson_ratio", "", "between what it is sought; one value: known"});
+    const double density = node.number({"density", "kg/m^3", "known, not sought"}, {1, 3e4});
+    const double least = nu.number({"from", "", "its least"}, {0, 0.4999}, 0.499);
+    const double most = nu.number({"to", "", "its greatest"}, {least, 0.4999}, least);
+    const double start = nu.number({"start", "", "of the search"}, {least, most}, least);
+    const bool free = node.choice({"clamp", "", "it may turn and shift a little, or not"},
+                                  {"rigid", "free"}, "rigid") == "free";
     const double turn = free ? 0.1 : 0, shift = free ? 5e-3 : 0;
     const auto own = [&](const char* what) { return name_ + "." + what; };
     parameters_ = {{"young_modulus", "Pa", 2e5, 1e3, 1e9, true},
-                   {"poisson_ratio", "", nu.number("start", {least, most}, least), least, most},
+                   {"poisson_ratio", "", start, least, most},
                    {"density", "kg/m^3", density, density, density},
                    {"mass_damping", "1/s", 0.5, 0, 100},
                    {"stiffness_damping", "s", 1e-3, 0, 0.1}};
@@ -204,8 +229,7 @@ class Beam final : public Experiment {
     const double early = std::max(recording.column("time").minCoeff(), -0.1);
     parameters_.push_back({own("release"), "s", 0, early, 0.1});
     parameters_.push_back({own("held_sag"), "", 0, -0.5, 0.9});
-    const config::Node geometry = node.child("geometry");
-    const Eigen::Vector3d size = geometry.vector3("size", {1e-4, 10});
+    const Eigen::Vector3d size = node.child("geometry").vector3("size", {1e-4, 10});
     // A slender beam with end displacement w: curvature at the clamp is between 3 w / L^2 (a weight
     // at the tip) and 4 w / L^2 (its own).
     strain_ = 3.5 *

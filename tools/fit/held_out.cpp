@@ -35,7 +35,7 @@ std::vector<bool> selected_samples(const Selection& selection, const config::Nod
 
 std::vector<bool> held_out_samples(const config::Node& node, const Recording& recording,
                                    const NamedValues& others) {
-  return selected_samples(read_selection(node, "held_out", false), node, "held_out", recording,
+  return selected_samples(read_selection(node, kHeldOut, false), node, "held_out", recording,
                           others);
 }
 

@@ -19,6 +19,10 @@ std::vector<bool> selected_samples(const Selection& selection, const config::Nod
                                    const std::string& key, const Recording& recording,
                                    const NamedValues& others);
 
+inline const config::Key kHeldOut("held_out", "",
+                                  "samples that are predicted, not fitted: true, or {quantity, "
+                                  "from, to}");
+
 /// Entry `held_out` of a recording: what is predicted, not fitted (Series::is_held_out).
 std::vector<bool> held_out_samples(const config::Node& node, const Recording& recording,
                                    const NamedValues& others);

@@ -17,13 +17,17 @@ struct Indentation {
 };
 
 std::vector<WantedColumn> wanted_columns(bool has_depth) {
-  if (has_depth) return {{"depth", Dimension::kLength}, {"force", Dimension::kForce}};
+  if (has_depth)
+    return {{"depth", Dimension::kLength, "of the ball below the surface"},
+            {"force", Dimension::kForce, "of the ball"}};
   std::vector<WantedColumn> wanted;
   for (const char* axis : {"x", "y", "z"}) {
-    wanted.push_back({std::string("centre_") + axis, Dimension::kLength});
-    wanted.push_back({std::string("normal_") + axis, Dimension::kRatio});
-    wanted.push_back({std::string("position_") + axis, Dimension::kLength});
-    wanted.push_back({std::string("force_") + axis, Dimension::kForce});
+    wanted.push_back({std::string("centre_") + axis, Dimension::kLength,
+                      "instead of a depth: of the ball where it touches"});
+    wanted.push_back(
+        {std::string("normal_") + axis, Dimension::kRatio, "of the surface, outwards"});
+    wanted.push_back({std::string("position_") + axis, Dimension::kLength, "of the ball"});
+    wanted.push_back({std::string("force_") + axis, Dimension::kForce, "on the ball"});
   }
   return wanted;
 }
@@ -44,16 +48,24 @@ Indentation read_indentation(const Recording& recording) {
 class Hertz final : public Experiment {
  public:
   Hertz(const config::Node& node, const std::filesystem::path& folder) {
-    const Recording recording(node, folder, wanted_columns(node.child("columns").has("depth")));
+    const Recording recording(
+        node, folder,
+        wanted_columns(
+            node.child({"columns", "", "where each quantity stands in the file"}).has("depth")));
     name_ = recording.name();
     recording.require_rows(3);
     const Indentation data = read_indentation(recording);
     check(recording, data);
 
-    is_linear_ = node.choice("model", {"hertz", "linear"}, "hertz") == "linear";
-    const bool has_offset = node.choice("contact_offset", {"free", "none"}, "free") == "free";
-    radius_ = read_quantity(node.child("geometry"), "radius", Dimension::kLength, {1e-6, 10});
-    const double nu = node.number("poisson_ratio", {0, kLargestPoisson}, 0.5);
+    is_linear_ = node.choice({"model", "", "force with depth to the 3/2, or in proportion"},
+                             {"hertz", "linear"}, "hertz") == "linear";
+    const bool has_offset =
+        node.choice({"contact_offset", "", "depth at which the ball touches: sought, or 0"},
+                    {"free", "none"}, "free") == "free";
+    radius_ = read_quantity(node.child({"geometry", "", "of ball and layer"}),
+                            {"radius", "", "of the ball"}, Dimension::kLength, {1e-6, 10});
+    const double nu =
+        node.number({"poisson_ratio", "", "known, not sought"}, {0, kLargestPoisson}, 0.5);
 
     const double range = data.force.maxCoeff() - data.force.minCoeff();
     Series series;
@@ -64,7 +76,9 @@ class Hertz final : public Experiment {
     series.x = data.depth;
     series.measured = data.force;
     series.deviation =
-        read_quantity(node, "deviation", Dimension::kForce, {1e-12, 1e6}, 0.01 * range);
+        optional_quantity(node, {"deviation", "", "of the force; absent: a hundredth of its range"},
+                          Dimension::kForce, {1e-12, 1e6})
+            .value_or(0.01 * range);
     series.is_held_out = held_out_samples(node, recording, {{"depth", data.depth}});
     fitted_depth_ = greatest_fitted(series);
     series_.push_back(std::move(series));

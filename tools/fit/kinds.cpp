@@ -33,7 +33,7 @@ std::unique_ptr<Experiment> make_experiment(const config::Node& node,
                                             const std::filesystem::path& folder) {
   std::vector<std::string> names;
   for (const Kind& kind : kinds()) names.push_back(kind.name);
-  const std::string name = node.choice("kind", names);
+  const std::string name = node.choice({"kind", "", "of experiment"}, names);
   const auto kind =
       std::find_if(kinds().begin(), kinds().end(), [&](const Kind& k) { return k.name == name; });
   return kind->make(node, folder);

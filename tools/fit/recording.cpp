@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <sstream>
 #include <unordered_set>
 
 #include "tools/fit/csv_table.hpp"
@@ -37,9 +38,12 @@ struct Source {
 
 std::vector<Source> read_sources(const config::Node& node, const CsvTable& table,
                                  const std::vector<WantedColumn>& wanted) {
-  const config::Node columns = node.child("columns");
+  const config::Node columns =
+      node.child({"columns", "", "where each quantity stands in the file"});
   std::vector<Source> sources;
   for (const WantedColumn& want : wanted) {
+    config::Key key(want.quantity, si_unit(want.dimension), want.meaning);
+    key.kind = want.kind;
     if (!columns.has(want.quantity)) {
       if (want.is_required)
         columns.fail(want.quantity,
@@ -47,13 +51,14 @@ std::vector<Source> read_sources(const config::Node& node, const CsvTable& table
                          " as {name: ..., unit: " + units_of(want.dimension).front() + "}");
       continue;
     }
-    const config::Node entry = columns.child(want.quantity);
+    const config::Node entry = columns.child(key);
     Source source;
     source.quantity = want.quantity;
-    source.column = table.column(entry.text("name"));
-    source.factor = factor_of(entry, "unit", want.dimension,
-                              entry.text("unit", units_of(want.dimension).front())) *
-                    entry.number("sign", {-1, 1}, 1);
+    source.column = table.column(entry.text({"name", "", "of the column"}));
+    const std::string unit = entry.text({"unit", "", "of its numbers; absent: the one of SI"},
+                                        units_of(want.dimension).front());
+    source.factor = factor_of(entry, "unit", want.dimension, unit) *
+                    entry.number({"sign", "", "-1 turns them round"}, {-1, 1}, 1);
     if (source.factor == 0) entry.fail("sign", "must be 1 or -1");
     sources.push_back(source);
   }
@@ -68,31 +73,37 @@ struct Filter {
 std::vector<Filter> read_filters(const config::Node& node, const CsvTable& table) {
   std::vector<Filter> filters;
   if (!node.has("where")) return filters;
-  const config::Node where = node.child("where");
-  for (const std::string& key : where.keys())
-    filters.push_back({table.column(key), where.number(key, {-kInfinity, kInfinity})});
+  const config::Node where =
+      node.child({"where", "", "only rows that have these numbers in these columns"});
+  for (const std::string& column : where.keys()) {
+    const config::Key key = config::Key::named_by_user(column, "COLUMN", "", "in that column");
+    filters.push_back({table.column(column), where.number(key, {-kInfinity, kInfinity})});
+  }
   return filters;
 }
 
 }  // namespace
 
-Selection read_selection(const config::Node& node, const std::string& key, bool otherwise) {
+Selection read_selection(const config::Node& node, const config::Key& key, bool otherwise) {
   Selection selection;
-  if (!node.is_mapping(key)) {
+  if (!node.is_mapping(key.name)) {
     selection.is_all = node.flag(key, otherwise);
     selection.from = 1;  // above `to`: none
     return selection;
   }
   const config::Node entry = node.child(key);
-  selection.quantity = entry.text("quantity");
-  selection.from = entry.number("from", {}, -kInfinity);
-  selection.to = entry.number("to", {}, kInfinity);
+  selection.quantity = entry.text({"quantity", "", "that tells which samples"});
+  selection.from = entry.number({"from", "SI", "its least, of these"}, {}, -kInfinity);
+  selection.to = entry.number({"to", "SI", "its greatest, of these"}, {}, kInfinity);
   if (!(selection.from <= selection.to)) entry.fail("to", "must not be below from");
   return selection;
 }
 
-double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
-                     config::Range range) {
+namespace {
+
+/// The quantity, which is there and has been declared.
+double to_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+                   config::Range range) {
   const std::string text = node.text(key);
   const std::size_t gap = text.find(' ');
   if (gap == std::string::npos) return node.number(key, range);
@@ -111,25 +122,51 @@ double read_quantity(const config::Node& node, const std::string& key, Dimension
   return value;
 }
 
-double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+config::Key in_si(config::Key key, Dimension dimension) {
+  key.unit = si_unit(dimension);
+  return key;
+}
+
+}  // namespace
+
+double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
+                     config::Range range) {
+  node.declare_quantity(in_si(key, dimension), range, true);
+  return to_quantity(node, key.name, dimension, range);
+}
+
+double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
                      config::Range range, double otherwise) {
-  return node.has(key) ? read_quantity(node, key, dimension, range) : otherwise;
+  std::ostringstream text;
+  text << otherwise;
+  node.declare_quantity(in_si(key, dimension), range, false, text.str());
+  return node.has(key.name) ? to_quantity(node, key.name, dimension, range) : otherwise;
+}
+
+std::optional<double> optional_quantity(const config::Node& node, const config::Key& key,
+                                        Dimension dimension, config::Range range) {
+  node.declare_quantity(in_si(key, dimension), range, false);
+  if (!node.has(key.name)) return std::nullopt;
+  return to_quantity(node, key.name, dimension, range);
 }
 
 Recording::Recording(const config::Node& node, const std::filesystem::path& folder,
                      const std::vector<WantedColumn>& wanted) {
-  const std::string file = node.text("file");
+  const std::string file = node.text({"file", "", "CSV, plain or .gz, in the folder of the data"});
   path_ = recording_path(folder, file).string();
-  std::string stem = std::filesystem::path(file).filename().string();
-  name_ = node.text("name", stem.substr(0, stem.find(".csv")));
+  const std::string stem = std::filesystem::path(file).filename().string();
+  const std::string by_file = stem.substr(0, stem.find(".csv"));
+  const std::string own = node.text({"name", "", "of the recording; absent: the file's"}, "");
+  name_ = own.empty() ? by_file : own;
 
   const std::shared_ptr<const CsvTable> table = read_csv(path_);
   const std::vector<Source> sources = read_sources(node, *table, wanted);
   const std::vector<Filter> filters = read_filters(node, *table);
-  const config::Node rows = node.child_or_empty("rows");
-  const int first = rows.integer("first", {0, 1e9}, 0);
-  const int last = rows.integer("last", {0, 1e9}, 1000000000);
-  const int step = rows.integer("step", {1, 1e6}, 1);
+  const config::Node rows = node.child_or_empty({"rows", "", "which of those that are left"});
+  const int first = rows.integer({"first", "", "counted from 0"}, {0, 1e9}, 0);
+  const int last =
+      rows.integer({"last", "", "this one too; absent: to the end"}, {0, 1e9}, 1000000000);
+  const int step = rows.integer({"step", "", "each so-and-so-many-th"}, {1, 1e6}, 1);
 
   std::vector<std::vector<double>> cells(sources.size());
   int index = -1;

@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,9 @@ namespace palpate::fit {
 struct WantedColumn {
   std::string quantity;
   Dimension dimension;
+  const char* meaning;
   bool is_required = true;
+  const char* kind = nullptr;  // stands in the reference for a quantity that the user named
 };
 
 /// Samples by what a quantity of theirs is. In YAML: true (all), false, or
@@ -30,14 +33,17 @@ struct Selection {
 };
 
 /// Reads entry `key`; `otherwise` where it is absent. Throws config::Error.
-Selection read_selection(const config::Node& node, const std::string& key, bool otherwise);
+Selection read_selection(const config::Node& node, const config::Key& key, bool otherwise);
 
-/// A number with its unit ("10.65 mm") or in SI (0.01065), as SI. Throws config::Error naming the
-/// units that are allowed, or the range.
-double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+/// A number with its unit ("10.65 mm") or in SI (0.01065), as SI; the key's unit is the
+/// dimension's. Throws config::Error naming the units that are allowed, or the range.
+double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
                      config::Range range);
-double read_quantity(const config::Node& node, const std::string& key, Dimension dimension,
+double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
                      config::Range range, double otherwise);
+/// Where it is absent, nothing: what it is then is told by the recording.
+std::optional<double> optional_quantity(const config::Node& node, const config::Key& key,
+                                        Dimension dimension, config::Range range);
 
 /// The columns of a CSV (plain or .gz) in SI units. In YAML:
 ///

@@ -37,24 +37,24 @@ class Membrane final : public Experiment {
  public:
   Membrane(const config::Node& node, const std::filesystem::path& folder) {
     const Recording field(node, folder,
-                          {{"frame", Dimension::kRatio},
-                           {"point", Dimension::kRatio},
-                           {"x", Dimension::kLength},
-                           {"y", Dimension::kLength}});
-    const Recording pads(node.child("pads"), folder,
-                         {{"frame", Dimension::kRatio},
-                          {"moving_x", Dimension::kLength},
-                          {"moving_y", Dimension::kLength},
-                          {"fixed_x", Dimension::kLength},
-                          {"fixed_y", Dimension::kLength},
-                          {"force", Dimension::kForce}});
+                          {{"frame", Dimension::kRatio, "number of the picture"},
+                           {"point", Dimension::kRatio, "number of the point that is followed"},
+                           {"x", Dimension::kLength, "of the point"},
+                           {"y", Dimension::kLength, "of the point"}});
+    const Recording pads(node.child({"pads", "", "recording of the pads and their force"}), folder,
+                         {{"frame", Dimension::kRatio, "number of the picture"},
+                          {"moving_x", Dimension::kLength, "by which the one pad has moved"},
+                          {"moving_y", Dimension::kLength, "by which the one pad has moved"},
+                          {"fixed_x", Dimension::kLength, "of the other pad, from the first"},
+                          {"fixed_y", Dimension::kLength, "of the other pad, from the first"},
+                          {"force", Dimension::kForce, "on the pad that moves"}});
     name_ = field.name();
     pads.require_varying("moving_x");
     pads.require_varying("force");
-    read_frames(node.child("frames"), pads);
-    build(node.child("geometry"), pads);
-    read_field(node.integer("every", {1, 1000}, 1), field);
-    read_series(node.child_or_empty("deviations"));
+    read_frames(node.child({"frames", "", "which are used"}), pads);
+    build(node.child({"geometry", "", "of pads and mesh"}), pads);
+    read_field(node.integer({"every", "", "each so-and-so-many-th point"}, {1, 1000}, 1), field);
+    read_series(node.child_or_empty({"deviations", "", "standard, of what is measured"}));
     parameters_ = {{"shear_thickness", "N/m", 5, 1e-3, 1e5, true},
                    {"fung_exponent", "", 5, 1e-3, 1e4, true},
                    {"fibre_thickness", "N/m", 2, 1e-4, 1e5, true},
@@ -151,8 +151,10 @@ class Membrane final : public Experiment {
 
   void read_frames(const config::Node& node, const Recording& pads) {
     std::map<int, bool> wanted;
-    for (double f : node.numbers("fitted", -1, {0, 1e6})) wanted[static_cast<int>(f)] = false;
-    for (double f : node.numbers("predicted", -1, {0, 1e6})) wanted[static_cast<int>(f)] = true;
+    for (double f : node.numbers({"fitted", "", "frames"}, -1, {0, 1e6}))
+      wanted[static_cast<int>(f)] = false;
+    for (double f : node.numbers({"predicted", "", "frames that are held out"}, -1, {0, 1e6}))
+      wanted[static_cast<int>(f)] = true;
     for (const auto& [number, is_predicted] : wanted) {
       Frame frame;
       frame.number = number;
@@ -174,11 +176,13 @@ class Membrane final : public Experiment {
   }
 
   void build(const config::Node& geometry, const Recording& pads) {
-    const auto length = [&](const char* key) {
+    const auto length = [&](const config::Key& key) {
       return read_quantity(geometry, key, Dimension::kLength, {1e-4, 1});
     };
-    const double width = length("pad_width"), reach = length("pad_length"),
-                 margin = length("margin"), cell = length("cell");
+    const double width = length({"pad_width", "", "across the motion"}),
+                 reach = length({"pad_length", "", "along the motion"}),
+                 margin = length({"margin", "", "of skin around the pads"}),
+                 cell = length({"cell", "", "of the mesh"});
     const double far = pads.column("fixed_x")[0], axis = pads.column("fixed_y")[0] / 2;
     if (!(far > cell)) pads.fail(0, "the fixed pad must lie at a greater x than the moving one");
     const double low = axis - width / 2, high = axis + width / 2;
@@ -228,7 +232,8 @@ class Membrane final : public Experiment {
     field.abscissa = "frame";
     field.measured = measured_;
     field.x.resize(measured_.size());
-    field.deviation = read_quantity(deviations, "field", Dimension::kLength, {1e-9, 1}, 2e-5);
+    field.deviation =
+        read_quantity(deviations, {"field", "", "of a point"}, Dimension::kLength, {1e-9, 1}, 2e-5);
     Series force;
     force.quantity = "pad_force";
     force.unit = "N";
@@ -236,7 +241,8 @@ class Membrane final : public Experiment {
     force.abscissa_unit = "m";
     force.x.resize(frames);
     force.measured.resize(frames);
-    force.deviation = read_quantity(deviations, "force", Dimension::kForce, {1e-9, 1e3}, 5e-4);
+    force.deviation = read_quantity(deviations, {"force", "", "of the pad"}, Dimension::kForce,
+                                    {1e-9, 1e3}, 5e-4);
     for (Eigen::Index k = 0; k < frames; ++k) {
       field.x.segment(2 * points * k, 2 * points).setConstant(frames_[k].number);
       force.x[k] = frames_[k].motion.x();

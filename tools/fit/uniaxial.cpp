@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-bool is_free(const config::Node& node, const std::string& key) {
+bool is_free(const config::Node& node, const config::Key& key) {
   return node.choice(key, {"free", "none"}, "none") == "free";
 }
 
@@ -22,14 +22,18 @@ class Uniaxial final : public Experiment {
  public:
   Uniaxial(const config::Node& node, const std::filesystem::path& folder)
       : data_(read_uniaxial(node, folder)),
-        material_(elasticity::StrainEnergy::make(
-            node.choice("model", elasticity::StrainEnergy::names(), "linear"))),
+        material_(elasticity::StrainEnergy::make(node.choice(
+            {"model", "", "law of the material"}, elasticity::StrainEnergy::names(), "linear"))),
         sign_(data_.is_compression ? -1 : 1) {
-    has_history_ = is_free(node, "viscosity") || is_free(node, "relaxation");
-    has_contact_ = is_free(node, "contact_offset");
+    const bool is_viscous = is_free(node, {"viscosity", "", "a part that goes with the rate"});
+    const bool is_relaxing = is_free(node, {"relaxation", "", "a part that fades with time"});
+    has_history_ = is_viscous || is_relaxing;
+    has_contact_ = is_free(node, {"contact_offset", "", "where the plate touches, in compression"});
+    const bool is_clamp_free =
+        is_free(node, {"clamp_offset", "", "by which the clamps are too far apart, in tension"});
     if (has_contact_ && !data_.is_compression)
       node.fail("contact_offset", "is of compression; in tension it is clamp_offset");
-    if (is_free(node, "clamp_offset") && data_.is_compression)
+    if (is_clamp_free && data_.is_compression)
       node.fail("clamp_offset", "is of tension; in compression it is contact_offset");
     if (has_history_ && data_.time.size() == 0)
       node.fail("viscosity",
@@ -144,7 +148,10 @@ class Uniaxial final : public Experiment {
     for (const elasticity::MaterialConstant& c : material_->constants())
       add({c.name, c.unit, c.start, c.lower, c.upper, c.is_logarithmic});
     parameters_[0].start = range / (data_.area * (most - strain.minCoeff()));
-    const std::string poisson = node.text("poisson_ratio", "0.5");
+    const std::string poisson = node.text(
+        {"poisson_ratio", "",
+         "-0.5 to 0.5, or free (sought), or by_width (sought where there is a width, else 0)"},
+        "0.5");
     const bool has_width = data_.width.size() > 0;
     const bool is_poisson_free = poisson == "free" || (poisson == "by_width" && has_width);
     if (is_poisson_free && !has_width)
@@ -159,7 +166,8 @@ class Uniaxial final : public Experiment {
     const bool has_offset = has_contact_ || is_free(node, "clamp_offset");
     offset_ = add_own(data_.is_compression ? "contact_offset" : "clamp_offset",
                       data_.length == 1 ? "" : "m", 0, has_offset, -reach, reach);
-    bias_ = add_own("load_bias", series_[0].unit, 0, is_free(node, "load_bias"), -range, range);
+    const bool is_bias_free = is_free(node, {"load_bias", "", "load at no strain"});
+    bias_ = add_own("load_bias", series_[0].unit, 0, is_bias_free, -range, range);
     if (is_free(node, "viscosity")) {
       const double duration = data_.time[data_.time.size() - 1] - data_.time[0];
       viscosity_ = add({"viscosity", "Pa s", 0.01 * parameters_[0].start,

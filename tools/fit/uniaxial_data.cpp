@@ -17,18 +17,24 @@ using Eigen::VectorXd;
 constexpr double kPi = 3.14159265358979323846;
 constexpr Index kLeastRows = 4;
 
+const config::Key kGeometry("geometry", "", "of the specimen");
+
 /// Rest area from what the geometry gives.
 double read_area(const config::Node& geometry) {
   const config::Range size{1e-6, 100};
-  if (geometry.has("area")) return read_quantity(geometry, "area", Dimension::kArea, {1e-12, 1e4});
-  if (geometry.has("diameter")) {
-    const double d = read_quantity(geometry, "diameter", Dimension::kLength, size);
-    return kPi / 4 * d * d;
-  }
-  if (!geometry.has("width") || !geometry.has("thickness"))
+  const auto area =
+      optional_quantity(geometry, {"area", "", "of the section"}, Dimension::kArea, {1e-12, 1e4});
+  const auto length = [&](const config::Key& key) {
+    return optional_quantity(geometry, key, Dimension::kLength, size);
+  };
+  const auto diameter = length({"diameter", "", "of the section, where there is no area"});
+  const auto width = length({"width", "", "of the section, where there is neither of them"});
+  const auto thickness = length({"thickness", "", "of the section, beside its width"});
+  if (area) return *area;
+  if (diameter) return kPi / 4 * *diameter * *diameter;
+  if (!width || !thickness)
     geometry.fail("area", "is absent; give area, diameter, or width and thickness of the bar");
-  return read_quantity(geometry, "width", Dimension::kLength, size) *
-         read_quantity(geometry, "thickness", Dimension::kLength, size);
+  return *width * *thickness;
 }
 
 /// Strain in the direction of the test.
@@ -38,15 +44,17 @@ VectorXd read_strain(const config::Node& node, const Recording& recording, Uniax
     const VectorXd strain = recording.column("stretch").array() - 1;
     return data.is_compression ? VectorXd(-strain) : strain;
   }
-  const config::Node geometry = node.child_or_empty("geometry");
-  const config::Range size{1e-6, 100};
+  const config::Node geometry = node.child_or_empty(kGeometry);
+  const auto length = optional_quantity(geometry, {"length", "", "at rest; absent: the first gap"},
+                                        Dimension::kLength, {1e-6, 100});
   if (recording.has("gap")) {
     const VectorXd& gap = recording.column("gap");
-    data.length = read_quantity(geometry, "length", Dimension::kLength, size, gap[0]);
+    data.length = length.value_or(gap[0]);
     const double sign = data.is_compression ? -1 : 1;
     return sign * (gap.array() - gap[0]) / data.length;
   }
-  data.length = read_quantity(geometry, "length", Dimension::kLength, size);
+  if (!length) geometry.fail("length", "is absent; a displacement needs it");
+  data.length = *length;
   return recording.column("displacement") / data.length;
 }
 
@@ -104,9 +112,11 @@ void keep(const std::vector<Index>& rows, UniaxialData& data) {
 /// Leaves the rows of the time window.
 void cut(const config::Node& node, const Recording& recording, UniaxialData& data) {
   if (!node.has("window")) return;
-  const config::Node window = node.child("window");
-  const double from = read_quantity(window, "from", Dimension::kTime, {}, -1e300);
-  const double to = read_quantity(window, "to", Dimension::kTime, {}, 1e300);
+  const config::Node window = node.child({"window", "", "of time that is looked at"});
+  const double from =
+      optional_quantity(window, {"from", "", "its start"}, Dimension::kTime, {}).value_or(-1e300);
+  const double to =
+      optional_quantity(window, {"to", "", "its end"}, Dimension::kTime, {}).value_or(1e300);
   if (data.time.size() == 0) node.fail("window", "needs a column `time`");
   std::vector<Index> rows;
   for (Index i = 0; i < data.time.size(); ++i)
@@ -118,7 +128,7 @@ void cut(const config::Node& node, const Recording& recording, UniaxialData& dat
 
 /// Leaves every n-th row, of what was recorded faster than it changes.
 void thin(const config::Node& node, UniaxialData& data) {
-  const int every = node.integer("every", {1, 1000}, 1);
+  const int every = node.integer({"every", "", "each so-and-so-many-th row"}, {1, 1000}, 1);
   if (every == 1) return;
   std::vector<Index> rows;
   for (Index i = 0; i < data.strain.size(); i += every) rows.push_back(i);
@@ -136,17 +146,17 @@ double greatest_width(const UniaxialData& data) {
 void treat_cycles(const config::Node& node, const Recording& recording, UniaxialData& data) {
   data.is_used.assign(static_cast<std::size_t>(data.strain.size()), true);
   if (!node.has("cycles")) return;
-  const config::Node cycles = node.child("cycles");
-  const int skip = cycles.integer("skip", {0, 1000}, 0);
+  const config::Node cycles = node.child({"cycles", "", "of loading and unloading"});
+  const int skip = cycles.integer({"skip", "", "of the first"}, {0, 1000}, 0);
   const Index first = after_cycles(data.strain, skip);
   if (first + kLeastRows > data.strain.size())
     recording.fail("has no more than " + std::to_string(skip) + " cycles; lower cycles.skip");
-  if (cycles.flag("average", false)) {
-    const int points = cycles.integer("points", {4, 10000}, 101);
+  if (cycles.flag({"average", "", "only their mean curve counts"}, false)) {
+    const int points = cycles.integer({"points", "", "of the mean curve"}, {4, 10000}, 101);
     const MeanCurve curve = mean_curve(data.strain, data.load, skip, points);
     if (curve.cycles == 0) recording.fail("no whole cycle is left; lower cycles.skip");
-    data.load =
-        cycles.flag("zero", false) ? VectorXd(curve.value.array() - curve.value[0]) : curve.value;
+    const bool is_zeroed = cycles.flag({"zero", "", "the mean curve's load begins at 0"}, false);
+    data.load = is_zeroed ? VectorXd(curve.value.array() - curve.value[0]) : curve.value;
     if (data.width.size() > 0) data.width = mean_curve(data.strain, data.width, skip, points).value;
     data.strain = curve.strain;
     data.time.resize(0);
@@ -160,36 +170,44 @@ void treat_cycles(const config::Node& node, const Recording& recording, Uniaxial
 
 UniaxialData read_uniaxial(const config::Node& node, const std::filesystem::path& folder) {
   UniaxialData data;
-  const config::Node columns = node.child("columns");
+  const config::Node columns =
+      node.child({"columns", "", "where each quantity stands in the file"});
   data.is_stress = columns.has("stress");
-  std::vector<WantedColumn> wanted = {{"time", Dimension::kTime, false},
-                                      {"strain", Dimension::kStrain, false},
-                                      {"stretch", Dimension::kRatio, false},
-                                      {"gap", Dimension::kLength, false},
-                                      {"width", Dimension::kLength, false}};
+  std::vector<WantedColumn> wanted = {
+      {"time", Dimension::kTime, "of the sample", false},
+      {"strain", Dimension::kStrain, "in the direction of the test", false},
+      {"stretch", Dimension::kRatio, "instead: length by length at rest", false},
+      {"gap", Dimension::kLength, "instead: between plates or clamps", false},
+      {"width", Dimension::kLength, "across", false}};
   const bool has_strain = columns.has("strain") || columns.has("stretch") || columns.has("gap");
-  if (!has_strain) wanted.push_back({"displacement", Dimension::kLength});
-  wanted.push_back(data.is_stress ? WantedColumn{"stress", Dimension::kStress}
-                                  : WantedColumn{"force", Dimension::kForce});
+  if (!has_strain)
+    wanted.push_back({"displacement", Dimension::kLength, "where neither of these is there"});
+  wanted.push_back(data.is_stress
+                       ? WantedColumn{"stress", Dimension::kStress, "instead: nominal"}
+                       : WantedColumn{"force", Dimension::kForce, "in the test's direction"});
   const Recording recording(node, folder, wanted);
   recording.require_rows(kLeastRows);
 
   data.name = recording.name();
-  data.is_compression =
-      node.choice("direction", {"tension", "compression"}, "tension") == "compression";
+  data.is_compression = node.choice({"direction", "", "of the test"}, {"tension", "compression"},
+                                    "tension") == "compression";
   data.strain = read_strain(node, recording, data);
   data.load = recording.column(data.is_stress ? "stress" : "force");
-  if (!data.is_stress) data.area = read_area(node.child("geometry"));
+  if (!data.is_stress) data.area = read_area(node.child(kGeometry));
   if (recording.has("time")) data.time = recording.column("time");
   if (recording.has("width")) data.width = recording.column("width");
   check(recording, data);
   cut(node, recording, data);
-  if (node.has("video")) data.width = aligned_widths(node.child("video"), folder, data);
+  if (node.has("video"))
+    data.width = aligned_widths(
+        node.child({"video", "", "a recording of the width; its clock is put by the peaks"}),
+        folder, data);
   thin(node, data);
   treat_cycles(node, recording, data);
 
   const NamedValues named = {{"strain", data.strain}, {"load", data.load}};
-  const Selection use = read_selection(node, "use", true);
+  const Selection use =
+      read_selection(node, {"use", "", "samples that count: true, or {quantity, from, to}"}, true);
   const std::vector<bool> selected = selected_samples(use, node, "use", recording, named);
   Index used = 0;
   for (std::size_t i = 0; i < data.is_used.size(); ++i) {
@@ -209,11 +227,14 @@ UniaxialData read_uniaxial(const config::Node& node, const std::filesystem::path
     recording.fail("the video saw fewer than 4 of the samples; check its clock, or leave it out");
   const double range = data.load.maxCoeff() - data.load.minCoeff();
   data.load_deviation =
-      read_quantity(node, "deviation", data.is_stress ? Dimension::kStress : Dimension::kForce,
-                    {1e-12, 1e12}, 0.01 * range);
+      optional_quantity(node, {"deviation", "", "of the load; absent: a hundredth of its range"},
+                        data.is_stress ? Dimension::kStress : Dimension::kForce, {1e-12, 1e12})
+          .value_or(0.01 * range);
   if (data.width.size() > 0)
-    data.width_deviation = read_quantity(node, "width_deviation", Dimension::kLength, {1e-12, 1},
-                                         1e-3 * greatest_width(data));
+    data.width_deviation =
+        optional_quantity(node, {"width_deviation", "", "absent: a thousandth of the greatest"},
+                          Dimension::kLength, {1e-12, 1})
+            .value_or(1e-3 * greatest_width(data));
   return data;
 }
 

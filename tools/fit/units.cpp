@@ -37,9 +37,9 @@ const DimensionUnits& table(Dimension dimension) {
 
 std::string name_of(Dimension dimension) { return table(dimension).name; }
 
-std::string si_unit(Dimension dimension) {
+const char* si_unit(Dimension dimension) {
   const std::string& unit = table(dimension).units.front().first;
-  return unit == "1" ? "" : unit;
+  return unit == "1" ? "" : unit.c_str();
 }
 
 std::vector<std::string> units_of(Dimension dimension) {

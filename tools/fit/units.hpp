@@ -27,7 +27,7 @@ enum class Dimension {
 std::string name_of(Dimension dimension);
 
 /// The unit in which a dimension's numbers are kept ("N"; "" for a ratio).
-std::string si_unit(Dimension dimension);
+const char* si_unit(Dimension dimension);
 
 /// Every unit that the dimension may have, the SI one first.
 std::vector<std::string> units_of(Dimension dimension);

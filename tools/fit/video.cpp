@@ -75,9 +75,10 @@ bool find_shift(const VectorXd& time, const VectorXd& strain, const VectorXd& ot
 
 VectorXd aligned_widths(const config::Node& node, const std::filesystem::path& folder,
                         const UniaxialData& data) {
-  const Recording video(
-      node, folder,
-      {{"time", Dimension::kTime}, {"width", Dimension::kLength}, {"height", Dimension::kLength}});
+  const Recording video(node, folder,
+                        {{"time", Dimension::kTime, "by the video's clock"},
+                         {"width", Dimension::kLength, "across"},
+                         {"height", Dimension::kLength, "in the direction of the test"}});
   video.require_rows(4);
   video.require_rising("time");
   video.require_varying("width");

@@ -11,6 +11,7 @@
 #include "rt/config/node.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/inference/model_file.hpp"
+#include "tools/fit/kinds.hpp"
 #include "tools/fit/plan.hpp"
 #include "tools/train/plan.hpp"
 #ifndef PALPATE_WITHOUT_SIM
@@ -37,10 +38,31 @@ namespace fs = std::filesystem;
   inference::write_model_file((folder / (name + ".pt")).string(), weights, card);
 }
 
+/// Recordings of a bar that is pulled and let go four times, and of skin between two pads.
+void write_recordings(const fs::path& folder) {
+  std::ofstream bar(folder / "bar.csv");
+  bar << "time,strain,stretch,gap,length,stress,force,width,height,unit,probe\n";
+  for (int i = 0; i < 400; ++i) {
+    const double strain = 0.003 * std::min(i % 100, 100 - i % 100);
+    bar << 0.01 * i << "," << strain << "," << 1 + strain << "," << 0.02 * (1 - strain) << ","
+        << 0.02 * strain << "," << 1e4 * strain << "," << 10 * strain << ","
+        << 0.01 * (1 - 0.3 * strain) << "," << 0.02 * (1 - strain) << ",1,1\n";
+  }
+  std::ofstream field(folder / "field.csv"), pads(folder / "pads.csv");
+  field << "frame,point,x,y\n";
+  pads << "frame,x,y,far,force\n";
+  for (int frame = 0; frame < 3; ++frame) {
+    for (int point = 0; point < 4; ++point)
+      field << frame << "," << point << "," << 0.01 + 0.002 * point - 4e-4 * frame << ",0.001\n";
+    pads << frame << "," << -1e-3 * frame << ",0,0.03," << -0.02 * frame << "\n";
+  }
+}
+
 /// The files that explorations name below MODELS, where they are not there yet.
 void write_models(const fs::path& folder) {
   if (fs::exists(folder / "key")) return;
   bus::make_key_file((folder / "key").string());
+  write_recordings(folder);
   std::ofstream(folder / "material.yaml")
       << "material: {model: linear, young_modulus: 3e4, poisson_ratio: 0.3}\n"
          "corotational: {young_modulus: 3e4, poisson_ratio: 0.3}\n";
@@ -77,9 +99,13 @@ bool has_names_for_keys(const std::string& path) {
          (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
 }
 
-/// One entry, NAME, stands for all of such a section.
+/// One entry, NAME, stands for all of such a section, and one, QUANTITY, for those of columns.
 Declarations without_names(Declarations declarations) {
+  const std::string columns = "columns.";
   for (config::Declaration& declaration : declarations) {
+    const std::size_t at = declaration.path.find(columns);
+    if (at != std::string::npos)
+      declaration.path.replace(at + columns.size(), std::string::npos, "QUANTITY");
     if (has_names_for_keys(declaration.path)) {
       declaration.name = "NAME";
     } else if (declaration.path.rfind("parameters.", 0) == 0) {
@@ -99,6 +125,8 @@ const char* chapter_of(Reader reader) {
       return "train";
     case Reader::kFit:
       return "fit";
+    case Reader::kRecording:
+      return "recording";
     case Reader::kStudy:
       return "study";
   }
@@ -121,9 +149,31 @@ void read_with_simulator(Reader, const config::Node&, const std::string& file) {
 
 }  // namespace
 
+namespace {
+
+/// What was asked of the recording itself; the configuration that one may name is another's.
+Declarations read_recording(const config::Node& root, const config::DeclarationList& list) {
+  try {
+    fit::make_experiment(root, "");
+    root.check_all_used();
+  } catch (const config::Error&) {
+    throw;
+  } catch (const std::exception&) {
+    // A log that is not there: by then every key has been asked for.
+  }
+  Declarations own;
+  for (const config::Declaration& declaration : list.all())
+    if (declaration.document == "<text>") own.push_back(declaration);
+  return without_names(own);
+}
+
+}  // namespace
+
 Declarations read(Reader reader, const Exploration& exploration) {
   config::DeclarationList list;
-  const config::Node root = config::Node::load_file(exploration.file, exploration.overrides);
+  const config::Node root = exploration.file.empty()
+                                ? config::Node::from_text(exploration.text)
+                                : config::Node::load_file(exploration.file, exploration.overrides);
   if (reader == Reader::kDaemon) {
     read_daemon(root);
   } else if (reader == Reader::kTrain) {
@@ -132,6 +182,8 @@ Declarations read(Reader reader, const Exploration& exploration) {
     // Its parts are laid over each other in documents of their own.
     fit::read_plan(root, "");
     return without_names(list.all());
+  } else if (reader == Reader::kRecording) {
+    return read_recording(root, list);
   } else {
     read_with_simulator(reader, root, exploration.file);
   }
@@ -153,6 +205,11 @@ std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
 #ifdef PALPATE_WITHOUT_TORCH
     if (item.flag("torch", false)) continue;
 #endif
+    if (reader == Reader::kRecording) {
+      const std::string text = replaced(item.dump(), "ROOT", data.string());
+      found.push_back({"", {}, replaced(text, "MODELS", models.string()), item.text("kind")});
+      continue;
+    }
     Exploration exploration{(data / item.text("file")).string(), {}};
     if (item.has("set"))
       for (const std::string& set : item.texts("set"))

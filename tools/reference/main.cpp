@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "rt/config/node.hpp"
+#include "tools/fit/kinds.hpp"
 #include "tools/reference/markdown.hpp"
 
 namespace {
@@ -39,10 +40,14 @@ constexpr const char* kDaemon =
 
 constexpr const char* kFit =
     "## Plans of palpate-fit\n\n"
-    "`recording`, laid under every recording, and each entry of `recordings` hold what the kind "
-    "of\n"
-    "recording asks for: `palpate-fit --help` and the presets tell it. NAME is that of a "
-    "parameter.\n\n";
+    "`recording`, laid under every recording, and each entry of `recordings` hold what the next\n"
+    "chapter tells. NAME is that of a parameter.\n\n";
+
+constexpr const char* kRecording =
+    "## Recordings of palpate-fit\n\n"
+    "Each by its `kind`. A number with unit is one in SI, `0.0105`, or one with a unit of its "
+    "own,\n"
+    "`10.5 mm`; its range is in SI. QUANTITY is each of those that `columns` names.\n\n";
 
 constexpr const char* kStudy =
     "## Plans of palpate-evaluate\n\n"
@@ -80,6 +85,20 @@ bool write(std::ostream& out, const std::vector<Declarations>& readings, int lev
   return untold(sections).empty();
 }
 
+/// A table for each kind of recording: they have little in common.
+bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
+  const std::vector<Exploration> all = explorations(Reader::kRecording, models);
+  bool told = true;
+  for (const fit::Kind& kind : fit::kinds()) {
+    std::vector<Declarations> readings;
+    for (const Exploration& exploration : all)
+      if (exploration.kind == kind.name) readings.push_back(read(Reader::kRecording, exploration));
+    out << "### Kind `" << kind.name << "`: " << kind.summary << "\n\n";
+    told = write(out, readings, 4) && told && !readings.empty();
+  }
+  return told;
+}
+
 bool write_all(std::ostream& out) {
   const Scratch models;
   out << kHead;
@@ -89,12 +108,17 @@ bool write_all(std::ostream& out) {
       {Reader::kScene, "## Scenes of palpate-sim\n\n"},
       {Reader::kTrain, "## Plans of palpate-train\n\n"},
       {Reader::kFit, kFit},
+      {Reader::kRecording, kRecording},
       {Reader::kStudy, kStudy}};
   for (const auto& [reader, title] : chapters) {
+    out << title;
+    if (reader == Reader::kRecording) {
+      told = write_recordings(out, models.path()) && told;
+      continue;
+    }
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
       readings.push_back(read(reader, exploration));
-    out << title;
     told = write(out, readings, 3) && told;
   }
   return told;

@@ -19,10 +19,12 @@ import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
 READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
-           "tools/train/plan.cpp", "tools/fit/plan.cpp", "tools/evaluate/study_plan.cpp")
+           "tools/train/plan.cpp", "tools/fit/*.cpp", "tools/evaluate/study_plan.cpp")
 GETTER = re.compile(
-    r"(?:\.|->)\s*(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)"
-    r"\(\s*\{?\s*\"([A-Za-z0-9_]+)\"")
+    r"(?:(?:\.|->)\s*"
+    r"(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)\("
+    r"|(?:read_quantity|optional_quantity|read_time|read_selection|read_markers|is_free)\(\s*\w+,)"
+    r"\s*\{?\s*\"([A-Za-z0-9_]+)\"")
 # Keys of files that programs write for each other, not of configurations.
 OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg", "units", "hidden"}
 # Asked for by hand: they name a library that the user has built (tools/examples).

@@ -15,9 +15,9 @@ namespace {
 using ::testing::AllOf;
 using ::testing::HasSubstr;
 
-const std::vector<WantedColumn> kForceAndLength = {{"force", Dimension::kForce},
-                                                   {"displacement", Dimension::kLength},
-                                                   {"width", Dimension::kLength, false}};
+const std::vector<WantedColumn> kForceAndLength = {{"force", Dimension::kForce, "of the ball"},
+                                                   {"displacement", Dimension::kLength, "of it"},
+                                                   {"width", Dimension::kLength, "across", false}};
 constexpr char kColumns[] =
     "columns: {force: {name: F, unit: mN, sign: -1}, displacement: {name: u, unit: mm}}";
 
