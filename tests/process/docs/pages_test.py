@@ -1,0 +1,163 @@
+#!/usr/bin/env python3
+"""Every line of a shell that a page of the documentation shows does what it says.
+
+usage: pages_test.py ROOT BIN
+
+The tutorial, the guide to one's own robot and README.md are run as wholes by docs_test.py. Lines of other
+pages are run here, each block beside a simulator and a daemon of its own; a program that stays until it is
+ended must say that it is ready, and the next line finds it there.
+"""
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+
+from docs_test import private_urls
+from names import blocks
+
+ROOT, BIN = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
+PATIENCE = 300  # s, for a machine that is very busy
+SCENE, CONFIGURATION = "sim/scenes/bar_long_soft_control.yaml", "rt/config/examples/bar_long_soft.yaml"
+WHOLE = {"README.md", "docs/tutorial.md", "docs/own_robot.md"}  # docs_test.py
+# What is not run, by how its line begins, and why.
+NOT_RUN = {
+    "tools/evaluate/report_rivals": "takes hours; process.published.studies runs it on a small plan",
+    "tools/evaluate/tune_rivals": "takes hours; process.published.tuning runs it on a small plan",
+    "tools/evaluate/run_shards": "takes hours; process.published.studies runs it on a small plan",
+    "sbatch": "needs a cluster; process.published.studies runs its script",
+    "palpate-evaluate control": "takes hours; process.published.studies runs it on a small plan",
+    "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
+    "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
+}
+# Programs that stay, and what each says when it is ready.
+READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-top": "active"}
+
+
+class Beside:
+    """A folder, LCM URLs and programs of one block alone."""
+
+    def __init__(self):
+        self.urls = private_urls()
+        self.folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_pages_"))
+        for name in ("rt", "sim", "tools", "build"):
+            (self.folder / name).symlink_to(ROOT / name)
+        for name, base in (("your", CONFIGURATION), ("my", CONFIGURATION), ("scene", SCENE)):
+            (self.folder / f"{name}.yaml").write_text(f"base: {base}\n")
+        shutil.copy(ROOT / "sim/robot/lwr_hand.urdf", self.folder / "my.urdf")
+        self.staying = []
+
+    def close(self):
+        for process, _ in self.staying:
+            process.send_signal(signal.SIGTERM)
+        for process, _ in self.staying:
+            try:
+                process.wait(PATIENCE)
+            except subprocess.TimeoutExpired:
+                process.kill()
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+    def words_more(self, program, line):
+        """What makes the program one of this block alone, and patient with a busy machine."""
+        control, housekeeping = self.urls
+        if program in ("palpated", "palpate-sim"):
+            more = f" --set bus.control={control} --set bus.housekeeping={housekeeping}"
+            if program == "palpated":
+                more += " --set loop.degraded_after_ms=9000 --set loop.overrun_window_ms=10000"
+                more += " --set loop.safe_stop_after_ms=10000"
+            return more
+        if program == "palpate-command" and "--make-key" not in line:
+            return f" --url {control} --housekeeping {housekeeping} --timeout 60"
+        if program == "palpate-view":
+            return f" --url {control} --housekeeping {housekeeping} --port 0"
+        if program in ("palpate-top", "palpate-record"):
+            more = f" --url control={control} --url housekeeping={housekeeping}"
+            return more + (" --plain --once --seconds 2" if program == "palpate-top" else "")
+        return " --no-live" if program == "palpate-doctor" else ""
+
+    def run(self, line):
+        """Raises where it goes wrong; a program that stays is left running."""
+        line = line.split(" #")[0].rstrip().rstrip("&").rstrip()
+        program = line.split()[0]
+        shell = line.replace("/tmp/plugin", str(self.folder / "plugin")) + self.words_more(program, line)
+        if program in READY and program != "palpate-top":
+            log = self.folder / f"said_{len(self.staying)}"
+            with log.open("w") as file:
+                process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "bash", "-c", "exec " + shell], cwd=self.folder, stdout=file,
+                                           stderr=subprocess.STDOUT, env=self.environment())
+            self.staying.append((process, log))
+            end = time.monotonic() + PATIENCE
+            while READY[program] not in log.read_text():
+                if process.poll() is not None or time.monotonic() > end:
+                    raise RuntimeError(f"not ready:\n{log.read_text()}")
+                time.sleep(0.05)
+            return
+        said = subprocess.run(["bash", "-c", shell], cwd=self.folder, text=True, timeout=PATIENCE, check=False,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment())
+        # What ails this machine is not the page's fault.
+        if said.returncode not in ((0, 1) if program == "palpate-doctor" else (0,)):
+            raise RuntimeError(f"exit code {said.returncode}:\n{said.stdout}")
+        for process, log in self.staying:
+            if process.poll() is not None:
+                raise RuntimeError(f"{process.args[-1]} has ended:\n{log.read_text()}")
+
+    def environment(self):
+        return {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}", "PWD": str(self.folder)}
+
+
+def prepare(beside, text):
+    """What the block takes to be there."""
+    if "palpate-sim " not in text:
+        beside.run(f"palpate-sim {SCENE}")
+    if "palpated " not in text:
+        beside.run(f"palpated {CONFIGURATION}")
+    if "control.log" in text:
+        beside.run("palpate-record --quiet --seconds 2 run.log")
+        for url in ("control", "housekeeping"):
+            (beside.folder / f"run.{url}.log").rename(beside.folder / f"{url}.log")
+
+
+def wrong_lines(page):
+    """Runs a page's blocks; how many lines did not do what they say, and how many did."""
+    wrong, right = 0, 0
+    for language, start, lines in blocks((ROOT / page).read_text()):
+        numbered = [(start + i, line) for i, line in enumerate(lines) if line.strip()]
+        told = [(n, line) for n, line in numbered if any(line.startswith(begin) for begin in NOT_RUN)]
+        for number, line in told:
+            print(f"{page}:{number}: not run: it {next(why for b, why in NOT_RUN.items() if line.startswith(b))}")
+        if language != "sh" or len(told) == len(numbered):
+            continue
+        beside = Beside()
+        try:
+            prepare(beside, "\n".join(lines))
+            for number, line in numbered:
+                if (number, line) in told:
+                    continue
+                print(f"{page}:{number}: {line}", flush=True)
+                try:
+                    beside.run(line)
+                    right += 1
+                except (RuntimeError, subprocess.TimeoutExpired) as error:
+                    wrong += 1
+                    print(f"error: {error}")
+        finally:
+            beside.close()
+    return wrong, right
+
+
+def main():
+    pages = [p for p in ROOT.glob("**/*.md") if not {"build", "out", ".git"} & set(p.relative_to(ROOT).parts)]
+    wrong = right = 0
+    for page in sorted(str(p.relative_to(ROOT)) for p in pages):
+        if page not in WHOLE:
+            more_wrong, more_right = wrong_lines(page)
+            wrong, right = wrong + more_wrong, right + more_right
+    print(f"{right} lines of pages did what they say, {wrong} did not")
+    return 1 if wrong or right < 10 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
