@@ -1,6 +1,5 @@
 #include "sim/robot/dart_options.hpp"
 
-#include <cstdio>
 #include <dart/collision/CollisionDetector.hpp>
 #include <dart/constraint/BoxedLcpConstraintSolver.hpp>
 #include <dart/constraint/BoxedLcpSolver.hpp>
@@ -8,14 +7,10 @@
 #include <dart/constraint/SoftContactConstraint.hpp>
 #include <dart/simulation/World.hpp>
 
+#include "sim/robot/number_text.hpp"
+
 namespace palpate::robot {
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
 
 template <class Constraint>
 std::string contact_options() {

@@ -4,17 +4,12 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <cstdio>
 #include <map>
+
+#include "sim/robot/number_text.hpp"
 
 namespace palpate::robot {
 namespace {
-
-std::string number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
 
 /// Of the link itself, smallest first, kg m^2.
 Eigen::Vector3d principal_moments(const urdf::Inertial& of) {

@@ -146,20 +146,29 @@ BiotacLinear::Options pdc_options() {
   return options;
 }
 
-TEST(BiotacLinear, ReportsForceAndPlaceBetweenItsGates) {
-  BiotacLinear sensor(pdc_options());
+/// A sensor that has been zeroed at rest.
+class ZeroedFinger : public ::testing::Test {
+ protected:
+  ZeroedFinger() {
+    for (int i = 0; i < pdc_options().tare_samples; ++i) read(at_rest());
+  }
+
+  Status read(const BioTac& sample) {
+    feed(signals, 2, sample);
+    return sensor.update(signals, contacts = {}).status;
+  }
+
+  BiotacLinear sensor{pdc_options()};
   Signals signals;
   ContactSet contacts;
-  for (int i = 0; i < 3; ++i) {
-    feed(signals, 2, at_rest());
-    sensor.update(signals, contacts = {});
-  }
+};
+
+TEST_F(ZeroedFinger, ReportsForceAndPlaceBetweenItsGates) {
   BioTac pressed = at_rest();
   pressed.electrodes[kE17] += 40;
   const auto contacts_at = [&](double pdc) {
     pressed.pdc = at_rest().pdc + pdc;
-    feed(signals, 2, pressed);
-    EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+    EXPECT_EQ(read(pressed), Status::kOk);
     return contacts.count;
   };
   EXPECT_EQ(contacts_at(140), 0);  // below the gate of 150 mN
@@ -173,43 +182,25 @@ TEST(BiotacLinear, ReportsForceAndPlaceBetweenItsGates) {
   EXPECT_EQ(contacts_at(110), 0);  // not yet touched again
 }
 
-TEST(BiotacLinear, HoldsThePlaceOfItsContactWhenNoElectrodeIsActive) {
-  BiotacLinear sensor(pdc_options());
-  Signals signals;
-  ContactSet contacts;
-  for (int i = 0; i < 3; ++i) {
-    feed(signals, 2, at_rest());
-    sensor.update(signals, contacts = {});
-  }
+TEST_F(ZeroedFinger, HoldsThePlaceOfItsContactWhenNoElectrodeIsActive) {
   BioTac pressed = at_rest();
   pressed.pdc += 300;
-  feed(signals, 2, pressed);
-  sensor.update(signals, contacts = {});
+  read(pressed);
   EXPECT_EQ(contacts.count, 0);
   pressed.electrodes[kE17] += 40;
-  feed(signals, 2, pressed);
-  sensor.update(signals, contacts = {});
+  read(pressed);
   ASSERT_EQ(contacts.count, 1);
   const Eigen::Vector3d place = contacts.contacts[0].location;
   pressed.electrodes = at_rest().electrodes;
-  feed(signals, 2, pressed);
-  EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
+  EXPECT_EQ(read(pressed), Status::kOk);
   EXPECT_EQ(contacts.contacts[0].location, place);
 }
 
-TEST(BiotacLinear, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
-  BiotacLinear sensor(pdc_options());
-  Signals signals;
-  ContactSet contacts;
-  for (int i = 0; i < 3; ++i) {
-    feed(signals, 2, at_rest());
-    sensor.update(signals, contacts = {});
-  }
+TEST_F(ZeroedFinger, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
   BioTac pressed = at_rest();
   pressed.pdc += 300;
   const auto reads = [&](const BioTac& sample) {
-    feed(signals, 2, sample);
-    const Status status = sensor.update(signals, contacts = {}).status;
+    const Status status = read(sample);
     EXPECT_EQ(contacts.count, 0);
     return status;
   };
