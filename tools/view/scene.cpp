@@ -16,7 +16,7 @@ bool all_finite(const Numbers& numbers) {
 }
 
 bool is_sound(const shape_t& m) {
-  return m.node_count >= 1 && m.xyz_count == 3 * m.node_count &&
+  return m.node_count >= 1 && m.xyz_count % 3 == 0 && m.xyz_count / 3 == m.node_count &&
          (m.deviation_count == 0 || m.deviation_count == m.node_count) && all_finite(m.xyz);
 }
 bool is_sound(const contacts_t& m) { return m.count >= 0 && m.count <= 8; }

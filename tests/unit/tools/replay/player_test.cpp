@@ -22,7 +22,7 @@ class PlayerTest : public testing::Test {
     for (const int time : times) {
       std::uint8_t byte = 1;
       lcm::LogEvent event{};
-      event.timestamp = kBegin + 1000 * time;
+      event.timestamp = kBegin + std::int64_t{1000} * time;
       event.channel = name;
       event.datalen = 1;
       event.data = &byte;
