@@ -66,6 +66,18 @@ struct Estimate {
   /// Of each mesh node's position, m, root mean square of the axes; nullptr: not estimated.
   const std::vector<float>* node_deviation = nullptr;
 
+  /// What another estimator goes on from: where the hands are and what they feel. What this one
+  /// alone told, and what lies in its own memory, is left out.
+  Estimate handed_over() const noexcept {
+    Estimate next;
+    next.step = step;
+    next.X_OG = X_OG;
+    next.reaction = reaction;
+    next.log_young_modulus = log_young_modulus;
+    next.poisson_ratio = poisson_ratio;
+    return next;
+  }
+
  private:
   static inline const math::Vector6d kNotEstimated = math::Vector6d::Constant(-1);
 };

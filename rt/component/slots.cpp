@@ -177,7 +177,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     contact.swap(other.contact);
     loads.swap(other.loads);
   }
-  estimate = other.estimate;
+  estimate = changes.mechanics ? other.estimate.handed_over() : other.estimate;
   estimation_condition = other.estimation_condition;
   feature_condition = other.feature_condition;
   control_condition = other.control_condition;
