@@ -56,7 +56,8 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   positive(options.damper, "damper");
   positive(options.slip.friction, "friction");
   positive(options.slip.lever, "lever of friction");
-  if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) || !(options.pivot >= 0))
+  if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) ||
+      !(options.clearance_deviations >= 0) || !(options.pivot >= 0))
     throw std::invalid_argument("pinch, clearance and pivot must not be negative");
   if (!(options.slip.normal_G.norm() > 1e-6))
     throw std::invalid_argument("the normal of a pinch must not be zero");
@@ -75,8 +76,9 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
     throw std::invalid_argument("the largest stress must not be negative");
   if (options.stretch != 0 && !(options.stretch > 1 && std::isfinite(options.stretch)))
     throw std::invalid_argument("the largest stretch must be above 1, that of an object at rest");
-  if ((options.stress > 0 || options.stretch > 0) && body == nullptr)
-    throw std::invalid_argument("limits of stress and stretch need an object");
+  const bool strains = options.stress > 0 || options.stretch > 0;
+  if ((strains || !options.obstacles.empty()) && body == nullptr)
+    throw std::invalid_argument("limits of stress and stretch and obstacles need an object");
   if (!(options.strain_margin >= 0 && options.strain_margin < 1))
     throw std::invalid_argument("the margin of stress and stretch must be from 0 to below 1");
   options_.stress *= 1 - options.strain_margin;
@@ -87,6 +89,8 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
       throw std::invalid_argument("the workspace of a flange is empty");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
+  if (!options.obstacles.empty())
+    obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles);
 }
 
 double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
@@ -106,6 +110,7 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
   if (inputs.model == nullptr) return;
   if (stress_) stress_->look(inputs.model->positions());
   if (stretch_) stretch_->look(inputs.model->positions());
+  if (obstacles_) obstacles_->look(inputs.model->positions(), inputs.node_deviation);
 }
 
 /// Each component of the hands' motion on its own and the speed along the way that a hand goes
@@ -177,7 +182,9 @@ void MotionLimits::add_all_places(Rows& rows, const LawInputs& inputs) noexcept 
   for (int g = 0; g < moving; ++g) add_wrench(rows, inputs, g);
   if (stress_) add_strain(rows, model, *stress_, options_.stress, Limit::kStress);
   if (stretch_) add_strain(rows, model, *stretch_, options_.stretch, Limit::kStretch);
-  for (const Obstacle& obstacle : options_.obstacles) add_obstacle(rows, model, obstacle);
+  if (obstacles_)
+    for (const ObstacleGaps::Point& point : obstacles_->points())
+      add_near_point(rows, model, point);
   for (int g = 0; g < moving; ++g) add_workspace(rows, inputs, g);
 }
 
@@ -256,37 +263,19 @@ void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& mo
   }
 }
 
-void MotionLimits::add_obstacle(Rows& rows, const elasticity::DeformationModel& model,
-                                const Obstacle& obstacle) noexcept {
-  // The nearest nodes, nearest first: of the whole mesh, since what is inside lies behind the
-  // surface.
-  std::array<int, kNodesPerObstacle> nearest;
-  std::array<double, kNodesPerObstacle> distance;
-  nearest.fill(-1);
-  distance.fill(QuadraticProgram::kNoBound);
-  const Eigen::Matrix3Xd& x = model.positions();
-  for (int node = 0; node < x.cols(); ++node) {
-    double d = (x.col(node) - obstacle.center_O).squaredNorm();
-    int candidate = node;
-    for (int k = 0; k < kNodesPerObstacle; ++k) {
-      if (d >= distance[k]) continue;
-      std::swap(d, distance[k]);
-      std::swap(candidate, nearest[k]);
-    }
+void MotionLimits::add_near_point(Rows& rows, const elasticity::DeformationModel& model,
+                                  const ObstacleGaps::Point& point) noexcept {
+  Row row = Row::Zero(1, size());
+  for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
+    const auto& S = model.sensitivity().dx_dxi[grasps_[moving]];
+    for (int i = 0; i < point.on.count; ++i)
+      row.segment<6>(6 * moving) +=
+          point.on.weights[i] *
+          point.away_O.transpose().lazyProduct(S.middleRows<3>(3 * point.on.nodes[i]));
   }
-  for (const int node : nearest) {
-    if (node < 0) continue;
-    const Eigen::Vector3d way = x.col(node) - obstacle.center_O;
-    const double from_center = way.norm();
-    const Eigen::Vector3d away =
-        from_center > 1e-9 ? Eigen::Vector3d(way / from_center) : Eigen::Vector3d::UnitZ();
-    Row row = Row::Zero(1, size());
-    for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving)
-      row.segment<6>(6 * moving) =
-          away.transpose() * model.sensitivity().dx_dxi[grasps_[moving]].middleRows<3>(3 * node);
-    const double gap = from_center - obstacle.radius - options_.clearance;
-    rows.add(row, -rows.rate * gap, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
-  }
+  const double left =
+      point.gap - options_.clearance - options_.clearance_deviations * point.deviation;
+  rows.add(row, -rows.rate * left, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
 }
 
 }  // namespace palpate::control

@@ -123,27 +123,38 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
 /// Whether the gate's workspace is wider than the way to the target.
 class ObstacleWay : public testing::TestWithParam<bool> {};
 
+/// From a point above the bar to the plant's own upper side, wherever between nodes it is nearest.
+double distance_to_plant(Way& way, const Vector3d& from) {
+  constexpr double kStep = 2e-3;  // m: 0.02 mm in a distance of 35
+  double squared = 1;
+  for (double x = 0.2; x < 0.45; x += kStep)
+    for (double y = 0; y < 0.0601; y += kStep)
+      squared = std::min(
+          squared, (way.loop.simulation().plant().position_at({x, y, 0.06}) - from).squaredNorm());
+  return std::sqrt(squared);
+}
+
 // A ball above the bar, between the middle and the hand. With the example's workspace the hand
-// comes to its wall on the way, which must not turn it aside into the ball.
+// comes to its wall on the way, which must not turn it aside into the ball. The bar wraps the ball,
+// so that it is nearest between nodes, and its estimate errs by some 1 mm there, for which the
+// filter's deviations are kept free: without either the clearance is 1.2 and 4.0 mm.
 TEST_P(ObstacleWay, TheBarKeepsAwayFromTheBall) {
   const Vector3d center(0.32, 0.03, 0.115);
   constexpr double kRadius = 0.03, kClearance = 0.005;
   std::vector<std::string> overrides{
+      "estimation={component: pose_wrench_filter}",
       "control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
       "0.03}]}"};
   if (GetParam())
     overrides.push_back("gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}");
   Way way(overrides);
   double nearest = 1;
-  const mesh::ElementMesh& mesh = way.loop.daemon().pipeline().object().body.mesh;
-  way.go({0, 0, 0.04}, 3.5, [&] {
-    for (int i = 0; i < mesh.node_count(); ++i) {
-      const Vector3d x = way.loop.simulation().plant().position_at(mesh.nodes.col(i));
-      nearest = std::min(nearest, (x - center).norm() - kRadius);
-    }
+  int tick = 0;
+  way.go({0, 0, 0.04}, 6, [&] {
+    if (++tick % 20 == 0) nearest = std::min(nearest, distance_to_plant(way, center) - kRadius);
   });
-  std::printf("nearest %.2f mm\n", 1e3 * nearest);
-  EXPECT_GT(nearest, kClearance - 1e-3) << "but for what the estimate does not know";
+  std::printf("nearest %.2f mm of %.2f\n", 1e3 * nearest, 1e3 * kClearance);
+  EXPECT_GT(nearest, 0.98 * kClearance);
   EXPECT_LT(nearest, kClearance + 5e-3) << "it was in the way";
 }
 INSTANTIATE_TEST_SUITE_P(Workspaces, ObstacleWay, testing::Bool());

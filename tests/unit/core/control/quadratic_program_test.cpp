@@ -8,6 +8,7 @@
 #include "core/elasticity/element_stress.hpp"
 #include "core/shape/point_feature.hpp"
 #include "rt/loop/allocation_counter.hpp"
+#include "tests/unit/core/control/surface_distance.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::control {
@@ -65,6 +66,7 @@ class BarServo : public ::testing::Test {
     inputs.model = model_.get();
     inputs.X_OG[0] = X_OG_;
     inputs.reaction[0] = model_->reaction(0);
+    if (!node_deviation_.empty()) inputs.node_deviation = &node_deviation_;
     return inputs;
   }
 
@@ -90,6 +92,7 @@ class BarServo : public ::testing::Test {
   Eigen::MatrixXd jacobian_;
   LawOutput output_;
   math::Pose X_OG_;
+  std::vector<float> node_deviation_;  // m; empty: not told
 };
 
 TEST_F(BarServo, WithoutActiveLimitsItMovesAsTheProportionalLaw) {
@@ -176,22 +179,31 @@ TEST_F(BarServo, APinchDoesNotSlip) {
 }
 
 TEST_F(BarServo, KeepsAwayFromAnObstacle) {
-  QuadraticProgramLaw::Limited limited;
   // Above the bar's middle, in the way of what moves up.
-  limited.limits.obstacles.push_back({{0.2, 0.03, 0.12}, 0.04});
-  limited.limits.clearance = 0.004;
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.05});
-  double nearest = 1;
-  for (int i = 0; i < 1000; ++i) {
-    tick();
-    const double gap =
-        (model_->positions().colwise() - Vector3d(0.2, 0.03, 0.12)).colwise().norm().minCoeff() -
-        0.04;
-    nearest = std::min(nearest, gap);
+  const Obstacle ball{{0.2, 0.03, 0.12}, 0.04};
+  for (const double deviation : {0.0, 1e-3}) {
+    QuadraticProgramLaw::Limited limited;
+    limited.limits.obstacles.push_back(ball);
+    limited.limits.clearance = 0.004;
+    limited.limits.clearance_deviations = 3;
+    limited.body = &body_;
+    body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+    QuadraticProgramLaw law(servo(), limited);
+    start(law, {0, 0, 0.05});
+    const mesh::Surface surface = mesh::extract_surface(body_.mesh);
+    node_deviation_.assign(static_cast<std::size_t>(body_.mesh.node_count()),
+                           static_cast<float>(deviation));
+    double nearest = 1;
+    for (int i = 0; i < 1000; ++i) {
+      tick();
+      const double gap =
+          testing::distance_to_surface(surface, model_->positions(), ball.center_O) - ball.radius;
+      nearest = std::min(nearest, gap);
+    }
+    const double kept = limited.limits.clearance + 3 * deviation;
+    EXPECT_GT(nearest, 0.98 * kept);
+    EXPECT_LT(nearest, kept + 0.004) << "it was in the way";
   }
-  EXPECT_GT(nearest, 0.98 * limited.limits.clearance);
-  EXPECT_LT(nearest, 0.008) << "it was in the way";
 }
 
 TEST_F(BarServo, TheHandStaysInItsWorkspace) {
@@ -377,6 +389,9 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
                }),
                std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(5); }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(1); }), std::invalid_argument)
+      << "no object";
+  EXPECT_THROW(make([](L& l) { l.limits.clearance_deviations = -1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.grasps = {0, 1}; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.smoothness = -1; }), std::invalid_argument);
 }
