@@ -11,12 +11,22 @@
 
 namespace palpate::control {
 
-/// How a pinch holds: two fingers press along `normal_G` with `pinch` each and slip where the force
-/// across, with the torque about the normal over `lever`, exceeds what friction bears.
+/// How a pinch holds: two soft fingers, `width` apart, press against each other along `normal_G`
+/// with `pinch` each. A finger bears the force across and the torque about the normal within the
+/// ellipsoid (t / (friction N))^2 + (m / (friction N lever))^2 <= 1 (limit surface: Howe and
+/// Cutkosky 1996). Of the hand's wrench it takes half, with a pull along the normal its press N is
+/// less by half of that, and a torque across the normal is a couple of forces across, one a finger.
+///
+/// A soft object slips from the rim of a patch inwards, long before the whole patch slides, since
+/// it strains along the patch. Where a finger bears the share q of what the whole patch can, at
+/// least 1 - q of the patch still sticks: (1 - q)^(2/3) under round fingertips (Mindlin 1949), 1 -
+/// q under a flat one much stiffer than the object, whose strip that slips bears all of the load.
 struct SlipCone {
   double pinch = 0;  // N; 0: it cannot slip
   double friction = 0.5;
-  double lever = 0.02;  // m, of friction against turning about the normal
+  double lever = 0.02;    // m, of friction against turning about the normal
+  double width = 0.06;    // m
+  double sticking = 0.5;  // share of the patch that must not slip, in [0, 1); 0: some of it
   Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();
 };
 
@@ -119,9 +129,13 @@ class MotionLimits {
 
  private:
   using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
+  using WrenchRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 12>;
   struct Rows;  // that are being added
+
   void add_all_places(Rows& rows, const LawInputs& inputs) noexcept;
   void add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept;
+  void add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math::Vector6d& w,
+                const WrenchRows& K) noexcept;
   void add_workspace(Rows& rows, const LawInputs& inputs, int moving) noexcept;
   void add_strain(Rows& rows, const elasticity::DeformationModel& model,
                   const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
