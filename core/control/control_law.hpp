@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "core/control/joint_limits.hpp"
 #include "core/elasticity/deformation_model.hpp"
@@ -30,6 +31,8 @@ struct LawInputs {
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};  // of the hand on the object at G, in O, as estimated
   const JointInputs* joints = nullptr;     // where the law is to command joints
+  /// Of each node of the model, m, as Estimate has it; nullptr: not estimated.
+  const std::vector<float>* node_deviation = nullptr;
 };
 
 /// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the

@@ -10,8 +10,6 @@ namespace {
 using math::QuadraticProgram;
 constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kStrain{1, 0.3},
     kObstacle{2, 1.0}, kWorkspace{3, 1.0};
-constexpr int kFacets = 8;  // of the slip cone's pyramid, which lies within it
-
 }  // namespace
 
 /// Takes rows over the motion of the grasps and adds them over the program's variables.
@@ -56,8 +54,12 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   positive(options.damper, "damper");
   positive(options.slip.friction, "friction");
   positive(options.slip.lever, "lever of friction");
-  if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) || !(options.pivot >= 0))
+  positive(options.slip.width, "width of a pinch");
+  if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) ||
+      !(options.clearance_deviations >= 0) || !(options.pivot >= 0))
     throw std::invalid_argument("pinch, clearance and pivot must not be negative");
+  if (!(options.slip.sticking >= 0 && options.slip.sticking < 1))
+    throw std::invalid_argument("the share of a pinch that sticks must be from 0 to below 1");
   if (!(options.slip.normal_G.norm() > 1e-6))
     throw std::invalid_argument("the normal of a pinch must not be zero");
   options_.slip.normal_G.normalize();
@@ -75,8 +77,9 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
     throw std::invalid_argument("the largest stress must not be negative");
   if (options.stretch != 0 && !(options.stretch > 1 && std::isfinite(options.stretch)))
     throw std::invalid_argument("the largest stretch must be above 1, that of an object at rest");
-  if ((options.stress > 0 || options.stretch > 0) && body == nullptr)
-    throw std::invalid_argument("limits of stress and stretch need an object");
+  const bool strains = options.stress > 0 || options.stretch > 0;
+  if ((strains || !options.obstacles.empty()) && body == nullptr)
+    throw std::invalid_argument("limits of stress and stretch and obstacles need an object");
   if (!(options.strain_margin >= 0 && options.strain_margin < 1))
     throw std::invalid_argument("the margin of stress and stretch must be from 0 to below 1");
   options_.stress *= 1 - options.strain_margin;
@@ -87,6 +90,8 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
       throw std::invalid_argument("the workspace of a flange is empty");
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
+  if (!options.obstacles.empty())
+    obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles);
 }
 
 double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
@@ -106,6 +111,7 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
   if (inputs.model == nullptr) return;
   if (stress_) stress_->look(inputs.model->positions());
   if (stretch_) stretch_->look(inputs.model->positions());
+  if (obstacles_) obstacles_->look(inputs.model->positions(), inputs.node_deviation);
 }
 
 /// Each component of the hands' motion on its own and the speed along the way that a hand goes
@@ -177,7 +183,9 @@ void MotionLimits::add_all_places(Rows& rows, const LawInputs& inputs) noexcept 
   for (int g = 0; g < moving; ++g) add_wrench(rows, inputs, g);
   if (stress_) add_strain(rows, model, *stress_, options_.stress, Limit::kStress);
   if (stretch_) add_strain(rows, model, *stretch_, options_.stretch, Limit::kStretch);
-  for (const Obstacle& obstacle : options_.obstacles) add_obstacle(rows, model, obstacle);
+  if (obstacles_)
+    for (const ObstacleGaps::Point& point : obstacles_->points())
+      add_near_point(rows, model, point);
   for (int g = 0; g < moving; ++g) add_workspace(rows, inputs, g);
 }
 
@@ -208,7 +216,7 @@ void MotionLimits::add_workspace(Rows& rows, const LawInputs& inputs, int moving
 void MotionLimits::add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept {
   const int grasp = grasps_[moving];
   // d wrench / d motion, of this hand by all that move.
-  Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 12> K(6, size());
+  WrenchRows K(6, size());
   for (int other = 0; other < static_cast<int>(grasps_.size()); ++other)
     K.middleCols<6>(6 * other) = inputs.model->sensitivity().dw_dxi[grasp][grasps_[other]];
   const math::Vector6d w = inputs.reaction[grasp].vector();
@@ -217,21 +225,37 @@ void MotionLimits::add_wrench(Rows& rows, const LawInputs& inputs, int moving) n
     rows.add(K.row(i), rows.rate * (-limit - w[i]), rows.rate * (limit - w[i]), Limit::kWrench,
              kGrasp);
   }
+  if (options_.slip.pinch > 0) add_slip(rows, inputs.X_OG[grasp].linear(), w, K);
+}
+
+/// Planes that touch each finger's ellipsoid: where the load points now, which is what it keeps
+/// from tick to tick, and along its axes, for a displacement that turns the load.
+void MotionLimits::add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math::Vector6d& w,
+                            const WrenchRows& K) noexcept {
   const SlipCone& slip = options_.slip;
-  if (slip.pinch == 0) return;
-  const Eigen::Vector3d normal = inputs.X_OG[grasp].linear() * slip.normal_G;
-  const Eigen::Vector3d side = normal.unitOrthogonal();
-  const Eigen::Vector3d other_side = normal.cross(side);
-  const double held = 2 * slip.friction * slip.pinch;  // by two fingers
-  const double inscribed = std::cos(M_PI / kFacets);
-  for (int facet = 0; facet < 2 * kFacets; ++facet) {
-    const double angle = 2 * M_PI * (facet / 2) / kFacets;
-    const double turn = (facet % 2 == 0 ? 1 : -1) / slip.lever;
-    math::Vector6d across;
-    across << (std::cos(angle) * side + std::sin(angle) * other_side) / inscribed, turn * normal;
-    const Row row = across.transpose().lazyProduct(K);
-    rows.add(row, -QuadraticProgram::kNoBound, rows.rate * (held - across.dot(w)), Limit::kWrench,
-             kGrasp);
+  const Eigen::Vector3d n = R_OG * slip.normal_G;
+  const Eigen::Vector3d side = n.unitOrthogonal();
+  const Eigen::Vector3d other_side = n.cross(side);
+  const Eigen::Vector3d force = w.head<3>(), torque = w.tail<3>();
+  const double friction = (1 - slip.sticking) * slip.friction;
+  for (const int finger : {1, -1}) {
+    // Of the load: the force across by the two sides, and the torque over the lever.
+    const Eigen::Vector3d across = 0.5 * force + finger / slip.width * torque.cross(n);
+    const Eigen::Vector3d load(side.dot(across), other_side.dot(across),
+                               0.5 * n.dot(torque) / slip.lever);
+    const double size = load.norm();
+    for (int plane = 0; plane < 7; ++plane) {
+      Eigen::Vector3d d = plane % 2 == 0 ? Eigen::Vector3d(Eigen::Vector3d::Unit(plane / 2 % 3))
+                                         : Eigen::Vector3d(-Eigen::Vector3d::Unit(plane / 2));
+      if (plane == 6 && size > 0) d = load / size;
+      const Eigen::Vector3d d_across = d[0] * side + d[1] * other_side;
+      math::Vector6d by_wrench;
+      by_wrench << 0.5 * d_across + 0.5 * friction * finger * n,
+          finger / slip.width * n.cross(d_across) + 0.5 * d[2] / slip.lever * n;
+      const Row row = by_wrench.transpose().lazyProduct(K);
+      rows.add(row, -QuadraticProgram::kNoBound,
+               rows.rate * (friction * slip.pinch - by_wrench.dot(w)), Limit::kWrench, kGrasp);
+    }
   }
 }
 
@@ -256,37 +280,19 @@ void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& mo
   }
 }
 
-void MotionLimits::add_obstacle(Rows& rows, const elasticity::DeformationModel& model,
-                                const Obstacle& obstacle) noexcept {
-  // The nearest nodes, nearest first: of the whole mesh, since what is inside lies behind the
-  // surface.
-  std::array<int, kNodesPerObstacle> nearest;
-  std::array<double, kNodesPerObstacle> distance;
-  nearest.fill(-1);
-  distance.fill(QuadraticProgram::kNoBound);
-  const Eigen::Matrix3Xd& x = model.positions();
-  for (int node = 0; node < x.cols(); ++node) {
-    double d = (x.col(node) - obstacle.center_O).squaredNorm();
-    int candidate = node;
-    for (int k = 0; k < kNodesPerObstacle; ++k) {
-      if (d >= distance[k]) continue;
-      std::swap(d, distance[k]);
-      std::swap(candidate, nearest[k]);
-    }
+void MotionLimits::add_near_point(Rows& rows, const elasticity::DeformationModel& model,
+                                  const ObstacleGaps::Point& point) noexcept {
+  Row row = Row::Zero(1, size());
+  for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving) {
+    const auto& S = model.sensitivity().dx_dxi[grasps_[moving]];
+    for (int i = 0; i < point.on.count; ++i)
+      row.segment<6>(6 * moving) +=
+          point.on.weights[i] *
+          point.away_O.transpose().lazyProduct(S.middleRows<3>(3 * point.on.nodes[i]));
   }
-  for (const int node : nearest) {
-    if (node < 0) continue;
-    const Eigen::Vector3d way = x.col(node) - obstacle.center_O;
-    const double from_center = way.norm();
-    const Eigen::Vector3d away =
-        from_center > 1e-9 ? Eigen::Vector3d(way / from_center) : Eigen::Vector3d::UnitZ();
-    Row row = Row::Zero(1, size());
-    for (int moving = 0; moving < static_cast<int>(grasps_.size()); ++moving)
-      row.segment<6>(6 * moving) =
-          away.transpose() * model.sensitivity().dx_dxi[grasps_[moving]].middleRows<3>(3 * node);
-    const double gap = from_center - obstacle.radius - options_.clearance;
-    rows.add(row, -rows.rate * gap, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
-  }
+  const double left =
+      point.gap - options_.clearance - options_.clearance_deviations * point.deviation;
+  rows.add(row, -rows.rate * left, QuadraticProgram::kNoBound, Limit::kObstacle, kObstacle);
 }
 
 }  // namespace palpate::control

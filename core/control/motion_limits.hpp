@@ -5,23 +5,28 @@
 #include <vector>
 
 #include "core/control/control_law.hpp"
+#include "core/control/obstacle_gaps.hpp"
 #include "core/elasticity/worst_elements.hpp"
 #include "core/math/quadratic_program.hpp"
 
 namespace palpate::control {
 
-/// A ball that the object is to keep away from.
-struct Obstacle {
-  Eigen::Vector3d center_O = Eigen::Vector3d::Zero();
-  double radius = 0.05;  // m
-};
-
-/// How a pinch holds: two fingers press along `normal_G` with `pinch` each and slip where the force
-/// across, with the torque about the normal over `lever`, exceeds what friction bears.
+/// How a pinch holds: two soft fingers, `width` apart, press against each other along `normal_G`
+/// with `pinch` each. A finger bears the force across and the torque about the normal within the
+/// ellipsoid (t / (friction N))^2 + (m / (friction N lever))^2 <= 1 (limit surface: Howe and
+/// Cutkosky 1996). Of the hand's wrench it takes half, with a pull along the normal its press N is
+/// less by half of that, and a torque across the normal is a couple of forces across, one a finger.
+///
+/// A soft object slips from the rim of a patch inwards, long before the whole patch slides, since
+/// it strains along the patch. Where a finger bears the share q of what the whole patch can, at
+/// least 1 - q of the patch still sticks: (1 - q)^(2/3) under round fingertips (Mindlin 1949), 1 -
+/// q under a flat one much stiffer than the object, whose strip that slips bears all of the load.
 struct SlipCone {
   double pinch = 0;  // N; 0: it cannot slip
   double friction = 0.5;
-  double lever = 0.02;  // m, of friction against turning about the normal
+  double lever = 0.02;    // m, of friction against turning about the normal
+  double width = 0.06;    // m
+  double sticking = 0.5;  // share of the patch that must not slip, in [0, 1); 0: some of it
   Eigen::Vector3d normal_G = Eigen::Vector3d::UnitY();
 };
 
@@ -51,7 +56,10 @@ struct MotionLimitOptions {
   std::array<std::optional<FlangeBox>, 2> flange;
   std::vector<Obstacle> obstacles;  // at most kMostObstacles
   double clearance = 0.005;         // m, kept from obstacles
-  JointLimits joints;               // where these are commanded, of the only grasp; else empty
+  /// Deviations of the estimated place, where the estimator tells any, that are kept beside the
+  /// clearance: 2 hold 95 % of the truth.
+  double clearance_deviations = 2;
+  JointLimits joints;  // where these are commanded, of the only grasp; else empty
   /// A limit is approached no faster than by this share of what is left, 1/s, so that it is not
   /// passed between two looks at it (a velocity damper: Faverjon and Tournassoud 1987).
   double damper = 5;
@@ -81,20 +89,20 @@ enum class Limit {
 class MotionLimits {
  public:
   static constexpr int kMostObstacles = 4;
-  static constexpr int kNodesPerObstacle = 6;  // the nearest of the surface
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
   using Variables = math::ColumnFactor::Vector;
   using Map = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 16>;
 
-  /// `grasps`: which of the body's move, one or two. `body`: whose stress and stretch are limited;
-  /// needed for these alone. Throws std::invalid_argument where an option is out of range.
+  /// `grasps`: which of the body's move, one or two. `body`: whose stress and stretch are limited
+  /// or that keeps away from obstacles; needed for these alone. Throws std::invalid_argument where
+  /// an option is out of range.
   MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
                const elasticity::Body* body = nullptr);
 
   /// How many variables the program has: joints, or six a grasp.
   int variables() const noexcept;
 
-  /// Once a tick, before rows are added: finds the worst elements.
+  /// Once a tick, before rows are added: finds the worst elements and what is near obstacles.
   void look(const LawInputs& inputs) noexcept;
 
   /// How fast hands and joints may move after `before` (the motion and the variables of the tick
@@ -121,20 +129,24 @@ class MotionLimits {
 
  private:
   using Row = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 12>;
+  using WrenchRows = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, 12>;
   struct Rows;  // that are being added
 
   void add_all_places(Rows& rows, const LawInputs& inputs) noexcept;
   void add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept;
+  void add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math::Vector6d& w,
+                const WrenchRows& K) noexcept;
   void add_workspace(Rows& rows, const LawInputs& inputs, int moving) noexcept;
   void add_strain(Rows& rows, const elasticity::DeformationModel& model,
                   const elasticity::WorstElements& worst, double limit, Limit kind) noexcept;
-  void add_obstacle(Rows& rows, const elasticity::DeformationModel& model,
-                    const Obstacle& obstacle) noexcept;
+  void add_near_point(Rows& rows, const elasticity::DeformationModel& model,
+                      const ObstacleGaps::Point& point) noexcept;
   int size() const noexcept { return 6 * static_cast<int>(grasps_.size()); }
 
   MotionLimitOptions options_;
   std::vector<int> grasps_;
   std::optional<elasticity::WorstElements> stress_, stretch_;
+  std::optional<ObstacleGaps> obstacles_;
   std::array<Limit, math::QuadraticProgram::kMostRows> limit_of_{};
   double first_pivot_ = 0;
 };

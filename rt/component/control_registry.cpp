@@ -75,6 +75,11 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
                                      {0, 0.9}, limits.strain_margin);
   limits.clearance =
       node.number({"clearance", "m", "kept from obstacles"}, {0, 1}, limits.clearance);
+  limits.clearance_deviations = node.number(
+      {"clearance_deviations", "",
+       "standard deviations of the estimated shape, where the estimation tells them, that are kept "
+       "beside the clearance"},
+      {0, 10}, limits.clearance_deviations);
   limits.damper = node.number(
       {"damper", "1/s", "a limit is approached no faster than by this share of what is left"},
       {0.01, 1e3}, limits.damper);
@@ -90,8 +95,17 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
     limits.slip.friction =
         slip.number({"friction", "", "of Coulomb"}, {1e-3, 10}, limits.slip.friction);
     limits.slip.lever =
-        slip.number({"lever", "m", "of the friction against turning about the normal"}, {1e-4, 1},
-                    limits.slip.lever);
+        slip.number({"lever", "m",
+                     "of the friction against turning about the normal: two thirds of the radius "
+                     "of a round patch"},
+                    {1e-4, 1}, limits.slip.lever);
+    limits.slip.width =
+        slip.number({"width", "m", "from finger to finger"}, {1e-3, 10}, limits.slip.width);
+    limits.slip.sticking = slip.number(
+        {"sticking", "",
+         "share of the patch that must not slip, which leaves the rest of what friction "
+         "bears for the load"},
+        {0, 0.99}, limits.slip.sticking);
     limits.slip.normal_G =
         slip.vector3({"normal", "", "in which the fingers press, in G"}, {-1, 1});
   }

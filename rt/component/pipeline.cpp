@@ -232,6 +232,7 @@ bool Pipeline::steer(double dt, int first) noexcept {
   inputs.jacobian = &slots.jacobian;
   inputs.model = slots.model.get();
   inputs.reaction = slots.estimate.reaction;
+  inputs.node_deviation = slots.estimate.node_deviation;
   for (int i = 0; i < estimation_inputs_.grasp_count; ++i)
     inputs.X_OG[i] = estimation_inputs_.grasps[i].X_OG;
   if (slots.provider->commands(inputs, slots.law_output.V_O_G)) {

@@ -100,8 +100,9 @@ std::vector<Method> read_methods(const std::filesystem::path& file) {
 }
 
 void ControlTarget::displace() {
-  const FeatureOnPoints feature(kind, rest_points);
+  const FeatureOnPoints feature(*this);
   values = feature.value(feature.rest_points());
+  if (kind != "point" && kind != "points" && kind != "pose") return;
   const Eigen::Index points = kind == "points" ? values.size() / 3 : 1;
   for (Eigen::Index i = 0; i < points; ++i) values.segment<3>(3 * i) += displacement;
 }
@@ -110,7 +111,17 @@ std::vector<std::string> ControlTarget::daemon_overrides() const {
   std::string points;
   for (const Eigen::Vector3d& point : rest_points)
     points += (points.empty() ? "" : ", ") + text_of(point);
-  return {"feature.component=" + kind, "feature.rest_points=[" + points + "]"};
+  std::vector<std::string> overrides{"feature.component=" + kind,
+                                     "feature.rest_points=[" + points + "]"};
+  if (axis) overrides.push_back("feature.axis=" + text_of(*axis));
+  if (kind != "fourier_contour") return overrides;
+  std::string axes;
+  for (const int component : components)
+    axes += (axes.empty() ? "" : ", ") + std::to_string(component);
+  overrides.push_back("feature.harmonics=" + std::to_string(harmonics));
+  overrides.push_back(std::string("feature.closed=") + (closed ? "true" : "false"));
+  overrides.push_back("feature.components=[" + axes + "]");
+  return overrides;
 }
 
 std::vector<ControlTarget> read_targets(const std::filesystem::path& file) {

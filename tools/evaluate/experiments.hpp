@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "tools/evaluate/feature_on_points.hpp"
+
 namespace palpate::evaluate {
 
 /// A level of model error: overrides "path.to.key=value" for --set.
@@ -38,16 +40,14 @@ struct HandMotion {
 };
 
 /// Where a feature of the shape shall go.
-struct ControlTarget {
+struct ControlTarget : FeatureDefinition {
   std::string name;
-  std::string kind;                                        // of the feature
-  std::vector<Eigen::Vector3d> rest_points;                // in O, m
   Eigen::Vector3d displacement = Eigen::Vector3d::Zero();  // m, in O, from the rest shape
   std::optional<HandMotion> hand;  // instead: what the plant's feature is after this motion
   Eigen::VectorXd values;          // as in shape_target_t
 
-  /// Sets `values`: the feature's of the rest shape, displaced; of a set, every point. Throws
-  /// std::invalid_argument where there is no such feature of so many points.
+  /// Sets `values`: the feature's of the rest shape, displaced where it is a place; of a set, every
+  /// point. Throws std::invalid_argument where there is no such feature of so many points.
   void displace();
 
   /// What puts the feature into palpated's slot.

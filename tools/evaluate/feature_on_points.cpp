@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 
+#include "core/shape/angle_feature.hpp"
+#include "core/shape/curvature_feature.hpp"
 #include "core/shape/distance_feature.hpp"
+#include "core/shape/fourier_contour_feature.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
@@ -48,30 +50,47 @@ mesh::ElementMesh tetrahedron_of(const Eigen::Matrix3Xd& points) {
   return mesh::make_element_mesh(mesh, mesh::ElementOrder::kLinear);
 }
 
-}  // namespace
-
-FeatureOnPoints::FeatureOnPoints(const std::string& kind,
-                                 const std::vector<Eigen::Vector3d>& rest_points)
-    : rest_points_(3, rest_points.size()) {
-  for (std::size_t i = 0; i < rest_points.size(); ++i) rest_points_.col(i) = rest_points[i];
+std::unique_ptr<shape::Feature> make_feature(const FeatureDefinition& definition,
+                                             const Eigen::Matrix3Xd& points) {
+  const std::vector<Eigen::Vector3d>& rest_points = definition.rest_points;
+  const std::string& kind = definition.kind;
   if (kind == "point" && rest_points.size() == 1) {
     shape::PointFeature::Options options;
     options.rest_point = rest_points[0];
-    feature_ = std::make_unique<shape::PointFeature>(tetrahedron_of(rest_points_), options);
-  } else if (kind == "pose" && rest_points.size() == 3) {
+    return std::make_unique<shape::PointFeature>(tetrahedron_of(points), options);
+  }
+  if (kind == "pose" && rest_points.size() == 3) {
     shape::PoseFeature::Options options;
     options.rest_points = {rest_points[0], rest_points[1], rest_points[2]};
-    feature_ = std::make_unique<shape::PoseFeature>(tetrahedron_of(rest_points_), options);
-  } else if (kind == "points") {
-    feature_ = std::make_unique<shape::PointsFeature>(tetrahedra_at(rest_points_),
-                                                      shape::PointsFeature::Options{rest_points});
-  } else if (kind == "distance") {
-    feature_ = std::make_unique<shape::DistanceFeature>(
-        tetrahedra_at(rest_points_), shape::DistanceFeature::Options{rest_points});
-  } else {
-    throw std::invalid_argument("a feature \"" + kind + "\" of " +
-                                std::to_string(rest_points.size()) + " points cannot be scored");
+    return std::make_unique<shape::PoseFeature>(tetrahedron_of(points), options);
   }
+  const mesh::ElementMesh mesh = tetrahedra_at(points);
+  if (kind == "points")
+    return std::make_unique<shape::PointsFeature>(mesh, shape::PointsFeature::Options{rest_points});
+  if (kind == "distance")
+    return std::make_unique<shape::DistanceFeature>(mesh,
+                                                    shape::DistanceFeature::Options{rest_points});
+  if (kind == "angle")
+    return std::make_unique<shape::AngleFeature>(
+        mesh, shape::AngleFeature::Options{rest_points, definition.axis});
+  if (kind == "curvature")
+    return std::make_unique<shape::CurvatureFeature>(
+        mesh, shape::CurvatureFeature::Options{rest_points, definition.axis});
+  if (kind == "fourier_contour")
+    return std::make_unique<shape::FourierContourFeature>(
+        mesh, shape::FourierContourFeature::Options{rest_points, definition.harmonics,
+                                                    definition.closed, definition.components});
+  throw std::invalid_argument("a feature \"" + kind + "\" of " +
+                              std::to_string(rest_points.size()) + " points cannot be scored");
+}
+
+}  // namespace
+
+FeatureOnPoints::FeatureOnPoints(const FeatureDefinition& definition)
+    : definition_(definition), rest_points_(3, definition.rest_points.size()) {
+  for (Eigen::Index i = 0; i < rest_points_.cols(); ++i)
+    rest_points_.col(i) = definition.rest_points[static_cast<std::size_t>(i)];
+  feature_ = make_feature(definition, rest_points_);
 }
 
 Eigen::VectorXd FeatureOnPoints::value(const Eigen::Matrix3Xd& points) const {
@@ -89,21 +108,38 @@ Eigen::VectorXd FeatureOnPoints::error(const Eigen::VectorXd& value,
   return error;
 }
 
-bool FeatureOnPoints::is_set() const { return std::strcmp(feature_->kind(), "points") == 0; }
+bool FeatureOnPoints::is(const char* kind) const { return definition_.kind == kind; }
+
+bool FeatureOnPoints::is_distance() const { return !is("angle") && !is("curvature"); }
 
 double FeatureOnPoints::distance(const Eigen::VectorXd& error) const {
-  if (!is_set()) return error.head(std::min<Eigen::Index>(3, error.size())).norm();
-  return std::sqrt(3 * error.squaredNorm() / static_cast<double>(error.size()));
+  if (!is_distance()) return 0;
+  if (is("points")) return std::sqrt(3 * error.squaredNorm() / static_cast<double>(error.size()));
+  if (!is("fourier_contour")) return error.head(std::min<Eigen::Index>(3, error.size())).norm();
+  // Cosines and sines have half the mean square of a constant.
+  const auto parts = static_cast<Eigen::Index>(definition_.components.size());
+  const auto coefficients = error.reshaped(error.size() / parts, parts);
+  return std::sqrt(0.5 * (coefficients.squaredNorm() + coefficients.row(0).squaredNorm()));
 }
 
 double FeatureOnPoints::angle(const Eigen::VectorXd& error) const {
-  return !is_set() && error.size() == 6 ? error.tail<3>().norm() : 0;
+  if (is("angle")) return std::abs(error[0]);
+  return is("pose") ? error.tail<3>().norm() : 0;
+}
+
+double FeatureOnPoints::size(const Eigen::VectorXd& error) const {
+  return is_distance() ? distance(error) : std::abs(error[0]);
 }
 
 Eigen::Vector3d FeatureOnPoints::place(const Eigen::VectorXd& value) const {
   if (value.size() == 1) return value[0] * Eigen::Vector3d::UnitX();
-  if (!is_set()) return value.head<3>();
-  return value.reshaped(3, value.size() / 3).rowwise().mean();
+  if (is("points")) return value.reshaped(3, value.size() / 3).rowwise().mean();
+  if (!is("fourier_contour")) return value.head<3>();
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  const auto parts = static_cast<Eigen::Index>(definition_.components.size());
+  for (Eigen::Index i = 0; i < parts; ++i)
+    mean[definition_.components[static_cast<std::size_t>(i)]] = value[i * value.size() / parts];
+  return mean;
 }
 
 }  // namespace palpate::evaluate

@@ -8,6 +8,7 @@
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/evaluate/case_commands.hpp"
+#include "tools/evaluate/cycle_cost.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/faults.hpp"
@@ -96,6 +97,20 @@ int run(CLI::App& app, int argc, char** argv) {
       ->capture_default_str();
   latency_command->add_option("--json", json, "write the result to this file");
 
+  CycleCostOptions cost;
+  CLI::App* cost_command = app.add_subcommand(
+      "cost",
+      "what estimator, Jacobian and quadratic program take of the processor, a cycle, for objects "
+      "of 150 to 700 nodes with every limit; 1 where any of it allocates");
+  cost_command->add_option("--cycles", cost.cycles, "of each object")
+      ->check(CLI::Range(100, 10'000'000))
+      ->capture_default_str();
+  cost_command
+      ->add_option("--daemon-set", cost.overrides,
+                   "override a key of rt/config/examples/bar_long_soft_limits.yaml (repeatable)")
+      ->allow_extra_args(false);
+  cost_command->add_option("--json", json, "write the result to this file");
+
   ScoreOptions score;
   CLI::App* score_command = app.add_subcommand("score", "scores recorded logs of a simulated run");
   score_command->add_option("--control", score.control, "log of the control URL")
@@ -178,6 +193,11 @@ int run(CLI::App& app, int argc, char** argv) {
     latency.json = json;
     latency.stressed = !unstressed;
     return run_latency(latency);
+  }
+  if (cost_command->parsed()) {
+    cost.root = root;
+    cost.json = json;
+    return run_cycle_cost(cost, std::cout);
   }
   if (payload_command->parsed()) {
     payload.data = data;

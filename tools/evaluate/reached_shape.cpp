@@ -33,7 +33,7 @@ Eigen::VectorXd reached_value(const std::filesystem::path& scene, const ControlT
                                 *control, *housekeeping);
   while (simulation.time() < simulation.scene().motion->duration()) simulation.step();
 
-  const FeatureOnPoints feature(target.kind, target.rest_points);
+  const FeatureOnPoints feature(target);
   Eigen::Matrix3Xd points(3, target.rest_points.size());
   for (int i = 0; i < points.cols(); ++i)
     points.col(i) = simulation.plant().position_at(target.rest_points[i]);

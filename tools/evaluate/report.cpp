@@ -31,8 +31,9 @@ std::vector<std::string> cells(const ScoredRun& run) {
   }
   if (run.feature) {
     const FeatureScore& feature = *run.feature;
-    row[6] = millimetres(feature.rest_distance);
-    row[7] = feature.kind == "pose" ? number(feature.rest_angle / kDegree, 2) : "";
+    if (feature.is_distance) row[6] = millimetres(feature.rest_distance);
+    const bool has_angle = feature.kind == "pose" || feature.kind == "angle";
+    if (has_angle) row[7] = number(feature.rest_angle / kDegree, 2);
     row[8] = feature.within_5mm ? number(*feature.within_5mm, 1) : "never";
   }
   if (run.loop) {
@@ -74,21 +75,38 @@ Json to_json(const ShapeScore& shape) {
 
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
+/// What is a distance is told of such features alone, bands of mm and degrees of these and angles.
 Json to_json(const FeatureScore& feature) {
-  Json json{
-      {"kind", feature.kind},
-      {"target_mm", {feature.target.x() * 1e3, feature.target.y() * 1e3, feature.target.z() * 1e3}},
-      {"start_error_mm", feature.start_distance * 1e3},
-      {"error_mm", feature.rest_distance * 1e3},
-      {"error_deg", feature.rest_angle / kDegree},
-      {"error_that_the_daemon_sees_mm", feature.estimated_distance * 1e3},
-      {"unreachable_as_the_daemon_sees_it_mm", feature.unreachable * 1e3},
-      {"time_to_5mm_s", optional_number(feature.within_5mm)},
-      {"time_to_2mm_s", optional_number(feature.within_2mm)},
-      {"time_to_1mm_s", optional_number(feature.within_1mm)},
-      {"overshoot_percent", feature.overshoot * 100},
-      {"path_mm", feature.path * 1e3},
-      {"duration_s", feature.samples.back().time}};
+  Json json{{"kind", feature.kind},
+            {"error_percent_of_way", 100 * feature.rest_size / feature.start_size},
+            {"time_to_5_percent_of_way_s", optional_number(feature.within_twentieth)},
+            {"overshoot_percent", feature.overshoot * 100},
+            {"duration_s", feature.samples.back().time}};
+  if (feature.kind == "curvature") {
+    json["start_error_per_m"] = feature.start_size;
+    json["error_per_m"] = feature.rest_size;
+    json["error_that_the_daemon_sees_per_m"] = feature.estimated_size;
+    json["unreachable_as_the_daemon_sees_it_per_m"] = feature.unreachable_size;
+    return json;
+  }
+  if (feature.kind != "distance" && feature.kind != "fourier_contour")
+    json["error_deg"] = feature.rest_angle / kDegree;
+  json["time_to_5mm_s"] = optional_number(feature.within_5mm);
+  json["time_to_2mm_s"] = optional_number(feature.within_2mm);
+  json["time_to_1mm_s"] = optional_number(feature.within_1mm);
+  if (!feature.is_distance) {
+    json["start_error_deg"] = feature.start_size / kDegree;
+    json["error_that_the_daemon_sees_deg"] = feature.estimated_size / kDegree;
+    json["unreachable_as_the_daemon_sees_it_deg"] = feature.unreachable_size / kDegree;
+    return json;
+  }
+  const Eigen::Vector3d target = feature.target * 1e3;
+  json["target_mm"] = {target.x(), target.y(), target.z()};
+  json["start_error_mm"] = feature.start_distance * 1e3;
+  json["error_mm"] = feature.rest_distance * 1e3;
+  json["error_that_the_daemon_sees_mm"] = feature.estimated_distance * 1e3;
+  json["unreachable_as_the_daemon_sees_it_mm"] = feature.unreachable * 1e3;
+  json["path_mm"] = feature.path * 1e3;
   if (feature.kind == "points") json["error_of_the_worst_point_mm"] = feature.rest_largest * 1e3;
   return json;
 }

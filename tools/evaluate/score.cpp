@@ -31,9 +31,10 @@ Gate gate_of(const std::filesystem::path& configuration,
 
 Gate gate_of(const RunPlan& plan) { return gate_of(plan.configuration, plan.overrides); }
 
-void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate) {
+void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate,
+                const FeatureDefinition* steered) {
   scored.shape = score_shape(log);
-  scored.feature = score_feature(log);
+  scored.feature = score_feature(log, steered);
   scored.loop = score_loop(log);
   if (scored.loop->faulted) scored.missed.push_back("palpated was faulted: " + scored.loop->reason);
   check_limits(scored, log, gate);

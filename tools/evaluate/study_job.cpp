@@ -124,7 +124,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   scored.stage = job.application;
   scored.name = job.method;
   scored.mismatch = job.mismatch;
-  score_into(scored, log, gate_of(plan));
+  score_into(scored, log, gate_of(plan), job.target ? &*job.target : nullptr);
   const config::Node configuration =
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
   const math::Pose X_WO = component::read_frames(configuration).X_WO;

@@ -39,11 +39,13 @@ std::string median_over(const Runs& runs, int decimals, const Value& value) {
   return median_and_interval(values, decimals);
 }
 
-/// Of the runs with a target, those for which a time is there and at most `latest`.
+/// Of the runs with a target that is a place or a distance, those for which a time is there and at
+/// most `latest`.
 std::string share_over(const Runs& runs, const char* pointer, double latest) {
   int reached = 0, trials = 0;
   for (const StudyResult* run : runs) {
-    if (!run->job.target) continue;
+    const auto& target = run->job.target;
+    if (!target || target->kind == "angle" || target->kind == "curvature") continue;
     ++trials;
     if (run->failed) continue;
     const std::optional<double> time = number_at(run->json, pointer);

@@ -98,8 +98,17 @@ std::vector<int> seeds_of(const config::Node& node) {
 ControlTarget read_target(const config::Node& node, const std::string& name) {
   ControlTarget target;
   target.name = name;
-  target.kind = node.choice({"feature", "", "what is steered"}, {"point", "points", "pose"});
+  target.kind =
+      node.choice({"feature", "", "what is steered"},
+                  {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"});
   target.rest_points = node.points({"rest_points", "m", "that it names on the rest shape, in O"});
+  const bool is_place = target.kind == "point" || target.kind == "points" || target.kind == "pose";
+  if (node.has("axis"))
+    target.axis = node.vector3({"axis", "", "about which an angle or curvature is signed, in O"});
+  if (target.kind == "fourier_contour") {
+    target.harmonics = node.integer({"harmonics", "", "of a contour"}, {1, 31}, target.harmonics);
+    target.closed = node.flag({"closed", "", "whether a contour is closed"}, target.closed);
+  }
   if (node.has("hand")) {
     if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
     const config::Node hand = node.child(
@@ -108,6 +117,8 @@ ControlTarget read_target(const config::Node& node, const std::string& name) {
         hand.vector3({"translation", "m", "of the hand, in O"}, {-1, 1}, Eigen::Vector3d::Zero()),
         hand.vector3({"rotation_deg", "deg", "of the hand, a rotation vector"}, {-180, 180},
                      Eigen::Vector3d::Zero())};
+  } else if (!is_place) {
+    node.fail("hand", "is needed: a " + target.kind + " cannot be displaced");
   } else {
     target.displacement =
         node.vector3({"displacement", "m", "of the feature from where it rests"}, {-1, 1});

@@ -34,7 +34,7 @@ constexpr const char* kAbout =
 Curve curve_of(const Json& data, const std::string& values, const std::string& title, double least,
                bool dashed) {
   Curve curve{title, {}, {}, dashed};
-  if (!data.is_object()) return curve;
+  if (!data.is_object() || !data.contains(values)) return curve;
   curve.x = data.at("time_s").get<std::vector<double>>();
   curve.y = data.at(values).get<std::vector<double>>();
   for (double& y : curve.y) y = std::max(y, least);
@@ -74,6 +74,7 @@ std::vector<Plot> plots_of(const StudyApplication& application,
   Plot shape{"Mean shape error" + suffix, "time, s", "mm", {}, true};
   Plot pose{"Distance of the estimated pose from the plant's" + suffix, "state", "mm", {}, true};
   Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
+  Plot curvature{"Curvature from its target" + suffix, "time, s", "1/m", {}, true};
   Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
   Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
   Plot modulus{"Young's modulus, as estimated" + suffix, "time, s", "kPa", {}, false};
@@ -93,12 +94,14 @@ std::vector<Plot> plots_of(const StudyApplication& application,
     if (!control.is_object()) continue;
     add(feature, curve_of(control["plant"], "mm", method + ", plant", 1e-2, false));
     add(feature, curve_of(control["estimate"], "mm", method + ", estimate", 1e-2, true));
+    add(curvature, curve_of(control["plant"], "per_m", method + ", plant", 1e-3, false));
+    add(curvature, curve_of(control["estimate"], "per_m", method + ", estimate", 1e-3, true));
     add(angle, curve_of(control["plant"], "deg", method + ", plant", 1e-3, false));
     add(command, curve_of(control["command"], "mm_per_s", method, 0, false));
   }
   std::vector<Plot> plots{shape};
   if (application.kind == "control")
-    plots.insert(plots.end(), {feature, angle, command});
+    plots.insert(plots.end(), {feature, curvature, angle, command});
   else
     plots.push_back(pose);
   plots.push_back(modulus);

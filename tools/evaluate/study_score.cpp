@@ -77,7 +77,10 @@ class Shapes {
 std::optional<math::Vector6d> pose_error(const StudyJob& job, const RunLog& log,
                                          const MeshMessage& plant, std::int64_t end) {
   if (job.pose_points.empty()) return std::nullopt;
-  const FeatureOnPoints feature("pose", job.pose_points);
+  FeatureDefinition definition;
+  definition.kind = "pose";
+  definition.rest_points = job.pose_points;
+  const FeatureOnPoints feature(definition);
   const PlantPoints points(plant, feature.rest_points());
   math::Vector6d sum = math::Vector6d::Zero();
   int count = 0;
@@ -184,12 +187,13 @@ nlohmann::json shape_curve(const ShapeScore& shape) {
 }
 
 nlohmann::json control_curves(const FeatureScore& feature, const RunLog& log) {
-  const auto curve = [](const std::vector<FeatureErrorSample>& samples) {
-    Json json{{"time_s", Json::array()}, {"mm", Json::array()}, {"deg", Json::array()}};
+  const auto curve = [&feature](const std::vector<FeatureErrorSample>& samples) {
+    Json json{{"time_s", Json::array()}, {"deg", Json::array()}};
     const std::size_t step = std::max<std::size_t>(1, samples.size() / kCurvePoints);
     for (std::size_t i = 0; i < samples.size(); i += step) {
       json["time_s"].push_back(samples[i].time);
-      json["mm"].push_back(samples[i].distance * 1e3);
+      if (feature.is_distance) json["mm"].push_back(samples[i].distance * 1e3);
+      if (feature.kind == "curvature") json["per_m"].push_back(samples[i].size);
       json["deg"].push_back(samples[i].angle / kDegree);
     }
     return json;

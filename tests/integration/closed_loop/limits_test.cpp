@@ -123,53 +123,98 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
 /// Whether the gate's workspace is wider than the way to the target.
 class ObstacleWay : public testing::TestWithParam<bool> {};
 
+/// From a point above the bar to the plant's own upper side, wherever between nodes it is nearest.
+double distance_to_plant(Way& way, const Vector3d& from) {
+  constexpr double kStep = 2e-3;  // m: 0.02 mm in a distance of 35
+  double squared = 1;
+  for (double x = 0.2; x < 0.45; x += kStep)
+    for (double y = 0; y < 0.0601; y += kStep)
+      squared = std::min(
+          squared, (way.loop.simulation().plant().position_at({x, y, 0.06}) - from).squaredNorm());
+  return std::sqrt(squared);
+}
+
 // A ball above the bar, between the middle and the hand. With the example's workspace the hand
-// comes to its wall on the way, which must not turn it aside into the ball.
+// comes to its wall on the way, which must not turn it aside into the ball. The bar wraps the ball,
+// so that it is nearest between nodes, and its estimate errs by some 1 mm there, for which the
+// filter's deviations are kept free: without either the clearance is 1.2 and 4.0 mm.
 TEST_P(ObstacleWay, TheBarKeepsAwayFromTheBall) {
   const Vector3d center(0.32, 0.03, 0.115);
   constexpr double kRadius = 0.03, kClearance = 0.005;
   std::vector<std::string> overrides{
+      "estimation={component: pose_wrench_filter}",
       "control.limits={clearance: 0.005, obstacles: [{center: [0.32, 0.03, 0.115], radius: "
       "0.03}]}"};
   if (GetParam())
     overrides.push_back("gate.workspace={lower: [0.2, -0.5, 0.05], upper: [1.0, 0.5, 0.9]}");
   Way way(overrides);
   double nearest = 1;
-  const mesh::ElementMesh& mesh = way.loop.daemon().pipeline().object().body.mesh;
-  way.go({0, 0, 0.04}, 3.5, [&] {
-    for (int i = 0; i < mesh.node_count(); ++i) {
-      const Vector3d x = way.loop.simulation().plant().position_at(mesh.nodes.col(i));
-      nearest = std::min(nearest, (x - center).norm() - kRadius);
-    }
+  int tick = 0;
+  way.go({0, 0, 0.04}, 6, [&] {
+    if (++tick % 20 == 0) nearest = std::min(nearest, distance_to_plant(way, center) - kRadius);
   });
-  std::printf("nearest %.2f mm\n", 1e3 * nearest);
-  EXPECT_GT(nearest, kClearance - 1e-3) << "but for what the estimate does not know";
+  std::printf("nearest %.2f mm of %.2f\n", 1e3 * nearest, 1e3 * kClearance);
+  EXPECT_GT(nearest, 0.98 * kClearance);
   EXPECT_LT(nearest, kClearance + 5e-3) << "it was in the way";
 }
 INSTANTIATE_TEST_SUITE_P(Workspaces, ObstacleWay, testing::Bool());
 
-// Pads that pinch the end of the bar across Y. Without the limit the bar turns out of them; with
-// it, told seven tenths of the grip, since a rim slips before the whole, it stays.
+/// What of the pads' area has slipped since the start, and whether any did beyond the rim over
+/// which the bar enters them: their outermost line of nodes, 4.3 % of the area.
+struct Slipped {
+  explicit Slipped(const object::HyperelasticPlant& plant) {
+    double total = 0;
+    for (const object::CompliantGrasp::Pad& pad : plant.grasp(0).pads()) {
+      total += pad.area;
+      if (pad.slipped == 0) continue;
+      share += pad.area;
+      if (plant.rest_positions()(0, pad.node) > 0.4501) beyond_rim = true;
+    }
+    share /= total;
+    mean = plant.grasp(0).slip().distance;
+  }
+  double share = 0;
+  double mean = 0;  // m, over all of the area
+  bool beyond_rim = false;
+};
+
+// Pads that pinch the end of the bar across Y. Without the limit the bar turns and slides out of
+// them. With it, told that four fifths of the patch shall stick, only its rim slips: that does so
+// under 0.25 N, which is the bar's weight on the hand before it moves, of the 8 N that friction
+// bears, so that no limit of the wrench could keep it. A target that takes more is told to lie
+// beyond; one to which the bar's length suffices is reached.
 TEST(LimitsLoop, TheBarDoesNotSlipOutOfThePinch) {
   const std::vector<std::string> pads{"object.pads.pinch_axis=y", "object.pads.grip=16",
                                       "object.pads.friction=0.5"};
-  double greatest[2] = {0, 0}, error[2] = {0, 0};
-  for (const bool limited : {false, true}) {
-    Way way({limited ? "control.limits={slip: {pinch: 5.6, friction: 0.5, lever: 0.02, normal: "
-                       "[0, 1, 0]}}"
-                     : "control.limits={}"},
-            kScene, pads);
-    way.go({0, 0, 0.04}, 4, [&] {
-      greatest[limited] =
-          std::max(greatest[limited], way.loop.simulation().plant().slipping_share(0));
-    });
-    error[limited] = way.error();
+  for (const Vector3d& target : {Vector3d(0, 0, 0.04), Vector3d(-0.008, 0, 0.04)}) {
+    const bool within = target.x() < 0;
+    for (const bool limited : {false, true}) {
+      Way way({limited ? "control.limits={slip: {pinch: 8, friction: 0.5, lever: 0.02, width: "
+                         "0.06, sticking: 0.8, normal: [0, 1, 0]}}"
+                       : "control.limits={}"},
+              kScene, pads);
+      double greatest = 0;
+      way.go(target, 4, [&] {
+        greatest = std::max(greatest, way.loop.simulation().plant().slipping_share(0));
+      });
+      const Slipped slipped(way.loop.simulation().plant());
+      std::printf(
+          "%s: share of the pads that slips at once %.3f, that has slipped %.3f; mean way of all "
+          "%.3f mm\n",
+          limited ? "within the limit" : "freely", greatest, slipped.share, 1e3 * slipped.mean);
+      if (!limited) {
+        EXPECT_GT(slipped.share, 0.2) << "it slips";
+        EXPECT_GT(way.error(), 4e-3) << "and misses";
+        continue;
+      }
+      EXPECT_FALSE(slipped.beyond_rim);
+      EXPECT_LT(slipped.mean, 1e-5);
+      if (within)
+        EXPECT_LT(way.error(), 2e-3);
+      else
+        EXPECT_EQ(way.remarks.count("the target lies beyond a limit of the grasp"), 1u);
+    }
   }
-  std::printf("slipping share of the pads: %.2f freely, %.2f within the limit\n", greatest[0],
-              greatest[1]);
-  EXPECT_GT(error[0], 5e-3) << "it slips";
-  EXPECT_LT(error[1], 2e-3);
-  EXPECT_LT(greatest[1], 0.5 * greatest[0]) << "of its rim";
 }
 
 /// Limits that hold the arm's joints within `degrees` of where they start.

@@ -1,96 +1,14 @@
 // The law that keeps limits, on a bar that bends: the model is both plant and estimate.
 #include "core/control/quadratic_program.hpp"
 
-#include <gtest/gtest.h>
-
-#include "core/control/fem_jacobian.hpp"
-#include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/element_stress.hpp"
-#include "core/shape/point_feature.hpp"
 #include "rt/loop/allocation_counter.hpp"
-#include "tests/unit/core/estimation/rigid_model.hpp"
+#include "tests/unit/core/control/bar_servo.hpp"
 
 namespace palpate::control {
 namespace {
 
 using Eigen::Vector3d;
-
-TwistLawOptions servo() {
-  TwistLawOptions options;
-  options.gain = 2;
-  options.linear_speed = 0.1;
-  options.angular_speed = 0.5;
-  options.dead_band = {1e-4, 1e-3, 1.2};
-  return options;
-}
-
-/// The middle of the bar's upper side is steered by the hand at its end.
-class BarServo : public ::testing::Test {
- protected:
-  void start(ControlLaw& law, const Vector3d& target_offset) {
-    body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
-    body_.gravity_O.setZero();
-    model_ = std::make_unique<elasticity::CorotationalQuasistatic>(body_);
-    model_->prepare();
-    feature_ = std::make_unique<shape::PointFeature>(
-        body_.mesh, shape::PointFeature::Options{{Vector3d(0.25, 0.03, 0.06)}});
-    law_ = &law;
-    law.configure_for(*feature_);
-    value_.setZero(3);
-    error_.setZero(3);
-    output_.unreachable.setZero(3);
-    jacobian_.setZero(3, 6);
-    X_OG_ = body_.grasps[0].X_OG_rest;
-    step();
-    target_ = value_ + target_offset;
-  }
-
-  void step() {
-    model_->hold(0, X_OG_);
-    if (elasticity::Refactorisation* job = model_->wanted_refactorisation()) {
-      job->run();
-      model_->install(*job);
-    }
-    for (int i = 0; i < 3; ++i) model_->step(1e-3);
-    feature_->evaluate(model_->positions(), value_);
-  }
-
-  LawInputs inputs() {
-    LawInputs inputs;
-    inputs.dt = kPeriod;
-    inputs.value = &value_;
-    inputs.target = &target_;
-    inputs.error = &error_;
-    inputs.jacobian = &jacobian_;
-    inputs.model = model_.get();
-    inputs.X_OG[0] = X_OG_;
-    inputs.reaction[0] = model_->reaction(0);
-    return inputs;
-  }
-
-  /// True where the law had a Jacobian to go by.
-  bool tick() {
-    feature_->error(value_, target_, error_);
-    if (!provider_.update(*feature_, *model_, X_OG_, jacobian_)) return false;
-    law_->compute(inputs(), output_);
-    X_OG_.translation() += kPeriod * output_.V_O_G.linear;
-    X_OG_.linear() = math::exp_rotation(kPeriod * output_.V_O_G.angular) * X_OG_.linear();
-    step();
-    return true;
-  }
-  double error() const { return (target_ - value_).norm(); }
-
-  static constexpr double kPeriod = 5e-3;  // s
-  elasticity::Body body_;
-  std::unique_ptr<elasticity::CorotationalQuasistatic> model_;
-  std::unique_ptr<shape::PointFeature> feature_;
-  FemJacobian provider_{FemJacobian::Options{}};
-  ControlLaw* law_ = nullptr;
-  Eigen::VectorXd value_, target_, error_;
-  Eigen::MatrixXd jacobian_;
-  LawOutput output_;
-  math::Pose X_OG_;
-};
 
 TEST_F(BarServo, WithoutActiveLimitsItMovesAsTheProportionalLaw) {
   QuadraticProgramLaw::Limited far;
@@ -129,112 +47,6 @@ TEST_F(BarServo, ReachesAPointWithinSpeedAndAcceleration) {
     before = v;
   }
   EXPECT_LT(error(), 1e-3);
-}
-
-TEST_F(BarServo, StopsAtTheLargestForceAndGoesNoFurther) {
-  QuadraticProgramLaw free(servo(), {});
-  start(free, {0, 0, 0.05});
-  for (int i = 0; i < 600; ++i) tick();
-  const double freely = model_->reaction(0).force.cwiseAbs().maxCoeff();
-  ASSERT_LT(error(), 2e-3);
-
-  QuadraticProgramLaw::Limited limited;
-  limited.limits.force = 0.6 * freely;
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.05});
-  double largest = 0;
-  for (int i = 0; i < 800; ++i) {
-    tick();
-    largest = std::max(largest, model_->reaction(0).force.cwiseAbs().maxCoeff());
-  }
-  EXPECT_LE(largest, 1.02 * limited.limits.force);
-  EXPECT_GT(largest, 0.9 * limited.limits.force) << "as near as it may";
-}
-
-TEST_F(BarServo, APinchDoesNotSlip) {
-  QuadraticProgramLaw free(servo(), {});
-  start(free, {0, 0, 0.05});
-  for (int i = 0; i < 600; ++i) tick();
-  const auto across = [&] {
-    const Vector3d n = X_OG_.linear() * Vector3d::UnitY();
-    const math::Wrench w = model_->reaction(0);
-    return (w.force - n.dot(w.force) * n).norm() + std::abs(n.dot(w.torque)) / 0.02;
-  };
-  QuadraticProgramLaw::Limited limited;
-  limited.limits.slip.pinch = 0.5 * across();
-  limited.limits.slip.friction = 0.5;
-  const double held = limited.limits.slip.pinch;  // two fingers, half of it each
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.05});
-  double largest = 0;
-  for (int i = 0; i < 800; ++i) {
-    tick();
-    largest = std::max(largest, across());
-  }
-  EXPECT_LE(largest, 1.02 * held);
-  EXPECT_GT(largest, 0.5 * held);
-}
-
-TEST_F(BarServo, KeepsAwayFromAnObstacle) {
-  QuadraticProgramLaw::Limited limited;
-  // Above the bar's middle, in the way of what moves up.
-  limited.limits.obstacles.push_back({{0.2, 0.03, 0.12}, 0.04});
-  limited.limits.clearance = 0.004;
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.05});
-  double nearest = 1;
-  for (int i = 0; i < 1000; ++i) {
-    tick();
-    const double gap =
-        (model_->positions().colwise() - Vector3d(0.2, 0.03, 0.12)).colwise().norm().minCoeff() -
-        0.04;
-    nearest = std::min(nearest, gap);
-  }
-  EXPECT_GT(nearest, 0.98 * limited.limits.clearance);
-  EXPECT_LT(nearest, 0.008) << "it was in the way";
-}
-
-TEST_F(BarServo, TheHandStaysInItsWorkspace) {
-  QuadraticProgramLaw::Limited limited;
-  QuadraticProgramLaw probe(servo(), limited);
-  start(probe, {0, 0, 0.04});
-  const double wall = X_OG_.translation().z() + 0.02;
-  limited.limits.workspace_upper.z() = wall;
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.04});
-  for (int i = 0; i < 600; ++i) {
-    tick();
-    EXPECT_LE(X_OG_.translation().z(), wall + 1e-4);
-  }
-  EXPECT_GT(X_OG_.translation().z(), wall - 2e-3);
-}
-
-// The flange stands off the grasp, in a cell turned against the object: what lifts it is the hand's
-// turning as well.
-TEST_F(BarServo, TheFlangeStaysInItsBox) {
-  QuadraticProgramLaw::Limited limited;
-  QuadraticProgramLaw probe(servo(), limited);
-  start(probe, {0, 0, 0.04});
-  FlangeBox box;
-  box.X_WO.linear() = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  box.X_WO.translation() = Vector3d(0.4, -0.2, 0.3);
-  box.p_G_E = Vector3d(-0.05, 0.02, 0.15);
-  const auto flange = [&] { return Vector3d(box.X_WO * X_OG_ * box.p_G_E); };
-  box.lower = flange() - Vector3d::Constant(0.012);
-  box.upper = flange() + Vector3d::Constant(0.012);
-  limited.limits.flange[0] = box;
-  QuadraticProgramLaw law(servo(), limited);
-  start(law, {0, 0, 0.04});
-  double nearest = 1;
-  for (int i = 0; i < 600; ++i) {
-    tick();
-    const double left =
-        std::min((box.upper - flange()).minCoeff(), (flange() - box.lower).minCoeff());
-    EXPECT_GE(left, -1e-4);
-    nearest = std::min(nearest, left);
-  }
-  EXPECT_LT(nearest, 2e-3) << "it was in the way";
-  EXPECT_STREQ(output_.remark, "the target lies beyond the hand's workspace");
 }
 
 TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
@@ -370,6 +182,8 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
   EXPECT_THROW(make([](L& l) { l.limits.stress = 1e3; }), std::invalid_argument) << "no object";
   EXPECT_THROW(make([](L& l) { l.limits.stretch = 0.9; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.slip.normal_G.setZero(); }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.slip.sticking = 1; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.slip.width = 0; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.workspace_lower.x() = 2e3; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.strain_margin = 1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) {
@@ -377,6 +191,9 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
                }),
                std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(5); }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(1); }), std::invalid_argument)
+      << "no object";
+  EXPECT_THROW(make([](L& l) { l.limits.clearance_deviations = -1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.grasps = {0, 1}; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.smoothness = -1; }), std::invalid_argument);
 }

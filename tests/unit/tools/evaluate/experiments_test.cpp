@@ -121,5 +121,22 @@ TEST(Targets, OverridesPutTheFeatureIntoItsSlot) {
   EXPECT_EQ(feature.points("rest_points").at(0), target.rest_points[0]);
 }
 
+TEST(Targets, OverridesTellAllThatDefinesTheFeature) {
+  ControlTarget target;
+  target.kind = "fourier_contour";
+  target.rest_points = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}};
+  target.harmonics = 1;
+  target.closed = false;
+  target.components = {0, 1};
+  target.axis = Eigen::Vector3d(0, -1, 0);
+  const config::Node feature = settings(target.daemon_overrides()).child("feature");
+  EXPECT_EQ(feature.integer({"harmonics", "", ""}, {1, 31}, 3), 1);
+  EXPECT_FALSE(feature.flag({"closed", "", ""}, true));
+  EXPECT_EQ(feature.numbers({"components", "", ""}, 2, {0, 2}), (std::vector<double>{0, 1}));
+  EXPECT_EQ(feature.vector3({"axis", "", ""}), Eigen::Vector3d(0, -1, 0));
+  target.displace();
+  EXPECT_EQ(target.values.size(), 4);
+}
+
 }  // namespace
 }  // namespace palpate::evaluate

@@ -129,8 +129,81 @@ TEST(FeatureScore, OfADistanceIsItsDifference) {
   ASSERT_TRUE(score);
   EXPECT_NEAR(score->rest_distance, 0.01, 1e-6);
   EXPECT_EQ(score->rest_angle, 0);
-  run.targets[0] = target_of("curvature", {{0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}}, {1}, 0);
-  EXPECT_THROW(score_feature(run), std::invalid_argument);
+}
+
+/// A bar bent about -y to a circle of this radius, its line x = 0 to y of the circle's lowest
+/// place.
+auto bent_to(double radius) {
+  return [radius](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
+    const double angle = p.x() / radius, r = radius - p.z();
+    return {r * std::sin(angle), p.y(), radius - r * std::cos(angle)};
+  };
+}
+
+FeatureDefinition about_minus_y(const char* kind) {
+  FeatureDefinition steered;
+  steered.kind = kind;
+  steered.axis = Eigen::Vector3d(0, -1, 0);
+  return steered;
+}
+
+TEST(FeatureScore, OfACurvatureIsInItsOwnUnit) {
+  RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
+  const std::vector<Eigen::Vector3d> points{{0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}};
+  run.targets.push_back(target_of("curvature", points, {0.6}, 0));
+  EXPECT_THROW(score_feature(run), std::invalid_argument) << "a straight line without an axis";
+  const FeatureDefinition steered = about_minus_y("curvature");
+  const auto score = score_feature(run, &steered);
+  ASSERT_TRUE(score);
+  EXPECT_FALSE(score->is_distance);
+  EXPECT_NEAR(score->rest_size, 0.1, 2e-3);
+  EXPECT_NEAR(score->start_size, score->rest_size, 1e-12) << "nothing moves";
+  EXPECT_EQ(score->rest_distance, 0);
+  EXPECT_EQ(score->rest_angle, 0);
+  EXPECT_FALSE(score->within_twentieth);
+}
+
+TEST(FeatureScore, OfAnAngleIsAnAngle) {
+  RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
+  const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {0.1, 0, 0}, {0.3, 0, 0}, {0.4, 0, 0}};
+  run.targets.push_back(target_of("angle", points, {0.2}, 0));
+  const FeatureDefinition steered = about_minus_y("angle");
+  const auto score = score_feature(run, &steered);
+  ASSERT_TRUE(score);
+  EXPECT_FALSE(score->is_distance);
+  EXPECT_NEAR(score->rest_angle, 0.2 - 0.15, 1e-3) << "from the middle of one to that of the other";
+  EXPECT_EQ(score->rest_size, score->rest_angle);
+}
+
+// What moves as one piece has its contour as far off as each of its points.
+TEST(FeatureScore, OfAContourIsTheMeanOverItsLength) {
+  const Eigen::Vector3d shift(0.003, -0.002, 0.006);
+  const auto truth = [&shift](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
+    return t < 0.5 ? p : p + shift;
+  };
+  RunLog run = synthetic_run(truth, truth, 2);
+  FeatureDefinition steered;
+  steered.kind = "fourier_contour";
+  steered.harmonics = 2;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 2 * M_PI * i / 12;
+    steered.rest_points.emplace_back(0.2 + 0.1 * std::cos(angle), 0.05 + 0.04 * std::sin(angle), 0);
+  }
+  const FeatureOnPoints contour(steered);
+  const Eigen::VectorXd rest = contour.value(contour.rest_points());
+  run.targets.push_back(target_of("fourier_contour", steered.rest_points,
+                                  {rest.data(), rest.data() + rest.size()}, 0));
+  const auto score = score_feature(run, &steered);
+  ASSERT_TRUE(score);
+  EXPECT_TRUE(score->is_distance);
+  EXPECT_NEAR(score->rest_distance, shift.norm(), 1e-6);
+  EXPECT_NEAR((score->samples.back().position - score->samples.front().position - shift).norm(), 0,
+              1e-6);
+
+  // Of one harmonic alone the mean square over the contour is half that of its amplitude.
+  Eigen::VectorXd wave = Eigen::VectorXd::Zero(rest.size());
+  wave[1] = 0.004;
+  EXPECT_NEAR(contour.distance(wave), 0.004 / std::sqrt(2), 1e-12);
 }
 
 TEST(FeatureScore, NoTargetNoScore) {

@@ -146,6 +146,23 @@ TEST_F(StudyPlanTest, ATargetIsAPlaceOrWhatAHandMotionReaches) {
               HasSubstr("applications.1.target.displacement"));
 }
 
+TEST_F(StudyPlanTest, AnAngleHasAnAxisAndATargetThatTheHandReaches) {
+  const std::string point =
+      "feature: point, rest_points: [[0.25, 0.03, 0.06]], displacement: [0, 0, 0.01]";
+  const std::string angle =
+      "feature: angle, axis: [0, -1, 0], rest_points: [[0.1, 0.03, 0.03], [0.2, 0.03, 0.03], [0.3, "
+      "0.03, 0.03]], ";
+  std::string text = kPlan;
+  text.replace(text.find(point), point.size(), angle + "hand: {translation: [0, 0, 0.1]}");
+  const StudyJob job = study_jobs(read(text), {}).back();
+  ASSERT_TRUE(job.target && job.target->axis);
+  EXPECT_EQ(*job.target->axis, Eigen::Vector3d(0, -1, 0));
+  EXPECT_EQ(job.target->values.size(), 1);
+  EXPECT_THAT(job.daemon_overrides, Contains("feature.axis=[0, -1, 0]"));
+  EXPECT_THAT(error_of(point, angle + "displacement: [0, 0, 0.01]"),
+              HasSubstr("applications.1.target.hand: is needed"));
+}
+
 TEST_F(StudyPlanTest, ASelectionChooses) {
   const StudyPlan plan = read(kPlan);
   StudySelection selection;

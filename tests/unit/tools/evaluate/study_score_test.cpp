@@ -88,7 +88,10 @@ TEST(StudyScore, PoseErrorIsEstimateMinusPlant) {
   RunLog run = run_of_boxes();
   StudyJob job = job_with_state(2.5);
   job.pose_points = {{0.1, 0.05, 0}, {0.3, 0.05, 0}, {0.2, 0.05, 0.2}};
-  const FeatureOnPoints pose("pose", job.pose_points);
+  FeatureDefinition definition;
+  definition.kind = "pose";
+  definition.rest_points = job.pose_points;
+  const FeatureOnPoints pose(definition);
   const math::Vector6d turn = (math::Vector6d() << 0, 0, 0, 0, 0, 0.1).finished();
   for (const shape_t& shape : run.shapes) {
     const double time = static_cast<double>(shape.utime) * 1e-6;

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/mesh/surface.hpp"
+
+namespace palpate::testing {
+
+/// From `p` to the curved surface, by many points of each face: never too small.
+inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
+                                  const Eigen::Vector3d& p) {
+  constexpr int kParts = 16;
+  double squared = 1e300;
+  for (const std::vector<int>& nodes : surface.triangle_nodes) {
+    for (int i = 0; i <= kParts; ++i) {
+      for (int j = 0; i + j <= kParts; ++j) {
+        const double b = static_cast<double>(i) / kParts, c = static_cast<double>(j) / kParts;
+        const double a = 1 - b - c;
+        Eigen::Vector3d q = a * x.col(nodes[0]) + b * x.col(nodes[1]) + c * x.col(nodes[2]);
+        if (nodes.size() == 6)
+          q = a * (2 * a - 1) * x.col(nodes[0]) + b * (2 * b - 1) * x.col(nodes[1]) +
+              c * (2 * c - 1) * x.col(nodes[2]) + 4 * a * b * x.col(nodes[3]) +
+              4 * b * c * x.col(nodes[4]) + 4 * c * a * x.col(nodes[5]);
+        squared = std::min(squared, (q - p).squaredNorm());
+      }
+    }
+  }
+  return std::sqrt(squared);
+}
+
+}  // namespace palpate::testing
