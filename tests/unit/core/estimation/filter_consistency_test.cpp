@@ -215,7 +215,9 @@ TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
   for (std::size_t k = 0; k < mean.by_block.size(); ++k)
     std::printf("  %s: %.2f of %d\n", kBlocks[k].name, mean.by_block[k], kBlocks[k].count);
   EXPECT_LT(mean.nees, 13 + band);
-  if (GetParam() == Told::kOwnPriors) EXPECT_GT(mean.nees, 13 - band);
+  if (GetParam() == Told::kOwnPriors) {
+    EXPECT_GT(mean.nees, 13 - band);
+  }
   EXPECT_LT(square, 1 + band_of_one);
   EXPECT_GT(mean.covered, 0.90);
   if (GetParam() != Told::kJustThis) return;
