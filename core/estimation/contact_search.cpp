@@ -28,8 +28,8 @@ ContactSearch::ContactSearch(const elasticity::Body& body, const mesh::Surface& 
                              const Options& options)
     : options_(options) {
   if (!(options.spacing > 0) || !(options.friction > 0) || !(options.usual > 0) ||
-      !(options.deviation > 0))
-    throw std::invalid_argument("spacing, friction and deviation of a search must be positive");
+      !(options.deviation > 0) || !(options.observable > 0))
+    throw std::invalid_argument("spacing, friction and deviations of a search must be positive");
   std::vector<bool> bound(static_cast<std::size_t>(body.mesh.node_count()), false);
   for (const int node : body.fixed_nodes) bound[node] = true;
   for (const elasticity::GraspRegion& grasp : body.grasps)
@@ -73,6 +73,8 @@ void ContactSearch::begin(const WrenchFilter::Wrenches& y, const WrenchFilter::N
   held_ = held;
   best_ = Found();
   next_ = 0;
+  weight_ = squared_ = 0;
+  weighted_.setZero();
   const Eigen::LLT<WrenchFilter::Noise> factor(S);
   whiten_ = WrenchFilter::Noise::Identity(S.rows(), S.cols());
   factor.matrixL().solveInPlace(whiten_);
@@ -129,9 +131,28 @@ bool ContactSearch::advance(const elasticity::DeformationModel& model, const Pat
   const int end = std::min(place_count(), next_ + places);
   for (; next_ < end; ++next_) {
     const Found found = judge(next_, model, motion);
-    if (best_.place < 0 || found.cost < best_.cost) best_ = found;
+    if (best_.place < 0 || found.cost < best_.cost) {
+      const double kept = best_.place < 0 ? 0 : std::exp((found.cost - best_.cost) / 2);
+      weight_ *= kept;
+      weighted_ *= kept;
+      squared_ *= kept;
+      best_ = found;
+    }
+    const double weight = std::exp((best_.cost - found.cost) / 2);
+    const Eigen::Vector3d p = places_[next_].point.interpolate(model.positions());
+    weight_ += weight;
+    weighted_ += weight * p;
+    squared_ += weight * p.squaredNorm();
   }
   return !is_searching();
+}
+
+double ContactSearch::spread(int place, const elasticity::DeformationModel& model) const noexcept {
+  if (!(weight_ > 0)) return 0;
+  const Eigen::Vector3d p = places_[place].point.interpolate(model.positions());
+  const Eigen::Vector3d mean = weighted_ / weight_;
+  return std::sqrt(std::max(0.0, squared_ / weight_ - mean.squaredNorm()) +
+                   (mean - p).squaredNorm());
 }
 
 }  // namespace palpate::estimation

@@ -22,6 +22,7 @@ class ContactSearch {
     double usual = 0.2;     // and most often within this one: one hand's wrench alone tells place
                             // and direction apart only poorly
     double deviation = 5;   // N, prior of each axis of the force
+    double observable = 0.025;  // m: a place that is known less exactly is not observable
   };
   /// A place on the surface, with the corners of its triangle, outward.
   struct Place {
@@ -50,6 +51,10 @@ class ContactSearch {
                int places) noexcept;
   bool is_searching() const noexcept { return next_ < static_cast<int>(places_.size()); }
   const Found& found() const noexcept { return best_; }
+  /// Deviation of the force's place from `place`, m: over all places, each as probable as it
+  /// explains what the search began with. Of a search that has ended.
+  double spread(int place, const elasticity::DeformationModel& model) const noexcept;
+  const Options& options() const noexcept { return options_; }
   /// How well another place explains what the search began with.
   Found judge(int place, const elasticity::DeformationModel& model,
               const PatchMotion& motion) const noexcept;
@@ -67,6 +72,9 @@ class ContactSearch {
   std::vector<Place> places_;
   int next_ = 0;
   Found best_;
+  // Of the places looked at, each weighted by exp((best cost - its cost) / 2): sums of 1, p, p p.
+  double weight_ = 0, squared_ = 0;
+  Eigen::Vector3d weighted_ = Eigen::Vector3d::Zero();
   // The innovation, whitened by the inverse of the Cholesky factor of its covariance.
   WrenchFilter::Noise whiten_;
   WrenchFilter::Wrenches whitened_;

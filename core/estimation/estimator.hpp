@@ -41,6 +41,7 @@ struct UnknownContact {
   Eigen::Vector3d location_O = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
   double deviation = -1;                              // N, of the force's worst direction
+  double location_deviation = -1;  // m, along the surface; below zero: it is not observable
 };
 
 /// What the estimator holds to be true beside the shape itself, which stands in the model.

@@ -16,6 +16,7 @@ namespace {
 /// Share of a Newton step. The model follows a force over some ticks, as long as it takes its
 /// iterations to converge: full steps would swing about the end for ever.
 constexpr double kGain = 0.2;
+constexpr double kNothing = 1e-3;  // N, of a force that goes
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -129,10 +130,10 @@ void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
     Vector3d felt = Vector3d::Zero();
     for (const contact::NodalLoad& load : contact.loads) felt += load.force;
     known.felt = felt.norm();
-    if (!known.touching) touch(known, model);
+    if (!known.touching || known.leaving) touch(known, model);
   }
   for (Touch& known : touches_)
-    if (known.touching && known.missing > options_.patience) end(known, model);
+    if (known.touching && known.missing > options_.patience) let_go(known, dt, model);
 }
 
 /// Puts a touch on the material nearest to its place; its force is kept.
@@ -157,7 +158,21 @@ void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) n
     touch.since = 0;
   }
   touch.touching = true;
+  touch.leaving = false;
   if (touch.slot >= 0) model.watch_contact(touch.slot, point);
+}
+
+/// What a finger held springs back when it leaves, but no faster than it could be moved.
+void FingertipDriven::let_go(Touch& touch, double dt,
+                             elasticity::DeformationModel& model) noexcept {
+  touch.leaving = true;
+  double share = dt / options_.patience;
+  if (touch.ready && touch.slot >= 0) {
+    const Matrix3d compliance = response(touch.point, model.sensitivity().dx_dforce[touch.slot]);
+    share = options_.approach_speed * dt / (compliance * touch.force).norm();
+  }
+  touch.force *= std::max(0.0, 1 - share);
+  if (!(share < 1) || touch.force.norm() < kNothing) end(touch, model);
 }
 
 void FingertipDriven::end(Touch& touch, elasticity::DeformationModel& model) noexcept {
@@ -187,13 +202,13 @@ int FingertipDriven::gather_compliance(const elasticity::DeformationModel& model
   int count = 0;
   for (int finger = 0; finger < kFingers; ++finger) {
     touches_[finger].ready = has_compliance(touches_[finger], known);
-    if (touches_[finger].ready) order_[count++] = finger;
+    if (touches_[finger].ready && !touches_[finger].leaving) order_[count++] = finger;
   }
   const int watched = count;
   if (watched == 0) return 0;
   for (int finger = 0; finger < kFingers; ++finger) {
     Touch& touch = touches_[finger];
-    if (!touch.touching || touch.slot >= 0) continue;
+    if (!touch.touching || touch.leaving || touch.slot >= 0) continue;
     touch.ready = true;
     order_[count++] = finger;
   }

@@ -27,7 +27,8 @@ class FingertipDriven : public Estimator {
     double friction = 0.8;        // Coulomb
     double slide = 1e-3;          // m that a sliding touch lags behind before it is moved
     double patience = 0.1;        // s without a contact until the touch is over
-    double approach_speed = 0.2;  // m/s, at most, of material towards its finger
+    double approach_speed = 0.2;  // m/s, at most, of material towards its finger, or away from
+                                  // where one has left
     StepWatch::Options step;
   };
 
@@ -57,7 +58,8 @@ class FingertipDriven : public Estimator {
     bool touching = false;
     bool ready = false;  // its compliance is there
     bool sliding = false;
-    int slot = -1;  // of the model's sensitivity
+    bool leaving = false;  // the finger is gone, its force goes
+    int slot = -1;         // of the model's sensitivity
     int triangle = 0;
     mesh::PointWeights point;                         // material that is touched
     Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, of the skin there, in O
@@ -70,6 +72,7 @@ class FingertipDriven : public Estimator {
   void gather(const EstimationInputs& inputs, double dt,
               elasticity::DeformationModel& model) noexcept;
   void touch(Touch& touch, elasticity::DeformationModel& model) noexcept;
+  void let_go(Touch& touch, double dt, elasticity::DeformationModel& model) noexcept;
   void end(Touch& touch, elasticity::DeformationModel& model) noexcept;
   int free_slot() const noexcept;
   bool has_compliance(const Touch& touch, const elasticity::Sensitivity& known) const noexcept;

@@ -139,7 +139,7 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   filter_.predict(dt);
   for (int i = 0; i < grasps; ++i) predict_wrench(i, inputs.grasps[i], model, dt);
   bool moves = false;
-  for (int i = 0; i < grasps; ++i) moves = has_moved(i, inputs.grasps[i]) || moves;
+  for (int i = 0; i < grasps; ++i) moves = has_moved(i, inputs.grasps[i], dt) || moves;
   rest_for_ = moves ? 0 : rest_for_ + dt;
   since_taken_ += dt;
   if (since_taken_ >= options_.period * (1 - 1e-9)) {
@@ -195,64 +195,6 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   ++hand.count;
 }
 
-WrenchFilter::Rows PoseWrenchFilter::wrench_rows(
-    const std::array<bool, 2>& held, const elasticity::DeformationModel& model) const noexcept {
-  const int rows = 6 * (static_cast<int>(held[0]) + static_cast<int>(held[1]));
-  WrenchFilter::Rows H = WrenchFilter::Rows::Zero(rows, filter_.size());
-  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
-    if (!held[g]) continue;
-    H.block(row, 0, 6, filter_.load()) =
-        stiffness() * motion_.wrench_by_state().block(6 * g, 0, 6, filter_.load());
-    H.block<6, 6>(row, filter_.bias(g)) = math::both_halves(follower_.X_OG(g).linear());
-    if (filter_.has_contact())
-      H.block<6, 3>(row, filter_.contact()) =
-          ContactSearch::response(search_.place(place_).point, model.sensitivity(), motion_, g);
-    row += 6;
-  }
-  return H;
-}
-
-PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
-    const elasticity::DeformationModel& model) noexcept {
-  const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  const double k = stiffness();
-  Innovation result;
-  int rows = 0;
-  for (int g = 0; g < filter_.grasp_count(); ++g) {
-    result.held[g] = sensitivity.valid && model.is_held(g) && hands_[g].count > 0;
-    rows += result.held[g] ? 6 : 0;
-  }
-  result.H = wrench_rows(result.held, model);
-  result.y = WrenchFilter::Wrenches::Zero(rows);
-  result.R = WrenchFilter::Noise::Zero(rows, rows);
-  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
-    Hand& hand = hands_[g];
-    if (!result.held[g]) continue;
-    math::Vector6d late = math::Vector6d::Zero();  // what the wrench changes by in lag_deviation
-    for (int other = 0; other < filter_.grasp_count(); ++other) {
-      if (model.is_held(other))
-        late += k * sensitivity.dw_dxi[g][other] * hands_[other].speed * options_.lag_deviation;
-    }
-    result.y.segment<6>(row) =
-        hand.sum / hand.count -
-        math::both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
-    // All wrenches until the model's error is another one tell as much as one.
-    const double told = hand.news * std::min(1.0, options_.period / kTelling);
-    const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
-    const double model_force = lasting * hand.lagged.head<3>().norm();
-    const double model_torque = lasting * hand.lagged.tail<3>().norm() + lever_[g] * model_force;
-    result.R.diagonal().segment<3>(row).setConstant(options_.force * options_.force +
-                                                    model_force * model_force);
-    result.R.diagonal().segment<3>(row + 3).setConstant(options_.torque * options_.torque +
-                                                        model_torque * model_torque);
-    result.R.block<6, 6>(row, row) += late * late.transpose();
-    hand.sum.setZero();
-    hand.count = 0;
-    row += 6;
-  }
-  return result;
-}
-
 void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept {
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
@@ -278,25 +220,6 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   if (rest_for_ > options_.rest) settle();
   if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
     correct(now);
-}
-
-/// Of the wrench that the model predicts: what the states leave open, and the model's own error.
-void PoseWrenchFilter::find_reaction_deviation(const Innovation& now) noexcept {
-  for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
-    if (!now.held[g]) continue;
-    Hand& hand = hands_[g];
-    WrenchFilter::Rows H = now.H.middleRows<6>(row);
-    H.middleCols<6>(filter_.bias(g)).setZero();
-    WrenchFilter::Rows HP(H.rows(), H.cols());
-    HP.noalias() = H * filter_.covariance();
-    const double force = options_.relative * hand.lagged.head<3>().norm();
-    const double torque = options_.relative * hand.lagged.tail<3>().norm() + lever_[g] * force;
-    math::Vector6d variance = HP.cwiseProduct(H).rowwise().sum();
-    variance.head<3>().array() += force * force;
-    variance.tail<3>().array() += torque * torque;
-    hand.reaction_deviation = variance.cwiseMax(0.0).cwiseSqrt();
-    row += 6;
-  }
 }
 
 void PoseWrenchFilter::correct(const Innovation& now) noexcept {
@@ -351,6 +274,8 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
     contact.location_O = search_.place(place_).point.interpolate(model.positions());
     contact.force_O = mean.tail<3>();
     contact.deviation = std::sqrt(filter_.covariance().diagonal().tail<3>().maxCoeff());
+    contact.location_deviation =
+        place_deviation_ <= options_.search.observable ? place_deviation_ : -1;
   } else {
     contact = UnknownContact();
   }

@@ -54,7 +54,8 @@ class PoseWrenchFilter : public Estimator {
     double gate = 40;              // normalised square of a hand's innovation that is not believed
     int suspicions = 3;            // in a row, before a contact is looked for
     bool contacts = true;          // whether pushes are looked for
-    double rest_distance = 3e-4;   // m, and ten times it in rad: within it a hand rests
+    double rest_distance = 3e-4;   // m, and ten times it in rad: within it a hand rests,
+    double rest_recently = 5e-5;   // m, and so on: and within this of where it was 0.1 s before
     double rest = 0.3;  // s of rest, after which a change of the wrench is somebody else's
   };
 
@@ -79,8 +80,9 @@ class PoseWrenchFilter : public Estimator {
     math::Vector6d sum = math::Vector6d::Zero();
     int count = 0;
     math::Pose X_OG_before = math::Pose::Identity();
-    math::Vector6d speed = math::Vector6d::Zero();  // m/s, rad/s, as late as the wrench
-    math::Pose X_OG_rest = math::Pose::Identity();  // of the hand, where it came to rest
+    math::Vector6d speed = math::Vector6d::Zero();     // m/s, rad/s, as late as the wrench
+    math::Pose X_OG_rest = math::Pose::Identity();     // of the hand, where it came to rest
+    math::Vector6d off_rest = math::Vector6d::Zero();  // from there, of late (m, rad)
     math::Vector6d reaction_deviation = math::Vector6d::Constant(-1);
     bool known = false;
     /// What the next wrenches can tell: 1 a whole one's worth, 0 nothing that is not told already.
@@ -101,7 +103,7 @@ class PoseWrenchFilter : public Estimator {
   double stiffness() const noexcept;                  // Young's modulus over its nominal value
   math::Pose correction(int grasp) const noexcept;
   void load_with_unknown(elasticity::DeformationModel& model) const noexcept;
-  bool has_moved(int grasp, const GraspInput& input) noexcept;
+  bool has_moved(int grasp, const GraspInput& input, double dt) noexcept;
   WrenchFilter::Rows wrench_rows(const std::array<bool, 2>& held,
                                  const elasticity::DeformationModel& model) const noexcept;
   SurfaceFit::Basis basis(const elasticity::DeformationModel& model) const noexcept;
@@ -111,6 +113,9 @@ class PoseWrenchFilter : public Estimator {
                                  const elasticity::DeformationModel& model) const noexcept;
   void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
                       double dt) noexcept;
+  math::Vector6d wrench_variance(int grasp, WrenchFilter::Rows H) const noexcept;
+  Eigen::Vector2d size_of_wrench(int grasp, const WrenchFilter::Rows& H,
+                                 const math::Vector6d& y) const noexcept;
   Innovation innovation(const elasticity::DeformationModel& model) noexcept;
   void take(const elasticity::DeformationModel& model) noexcept;
   void find_reaction_deviation(const Innovation& innovation) noexcept;
@@ -154,12 +159,13 @@ class PoseWrenchFilter : public Estimator {
   double rest_for_ = 0;                    // s
   WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
   WrenchFilter::Wrenches at_rest_spread_;  // mean square about it, of recent ones
-  WrenchFilter::Wrenches at_rest_noise_;   // and of each
+  WrenchFilter::Noise at_rest_noise_;      // covariance of each
   WrenchFilter::Wrenches recent_;          // mean innovation of late
   WrenchFilter::Wrenches latest_;
   std::array<bool, 2> at_rest_held_{};  // whose rows these are
   int at_rest_count_ = 0;
   int place_ = -1;                      // of the contact
+  double place_deviation_ = 0;          // m, of where it is
   int sudden_ = 0;                      // changes in a row that are far beyond the noise
   bool faint_ = false;                  // the contact: its share of the wrenches hardly stands out
   bool gone_ = false;                   // the contact: the wrenches are as at rest

@@ -1,4 +1,5 @@
 // What of the filter looks for somebody else's push and follows it.
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -11,7 +12,6 @@ constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
 constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
-constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
 constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
 }  // namespace
@@ -24,15 +24,27 @@ void PoseWrenchFilter::load_with_unknown(elasticity::DeformationModel& model) co
     model.loads().col(point.nodes[i]) += point.weights[i] * force;
 }
 
-/// From where it came to rest; then that is where it is now.
-bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input) noexcept {
+/// From where it came to rest, then that is where it is now; or of late. What a hand that sets
+/// about to move does to its wrench is no push.
+bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) noexcept {
+  constexpr double kOfLate = 0.1;  // s
+  constexpr double kTurn = 10;     // rad/m
   if (!input.X_OG.matrix().allFinite()) return false;
-  math::Pose& rest = hands_[grasp].X_OG_rest;
-  const double way = (input.X_OG.translation() - rest.translation()).norm();
-  const double turn = math::log_rotation(input.X_OG.linear() * rest.linear().transpose()).norm();
-  if (way <= options_.rest_distance && turn <= 10 * options_.rest_distance) return false;
-  rest = input.X_OG;
-  return true;
+  Hand& hand = hands_[grasp];
+  math::Pose& rest = hand.X_OG_rest;
+  math::Vector6d off;
+  off << input.X_OG.translation() - rest.translation(),
+      math::log_rotation(input.X_OG.linear() * rest.linear().transpose());
+  const auto is_beyond = [](const math::Vector6d& way, double distance) {
+    return way.head<3>().norm() > distance || way.tail<3>().norm() > kTurn * distance;
+  };
+  if (is_beyond(off, options_.rest_distance)) {
+    rest = input.X_OG;
+    hand.off_rest.setZero();
+    return true;
+  }
+  hand.off_rest += std::min(1.0, dt / kOfLate) * (off - hand.off_rest);
+  return is_beyond(off - hand.off_rest, options_.rest_recently);
 }
 
 bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
@@ -46,7 +58,8 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
     return;
   }
   at_rest_ = recent_ = now.y;
-  at_rest_noise_ = at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
+  at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
+  at_rest_noise_ = WrenchFilter::Noise::Zero(now.y.size(), now.y.size());
   at_rest_held_ = now.held;
   at_rest_count_ = 1;
 }
@@ -57,7 +70,8 @@ void PoseWrenchFilter::settle() noexcept {
   at_rest_count_ = std::min(at_rest_count_ + 1, kMost);
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
-  at_rest_noise_ += ((latest_ - at_rest_).cwiseAbs2() - at_rest_noise_) / at_rest_count_;
+  const WrenchFilter::Wrenches one = latest_ - at_rest_;
+  at_rest_noise_ += (one * one.transpose() - at_rest_noise_) / at_rest_count_;
   at_rest_ += off / at_rest_count_;
 }
 
@@ -76,16 +90,20 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) con
 }
 
 /// Covariance of a mean of so many wrenches: their noise while nothing happened, and for the
-/// model's own error a share of what a push has changed them by.
+/// model's own error a share of what a push has changed them by. The noise of force and torque at
+/// the grasp is one noise, since the sensor sits at some distance: what tells of a push's place is
+/// the torque about the sensor, which is known ten times as well.
 WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed,
                                             int count) const noexcept {
   constexpr double kLeast = 0.3;      // of the noise that is expected
-  constexpr double kUncertain = 1.3;  // the spread is an estimate, too
-  WrenchFilter::Noise R = WrenchFilter::Noise::Zero(pushed.size(), pushed.size());
+  constexpr double kUncertain = 1.3;  // the spread is an estimate, too,
+  constexpr double kAlike = 0.95;     // above all of what its directions have in common
+  WrenchFilter::Noise R = kUncertain * kAlike / count * at_rest_noise_;
   for (int row = 0; row < pushed.size(); ++row) {
     const double least = kLeast * (row % 6 < 3 ? options_.force : options_.torque);
     const double error = kPushError * pushed.segment<3>(row - row % 3).norm();
-    R(row, row) = std::max(kUncertain * at_rest_noise_[row], least * least) / count + error * error;
+    R(row, row) =
+        std::max(kUncertain * at_rest_noise_(row, row), least * least) / count + error * error;
   }
   return R;
 }
@@ -124,23 +142,23 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   const WrenchFilter::Wrenches pushed = changed.H.rightCols<3>() * filter_.mean().tail<3>();
   changed.y = latest_ - at_rest_;
   changed.R = noise(pushed, 1);
-  WrenchFilter::Wrenches usual = pushed;  // variances that are expected of a wrench
-  for (int row = 0; row < usual.size(); ++row) {
-    const double deviation = row % 6 < 3 ? options_.force : options_.torque;
-    usual[row] = deviation * deviation;
-    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // an object swings
+  for (int row = 0; row < pushed.size(); ++row) {
+    const double usual = row % 6 < 3 ? options_.force : options_.torque;
+    changed.R(row, row) = std::max(changed.R(row, row), usual * usual);  // an object swings
   }
-  const auto rows = static_cast<double>(changed.y.size());
+  const Eigen::Index rows = changed.y.size();
   const double test = filter_.test(changed.H, changed.y, changed.R);
-  innovation_test_ = test / rows;
+  innovation_test_ = test / static_cast<double>(rows);
   if (test < 0) return;
-  const bool believed = test <= options_.gate / 6 * rows;
+  const bool believed = test <= options_.gate / 6 * static_cast<double>(rows);
   suspicions_ = believed ? 0 : suspicions_ + 1;
   if (suspicions_ == 1) unexplained_count_ = 0;  // it has moved, grown or gone
   add_unexplained(changed.y + pushed);
   if (believed) correct(changed);
-  const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
-    return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
+  const Eigen::LLT<WrenchFilter::Noise> usual(noise(WrenchFilter::Wrenches::Zero(rows), 1));
+  const auto is_faint = [&](WrenchFilter::Wrenches wrenches) {
+    usual.matrixL().solveInPlace(wrenches);
+    return wrenches.squaredNorm() < kSudden / 6 * static_cast<double>(rows);
   };
   faint_ = is_faint(pushed);
   gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
@@ -158,6 +176,7 @@ void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) n
   const ContactSearch::Found& found = search_.found();
   if (found.place < 0 || found.share < kExplained || found.force_O.isZero(0)) return;
   if (filter_.has_contact()) {
+    place_deviation_ = search_.spread(place_, model);
     if (found.place == place_ ||
         found.cost + kClearlyBetter > search_.judge(place_, model, motion_).cost)
       return;
@@ -175,6 +194,7 @@ void PoseWrenchFilter::place_contact(const ContactSearch::Found& found,
     unexplained_count_ = 0;  // it may have begun within the first of them
   }
   place_ = found.place;
+  place_deviation_ = search_.spread(place_, model);
   filter_.begin_contact(found.force_O, found.covariance);
   push(found.force_O, model);
   suspicions_ = sudden_ = 0;
@@ -186,6 +206,8 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   if (!filter_.has_contact()) return;
   push(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
+  // The object swings now, about a rest that need not be quite the one before.
+  at_rest_count_ = std::min(at_rest_count_, kEnough / 2);
   place_ = -1;
   gone_ = false;
   suspicions_ = sudden_ = unexplained_count_ = 0;

@@ -37,7 +37,8 @@ SurfaceFit::SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surfac
     if (!(value > 0)) throw std::invalid_argument("options of a surface fit must be positive");
   }
   if (!(options.lag >= 0 && options.lag < ShapeHistory::kLongest) || !(options.surface >= 0) ||
-      !(options.beside >= 0) || options.places < 1 || options.points_per_tick < 1)
+      !(options.beside >= 0) || !(options.edge >= 0) || options.places < 1 ||
+      options.points_per_tick < 1)
     throw std::invalid_argument("options of a surface fit are out of range");
   moment_.positions.setZero(3, rest.cols());
   moment_.velocities.setZero(3, rest.cols());
@@ -48,6 +49,7 @@ void SurfaceFit::reset() noexcept {
   next_ = 0;
   since_ = 0;
   scale_ = -1;
+  spares_edges_ = false;
 }
 
 bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history) noexcept {
@@ -64,7 +66,7 @@ bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history
   alike_ = alike * options_.correlation / interval_;
   beside_ = options_.beside * spacing_of(points_);
   matcher_.take(moment_.positions);
-  residual_count_ = 0;
+  residual_count_ = edge_count_ = 0;
   information_.used = information_.rejected = 0;
   information_.matrix.resize(0, 0);
   return true;
@@ -101,6 +103,10 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
   const WrenchFilter& filter = *basis.filter;
   const SurfaceMatch match = matcher_.find(p);
   if (match.count == 0 || match.normal.isZero(0)) return;
+  if (edges_.is_near(match, options_.edge * deviation_)) {
+    ++edge_count_;
+    if (spares_edges_) return;
+  }
   rows_.setZero(3, filter.shape_size());
   Vector3d velocity = Vector3d::Zero();
   for (int i = 0; i < match.count; ++i) {
@@ -140,6 +146,7 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
 }
 
 void SurfaceFit::close_message() noexcept {
+  spares_edges_ = 2 * edge_count_ < points_.cols();
   if (residual_count_ == 0) return;
   const auto middle = residuals_.begin() + residual_count_ / 2;
   std::nth_element(residuals_.begin(), middle, residuals_.begin() + residual_count_);

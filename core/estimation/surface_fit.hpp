@@ -26,6 +26,10 @@ class SurfaceFit {
     /// Beside an edge the noise of the points themselves is such an error: it decides of which side
     /// a point is taken to be, and who thins a cloud chooses among both sides.
     double beside = 1.5;  // in distances between points seen
+    /// Nearer than this to an edge, in deviations of the points, their noise has a mean: a point
+    /// outside of a convex edge is off along some normal whichever side it is taken to be of, 0.6
+    /// deviations at a right angle. Such points are left out, unless most are such.
+    double edge = 2;
     int places = 20;
     double correlation = 3;  // s
     double gate = 3;         // deviations: points beyond are of something else, a hand or a table,
@@ -84,6 +88,8 @@ class SurfaceFit {
   double scale_ = -1;  // m, robust deviation of the last message's residuals; below zero: none yet
   std::array<double, ObservationInput::kMostPoints> residuals_{};
   int residual_count_ = 0;
+  int edge_count_ = 0;         // of this message, nearer to an edge than Options::edge
+  bool spares_edges_ = false;  // they are left out: most of the last message were not
   NodeRows rows_;
   Information information_;
 };

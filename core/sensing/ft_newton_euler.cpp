@@ -27,8 +27,9 @@ FtNewtonEuler::FtNewtonEuler(const Options& options)
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
   if (!(options.max_age > 0) || !(options.imu_max_age > 0))
     throw std::invalid_argument("max_age and imu_max_age must be above 0");
-  if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0)
-    throw std::invalid_argument("time constants must not be negative");
+  if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0 ||
+      !(options.rest_speed >= 0) || !(options.rest_smoothing > 0))
+    throw std::invalid_argument("time constants and rest_speed must not be negative");
   if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
   const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
   R_SI_ = X_SI.linear();
@@ -41,8 +42,10 @@ void FtNewtonEuler::reset() noexcept {
   if (options_.tare_at_start) tare_.start();
   low_pass_.reset();
   has_output_ = has_inertial_ = has_inertial_pair_ = used_imu_ = false;
-  usual_step_ = 0;
+  usual_step_ = speed_time_ = 0;
   angular_acceleration_I_.setZero();
+  speed_.setZero();
+  smoothed_.setZero();
   acceleration_offset_S_.setZero();
   offset_age_ = 0;
 }
@@ -88,6 +91,32 @@ double FtNewtonEuler::step_between(double before, double now) noexcept {
   return usual_step_;
 }
 
+/// 0 at rest, 1 in motion.
+double FtNewtonEuler::moving_share(const RobotState& robot) noexcept {
+  constexpr double kSmoothing = 0.02;  // s
+  constexpr double kLever = 0.3;       // m
+  const math::Vector6d twist = robot.V_W_E.vector();
+  if (!twist.allFinite()) return 1;
+  const double dt = robot.time - speed_time_;
+  const bool follows = dt >= 0 && dt < options_.max_age;
+  speed_ += (follows ? share(dt, kSmoothing) : 1.0) * (twist - speed_);
+  speed_time_ = robot.time;
+  const double speed = std::max(speed_.head<3>().norm(), kLever * speed_.tail<3>().norm());
+  return std::clamp(speed / options_.rest_speed - 1, 0.0, 1.0);
+}
+
+void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
+                           Eigen::Vector3d& angular_acceleration) noexcept {
+  const double moving = moving_share(robot);
+  math::Vector6d both;
+  both << acceleration, angular_acceleration;
+  if (inertial_step_ > 0)
+    smoothed_ += share(inertial_step_, options_.rest_smoothing) * (both - smoothed_);
+  both = moving * both + (1 - moving) * smoothed_;
+  acceleration = both.head<3>();
+  angular_acceleration = both.tail<3>();
+}
+
 LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
   const Eigen::Matrix3d R_WS = signals.robot.latest.X_WE.linear() * options_.X_ES.linear();
   LoadMotion motion = motion_at_rest(R_WS, options_.gravity_W);
@@ -114,7 +143,10 @@ LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
         share(inertial_step_, std::min(offset_age_, options_.imu_offset_time)) *
         (acceleration - acceleration_offset_S_);
   }
-  motion.specific_force += acceleration - acceleration_offset_S_;
+  Eigen::Vector3d true_acceleration = acceleration - acceleration_offset_S_;
+  if (options_.rest_speed > 0)
+    smooth(signals.robot.latest, true_acceleration, motion.angular_acceleration);
+  motion.specific_force += true_acceleration;
   return motion;
 }
 

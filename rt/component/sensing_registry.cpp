@@ -26,6 +26,11 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
       {"imu_offset_time", "s",
        "time constant of the offsets of the accelerometer that are followed; 0: it is trusted"},
       {0, 1000}, options.imu_offset_time);
+  options.rest_speed = node.number(
+      {"rest_speed", "m/s",
+       "of the flange, and rad/s over 0.3 m: where it is slower the accelerations that IMU tells "
+       "are smoothed over 0.03 s; 0: nowhere"},
+      {0, 1}, options.rest_speed);
   read_wrist_keys(node, options);
   options.cutoff = node.number({"cutoff_hz", "Hz", "of the low-pass filter of the output; 0: none"},
                                {0, 500}, options.cutoff);

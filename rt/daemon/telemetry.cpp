@@ -89,6 +89,7 @@ void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t 
   std::copy_n(unknown.location_O.data(), 3, estimate_message_.unknown_contact_location);
   std::copy_n(unknown.force_O.data(), 3, estimate_message_.unknown_contact_force);
   estimate_message_.unknown_contact_deviation = unknown.deviation;
+  estimate_message_.unknown_contact_location_deviation = unknown.location_deviation;
   estimate_.publish(estimate_message_);
 
   const component::FeatureState& feature = pipeline.feature_state();

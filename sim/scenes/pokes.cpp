@@ -24,7 +24,7 @@ std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& s
     poke.at = item.number({"at", "s", "simulated time"}, {0, 1e5});
     poke.duration = item.number({"duration", "s", "of the push, its ramps included"}, {0.01, 1e5});
     poke.point = item.vector3({"point", "m", "of the rest shape, in O"});
-    poke.force = item.vector3({"force", "N", "in W"}, {-1e3, 1e3});
+    poke.force = item.vector3({"force", "N", "in O"}, {-1e3, 1e3});
     if ((poke.point.array() < 0).any() || (poke.point.array() > size.array()).any())
       item.fail("point", "lies outside the object");
     pokes.push_back(poke);

@@ -8,8 +8,10 @@
 
 #include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "sim/scenes/scene.hpp"
 #include "tools/evaluate/belief_score.hpp"
 #include "tools/evaluate/live_run.hpp"
+#include "tools/evaluate/poke_score.hpp"
 #include "tools/evaluate/reached_shape.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/study_picture.hpp"
@@ -127,7 +129,8 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   score_into(scored, log, gate_of(plan), job.target ? &*job.target : nullptr);
   const config::Node configuration =
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
-  const math::Pose X_WO = component::read_frames(configuration).X_WO;
+  const component::Frames frames = component::read_frames(configuration);
+  const math::Pose& X_WO = frames.X_WO;
 
   Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};
   result["score"] = to_json(scored);
@@ -146,6 +149,10 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
     result["states"].push_back(std::move(state));
   }
   result["belief"] = to_json(score_belief(log));
+  const config::Node scene = config::Node::load_file(job.scene.string(), job.scene_overrides);
+  const std::vector<scenes::Poke> pokes = scenes::read_scene(scene).pokes;
+  if (!pokes.empty())
+    result["pokes"] = to_json(score_pokes(pokes, log, *scored.shape, frames), scored.shape->length);
   result["shape_error"] = shape_curve(*scored.shape);
   if (scored.feature) result["control"] = control_curves(*scored.feature, log);
   // A result is there as a whole or not at all.

@@ -8,6 +8,7 @@
 #include "tools/evaluate/html.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/plot.hpp"
+#include "tools/evaluate/poke_score.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/study_overview.hpp"
 #include "tools/evaluate/study_tactile.hpp"
@@ -147,6 +148,11 @@ void add_application(HtmlPage& page, const StudyReport& report,
   if (application.kind == "tactile")
     add_table(page, "Camera's cloud and contact forces",
               tactile_table(application, report.results));
+  if (application.kind == "force") {
+    add_table(page, "Pokes that nothing measures: median / worst",
+              poke_table(application, report.results));
+    add_table(page, "Poke by poke", each_poke_table(application, report.results));
+  }
   add_table(page, "Shape, pose and cost", summary_table(application, report.results));
   add_table(page, "By state", state_table(application, report.results));
   for (const Mismatch& level : application.levels) {
@@ -210,6 +216,12 @@ void print_study(const StudyReport& report, std::ostream& out) {
     if (!has_jobs(report, application)) continue;
     out << '\n' << application.name << '\n';
     if (application.kind == "control") print_table(control_table(application, report.results), out);
+    const ReportTable pokes = poke_table(application, report.results);
+    if (!pokes.rows.empty()) {
+      out << "pokes: median / worst\n";
+      print_table(pokes, out);
+      print_table(each_poke_table(application, report.results), out);
+    }
     // Mean, % of side, max, octree both ways, pose, latency, factor, seeds.
     print_table(narrowed(summary_table(application, report.results),
                          {0, 1, 2, 5, 8, 9, 10, 11, 12, 14, 16, 17}),

@@ -41,7 +41,7 @@ bool all_finite_in(const estimate_t& m) {
                     m.reaction_deviation, m.bias, m.bias_deviation, m.log_young_modulus,
                     m.log_young_modulus_deviation, m.poisson_ratio, m.poisson_ratio_deviation,
                     m.innovation_test, m.unknown_contact_location, m.unknown_contact_force,
-                    m.unknown_contact_deviation);
+                    m.unknown_contact_deviation, m.unknown_contact_location_deviation);
 }
 bool all_finite_in(const feature_t& m) {
   return all_finite(m.value, m.target, m.error, m.unreachable);

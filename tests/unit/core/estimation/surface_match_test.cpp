@@ -97,5 +97,42 @@ TEST_F(SurfaceMatchTest, EdgesAreWhereFacesMeetAtAnAngleAndStayThereWhenTheyBend
   EXPECT_FALSE(is_near({0.23, 0, 0.06}, 0));
 }
 
+/// Points of two sides that meet at a right angle, with noise, held against these sides.
+TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
+  bend(mesh::ElementOrder::kQuadratic, 0.4);
+  mesh_.nodes = rest_;
+  matcher_->take(mesh_.nodes);
+  const SurfaceEdges edges(rest_, surface_);
+  constexpr double kNoise = 1.5e-3;
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> along(0.1, 0.4), from_edge(0, 10 * kNoise);
+  std::normal_distribution<double> normal(0, kNoise);
+  std::array<double, 2> sum{};  // amid a side, beside the edge
+  std::array<int, 2> count{};
+  double at_edge = 0;
+  constexpr int kPoints = 40000;
+  const auto residual = [&](const Vector3d& seen, bool& is_beside) {
+    const SurfaceMatch match = matcher_->find(seen);
+    is_beside = edges.is_near(match, 2 * kNoise);
+    return match.normal.dot(seen - match.position);
+  };
+  for (int i = 0; i < kPoints; ++i) {
+    const double off = from_edge(random);
+    const Vector3d noise(normal(random), normal(random), normal(random));
+    const Vector3d point =
+        i % 2 == 0 ? Vector3d(along(random), off, 0.06) : Vector3d(along(random), 0, 0.06 - off);
+    bool is_beside = false;
+    const double z = residual(point + noise, is_beside);
+    sum[is_beside] += z;
+    ++count[is_beside];
+    at_edge += residual(Vector3d(point.x(), 0, 0.06) + noise, is_beside) / kPoints;
+  }
+  const double amid = sum[0] / count[0] / kNoise, beside = sum[1] / count[1] / kNoise;
+  std::printf("mean of the residual, in deviations: at the edge %.2f, within two %.2f, else %.3f\n",
+              at_edge / kNoise, beside, amid);
+  EXPECT_GT(std::abs(beside), 0.1) << "or there is nothing to leave out";
+  EXPECT_LT(std::abs(amid), 0.03);
+}
+
 }  // namespace
 }  // namespace palpate::estimation

@@ -298,6 +298,41 @@ TEST(FtNewtonEuler, FallsBackOnGravityAndSaysSoWhenTheInertialUnitFallsSilent) {
   EXPECT_EQ(contacts.count, 1);
 }
 
+TEST(FtNewtonEuler, SmoothsTheAccelerometersNoiseWhileTheHandRests) {
+  const ShakenHand hand;
+  FtNewtonEuler::Options options = hand.options;
+  options.rest_speed = 1e-3;
+  FtNewtonEuler sensor(options), plain(hand.options);
+  math::Random random(1, "rest");
+  Signals signals;
+  ContactSet contacts, noisy;
+  const auto spreads = [&](const Eigen::Vector3d& speed) {
+    constexpr int kTicks = 2000, kFrom = 500;
+    Eigen::Array2d sum = Eigen::Array2d::Zero(), squares = Eigen::Array2d::Zero();
+    for (int tick = 0; tick < kTicks; ++tick) {
+      hand.feed_all(signals, 0, {});
+      signals.robot.latest.V_W_E.linear = speed;
+      Inertial& inertial = signals.inertial.fresh[0];
+      inertial.time = signals.robot.latest.time = tick * kPeriod;
+      for (int i = 0; i < 3; ++i) inertial.acceleration_I[i] += 0.03 * random.normal();
+      signals.inertial.latest = inertial;
+      sensor.update(signals, contacts = {});
+      plain.update(signals, noisy = {});
+      if (tick < kFrom) continue;
+      const Eigen::Array2d now(contacts.contacts[0].wrench.force.x(),
+                               noisy.contacts[0].wrench.force.x());
+      sum += now / (kTicks - kFrom);
+      squares += now.square() / (kTicks - kFrom);
+    }
+    return Eigen::Array2d((squares - sum.square()).sqrt());
+  };
+  const Eigen::Array2d rests = spreads(Eigen::Vector3d::Zero());
+  EXPECT_NEAR(rests[1], 0.03 * hand.options.payload.mass, 0.01 * hand.options.payload.mass);
+  EXPECT_LT(rests[0], 0.3 * rests[1]);  // of white noise sqrt(1 ms / 60 ms) = 0.13 is left
+  const Eigen::Array2d moves = spreads(Eigen::Vector3d(0, 3e-3, 0));
+  EXPECT_NEAR(moves[0], moves[1], 0.01 * moves[1]) << "as without it";
+}
+
 TEST(FtNewtonEuler, DegradesWithoutRobotState) {
   const ShakenHand hand;
   FtNewtonEuler sensor(hand.options);
