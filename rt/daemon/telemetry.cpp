@@ -18,11 +18,13 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
                      const component::Pipeline& pipeline, std::int64_t session,
                      const bus::Access& access)
     : contacts_stamp_(session),
+      unknown_stamp_(session),
       estimate_stamp_(session),
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
       contacts_(control, "CONTACTS", bus::Urgency::kLater),
+      unknown_(control, "UNKNOWN_CONTACT", bus::Urgency::kLater),
       estimate_(control, "ESTIMATE", bus::Urgency::kLater),
       feature_(control, "FEATURE", bus::Urgency::kLater),
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
@@ -33,6 +35,7 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
                                                                   session, access);
     joints_->message.joint_count = count;
   }
+  unknown_message_.force_deviation = kNotEstimated;
   take(pipeline);
 }
 
@@ -52,6 +55,19 @@ void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool v
   }
   put(gate.V_W_E.vector(), commands_[arm].message.twist);
   commands_[arm].publish(arm, valid, utime);
+}
+
+/// Said while there is something to say.
+void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contact,
+                                        std::int64_t utime) noexcept {
+  const bool is_new = contact.found || unknown_message_.force_deviation >= 0;
+  if (!is_new) return;
+  unknown_stamp_.put(unknown_message_, utime);
+  std::copy_n(contact.location_O.data(), 3, unknown_message_.location);
+  unknown_message_.location_deviation = contact.location_deviation;
+  std::copy_n(contact.force_O.data(), 3, unknown_message_.force);
+  unknown_message_.force_deviation = contact.deviation;
+  unknown_.publish(unknown_message_);
 }
 
 void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept {
@@ -89,8 +105,8 @@ void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t 
   std::copy_n(unknown.location_O.data(), 3, estimate_message_.unknown_contact_location);
   std::copy_n(unknown.force_O.data(), 3, estimate_message_.unknown_contact_force);
   estimate_message_.unknown_contact_deviation = unknown.deviation;
-  estimate_message_.unknown_contact_location_deviation = unknown.location_deviation;
   estimate_.publish(estimate_message_);
+  publish_unknown_contact(unknown, utime);
 
   const component::FeatureState& feature = pipeline.feature_state();
   feature_stamp_.put(feature_message_, utime);

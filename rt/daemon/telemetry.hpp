@@ -7,6 +7,7 @@
 #include <palpate/feature_t.hpp>
 #include <palpate/joint_velocity_command_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <palpate/unknown_contact_t.hpp>
 #include <vector>
 
 #include "rt/bus/authentication.hpp"
@@ -66,15 +67,21 @@ class Telemetry {
     Message message{};
   };
 
+  void publish_unknown_contact(const estimation::UnknownContact& contact,
+                               std::int64_t utime) noexcept;
+
   std::vector<Command<twist_command_t>> commands_;             // by arm
   std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, where known
   bool tells_joints_ = false;
-  bus::Stamp contacts_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_, mesh_stamp_;
+  bus::Stamp contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
+      mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;
+  bus::TypedPublisher<unknown_contact_t> unknown_;
   bus::TypedPublisher<estimate_t> estimate_;
   bus::TypedPublisher<feature_t> feature_;
 
   contacts_t contacts_message_{};
+  unknown_contact_t unknown_message_{};
   estimate_t estimate_message_{};
   feature_t feature_message_{};
   std::unique_ptr<MeshTelemetry> mesh_;

@@ -46,14 +46,15 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   loop.collect("TWIST_COMMAND", run.commands);
   loop.collect("FEATURE", run.features);
   loop.collect("ESTIMATE", run.estimates);
+  loop.collect("UNKNOWN_CONTACT", run.unknown_contacts);
   loop.collect("SHAPE_TARGET", run.targets);
   loop.collect("ROBOT_STATE", run.robot);
   loop.collect("CONTACTS", run.contacts);
   loop.collect("SHAPE_OBSERVATION", run.observations);
   loop.read(control);
   if (clock == LogClock::kSent) {
-    order_as_sent(run.commands, run.features, run.estimates, run.robot, run.contacts,
-                  run.observations);
+    order_as_sent(run.commands, run.features, run.estimates, run.unknown_contacts, run.robot,
+                  run.contacts, run.observations);
     take_times_from_features(run.targets, run.features);
   }
 

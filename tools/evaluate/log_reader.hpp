@@ -17,6 +17,7 @@
 #include <palpate/truth_contact_t.hpp>
 #include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <palpate/unknown_contact_t.hpp>
 #include <string>
 #include <vector>
 
@@ -75,6 +76,7 @@ struct RunLog {
   std::vector<twist_command_t> commands;
   std::vector<feature_t> features;
   std::vector<estimate_t> estimates;
+  std::vector<unknown_contact_t> unknown_contacts;  // while felt, and where each ends
   std::vector<shape_target_t> targets;
   std::vector<robot_state_t> robot;
   std::vector<contacts_t> contacts;

@@ -114,14 +114,14 @@ class Run {
     int count = 0, observable = 0;
     double place = 0;
     Vector3d force = Vector3d::Zero();
-    for (const estimate_t& estimate : log_.estimates) {
-      const double now = time(estimate.utime);
-      if (now < full - kWindow || now > full || !tells_contact(estimate)) continue;
-      if (!motion_.at(estimate.utime, truth)) continue;
-      const Eigen::Map<const Vector3d> told(estimate.unknown_contact_location);
+    for (const unknown_contact_t& contact : log_.unknown_contacts) {
+      const double now = time(contact.utime);
+      if (now < full - kWindow || now > full || contact.force_deviation < 0) continue;
+      if (!motion_.at(contact.utime, truth)) continue;
+      const Eigen::Map<const Vector3d> told(contact.location);
       place += (told - point.at(truth).col(0)).norm();
-      force += Eigen::Map<const Vector3d>(estimate.unknown_contact_force);
-      observable += estimate.unknown_contact_location_deviation >= 0 ? 1 : 0;
+      force += Eigen::Map<const Vector3d>(contact.force);
+      observable += contact.location_deviation >= 0 ? 1 : 0;
       ++count;
     }
     if (count == 0) return;

@@ -9,6 +9,7 @@
 #include <palpate/shape_mesh_t.hpp>
 #include <palpate/shape_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <palpate/unknown_contact_t.hpp>
 #include <utility>
 
 #include "rt/daemon/text.hpp"
@@ -41,7 +42,10 @@ bool all_finite_in(const estimate_t& m) {
                     m.reaction_deviation, m.bias, m.bias_deviation, m.log_young_modulus,
                     m.log_young_modulus_deviation, m.poisson_ratio, m.poisson_ratio_deviation,
                     m.innovation_test, m.unknown_contact_location, m.unknown_contact_force,
-                    m.unknown_contact_deviation, m.unknown_contact_location_deviation);
+                    m.unknown_contact_deviation);
+}
+bool all_finite_in(const unknown_contact_t& m) {
+  return all_finite(m.location, m.location_deviation, m.force, m.force_deviation);
 }
 bool all_finite_in(const feature_t& m) {
   return all_finite(m.value, m.target, m.error, m.unreachable);
@@ -91,6 +95,9 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
     add(contact_hash_, message);
   } else if (channel == "ESTIMATE") {
     check(estimate_t());
+    add(hash_, message);
+  } else if (channel == "UNKNOWN_CONTACT") {
+    check(unknown_contact_t());
     add(hash_, message);
   } else if (channel == "FEATURE") {
     check(feature_t());

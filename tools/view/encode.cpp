@@ -103,8 +103,7 @@ json to_json(const estimate_t& e) {
           {"innovation", number(e.innovation_test)},
           {"unknown_at", numbers(e.unknown_contact_location, 3)},
           {"unknown_force", numbers(e.unknown_contact_force, 3)},
-          {"unknown_deviation", number(e.unknown_contact_deviation)},
-          {"unknown_place_deviation", number(e.unknown_contact_location_deviation)}};
+          {"unknown_deviation", number(e.unknown_contact_deviation)}};
 }
 
 json to_json(const feature_t& f) {

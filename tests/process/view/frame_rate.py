@@ -93,8 +93,8 @@ class Publisher:
 
     def send_estimate(self):
         """E and nu, without which nobody tells a stress."""
-        numbers = [0.0] * 74 + [math.log(30e3), -1, 0.3, -1, -1] + [0.0] * 6 + [-1, -1]
-        self.send("ESTIMATE", self.head("estimate_t")[:-8] + struct.pack(">ii87d", 0, 0, *numbers))
+        numbers = [0.0] * 74 + [math.log(30e3), -1, 0.3, -1, -1] + [0.0] * 6 + [-1]
+        self.send("ESTIMATE", self.head("estimate_t")[:-8] + struct.pack(">ii86d", 0, 0, *numbers))
 
     def run(self):
         due, cycle = time.monotonic(), 0

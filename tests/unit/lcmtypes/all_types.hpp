@@ -25,6 +25,7 @@
 #include <palpate/truth_contact_t.hpp>
 #include <palpate/truth_touch_t.hpp>
 #include <palpate/twist_command_t.hpp>
+#include <palpate/unknown_contact_t.hpp>
 
 namespace palpate {
 
@@ -54,6 +55,7 @@ void for_each_fixed_size_type(Visit visit) {
   visit(truth_contact_t{});
   visit(truth_touch_t{});
   visit(twist_command_t{});
+  visit(unknown_contact_t{});
 }
 
 /// Same for the types that hold variable-length arrays, which only the daemon sends.

@@ -23,7 +23,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"component_event_t", 0x1ee90f753de22690},
     {"config_t", 0x2528ab9c6b131a90},
     {"contacts_t", 0x583cf81eabffd830},
-    {"estimate_t", 0x0e7b05ead84f8885},
+    {"estimate_t", 0x90fa6341cc59c8f8},
     {"feature_t", 0xf23c7d64d85a9291},
     {"ft_wrench_t", 0x9b49e504acb98a29},
     {"hand_command_t", 0x628acb59069e93ad},
@@ -43,6 +43,7 @@ const std::map<std::string, std::uint64_t> kFingerprints = {
     {"truth_contact_t", 0x779c317d534d90e5},
     {"truth_touch_t", 0x740489c96fb161f2},
     {"twist_command_t", 0xd5e7535877b658a3},
+    {"unknown_contact_t", 0xad5d9e013dad9d74},
 };
 
 std::map<std::string, std::uint64_t> generated_fingerprints() {

@@ -51,6 +51,7 @@ _TYPES: dict[str, Type[Any]] = {
     "TRUTH_SHAPE": messages.shape_t,
     "TRUTH_TOUCH": messages.truth_touch_t,
     "TWIST_COMMAND": messages.twist_command_t,
+    "UNKNOWN_CONTACT": messages.unknown_contact_t,
 }
 
 

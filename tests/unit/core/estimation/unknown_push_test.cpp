@@ -267,7 +267,7 @@ TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
   const bool verbose = std::getenv("PALPATE_VERBOSE") != nullptr;
   constexpr int kPerScene = 4;
   std::vector<double> after, near, first, far, force, mean, worst, gone;
-  int felt = 0, felt_and_found = 0, found = 0, observable = 0, imagined = 0;
+  int felt = 0, felt_and_found = 0, found = 0, imagined = 0;
   for (int seed = 0; seed * kPerScene < pokes; ++seed) {
     Scene scene(static_cast<std::uint64_t>(seed + 1), GetParam());
     for (int i = 0; i < kPerScene && seed * kPerScene + i < pokes; ++i) {
@@ -285,7 +285,6 @@ TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
             1e3 * outcome.location, outcome.force, 1e3 * outcome.mean, 1e3 * outcome.worst,
             outcome.gone_after);
       if (!outcome.found) continue;
-      observable += outcome.observable;
       if (outcome.felt) after.push_back(outcome.after);
       (outcome.observable ? near : far).push_back(outcome.location);
       if (outcome.observable) first.push_back(outcome.location_first);

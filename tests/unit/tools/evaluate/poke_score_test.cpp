@@ -39,12 +39,17 @@ RunLog poked_run() {
     const bool imagined = time > 3.2 && time < 3.4;
     const bool told = (time >= kFound && time < kGone) || imagined;
     estimate.unknown_contact_deviation = told ? 0.02 : -1;
-    estimate.unknown_contact_location_deviation = told ? 0.01 : -1;
-    for (int i = 0; i < 3; ++i) {
-      estimate.unknown_contact_location[i] = kPoint[i] + (i == 0 ? 0.01 : 0);
-      estimate.unknown_contact_force[i] = 0.8 * kForce[i];
-    }
     run.estimates.push_back(estimate);
+    if (!told) continue;
+    unknown_contact_t contact = {};
+    contact.utime = estimate.utime;
+    contact.location_deviation = 0.01;
+    contact.force_deviation = 0.02;
+    for (int i = 0; i < 3; ++i) {
+      contact.location[i] = kPoint[i] + (i == 0 ? 0.01 : 0);
+      contact.force[i] = 0.8 * kForce[i];
+    }
+    run.unknown_contacts.push_back(contact);
   }
   return run;
 }
