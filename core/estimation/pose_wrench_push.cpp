@@ -10,6 +10,7 @@ namespace {
 
 constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
 constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
+constexpr int kSwing = 40;        // wrenches after a push, while the object swings
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
 constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
@@ -49,6 +50,12 @@ bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) 
 
 bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
   return at_rest_count_ >= kEnough && at_rest_held_ == now.held;
+}
+
+/// Whether a push is looked for: not while the object swings after one.
+bool PoseWrenchFilter::is_watching(const Innovation& now) noexcept {
+  pause_ = std::max(0, pause_ - 1);
+  return is_settled(now) && pause_ == 0;
 }
 
 void PoseWrenchFilter::remember(const Innovation& now) noexcept {
@@ -206,8 +213,7 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   if (!filter_.has_contact()) return;
   push(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
-  // The object swings now, about a rest that need not be quite the one before.
-  at_rest_count_ = std::min(at_rest_count_, kEnough / 2);
+  pause_ = kSwing;
   place_ = -1;
   gone_ = false;
   suspicions_ = sudden_ = unexplained_count_ = 0;
