@@ -8,7 +8,7 @@ namespace palpate::shape {
 /// rather than a place. Value, target and error hold x, y, z of one point after the other.
 class PointsFeature : public MaterialFeature {
  public:
-  static constexpr int kMostPoints = 64;  // what one target message holds
+  static constexpr int kMostPoints = 512;
 
   struct Options {
     std::vector<Eigen::Vector3d> rest_points;  // in O, m; 1 to kMostPoints

@@ -42,7 +42,7 @@ std::optional<Eigen::Vector3d> axis(const config::Node& node) {
 std::vector<Eigen::Vector3d> set_of_points(const config::Node& node,
                                            const mesh::ElementMesh& mesh) {
   if (!node.has("surface"))
-    return node.points({"rest_points", "m", "of the rest shape, in O: 1 to 64"});
+    return node.points({"rest_points", "m", "of the rest shape, in O: 1 to 512"});
   if (node.has("rest_points")) node.fail("rest_points", "has no meaning beside \"surface\"");
   return shape::surface_points(
       mesh,

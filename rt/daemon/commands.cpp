@@ -39,7 +39,7 @@ char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
 Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
                    const bus::Access& access)
     : commands_(control, "COMPONENT_COMMAND", 8),
-      targets_(control, "SHAPE_TARGET", 4),
+      targets_(control, "SHAPE_TARGET", 2 * TargetAssembly::kMostChunks),
       command_admission_("COMPONENT_COMMAND", access),
       target_admission_("SHAPE_TARGET", access),
       stamp_(session),
@@ -106,21 +106,13 @@ void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacin
 
 void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept {
   if (target_admission_.judge(target_) != bus::Admitted::kFresh) return;
-  if (target_.session == target_session_ && target_.revision <= target_revision_) return;
-  target_session_ = target_.session;
-  target_revision_ = target_.revision;
   const char* reason = "";
-  bool accepted = false;
-  if (target_.chunks != 1 || target_.chunk != 0) {
-    reason = "targets in several chunks are not understood";
-  } else if (target_.point_count < 0 || target_.point_count > 64 || target_.value_count < 0 ||
-             target_.value_count > 192 || target_.revision < 0) {
-    reason = "target with counts out of range";
-  } else {
-    accepted =
-        pipeline.set_target(target_.revision, get_text(target_.kind), target_.rest_points,
-                            target_.point_count, target_.values, target_.value_count, reason);
-  }
+  const TargetAssembly::Taken taken = assembly_.take(target_, reason);
+  if (taken == TargetAssembly::Taken::kWaits || taken == TargetAssembly::Taken::kKnown) return;
+  const bool accepted = taken == TargetAssembly::Taken::kWhole &&
+                        pipeline.set_target(assembly_.revision(), assembly_.kind(),
+                                            assembly_.rest_points(), assembly_.point_count(),
+                                            assembly_.values(), assembly_.value_count(), reason);
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 

@@ -12,6 +12,7 @@
 #include "rt/component/pipeline.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/replacing.hpp"
+#include "rt/daemon/target_assembly.hpp"
 
 namespace palpate::daemon {
 
@@ -78,8 +79,7 @@ class Commands {
   std::int64_t last_counter_ = -1;
   std::array<char, 32> last_answer_{};  // to the last command
   std::array<char, 256> last_reason_{};
-  std::int64_t target_session_ = 0;
-  std::int32_t target_revision_ = -1;
+  TargetAssembly assembly_;
   std::array<std::int64_t, 3> refused_told_{};  // commands, targets, manual forces
   std::int64_t refused_told_ns_ = 0;
 

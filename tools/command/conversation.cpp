@@ -78,20 +78,24 @@ Answer Conversation::ask(component_command_t command, double timeout) {
   return wait(send, seal, timeout);
 }
 
-Answer Conversation::ask(shape_target_t target, double timeout) {
-  // A daemon is silent where a target comes again: a new revision of it is answered.
-  --target.revision;
+Answer Conversation::ask(std::vector<shape_target_t> target, double timeout) {
+  // A daemon is silent where a target comes again: a new revision of it is answered, by the counter
+  // of the chunk that made it whole.
+  int revision = target.at(0).revision - 1;
   const auto send = [&] {
-    const std::int64_t now = bus::wall_clock_us();
-    ++target.revision;
-    target_stamp_.put(target, now);
-    target_sealer_.put(target, now);
-    targets_.publish(target);
-    return target.counter;
+    ++revision;
+    for (shape_target_t& chunk : target) {
+      const std::int64_t now = bus::wall_clock_us();
+      chunk.revision = revision;
+      target_stamp_.put(chunk, now);
+      target_sealer_.put(chunk, now);
+      targets_.publish(chunk);
+    }
+    return target.back().counter;
   };
   const Answer answer = wait(
       send, [] {}, timeout);
-  revision_ = target.revision;
+  revision_ = revision;
   return answer;
 }
 

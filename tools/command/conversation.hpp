@@ -6,6 +6,7 @@
 #include <palpate/feature_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <string>
+#include <vector>
 
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
@@ -28,7 +29,8 @@ class Conversation {
 
   /// Waits for the last word, at most `timeout` s: for a replacement that is how it ended.
   Answer ask(component_command_t command, double timeout);
-  Answer ask(shape_target_t target, double timeout);
+  /// The chunks of one target.
+  Answer ask(std::vector<shape_target_t> target, double timeout);
 
   /// After a target that was taken, once: waits until the length of the feature's error is at most
   /// `within` (m, rad or 1/m, as the feature's), at most `timeout` s. The last error that was heard

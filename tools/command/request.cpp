@@ -18,15 +18,6 @@ void put(std::uint8_t (&field)[kSize], const char* name, const std::string& text
   daemon::put_text(field, text);
 }
 
-template <std::size_t kSize>
-int put(double (&field)[kSize], const char* name, const std::vector<double>& numbers) {
-  if (numbers.size() > kSize)
-    throw std::invalid_argument(std::string(name) + ": at most " + std::to_string(kSize) +
-                                " numbers fit a message");
-  std::copy(numbers.begin(), numbers.end(), field);
-  return static_cast<int>(numbers.size());
-}
-
 /// `node` with `value` at `path` below it.
 YAML::Node with(const YAML::Node& node, const std::string& path, const YAML::Node& value) {
   const std::size_t dot = path.find('.');
@@ -54,19 +45,37 @@ component_command_t make_command(const Request& request) {
   return message;
 }
 
-shape_target_t make_target(const std::string& kind, const std::vector<double>& points,
-                           const std::vector<double>& values) {
-  constexpr std::size_t kMostPoints = 64;
-  shape_target_t message{};
-  message.revision = 1;
-  message.chunks = 1;
-  put(message.kind, "kind", kind);
-  if (points.size() % 3 != 0 || points.size() / 3 > kMostPoints)
-    throw std::invalid_argument("points: x, y and z of at most 64");
-  message.point_count = static_cast<int>(points.size() / 3);
-  for (std::size_t i = 0; i < points.size(); ++i) message.rest_points[i / 3][i % 3] = points[i];
-  message.value_count = put(message.values, "values", values);
-  return message;
+std::vector<shape_target_t> make_target(const std::string& kind, const std::vector<double>& points,
+                                        const std::vector<double>& values) {
+  constexpr std::size_t kPoints = 64, kValues = 192, kMostChunks = 8;  // shape_target_t
+  const std::size_t point_count = points.size() / 3;
+  if (points.size() % 3 != 0 || point_count > kMostChunks * kPoints)
+    throw std::invalid_argument("points: x, y and z of at most 512");
+  if (values.size() > kMostChunks * kValues)
+    throw std::invalid_argument("values: at most 1536 numbers");
+  const std::size_t by_points = (point_count + kPoints - 1) / kPoints,
+                    by_values = (values.size() + kValues - 1) / kValues;
+  const std::size_t chunks = std::max<std::size_t>(1, std::max(by_points, by_values));
+  if (chunks > 1 && point_count > 0 && by_points != by_values)
+    throw std::invalid_argument("values: three for each of more than 64 points");
+  std::vector<shape_target_t> messages(chunks);
+  for (std::size_t c = 0; c < chunks; ++c) {
+    shape_target_t& message = messages[c];
+    message = {};
+    message.revision = 1;
+    message.chunk = static_cast<std::int16_t>(c);
+    message.chunks = static_cast<std::int16_t>(chunks);
+    put(message.kind, "kind", kind);
+    const std::size_t first = std::min(c * kPoints, point_count),
+                      end = std::min(first + kPoints, point_count);
+    message.point_count = static_cast<int>(end - first);
+    std::copy(points.data() + 3 * first, points.data() + 3 * end, &message.rest_points[0][0]);
+    const std::size_t begin = std::min(c * kValues, values.size()),
+                      behind = std::min(begin + kValues, values.size());
+    message.value_count = static_cast<int>(behind - begin);
+    std::copy(values.data() + begin, values.data() + behind, message.values);
+  }
+  return messages;
 }
 
 std::string make_parameters(const std::vector<std::string>& items) {

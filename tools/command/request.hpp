@@ -20,9 +20,10 @@ struct Request {
 component_command_t make_command(const Request& request);
 
 /// `points`: x, y, z of rest points in O, m; none: those that the feature was configured with.
-/// Throws std::invalid_argument for texts and lists that the message cannot hold.
-shape_target_t make_target(const std::string& kind, const std::vector<double>& points,
-                           const std::vector<double>& values);
+/// The chunks of the target, of revision 1. Throws std::invalid_argument for texts and lists that
+/// messages cannot hold.
+std::vector<shape_target_t> make_target(const std::string& kind, const std::vector<double>& points,
+                                        const std::vector<double>& values);
 
 /// A YAML mapping of "path.to.key=value" items, whose values are YAML. Throws
 /// std::invalid_argument.

@@ -35,10 +35,10 @@ void Commander::ask(component_command_t command, std::int64_t now_us, Heard hear
   send(asked_.back(), now_us);
 }
 
-void Commander::ask(shape_target_t target, std::int64_t now_us, Heard heard) {
+void Commander::ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard) {
   // Of several targets that wait for an answer only the last one is meant.
   for (auto old = asked_.begin(); old != asked_.end();) {
-    if (!old->is_target) {
+    if (!old->is_target()) {
       ++old;
       continue;
     }
@@ -46,8 +46,7 @@ void Commander::ask(shape_target_t target, std::int64_t now_us, Heard heard) {
     old = asked_.erase(old);
   }
   Asked asked;
-  asked.is_target = true;
-  asked.target = target;
+  asked.target = std::move(target);
   asked.first_counter = -1;
   asked.until_us = now_us + kPatience;
   asked.heard = std::move(heard);
@@ -57,19 +56,22 @@ void Commander::ask(shape_target_t target, std::int64_t now_us, Heard heard) {
 
 void Commander::send(Asked& asked, std::int64_t now_us) {
   asked.sent_us = now_us;
-  if (!asked.is_target) {
+  if (!asked.is_target()) {
     // The same each time, so that the daemon knows it again.
     asked.last_counter = asked.command.counter;
     commands_.publish(asked.command);
     return;
   }
   // A daemon is silent where a target comes again: a new revision of it is answered.
-  asked.target.revision = ++revision_;
-  target_stamp_.put(asked.target, now_us);
-  target_sealer_.put(asked.target, now_us);
-  asked.last_counter = asked.target.counter;
-  if (asked.first_counter < 0) asked.first_counter = asked.last_counter;
-  targets_.publish(asked.target);
+  ++revision_;
+  for (shape_target_t& chunk : asked.target) {
+    chunk.revision = revision_;
+    target_stamp_.put(chunk, now_us);
+    target_sealer_.put(chunk, now_us);
+    asked.last_counter = chunk.counter;
+    if (asked.first_counter < 0) asked.first_counter = asked.last_counter;
+    targets_.publish(chunk);
+  }
 }
 
 void Commander::push(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us) {
@@ -90,15 +92,15 @@ void Commander::hear(const component_event_t& event) {
       continue;
     if (name == "no_access") {
       // Of before the daemon's start, which will never obey it: the next sending is a new one.
-      if (asked->is_target || event.command_counter != asked->last_counter) continue;
+      if (asked->is_target() || event.command_counter != asked->last_counter) continue;
       const std::int64_t now = bus::wall_clock_us();
       command_stamp_.put(asked->command, now);
       command_sealer_.put(asked->command, now);
       return;
     }
     // Counters of targets and of commands may be the same numbers.
-    if (asked->is_target && !of_target) continue;
-    if (!asked->is_target && name == "target") continue;
+    if (asked->is_target() && !of_target) continue;
+    if (!asked->is_target() && name == "target") continue;
     if (name == "replacing") {
       if (!asked->replacing) {
         asked->replacing = true;

@@ -8,6 +8,7 @@
 #include <palpate/manual_force_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <string>
+#include <vector>
 
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
@@ -31,7 +32,8 @@ class Commander {
 
   /// `now_us`: wall clock, here and below.
   void ask(component_command_t command, std::int64_t now_us, Heard heard);
-  void ask(shape_target_t target, std::int64_t now_us, Heard heard);
+  /// The chunks of one target.
+  void ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard);
 
   /// Sends one MANUAL_FORCE, which the daemon forgets after 100 ms: to push on, renew it.
   /// `rest_point`: in O, m; `force`: in O, N.
@@ -46,9 +48,9 @@ class Commander {
 
  private:
   struct Asked {
-    bool is_target = false;
     component_command_t command{};
-    shape_target_t target{};
+    std::vector<shape_target_t> target;  // its chunks; none: it is a command
+    bool is_target() const { return !target.empty(); }
     std::int64_t first_counter = 0, last_counter = 0;
     std::int64_t sent_us = 0, until_us = 0;
     bool replacing = false;

@@ -28,7 +28,7 @@ struct Command {
 };
 struct SetTarget {
   std::int64_t id;
-  shape_target_t message;
+  std::vector<shape_target_t> message;  // its chunks
 };
 struct Push {
   std::array<double, 3> rest_point;  // m, in O

@@ -6,7 +6,7 @@ import json
 import os
 import time
 from types import TracebackType
-from typing import Any, Callable, Dict, Mapping, NamedTuple, Optional, Sequence, Type, Union
+from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Optional, Sequence, Type, Union
 
 import numpy as np
 
@@ -20,7 +20,7 @@ STATES = ("unconfigured", "inactive", "active", "degraded", "faulted", "finalize
 _REPEAT = 0.2  # s, after which a command that is not answered is sent again
 _RENEW = 0.03  # s; a manual force expires after 0.1 s
 _BUSY = "another replacement is under way"
-_MOST_POINTS, _MOST_VALUES = 64, 192
+_MOST_POINTS, _MOST_VALUES, _MOST_CHUNKS = 64, 192, 8  # the first two of a chunk
 
 
 class Refused(RuntimeError):
@@ -155,26 +155,23 @@ class Daemon:
         points: Optional[Sequence[Sequence[float]]] = None,
     ) -> Answer:
         """Where the feature shall be: m, rad, 1/m; a pose as position and quaternion w x y z, in O.
-        `points`: (n, 3), rest points in O, m, as configured; needed for evaluate.feature_error()."""
+        `points`: (n, 3), rest points in O, m, as configured; needed for evaluate.feature_error().
+        More than 64 points are sent in chunks, up to 512."""
         numbers = np.asarray(values, float).ravel()
         rest = np.asarray([] if points is None else points, float).reshape(-1, 3)
-        if len(numbers) > _MOST_VALUES or len(rest) > _MOST_POINTS:
-            raise ValueError(f"at most {_MOST_VALUES} values and {_MOST_POINTS} points fit")
-        message = messages.shape_target_t()
-        message.kind = field_of(kind, 32, "kind")
-        message.chunks = 1
-        message.point_count, message.value_count = len(rest), len(numbers)
-        message.rest_points = _padded(rest, _MOST_POINTS).tolist()
-        message.values = _padded(numbers, _MOST_VALUES).tolist()
+        chunks = _chunks(kind, rest, numbers)
 
         def send() -> int:
-            # A daemon is silent where a target comes again: a new revision of it is answered.
+            # A daemon is silent where a target comes again: a new revision of it is answered, by
+            # the counter of the chunk that made it whole.
             self._revision += 1
-            message.revision = self._revision
-            message.utime = 0
-            self.control.stamp("SHAPE_TARGET", message)
-            counter = self._sealers["SHAPE_TARGET"].put(message)
-            self.control.publish_sealed("SHAPE_TARGET", message)
+            counter = 0
+            for message in chunks:
+                message.revision = self._revision
+                message.utime = 0
+                self.control.stamp("SHAPE_TARGET", message)
+                counter = self._sealers["SHAPE_TARGET"].put(message)
+                self.control.publish_sealed("SHAPE_TARGET", message)
             return counter
 
         return self._ask("target", send)
@@ -291,6 +288,32 @@ class Daemon:
             else:
                 return Answer(name, reason)
         raise NoAnswer(f"{what}: no answer in {self.timeout:g} s; {known}")
+
+
+def _chunks(kind: str, rest: Any, numbers: Any) -> List[messages.shape_target_t]:
+    """A target as messages, every one but the last full."""
+    by_points = -(-len(rest) // _MOST_POINTS)
+    by_values = -(-len(numbers) // _MOST_VALUES)
+    count = max(1, by_points, by_values)
+    if count > _MOST_CHUNKS:
+        raise ValueError(
+            f"at most {_MOST_CHUNKS * _MOST_VALUES} values and {_MOST_CHUNKS * _MOST_POINTS} "
+            "points fit"
+        )
+    if count > 1 and len(rest) > 0 and by_points != by_values:
+        raise ValueError(f"more than {_MOST_POINTS} points have three values each")
+    chunks = []
+    for chunk in range(count):
+        points = rest[chunk * _MOST_POINTS : (chunk + 1) * _MOST_POINTS]
+        values = numbers[chunk * _MOST_VALUES : (chunk + 1) * _MOST_VALUES]
+        message = messages.shape_target_t()
+        message.kind = field_of(kind, 32, "kind")
+        message.chunk, message.chunks = chunk, count
+        message.point_count, message.value_count = len(points), len(values)
+        message.rest_points = _padded(points, _MOST_POINTS).tolist()
+        message.values = _padded(values, _MOST_VALUES).tolist()
+        chunks.append(message)
+    return chunks
 
 
 def _padded(numbers: Any, length: int) -> Any:

@@ -68,7 +68,7 @@ TEST_F(FeatureRegistry, SaysWhyAFeatureCannotBe) {
             std::string::npos);
   EXPECT_NE(refusal("{component: distance, " + straight + "}").find("has 2 points, not 3"),
             std::string::npos);
-  EXPECT_NE(refusal("{component: points, surface: 65}").find("64"), std::string::npos);
+  EXPECT_NE(refusal("{component: points, surface: 513}").find("512"), std::string::npos);
   EXPECT_NE(refusal("{component: points, surface: 9, " + straight + "}").find("no meaning"),
             std::string::npos);
   EXPECT_NE(refusal("{component: fourier_contour, " + straight + ", harmonics: 2}")

@@ -8,8 +8,9 @@ import threading
 import time
 import unittest
 from pathlib import Path
-from typing import Callable
+from typing import Any, Callable
 
+import numpy as np
 import palpate
 from palpate import messages
 from palpate.authentication import Sealer
@@ -193,10 +194,12 @@ class Answers(unittest.TestCase):
         message.reason = field_of(reason, 256)
         self.housekeeping.publish("COMPONENT_EVENT", message)
 
-    def answering(self, answer: Callable[[int, messages.component_command_t], None]) -> None:
-        """Calls `answer` with how many commands came before, for each, until the test ends."""
+    def answering(
+        self, answer: Callable[[int, Any], None], channel: str = "COMPONENT_COMMAND"
+    ) -> None:
+        """Calls `answer` with how many messages came before, for each, until the test ends."""
         over = threading.Event()
-        subscription = self.control.subscribe("COMPONENT_COMMAND")
+        subscription = self.control.subscribe(channel)
 
         def work() -> None:
             count = 0
@@ -242,6 +245,24 @@ class Answers(unittest.TestCase):
         self.answering(answer)
         self.assertEqual(self.daemon.replace("control", "", {"gain": 2.0}).event, "replaced")
 
+    def test_a_target_of_many_points_comes_in_full_chunks(self) -> None:
+        points = np.arange(390.0).reshape(130, 3)
+        chunks = []
+
+        def answer(_: int, chunk: messages.shape_target_t) -> None:
+            chunks.append(chunk)
+            if chunk.chunk == chunk.chunks - 1:
+                self.say("target", chunk.counter)
+
+        self.answering(answer, "SHAPE_TARGET")
+        self.assertEqual(self.daemon.target("points", -points, points).event, "target")
+        first = [chunk for chunk in chunks if chunk.revision == chunks[0].revision]
+        self.assertEqual([chunk.chunk for chunk in first], [0, 1, 2])
+        self.assertEqual([chunk.point_count for chunk in first], [64, 64, 2])
+        self.assertEqual([chunk.value_count for chunk in first], [192, 192, 6])
+        self.assertEqual(first[1].rest_points[0], (192.0, 193.0, 194.0))
+        self.assertEqual(first[2].values[5], -389.0)
+
     def test_silence_says_where_nobody_answered(self) -> None:
         self.daemon.timeout = 0.3
         with self.assertRaisesRegex(palpate.NoAnswer, "is palpated running on udpm://"):
@@ -252,8 +273,10 @@ class Answers(unittest.TestCase):
     def test_what_no_message_holds_is_refused_at_once(self) -> None:
         with self.assertRaisesRegex(ValueError, "parameters has 3000 bytes; at most 2047"):
             self.daemon.replace("control", "", "x" * 3000)
-        with self.assertRaisesRegex(ValueError, "at most 192 values"):
-            self.daemon.target("point", [0.0] * 193)
+        with self.assertRaisesRegex(ValueError, "at most 1536 values and 512 points"):
+            self.daemon.target("points", [0.0] * 1537)
+        with self.assertRaisesRegex(ValueError, "three values each"):
+            self.daemon.target("points", [0.0] * 3, [[0.0, 0.0, 0.0]] * 65)
         with self.assertRaises(ValueError):
             self.daemon.replace("control", "", {"gain": float("nan")})
 

@@ -25,8 +25,8 @@ TEST(Request, OfEachKind) {
   EXPECT_STREQ(daemon::get_text(command.message.slot), "deformation");
   const auto target = std::get<SetTarget>(
       parse_request(R"({"type":"target","id":4,"kind":"point","values":[1,2,3]})", 5));
-  EXPECT_EQ(target.message.value_count, 3);
-  EXPECT_EQ(target.message.values[1], 2);
+  EXPECT_EQ(target.message.at(0).value_count, 3);
+  EXPECT_EQ(target.message.at(0).values[1], 2);
 }
 
 TEST(Request, APushIsNoStrongerThanAllowed) {
