@@ -76,10 +76,9 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
   const config::Node node =
       root.child({"robot", "", "joints of the first arm; needed to command them"});
   try {
-    auto model = std::make_shared<ArmModel>(
-        ArmModel{read_urdf(node.path({"urdf", "", "expanded URDF of the arm"}),
-                           node.text({"flange", "", "link of the URDF that is E"}, "flange")),
-                 {}});
+    const std::string urdf = node.path({"urdf", "", "expanded URDF of the arm"});
+    const std::string flange = node.text({"flange", "", "link of the URDF that is E"}, "flange");
+    auto model = std::make_shared<ArmModel>(ArmModel{read_urdf(urdf, flange), {}});
     const SerialChain& chain = model->chain;
     const int n = chain.joint_count();
     control::JointLimits& limits = model->limits;

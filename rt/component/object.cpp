@@ -54,9 +54,9 @@ std::vector<int> nodes_in(const config::Node& object, const std::string& key,
   if (!object.has(key)) return {};
   const config::Node box = object.child(
       {key, "", key == "fixed_box" ? "nodes within it never move" : "nodes within it are held"});
-  std::vector<int> nodes =
-      mesh::nodes_in_box(mesh, box.vector3({"lower", "m", "lowest corner, in O at rest"}),
-                         box.vector3({"upper", "m", "highest corner, in O at rest"}));
+  const Eigen::Vector3d lower = box.vector3({"lower", "m", "lowest corner, in O at rest"});
+  const Eigen::Vector3d upper = box.vector3({"upper", "m", "highest corner, in O at rest"});
+  std::vector<int> nodes = mesh::nodes_in_box(mesh, lower, upper);
   if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
   return nodes;
 }

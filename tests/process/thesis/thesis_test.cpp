@@ -50,8 +50,8 @@ class StudyProcess : public testing::Test {
   /// Of messages from one program to the other: without them it is another run.
   std::int64_t lost_between_programs(const std::string& output) const {
     std::int64_t lost = json_of(output, "simulator.json")["commands_lost"];
-    for (const auto& input : json_of(output, "palpated.json")["inputs"])
-      lost += input["lost"].get<std::int64_t>();
+    const nlohmann::json daemon = json_of(output, "palpated.json");
+    for (const auto& input : daemon["inputs"]) lost += input["lost"].get<std::int64_t>();
     return lost;
   }
   /// The job, with its logs; once more where a busy machine has lost a message between programs.
