@@ -124,7 +124,7 @@ TEST(PointsFeature, HoldsTheSurfaceOfABar) {
   EXPECT_LT((error.array() - 0.01).abs().maxCoeff(), 1e-15);
   // A point is a sum of the ten nodes of its element at most.
   EXPECT_LE(feature.jacobian().nonZeros(), 192 * 10);
-  options.rest_points.emplace_back(0.25, 0.03, 0.06);
+  options.rest_points.resize(PointsFeature::kMostPoints + 1, {0.25, 0.03, 0.06});
   EXPECT_THROW(PointsFeature(mesh, options), std::invalid_argument);
 }
 

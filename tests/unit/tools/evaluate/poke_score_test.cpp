@@ -93,6 +93,7 @@ TEST(PokeScore, SaysWhatWasNeverFeltOrFound) {
   RunLog run = poked_run();
   for (truth_contact_t& contact : run.truth_contacts) contact.grasp_wrench[0][2] = 3;
   for (estimate_t& estimate : run.estimates) estimate.unknown_contact_deviation = -1;
+  run.unknown_contacts.clear();
   const PokeScores scores =
       score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, score_shape(run), frames());
   EXPECT_FALSE(scores.pokes[0].felt);
