@@ -70,7 +70,7 @@ void PoseWrenchFilter::reset() noexcept {
   place_ = -1;
   weak_for_ = 0;
   unexplained_count_ = 0;
-  sudden_ = pause_ = 0;
+  sudden_ = 0;
   gone_ = false;
   rest_for_ = 0;
   at_rest_count_ = 0;
@@ -213,7 +213,7 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   if (test < 0) return;
   if (!options_.contacts) {
     suspicions_ = 0;
-  } else if (is_watching(now)) {
+  } else if (is_settled(now)) {
     watch(change(now));
     if (suspicions_ > 0) return;
   }

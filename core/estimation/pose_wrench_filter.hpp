@@ -123,7 +123,6 @@ class PoseWrenchFilter : public Estimator {
   void follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
               WrenchFilter::Vector change) noexcept;
   bool is_settled(const Innovation& innovation) const noexcept;
-  bool is_watching(const Innovation& innovation) noexcept;
   void remember(const Innovation& innovation) noexcept;
   void settle() noexcept;
   Innovation change(const Innovation& innovation) const noexcept;
@@ -160,14 +159,13 @@ class PoseWrenchFilter : public Estimator {
   double rest_for_ = 0;                    // s
   WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
   WrenchFilter::Wrenches at_rest_spread_;  // mean square about it, of recent ones
-  WrenchFilter::Noise at_rest_noise_;      // covariance of each
+  WrenchFilter::Wrenches at_rest_noise_;   // and of each
   WrenchFilter::Wrenches recent_;          // mean innovation of late
   WrenchFilter::Wrenches latest_;
   std::array<bool, 2> at_rest_held_{};  // whose rows these are
   int at_rest_count_ = 0;
   int place_ = -1;                      // of the contact
   double place_deviation_ = 0;          // m, of where it is
-  int pause_ = 0;                       // wrenches, until a push is looked for again
   int sudden_ = 0;                      // changes in a row that are far beyond the noise
   bool faint_ = false;                  // the contact: its share of the wrenches hardly stands out
   bool gone_ = false;                   // the contact: the wrenches are as at rest

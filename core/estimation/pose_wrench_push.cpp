@@ -1,5 +1,4 @@
 // What of the filter looks for somebody else's push and follows it.
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -10,9 +9,9 @@ namespace {
 
 constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
 constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
-constexpr int kSwing = 40;        // wrenches after a push, while the object swings
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
+constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
 constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
 }  // namespace
@@ -52,12 +51,6 @@ bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
   return at_rest_count_ >= kEnough && at_rest_held_ == now.held;
 }
 
-/// Whether a push is looked for: not while the object swings after one.
-bool PoseWrenchFilter::is_watching(const Innovation& now) noexcept {
-  pause_ = std::max(0, pause_ - 1);
-  return is_settled(now) && pause_ == 0;
-}
-
 void PoseWrenchFilter::remember(const Innovation& now) noexcept {
   latest_ = now.y;
   if (at_rest_count_ > 0 && at_rest_held_ == now.held) {
@@ -65,8 +58,7 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
     return;
   }
   at_rest_ = recent_ = now.y;
-  at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
-  at_rest_noise_ = WrenchFilter::Noise::Zero(now.y.size(), now.y.size());
+  at_rest_noise_ = at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
   at_rest_held_ = now.held;
   at_rest_count_ = 1;
 }
@@ -77,8 +69,7 @@ void PoseWrenchFilter::settle() noexcept {
   at_rest_count_ = std::min(at_rest_count_ + 1, kMost);
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
-  const WrenchFilter::Wrenches one = latest_ - at_rest_;
-  at_rest_noise_ += (one * one.transpose() - at_rest_noise_) / at_rest_count_;
+  at_rest_noise_ += ((latest_ - at_rest_).cwiseAbs2() - at_rest_noise_) / at_rest_count_;
   at_rest_ += off / at_rest_count_;
 }
 
@@ -97,20 +88,16 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) con
 }
 
 /// Covariance of a mean of so many wrenches: their noise while nothing happened, and for the
-/// model's own error a share of what a push has changed them by. The noise of force and torque at
-/// the grasp is one noise, since the sensor sits at some distance: what tells of a push's place is
-/// the torque about the sensor, which is known ten times as well.
+/// model's own error a share of what a push has changed them by.
 WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed,
                                             int count) const noexcept {
   constexpr double kLeast = 0.3;      // of the noise that is expected
-  constexpr double kUncertain = 1.3;  // the spread is an estimate, too,
-  constexpr double kAlike = 0.95;     // above all of what its directions have in common
-  WrenchFilter::Noise R = kUncertain * kAlike / count * at_rest_noise_;
+  constexpr double kUncertain = 1.3;  // the spread is an estimate, too
+  WrenchFilter::Noise R = WrenchFilter::Noise::Zero(pushed.size(), pushed.size());
   for (int row = 0; row < pushed.size(); ++row) {
     const double least = kLeast * (row % 6 < 3 ? options_.force : options_.torque);
     const double error = kPushError * pushed.segment<3>(row - row % 3).norm();
-    R(row, row) =
-        std::max(kUncertain * at_rest_noise_(row, row), least * least) / count + error * error;
+    R(row, row) = std::max(kUncertain * at_rest_noise_[row], least * least) / count + error * error;
   }
   return R;
 }
@@ -149,23 +136,23 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   const WrenchFilter::Wrenches pushed = changed.H.rightCols<3>() * filter_.mean().tail<3>();
   changed.y = latest_ - at_rest_;
   changed.R = noise(pushed, 1);
-  for (int row = 0; row < pushed.size(); ++row) {
-    const double usual = row % 6 < 3 ? options_.force : options_.torque;
-    changed.R(row, row) = std::max(changed.R(row, row), usual * usual);  // an object swings
+  WrenchFilter::Wrenches usual = pushed;  // variances that are expected of a wrench
+  for (int row = 0; row < usual.size(); ++row) {
+    const double deviation = row % 6 < 3 ? options_.force : options_.torque;
+    usual[row] = deviation * deviation;
+    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // an object swings
   }
-  const Eigen::Index rows = changed.y.size();
+  const auto rows = static_cast<double>(changed.y.size());
   const double test = filter_.test(changed.H, changed.y, changed.R);
-  innovation_test_ = test / static_cast<double>(rows);
+  innovation_test_ = test / rows;
   if (test < 0) return;
-  const bool believed = test <= options_.gate / 6 * static_cast<double>(rows);
+  const bool believed = test <= options_.gate / 6 * rows;
   suspicions_ = believed ? 0 : suspicions_ + 1;
   if (suspicions_ == 1) unexplained_count_ = 0;  // it has moved, grown or gone
   add_unexplained(changed.y + pushed);
   if (believed) correct(changed);
-  const Eigen::LLT<WrenchFilter::Noise> usual(noise(WrenchFilter::Wrenches::Zero(rows), 1));
-  const auto is_faint = [&](WrenchFilter::Wrenches wrenches) {
-    usual.matrixL().solveInPlace(wrenches);
-    return wrenches.squaredNorm() < kSudden / 6 * static_cast<double>(rows);
+  const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
+    return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
   };
   faint_ = is_faint(pushed);
   gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
@@ -213,7 +200,6 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   if (!filter_.has_contact()) return;
   push(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
-  pause_ = kSwing;
   place_ = -1;
   gone_ = false;
   suspicions_ = sudden_ = unexplained_count_ = 0;
