@@ -52,11 +52,17 @@ struct HeldSource {
         time(node.choice({"time", "", "by when a message was received, or sent"},
                          {"received", "sent"}, "received")),
         rule(read_calm_rule(node.child_or_empty({"calm", "", "when the hand rests"}))),
-        cell(read_held_cell(node.path({"configuration", "", "of palpated, which tells the object"}),
-                            node.has("set")
-                                ? node.texts({"set", "", "laid over it: path.to.key=value"})
-                                : std::vector<std::string>{})) {
+        cell(read_cell(node)) {
     if (name.empty()) name = std::filesystem::path(log).stem().string();
+  }
+
+ private:
+  static HeldCell read_cell(const config::Node& node) {
+    const std::string configuration =
+        node.path({"configuration", "", "of palpated, which tells the object"});
+    std::vector<std::string> overrides;
+    if (node.has("set")) overrides = node.texts({"set", "", "laid over it: path.to.key=value"});
+    return read_held_cell(configuration, overrides);
   }
 };
 
