@@ -159,7 +159,7 @@ Declarations read_recording(const config::Node& root, const config::DeclarationL
   } catch (const config::Error&) {
     throw;
   } catch (const std::exception&) {
-    // A log that is not there: by then every key has been asked for.
+    if (!root.has("log")) throw;  // a log need not be there: by then every key has been asked for
   }
   Declarations own;
   for (const config::Declaration& declaration : list.all())

@@ -34,7 +34,7 @@ NOT_RUN = {
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
 # Programs that stay, and what each says when it is ready.
-READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://", "palpate-top": "active"}
+READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://"}
 
 
 class Beside:
@@ -83,7 +83,7 @@ class Beside:
         line = line.split(" #")[0].rstrip().rstrip("&").rstrip()
         program = line.split()[0]
         shell = line.replace("/tmp/plugin", str(self.folder / "plugin")) + self.words_more(program, line)
-        if program in READY and program != "palpate-top":
+        if program in READY:
             log = self.folder / f"said_{len(self.staying)}"
             with log.open("w") as file:
                 process = subprocess.Popen(["setpriv", "--pdeathsig", "KILL", "bash", "-c", "exec " + shell], cwd=self.folder, stdout=file,
