@@ -4,6 +4,7 @@ been tried not tried again.
 tuning_test.py BIN_FOLDER SOURCE_FOLDER
 """
 import csv
+import json
 import pathlib
 import subprocess
 import sys
@@ -127,6 +128,18 @@ class Tuning(unittest.TestCase):
             gains = [float(s.split("=")[1]) for s in row["parameters"].split("; ") if "gain" in s]
             self.assertEqual(len(gains), row["trial"] != "0")
             self.assertTrue(all(0.3 <= gain <= 6 for gain in gains), row)
+        self.check_scores_are_of_the_feature(three)
+
+    def check_scores_are_of_the_feature(self, rows):
+        """The shape at the end, which a result has too, is no score of a controller."""
+        expected = {}
+        for file in (self.path / "out/task1").glob("*/result.json"):
+            result = json.loads(file.read_text(encoding="utf-8"))
+            feature = result["score"]["feature"]
+            time = feature["time_to_2mm_s"]
+            expected[result["job"]["method"]] = (0.6 if time is None else time) + feature["error_mm"]
+        for row in rows:
+            self.assertAlmostEqual(float(row["score"]), expected[f"{row['method']} #{row['trial']}"], 3)
 
     def test_sensing_is_tuned_alike_and_a_failure_counts_at_the_cap(self):
         self.write("tuning.yaml", SENSING.format(folder=self.path))
