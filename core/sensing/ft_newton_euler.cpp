@@ -23,13 +23,17 @@ double share(double dt, double time_constant) noexcept {
 FtNewtonEuler::FtNewtonEuler(const Options& options)
     : options_(options),
       tare_(options.tare_samples),
-      low_pass_(smoothing(options.cutoff, options.sample_rate)) {
+      low_pass_(smoothing(options.cutoff, options.sample_rate)),
+      offset_(options.imu_offset_time) {
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
   if (!(options.max_age > 0) || !(options.imu_max_age > 0))
     throw std::invalid_argument("max_age and imu_max_age must be above 0");
   if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0 ||
-      !(options.rest_speed >= 0) || !(options.rest_smoothing > 0))
-    throw std::invalid_argument("time constants and rest_speed must not be negative");
+      !(options.rest_speed >= 0) || !(options.rest_smoothing > 0) ||
+      !(options.rest_acceleration > 0))
+    throw std::invalid_argument(
+        "time constants and rest_speed must not be negative, rest_smoothing and rest_acceleration "
+        "must be above 0");
   if (options.payload.mass < 0) throw std::invalid_argument("mass must not be negative");
   const math::Pose X_SI = options.X_ES.inverse() * options.X_EI;
   R_SI_ = X_SI.linear();
@@ -46,8 +50,7 @@ void FtNewtonEuler::reset() noexcept {
   angular_acceleration_I_.setZero();
   speed_.setZero();
   smoothed_.setZero();
-  acceleration_offset_S_.setZero();
-  offset_age_ = 0;
+  offset_.reset();
 }
 
 void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
@@ -92,7 +95,8 @@ double FtNewtonEuler::step_between(double before, double now) noexcept {
 }
 
 /// 0 at rest, 1 in motion.
-double FtNewtonEuler::moving_share(const RobotState& robot) noexcept {
+double FtNewtonEuler::moving_share(const RobotState& robot,
+                                   const Eigen::Vector3d& acceleration) noexcept {
   constexpr double kSmoothing = 0.02;  // s
   constexpr double kLever = 0.3;       // m
   const math::Vector6d twist = robot.V_W_E.vector();
@@ -102,12 +106,14 @@ double FtNewtonEuler::moving_share(const RobotState& robot) noexcept {
   speed_ += (follows ? share(dt, kSmoothing) : 1.0) * (twist - speed_);
   speed_time_ = robot.time;
   const double speed = std::max(speed_.head<3>().norm(), kLever * speed_.tail<3>().norm());
-  return std::clamp(speed / options_.rest_speed - 1, 0.0, 1.0);
+  const double sets_off = (acceleration - smoothed_.head<3>()).norm();
+  const double over = std::max(speed / options_.rest_speed, sets_off / options_.rest_acceleration);
+  return std::clamp(over - 1, 0.0, 1.0);
 }
 
 void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
                            Eigen::Vector3d& angular_acceleration) noexcept {
-  const double moving = moving_share(robot);
+  const double moving = moving_share(robot, acceleration);
   math::Vector6d both;
   both << acceleration, angular_acceleration;
   if (inertial_step_ > 0)
@@ -115,6 +121,13 @@ void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleratio
   both = moving * both + (1 - moving) * smoothed_;
   acceleration = both.head<3>();
   angular_acceleration = both.tail<3>();
+}
+
+/// Of the origin of S, as the robot has it.
+AccelerometerOffset::Velocity FtNewtonEuler::velocity(const RobotState& robot,
+                                                      const Eigen::Matrix3d& R_WS) const noexcept {
+  const Eigen::Vector3d p_ES_W = robot.X_WE.linear() * options_.X_ES.translation();
+  return {robot.time, robot.V_W_E.linear + robot.V_W_E.angular.cross(p_ES_W), R_WS};
 }
 
 LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
@@ -135,15 +148,11 @@ LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
       motion.angular_velocity.cross(motion.angular_velocity.cross(offset));
   const Eigen::Vector3d acceleration = specific_force - motion.specific_force;
   constexpr double kLargestMotion = 30;  // m/s^2 of an arm; more is an overload, or no measurement
-  if (options_.imu_offset_time > 0 && inertial_step_ > 0 && acceleration.norm() < kLargestMotion) {
-    // An arm accelerates as often as it brakes: what stays in the mean is an offset. The first
-    // seconds take a plain mean, so that a start at rest is right at once.
-    offset_age_ += inertial_step_;
-    acceleration_offset_S_ +=
-        share(inertial_step_, std::min(offset_age_, options_.imu_offset_time)) *
-        (acceleration - acceleration_offset_S_);
-  }
-  Eigen::Vector3d true_acceleration = acceleration - acceleration_offset_S_;
+  if (acceleration.norm() < kLargestMotion)
+    offset_.follow(acceleration, inertial_step_, velocity(signals.robot.latest, R_WS));
+  else
+    offset_.pause();
+  Eigen::Vector3d true_acceleration = acceleration - offset_.value_S();
   if (options_.rest_speed > 0)
     smooth(signals.robot.latest, true_acceleration, motion.angular_acceleration);
   motion.specific_force += true_acceleration;
@@ -158,6 +167,7 @@ UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts)
   if (!robot_known) {
     used_imu_ = false;
     follow_imu(signals.inertial);
+    offset_.pause();
     return {Status::kDegraded, "robot state is absent or too old"};
   }
   const math::Vector6d explained = load_wrench(options_.payload, motion(signals)).vector();

@@ -3,6 +3,7 @@
 #include <cstdint>
 
 #include "core/math/filter.hpp"
+#include "core/sensing/accelerometer_offset.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/tare.hpp"
@@ -21,14 +22,16 @@ class FtNewtonEuler : public SensorModel {
     math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
     bool use_imu = true;
     /// s: offsets of the accelerometer and of the mounting angles are followed with this time
-    /// constant, as what remains of acceleration in the mean; 0: the accelerometer is trusted as
-    /// is.
+    /// constant, as what remains in the mean of acceleration beyond what the robot's velocity
+    /// changes by; 0: the accelerometer is trusted as is.
     double imu_offset_time = 5;
     /// m/s, and rad/s over 0.3 m: where the robot says that its hand is slower, accelerations are
     /// smoothed. The noise of an accelerometer times the mass of a hand of 5 kg is six times that
     /// of a good force sensor, and would hide there what touches the object. 0: never.
     double rest_speed = 0;
-    double rest_smoothing = 0.03;             // s
+    double rest_smoothing = 0.03;  // s
+    /// m/s^2 beyond what is smoothed: a hand that sets off is not at rest, though it is still slow.
+    double rest_acceleration = 0.15;
     double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope
     int tare_samples = 500;
     bool tare_at_start = false;
@@ -64,9 +67,11 @@ class FtNewtonEuler : public SensorModel {
  private:
   double step_between(double before, double now) noexcept;
   void follow_imu(const Stream<Inertial>& stream) noexcept;
-  double moving_share(const RobotState& robot) noexcept;
+  double moving_share(const RobotState& robot, const Eigen::Vector3d& acceleration) noexcept;
   void smooth(const RobotState& robot, Eigen::Vector3d& acceleration,
               Eigen::Vector3d& angular_acceleration) noexcept;
+  AccelerometerOffset::Velocity velocity(const RobotState& robot,
+                                         const Eigen::Matrix3d& R_WS) const noexcept;
   LoadMotion motion(const Signals& signals) noexcept;
 
   Options options_;
@@ -83,11 +88,10 @@ class FtNewtonEuler : public SensorModel {
   double inertial_step_ = 0;  // s of inertial data in this tick
   double usual_step_ = 0;     // s between two inertial samples; 0: not known
   Eigen::Vector3d angular_acceleration_I_ = Eigen::Vector3d::Zero();
-  Eigen::Vector3d acceleration_offset_S_ = Eigen::Vector3d::Zero();
+  AccelerometerOffset offset_;
   math::Vector6d smoothed_ = math::Vector6d::Zero();  // accelerations, linear first, in S
   math::Vector6d speed_ = math::Vector6d::Zero();     // of the flange, smoothed
   double speed_time_ = 0;                             // s, of the robot's clock
-  double offset_age_ = 0;  // s of inertial data that the offset stands on
   std::int64_t skipped_ = 0;
 };
 

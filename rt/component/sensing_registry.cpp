@@ -20,7 +20,7 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
   options.X_EI = frames.X_EI;
   options.use_imu = node.flag(
       {"use_imu", "",
-       "whether IMU is used for the acceleration of the hand; else it is derived from poses"},
+       "whether IMU is used for the acceleration of the hand; else gravity alone is taken off"},
       options.use_imu);
   options.imu_offset_time = node.number(
       {"imu_offset_time", "s",
@@ -31,6 +31,11 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
        "of the flange, and rad/s over 0.3 m: where it is slower the accelerations that IMU tells "
        "are smoothed over 0.03 s; 0: nowhere"},
       {0, 1}, options.rest_speed);
+  options.rest_acceleration = node.number(
+      {"rest_acceleration", "m/s^2",
+       "beyond what is smoothed: a hand that accelerates more sets off, however slow it is yet; "
+       "several times the noise of the accelerometer"},
+      {1e-3, 100}, options.rest_acceleration);
   read_wrist_keys(node, options);
   options.cutoff = node.number({"cutoff_hz", "Hz", "of the low-pass filter of the output; 0: none"},
                                {0, 500}, options.cutoff);
