@@ -7,6 +7,17 @@ Eigen::Vector3d PayloadParameters::center_of_mass() const {
   return first_moment / mass;
 }
 
+math::Vector6d point_inertia(double mass, const Eigen::Vector3d& first_moment) noexcept {
+  if (!(mass > 0)) return math::Vector6d::Zero();
+  const Eigen::Matrix3d inertia = (first_moment.squaredNorm() * Eigen::Matrix3d::Identity() -
+                                   first_moment * first_moment.transpose()) /
+                                  mass;
+  math::Vector6d packed;
+  packed << inertia(0, 0), inertia(0, 1), inertia(0, 2), inertia(1, 1), inertia(1, 2),
+      inertia(2, 2);
+  return packed;
+}
+
 LoadMotion motion_at_rest(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& gravity_W) noexcept {
   LoadMotion motion;
   motion.specific_force.noalias() = -(R_WS.transpose() * gravity_W);

@@ -18,6 +18,10 @@ struct PayloadParameters {
   Eigen::Vector3d center_of_mass() const;
 };
 
+/// Inertia about S, in the order of PayloadParameters, of a load whose mass is all in its centre of
+/// mass: the least that a rigid body has, where its own is not known.
+math::Vector6d point_inertia(double mass, const Eigen::Vector3d& first_moment) noexcept;
+
 /// Motion of frame S as the load feels it, all in S.
 struct LoadMotion {
   Eigen::Vector3d specific_force = Eigen::Vector3d::Zero();        // a - g of the origin, m/s^2

@@ -21,9 +21,12 @@ sensing::PayloadParameters read_payload(const config::Node& node) {
   parameters.mass = payload.number({"mass", "kg", "behind the sensor"}, {0, 1000});
   parameters.first_moment = parameters.mass * payload.vector3({"center_of_mass", "m", "in S"},
                                                               {-2, 2}, Eigen::Vector3d::Zero());
+  parameters.inertia = sensing::point_inertia(parameters.mass, parameters.first_moment);
   if (payload.has("inertia")) {
     const std::vector<double> inertia = payload.numbers(
-        {"inertia", "kg m^2", "xx, xy, xz, yy, yz, zz about the origin of S"}, 6, {-100, 100});
+        {"inertia", "kg m^2",
+         "xx, xy, xz, yy, yz, zz about the origin of S; absent: that of a point at center_of_mass"},
+        6, {-100, 100});
     parameters.inertia = Eigen::Map<const math::Vector6d>(inertia.data());
   }
   if (payload.has("bias")) {

@@ -67,6 +67,23 @@ TEST(LoadWrench, IsThatOfABodyOfPointMasses) {
   }
 }
 
+TEST(LoadWrench, OfASinglePointHasPointInertia) {
+  math::Random random(2);
+  const Eigen::Vector3d p(0.02, -0.03, 0.1137);
+  PayloadParameters payload;
+  payload.mass = 4.8;
+  payload.first_moment = payload.mass * p;
+  payload.inertia = point_inertia(payload.mass, payload.first_moment);
+  LoadMotion motion;
+  motion.specific_force = random_vector(random, 20);
+  motion.angular_velocity = random_vector(random, 5);
+  motion.angular_acceleration = random_vector(random, 30);
+  const math::Vector6d error =
+      load_wrench(payload, motion).vector() - wrench_of_points({{4.8, p}}, motion).vector();
+  EXPECT_LT(error.norm(), 1e-12 * 1000);
+  EXPECT_EQ(point_inertia(0, Eigen::Vector3d::Zero()), math::Vector6d(math::Vector6d::Zero()));
+}
+
 TEST(LoadWrench, HoldsAHangingWeightUp) {
   PayloadParameters payload;
   payload.mass = 2;
