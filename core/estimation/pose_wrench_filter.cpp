@@ -49,9 +49,9 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
     if (!(value > 0))
       throw std::invalid_argument("times, deviations and gate of a filter must be positive");
   }
-  if (!(options.relative >= 0) || options.suspicions < 1)
+  if (!(options.relative >= 0) || !(options.payload_error >= 0) || options.suspicions < 1)
     throw std::invalid_argument(
-        "a filter's relative error must not be negative, and it must be "
+        "a filter's relative error and error of the payload must not be negative, and it must be "
         "suspicious at least once before it looks for a contact");
 }
 
@@ -187,7 +187,10 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
                              speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
   const double share = 1 - std::exp(-dt / options_.lag);
   hand.lagged += share * (wrench - hand.lagged);
-  hand.speed += share * (speed - hand.speed);
+  const math::Vector6d faster = share * (speed - hand.speed);
+  hand.speed += faster;
+  constexpr double kOfLate = 0.05;  // s
+  hand.acceleration += std::min(1.0, dt / kOfLate) * (faster / dt - hand.acceleration);
   if (!input.wrench_valid) return;
   const math::Vector6d measured = input.F_G_O.vector();
   if (!measured.allFinite()) return;

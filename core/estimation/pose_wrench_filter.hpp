@@ -51,11 +51,14 @@ class PoseWrenchFilter : public Estimator {
     double correlation = 60;       // s, until it is where a hand rests
     double lag = 0.01;             // s, of the wrench behind the pose
     double lag_deviation = 0.005;  // s, uncertainty of that: a moving hand's wrench counts less
-    double gate = 40;              // normalised square of a hand's innovation that is not believed
-    int suspicions = 3;            // in a row, before a contact is looked for
-    bool contacts = true;          // whether pushes are looked for
-    double rest_distance = 3e-4;   // m, and ten times it in rad: within it a hand rests,
-    double rest_recently = 5e-5;   // m, and so on: and within this of where it was 0.1 s before
+    /// kg of the hand that the sensor's model may have wrong, or late: while a hand accelerates its
+    /// wrench counts less. A fifth of a hand of 5 kg.
+    double payload_error = 1;
+    double gate = 40;             // normalised square of a hand's innovation that is not believed
+    int suspicions = 3;           // in a row, before a contact is looked for
+    bool contacts = true;         // whether pushes are looked for
+    double rest_distance = 3e-4;  // m, and ten times it in rad: within it a hand rests,
+    double rest_recently = 5e-5;  // m, and so on: and within this of where it was 0.1 s before
     double rest = 0.3;  // s of rest, after which a change of the wrench is somebody else's
   };
 
@@ -80,9 +83,10 @@ class PoseWrenchFilter : public Estimator {
     math::Vector6d sum = math::Vector6d::Zero();
     int count = 0;
     math::Pose X_OG_before = math::Pose::Identity();
-    math::Vector6d speed = math::Vector6d::Zero();     // m/s, rad/s, as late as the wrench
-    math::Pose X_OG_rest = math::Pose::Identity();     // of the hand, where it came to rest
-    math::Vector6d off_rest = math::Vector6d::Zero();  // from there, of late (m, rad)
+    math::Vector6d speed = math::Vector6d::Zero();         // m/s, rad/s, as late as the wrench
+    math::Vector6d acceleration = math::Vector6d::Zero();  // m/s^2, rad/s^2, of the last 50 ms
+    math::Pose X_OG_rest = math::Pose::Identity();         // of the hand, where it came to rest
+    math::Vector6d off_rest = math::Vector6d::Zero();      // from there, of late (m, rad)
     math::Vector6d reaction_deviation = math::Vector6d::Constant(-1);
     bool known = false;
     /// What the next wrenches can tell: 1 a whole one's worth, 0 nothing that is not told already.
@@ -113,6 +117,7 @@ class PoseWrenchFilter : public Estimator {
                                  const elasticity::DeformationModel& model) const noexcept;
   void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
                       double dt) noexcept;
+  Eigen::Vector2d inertial_error(const Hand& hand) const noexcept;
   math::Vector6d wrench_variance(int grasp, WrenchFilter::Rows H) const noexcept;
   Eigen::Vector2d size_of_wrench(int grasp, const WrenchFilter::Rows& H,
                                  const math::Vector6d& y) const noexcept;

@@ -58,6 +58,14 @@ Eigen::Vector2d PoseWrenchFilter::size_of_wrench(int grasp, const WrenchFilter::
           std::sqrt(wrench.tail<3>().squaredNorm() + left.tail<3>().sum())};
 }
 
+/// N, N m, deviation of what an accelerated hand's own mass leaves in its wrench.
+Eigen::Vector2d PoseWrenchFilter::inertial_error(const Hand& hand) const noexcept {
+  constexpr double kReach = 0.2;  // m, from a grasp to the hand's mass
+  const double force = options_.payload_error * (hand.acceleration.head<3>().norm() +
+                                                 kReach * hand.acceleration.tail<3>().norm());
+  return {force, kReach * force};
+}
+
 PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     const elasticity::DeformationModel& model) noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
@@ -89,10 +97,11 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
     const double force = lasting * size[0];
     const double torque = lasting * size[1] + lever_[g] * force;
-    result.R.diagonal().segment<3>(row).setConstant(options_.force * options_.force +
-                                                    force * force);
-    result.R.diagonal().segment<3>(row + 3).setConstant(options_.torque * options_.torque +
-                                                        torque * torque);
+    const Eigen::Vector2d inertial = inertial_error(hand);
+    result.R.diagonal().segment<3>(row).setConstant(
+        Eigen::Vector3d(options_.force, force, inertial[0]).squaredNorm());
+    result.R.diagonal().segment<3>(row + 3).setConstant(
+        Eigen::Vector3d(options_.torque, torque, inertial[1]).squaredNorm());
     result.R.block<6, 6>(row, row) += late * late.transpose();
     hand.sum.setZero();
     hand.count = 0;

@@ -176,6 +176,11 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
                    "uncertainty of that: the wrench of a moving hand counts less"},
                   {0.01, 1e3}, options.lag_deviation * 1e3) *
       1e-3;
+  options.payload_error = node.number(
+      {"payload_error", "kg",
+       "of the hand that the sensor's model may have wrong, or late: the wrench of a hand that "
+       "accelerates counts less"},
+      {0, 1000}, options.payload_error);
   options.contacts =
       node.flag({"unknown_contacts", "", "whether pushes that nothing measures are looked for"},
                 options.contacts);
