@@ -116,7 +116,7 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
-    alarm(60);
+    alarm(60 * PALPATE_SLOWNESS);
     _exit(run_daemon(of, urls));
   }
   const faults::Recording recording = faults::record_loop(kTicks);
