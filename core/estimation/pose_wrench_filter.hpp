@@ -40,7 +40,7 @@ class PoseWrenchFilter : public Estimator {
     /// the truth at 1 mm.
     double shape = 5e-3;
     double fade = 0.15;     // s, in which what was seen comes into the shape
-    double period = 0.01;   // s, between two wrenches that the filter takes
+    double period = 0.007;  // s, between two wrenches that the filter takes
     double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
@@ -127,6 +127,7 @@ class PoseWrenchFilter : public Estimator {
   void correct(const Innovation& innovation) noexcept;
   void follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
               WrenchFilter::Vector change) noexcept;
+  int wrenches_in(double seconds) const noexcept;  // at least one
   bool is_settled(const Innovation& innovation) const noexcept;
   void remember(const Innovation& innovation) noexcept;
   void settle() noexcept;

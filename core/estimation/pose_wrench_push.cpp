@@ -7,11 +7,11 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kRecent = 0.2;   // weight of a new wrench in the mean of late
-constexpr int kEnough = 80;       // wrenches at rest, before a change of them tells of a push
+constexpr double kRestFirst = 0.8;  // s, before a change of the wrench tells of a push
+constexpr double kOfLate = 0.05;    // s, of the mean of late
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
-constexpr double kFaint = 1.5;    // and, of the usual noise, of one that is hardly any
+constexpr double kFaint = 6;      // and, of the usual noise, of one that is hardly any
 constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
 }  // namespace
@@ -27,7 +27,7 @@ void PoseWrenchFilter::load_with_unknown(elasticity::DeformationModel& model) co
 /// From where it came to rest, then that is where it is now; or of late. What a hand that sets
 /// about to move does to its wrench is no push.
 bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) noexcept {
-  constexpr double kOfLate = 0.1;  // s
+  constexpr double kSettles = 0.1;  // s
   constexpr double kTurn = 10;     // rad/m
   if (!input.X_OG.matrix().allFinite()) return false;
   Hand& hand = hands_[grasp];
@@ -43,18 +43,22 @@ bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) 
     hand.off_rest.setZero();
     return true;
   }
-  hand.off_rest += std::min(1.0, dt / kOfLate) * (off - hand.off_rest);
+  hand.off_rest += std::min(1.0, dt / kSettles) * (off - hand.off_rest);
   return is_beyond(off - hand.off_rest, options_.rest_recently);
 }
 
+int PoseWrenchFilter::wrenches_in(double seconds) const noexcept {
+  return std::max(1, static_cast<int>(std::lround(seconds / options_.period)));
+}
+
 bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
-  return at_rest_count_ >= kEnough && at_rest_held_ == now.held;
+  return at_rest_count_ >= wrenches_in(kRestFirst) && at_rest_held_ == now.held;
 }
 
 void PoseWrenchFilter::remember(const Innovation& now) noexcept {
   latest_ = now.y;
   if (at_rest_count_ > 0 && at_rest_held_ == now.held) {
-    recent_ += kRecent * (now.y - recent_);
+    recent_ += (now.y - recent_) / wrenches_in(kOfLate);
     return;
   }
   at_rest_ = recent_ = now.y;
@@ -65,8 +69,8 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
 
 /// Learns how the wrenches are while nothing happens, and how they spread.
 void PoseWrenchFilter::settle() noexcept {
-  constexpr int kMost = 200;
-  at_rest_count_ = std::min(at_rest_count_ + 1, kMost);
+  constexpr double kLongest = 2;  // s, of the means
+  at_rest_count_ = std::min(at_rest_count_ + 1, wrenches_in(kLongest));
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
   at_rest_noise_ += ((latest_ - at_rest_).cwiseAbs2() - at_rest_noise_) / at_rest_count_;
@@ -80,9 +84,10 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) con
   result.y = recent_ - at_rest_;
   result.H.leftCols(filter_.contact()).setZero();
   result.R.setZero();
+  const double mean_of = 2.0 * wrenches_in(kOfLate) - 1;  // as many wrenches, all alike
   for (int row = 0; row < result.y.size(); ++row) {
     const double noise = row % 6 < 3 ? options_.force : options_.torque;
-    result.R(row, row) = std::max(kRecent / (2 - kRecent) * noise * noise, at_rest_spread_[row]);
+    result.R(row, row) = std::max(noise * noise / mean_of, at_rest_spread_[row]);
   }
   return result;
 }
@@ -123,12 +128,12 @@ void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
 
 /// Into the mean of what the wrenches have changed by, the contact that is known not counted.
 void PoseWrenchFilter::add_unexplained(const WrenchFilter::Wrenches& change) noexcept {
-  constexpr int kMost = 50;
+  constexpr double kLongest = 0.5;  // s, of the mean
   if (unexplained_count_ == 0 || unexplained_.size() != change.size()) {
     unexplained_count_ = 0;
     unexplained_ = change;
   }
-  unexplained_count_ = std::min(unexplained_count_ + 1, kMost);
+  unexplained_count_ = std::min(unexplained_count_ + 1, wrenches_in(kLongest));
   unexplained_ += (change - unexplained_) / unexplained_count_;
 }
 
@@ -157,9 +162,10 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   faint_ = is_faint(pushed);
   gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
   if (gone_) return;
-  constexpr int kLookAgain = 10;
-  const bool look = suspicions_ >= kSuddenInARow ||
-                    (believed && weak_for_ == 0 && unexplained_count_ % kLookAgain == 0);
+  constexpr double kLookAgain = 0.1;  // s
+  const bool look =
+      suspicions_ >= kSuddenInARow ||
+      (believed && weak_for_ == 0 && unexplained_count_ % wrenches_in(kLookAgain) == 0);
   if (look && !search_.is_searching())
     search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
 }
@@ -235,7 +241,7 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
       suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
   const bool weak = faint_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
-  const bool forgotten = at_rest_count_ < kEnough;  // which hands tell has changed
+  const bool forgotten = at_rest_count_ < wrenches_in(kRestFirst);  // which hands tell has changed
   if (weak_for_ >= kFadesIn || gone_ || forgotten) drop_contact(model);
 }
 
