@@ -4,8 +4,11 @@
 
 #include <unistd.h>
 
+#include <iostream>
 #include <random>
 
+#include "core/math/rigid.hpp"
+#include "core/sensing/accelerometer_offset.hpp"
 #include "core/sensing/recurrent_network.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "rt/inference/model_file.hpp"
@@ -125,6 +128,86 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
   }
   // Means of gravity in turning axes are not quite gravity in mean axes.
   EXPECT_LT(largest, 2e-3);
+}
+
+/// What a moving wrist's accelerometer reads beyond the robot's own account of its motion, in S,
+/// n x 3, m/s^2, and the lever from the robot's point to the accelerometer taken out.
+struct WristMotion {
+  explicit WristMotion(const SensorTrack& track) {
+    const auto columns = [&](const char* first) {
+      return Eigen::MatrixX3d(track.input.middleCols<3>(sensing::observer_input_index(first)));
+    };
+    const Eigen::MatrixX3d gravity = columns("gravity_x"), rate = columns("rate_S_x"),
+                           change = columns("rate_change_S_x"), velocity = columns("velocity_x"),
+                           orientation = columns("orientation_x");
+    acceleration = columns("acceleration_x") + 9.81 * gravity;
+    const Eigen::Index n = acceleration.rows();
+    const int w = sensing::observer_input_index("orientation_w");
+    Eigen::MatrixXd by_lever = Eigen::MatrixXd::Zero(3 * n, 6);
+    Eigen::VectorXd beyond = Eigen::VectorXd::Zero(3 * n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+      const Eigen::Quaterniond q(track.input(k, w), orientation(k, 0), orientation(k, 1),
+                                 orientation(k, 2));
+      velocities.push_back(
+          {track.time[k], velocity.row(k).transpose(), q.normalized().toRotationMatrix()});
+      const Eigen::Matrix3d cross = math::cross_matrix(rate.row(k).transpose());
+      by_lever.middleRows<3>(3 * k).leftCols<3>() =
+          math::cross_matrix(change.row(k).transpose()) + cross * cross;
+      by_lever.middleRows<3>(3 * k).rightCols<3>().setIdentity();
+      if (k == 0) continue;
+      const double dt = track.time[k] - track.time[k - 1];
+      beyond.segment<3>(3 * k) = acceleration.row(k).transpose() -
+                                 velocities.back().R_WS.transpose() *
+                                     (velocity.row(k) - velocity.row(k - 1)).transpose() / dt;
+    }
+    const Eigen::VectorXd found = by_lever.colPivHouseholderQr().solve(beyond);
+    for (Eigen::Index k = 0; k < n; ++k)
+      acceleration.row(k) -=
+          (by_lever.middleRows<3>(3 * k).leftCols<3>() * found.head<3>()).transpose();
+    offset_S = found.tail<3>();
+  }
+
+  /// RMS over the first second from row `begin`, m/s^2, of the offset that is followed from there.
+  double error(Eigen::Index begin, bool by_velocity) const {
+    sensing::AccelerometerOffset offset(5);
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = static_cast<std::size_t>(begin); k + 1 < velocities.size(); ++k) {
+      sensing::AccelerometerOffset::Velocity velocity = velocities[k];
+      const double since = velocity.time - velocities[static_cast<std::size_t>(begin)].time;
+      if (since > 1) break;
+      if (!by_velocity) velocity.linear.setZero();
+      const double step = velocities[k + 1].time - velocity.time;
+      offset.follow(acceleration.row(static_cast<Eigen::Index>(k)).transpose(), step, velocity);
+      if (since < 0.1) continue;
+      sum += (offset.value_S() - offset_S).squaredNorm();
+      ++count;
+    }
+    return std::sqrt(sum / count);
+  }
+
+  std::vector<sensing::AccelerometerOffset::Velocity> velocities;
+  Eigen::MatrixX3d acceleration;
+  Eigen::Vector3d offset_S;
+};
+
+TEST(RealWrist, TheRobotsVelocityTellsMotionFromAnOffset) {
+  PALPATE_REQUIRE_RECORDING("ft_imu_panda");
+  double plain = 0, by_velocity = 0;
+  int count = 0;
+  for (const SensorRecording& recording :
+       read_sensor_folder(support::recordings() / "ft_imu_panda").recordings) {
+    const WristMotion motion(make_track(recording));
+    const Eigen::Index n = motion.acceleration.rows();
+    for (Eigen::Index begin = 0; begin < n * 3 / 4; begin += n / 8, ++count) {
+      plain += motion.error(begin, false);
+      by_velocity += motion.error(begin, true);
+    }
+  }
+  std::cout << "offset off in the first second after a start in motion: plain mean "
+            << plain / count << " m/s^2, by the robot's velocity " << by_velocity / count << "\n";
+  ASSERT_GT(count, 8);
+  EXPECT_LT(by_velocity, 0.6 * plain);
 }
 
 }  // namespace
