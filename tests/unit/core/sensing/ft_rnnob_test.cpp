@@ -6,21 +6,13 @@
 #include <cmath>
 
 #include "tests/unit/core/sensing/scripted_executor.hpp"
+#include "tests/unit/core/sensing/wrist_signals.hpp"
 
 namespace palpate::sensing {
 namespace {
 
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 const Eigen::Vector3d kContact(0.5, -1, 2);  // N, on the object
-
-template <class T, int kCapacity>
-void feed(Stream<T, kCapacity>& stream, const T& sample) {
-  stream.freshness = Freshness::kNew;
-  stream.age = 0;
-  stream.latest = sample;
-  stream.fresh_count = 1;
-  stream.fresh[0] = sample;
-}
 
 /// A sensor that turns about y and is shaken, 1 kHz; readings and inertial samples come late.
 class FtRnnobTest : public ::testing::Test {
