@@ -38,6 +38,8 @@ class Part:
         runs = of(self.runs, application=task) if task else self.runs
         rows = []
         for level in self.levels:
+            if not at and (own, level) in {base[:2] for base in self.baselines}:
+                continue  # that is told by the other one
             ours = of(runs, method=own, level=at or level)
             for method in self.methods:
                 if method == own and level == (at or level):
