@@ -69,6 +69,7 @@ void PoseWrenchFilter::reset() noexcept {
   suspicions_ = 0;
   place_ = -1;
   weak_for_ = 0;
+  since_contact_ = kLongAgo;
   unexplained_count_ = 0;
   sudden_ = 0;
   gone_ = false;

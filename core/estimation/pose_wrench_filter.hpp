@@ -101,6 +101,7 @@ class PoseWrenchFilter : public Estimator {
   };
 
   static constexpr double kPatience = 2;   // s, with a change that nothing explains
+  static constexpr double kLongAgo = 1e3;  // s
   static constexpr double kTelling = 0.2;  // s, in which what is new is told
 
   WrenchFilter::ShapeState applied() const noexcept;  // what the shape follows at present
@@ -175,6 +176,7 @@ class PoseWrenchFilter : public Estimator {
   int sudden_ = 0;                      // changes in a row that are far beyond the noise
   bool faint_ = false;                  // the contact: its share of the wrenches hardly stands out
   bool gone_ = false;                   // the contact: the wrenches are as at rest
+  double since_contact_ = kLongAgo;     // s since one has gone
   double weak_for_ = 0;                 // s that the contact's force has not stood out
   WrenchFilter::Wrenches unexplained_;  // change without the contact, mean since it began
   int unexplained_count_ = 0;

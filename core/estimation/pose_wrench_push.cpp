@@ -11,6 +11,8 @@ constexpr double kRestFirst = 0.8;  // s, before a change of the wrench tells of
 constexpr double kOfLate = 0.05;    // s, of the mean of late
 constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
 constexpr int kSuddenInARow = 2;  // and so often in a row not within years
+constexpr double kWary = 8;       // and this many times more just after a push has gone,
+constexpr double kWaryFor = 0.3;  // s, while the object swings and the pads slide back
 constexpr double kFaint = 6;      // and, of the usual noise, of one that is hardly any
 constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
 
@@ -28,7 +30,7 @@ void PoseWrenchFilter::load_with_unknown(elasticity::DeformationModel& model) co
 /// about to move does to its wrench is no push.
 bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) noexcept {
   constexpr double kSettles = 0.1;  // s
-  constexpr double kTurn = 10;     // rad/m
+  constexpr double kTurn = 10;      // rad/m
   if (!input.X_OG.matrix().allFinite()) return false;
   Hand& hand = hands_[grasp];
   math::Pose& rest = hand.X_OG_rest;
@@ -114,8 +116,10 @@ void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
   Innovation now = changed;
   now.y = latest_ - at_rest_;
   now.R = noise(WrenchFilter::Wrenches::Zero(now.y.size()), 1);
-  const bool sudden = filter_.test(now.H, now.y, now.R) > kSudden / 6 * rows;
-  const bool lasting = filter_.test(changed.H, changed.y, changed.R) > options_.gate / 6 * rows;
+  const double wary = 1 + kWary * std::exp(-since_contact_ / kWaryFor);
+  const bool sudden = filter_.test(now.H, now.y, now.R) > wary * kSudden / 6 * rows;
+  const bool lasting =
+      filter_.test(changed.H, changed.y, changed.R) > wary * options_.gate / 6 * rows;
   sudden_ = sudden ? sudden_ + 1 : 0;
   suspicions_ = sudden || lasting ? suspicions_ + 1 : 0;
   if (suspicions_ <= 1) unexplained_count_ = 0;
@@ -209,6 +213,7 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   place_ = -1;
   gone_ = false;
   suspicions_ = sudden_ = unexplained_count_ = 0;
+  since_contact_ = 0;
 }
 
 /// The prediction follows a change of the force at once.
@@ -231,6 +236,7 @@ void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
 
 void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
                                      double dt) noexcept {
+  since_contact_ += dt;
   if (!filter_.has_contact()) return;
   constexpr double kStandsOut = 3;  // deviations
   constexpr double kFadesIn = 0.3;  // s
