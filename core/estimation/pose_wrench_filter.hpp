@@ -40,7 +40,7 @@ class PoseWrenchFilter : public Estimator {
     /// the truth at 1 mm.
     double shape = 5e-3;
     double fade = 0.15;     // s, in which what was seen comes into the shape
-    double period = 0.007;  // s, between two wrenches that the filter takes
+    double period = 0.01;   // s, between two wrenches that the filter takes
     double force = 0.03;    // N, deviation of a wrench taken; of the model's error, too
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may

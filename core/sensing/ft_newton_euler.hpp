@@ -29,7 +29,7 @@ class FtNewtonEuler : public SensorModel {
     /// smoothed. The noise of an accelerometer times the mass of a hand of 5 kg is six times that
     /// of a good force sensor, and would hide there what touches the object. 0: never.
     double rest_speed = 0;
-    double rest_smoothing = 0.5;  // s
+    double rest_smoothing = 0.1;  // s
     /// m/s^2 beyond what is smoothed: a hand that sets off is not at rest, though it is still slow.
     double rest_acceleration = 0.15;
     double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope

@@ -29,7 +29,7 @@ std::unique_ptr<sensing::SensorModel> make_newton_euler(const config::Node& node
   options.rest_speed = node.number(
       {"rest_speed", "m/s",
        "of the flange, and rad/s over 0.3 m: where it is slower the accelerations that IMU tells "
-       "are smoothed over 0.5 s; 0: nowhere"},
+       "are smoothed over 0.1 s; 0: nowhere"},
       {0, 1}, options.rest_speed);
   options.rest_acceleration = node.number(
       {"rest_acceleration", "m/s^2",
