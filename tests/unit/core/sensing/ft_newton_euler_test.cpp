@@ -233,7 +233,7 @@ TEST(FtNewtonEuler, SmoothsTheAccelerometersNoiseWhileTheHandRests) {
   };
   const Eigen::Array2d rests = spreads(Eigen::Vector3d::Zero());
   EXPECT_NEAR(rests[1], 0.03 * hand.options.payload.mass, 0.01 * hand.options.payload.mass);
-  EXPECT_LT(rests[0], 0.1 * rests[1]);  // of white noise sqrt(1 ms / 1 s) = 0.03 is left
+  EXPECT_LT(rests[0], 0.1 * rests[1]);  // of white noise sqrt(1 ms / 0.2 s) = 0.07 is left
   const Eigen::Array2d moves = spreads(Eigen::Vector3d(0, 3e-3, 0));
   EXPECT_NEAR(moves[0], moves[1], 0.01 * moves[1]) << "as without it";
 }
