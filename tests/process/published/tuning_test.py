@@ -6,6 +6,7 @@ tuning_test.py BIN_FOLDER SOURCE_FOLDER
 import csv
 import json
 import pathlib
+import statistics
 import subprocess
 import sys
 import tempfile
@@ -56,8 +57,8 @@ tasks:
       kind: force
       scene: {folder}/scene.yaml
       configuration: rt/config/examples/bar_long_soft.yaml
-      mismatch_file: tools/evaluate/published_sensing_vision.yaml
-      mismatch: [noisy vision]
+      mismatch_file: tools/evaluate/published_sensing_tuning_vision.yaml
+      mismatch: [told right, told wrong]
       seeds: [101]
     methods:
       spline: {{estimation.controls: [4, 9, whole], estimation.memory: [0.01, 1000]}}
@@ -151,11 +152,24 @@ class Tuning(unittest.TestCase):
         self.assertEqual([(row["method"], row["trial"]) for row in self.rows()],
                          [("spline", "0"), ("spline", "1"), ("pose", "0")])
         self.check_best("spline", yaml.safe_load(SENSING_METHODS)["spline"])
+        self.check_scores_are_the_mean_over_levels()
         self.assertRegex(self.rows()[1]["parameters"], r"^estimation\.controls=[4-9]; estimation\.memory=")
         self.write("methods.yaml", SENSING_METHODS.replace("controls: 5", "controls: none"))
         code, said = self.tune("--trials", "1")
         self.assertEqual(code, 0, said)
         self.assertEqual((self.rows()[0]["failed"], float(self.rows()[0]["score"])), ("True", 100))
+
+    def check_scores_are_the_mean_over_levels(self):
+        errors = {}
+        for file in (self.path / "out/task1").glob("*/result.json"):
+            result = json.loads(file.read_text(encoding="utf-8"))
+            level = statistics.fmean(state["mean_mm"] for state in result["states"])
+            errors.setdefault(result["job"]["method"], []).append(level)
+        for row in self.rows():
+            levels = errors[f"{row['method']} #{row['trial']}"]
+            self.assertEqual(len(levels), 2)
+            self.assertAlmostEqual(float(row["score"]), statistics.fmean(levels), 3)
+            self.assertEqual(len(row["hash"].split()), 2)
 
     def test_what_is_wrong_is_said(self):
         self.write("tuning.yaml", CONTROL.format(folder=self.path).replace("rigidity:", "rigour:", 1))
