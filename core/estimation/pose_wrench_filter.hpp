@@ -45,7 +45,7 @@ class PoseWrenchFilter : public Estimator {
     double torque = 0.003;  // N m
     /// Of the predicted wrench, and of its force at the object's middle: what the model itself may
     /// be wrong by. It is the same until the hand is elsewhere, however many wrenches are taken.
-    double relative = 0.2;
+    double relative = 0.15;
     double way = 0.2;              // m, or
     double turn = 1;               // rad, that a hand goes until that error is another one;
     double correlation = 60;       // s, until it is where a hand rests

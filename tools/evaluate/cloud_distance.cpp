@@ -65,6 +65,31 @@ class SurfaceTree {
   mutable std::vector<std::pair<Eigen::Index, double>> found_;
 };
 
+double longest_side(const camera::TriangleMesh& surface, Eigen::Index triangle) {
+  const auto corners = surface.triangles.col(triangle);
+  double longest = 0;
+  for (int i = 0; i < 3; ++i)
+    longest = std::max(
+        longest,
+        (surface.points.col(corners[i]) - surface.points.col(corners[(i + 1) % 3])).norm());
+  return longest;
+}
+
+/// An estimate that has burst is metres wide: it is as wrong by fewer samples.
+double affordable_spacing(const camera::TriangleMesh& surface, double spacing) {
+  constexpr double kMost = 5e5;
+  if (!surface.points.allFinite())
+    throw std::invalid_argument("a surface has points that are not finite");
+  double count = 0;
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const double parts = longest_side(surface, t) / spacing;
+    count += parts * parts;
+  }
+  if (!std::isfinite(count))
+    throw std::invalid_argument("a surface has points that are not finite");
+  return spacing * std::max(1.0, std::sqrt(count / kMost));
+}
+
 }  // namespace
 
 DistanceSummary summarise_distances(const Eigen::VectorXd& distances,
@@ -101,14 +126,15 @@ Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
 
 SurfaceSamples sample_surface(const camera::TriangleMesh& surface, double spacing) {
   if (!(spacing > 0)) throw std::invalid_argument("samples of a surface need a positive spacing");
+  spacing = affordable_spacing(surface, spacing);
   std::vector<Eigen::Vector3d> points;
   std::vector<double> weights;
-  for (const auto& triangle : surface.triangles.colwise()) {
+  for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
+    const auto triangle = surface.triangles.col(t);
     const Eigen::Vector3d a = surface.points.col(triangle[0]);
     const Eigen::Vector3d ab = surface.points.col(triangle[1]) - a;
     const Eigen::Vector3d ac = surface.points.col(triangle[2]) - a;
-    const double longest = std::max({ab.norm(), ac.norm(), (ac - ab).norm()});
-    const int n = std::max(1, static_cast<int>(std::ceil(longest / spacing)));
+    const int n = std::max(1, static_cast<int>(std::ceil(longest_side(surface, t) / spacing)));
     const double area = 0.5 * ab.cross(ac).norm() / (double(n) * n);
     const auto add = [&](double u, double v) {
       points.push_back(a + (u * ab + v * ac) / n);

@@ -28,7 +28,8 @@ Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
 
 /// Points spread over a surface: the centroids of equal parts of each triangle, none with a side
 /// above `spacing`, weighted by their area, and then the corners with weight 0. No point of the
-/// surface is farther than 2/3 `spacing` from a sample.
+/// surface is farther than 2/3 `spacing` from a sample. Where that were more than half a million
+/// samples the spacing is as much wider. Throws std::invalid_argument where a point is not finite.
 struct SurfaceSamples {
   Eigen::Matrix3Xd points;
   Eigen::VectorXd weights;  // m^2

@@ -56,6 +56,16 @@ TEST(SurfaceSamples, CoverTheSurfaceAndWeighItsArea) {
   EXPECT_THROW(sample_surface(box, 0), std::invalid_argument);
 }
 
+TEST(SurfaceSamples, OfASurfaceThatHasBurstThereAreNoMoreThanCanBeScored) {
+  camera::TriangleMesh box = camera::make_box({3000, 2000, 1000});
+  const SurfaceSamples samples = sample_surface(box, 2.5e-3);
+  EXPECT_NEAR(samples.weights.sum(), 2 * (6 + 3 + 2) * 1e6, 1);
+  EXPECT_GT(samples.points.cols(), 1e5);
+  EXPECT_LT(samples.points.cols(), 1e6);
+  box.points(0, 0) = std::nan("");
+  EXPECT_THROW(sample_surface(box, 2.5e-3), std::invalid_argument);
+}
+
 TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
   // Triangles of very unequal size, so that the nearest one is seldom that of the nearest middle.
   math::Random random(5);
