@@ -56,8 +56,9 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   positive(options.slip.lever, "lever of friction");
   positive(options.slip.width, "width of a pinch");
   if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) ||
-      !(options.clearance_deviations >= 0) || !(options.pivot >= 0))
-    throw std::invalid_argument("pinch, clearance and pivot must not be negative");
+      !(options.clearance_deviations >= 0) || !(options.untold_deviation >= 0) ||
+      !(options.pivot >= 0))
+    throw std::invalid_argument("pinch, clearance, its deviations and pivot must not be negative");
   if (!(options.slip.sticking >= 0 && options.slip.sticking < 1))
     throw std::invalid_argument("the share of a pinch that sticks must be from 0 to below 1");
   if (!(options.slip.normal_G.norm() > 1e-6))
@@ -91,7 +92,8 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   if (options.stress > 0) stress_.emplace(*body, elasticity::Strain::kStress);
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
   if (!options.obstacles.empty())
-    obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles);
+    obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles,
+                       options.untold_deviation);
 }
 
 double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {

@@ -11,8 +11,10 @@ constexpr int kSteps = 3;  // along a curved face: the foot to a micrometre
 
 }  // namespace
 
-ObstacleGaps::ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles)
+ObstacleGaps::ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles,
+                           double untold)
     : obstacles_(std::move(obstacles)),
+      untold_(untold),
       nodes_(surface.nodes),
       matcher_(surface, kSteps),
       points_(kPoints * obstacles_.size()) {}
@@ -32,7 +34,7 @@ void ObstacleGaps::look(const Eigen::Matrix3Xd& positions,
       point.away_O =
           from_center > 1e-9 ? Eigen::Vector3d(way / from_center) : Eigen::Vector3d::UnitZ();
       point.gap = from_center - obstacle.radius;
-      point.deviation = 0;
+      point.deviation = node_deviation == nullptr ? untold_ : 0;
       for (int k = 0; node_deviation != nullptr && k < point.on.count; ++k)
         point.deviation = std::max<double>(
             point.deviation, (*node_deviation)[static_cast<std::size_t>(point.on.nodes[k])]);

@@ -24,10 +24,11 @@ class ObstacleGaps {
     estimation::SurfaceMatch on;
     Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // from the obstacle's centre, of length 1
     double gap = 0;                                     // m, from the ball to the point
-    double deviation = 0;  // m, of the point's place, the largest of its nodes; 0 where not told
+    double deviation = 0;  // m, of the point's place, the largest of its nodes
   };
 
-  ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles);
+  /// `untold`: m, what the deviation of a place is taken to be where none is told.
+  ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles, double untold);
 
   /// Of the object with these positions (3 x n, m). `node_deviation`: m, by node; nullptr: not
   /// told.
@@ -41,6 +42,7 @@ class ObstacleGaps {
                           Point* points) const noexcept;
 
   std::vector<Obstacle> obstacles_;
+  double untold_;
   std::vector<int> nodes_;  // of the surface
   estimation::SurfaceMatcher matcher_;
   std::vector<Point> points_;

@@ -75,11 +75,14 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
                                      {0, 0.9}, limits.strain_margin);
   limits.clearance =
       node.number({"clearance", "m", "kept from obstacles"}, {0, 1}, limits.clearance);
-  limits.clearance_deviations = node.number(
-      {"clearance_deviations", "",
-       "standard deviations of the estimated shape, where the estimation tells them, that are kept "
-       "beside the clearance"},
-      {0, 10}, limits.clearance_deviations);
+  limits.clearance_deviations =
+      node.number({"clearance_deviations", "",
+                   "standard deviations of the estimated shape that are kept beside the clearance"},
+                  {0, 10}, limits.clearance_deviations);
+  limits.untold_deviation =
+      node.number({"untold_deviation", "m",
+                   "what such a deviation is taken to be where the estimation tells none"},
+                  {0, 0.1}, limits.untold_deviation);
   limits.damper = node.number(
       {"damper", "1/s", "a limit is approached no faster than by this share of what is left"},
       {0.01, 1e3}, limits.damper);
