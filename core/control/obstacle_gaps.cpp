@@ -58,7 +58,7 @@ void ObstacleGaps::find_nearest_nodes(const Eigen::Matrix3Xd& positions, const O
     }
   }
   for (std::size_t k = 0; k < nearest.size(); ++k) {
-    estimation::SurfaceMatch& on = points[k].on;
+    contact::SurfaceMatch& on = points[k].on;
     on.count = 1;
     on.nodes[0] = nearest[k];
     on.weights[0] = 1;

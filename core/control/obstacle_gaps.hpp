@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "core/estimation/surface_match.hpp"
+#include "core/contact/surface_match.hpp"
 
 namespace palpate::control {
 
@@ -21,7 +21,7 @@ class ObstacleGaps {
   static constexpr int kPoints = 6;
 
   struct Point {
-    estimation::SurfaceMatch on;
+    contact::SurfaceMatch on;
     Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // from the obstacle's centre, of length 1
     double gap = 0;                                     // m, from the ball to the point
     double deviation = 0;  // m, of the point's place, the largest of its nodes
@@ -44,7 +44,7 @@ class ObstacleGaps {
   std::vector<Obstacle> obstacles_;
   double untold_;
   std::vector<int> nodes_;  // of the surface
-  estimation::SurfaceMatcher matcher_;
+  contact::SurfaceMatcher matcher_;
   std::vector<Point> points_;
 };
 

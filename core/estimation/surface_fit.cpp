@@ -101,7 +101,7 @@ void SurfaceFit::add_node(const Basis& basis, int node, double weight, NodeRows&
 
 void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
   const WrenchFilter& filter = *basis.filter;
-  const SurfaceMatch match = matcher_.find(p);
+  const contact::SurfaceMatch match = matcher_.find(p);
   if (match.count == 0 || match.normal.isZero(0)) return;
   if (edges_.is_near(match, options_.edge * deviation_)) {
     ++edge_count_;

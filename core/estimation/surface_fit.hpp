@@ -1,9 +1,9 @@
 #pragma once
 
+#include "core/contact/surface_edges.hpp"
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/patch_motion.hpp"
 #include "core/estimation/shape_history.hpp"
-#include "core/estimation/surface_edges.hpp"
 #include "core/estimation/virtual_loads.hpp"
 
 namespace palpate::estimation {
@@ -75,8 +75,8 @@ class SurfaceFit {
   void close_message() noexcept;
 
   Options options_;
-  SurfaceMatcher matcher_;
-  SurfaceEdges edges_;
+  contact::SurfaceMatcher matcher_;
+  contact::SurfaceEdges edges_;
   ShapeHistory::Moment moment_;
   ObservationInput::Points points_;
   Eigen::Index next_ = 0;

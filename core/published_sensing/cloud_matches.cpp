@@ -33,7 +33,7 @@ bool CloudMatches::advance(const Eigen::Matrix3Xd& positions) noexcept {
   for (; next_ < end; ++next_) {
     const Eigen::Vector3d p = points_.col(next_);
     if (!p.allFinite()) continue;
-    const estimation::SurfaceMatch place = matcher_.find(p);
+    const contact::SurfaceMatch place = matcher_.find(p);
     if (place.count == 0 || !(place.distance <= reach_)) continue;
     found_[found_count_++] = {place, p};
     squared_ += place.distance * place.distance;

@@ -1,13 +1,13 @@
 #pragma once
 
+#include "core/contact/surface_match.hpp"
 #include "core/estimation/estimator.hpp"
-#include "core/estimation/surface_match.hpp"
 
 namespace palpate::published_sensing {
 
 /// A point that was seen, and the place of the surface that was nearest to it.
 struct CloudMatch {
-  estimation::SurfaceMatch place;
+  contact::SurfaceMatch place;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, in O
 
   /// Of the place's nodes, positions or velocities.
@@ -40,7 +40,7 @@ class CloudMatches {
 
  private:
   using Matches = std::array<CloudMatch, estimation::ObservationInput::kMostPoints>;
-  estimation::SurfaceMatcher matcher_;
+  contact::SurfaceMatcher matcher_;
   double reach_;
   int points_per_tick_;
   estimation::ObservationInput::Points points_;

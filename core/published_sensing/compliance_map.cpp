@@ -113,7 +113,7 @@ sensing::UpdateResult ComplianceMap::update(const estimation::EstimationInputs& 
     Vector3d force = Vector3d::Zero();
     for (const contact::NodalLoad& load : touch.loads)
       if (estimation::is_valid(load, model.body().mesh.node_count())) force += load.force;
-    const estimation::SurfaceMatch place = matcher_.find(touch.location);
+    const contact::SurfaceMatch place = matcher_.find(touch.location);
     const double pressed = -place.normal.dot(force);
     if (place.count == 0 || !(pressed > options_.least_force)) continue;
     const double depth = place.normal.dot(place.position - touch.location);

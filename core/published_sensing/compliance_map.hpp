@@ -1,8 +1,8 @@
 #pragma once
 
+#include "core/contact/surface_match.hpp"
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/step_watch.hpp"
-#include "core/estimation/surface_match.hpp"
 
 namespace palpate::published_sensing {
 
@@ -84,7 +84,7 @@ class ComplianceMap final : public estimation::Estimator {
  private:
   Options options_;
   ComplianceProcess process_;
-  estimation::SurfaceMatcher matcher_;
+  contact::SurfaceMatcher matcher_;
   Eigen::Matrix3Xd rest_, shape_, still_;
   std::vector<int> fixed_;
   double since_ = 0;  // s

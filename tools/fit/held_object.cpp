@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/estimation/surface_match.hpp"
+#include "core/contact/surface_match.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -306,12 +306,12 @@ void HeldObject::predict_markers(const State& state, int sample, const Equilibri
 /// Distances change as the nearest point of the surface moves towards the seen one.
 void HeldObject::predict_cloud(const State& state, int sample, const Equilibrium& found,
                                Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const {
-  estimation::SurfaceMatcher matcher(cell_.object.surface, kFootSteps);
+  contact::SurfaceMatcher matcher(cell_.object.surface, kFootSteps);
   matcher.take(found.positions);
   int row = first_row_[sample];
   for (Eigen::Index i = 0; i < seen_[sample].cols(); ++i, ++row) {
     const Vector3d p = seen_[sample].col(i);
-    const estimation::SurfaceMatch match = matcher.find(p);
+    const contact::SurfaceMatch match = matcher.find(p);
     const Vector3d gap = p - match.position;
     const double side = gap.dot(match.normal) < 0 ? -1 : 1;
     prediction[row] = side * match.distance;

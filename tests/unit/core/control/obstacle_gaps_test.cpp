@@ -59,7 +59,7 @@ TEST_P(BentBar, TellsTheLargestDeviationOfItsNodes) {
   ObstacleGaps gaps(surface_, {{{0.235, 0.021, 0.13}, 0.03}}, 0.1);
   std::vector<float> deviation(static_cast<std::size_t>(mesh_.node_count()), 1e-4F);
   gaps.look(x_, nullptr);
-  const estimation::SurfaceMatch& on = gaps.points()[0].on;
+  const contact::SurfaceMatch& on = gaps.points()[0].on;
   deviation[static_cast<std::size_t>(on.nodes[1])] = 2e-3F;
   const palpate::loop::NoAllocationScope scope;
   gaps.look(x_, &deviation);

@@ -1,4 +1,4 @@
-#include "core/estimation/surface_match.hpp"
+#include "core/contact/surface_match.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -6,7 +6,7 @@
 
 #include "core/contact/surface_search.hpp"
 
-namespace palpate::estimation {
+namespace palpate::contact {
 namespace {
 
 using Eigen::Vector3d;
@@ -90,9 +90,9 @@ void SurfaceMatcher::look_closely(int index, const Vector3d& p, Place& best) con
   for (int part = 0; part < parts; ++part) {
     const int whole[3] = {0, 1, 2};
     const int* corners = parts == 4 ? kParts[part] : whole;
-    const contact::SurfacePoint found = contact::closest_point_on_triangle(
-        p, x.col(face.nodes[corners[0]]), x.col(face.nodes[corners[1]]),
-        x.col(face.nodes[corners[2]]));
+    const SurfacePoint found =
+        closest_point_on_triangle(p, x.col(face.nodes[corners[0]]), x.col(face.nodes[corners[1]]),
+                                  x.col(face.nodes[corners[2]]));
     const double squared = found.distance * found.distance;
     if (!(squared < best.squared)) continue;
     best.squared = squared;
@@ -138,4 +138,4 @@ SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noe
   return match;
 }
 
-}  // namespace palpate::estimation
+}  // namespace palpate::contact

@@ -1,14 +1,13 @@
-#include "core/estimation/surface_match.hpp"
+#include "core/contact/surface_match.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
+#include "core/contact/surface_edges.hpp"
 #include "core/contact/surface_search.hpp"
-#include "core/estimation/surface_edges.hpp"
-#include "tests/unit/core/estimation/rigid_model.hpp"
 
-namespace palpate::estimation {
+namespace palpate::contact {
 namespace {
 
 using Eigen::Vector3d;
@@ -22,7 +21,7 @@ Vector3d arc(const Vector3d& p, double radius) {
 class SurfaceMatchTest : public ::testing::Test {
  protected:
   void bend(mesh::ElementOrder order, double radius) {
-    mesh_ = testing::held_bar({10, 1, 1}, order).mesh;
+    mesh_ = mesh::make_element_mesh(mesh::make_box({0.5, 0.06, 0.06}, {10, 1, 1}), order);
     rest_ = mesh_.nodes;
     surface_ = mesh::extract_surface(mesh_);
     for (int i = 0; i < mesh_.node_count(); ++i) mesh_.nodes.col(i) = arc(rest_.col(i), radius);
@@ -52,9 +51,8 @@ TEST_F(SurfaceMatchTest, CurvedFacesFollowAnArcThatFlatOnesCut) {
     EXPECT_GT(match.normal.dot(normal), 0.999);
     worst = std::max(worst, std::abs(match.normal.dot(p - match.position) - distance));
     worst_flat = std::max(
-        worst_flat,
-        std::abs(contact::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance -
-                 std::abs(distance)));
+        worst_flat, std::abs(closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance -
+                             std::abs(distance)));
     Vector3d interpolated = Vector3d::Zero(), weights = Vector3d::Zero();
     for (int k = 0; k < match.count; ++k) {
       interpolated += match.weights[k] * mesh_.nodes.col(match.nodes[k]);
@@ -74,8 +72,7 @@ TEST_F(SurfaceMatchTest, OnFlatFacesItFindsWhatAnExhaustiveSearchFinds) {
   for (int i = 0; i < 300; ++i) {
     const Vector3d p(somewhere(random), somewhere(random), somewhere(random));
     EXPECT_NEAR(matcher_->find(p).distance,
-                contact::closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance,
-                1e-12);
+                closest_point_on_surface(p, surface_.triangles, mesh_.nodes).distance, 1e-12);
   }
 }
 
@@ -135,4 +132,4 @@ TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
 }
 
 }  // namespace
-}  // namespace palpate::estimation
+}  // namespace palpate::contact

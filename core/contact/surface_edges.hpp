@@ -1,8 +1,8 @@
 #pragma once
 
-#include "core/estimation/surface_match.hpp"
+#include "core/contact/surface_match.hpp"
 
-namespace palpate::estimation {
+namespace palpate::contact {
 
 /// Where a surface has edges at rest, that is, where two of its faces meet at an angle. Beside an
 /// edge a seen point may be of either side, and noise decides of which it is taken to be (Turk and
@@ -22,4 +22,4 @@ class SurfaceEdges {
   Eigen::ArrayXd squared_;         // its length
 };
 
-}  // namespace palpate::estimation
+}  // namespace palpate::contact

@@ -5,7 +5,7 @@
 
 #include "core/mesh/surface.hpp"
 
-namespace palpate::estimation {
+namespace palpate::contact {
 
 /// The point of a deformed surface nearest to one that was seen.
 struct SurfaceMatch {
@@ -51,4 +51,4 @@ class SurfaceMatcher {
   mutable Eigen::ArrayXd squared_;  // room for find(), from the point to the centres
 };
 
-}  // namespace palpate::estimation
+}  // namespace palpate::contact

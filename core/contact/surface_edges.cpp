@@ -1,4 +1,4 @@
-#include "core/estimation/surface_edges.hpp"
+#include "core/contact/surface_edges.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-namespace palpate::estimation {
+namespace palpate::contact {
 namespace {
 
 using Eigen::Vector3d;
@@ -57,4 +57,4 @@ bool SurfaceEdges::is_near(const SurfaceMatch& match, double distance) const noe
   return false;
 }
 
-}  // namespace palpate::estimation
+}  // namespace palpate::contact
