@@ -17,7 +17,7 @@ namespace palpate::estimation {
 class ContactSearch {
  public:
   struct Options {
-    double spacing = 0.01;  // m, of the places looked at
+    double spacing = 0.02;  // m, at most, of the places looked at
     double friction = 1;    // the force lies within this cone about the inward normal,
     double usual = 0.2;     // and most often within this one: one hand's wrench alone tells place
                             // and direction apart only poorly

@@ -149,8 +149,8 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   }
   see(inputs.observation, model, dt);
   if (search_.is_searching()) {
-    const int share = std::max(1, search_.place_count() / 10);  // within ten ticks
-    if (search_.advance(model, motion_, share)) judge_search(model);
+    constexpr int kPlaces = 1000;  // a tick, 0.2 ms
+    if (search_.advance(model, motion_, kPlaces)) judge_search(model);
   }
   judge_contact(model, dt);
   tell(model, grasps, estimate);

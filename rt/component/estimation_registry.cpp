@@ -187,8 +187,9 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
   options.gate = node.number(
       {"innovation_gate", "", "normalised square of the innovation of a hand that is not believed"},
       {6, 1e6}, options.gate);
-  options.search.spacing = node.number({"contact_spacing", "m", "of the places that are looked at"},
-                                       {1e-3, 1}, options.search.spacing);
+  options.search.spacing =
+      node.number({"contact_spacing", "m", "at most, of the places that are looked at"}, {1e-3, 1},
+                  options.search.spacing);
   options.search.friction =
       node.number({"contact_friction", "",
                    "the force of such a push lies within this cone about the inward normal"},
