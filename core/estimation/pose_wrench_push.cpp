@@ -9,8 +9,9 @@ namespace {
 
 constexpr double kRestFirst = 0.8;  // s, before a change of the wrench tells of a push
 constexpr double kOfLate = 0.05;    // s, of the mean of late
-constexpr double kSudden = 28;    // normalised square of a hand's change: once in 10,000 by chance,
-constexpr int kSuddenInARow = 2;  // and so often in a row not within years
+constexpr double kRising = 18;      // normalised square of a hand's change: once in 160 by chance,
+constexpr double kSudden = 28;    // and this once in 10,000, just after the other not within hours;
+constexpr int kSuddenInARow = 2;  // a search that finds a place for it is rarer still
 constexpr double kWary = 8;       // and this many times more just after a push has gone,
 constexpr double kWaryFor = 0.3;  // s, while the object swings and the pads slide back
 constexpr double kFaint = 6;      // and, of the usual noise, of one that is hardly any
@@ -117,7 +118,8 @@ void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
   now.y = latest_ - at_rest_;
   now.R = noise(WrenchFilter::Wrenches::Zero(now.y.size()), 1);
   const double wary = 1 + kWary * std::exp(-since_contact_ / kWaryFor);
-  const bool sudden = filter_.test(now.H, now.y, now.R) > wary * kSudden / 6 * rows;
+  const double enough = sudden_ == 0 ? kRising : kSudden;
+  const bool sudden = filter_.test(now.H, now.y, now.R) > wary * enough / 6 * rows;
   const bool lasting =
       filter_.test(changed.H, changed.y, changed.R) > wary * options_.gate / 6 * rows;
   sudden_ = sudden ? sudden_ + 1 : 0;
