@@ -68,7 +68,7 @@ void PoseWrenchFilter::reset() noexcept {
   innovation_test_ = -1;
   suspicions_ = 0;
   place_ = -1;
-  weak_for_ = 0;
+  weak_for_ = unbelieved_for_ = 0;
   since_contact_ = kLongAgo;
   unexplained_count_ = 0;
   sudden_ = 0;
@@ -196,6 +196,7 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   const math::Vector6d measured = input.F_G_O.vector();
   if (!measured.allFinite()) return;
   hand.sum += measured - hand.lagged;
+  hand.sum_measured += measured;
   ++hand.count;
 }
 
@@ -221,7 +222,7 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
     watch(change(now));
     if (suspicions_ > 0) return;
   }
-  if (rest_for_ > options_.rest) settle();
+  if (rest_for_ > options_.rest) settle(now);
   if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
     correct(now);
 }

@@ -81,6 +81,7 @@ class PoseWrenchFilter : public Estimator {
     math::Vector6d lagged = math::Vector6d::Zero();  // predicted wrench, as late as the measured
     /// Measured less predicted, of the wrenches since the last one taken.
     math::Vector6d sum = math::Vector6d::Zero();
+    math::Vector6d sum_measured = math::Vector6d::Zero();  // and of themselves
     int count = 0;
     math::Pose X_OG_before = math::Pose::Identity();
     math::Vector6d speed = math::Vector6d::Zero();         // m/s, rad/s, as late as the wrench
@@ -98,6 +99,7 @@ class PoseWrenchFilter : public Estimator {
     WrenchFilter::Rows H;
     WrenchFilter::Wrenches y;
     WrenchFilter::Noise R;
+    WrenchFilter::Wrenches measured;
   };
 
   static constexpr double kPatience = 2;   // s, with a change that nothing explains
@@ -131,7 +133,7 @@ class PoseWrenchFilter : public Estimator {
   int wrenches_in(double seconds) const noexcept;  // at least one
   bool is_settled(const Innovation& innovation) const noexcept;
   void remember(const Innovation& innovation) noexcept;
-  void settle() noexcept;
+  void settle(const Innovation& now) noexcept;
   Innovation change(const Innovation& innovation) const noexcept;
   void watch(const Innovation& innovation) noexcept;
   void follow_contact(Innovation innovation) noexcept;
@@ -160,14 +162,15 @@ class PoseWrenchFilter : public Estimator {
   bool is_seen_ = false;            // or was: the model has been told of the virtual loads
   WrenchFilter::ShapeState shift_;  // of what the shape follows, from the filter's mean
   std::array<Hand, 2> hands_;
-  double since_taken_ = 0;                 // s
-  double innovation_test_ = -1;            // over its degrees of freedom
-  int suspicions_ = 0;                     // innovations in a row that were not believed
-  double rest_for_ = 0;                    // s
-  WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
-  WrenchFilter::Wrenches at_rest_spread_;  // mean square about it, of recent ones
-  WrenchFilter::Wrenches at_rest_noise_;   // and of each
-  WrenchFilter::Wrenches recent_;          // mean innovation of late
+  double since_taken_ = 0;                   // s
+  double innovation_test_ = -1;              // over its degrees of freedom
+  int suspicions_ = 0;                       // innovations in a row that were not believed
+  double rest_for_ = 0;                      // s
+  WrenchFilter::Wrenches at_rest_;           // mean innovation since the hands came to rest
+  WrenchFilter::Wrenches at_rest_spread_;    // mean square about it, of recent ones
+  WrenchFilter::Wrenches at_rest_noise_;     // and of each
+  WrenchFilter::Wrenches at_rest_measured_;  // mean wrench itself, while nobody pushed
+  WrenchFilter::Wrenches recent_;            // mean innovation of late
   WrenchFilter::Wrenches latest_;
   std::array<bool, 2> at_rest_held_{};  // whose rows these are
   int at_rest_count_ = 0;
@@ -178,6 +181,7 @@ class PoseWrenchFilter : public Estimator {
   bool gone_ = false;                   // the contact: the wrenches are as at rest
   double since_contact_ = kLongAgo;     // s since one has gone
   double weak_for_ = 0;                 // s that the contact's force has not stood out
+  double unbelieved_for_ = 0;           // s that the contact has not explained the wrench
   WrenchFilter::Wrenches unexplained_;  // change without the contact, mean since it began
   int unexplained_count_ = 0;
   int next_node_ = 0;

@@ -79,6 +79,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
   result.H = wrench_rows(result.held, model);
   result.y = WrenchFilter::Wrenches::Zero(rows);
   result.R = WrenchFilter::Noise::Zero(rows, rows);
+  result.measured = WrenchFilter::Wrenches::Zero(rows);
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     Hand& hand = hands_[g];
     if (!result.held[g]) continue;
@@ -103,7 +104,9 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     result.R.diagonal().segment<3>(row + 3).setConstant(
         Eigen::Vector3d(options_.torque, torque, inertial[1]).squaredNorm());
     result.R.block<6, 6>(row, row) += late * late.transpose();
+    result.measured.segment<6>(row) = hand.sum_measured / hand.count;
     hand.sum.setZero();
+    hand.sum_measured.setZero();
     hand.count = 0;
     row += 6;
   }

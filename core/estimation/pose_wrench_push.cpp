@@ -65,19 +65,21 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
     return;
   }
   at_rest_ = recent_ = now.y;
+  at_rest_measured_ = now.measured;
   at_rest_noise_ = at_rest_spread_ = WrenchFilter::Wrenches::Zero(now.y.size());
   at_rest_held_ = now.held;
   at_rest_count_ = 1;
 }
 
 /// Learns how the wrenches are while nothing happens, and how they spread.
-void PoseWrenchFilter::settle() noexcept {
+void PoseWrenchFilter::settle(const Innovation& now) noexcept {
   constexpr double kLongest = 2;  // s, of the means
   at_rest_count_ = std::min(at_rest_count_ + 1, wrenches_in(kLongest));
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
   at_rest_noise_ += ((latest_ - at_rest_).cwiseAbs2() - at_rest_noise_) / at_rest_count_;
   at_rest_ += off / at_rest_count_;
+  at_rest_measured_ += (now.measured - at_rest_measured_) / at_rest_count_;
 }
 
 /// What has changed of late since the hands came to rest: a push can be behind it, the sensor's
@@ -166,7 +168,11 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
     return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
   };
   faint_ = is_faint(pushed);
-  gone_ = suspicions_ >= kSuddenInARow && is_faint(changed.y + pushed);
+  // The hand rests: where it feels again what it did before, nobody pushes, even if the model's
+  // answer, which is not that of a small push, says otherwise.
+  const bool as_before =
+      is_faint(changed.y + pushed) || is_faint(changed.measured - at_rest_measured_);
+  gone_ = suspicions_ >= kSuddenInARow && as_before;
   if (gone_) return;
   constexpr double kLookAgain = 0.1;  // s
   const bool look =
@@ -214,6 +220,7 @@ void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) n
   filter_.end_contact();
   place_ = -1;
   gone_ = false;
+  unbelieved_for_ = 0;
   suspicions_ = sudden_ = unexplained_count_ = 0;
   since_contact_ = 0;
 }
@@ -249,8 +256,11 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
       suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
   const bool weak = faint_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
+  // What no place explains for so long has been sought in vain: better none than a wrong one.
+  unbelieved_for_ = suspicions_ > 0 ? unbelieved_for_ + dt : 0;
   const bool forgotten = at_rest_count_ < wrenches_in(kRestFirst);  // which hands tell has changed
-  if (weak_for_ >= kFadesIn || gone_ || forgotten) drop_contact(model);
+  if (weak_for_ >= kFadesIn || unbelieved_for_ >= kFadesIn || gone_ || forgotten)
+    drop_contact(model);
 }
 
 }  // namespace palpate::estimation

@@ -107,8 +107,9 @@ class Scene {
     inputs_.grasp_count = 1;
     hand_ = nominal_.grasps[0].X_OG_rest;
     for (int i = 0; i < 3; ++i) shift_.translation()[i] = 5e-4 * mismatch * normal();
-    const Vector3d way = 0.02 * Vector3d(-std::abs(normal()), normal(), normal());
-    const Vector3d turn = 0.15 * Vector3d(normal(), normal(), normal());
+    // In braces, whose order no compiler chooses.
+    const Vector3d way = 0.02 * Vector3d{-std::abs(normal()), normal(), normal()};
+    const Vector3d turn = 0.15 * Vector3d{normal(), normal(), normal()};
     for (int i = 0; i < 1000; ++i) {
       hand_.translation() += 1e-3 * way;
       hand_.linear() = math::exp_rotation(1e-3 * turn) * hand_.linear();
@@ -181,7 +182,8 @@ class Scene {
     along_ = (x.col(corners[1]) - corner).normalized();
     const Vector3d inward = -along_.cross(Vector3d(x.col(corners[2]) - corner)).normalized();
     across_ = inward.cross(along_);
-    force_ = inward + 0.1 * (normal() * along_ + normal() * across_);
+    force_ = inward + 0.1 * normal() * along_;
+    force_ += 0.1 * normal() * across_;
     force_ *= (0.2 + 0.8 * uniform(sensor_.random())) / force_.norm();
   }
 
