@@ -1,5 +1,6 @@
 #include "tools/evaluate/belief_score.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -13,6 +14,8 @@ using Json = nlohmann::json;
 
 constexpr double kBall = 2.7955;  // sqrt of the 95 % quantile of chi-squared, 3 degrees
 constexpr std::int64_t kModulusEach = 100000;  // us
+constexpr double kMoves = 1e-4;                // m or, of the quaternion, 1 in that time
+constexpr double kSoon = 3;                    // s of motion in which E shall be found
 
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
@@ -38,6 +41,17 @@ void score_deviations(const RunLog& run, BeliefScore& score) {
   score.deviation /= static_cast<double>(count);
 }
 
+bool has_moved(const estimate_t& from, const estimate_t& to) {
+  double way = 0;
+  for (int g = 0; g < to.grasp_count; ++g) {
+    for (int i = 0; i < 3; ++i)
+      way = std::max(way, std::abs(to.grasp_position[g][i] - from.grasp_position[g][i]));
+    for (int i = 0; i < 4; ++i)
+      way = std::max(way, std::abs(to.grasp_quaternion[g][i] - from.grasp_quaternion[g][i]));
+  }
+  return way > kMoves;
+}
+
 bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
 
 void score_estimates(const RunLog& run, BeliefScore& score) {
@@ -45,6 +59,8 @@ void score_estimates(const RunLog& run, BeliefScore& score) {
   std::int64_t next = start;
   long with_contact = 0;
   bool estimated = false;
+  double moved = 0;
+  const estimate_t* before = nullptr;
   for (const estimate_t& estimate : run.estimates) {
     if (tells_contact(estimate)) {
       ++with_contact;
@@ -53,8 +69,11 @@ void score_estimates(const RunLog& run, BeliefScore& score) {
     if (estimate.utime < next) continue;
     next = estimate.utime + kModulusEach;
     estimated |= estimate.log_young_modulus_deviation >= 0;
+    if (before != nullptr && has_moved(*before, estimate))
+      moved += seconds(estimate.utime - before->utime);
+    before = &estimate;
     score.modulus.push_back({seconds(estimate.utime - start), std::exp(estimate.log_young_modulus),
-                             estimate.log_young_modulus_deviation});
+                             estimate.log_young_modulus_deviation, moved});
   }
   if (!estimated) score.modulus.clear();
   if (!run.estimates.empty())
@@ -84,6 +103,8 @@ nlohmann::json to_json(const BeliefScore& belief) {
   json["young_modulus_kpa"] = 1e-3 * belief.modulus.back().young_modulus;
   json["young_modulus_deviation_percent"] = 100 * belief.modulus.back().log_deviation;
   for (const BeliefScore::Modulus& sample : belief.modulus) {
+    if (sample.moved >= kSoon && !json.contains("young_modulus_in_3s_of_motion_kpa"))
+      json["young_modulus_in_3s_of_motion_kpa"] = 1e-3 * sample.young_modulus;
     json["curve"]["time_s"].push_back(sample.time);
     json["curve"]["young_modulus_kpa"].push_back(1e-3 * sample.young_modulus);
     json["curve"]["log_deviation"].push_back(sample.log_deviation);

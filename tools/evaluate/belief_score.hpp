@@ -18,6 +18,7 @@ struct BeliefScore {
     double time = 0;            // s since the first shape
     double young_modulus = 0;   // Pa
     double log_deviation = -1;  // below 0: not observable
+    double moved = 0;           // s that a hand has moved by then
   };
   std::vector<Modulus> modulus;         // ten a second; empty where nothing estimates it
   std::optional<double> first_contact;  // s since the first shape: an unknown contact is told of

@@ -56,6 +56,23 @@ TEST(BeliefScore, FollowsTheModulusTenTimesASecond) {
   EXPECT_TRUE(json["first_unknown_contact_s"].is_null());
 }
 
+TEST(BeliefScore, TellsTheModulusAfterThreeSecondsOfMotion) {
+  RunLog run = run_with(1e-3F);
+  double x = 0;
+  for (int i = 0; i < 100; ++i) {  // moves in every other second
+    const double time = 0.001 + 0.1 * i;
+    if (i / 10 % 2 == 1) x += 1e-3;
+    run.estimates.push_back(estimate_at(time, std::log(1e3 * (1 + i)), 0.1));
+    run.estimates.back().grasp_count = 1;
+    run.estimates.back().grasp_position[0][0] = x;
+  }
+  // It has moved from 1 to 2, from 3 to 4 and from 5 to 6 s.
+  EXPECT_NEAR(to_json(score_belief(run))["young_modulus_in_3s_of_motion_kpa"].get<double>(), 60,
+              1.01);
+  run.estimates.resize(50);
+  EXPECT_FALSE(to_json(score_belief(run)).contains("young_modulus_in_3s_of_motion_kpa"));
+}
+
 TEST(BeliefScore, AModulusThatNobodyEstimatesIsNone) {
   RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i) run.estimates.push_back(estimate_at(1e-3 * i, std::log(30e3), -1));
