@@ -267,7 +267,7 @@ class Scene {
 class UnknownPush : public ::testing::TestWithParam<double> {};
 
 TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
-  const int pokes = static_cast<int>(setting("PALPATE_POKES", 20));
+  const int pokes = static_cast<int>(setting("PALPATE_POKES", 40));
   const bool verbose = std::getenv("PALPATE_VERBOSE") != nullptr;
   constexpr int kPerScene = 4;
   std::vector<double> after, near, first, far, told, force, mean, worst, gone;
