@@ -233,7 +233,10 @@ TEST_F(PoseWrenchSightTest, WhatIsNotTheObjectDoesNotMoveIt) {
 
 TEST_F(PoseWrenchSightTest, NothingJumpsWhenSightGoesAndComes) {
   SeenWorld world(other(), 1);
-  start(nominal());
+  // A grasp that slips at rest may be taken for a push, whose end moves the shape at once.
+  PoseWrenchFilter::Options options;
+  options.contacts = false;
+  start(nominal(), options);
   run(world, 2, true);
   Eigen::Matrix3Xd before = model_->positions();
   double step = 0;
@@ -256,7 +259,7 @@ TEST_F(PoseWrenchSightTest, NothingJumpsWhenSightGoesAndComes) {
   world.shift_.translation() = Vector3d(0, 2e-3, -2e-3);
   run(world, 0.5);
   const double slipped = worst_error(world);
-  before = model_->positions();  // a slip may well be taken for a push
+  before = model_->positions();
   step = 0;
   world.sees_ = true;
   run(world, 1.5, false, watch);
