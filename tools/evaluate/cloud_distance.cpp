@@ -78,14 +78,12 @@ double longest_side(const camera::TriangleMesh& surface, Eigen::Index triangle) 
 /// An estimate that has burst is metres wide: it is as wrong by fewer samples.
 double affordable_spacing(const camera::TriangleMesh& surface, double spacing) {
   constexpr double kMost = 5e5;
-  if (!surface.points.allFinite())
-    throw std::invalid_argument("a surface has points that are not finite");
   double count = 0;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
     const double parts = longest_side(surface, t) / spacing;
     count += parts * parts;
   }
-  if (!std::isfinite(count))
+  if (!surface.points.allFinite() || !std::isfinite(count))
     throw std::invalid_argument("a surface has points that are not finite");
   return spacing * std::max(1.0, std::sqrt(count / kMost));
 }
