@@ -23,6 +23,7 @@
 #include "tools/evaluate/soak.hpp"
 #include "tools/evaluate/study.hpp"
 #include "tools/evaluate/tactile.hpp"
+#include "tools/evaluate/virtual_soak.hpp"
 
 namespace {
 
@@ -71,9 +72,17 @@ int run(CLI::App& app, int argc, char** argv) {
   SoakOptions soak;
   soak.output = "out/soak";
   CLI::App* soak_command =
-      app.add_subcommand("soak", "daemon beside simulator for long: memory, overruns, latency");
+      app.add_subcommand("soak",
+                         "daemon beside simulator for long: memory, overruns, latency; or, in "
+                         "virtual time, hours under a random mix of faults");
   soak_command->add_option("--minutes", soak.minutes)
       ->check(CLI::Range(0.5, 1e4))
+      ->capture_default_str();
+  bool virtual_soak = false;
+  soak_command->add_flag("--virtual", virtual_soak,
+                         "in virtual time, with one fault after another at random; minutes are "
+                         "virtual too, about twenty of them a minute");
+  soak_command->add_option("--seed", soak.seed, "of the faults in virtual time")
       ->capture_default_str();
   soak_command->add_option("--output", soak.output, "folder for what the programs print")
       ->capture_default_str();
@@ -186,7 +195,7 @@ int run(CLI::App& app, int argc, char** argv) {
   if (soak_command->parsed()) {
     soak.root = root;
     soak.json = json;
-    return run_soak(soak);
+    return virtual_soak ? run_virtual_soak(soak) : run_soak(soak);
   }
   if (latency_command->parsed()) {
     latency.root = root;

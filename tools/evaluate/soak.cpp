@@ -20,13 +20,6 @@ constexpr double kSampling = 1.0;     // s
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
-double resident_megabytes(pid_t pid) {
-  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
-  for (std::string line; std::getline(status, line);)
-    if (line.rfind("VmRSS:", 0) == 0) return std::stod(line.substr(6)) / 1024;
-  throw RunFailed("palpated has ended");
-}
-
 double mean(const std::vector<MemorySample>& samples, std::size_t first, std::size_t last) {
   double sum = 0;
   for (std::size_t i = first; i < last; ++i) sum += samples[i].megabytes;
@@ -58,6 +51,13 @@ std::vector<ControlTarget> pair_of_targets(const std::filesystem::path& file) {
 }
 
 }  // namespace
+
+double resident_megabytes(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.rfind("VmRSS:", 0) == 0) return std::stod(line.substr(6)) / 1024;
+  throw RunFailed("the program has ended");
+}
 
 MemoryTrend memory_trend(const std::vector<MemorySample>& samples) {
   if (samples.size() < 20) throw std::invalid_argument("a memory trend wants 20 samples");

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <sys/types.h>
+
+#include <cstdint>
 #include <filesystem>
 #include <vector>
 
@@ -10,6 +13,7 @@ struct SoakOptions {
   std::filesystem::path root;    // source tree
   std::filesystem::path output;  // folder of what the programs print
   std::filesystem::path json;    // empty: none
+  std::uint64_t seed = 1;        // of the faults in virtual time
 };
 
 /// Resident memory over time, s and MB.
@@ -29,6 +33,9 @@ struct MemoryTrend {
 
 /// Throws std::invalid_argument for fewer than 20 samples.
 MemoryTrend memory_trend(const std::vector<MemorySample>& samples);
+
+/// Of a process, MB. Throws RunFailed where it has ended.
+double resident_megabytes(pid_t pid);
 
 /// Daemon and simulator in real time under changing targets; prints resident memory, overruns and
 /// latency. Exit code 1 where memory grows by more than 1 MB after warm-up.

@@ -30,6 +30,9 @@ class FaultySensor : public sensing::SensorModel {
     return good_->restore(state);
   }
 
+  /// Gives back what it was made from; nothing may be asked of it afterwards.
+  std::unique_ptr<sensing::SensorModel> release() { return std::move(good_); }
+
   Trouble trouble = Trouble::kNone;
   int number = 0;  // of the wrench, 0 to 5, that becomes `value`
   double value = 0;

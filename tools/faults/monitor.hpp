@@ -55,6 +55,13 @@ class Monitor {
 
   const std::vector<HealthNote>& health() const { return health_; }
   const std::vector<EventNote>& events() const { return events_; }
+  /// Of a run without an end: what was noted and complained of so far is dropped.
+  void forget() {
+    health_.clear();
+    events_.clear();
+    undecoded_ = not_finite_ = beyond_limits_ = 0;
+    complaint_.clear();
+  }
 
  private:
   template <class Message>

@@ -14,6 +14,15 @@ Replay::Replay(const Recording& recording, const std::vector<std::string>& overr
       std::make_unique<Monitor>(component::read_gate_limits(root), daemon_->settings().loop.period);
 }
 
+void look_at(const std::vector<bus::Published>& said, daemon::Daemon& daemon, Monitor& monitor) {
+  const auto& robot = daemon.inputs().signals().robot;
+  std::optional<Eigen::Vector3d> p_W_E;
+  if (robot.freshness != sensing::Freshness::kNoData) p_W_E = robot.latest.X_WE.translation();
+  const control::GateOutput& gate = daemon.pipeline().gate_output(0);
+  const bool restrained = gate.refused || std::strcmp(gate.reason, "inactive") == 0;
+  for (const bus::Published& message : said) monitor.look(message, p_W_E, restrained);
+}
+
 Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
   Trace trace;
   auto next = stream.begin();
@@ -48,13 +57,8 @@ Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
 }
 
 void Replay::observe(int tick, Trace& trace) {
-  component::Pipeline& pipeline = daemon_->pipeline();
-  const auto& robot = daemon_->inputs().signals().robot;
-  std::optional<Eigen::Vector3d> p_W_E;
-  if (robot.freshness != sensing::Freshness::kNoData) p_W_E = robot.latest.X_WE.translation();
-  const control::GateOutput& gate = pipeline.gate_output(0);
-  const bool restrained = gate.refused || std::strcmp(gate.reason, "inactive") == 0;
-  for (const bus::Published& message : said_) monitor_->look(message, p_W_E, restrained);
+  const component::Pipeline& pipeline = daemon_->pipeline();
+  look_at(said_, *daemon_, *monitor_);
   said_.clear();
 
   Cycle cycle;

@@ -34,6 +34,9 @@ struct Trace {
   bool sound() const { return not_finite + beyond_limits + undecoded == 0; }
 };
 
+/// Shows what a daemon has said in a cycle to the monitor.
+void look_at(const std::vector<bus::Published>& said, daemon::Daemon& daemon, Monitor& monitor);
+
 /// A daemon that hears a stream of messages in virtual time, with a user who starts it and sets a
 /// target, and everything that it says.
 class Replay {

@@ -27,7 +27,7 @@ std::vector<Elsewhere> rows_elsewhere() {
           {"22", "log disk full", kProcess},
           {"23", "starved processor, memory pressure", "by hand"},
           {"24", "SIGTERM, second start, port in use", kProcess},
-          {"25", "long run", "palpate-evaluate soak"}};
+          {"25", "long run", "palpate-evaluate soak, and soak --virtual"}};
 }
 
 }  // namespace palpate::faults

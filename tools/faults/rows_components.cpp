@@ -5,6 +5,7 @@
 #include "tools/faults/faulty_sensor.hpp"
 #include "tools/faults/rows.hpp"
 #include "tools/faults/scenario.hpp"
+#include "tools/faults/wishes.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -193,35 +194,6 @@ RunResult judge_held_still(const Bench& bench, const Scenario& scenario) {
   return result;
 }
 
-struct Wish {
-  const char* slot;
-  const char* component;
-  const char* parameters;
-};
-
-constexpr Wish kWishes[] = {
-    {"object", "", "order: quadratic"},
-    {"object", "", "order: linear"},
-    {"object", "", "mesh: {box: {size: [0.5, 0.06, 0.06], cells: [4, 1, 1]}}"},
-    {"object", "", "mesh: {box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}"},
-    {"deformation", "corotational_dynamic", ""},
-    {"deformation", "corotational_quasistatic", ""},
-    {"control", "", "provider: kinematic"},
-    {"control", "", "provider: fem"},
-    {"control", "", "gain: 0.7"},
-    {"sensing", "ft_newton_euler", "payload: {mass: 4.8, center_of_mass: [0, 0, 0.11]}"},
-    {"all", "", "{object: {order: quadratic}, control: {provider: kinematic}}"},
-    // These must be refused.
-    {"slot", "", "a: 1"},
-    {"gate", "", "force: 100"},
-    {"deformation", "corotational_dynamic", "iterations: 1000"},
-    {"deformation", "no_such_model", ""},
-    {"deformation", "corotational_dynamic", "{iterations: 3"},
-    {"object", "", "mesh: {box: {size: [1.5, 0.06, 0.06], cells: [6, 1, 1]}}"},
-    {"object", "", "mesh: {file: no_such_file.msh}"},
-    {"object", "", "material: {young_modulus: .nan}"},
-    {"sensing", "biotac_lstm", "{finger: 0, model_file: no_such_model.pt}"},
-};
 constexpr int kRequests = 10;
 
 Scenario replacements(const Bench& bench, std::uint64_t seed) {

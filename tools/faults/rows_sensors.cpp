@@ -12,8 +12,6 @@ namespace {
 /// ms, within which a silent sensor must be seen: by default what sensor models take, and a cycle.
 double seen_within(const std::string& channel) { return (channel == "IMU" ? 27 : 25) + 1 + 1e-6; }
 
-constexpr double kInf = std::numeric_limits<double>::infinity();
-
 double period_of(const std::string& channel) {
   if (channel == "FT_WRENCH") return 1e-3;
   if (channel == "ROBOT_STATE") return 2e-3;
@@ -30,17 +28,12 @@ double last_before(const Stream& stream, const std::string& channel, double time
   return last;
 }
 
-double draw_bad(math::Random& random) {
-  constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(), kInf, -kInf, 1e308, -1e308};
-  return kBad[random.below(5)];
-}
-
 Scenario bad_among_good(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "bad numbers");
   const Window window{0.25, 0.65};
   Scenario scenario;
   scenario.stream = mutate(bench.recording.stream, sensors_in(window), random.uniform(0.02, 0.5),
-                           draw_bad, random);
+                           bad_number, random);
   scenario.window = from_first(scenario.stream, bench, window);
   scenario.ticks = 850;
   return scenario;
@@ -124,7 +117,7 @@ Scenario only_bad(const Bench& bench, std::uint64_t seed) {
   scenario.channel = kChannels[random.below(3)];
   scenario.window = {0.25 + random.uniform(0, 0.1), 0.55};
   scenario.stream = mutate(bench.recording.stream, sensors_in(scenario.window, scenario.channel),
-                           1.0, draw_bad, random);
+                           1.0, bad_number, random);
   scenario.ticks = 900;
   return scenario;
 }

@@ -1,6 +1,7 @@
 #include "tools/faults/transforms.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 #include <numeric>
 
@@ -102,9 +103,15 @@ Stream mutate(const Stream& stream, const Which& which, double share,
   return result;
 }
 
-Stream freeze(const Stream& stream, const Which& which) {
+double bad_number(math::Random& random) {
+  constexpr double kInf = std::numeric_limits<double>::infinity();
+  constexpr double kBad[] = {std::numeric_limits<double>::quiet_NaN(), kInf, -kInf, 1e308, -1e308};
+  return kBad[random.below(5)];
+}
+
+Stream freeze(const Stream& stream, const Which& which,
+              std::map<std::string, bus::Published>& frozen) {
   Stream result = stream;
-  std::map<std::string, bus::Published> frozen;
   for (bus::Published& message : result) {
     if (!which(message)) continue;
     const Header header = header_of(message);
@@ -112,6 +119,11 @@ Stream freeze(const Stream& stream, const Which& which) {
     put_header(message, header);
   }
   return result;
+}
+
+Stream freeze(const Stream& stream, const Which& which) {
+  std::map<std::string, bus::Published> frozen;
+  return freeze(stream, which, frozen);
 }
 
 Stream shift_clocks(const Stream& stream, const std::function<std::int64_t(std::int64_t)>& offset) {

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 
 #include "core/math/random.hpp"
 #include "tools/faults/stream.hpp"
@@ -37,7 +39,13 @@ Stream duplicate(const Stream& stream, const Which& which, int most, math::Rando
 Stream mutate(const Stream& stream, const Which& which, double share,
               const std::function<double(math::Random&)>& draw, math::Random& random);
 
-/// The numbers of the first of them come again and again, new in order and time.
+/// What no sensor says: not a number, infinite, or near the largest that there is.
+double bad_number(math::Random& random);
+
+/// The numbers of the first of them come again and again, new in order and time. `frozen`: by
+/// channel, for a stream that comes in pieces.
+Stream freeze(const Stream& stream, const Which& which,
+              std::map<std::string, bus::Published>& frozen);
 Stream freeze(const Stream& stream, const Which& which);
 
 /// The senders' wall clocks are off by `offset(time_ns)` us.

@@ -6,6 +6,9 @@
 #include <map>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/robot_state_t.hpp>
+#include <set>
+
+#include "tools/faults/faulty_wire.hpp"
 
 namespace palpate::faults {
 namespace {
@@ -186,6 +189,63 @@ TEST(Transforms, OfOneSeedAreAlike) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) ASSERT_EQ(a[i].data, b[i].data);
   EXPECT_NE(a.size(), c.size());
+}
+
+/// What comes out of the wire, tick by tick.
+Stream through(FaultyWire& wire, const Stream& stream, int ticks) {
+  Stream all;
+  auto next = stream.begin();
+  for (int tick = 1; tick <= ticks; ++tick) {
+    Stream sent;
+    for (; next != stream.end() && next->time_ns <= 1'000'000LL * tick; ++next)
+      sent.push_back(*next);
+    for (bus::Published& message : wire.pass(sent, 1'000'000LL * tick)) {
+      EXPECT_LE(message.time_ns, 1'000'000LL * tick);
+      all.push_back(message);
+    }
+  }
+  return all;
+}
+
+bool same(const bus::Published& a, const bus::Published& b) {
+  return a.channel == b.channel && a.data == b.data && a.time_ns == b.time_ns;
+}
+
+TEST(FaultyWire, WithoutAFaultHandsOnWhatItIsGiven) {
+  const Stream stream = one_second();
+  FaultyWire wire;
+  const Stream passed = through(wire, stream, 1000);
+  ASSERT_EQ(passed.size(), stream.size());
+  EXPECT_TRUE(std::equal(passed.begin(), passed.end(), stream.begin(), same));
+}
+
+TEST(FaultyWire, EachFaultTouchesItsTimeAlone) {
+  const Stream stream = one_second();
+  std::set<std::string> names, harmful;
+  for (int seed = 0; seed < 200; ++seed) {
+    math::Random random(seed);
+    FaultyWire wire;
+    const std::string name = wire.put_any(0.1, random);
+    ASSERT_GT(wire.end(), 0.1);
+    ASSERT_LT(wire.end(), 1.0);
+    const Stream passed = through(wire, stream, 1000);
+    const auto part = [](const Stream& of, double begin, double end) {
+      Stream result;
+      for (const bus::Published& message : of)
+        if (Window{begin, end}.holds(message.time_ns)) result.push_back(message);
+      return result;
+    };
+    const auto alike = [&](double begin, double end) {
+      const Stream a = part(passed, begin, end), b = part(stream, begin, end);
+      return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), same);
+    };
+    EXPECT_TRUE(alike(0, 0.1)) << name;
+    EXPECT_TRUE(alike(wire.end(), 1.001)) << name;
+    names.insert(name);
+    if (!alike(0.1, wire.end())) harmful.insert(name);
+  }
+  EXPECT_EQ(names.size(), 9u);
+  EXPECT_EQ(harmful, names);
 }
 
 }  // namespace
