@@ -75,11 +75,12 @@ class Cell:
         self.start("palpate-sim", f"{self.source}/sim/scenes/bar_long_soft_control.yaml",
                    *self.buses())
 
-    def start_daemon(self):
+    def start_daemon(self, priority=0):
+        """`priority`: of SCHED_FIFO; 0: as any other program."""
         # A machine that is busy with other tests is late without meaning a fault.
         self.start("palpated", self.configuration, *self.buses(), *self.sets, "--set",
                    "loop.degraded_after_ms=9000", "--set", "loop.overrun_window_ms=10000",
-                   "--set", "loop.safe_stop_after_ms=10000", "--set", "loop.fifo_priority=0")
+                   "--set", "loop.safe_stop_after_ms=10000", "--set", f"loop.fifo_priority={priority}")
 
     def start_view(self, *source):
         """Live, so that the page with the token may command; or what `source` says."""

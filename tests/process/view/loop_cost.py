@@ -1,9 +1,11 @@
-"""What palpate-view, with a page that looks, costs the daemon's loop.
+"""What palpate-view, with somebody who looks, costs the daemon's loop.
 
-usage: loop_cost.py BINARIES SOURCE [--seconds S] [--turns N]
+usage: loop_cost.py BINARIES SOURCE [--seconds S] [--turns N] [--priority P]
 
-Runs simulator and daemon, by turns without and with palpate-view and a browser, and prints
-the loop's cycle time and wake-up as HEALTH tells them, and the processor's share of each program.
+Runs simulator and daemon, by turns without palpate-view, with it and a reader that takes all
+pictures but draws none (a browser on another machine), and with it and a browser that draws in
+software on this machine's processors. Prints the loop's cycle time and wake-up as HEALTH tells
+them, and the processor's share of each program.
 """
 import argparse
 import struct
@@ -11,6 +13,7 @@ import sys
 import time
 
 from cell import Cell, wait_for
+from page_reader import PageReader
 import udpm
 
 PHASES = {0: "cycle", 8: "publish", 9: "wake-up"}
@@ -30,30 +33,37 @@ def processor_time(process):
     return (int(fields[11]) + int(fields[12])) / 100  # s
 
 
-def turn(options, looked_at):
+def turn(options, who):
     cell = Cell(options.binaries, options.source)
     listener = udpm.Listener(cell.group, cell.ports[1])
+    reader = None
     try:
         cell.start_simulator()
-        cell.start_daemon()
+        cell.start_daemon(options.priority)
         cell.start_view()
         cell.open_browser(1280, 800)
         wait_for(lambda: cell.js("!!window.palpate && palpate.control.granted"), "the page")
         cell.click('#commands [data-event="start"]')
         wait_for(lambda: cell.text("#state") in ("active", "degraded"), "the start")
-        if not looked_at:
+        if who != "browser":
             cell.browser.quit()
             cell.browser = None
+        if who == "nobody":
             cell.stop("palpate-view")
+        if who == "reader":
+            reader = PageReader(cell.port)
         before = {name: processor_time(p) for name, p in cell.processes.items()}
+        taken = reader.bytes if reader else 0
         time.sleep(options.seconds)
         used = {name: processor_time(p) - before[name] for name, p in cell.processes.items()}
         values = health(listener.last["HEALTH"])
         times = "; ".join(f"{name} {values[i]:.0f} / {values[10 + i]:.0f} us" for i, name in PHASES.items())
         shares = ", ".join(f"{name} {100 * s / options.seconds:.1f} %" for name, s in used.items())
-        print(f"{'with' if looked_at else 'without'} view: {times} (50 / 99 %); processor: {shares}",
-              flush=True)
+        rate = f"; {(reader.bytes - taken) / options.seconds / 1e3:.0f} kB/s" if reader else ""
+        print(f"{who}: {times} (50 / 99 %); processor: {shares}{rate}", flush=True)
     finally:
+        if reader:
+            reader.close()
         listener.stop()
         cell.close()
 
@@ -64,10 +74,11 @@ def main():
     parser.add_argument("source")
     parser.add_argument("--seconds", type=float, default=10)
     parser.add_argument("--turns", type=int, default=3)
+    parser.add_argument("--priority", type=int, default=50, help="of the loop, SCHED_FIFO; 0: none")
     options = parser.parse_args()
     for _ in range(options.turns):
-        turn(options, looked_at=False)
-        turn(options, looked_at=True)
+        for who in ("nobody", "reader", "browser"):
+            turn(options, who)
     return 0
 
 
