@@ -53,13 +53,15 @@ def turn(options, who):
         if who == "reader":
             reader = PageReader(cell.port)
         before = {name: processor_time(p) for name, p in cell.processes.items()}
-        taken = reader.bytes if reader else 0
+        bytes_before, pictures_before = (reader.bytes, reader.pictures) if reader else (0, 0)
         time.sleep(options.seconds)
         used = {name: processor_time(p) - before[name] for name, p in cell.processes.items()}
         values = health(listener.last["HEALTH"])
         times = "; ".join(f"{name} {values[i]:.0f} / {values[10 + i]:.0f} us" for i, name in PHASES.items())
         shares = ", ".join(f"{name} {100 * s / options.seconds:.1f} %" for name, s in used.items())
-        rate = f"; {(reader.bytes - taken) / options.seconds / 1e3:.0f} kB/s" if reader else ""
+        rate = "" if not reader else (
+            f"; {(reader.pictures - pictures_before) / options.seconds:.1f} pictures/s, "
+            f"{(reader.bytes - bytes_before) / options.seconds / 1e3:.0f} kB/s")
         print(f"{who}: {times} (50 / 99 %); processor: {shares}{rate}", flush=True)
     finally:
         if reader:
