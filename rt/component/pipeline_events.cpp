@@ -46,7 +46,7 @@ std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
 void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
-  for (Arm& arm : arms_) arm.stop();
+  for (Arm& arm : arms_) arm.gate.forget_overload();
   slots_->start();
 }
 
@@ -59,7 +59,7 @@ void Pipeline::reset() noexcept {
   for (Fallback* fallback : {&fallbacks_->feature, &fallbacks_->steering, &fallbacks_->mechanics})
     if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
   slots_->reset();
-  for (Arm& arm : arms_) arm.stop();
+  for (Arm& arm : arms_) arm.gate.forget_overload();
   whole_ = {LifeCycle::kInactive, "reset"};
 }
 

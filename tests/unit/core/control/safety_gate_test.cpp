@@ -131,12 +131,20 @@ TEST(SafetyGate, RefusesNonsenseAndRampsDown) {
   EXPECT_TRUE(gate.apply(bad).refused);
 }
 
-TEST(SafetyGate, StopIsAtOnce) {
-  SafetyGate gate{GateLimits()};
-  const GateInputs inputs = request({0.1, 0, 0});
+TEST(SafetyGate, AnOverloadIsForgottenWithoutAStepOfTheCommand) {
+  const GateLimits limits;
+  SafetyGate gate{limits};
+  GateInputs inputs = request({0.1, 0, 0});
   repeat(gate, inputs, 1000);
-  gate.stop();
-  EXPECT_NEAR(gate.apply(inputs).V_W_E.linear.x(), 0.5e-3, 1e-12);
+  inputs.wrench_valid = true;
+  inputs.contact.force.x() = 1.01 * limits.force;
+  const double braking = gate.apply(inputs).V_W_E.linear.x();
+  inputs.contact.force.x() = 0.95 * limits.force;  // not below what releases it
+  EXPECT_TRUE(gate.apply(inputs).refused);
+  gate.forget_overload();
+  const GateOutput output = gate.apply(inputs);
+  EXPECT_FALSE(output.refused);
+  EXPECT_GT(output.V_W_E.linear.x(), 0.5 * braking);
 }
 
 TEST(SafetyGate, RefusesBadLimits) {
