@@ -30,7 +30,7 @@ class JointGate {
   /// always has finite joint velocities, as many as limits speak of.
   GateOutput apply(const JointGateInputs& joints, GateInputs inputs, SafetyGate& hand) noexcept;
 
-  /// The hand is commanded by a twist in this tick.
+  /// The hand is commanded by a twist in this tick, or no joint moves: the joints begin anew.
   void pass() noexcept {
     last_.setZero();
     in_use_ = false;

@@ -81,7 +81,7 @@ int run(CLI::App& app, int argc, char** argv) {
   bool virtual_soak = false;
   soak_command->add_flag("--virtual", virtual_soak,
                          "in virtual time, with one fault after another at random; minutes are "
-                         "virtual too, about twenty of them a minute");
+                         "virtual too, about fourteen of them a minute");
   soak_command->add_option("--seed", soak.seed, "of the faults in virtual time")
       ->capture_default_str();
   soak_command->add_option("--output", soak.output, "folder for what the programs print")

@@ -1,6 +1,8 @@
 #include "tools/faults/long_run.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "rt/config/installation.hpp"
