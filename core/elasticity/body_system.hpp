@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/elasticity/mesh_forces.hpp"
-#include "core/elasticity/supernodal_factor.hpp"
+#include "core/factor/supernodal_factor.hpp"
 
 namespace palpate::elasticity {
 
@@ -19,10 +19,10 @@ struct BodySystem {
   BodySystem& operator=(const BodySystem&) = delete;
 
   ElementSet elements;
-  BlockPattern pattern;
-  Supernodes supernodes;
-  BlockMatrix matrix;
-  SupernodalFactor factor;
+  factor::BlockPattern pattern;
+  factor::Supernodes supernodes;
+  factor::BlockMatrix matrix;
+  factor::SupernodalFactor factor;
   MeshForces forces;
 };
 

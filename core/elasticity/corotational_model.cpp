@@ -18,7 +18,7 @@ const Body& checked(const Body& body) {
   return body;
 }
 
-std::vector<int> elimination_numbering(const BlockPattern& pattern) {
+std::vector<int> elimination_numbering(const factor::BlockPattern& pattern) {
   std::vector<int> numbering(pattern.node_count());
   int next = pattern.size();
   for (int node = 0; node < pattern.node_count(); ++node) {

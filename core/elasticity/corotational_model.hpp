@@ -27,10 +27,10 @@ struct SolverOptions {
   // price of two evaluations and a solve. Under a large motion, with factors 30 ms old, columns are
   // 6 % off without, some 2 % if each is corrected in every step (6), 0.3 % if twice (12).
   int refine = 0;
-  int halvings = 4;                                 // of one correction, at most
-  double time_step = 1e-3;                          // s, of the factor that prepare() makes
-  Precision precision = Precision::kDouble;         // of the arithmetic inside elements
-  PanelPrecision panels = PanelPrecision::kSingle;  // of the factor
+  int halvings = 4;                          // of one correction, at most
+  double time_step = 1e-3;                   // s, of the factor that prepare() makes
+  Precision precision = Precision::kDouble;  // of the arithmetic inside elements
+  factor::PanelPrecision panels = factor::PanelPrecision::kSingle;  // of the factor
   // When a new factor is asked for:
   double turned = 0.02;      // rad, a node has turned by that much since the snapshot
   double contraction = 0.3;  // a correction left more than this share of the residual
@@ -138,14 +138,14 @@ class CorotationalModel : public DeformationModel {
   SolverOptions options_;
   bool dynamic_;
   ElementSet elements_;
-  BlockPattern pattern_;
-  Supernodes supernodes_;
+  factor::BlockPattern pattern_;
+  factor::Supernodes supernodes_;
   std::vector<int> numbering_;  // of mesh nodes in nodal fields
   std::unique_ptr<ElementForces> element_forces_;
   std::optional<Inertia> inertia_;  // dynamic only
   double rounding_;                 // relative, of the energy
 
-  Held held_{false, false};
+  factor::Held held_{false, false};
   std::array<Grasp, 2> grasps_;
   std::array<mesh::PointWeights, kContactSlots> contacts_;
   Eigen::Vector3d gravity_;

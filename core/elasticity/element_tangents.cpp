@@ -66,7 +66,7 @@ struct Lanes {
 template <int kNodes>
 class PackTangents final : public ElementTangents {
  public:
-  PackTangents(const ElementSet& elements, const BlockPattern& pattern)
+  PackTangents(const ElementSet& elements, const factor::BlockPattern& pattern)
       : packs_(elements), x_(NodalField::Zero(4, elements.mesh().node_count())) {
     for (const Block& block : packs_.blocks) {
       for (int a = 0; a < kNodes; ++a) {
@@ -84,8 +84,8 @@ class PackTangents final : public ElementTangents {
     }
   }
 
-  void assemble(const Eigen::Matrix3Xd& x, Tangent kind, BlockMatrix& tangent,
-                BlockMatrix* warped) noexcept override {
+  void assemble(const Eigen::Matrix3Xd& x, Tangent kind, factor::BlockMatrix& tangent,
+                factor::BlockMatrix* warped) noexcept override {
     x_.topRows<3>() = x;
     tangent.set_zero();
     if (warped) warped->set_zero();
@@ -108,7 +108,7 @@ class PackTangents final : public ElementTangents {
   };
 
   void add(const Block& block, typename Packs::State& state, Tangent kind, const Target* target,
-           BlockMatrix& tangent, BlockMatrix* warped) noexcept {
+           factor::BlockMatrix& tangent, factor::BlockMatrix* warped) noexcept {
     const PerPoint<Matrix> F = block.deformation(x_);
     PerPoint<Matrix> R;
     update_rotations(F, state, R);
@@ -157,7 +157,7 @@ class PackTangents final : public ElementTangents {
     }
   }
 
-  static void scatter(const Matrix& K, const Target* target, BlockMatrix& to) noexcept {
+  static void scatter(const Matrix& K, const Target* target, factor::BlockMatrix& to) noexcept {
     // Blocks lie column by column, packs hold rows.
     const Lanes upper(transposed(K)), lower(K);
     for (int lane = 0; lane < Block::kWidth; ++lane) {
@@ -179,14 +179,14 @@ class PackTangents final : public ElementTangents {
 }  // namespace
 
 std::unique_ptr<ElementTangents> make_element_tangents(const ElementSet& elements,
-                                                       const BlockPattern& pattern) {
+                                                       const factor::BlockPattern& pattern) {
   if (elements.mesh().order == mesh::ElementOrder::kLinear) {
     return std::make_unique<PackTangents<4>>(elements, pattern);
   }
   return std::make_unique<PackTangents<10>>(elements, pattern);
 }
 
-Eigen::VectorXd mass_blocks(const ElementSet& elements, const BlockPattern& pattern) {
+Eigen::VectorXd mass_blocks(const ElementSet& elements, const factor::BlockPattern& pattern) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(static_cast<int>(pattern.row().size()));
   Eigen::MatrixXd m;
   for (int e = 0; e < elements.element_count(); ++e) {

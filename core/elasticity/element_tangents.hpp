@@ -2,8 +2,8 @@
 
 #include <memory>
 
-#include "core/elasticity/block_matrix.hpp"
 #include "core/elasticity/element_set.hpp"
+#include "core/factor/block_matrix.hpp"
 
 namespace palpate::elasticity {
 
@@ -16,16 +16,16 @@ class ElementTangents {
 
   /// `tangent` = tangent of this kind at positions x (3 x n); `warped`, unless null, = the one of
   /// Tangent::kWarped. Both must have the pattern given to make_element_tangents.
-  virtual void assemble(const Eigen::Matrix3Xd& x, Tangent kind, BlockMatrix& tangent,
-                        BlockMatrix* warped) noexcept = 0;
+  virtual void assemble(const Eigen::Matrix3Xd& x, Tangent kind, factor::BlockMatrix& tangent,
+                        factor::BlockMatrix* warped) noexcept = 0;
 };
 
 /// `pattern` must be of the elements' mesh and outlive the result.
 std::unique_ptr<ElementTangents> make_element_tangents(const ElementSet& elements,
-                                                       const BlockPattern& pattern);
+                                                       const factor::BlockPattern& pattern);
 
 /// Consistent mass of a body, kg: one number for each block of the pattern, which is that many
 /// times the unit matrix.
-Eigen::VectorXd mass_blocks(const ElementSet& elements, const BlockPattern& pattern);
+Eigen::VectorXd mass_blocks(const ElementSet& elements, const factor::BlockPattern& pattern);
 
 }  // namespace palpate::elasticity

@@ -45,7 +45,7 @@ void LinearModel::prepare() {
   prepared_ = factor_.factorise(stiffness_);
   const int grasps = static_cast<int>(body_.grasps.size());
   for (unsigned set = 0; prepared_ && set < (1u << grasps); ++set) {
-    const Held held{(set & 1) != 0, (set & 2) != 0};
+    const factor::Held held{(set & 1) != 0, (set & 2) != 0};
     for (int g = 0; g < grasps; ++g) {
       if (held[g] && factor_.is_positive(held)) respond(held, g, responses_[set]);
     }
@@ -54,7 +54,7 @@ void LinearModel::prepare() {
 
 /// From the displacements of the given nodes in u_ and the loads in external_: those of the others,
 /// and K u - loads in k_u_.
-void LinearModel::solve(Held held) noexcept {
+void LinearModel::solve(factor::Held held) noexcept {
   stiffness_.multiply(u_, k_u_);
   for (int k = 0; k < pattern_.size(); ++k) {
     const int node = pattern_.node(k);
@@ -68,7 +68,7 @@ void LinearModel::solve(Held held) noexcept {
   k_u_ -= external_;
 }
 
-void LinearModel::respond(Held held, int grasp, Response& response) {
+void LinearModel::respond(factor::Held held, int grasp, Response& response) {
   const GraspRegion& region = body_.grasps[grasp];
   response.shape[grasp].resize(x_.size(), 12);
   external_.setZero();

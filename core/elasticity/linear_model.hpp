@@ -2,7 +2,7 @@
 
 #include "core/elasticity/comparison_model.hpp"
 #include "core/elasticity/element_set.hpp"
-#include "core/elasticity/supernodal_factor.hpp"
+#include "core/factor/supernodal_factor.hpp"
 
 namespace palpate::elasticity {
 
@@ -35,16 +35,16 @@ class LinearModel final : public ComparisonModel {
   };
 
   StepReport advance(double dt) noexcept override;
-  Held held() const noexcept { return {held_.is_held(0), held_.is_held(1)}; }
-  void solve(Held held) noexcept;
-  void respond(Held held, int grasp, Response& response);
+  factor::Held held() const noexcept { return {held_.is_held(0), held_.is_held(1)}; }
+  void solve(factor::Held held) noexcept;
+  void respond(factor::Held held, int grasp, Response& response);
   void update_sensitivity(const Response& response) noexcept;
 
   ElementSet elements_;
-  BlockPattern pattern_;
-  Supernodes supernodes_;
-  BlockMatrix stiffness_;
-  SupernodalFactor factor_;
+  factor::BlockPattern pattern_;
+  factor::Supernodes supernodes_;
+  factor::BlockMatrix stiffness_;
+  factor::SupernodalFactor factor_;
   bool prepared_ = false;
   std::array<Response, 4> responses_;  // by HeldNodes::held_set()
   Eigen::Matrix3Xd external_, u_, k_u_;

@@ -4,8 +4,9 @@
 
 namespace palpate::elasticity {
 
-RefactorJob::RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
-                         PanelPrecision precision, math::Team& team)
+RefactorJob::RefactorJob(const Body& body, const ElementSet& elements,
+                         const factor::Supernodes& supernodes, factor::PanelPrecision precision,
+                         math::Team& team)
     : factor(supernodes, precision, team),
       pattern_(supernodes.pattern()),
       tangents_(make_element_tangents(elements, pattern_)),

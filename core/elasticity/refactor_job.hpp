@@ -2,8 +2,8 @@
 
 #include "core/elasticity/deformation_model.hpp"
 #include "core/elasticity/element_tangents.hpp"
-#include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/static_response.hpp"
+#include "core/factor/solve_panels.hpp"
 
 namespace palpate::elasticity {
 
@@ -15,13 +15,14 @@ struct StepFactors {
 
 /// Factor that a loop solves with, and what it was made from.
 struct LoopFactor {
-  LoopFactor(const Supernodes& supernodes, PanelPrecision precision, math::Team& team)
+  LoopFactor(const factor::Supernodes& supernodes, factor::PanelPrecision precision,
+             math::Team& team)
       : panels(supernodes, precision, team),
         rotations(Eigen::Matrix4Xf::Zero(4, supernodes.pattern().size())) {
     rotations.row(0).setOnes();
   }
 
-  SolvePanels panels;
+  factor::SolvePanels panels;
   Eigen::Matrix4Xf rotations;  // of the unknown nodes at the snapshot, w x y z
   StepFactors step;
   bool usable = false;
@@ -35,8 +36,8 @@ struct LoopFactor {
 class RefactorJob final : public Refactorisation {
  public:
   /// `team` is for the loop, to solve with the factor; the job runs in the thread that calls it.
-  RefactorJob(const Body& body, const ElementSet& elements, const Supernodes& supernodes,
-              PanelPrecision precision, math::Team& team);
+  RefactorJob(const Body& body, const ElementSet& elements, const factor::Supernodes& supernodes,
+              factor::PanelPrecision precision, math::Team& team);
 
   void run() noexcept override;
 
@@ -51,11 +52,11 @@ class RefactorJob final : public Refactorisation {
   void add_step();
   bool factorise(double shift = 0);
 
-  const BlockPattern& pattern_;
+  const factor::BlockPattern& pattern_;
   std::unique_ptr<ElementTangents> tangents_;
-  BlockMatrix matrix_, warped_;
+  factor::BlockMatrix matrix_, warped_;
   Eigen::VectorXd mass_;  // kg, by block
-  SupernodalFactor factorisation_;
+  factor::SupernodalFactor factorisation_;
   StaticResponse response_;
   std::unique_ptr<StressEvaluator> stress_;
 };

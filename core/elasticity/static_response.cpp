@@ -45,20 +45,20 @@ struct StaticResponse::Columns {
   int parameters = 0;
   std::array<int, kContactSlots> force{-1, -1, -1, -1};
   int count = 0;
-  NodalColumns moved, loaded;
-  NodalColumns product;  // of K and moved
+  factor::NodalColumns moved, loaded;
+  factor::NodalColumns product;  // of K and moved
 };
 
 StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
-                               const BlockPattern& pattern)
+                               const factor::BlockPattern& pattern)
     : body_(body),
       pattern_(pattern),
       nodal_mass_(elements.nodal_mass()),
       forces_(body.mesh, elements.materials()),
       poisson_forces_(body.mesh, lame_by_poisson(body)) {}
 
-void StaticResponse::compute(const Snapshot& at, const BlockMatrix& K,
-                             const SupernodalFactor& factor, Sensitivity& out) {
+void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
+                             const factor::SupernodalFactor& factor, Sensitivity& out) {
   out.resize(body_.mesh.node_count());
   Matrix3Xd internal, by_poisson;
   forces_.evaluate(at.positions, internal);
@@ -117,8 +117,8 @@ void StaticResponse::prescribe(const Snapshot& at, Columns& columns) const {
 }
 
 /// Leaves x' over all nodes in `moved`, in place of what was prescribed, and K x' in `product`.
-void StaticResponse::solve(const BlockMatrix& K, const SupernodalFactor& factor, Held held,
-                           Columns& columns) const {
+void StaticResponse::solve(const factor::BlockMatrix& K, const factor::SupernodalFactor& factor,
+                           factor::Held held, Columns& columns) const {
   const int count = columns.count;
   K.multiply(columns.moved, columns.product);
   Eigen::MatrixXd rhs(3 * pattern_.size(), count);
@@ -141,7 +141,7 @@ StaticResponse::Wrenches StaticResponse::wrenches(const Snapshot& at, int g,
   Wrenches w = Wrenches::Zero(6, columns.moved.cols());
   for (int node : body_.grasps[g].nodes) {
     const Vector3d r = at.positions.col(node) - at.origins[g];
-    const NodalColumns force =
+    const factor::NodalColumns force =
         columns.product.middleRows<3>(3 * node) - columns.loaded.middleRows<3>(3 * node);
     w.topRows<3>() += force;
     w.bottomRows<3>().noalias() += math::cross_matrix(r) * force;

@@ -126,7 +126,7 @@ class StaticSolver::Newton {
   BodySystem system_;
   std::unique_ptr<ElementTangents> tangents_;
   HeldPoses poses_;
-  Held held_{false, false};
+  factor::Held held_{false, false};
   Matrix3Xd loads_, weight_, external_, x_, forces_;
   Eigen::MatrixXd rhs_;
 };

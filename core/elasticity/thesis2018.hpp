@@ -47,7 +47,7 @@ class Thesis2018 final : public DeformationModel {
   Body body_;
   Thesis2018Options options_;
   BodySystem system_;
-  Held is_held_{false, false};
+  factor::Held is_held_{false, false};
   std::array<math::Pose, 2> X_OG_{math::Pose::Identity(), math::Pose::Identity()};
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, x_, v_, impulse_, dv_, product_, reactions_;

@@ -56,8 +56,8 @@ Model make_corotational(const config::Node& node, const std::string& name, const
                           : elasticity::Precision::kDouble;
   options.panels =
       node.choice({"panels", "", "of the stored factor"}, {"single", "half"}, "single") == "half"
-          ? elasticity::PanelPrecision::kHalf
-          : elasticity::PanelPrecision::kSingle;
+          ? factor::PanelPrecision::kHalf
+          : factor::PanelPrecision::kSingle;
   options.refine = node.integer({"refine", "",
                                  "columns of the sensitivity that a quasi-static step corrects as "
                                  "well; 6: all once, 12: twice"},

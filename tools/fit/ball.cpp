@@ -5,7 +5,7 @@
 #include <mutex>
 #include <tuple>
 
-#include "core/elasticity/solid_indentation.hpp"
+#include "core/solid/solid_indentation.hpp"
 #include "tools/fit/hertz.hpp"
 #include "tools/fit/recording.hpp"
 #include "tools/fit/spline.hpp"
@@ -28,10 +28,10 @@ struct Layer {
 
 /// Force over Hertz', by the square root of the depth over R.
 Spline compute(const Layer& layer) {
-  const elasticity::SolidCoefficients c =
-      elasticity::make_solid_material(1, layer.poisson_ratio, layer.mooney, layer.stiffening)
+  const solid::SolidCoefficients c =
+      solid::make_solid_material(1, layer.poisson_ratio, layer.mooney, layer.stiffening)
           .coefficients;
-  const elasticity::IndentationCurve curve = elasticity::indent_layer(c, layer.thickness);
+  const solid::IndentationCurve curve = solid::indent_layer(c, layer.thickness);
   if (curve.depth.size() < 4) {
     throw std::runtime_error("a ball in a layer " + std::to_string(layer.thickness) +
                              " radii thick: no equilibrium at small depth");

@@ -9,7 +9,7 @@
 namespace palpate::fit {
 
 /// Kind `indentation`: a rigid ball pressed into a layer, frictionless, at large strain, by finite
-/// elements (core/elasticity/solid_indentation.hpp). By likeness
+/// elements (core/solid/solid_indentation.hpp). By likeness
 ///   F = E R^2 f((d - d0) / R; thickness / R, nu, model),
 /// so that f is computed once for all recordings that agree in what stands behind the semicolon.
 /// Between the computed depths f / (Hertz' half space) is a natural cubic spline of sqrt(d / R),

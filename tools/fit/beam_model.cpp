@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/elasticity/solid_motion.hpp"
 #include "core/mesh/grid_mesh.hpp"
+#include "core/solid/solid_motion.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using Slope3 = Eigen::Matrix<double, 3, kBeamParameters>;
 
 constexpr double kGravity = 9.81;  // m/s^2
-constexpr elasticity::SolidOptions kExact{60, 1e-12, 32};
+constexpr solid::SolidOptions kExact{60, 1e-12, 32};
 // What finite elements are differentiated by: material, inertia and damping, gravity's direction by
 // tilt, and the shape while held.
 constexpr int kSolved[] = {kYoung,    kPoisson,  kDensity,  kMassDamping, kStiffnessDamping,
@@ -89,7 +89,7 @@ BeamModel::BeamModel(BeamShape shape) : shape_(std::move(shape)) {
   for (int i = 0; i < mesh.node_count(); ++i) {
     if (mesh.nodes(0, i) < shape_.corner.x() + 1e-9) clamped.push_back(i);
   }
-  body_ = std::make_unique<elasticity::SolidBody>(mesh, clamped);
+  body_ = std::make_unique<solid::SolidBody>(mesh, clamped);
   const mesh::PointLocator locator(body_->mesh());
   nodal_mass_ = shape_.tip_mass * edge_shares(shape_, mesh, locator);
   for (const Vector3d& marker : shape_.markers) {
@@ -97,11 +97,9 @@ BeamModel::BeamModel(BeamShape shape) : shape_(std::move(shape)) {
   }
 }
 
-std::vector<elasticity::SolidSlope> BeamModel::slopes(const BeamVector& p,
-                                                      const Clamp& clamp) const {
-  const elasticity::SolidMaterial material =
-      elasticity::make_solid_material(p[kYoung], p[kPoisson]);
-  std::vector<elasticity::SolidSlope> result(kBeamParameters);
+std::vector<solid::SolidSlope> BeamModel::slopes(const BeamVector& p, const Clamp& clamp) const {
+  const solid::SolidMaterial material = solid::make_solid_material(p[kYoung], p[kPoisson]);
+  std::vector<solid::SolidSlope> result(kBeamParameters);
   result[kYoung].coefficients = material.by_young;
   result[kPoisson].coefficients = material.by_poisson;
   result[kDensity].density = 1;
@@ -126,12 +124,12 @@ bool BeamModel::at_rest(const BeamVector& p, BeamPrediction& prediction) const {
   const Vector3d half(0, shape_.size.y() / 2, shape_.size.z() / 2);
   const Clamp clamp(p, shape_.corner + half);
   const Eigen::VectorXd mass = p[kDensity] * body_->nodal_volume() + nodal_mass_;
-  elasticity::SolidSolver solver(*body_);
+  solid::SolidSolver solver(*body_);
   Matrix3Xd x = body_->mesh().nodes;
-  const auto material = elasticity::make_solid_material(p[kYoung], p[kPoisson]).coefficients;
+  const auto material = solid::make_solid_material(p[kYoung], p[kPoisson]).coefficients;
   if (!solver.solve(material, clamp.gravity() * mass.transpose(), x, kExact)) return false;
   std::vector<Matrix3Xd> dx;
-  for (const elasticity::SolidSlope& slope : slopes(p, clamp)) {
+  for (const solid::SolidSlope& slope : slopes(p, clamp)) {
     dx.push_back(solver.sensitivity(x, slope));
   }
 
@@ -160,22 +158,22 @@ bool BeamModel::swing(const BeamVector& p, const Eigen::VectorXd& times, double 
                       BeamPrediction& prediction) const {
   const Vector3d half(0, shape_.size.y() / 2, shape_.size.z() / 2);
   const Clamp clamp(p, shape_.corner + half);
-  elasticity::SolidMotionProblem problem;
-  problem.coefficients = elasticity::make_solid_material(p[kYoung], p[kPoisson]).coefficients;
+  solid::SolidMotionProblem problem;
+  problem.coefficients = solid::make_solid_material(p[kYoung], p[kPoisson]).coefficients;
   problem.density = p[kDensity];
   problem.nodal_mass = nodal_mass_;
   problem.loads = clamp.gravity() * (p[kDensity] * body_->nodal_volume() + nodal_mass_).transpose();
   problem.damping = {p[kMassDamping], p[kStiffnessDamping]};
-  elasticity::SolidSolver solver(*body_);
-  std::vector<elasticity::SolidSlope> by = slopes(p, clamp);
+  solid::SolidSolver solver(*body_);
+  std::vector<solid::SolidSlope> by = slopes(p, clamp);
   Matrix3Xd held = body_->mesh().nodes;
   if (!solver.solve(problem.coefficients, p[kHeldSag] * problem.loads, held, kExact)) return false;
   for (int k : kSolved) {
-    elasticity::SolidSlope share = by[k];
+    solid::SolidSlope share = by[k];
     share.load = k == kHeldSag ? problem.loads : Matrix3Xd(p[kHeldSag] * share.load);
     by[k].start = solver.sensitivity(held, share);
   }
-  elasticity::SolidMotion motion(solver, problem, held, step, by);
+  solid::SolidMotion motion(solver, problem, held, step, by);
 
   // Heights and their derivatives step by step; before the release nothing moves.
   const double last = times.size() > 0 ? times.tail<1>()[0] - p[kRelease] : 0;

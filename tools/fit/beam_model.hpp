@@ -3,7 +3,7 @@
 #include <memory>
 #include <vector>
 
-#include "core/elasticity/solid_solver.hpp"
+#include "core/solid/solid_solver.hpp"
 #include "tools/fit/surface_marker.hpp"
 
 namespace palpate::fit {
@@ -61,15 +61,14 @@ class BeamModel {
 
  private:
   struct Clamp;
-  std::vector<elasticity::SolidSlope> slopes(const BeamVector& parameters,
-                                             const Clamp& clamp) const;
+  std::vector<solid::SolidSlope> slopes(const BeamVector& parameters, const Clamp& clamp) const;
   /// Of a marker at p of the untilted beam; dp by parameter.
   void place(const Clamp& clamp, const Eigen::Vector3d& p,
              const Eigen::Matrix<double, 3, kBeamParameters>& dp, Eigen::Vector3d& displaced,
              Eigen::Matrix<double, 3, kBeamParameters>& slope) const;
 
   BeamShape shape_;
-  std::unique_ptr<const elasticity::SolidBody> body_;
+  std::unique_ptr<const solid::SolidBody> body_;
   Eigen::VectorXd nodal_mass_;  // kg, of the tip's
   std::vector<SurfaceMarker> markers_;
 };

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/elasticity/strain_energy.hpp"
+#include "core/solid/strain_energy.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -17,7 +17,7 @@ struct Constants {
   std::vector<int> parameters;  // of the problem
 };
 
-std::optional<Constants> find_constants(const Fit& fit, const elasticity::StrainEnergy& energy) {
+std::optional<Constants> find_constants(const Fit& fit, const solid::StrainEnergy& energy) {
   Constants result;
   result.values.resize(static_cast<Index>(energy.constants().size()));
   for (std::size_t i = 0; i < energy.constants().size(); ++i) {
@@ -51,12 +51,12 @@ struct Secant {
 };
 
 /// Those of stress and, negative, of lateral strain. False without equilibrium.
-bool find_secants(const elasticity::StrainEnergy& energy, const VectorXd& constants,
+bool find_secants(const solid::StrainEnergy& energy, const VectorXd& constants,
                   const std::array<double, 2>& range, Secant& modulus, Secant& poisson) {
   constexpr int kPoints = 100;
   modulus = poisson = {0, VectorXd::Zero(constants.size())};
   double squares = 0;
-  elasticity::UniaxialStress r;
+  solid::UniaxialStress r;
   for (int k = 0; k <= kPoints; ++k) {
     const double e = range[0] + (range[1] - range[0]) * k / static_cast<double>(kPoints);
     if (!respond_uniaxially(energy, constants, 1 + e, r)) return false;
@@ -78,9 +78,9 @@ bool find_secants(const elasticity::StrainEnergy& energy, const VectorXd& consta
 std::optional<EffectiveMaterial> effective_material(const Problem& problem, const Fit& fit,
                                                     const std::string& material,
                                                     const std::array<double, 2>& strain_range) {
-  const std::vector<std::string>& known = elasticity::StrainEnergy::names();
+  const std::vector<std::string>& known = solid::StrainEnergy::names();
   if (std::find(known.begin(), known.end(), material) == known.end()) return std::nullopt;
-  const auto energy = elasticity::StrainEnergy::make(material);
+  const auto energy = solid::StrainEnergy::make(material);
   const std::optional<Constants> constants = find_constants(fit, *energy);
   if (!constants) return std::nullopt;
   const Index n = constants->values.size();

@@ -60,7 +60,7 @@ class Experiment {
   /// What else the parameters come to; empty where there is nothing to say or no equilibrium.
   virtual std::vector<Finding> findings(const Eigen::VectorXd& /*parameters*/) const { return {}; }
 
-  /// The material's name among core/elasticity/strain_energy.hpp's; "linear" is the co-rotational
+  /// The material's name among core/solid/strain_energy.hpp's; "linear" is the co-rotational
   /// one of `young_modulus` and `poisson_ratio`. Another name where no solid is fitted.
   virtual std::string material() const { return "linear"; }
 

@@ -13,11 +13,11 @@ namespace palpate::fit {
 namespace {
 
 using Eigen::MatrixXd;
-using elasticity::BlockMatrix;
-using elasticity::BlockPattern;
-using elasticity::NodalColumns;
+using factor::BlockMatrix;
+using factor::BlockPattern;
+using factor::NodalColumns;
 
-constexpr elasticity::Held kHand{true, false};
+constexpr factor::Held kHand{true, false};
 constexpr int kGuard = 4;  // columns beside those that are wanted: what is left outside slows down
 constexpr int kPasses = 400;
 
@@ -29,7 +29,7 @@ void clear_given(const BlockPattern& pattern, NodalColumns& columns) {
   }
 }
 
-NodalColumns solve(const elasticity::SupernodalFactor& factor, const BlockPattern& pattern,
+NodalColumns solve(const factor::SupernodalFactor& factor, const BlockPattern& pattern,
                    const NodalColumns& loads) {
   MatrixXd rhs(3 * pattern.size(), loads.cols());
   for (int k = 0; k < pattern.size(); ++k)
@@ -44,8 +44,7 @@ NodalColumns solve(const elasticity::SupernodalFactor& factor, const BlockPatter
 
 /// Leaves modes of unit mass in the columns of `shapes`; their omega^2.
 Eigen::VectorXd iterate(const BlockMatrix& K, const BlockMatrix& M,
-                        const elasticity::SupernodalFactor& factor, int count,
-                        NodalColumns& shapes) {
+                        const factor::SupernodalFactor& factor, int count, NodalColumns& shapes) {
   NodalColumns product(shapes.rows(), shapes.cols());
   Eigen::VectorXd before = Eigen::VectorXd::Zero(count);
   for (int pass = 0; pass < kPasses; ++pass) {

@@ -4,16 +4,16 @@
 #include <cmath>
 #include <map>
 
-#include "core/elasticity/solid_membrane.hpp"
+#include "core/solid/solid_membrane.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
 namespace {
 
 using Eigen::Vector2d;
-using elasticity::kMembraneParameters;
-using elasticity::MembraneVector;
-using elasticity::SolidMembrane;
+using solid::kMembraneParameters;
+using solid::MembraneVector;
+using solid::SolidMembrane;
 
 /// Lines through `stops`, at most `cell` apart between the inner ones and growing outside.
 std::vector<double> grid_lines(const std::vector<double>& stops, double cell, double margin) {
@@ -189,8 +189,8 @@ class Membrane final : public Experiment {
     membrane_ = std::make_unique<SolidMembrane>(
         grid_lines({-reach, 0, far, far + reach}, cell, margin),
         grid_lines({low, high}, cell, margin),
-        std::vector<elasticity::Rectangle>{{{-reach, low}, {0, high}},
-                                           {{far, low}, {far + reach, high}}});
+        std::vector<solid::Rectangle>{{{-reach, low}, {0, high}},
+                                      {{far, low}, {far + reach, high}}});
   }
 
   void read_field(int every, const Recording& field) {

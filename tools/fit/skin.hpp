@@ -11,7 +11,7 @@ namespace palpate::fit {
 /// Kind `membrane`: skin stretched by two pads stuck to it, of which one moves along -x, with the
 /// field of displacements between them and the force of the moving pad. Plane-stress finite
 /// elements at large strain of an exponentially stiffening sheet on an elastic foundation
-/// (core/elasticity/solid_membrane.hpp), driven by nothing but the pads' motion.
+/// (core/solid/solid_membrane.hpp), driven by nothing but the pads' motion.
 ///
 /// Columns: `frame`, `point`, `x`, `y` (current position; the least frame is the reference). Keys:
 /// pads {file, columns: frame, moving_x|y (displacement), fixed_x|y (position of its inner edge's

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/elasticity/strain_energy.hpp"
+#include "core/solid/strain_energy.hpp"
 #include "tools/fit/overstress.hpp"
 #include "tools/fit/uniaxial_data.hpp"
 
@@ -22,8 +22,8 @@ class Uniaxial final : public Experiment {
  public:
   Uniaxial(const config::Node& node, const std::filesystem::path& folder)
       : data_(read_uniaxial(node, folder)),
-        material_(elasticity::StrainEnergy::make(node.choice(
-            {"model", "", "law of the material"}, elasticity::StrainEnergy::names(), "linear"))),
+        material_(solid::StrainEnergy::make(node.choice({"model", "", "law of the material"},
+                                                        solid::StrainEnergy::names(), "linear"))),
         sign_(data_.is_compression ? -1 : 1) {
     const bool is_viscous = is_free(node, {"viscosity", "", "a part that goes with the rate"});
     const bool is_relaxing = is_free(node, {"relaxation", "", "a part that fades with time"});
@@ -145,7 +145,7 @@ class Uniaxial final : public Experiment {
     const VectorXd& strain = data_.strain;
     const double most = strain.maxCoeff();
     const double range = data_.load.maxCoeff() - data_.load.minCoeff();
-    for (const elasticity::MaterialConstant& c : material_->constants())
+    for (const solid::MaterialConstant& c : material_->constants())
       add({c.name, c.unit, c.start, c.lower, c.upper, c.is_logarithmic});
     parameters_[0].start = range / (data_.area * (most - strain.minCoeff()));
     const std::string poisson = node.text(
@@ -192,7 +192,7 @@ class Uniaxial final : public Experiment {
                StressHistory& lateral) const {
     const auto constants = static_cast<Index>(material_->constants().size());
     const VectorXd c = parameters.head(constants);
-    elasticity::UniaxialStress r;
+    solid::UniaxialStress r;
     for (std::size_t k = 0; k < rows_.size(); ++k) {
       const auto row = static_cast<Index>(k);
       const double strain = data_.strain[rows_[k]] - parameters[offset_] / data_.length;
@@ -231,7 +231,7 @@ class Uniaxial final : public Experiment {
   }
 
   UniaxialData data_;
-  std::unique_ptr<const elasticity::StrainEnergy> material_;
+  std::unique_ptr<const solid::StrainEnergy> material_;
   double sign_;
   bool has_history_ = false, has_contact_ = false;
   std::vector<Index> rows_;  // of the data, that are worked on

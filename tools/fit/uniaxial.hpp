@@ -13,7 +13,7 @@ namespace palpate::fit {
 /// Columns: `force` or `stress` (nominal); `displacement`, `gap`, `strain` or `stretch`; where
 /// recorded `time` and `width` (across). Force and displacement are positive along `direction`.
 /// Keys:
-///   model            a material of core/elasticity/strain_energy.hpp
+///   model            a material of core/solid/strain_energy.hpp
 ///   direction        tension | compression
 ///   geometry         length (of `gap`: its first value where absent); area, or diameter, or width
 ///                    and thickness; lengths at rest, SI or with a unit ("10.65 mm")

@@ -155,7 +155,7 @@ double CandidateElements::evaluate(const Matrix3Xd& x, Matrix3Xd& forces) {
   return energy;
 }
 
-void CandidateElements::add_tangent(bool exact, elasticity::BlockMatrix& matrix) const {
+void CandidateElements::add_tangent(bool exact, factor::BlockMatrix& matrix) const {
   std::vector<Eigen::MatrixXd> local(
       stencils_.cols(), Eigen::MatrixXd::Zero(3 * stencils_.rows(), 3 * stencils_.rows()));
   const auto place = [this](int stencil, int node) {

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "core/elasticity/block_matrix.hpp"
 #include "core/elasticity/element.hpp"
+#include "core/factor/block_matrix.hpp"
 
 namespace palpate::bench {
 
@@ -30,7 +30,7 @@ class CandidateElements {
 
   /// Adds the second derivative of the energy at the last positions to a matrix over stencils(). If
   /// not `exact`, one without the negative eigenvalues.
-  void add_tangent(bool exact, elasticity::BlockMatrix& matrix) const;
+  void add_tangent(bool exact, factor::BlockMatrix& matrix) const;
 
   /// Nodes that are coupled with each other, a column each; short ones repeat their first node.
   const Eigen::MatrixXi& stencils() const { return stencils_; }

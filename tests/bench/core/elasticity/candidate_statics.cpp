@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/elasticity/supernodal_factor.hpp"
+#include "core/factor/supernodal_factor.hpp"
 #include "core/math/polar.hpp"
 
 namespace palpate::bench {
@@ -16,7 +16,7 @@ constexpr int kMostSteps = 64;
 
 class Newton {
  public:
-  Newton(const elasticity::Body& body, Volumetric volumetric, elasticity::Held held)
+  Newton(const elasticity::Body& body, Volumetric volumetric, factor::Held held)
       : elements_(body, volumetric),
         pattern_(elements_.stencils(), body.mesh.node_count(), body.fixed_nodes,
                  elasticity::patches(body)),
@@ -86,11 +86,11 @@ class Newton {
   }
 
   CandidateElements elements_;
-  elasticity::BlockPattern pattern_;
-  elasticity::Supernodes supernodes_;
-  elasticity::BlockMatrix matrix_;
-  elasticity::SupernodalFactor factor_;
-  elasticity::Held held_;
+  factor::BlockPattern pattern_;
+  factor::Supernodes supernodes_;
+  factor::BlockMatrix matrix_;
+  factor::SupernodalFactor factor_;
+  factor::Held held_;
   Matrix3Xd rest_, forces_;
   double tolerance_;
 };

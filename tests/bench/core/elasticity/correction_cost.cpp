@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/elasticity/solve_panels.hpp"
+#include "core/factor/solve_panels.hpp"
 #include "tests/bench/core/elasticity/curved_pass.hpp"
 #include "tests/bench/core/elasticity/samples.hpp"
 
@@ -43,18 +43,18 @@ double time_curved_pass(const elasticity::Body& body, const Eigen::Matrix3Xd& x)
 }
 
 SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric,
-                     elasticity::PanelPrecision precision) {
+                     factor::PanelPrecision precision) {
   CandidateElements elements(body, volumetric);
   Eigen::Matrix3Xd forces;
   elements.evaluate(body.mesh.nodes, forces);
-  const elasticity::BlockPattern pattern(elements.stencils(), body.mesh.node_count(),
-                                         body.fixed_nodes, elasticity::patches(body));
-  const elasticity::Supernodes supernodes(pattern);
-  elasticity::BlockMatrix matrix(pattern);
+  const factor::BlockPattern pattern(elements.stencils(), body.mesh.node_count(), body.fixed_nodes,
+                                     elasticity::patches(body));
+  const factor::Supernodes supernodes(pattern);
+  factor::BlockMatrix matrix(pattern);
   elements.add_tangent(true, matrix);
-  elasticity::SupernodalFactor factor(supernodes);
-  elasticity::SolvePanels panels(supernodes, precision);
-  constexpr elasticity::Held kHeld{true, true};
+  factor::SupernodalFactor factor(supernodes);
+  factor::SolvePanels panels(supernodes, precision);
+  constexpr factor::Held kHeld{true, true};
   if (!factor.factorise(matrix) || !panels.assign(factor) || !panels.usable(kHeld)) {
     throw std::runtime_error("the stiffness at rest is not positive definite");
   }

@@ -22,7 +22,7 @@ struct SolveCost {
 /// Of the loop's panels for a stiffness over `stencils` (as the candidate's tangent at rest has
 /// it), in the loop's own order of elimination. Fixed nodes and held patches count as in the loop.
 SolveCost time_solve(const elasticity::Body& body, Volumetric volumetric,
-                     elasticity::PanelPrecision precision = elasticity::SolverOptions().panels);
+                     factor::PanelPrecision precision = elasticity::SolverOptions().panels);
 
 /// Median thread time of `run`, s; repeats it for some hundredths of a second.
 double median_time(const std::function<void()>& run);

@@ -56,7 +56,7 @@ StepPart mass_pass(const elasticity::Body& body, double evaluations) {
   elasticity::NodalField y = 1.1 * x, forces = x;
   part.measured = median_time([&] { inertia.add(x, y, 1, forces); });
   // A mass and a column for each pair of nodes; three fields of four numbers a node.
-  const elasticity::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {});
+  const factor::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {});
   const double pairs = 2.0 * static_cast<double>(pattern.row().size()) - pattern.size();
   part.work = pairs * (sizeof(double) + sizeof(int)) + 3 * 4 * sizeof(double) * x.cols();
   part.floor = part.work / read_bandwidth(static_cast<std::size_t>(part.work));

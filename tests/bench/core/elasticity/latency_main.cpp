@@ -58,8 +58,8 @@ void add_options(CLI::App& app, Arguments& a) {
       {"single", elasticity::Precision::kSingle}, {"double", elasticity::Precision::kDouble}};
   app.add_option("--precision", a.options.solver.precision, "of the arithmetic inside elements")
       ->transform(CLI::CheckedTransformer(precisions));
-  const std::map<std::string, elasticity::PanelPrecision> panels{
-      {"single", elasticity::PanelPrecision::kSingle}, {"half", elasticity::PanelPrecision::kHalf}};
+  const std::map<std::string, factor::PanelPrecision> panels{
+      {"single", factor::PanelPrecision::kSingle}, {"half", factor::PanelPrecision::kHalf}};
   app.add_option("--panels", a.options.solver.panels, "of the factor")
       ->transform(CLI::CheckedTransformer(panels));
   app.add_option("--tolerance", a.options.solver.tolerance,

@@ -3,7 +3,7 @@
 
 #include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/element_set.hpp"
-#include "core/elasticity/solve_panels.hpp"
+#include "core/factor/solve_panels.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "tests/bench/core/elasticity/benchmarks.hpp"
 
@@ -50,23 +50,23 @@ void element_pass(benchmark::State& state, const BarMesh& mesh, int threads) {
 }
 
 /// One solve with the loop's factor, the clamp held.
-template <elasticity::PanelPrecision kPrecision>
+template <factor::PanelPrecision kPrecision>
 void solve(benchmark::State& state, const BarMesh& mesh, int threads) {
   const auto team = team_of(threads);
   const Scenario scenario(mesh, Motion::kLarge);
   const elasticity::Body& body = scenario.body();
   const elasticity::ElementSet elements(body);
-  const elasticity::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {},
-                                         elasticity::patches(body));
-  const elasticity::Supernodes supernodes(pattern);
-  elasticity::BlockMatrix matrix(pattern);
+  const factor::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {},
+                                     elasticity::patches(body));
+  const factor::Supernodes supernodes(pattern);
+  factor::BlockMatrix matrix(pattern);
   Eigen::MatrixXd K;
   for (int e = 0; e < elements.element_count(); ++e) {
     elements.stiffness(e, body.mesh.nodes, elasticity::Tangent::kExact, 0, K);
     matrix.add(e, K);
   }
-  elasticity::SupernodalFactor factor(supernodes);
-  elasticity::SolvePanels panels(supernodes, kPrecision, *team);
+  factor::SupernodalFactor factor(supernodes);
+  factor::SolvePanels panels(supernodes, kPrecision, *team);
   if (!factor.factorise(matrix) || !panels.assign(factor)) {
     state.SkipWithError("the stiffness is not positive definite");
     return;
@@ -113,8 +113,8 @@ void register_parts(const std::vector<BarMesh>& meshes) {
          {std::pair{std::string("element_pass/single"),
                     element_pass<elasticity::Precision::kSingle>},
           {"element_pass/double", element_pass<elasticity::Precision::kDouble>},
-          {"solve/single", solve<elasticity::PanelPrecision::kSingle>},
-          {"solve/half", solve<elasticity::PanelPrecision::kHalf>}}) {
+          {"solve/single", solve<factor::PanelPrecision::kSingle>},
+          {"solve/half", solve<factor::PanelPrecision::kHalf>}}) {
       for (int threads = 1; threads <= 4; ++threads) {
         const std::string name = what + size + "/team:" + std::to_string(threads);
         benchmark::RegisterBenchmark(name.c_str(), function, mesh, threads)

@@ -7,12 +7,12 @@
 #include "core/elasticity/linear_model.hpp"
 #include "core/elasticity/mass_spring_model.hpp"
 #include "core/elasticity/shape_matching_model.hpp"
-#include "core/elasticity/solve_panels.hpp"
 #include "core/elasticity/thesis2018.hpp"
+#include "core/factor/solve_panels.hpp"
 #include "rt/loop/sanitizer.hpp"
-#include "tests/unit/core/elasticity/block_systems.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/turns.hpp"
+#include "tests/unit/core/factor/block_systems.hpp"
 
 // Sanitizers bring their own malloc.
 #if PALPATE_SANITIZED
@@ -96,18 +96,19 @@ void expect_no_allocation(DeformationModel& model) {
 
 TEST(Allocation, NoneInFactorsAndTheirSolves) {
   if (count_allocations([] {}) < 0) GTEST_SKIP() << "a sanitizer owns malloc";
-  const TwoHandedBar bar(mesh::ElementOrder::kQuadratic);
-  BlockSystem system(bar.body.mesh, bar.middle, bar.ends);
+  const factor::TwoHandedBar bar(mesh::ElementOrder::kQuadratic);
+  factor::BlockSystem system(bar.body.mesh, bar.middle, bar.ends);
   system.add_stiffness(bar.set, bar.body.mesh.nodes);
-  const Supernodes nodes(system.pattern);
-  SupernodalFactor factor(nodes);
-  SolvePanels single(nodes, PanelPrecision::kSingle), half(nodes, PanelPrecision::kHalf);
+  const factor::Supernodes nodes(system.pattern);
+  factor::SupernodalFactor factor(nodes);
+  factor::SolvePanels single(nodes, factor::PanelPrecision::kSingle),
+      half(nodes, factor::PanelPrecision::kHalf);
   Eigen::MatrixXd B = Eigen::MatrixXd::Random(3 * system.pattern.size(), 9);
   Eigen::VectorXf b = Eigen::VectorXf::Random(B.rows());
   bool ready = false;
   const int allocated = count_allocations([&] {
     ready = factor.factorise(system.matrix) && single.assign(factor) && half.assign(factor);
-    for (Held held : kHeldSets) {
+    for (factor::Held held : factor::kHeldSets) {
       factor.solve(B, held);
       single.solve(b.data(), held);
       half.solve(b.data(), held);

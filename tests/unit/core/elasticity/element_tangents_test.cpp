@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "tests/unit/core/elasticity/block_systems.hpp"
+#include "tests/unit/core/factor/block_systems.hpp"
 
 namespace palpate::elasticity {
 namespace {
@@ -19,9 +19,9 @@ class TangentsOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {
   }
 
   /// Sum of the elements, one by one.
-  BlockMatrix sum(const ElementSet& elements, const BlockPattern& pattern, const Matrix3Xd& x,
-                  Tangent kind) const {
-    BlockMatrix K(pattern);
+  factor::BlockMatrix sum(const ElementSet& elements, const factor::BlockPattern& pattern,
+                          const Matrix3Xd& x, Tangent kind) const {
+    factor::BlockMatrix K(pattern);
     Eigen::MatrixXd element;
     for (int e = 0; e < elements.element_count(); ++e) {
       elements.stiffness(e, x, kind, 0, element);
@@ -30,7 +30,8 @@ class TangentsOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {
     return K;
   }
 
-  static void expect_near(const BlockMatrix& a, const BlockMatrix& b, double share) {
+  static void expect_near(const factor::BlockMatrix& a, const factor::BlockMatrix& b,
+                          double share) {
     double largest = 0, off = 0;
     for (std::size_t k = 0; k < a.pattern().row().size(); ++k) {
       const int block = static_cast<int>(k);
@@ -49,10 +50,10 @@ INSTANTIATE_TEST_SUITE_P(Order, TangentsOfEveryOrder,
 
 TEST_P(TangentsOfEveryOrder, AreTheSumsOfThoseOfSingleElements) {
   const ElementSet elements(body_);
-  const BlockPattern pattern(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes,
-                             patches(body_));
+  const factor::BlockPattern pattern(body_.mesh.elements, body_.mesh.node_count(),
+                                     body_.fixed_nodes, patches(body_));
   const auto tangents = make_element_tangents(elements, pattern);
-  BlockMatrix K(pattern), warped(pattern);
+  factor::BlockMatrix K(pattern), warped(pattern);
   std::srand(21);
   const Eigen::Matrix3d R = rotation(1.2, {1, -2, 0.5});
   // The last one squeezes and turns elements until some are unstable or inside out.
@@ -71,12 +72,12 @@ TEST_P(TangentsOfEveryOrder, AreTheSumsOfThoseOfSingleElements) {
 
 TEST_P(TangentsOfEveryOrder, AddUpToTheMatrixOfAStep) {
   const ElementSet elements(body_);
-  const BlockPattern pattern(body_.mesh.elements, body_.mesh.node_count(), body_.fixed_nodes,
-                             patches(body_));
+  const factor::BlockPattern pattern(body_.mesh.elements, body_.mesh.node_count(),
+                                     body_.fixed_nodes, patches(body_));
   std::srand(22);
   const Matrix3Xd x = body_.mesh.nodes + 2e-3 * Matrix3Xd::Random(3, body_.mesh.node_count());
   const double viscous = 10, inertia = 1e6;
-  BlockMatrix K(pattern), warped(pattern), expected(pattern);
+  factor::BlockMatrix K(pattern), warped(pattern), expected(pattern);
   make_element_tangents(elements, pattern)->assemble(x, Tangent::kExact, K, &warped);
   K.add(viscous, warped);
   K.add_scalar(inertia, mass_blocks(elements, pattern));
@@ -91,11 +92,11 @@ TEST_P(TangentsOfEveryOrder, AddUpToTheMatrixOfAStep) {
 }
 
 TEST_P(TangentsOfEveryOrder, MultiplyManyVectorsAsTheyDoOne) {
-  BlockSystem system(body_.mesh, body_.fixed_nodes, patches(body_));
+  factor::BlockSystem system(body_.mesh, body_.fixed_nodes, patches(body_));
   system.add_random();
   const int n = body_.mesh.node_count();
-  const NodalColumns u = NodalColumns::Random(3 * n, 8);
-  NodalColumns y = u;
+  const factor::NodalColumns u = factor::NodalColumns::Random(3 * n, 8);
+  factor::NodalColumns y = u;
   system.matrix.multiply(u, y);
   Matrix3Xd expected(3, n);
   for (int j = 0; j < u.cols(); ++j) {

@@ -5,8 +5,8 @@
 #include <limits>
 #include <random>
 
-#include "core/elasticity/block_matrix.hpp"
 #include "core/elasticity/point_kernel.hpp"
+#include "core/factor/block_matrix.hpp"
 #include "core/math/polar.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/elements.hpp"

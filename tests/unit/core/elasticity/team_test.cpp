@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "core/elasticity/element_forces.hpp"
-#include "core/elasticity/solve_panels.hpp"
+#include "core/factor/solve_panels.hpp"
 #include "tests/unit/core/elasticity/stepping.hpp"
 #include "tests/unit/core/elasticity/turns.hpp"
 
@@ -86,7 +86,7 @@ struct LargeSystem {
         nodes(pattern),
         factor(nodes) {
     const ElementSet set(body);
-    BlockMatrix matrix(pattern);
+    factor::BlockMatrix matrix(pattern);
     Eigen::MatrixXd K;
     for (int e = 0; e < set.element_count(); ++e) {
       set.stiffness(e, body.mesh.nodes, Tangent::kExact, 0, K);
@@ -97,15 +97,16 @@ struct LargeSystem {
     EXPECT_TRUE(factor.factorise(matrix));
   }
   Body body;
-  BlockPattern pattern;
-  Supernodes nodes;
-  SupernodalFactor factor;
+  factor::BlockPattern pattern;
+  factor::Supernodes nodes;
+  factor::SupernodalFactor factor;
 };
 
 TEST(Team, SolvesAreThoseOfOneMember) {
   const LargeSystem system;
-  const auto solution = [&system](PanelPrecision precision, math::Team& team, Held held) {
-    SolvePanels panels(system.nodes, precision, team);
+  const auto solution = [&system](factor::PanelPrecision precision, math::Team& team,
+                                  factor::Held held) {
+    factor::SolvePanels panels(system.nodes, precision, team);
     EXPECT_TRUE(panels.assign(system.factor));
     Eigen::VectorXf b(3 * system.pattern.size());
     for (int i = 0; i < b.size(); ++i) b[i] = static_cast<float>(std::sin(0.37 * i));
@@ -113,12 +114,14 @@ TEST(Team, SolvesAreThoseOfOneMember) {
     return b;
   };
   for (int size : {2, 3, 4, 8}) {
-    const TreeShares shares = share_tree(system.nodes, size);
+    const factor::TreeShares shares = factor::share_tree(system.nodes, size);
     ASSERT_TRUE(std::any_of(shares.top.begin(), shares.top.end(),
-                            [](const TreeShares::Top& top) { return top.is_shared; }));
+                            [](const factor::TreeShares::Top& top) { return top.is_shared; }));
     Turns forwards(size), backwards(size, true);
-    for (PanelPrecision precision : {PanelPrecision::kSingle, PanelPrecision::kHalf}) {
-      for (Held held : {Held{false, false}, Held{true, false}, Held{false, true}}) {
+    for (factor::PanelPrecision precision :
+         {factor::PanelPrecision::kSingle, factor::PanelPrecision::kHalf}) {
+      for (factor::Held held :
+           {factor::Held{false, false}, factor::Held{true, false}, factor::Held{false, true}}) {
         const Eigen::VectorXf alone = solution(precision, math::solo_team, held);
         const Eigen::VectorXf x = solution(precision, forwards, held);
         EXPECT_LT((x - alone).norm(), 1e-5F * alone.norm()) << size << " members";

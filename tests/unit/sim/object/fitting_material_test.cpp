@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "core/elasticity/strain_energy_tensor.hpp"
+#include "core/solid/strain_energy_tensor.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
 
 namespace palpate::object {
@@ -16,8 +16,8 @@ TEST(FittingMaterial, OneElementHasThePlantsEnergyAndForces) {
   F << 1.3, 0.2, -0.1, 0.05, 0.8, 0.15, 0.1, -0.2, 1.1;
   const Eigen::Matrix3Xd x = F * grid.nodes();
 
-  const auto material = elasticity::StrainEnergy::make("neo_hookean");
-  elasticity::TensorStress response;
+  const auto material = solid::StrainEnergy::make("neo_hookean");
+  solid::TensorStress response;
   ASSERT_TRUE(respond_to_gradient(*material, Eigen::Vector2d(E, nu), F, response));
   EXPECT_NEAR(solid.energy(x) / size.prod(), response.energy, 1e-9 * E);
 

@@ -5,8 +5,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/elasticity/strain_energy.hpp"
 #include "core/math/random.hpp"
+#include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
 
 namespace palpate::fit {
@@ -15,14 +15,14 @@ namespace {
 /// Stress and width of a Neo-Hookean bar (E 40 kPa) up to `strain`; noise of 1 % of the greatest.
 std::vector<JobResult> fit_bar(double nu, double strain, const std::string& more, int seed) {
   FitFolder folder;
-  const auto material = elasticity::StrainEnergy::make("neo_hookean");
+  const auto material = solid::StrainEnergy::make("neo_hookean");
   math::Random random(static_cast<std::uint64_t>(seed), "bar");
   std::ostringstream out;
   out.precision(12);
   out << "e,s,w\n";
   for (int i = 0; i <= 60; ++i) {
     const double e = strain * i / 60;
-    elasticity::UniaxialStress r;
+    solid::UniaxialStress r;
     EXPECT_TRUE(respond_uniaxially(*material, Eigen::Vector2d(40e3, nu), 1 + e, r));
     out << e << ',' << r.stress + 400 * strain * random.normal() << ','
         << 0.02 * r.lateral + 1e-6 * random.normal() << '\n';

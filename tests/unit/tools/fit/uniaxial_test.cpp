@@ -8,8 +8,8 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/elasticity/strain_energy.hpp"
 #include "core/math/random.hpp"
+#include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
 #include "tools/fit/gradient_check.hpp"
 #include "tools/fit/overstress.hpp"
@@ -26,7 +26,7 @@ constexpr double kLength = 0.02, kArea = 1e-4, kModulus = 4e4;
 /// width.
 std::string cycles_csv(const std::string& model, const Eigen::VectorXd& constants, double sign,
                        double noise, int seed) {
-  const auto material = elasticity::StrainEnergy::make(model);
+  const auto material = solid::StrainEnergy::make(model);
   math::Random random(static_cast<std::uint64_t>(seed));
   std::ostringstream out;
   out.precision(12);
@@ -35,7 +35,7 @@ std::string cycles_csv(const std::string& model, const Eigen::VectorXd& constant
   for (int i = 0; i < kSamples; ++i) {
     const double phase = (i % kPerCycle) / static_cast<double>(kPerCycle);
     const double strain = 0.3 * (phase < 0.5 ? 2 * phase : 2 - 2 * phase);
-    elasticity::UniaxialStress r;
+    solid::UniaxialStress r;
     EXPECT_TRUE(respond_uniaxially(*material, constants, 1 + sign * strain, r));
     out << 0.02 * i << ',' << 1e3 * kLength * strain << ','
         << sign * kArea * r.stress + noise * random.normal() << ',' << 10 * r.lateral << '\n';
@@ -52,7 +52,7 @@ std::string plan(const std::string& more) {
 }
 
 Eigen::VectorXd constants_of(const std::string& model, double nu) {
-  const auto material = elasticity::StrainEnergy::make(model);
+  const auto material = solid::StrainEnergy::make(model);
   Eigen::VectorXd c(material->constants().size());
   for (std::size_t i = 0; i < material->constants().size(); ++i)
     c[static_cast<Eigen::Index>(i)] = material->constants()[i].start;
@@ -62,7 +62,7 @@ Eigen::VectorXd constants_of(const std::string& model, double nu) {
 }
 
 TEST(Uniaxial, EveryModelFindsWhatMadeTheData) {
-  for (const std::string& model : elasticity::StrainEnergy::names()) {
+  for (const std::string& model : solid::StrainEnergy::names()) {
     for (const bool is_compression : {false, true}) {
       FitFolder folder;
       const Eigen::VectorXd truth = constants_of(model, 0.3);
@@ -82,7 +82,7 @@ TEST(Uniaxial, EveryModelFindsWhatMadeTheData) {
 }
 
 TEST(Uniaxial, DerivativesAreRightOfEveryModelAndHistory) {
-  for (const std::string& model : elasticity::StrainEnergy::names()) {
+  for (const std::string& model : solid::StrainEnergy::names()) {
     for (const char* more : {"", ", viscosity: free, relaxation: free", ", contact_offset: free"}) {
       FitFolder folder;
       folder.write("a.csv", cycles_csv(model, constants_of(model, 0.2), -1, 0.01, 2));

@@ -44,8 +44,8 @@ void expect_derivatives(const elasticity::Body& body, Volumetric volumetric) {
   const double slope = f.cwiseProduct(direction).sum();
   EXPECT_NEAR(difference / (2 * step), slope, 1e-6 * std::abs(slope));
 
-  const elasticity::BlockPattern pattern(elements.stencils(), n, {});
-  elasticity::BlockMatrix matrix(pattern);
+  const factor::BlockPattern pattern(elements.stencils(), n, {});
+  factor::BlockMatrix matrix(pattern);
   elements.add_tangent(true, matrix);
   Matrix3Xd change(3, n);
   matrix.multiply(direction, change);

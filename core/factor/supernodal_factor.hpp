@@ -1,0 +1,95 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "core/factor/dense_ldl.hpp"
+#include "core/factor/supernodes.hpp"
+
+namespace palpate::factor {
+
+/// A = L D L^T in double, multifrontal, without pivoting. The interior is factored once; what is
+/// left of the border (its Schur complement) is factored for each set of grasp patches that may be
+/// held, so that one factor serves them all. Work space is inside: one thread at a time, nothing
+/// allocates after construction.
+class SupernodalFactor {
+ public:
+  /// `supernodes` must outlive the factor.
+  explicit SupernodalFactor(const Supernodes& supernodes);
+  explicit SupernodalFactor(Supernodes&&) = delete;
+
+  const Supernodes& supernodes() const { return *supernodes_; }
+
+  /// `shift` (N/m) is added to the diagonal. False where a pivot of the interior vanishes to
+  /// rounding: the matrix is singular, and nothing else may be asked of the factor.
+  bool factorise(const BlockMatrix& A, double shift = 0) noexcept;
+
+  /// Whether it can be used with these groups held; not where the free part of the border is
+  /// singular to rounding.
+  bool is_regular(Held held) const { return interior_regular_ && border(held).regular; }
+  /// Of interior and free border groups.
+  Pivots pivots(Held held) const;
+  bool is_positive(Held held) const { return is_regular(held) && pivots(held).negative == 0; }
+  bool is_interior_positive() const { return interior_regular_ && interior_.negative == 0; }
+
+  /// Overwrites the columns of B (3 size() x k, in order of elimination, the axes of an unknown
+  /// together) with A^-1 B. Rows of held groups are not read and become zero. Needs is_regular.
+  void solve(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept;
+
+  /// Panel of supernode s: L of its columns, column-major, 3 (columns + rows) long each; the
+  /// diagonal and what lies above it are to be taken as 1 and 0.
+  const double* panel(int s) const { return panels_.data() + panel_start_[s]; }
+  const std::vector<double>& d() const { return d_; }                // 3 interior_size()
+  const std::vector<double>& diagonal() const { return diagonal_; }  // of A + shift, 3 size()
+
+  /// Inverse of the Schur complement over the free groups' rows, row and column 0 being the first
+  /// free unknown; both triangles. Into `inverse`, column-major. Needs is_regular.
+  void invert_border(Held held, double* inverse) const noexcept;
+  int border_rows(Held held) const { return border(held).size; }
+  /// First scalar row of the free groups, counted from the first one of the border.
+  int border_offset(Held held) const { return border(held).offset; }
+
+ private:
+  struct Border {
+    int offset = 0, size = 0;  // scalars
+    bool regular = false;
+    Pivots pivots;
+    std::vector<double> lower, d;
+  };
+
+  /// Matrix under elimination: `columns` and `rows` unknowns, the panel 3 (columns + rows) long.
+  struct Front {
+    double *panel, *update;
+    int columns, rows;
+  };
+
+  Border& border(Held held) { return borders_[supernodes_->pattern().held_set(held)]; }
+  const Border& border(Held held) const { return borders_[supernodes_->pattern().held_set(held)]; }
+  static void clear(const Front& front) noexcept;
+  void assemble(const BlockMatrix& A, int first, const Front& front) noexcept;
+  void gather(const std::vector<int>& children, double*& top, const Front& front) noexcept;
+  void factorise_border(Border& border) noexcept;
+  template <int kPacks>
+  void solve_lanes(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept;
+
+  const Supernodes* supernodes_;
+  std::vector<std::ptrdiff_t> panel_start_;
+  std::vector<double> panels_, d_, diagonal_, scale_;
+  bool interior_regular_ = false;
+  Pivots interior_;
+  std::vector<double> schur_;  // lower half, over all groups
+  std::array<Border, 4> borders_;
+  DenseLdl dense_;
+
+  // Updates wait for their parent on two stacks, by the parity of their depth in the tree, so that
+  // those of a supernode's children lie on top of one while its own goes onto the other.
+  std::vector<int> depth_;
+  std::array<std::vector<double>, 2> stacks_;
+  std::vector<std::vector<int>> children_;  // of each supernode, and of the border
+  std::vector<int> local_;                  // by unknown: its place in the present front
+  // Work space: where the rows of a child or a panel are; right-hand sides, row by row.
+  mutable std::vector<int> targets_;
+  mutable std::vector<double> lanes_;
+};
+
+}  // namespace palpate::factor

@@ -1,0 +1,129 @@
+#include "core/solid/solid_solver.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "core/elasticity/element_tangents.hpp"
+
+namespace palpate::solid {
+namespace {
+
+using Eigen::Matrix3Xd;
+
+/// The mesh as a body of unit density.
+elasticity::Body unit_body(const mesh::ElementMesh& mesh, const std::vector<int>& fixed_nodes) {
+  if (fixed_nodes.empty()) throw std::invalid_argument("a solid needs nodes that are fixed");
+  elasticity::Body body;
+  body.mesh = mesh;
+  body.material.density = 1;
+  body.fixed_nodes = fixed_nodes;
+  body.check();
+  return body;
+}
+
+double largest(const Matrix3Xd& field) { return field.colwise().norm().maxCoeff(); }
+
+}  // namespace
+
+SolidBody::SolidBody(const mesh::ElementMesh& mesh, const std::vector<int>& fixed_nodes)
+    : elements_(mesh),
+      pattern_(mesh.elements, mesh.node_count(), fixed_nodes),
+      supernodes_(pattern_),
+      extent_((mesh.nodes.rowwise().maxCoeff() - mesh.nodes.rowwise().minCoeff()).norm()) {
+  const elasticity::ElementSet set(unit_body(mesh, fixed_nodes));
+  nodal_volume_ = set.nodal_mass();
+  volume_blocks_ = elasticity::mass_blocks(set, pattern_);
+}
+
+double SolidSolver::rounding() const {
+  const double stiffest = *std::max_element(factor_.diagonal().begin(), factor_.diagonal().end());
+  return std::numeric_limits<double>::epsilon() * stiffest * body_.extent();
+}
+
+void SolidSolver::clear_fixed(Matrix3Xd& field) const {
+  for (int node = 0; node < field.cols(); ++node) {
+    if (body_.pattern().unknown(node) < 0) field.col(node).setZero();
+  }
+}
+
+bool SolidSolver::factorise(const factor::BlockMatrix& matrix) {
+  return factor_.factorise(matrix) && factor_.is_positive({});
+}
+
+Matrix3Xd SolidSolver::apply_inverse(const Matrix3Xd& rhs) {
+  Eigen::MatrixXd columns(3 * body_.pattern().size(), 1);
+  for (int k = 0; k < body_.pattern().size(); ++k) {
+    columns.block<3, 1>(3 * k, 0) = rhs.col(body_.pattern().node(k));
+  }
+  factor_.solve(columns, {});
+  Matrix3Xd solution = Matrix3Xd::Zero(3, rhs.cols());
+  for (int k = 0; k < body_.pattern().size(); ++k) {
+    solution.col(body_.pattern().node(k)) = columns.block<3, 1>(3 * k, 0);
+  }
+  return solution;
+}
+
+factor::BlockMatrix SolidSolver::tangent(const Matrix3Xd& x, const SolidCoefficients& c) const {
+  factor::BlockMatrix K(body_.pattern());
+  body_.elements().add_tangent(x, c, 1, K);
+  return K;
+}
+
+bool SolidSolver::newton(const SolidCoefficients& c, const Matrix3Xd& loads, Matrix3Xd& x,
+                         const SolidOptions& options) {
+  Matrix3Xd forces;
+  double scale = 0;
+  const auto evaluate = [&] {
+    const double energy = body_.elements().forces(x, c, forces);
+    if (!std::isfinite(energy)) return energy;
+    scale = std::max(largest(forces), largest(loads));
+    forces -= loads;
+    clear_fixed(forces);
+    return energy - (loads.array() * (x - body_.mesh().nodes).array()).sum();
+  };
+  double energy = evaluate();
+  for (int i = 0; i < options.iterations; ++i) {
+    if (!std::isfinite(energy)) return false;
+    const double begin = largest(forces);
+    if (!factorise(tangent(x, c))) return false;
+    if (begin <= options.tolerance * scale + rounding()) return true;
+    const Matrix3Xd step = apply_inverse(-forces), start = x;
+    const double slope = (forces.array() * step.array()).sum();
+    bool accepted = false;
+    for (double alpha = 1; alpha > 1e-4 && !accepted; alpha /= 2) {
+      x = start + alpha * step;
+      const double next = evaluate();
+      // Near the end the energy is blind by rounding, and the forces decide.
+      const double blind = rounding() * body_.extent();
+      accepted = next <= energy + 1e-4 * alpha * slope ||
+                 (std::abs(next - energy) <= blind && largest(forces) < begin);
+      if (accepted) energy = next;
+    }
+    if (!accepted) return false;
+  }
+  return false;
+}
+
+bool SolidSolver::solve(const SolidCoefficients& c, const Matrix3Xd& loads, Matrix3Xd& x,
+                        const SolidOptions& options) {
+  const Matrix3Xd begin = x;
+  for (int steps = 1; steps <= options.load_steps; steps *= 2) {
+    x = begin;
+    bool converged = true;
+    for (int s = 1; s <= steps && converged; ++s) {
+      converged = newton(c, static_cast<double>(s) / steps * loads, x, options);
+    }
+    if (converged) return true;
+  }
+  return false;
+}
+
+Matrix3Xd SolidSolver::sensitivity(const Matrix3Xd& x, const SolidSlope& slope) {
+  Matrix3Xd forces;
+  body_.elements().forces(x, slope.coefficients, forces);
+  return apply_inverse(slope.load.size() > 0 ? Matrix3Xd(slope.load - forces) : Matrix3Xd(-forces));
+}
+
+}  // namespace palpate::solid
