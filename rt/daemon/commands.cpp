@@ -5,12 +5,12 @@
 #include <cstdio>
 #include <cstring>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 
-using component::Event;
-using component::LifeCycle;
+using pipeline::Event;
+using pipeline::LifeCycle;
 
 namespace {
 
@@ -45,7 +45,7 @@ Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std:
       stamp_(session),
       events_(housekeeping, "COMPONENT_EVENT", bus::Urgency::kLater) {}
 
-void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+void Commands::handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept {
   std::int64_t arrival_ns = 0;
   for (int i = 0; i < kMostPerCycle && commands_.take(command_, arrival_ns); ++i)
@@ -54,12 +54,12 @@ void Commands::handle(component::Pipeline& pipeline, Replacing& replacing, std::
     handle_target(pipeline, utime);
 }
 
-void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacing,
+void Commands::handle_command(pipeline::Pipeline& pipeline, Replacing& replacing,
                               std::int64_t cycle, std::int64_t utime) noexcept {
   const bus::Admitted admitted = command_admission_.judge(command_);
   if (admitted == bus::Admitted::kRefused) return;
-  const char* slot = get_text(command_.slot);
-  const Event event = component::event_from(get_text(command_.event));
+  const char* slot = bus::get_text(command_.slot);
+  const Event event = pipeline::event_from(bus::get_text(command_.event));
   if (command_.session == last_session_ && command_.counter == last_counter_) {
     // Whoever sends again has not heard the answer. Not for the log, which a sender that repeats
     // itself without end would fill.
@@ -74,7 +74,7 @@ void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacin
   last_session_ = command_.session;
   last_counter_ = command_.counter;
 
-  const char* done = component::name(event);
+  const char* done = pipeline::name(event);
   const char* reason = "";
   switch (event) {
     case Event::kStart:
@@ -104,7 +104,7 @@ void Commands::handle_command(component::Pipeline& pipeline, Replacing& replacin
   answer(slot, done, command_.counter, reason, utime);
 }
 
-void Commands::handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept {
+void Commands::handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) noexcept {
   if (target_admission_.judge(target_) != bus::Admitted::kFresh) return;
   const char* reason = "";
   const TargetAssembly::Taken taken = assembly_.take(target_, reason);
@@ -141,30 +141,30 @@ void Commands::announce_refused(const bus::Admission& manual, std::int64_t monot
 void Commands::announce(const Replacing& replacing, Replacing::Outcome outcome,
                         std::int64_t utime) noexcept {
   const component_command_t& command = replacing.command();
-  put_text(event_.instance, get_text(command.instance));
-  put_text(event_.component, get_text(command.component));
+  bus::put_text(event_.instance, bus::get_text(command.instance));
+  bus::put_text(event_.component, bus::get_text(command.component));
   const bool replaced = outcome == Replacing::Outcome::kReplaced;
   const char* done = replaced ? "replaced" : "refused";
   if (command.session == last_session_ && command.counter == last_counter_)
     remember_answer(done, replacing.reason());
-  answer(get_text(command.slot), done, command.counter, replacing.reason(), utime);
-  put_text(event_.instance, "");
-  put_text(event_.component, "");
+  answer(bus::get_text(command.slot), done, command.counter, replacing.reason(), utime);
+  bus::put_text(event_.instance, "");
+  bus::put_text(event_.component, "");
 }
 
-void Commands::announce(const component::Condition& condition, std::int64_t utime) noexcept {
+void Commands::announce(const pipeline::Condition& condition, std::int64_t utime) noexcept {
   char reason[200];
   put_reason(condition, reason);
-  answer("all", component::name(condition.state), -1, reason, utime);
+  answer("all", pipeline::name(condition.state), -1, reason, utime);
 }
 
 void Commands::announce(const char* slot, const char* instance, const char* component,
                         const char* event, const char* reason, std::int64_t utime) noexcept {
-  put_text(event_.instance, instance);
-  put_text(event_.component, component);
+  bus::put_text(event_.instance, instance);
+  bus::put_text(event_.component, component);
   answer(slot, event, -1, reason, utime);
-  put_text(event_.instance, "");
-  put_text(event_.component, "");
+  bus::put_text(event_.instance, "");
+  bus::put_text(event_.component, "");
 }
 
 void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_t utime) noexcept {
@@ -180,26 +180,26 @@ void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_
 }
 
 void Commands::remember_answer(const char* event, const char* reason) noexcept {
-  put_text(last_answer_, event);
-  put_text(last_reason_, reason);
+  bus::put_text(last_answer_, event);
+  bus::put_text(last_reason_, reason);
 }
 
 void Commands::answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
                       std::int64_t utime) noexcept {
   say(slot, event, counter, reason, utime);
   EventRecord record;
-  put_text(record.event, event);
-  put_text(record.component, get_text(event_.instance));
-  put_text(record.reason, reason);
+  bus::put_text(record.event, event);
+  bus::put_text(record.component, bus::get_text(event_.instance));
+  bus::put_text(record.reason, reason);
   log_.push(record);
 }
 
 void Commands::say(const char* slot, const char* event, std::int64_t counter, const char* reason,
                    std::int64_t utime) noexcept {
   stamp_.put(event_, utime);
-  put_text(event_.slot, slot);
-  put_text(event_.event, event);
-  put_text(event_.reason, reason);
+  bus::put_text(event_.slot, slot);
+  bus::put_text(event_.event, event);
+  bus::put_text(event_.reason, reason);
   event_.command_counter = counter;
   events_.publish(event_);
 }

@@ -9,10 +9,10 @@
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/daemon/replacing.hpp"
 #include "rt/daemon/target_assembly.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
 
@@ -32,7 +32,7 @@ class Commands {
            const bus::Access& access = {});
 
   /// Carries out what has arrived since the last cycle.
-  void handle(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+  void handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
               std::int64_t utime) noexcept;
 
   /// Tells, once a second at most, that messages were refused: its own and those of `manual`.
@@ -48,7 +48,7 @@ class Commands {
                 std::int64_t utime) noexcept;
 
   /// Announces a change of the whole's condition that nobody asked for.
-  void announce(const component::Condition& condition, std::int64_t utime) noexcept;
+  void announce(const pipeline::Condition& condition, std::int64_t utime) noexcept;
 
   /// The same of one component.
   void announce(const char* slot, const char* instance, const char* component, const char* event,
@@ -60,9 +60,9 @@ class Commands {
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }
 
  private:
-  void handle_command(component::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
+  void handle_command(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept;
-  void handle_target(component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) noexcept;
   void remember_answer(const char* event, const char* reason) noexcept;
   /// By COMPONENT_EVENT, and in the log.
   void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,

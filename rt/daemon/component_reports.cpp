@@ -9,16 +9,16 @@ namespace {
 constexpr std::int64_t kInterval = 100'000'000;  // ns
 constexpr const char* kSlot = "sensing";
 
-bool same(const component::Condition& a, const component::Condition& b) noexcept {
+bool same(const pipeline::Condition& a, const pipeline::Condition& b) noexcept {
   return a.state == b.state && std::strcmp(a.reason, b.reason) == 0;
 }
 
 }  // namespace
 
-void ComponentReports::begin(const component::Pipeline& pipeline) noexcept {
+void ComponentReports::begin(const pipeline::Pipeline& pipeline) noexcept {
   told_.fill(Told());
   for (int i = 0; i < pipeline.sensor_count(); ++i) {
-    const component::SensorReport report = pipeline.sensor_report(i);
+    const pipeline::SensorReport report = pipeline.sensor_report(i);
     told_[i].condition.state = report.condition.state;
     for (std::size_t k = 0; k < told_[i].faults.size(); ++k) {
       const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
@@ -27,24 +27,24 @@ void ComponentReports::begin(const component::Pipeline& pipeline) noexcept {
   }
 }
 
-void ComponentReports::service(const component::Pipeline& pipeline, Commands& commands,
+void ComponentReports::service(const pipeline::Pipeline& pipeline, Commands& commands,
                                std::int64_t now_ns, std::int64_t utime) noexcept {
   for (int i = 0; i < pipeline.sensor_count(); ++i) {
-    const component::SensorReport report = pipeline.sensor_report(i);
+    const pipeline::SensorReport report = pipeline.sensor_report(i);
     Told& told = told_[i];
     tell_faults(report, told, commands, utime);
     if (same(report.condition, told.condition)) continue;
-    const bool fault = report.condition.state == component::LifeCycle::kFaulted &&
-                       told.condition.state != component::LifeCycle::kFaulted;
+    const bool fault = report.condition.state == pipeline::LifeCycle::kFaulted &&
+                       told.condition.state != pipeline::LifeCycle::kFaulted;
     if (!fault && told.ns != 0 && now_ns - told.ns < kInterval) continue;
     told.condition = report.condition;
     told.ns = now_ns;
-    commands.announce(kSlot, report.name, report.component, component::name(report.condition.state),
+    commands.announce(kSlot, report.name, report.component, pipeline::name(report.condition.state),
                       report.condition.reason, utime);
   }
 }
 
-void ComponentReports::tell_faults(const component::SensorReport& report, Told& told,
+void ComponentReports::tell_faults(const pipeline::SensorReport& report, Told& told,
                                    Commands& commands, std::int64_t utime) noexcept {
   for (std::size_t k = 0; k < told.faults.size(); ++k) {
     const sensing::Executor* executor = report.model->executor(static_cast<int>(k));

@@ -11,25 +11,25 @@ namespace palpate::daemon {
 /// instance of the sensing slot; a fault, of it or of a model that it runs, is told at once.
 class ComponentReports {
  public:
-  explicit ComponentReports(const component::Pipeline& pipeline) { begin(pipeline); }
+  explicit ComponentReports(const pipeline::Pipeline& pipeline) { begin(pipeline); }
 
   /// Afresh, after components have been replaced.
-  void begin(const component::Pipeline& pipeline) noexcept;
+  void begin(const pipeline::Pipeline& pipeline) noexcept;
 
   /// Once a cycle; neither allocates nor throws.
-  void service(const component::Pipeline& pipeline, Commands& commands, std::int64_t now_ns,
+  void service(const pipeline::Pipeline& pipeline, Commands& commands, std::int64_t now_ns,
                std::int64_t utime) noexcept;
 
  private:
   struct Told {
-    component::Condition condition{component::LifeCycle::kInactive, ""};
+    pipeline::Condition condition{pipeline::LifeCycle::kInactive, ""};
     std::int64_t ns = 0;
     std::array<std::int64_t, 2> faults{};  // by model that the instance runs
   };
 
-  static void tell_faults(const component::SensorReport& report, Told& told, Commands& commands,
+  static void tell_faults(const pipeline::SensorReport& report, Told& told, Commands& commands,
                           std::int64_t utime) noexcept;
-  std::array<Told, component::Slots::kMostSensors> told_;  // by instance
+  std::array<Told, pipeline::Slots::kMostSensors> told_;  // by instance
 };
 
 }  // namespace palpate::daemon

@@ -124,16 +124,16 @@ void Daemon::replace(const Now& now) noexcept {
 }
 
 void Daemon::publish(const Now& now) noexcept {
-  const component::Condition condition = pipeline_.condition();
+  const pipeline::Condition condition = pipeline_.condition();
   if (condition.state != announced_) {
-    const bool begins = announced_ == component::LifeCycle::kUnconfigured ||
-                        announced_ == component::LifeCycle::kInactive;
+    const bool begins = announced_ == pipeline::LifeCycle::kUnconfigured ||
+                        announced_ == pipeline::LifeCycle::kInactive;
     if (begins) {
       faults_at_start_ = loop::page_faults_of_this_thread();
       allocations_at_start_ = loop::allocations_of_this_thread();
     }
     announced_ = condition.state;
-    if (record_ && condition.state == component::LifeCycle::kFaulted) record_->hand_over("fault");
+    if (record_ && condition.state == pipeline::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
   commands_.announce_refused(inputs_.manual_admission(), now.monotonic_ns, now.utime);

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/commands.hpp"
 #include "rt/daemon/component_reports.hpp"
 #include "rt/daemon/crash_record.hpp"
@@ -13,6 +12,7 @@
 #include "rt/daemon/settings.hpp"
 #include "rt/daemon/telemetry.hpp"
 #include "rt/daemon/type_watch.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
 
@@ -47,7 +47,7 @@ class Daemon {
   void finish(const Now& now) noexcept;
 
   const Settings& settings() const noexcept { return settings_; }
-  component::Pipeline& pipeline() noexcept { return pipeline_; }
+  pipeline::Pipeline& pipeline() noexcept { return pipeline_; }
   const Counters& counters() const noexcept { return counters_; }
   const Replacing& replacing() const noexcept { return replacing_; }
   const Inputs& inputs() const noexcept { return inputs_; }
@@ -66,7 +66,7 @@ class Daemon {
   Settings settings_;
   bus::Access access_;
   std::unique_ptr<CrashRecord> record_;
-  component::Pipeline pipeline_;
+  pipeline::Pipeline pipeline_;
   Inputs inputs_;
   Commands commands_;
   ComponentReports reports_;
@@ -77,7 +77,7 @@ class Daemon {
   TypeWatch types_;
   OverrunMonitor overruns_;
   Counters counters_;
-  component::LifeCycle announced_ = component::LifeCycle::kUnconfigured;
+  pipeline::LifeCycle announced_ = pipeline::LifeCycle::kUnconfigured;
   bool woke_late_ = false;  // in the last cycle
   int told_fallbacks_ = 0;
   std::int64_t phase_began_ns_ = 0;

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 
@@ -38,7 +38,7 @@ Health::Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, st
       config_stamp_(session),
       health_(housekeeping, "HEALTH", bus::Urgency::kLater),
       config_(housekeeping, "CONFIG", bus::Urgency::kLater) {
-  put_text(config_message_.version, PALPATE_VERSION);
+  bus::put_text(config_message_.version, PALPATE_VERSION);
   describe(configuration_hash, mesh_hash);
 }
 
@@ -47,7 +47,7 @@ void Health::describe(std::int64_t configuration_hash, std::int64_t mesh_hash) n
   config_message_.mesh_hash = mesh_hash;
 }
 
-bool Health::has_news(const component::Condition& condition, const Inputs& inputs,
+bool Health::has_news(const pipeline::Condition& condition, const Inputs& inputs,
                       std::int64_t now_ns) noexcept {
   const std::int64_t since_ns = now_ns - news_ns_;
   const bool another_state = message_.state != static_cast<int>(condition.state);
@@ -60,14 +60,14 @@ bool Health::has_news(const component::Condition& condition, const Inputs& input
   return true;
 }
 
-void Health::publish(const Counters& counters, const component::Condition& condition,
-                     const Inputs& inputs, const std::vector<component::RunningModel>& models,
+void Health::publish(const Counters& counters, const pipeline::Condition& condition,
+                     const Inputs& inputs, const std::vector<pipeline::RunningModel>& models,
                      std::int64_t utime) noexcept {
   health_stamp_.put(message_, utime);
   message_.state = static_cast<int>(condition.state);
   char reason[sizeof(message_.reason)];
   put_reason(condition, reason);
-  put_text(message_.reason, reason);
+  bus::put_text(message_.reason, reason);
   message_.cycles = counters.cycles;
   message_.overruns = counters.overruns;
   message_.overrun_us = counters.overrun_ns / 1000;
@@ -92,7 +92,7 @@ void Health::publish(const Counters& counters, const component::Condition& condi
   message_.input_count = inputs.channel_count();
   for (int i = 0; i < message_.input_count; ++i) {
     const InputReport report = inputs.report(i);
-    put_text(message_.input_name[i], report.name);
+    bus::put_text(message_.input_name[i], report.name);
     message_.received[i] = report.received;
     message_.lost[i] = report.lost;
     message_.rejected[i] = report.rejected;
@@ -109,8 +109,8 @@ void Health::publish(const Counters& counters, const component::Condition& condi
 
   message_.model_count = std::min(kMostModels, static_cast<int>(models.size()));
   for (int i = 0; i < message_.model_count; ++i) {
-    put_text(message_.model_name[i], models[i].name.c_str());
-    put_text(message_.model_executor[i], models[i].executor->kind());
+    bus::put_text(message_.model_name[i], models[i].name.c_str());
+    bus::put_text(message_.model_executor[i], models[i].executor->kind());
     const sensing::ExecutorCounters counts = models[i].executor->counters();
     message_.model_steps[i] = counts.steps;
     message_.model_late[i] = counts.late;

@@ -6,9 +6,9 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/inputs.hpp"
 #include "rt/loop/latency_histogram.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
 
@@ -48,13 +48,12 @@ class Health {
   /// Tells of both buses what they lost; publishes on the second one.
   Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
          std::int64_t configuration_hash, std::int64_t mesh_hash);
-  void publish(const Counters& counters, const component::Condition& condition,
-               const Inputs& inputs, const std::vector<component::RunningModel>& models,
-               std::int64_t utime) noexcept;
+  void publish(const Counters& counters, const pipeline::Condition& condition, const Inputs& inputs,
+               const std::vector<pipeline::RunningModel>& models, std::int64_t utime) noexcept;
   /// Asked once a cycle: whether there is something to tell that must not wait for the next regular
   /// message: another state, or a loss or a refused message after a while without. Seldom enough
   /// that whatever comes and goes cannot flood anybody.
-  bool has_news(const component::Condition& condition, const Inputs& inputs,
+  bool has_news(const pipeline::Condition& condition, const Inputs& inputs,
                 std::int64_t now_ns) noexcept;
   /// What CONFIG says from now on.
   void describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept;

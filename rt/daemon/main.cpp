@@ -215,7 +215,7 @@ int run(const Options& options, const sigset_t& signals) {
   // Nothing is read from the housekeeping bus.
   options.stepped ? control->start_without_thread() : control->start();
 
-  const palpate::component::Object& object = daemon.pipeline().object();
+  const palpate::registry::Object& object = daemon.pipeline().object();
   spdlog::info(
       "palpated {}: {} nodes, {} elements, {} grasped, {} fixed; inactive, waits for start",
       PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),

@@ -19,7 +19,7 @@ std::int32_t shape_status(elasticity::StepStatus status) noexcept {
 
 }  // namespace
 
-MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const component::Object& object)
+MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const registry::Object& object)
     : shape_(housekeeping, "SHAPE", bus::Urgency::kLater),
       mesh_publisher_(housekeeping, "SHAPE_MESH", bus::Urgency::kLater) {
   shape_message_.mesh_hash = object.hash;
@@ -35,7 +35,7 @@ MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const component::Obj
   prepare_mesh(object);
 }
 
-void MeshTelemetry::publish_shape(const component::Pipeline& pipeline, std::int64_t age_us,
+void MeshTelemetry::publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
                                   bus::Stamp& stamp, std::int64_t utime) noexcept {
   stamp.put(shape_message_, utime);
   shape_message_.status = shape_status(pipeline.estimate().step.status);
@@ -53,7 +53,7 @@ void MeshTelemetry::publish_shape(const component::Pipeline& pipeline, std::int6
 }
 
 /// Chunks of at most 1,000 nodes and as many elements and triangles: below 60 kB each.
-void MeshTelemetry::prepare_mesh(const component::Object& object) {
+void MeshTelemetry::prepare_mesh(const registry::Object& object) {
   constexpr int kPerChunk = 1000;
   const mesh::TetrahedralMesh& corners = object.corners;
   const Eigen::Matrix3Xi& triangles = object.surface.triangles;

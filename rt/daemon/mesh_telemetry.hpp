@@ -6,8 +6,8 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/component/object.hpp"
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
+#include "rt/registry/object.hpp"
 
 namespace palpate::daemon {
 
@@ -15,17 +15,17 @@ namespace palpate::daemon {
 /// constructor; nothing allocates afterwards.
 class MeshTelemetry {
  public:
-  MeshTelemetry(bus::MessageBus& housekeeping, const component::Object& object);
+  MeshTelemetry(bus::MessageBus& housekeeping, const registry::Object& object);
 
   /// `age_us`: how old the shape is.
-  void publish_shape(const component::Pipeline& pipeline, std::int64_t age_us, bus::Stamp& stamp,
+  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us, bus::Stamp& stamp,
                      std::int64_t utime) noexcept;
   /// One chunk of SHAPE_MESH; call again for the next one.
   void publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept;
   int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
 
  private:
-  void prepare_mesh(const component::Object& object);
+  void prepare_mesh(const registry::Object& object);
 
   bus::TypedPublisher<shape_t> shape_;
   bus::TypedPublisher<shape_mesh_t> mesh_publisher_;

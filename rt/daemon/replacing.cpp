@@ -1,10 +1,10 @@
 #include "rt/daemon/replacing.hpp"
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 
-Replacing::Replacing(const config::Node& root, component::Pipeline& pipeline, Telemetry& telemetry,
+Replacing::Replacing(const config::Node& root, pipeline::Pipeline& pipeline, Telemetry& telemetry,
                      bus::MessageBus& housekeeping, int delay)
     : pipeline_(pipeline),
       telemetry_(telemetry),
@@ -28,27 +28,27 @@ const char* Replacing::request(const component_command_t& command, std::int64_t 
 /// In the worker's thread.
 void Replacing::build() noexcept {
   try {
-    component::ReplaceRequest request;
-    request.slot = get_text(command_.slot);
-    request.instance = get_text(command_.instance);
-    request.component = get_text(command_.component);
-    request.parameters = get_text(command_.parameters);
-    config::Node wanted = component::apply_request(root_.node, request);
+    pipeline::ReplaceRequest request;
+    request.slot = bus::get_text(command_.slot);
+    request.instance = bus::get_text(command_.instance);
+    request.component = bus::get_text(command_.component);
+    request.parameters = bus::get_text(command_.parameters);
+    config::Node wanted = pipeline::apply_request(root_.node, request);
     wanted_ = std::make_unique<Root>(Root{wanted, wanted.hash()});
     auto replacement =
-        std::make_unique<component::Replacement>(root_.node, wanted, pipeline_.slots(), snapshot_);
+        std::make_unique<pipeline::Replacement>(root_.node, wanted, pipeline_.slots(), snapshot_);
     if (replacement->changes().object) {
-      const component::Object& object = *replacement->slots().object;
+      const registry::Object& object = *replacement->slots().object;
       mesh_ = std::make_unique<MeshTelemetry>(housekeeping_, object);
       const Eigen::Matrix3Xd nodes = object.body.mesh.nodes;
-      next_snapshot_ = std::make_unique<component::ShapeSnapshot>(
-          component::ShapeSnapshot{nodes, 0 * nodes, snapshot_.estimate});
+      next_snapshot_ = std::make_unique<pipeline::ShapeSnapshot>(
+          pipeline::ShapeSnapshot{nodes, 0 * nodes, snapshot_.estimate});
     }
-    fallbacks_ = std::make_unique<component::Fallbacks>(
+    fallbacks_ = std::make_unique<pipeline::Fallbacks>(
         wanted, replacement->slots(), next_snapshot_ ? *next_snapshot_ : snapshot_);
     replacement_ = std::move(replacement);
   } catch (const std::exception& error) {
-    put_text(reason_, error.what());
+    bus::put_text(reason_, error.what());
   }
 }
 
@@ -75,11 +75,11 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
   if (state_ == State::kRunningAlong) {
     const char* reason = "";
     switch (pipeline_.run_along(*replacement_, reason)) {
-      case component::Pipeline::Along::kWaits:
+      case pipeline::Pipeline::Along::kWaits:
         return Outcome::kNothing;
-      case component::Pipeline::Along::kRefused:
+      case pipeline::Pipeline::Along::kRefused:
         return refuse(reason);
-      case component::Pipeline::Along::kReady:
+      case pipeline::Pipeline::Along::kReady:
         state_ = State::kWaitingForFactor;
         refactoring.pause(true);
     }
@@ -107,7 +107,7 @@ Replacing::Outcome Replacing::put_in(Refactoring& refactoring) noexcept {
 }
 
 Replacing::Outcome Replacing::refuse(const char* reason) noexcept {
-  put_text(reason_, reason);
+  bus::put_text(reason_, reason);
   return submit_clean(Outcome::kRefused);
 }
 

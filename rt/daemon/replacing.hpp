@@ -5,10 +5,10 @@
 #include <memory>
 #include <palpate/component_command_t.hpp>
 
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/refactoring.hpp"
 #include "rt/daemon/telemetry.hpp"
 #include "rt/loop/background_worker.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
 
@@ -22,7 +22,7 @@ class Replacing {
 
   /// `delay` >= 0, in deterministic mode: cycles from a request to when the new components must be
   /// there, which are waited for; below 0: as soon as they are.
-  Replacing(const config::Node& root, component::Pipeline& pipeline, Telemetry& telemetry,
+  Replacing(const config::Node& root, pipeline::Pipeline& pipeline, Telemetry& telemetry,
             bus::MessageBus& housekeeping, int delay);
 
   /// Takes the event "replace" of a command; "" or why it is refused at once.
@@ -51,7 +51,7 @@ class Replacing {
     std::int64_t hash;
   };
 
-  component::Pipeline& pipeline_;
+  pipeline::Pipeline& pipeline_;
   Telemetry& telemetry_;
   bus::MessageBus& housekeeping_;
   int delay_;
@@ -62,13 +62,13 @@ class Replacing {
   std::int64_t replaced_ = 0;
 
   Root root_;  // of what runs
-  component::ShapeSnapshot snapshot_;
+  pipeline::ShapeSnapshot snapshot_;
   // Made by the worker.
   std::unique_ptr<Root> wanted_;
-  std::unique_ptr<component::Replacement> replacement_;
-  std::unique_ptr<component::Fallbacks> fallbacks_;
+  std::unique_ptr<pipeline::Replacement> replacement_;
+  std::unique_ptr<pipeline::Fallbacks> fallbacks_;
   std::unique_ptr<MeshTelemetry> mesh_;
-  std::unique_ptr<component::ShapeSnapshot> next_snapshot_;
+  std::unique_ptr<pipeline::ShapeSnapshot> next_snapshot_;
   loop::BackgroundWorker worker_;
 };
 

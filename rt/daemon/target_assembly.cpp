@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 
@@ -12,7 +12,7 @@ static_assert(TargetAssembly::kMostChunks <= 32, "a bit each");
 TargetAssembly::TargetAssembly()
     : rest_points_(3 * kPointsPerChunk * kMostChunks), values_(kValuesPerChunk * kMostChunks) {}
 
-const char* TargetAssembly::kind() const noexcept { return get_text(begun_.kind); }
+const char* TargetAssembly::kind() const noexcept { return bus::get_text(begun_.kind); }
 
 /// Why a chunk cannot be one of the present target; "" where it can.
 const char* TargetAssembly::wrong(const shape_target_t& chunk) const noexcept {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -15,7 +15,7 @@ void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 
 }  // namespace
 
 Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
-                     const component::Pipeline& pipeline, std::int64_t session,
+                     const pipeline::Pipeline& pipeline, std::int64_t session,
                      const bus::Access& access)
     : contacts_stamp_(session),
       unknown_stamp_(session),
@@ -39,8 +39,8 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
   take(pipeline);
 }
 
-void Telemetry::take(const component::Pipeline& pipeline) noexcept {
-  put_text(feature_message_.kind, pipeline.feature().kind());
+void Telemetry::take(const pipeline::Pipeline& pipeline) noexcept {
+  bus::put_text(feature_message_.kind, pipeline.feature().kind());
 }
 
 void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool valid,
@@ -70,7 +70,7 @@ void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contac
   unknown_.publish(unknown_message_);
 }
 
-void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept {
+void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept {
   const sensing::ContactSet& contacts = pipeline.contacts();
   contacts_stamp_.put(contacts_message_, utime);
   contacts_message_.count = contacts.count;
@@ -108,7 +108,7 @@ void Telemetry::publish_state(const component::Pipeline& pipeline, std::int64_t 
   estimate_.publish(estimate_message_);
   publish_unknown_contact(unknown, utime);
 
-  const component::FeatureState& feature = pipeline.feature_state();
+  const pipeline::FeatureState& feature = pipeline.feature_state();
   feature_stamp_.put(feature_message_, utime);
   feature_message_.revision = pipeline.target().revision;
   const auto copy = [](const Eigen::VectorXd& from, double(&to)[32]) noexcept {

@@ -13,8 +13,8 @@
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/mesh_telemetry.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
 
@@ -23,16 +23,16 @@ namespace palpate::daemon {
 class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
-            const component::Pipeline& pipeline, std::int64_t session,
+            const pipeline::Pipeline& pipeline, std::int64_t session,
             const bus::Access& access = {});
 
   /// Each cycle, on the control bus: TWIST_COMMAND, or JOINT_VELOCITY_COMMAND where the gate
   /// gives joint velocities. `arm`: 0, or 1 where the pipeline has a second one.
   void publish_command(int arm, const control::GateOutput& gate, bool valid,
                        std::int64_t utime) noexcept;
-  void publish_state(const component::Pipeline& pipeline, std::int64_t utime) noexcept;
+  void publish_state(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept;
   /// At the rate of SHAPE. `age_us`: how old the shape is.
-  void publish_shape(const component::Pipeline& pipeline, std::int64_t age_us,
+  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
                      std::int64_t utime) noexcept {
     mesh_->publish_shape(pipeline, age_us, shape_stamp_, utime);
   }
@@ -44,7 +44,7 @@ class Telemetry {
 
   /// After components of the pipeline have been replaced; with the messages of its new mesh, which
   /// are exchanged for those of the old one.
-  void take(const component::Pipeline& pipeline) noexcept;
+  void take(const pipeline::Pipeline& pipeline) noexcept;
   void take(std::unique_ptr<MeshTelemetry>& mesh) noexcept { mesh_.swap(mesh); }
 
  private:

@@ -1,12 +1,12 @@
 #pragma once
 
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::support {
 
 /// What is heard of an arm whose hand holds the object where it rests, with no force at the wrist.
-inline sensing::Signals at_rest(const component::Pipeline& pipeline, int arm = 0) {
-  const component::Frames& frames = pipeline.frames(arm);
+inline sensing::Signals at_rest(const pipeline::Pipeline& pipeline, int arm = 0) {
+  const registry::Frames& frames = pipeline.frames(arm);
   sensing::Signals signals;
   signals.robot.freshness = sensing::Freshness::kNew;
   signals.robot.age = 0;
@@ -23,7 +23,7 @@ inline sensing::Signals at_rest(const component::Pipeline& pipeline, int arm = 0
 
 /// Cycles of 1 ms as the daemon runs them, each new factor there at once. `second`: of the second
 /// arm.
-inline void run(component::Pipeline& pipeline, const sensing::Signals& signals,
+inline void run(pipeline::Pipeline& pipeline, const sensing::Signals& signals,
                 const sensing::Signals& second, int cycles) {
   constexpr double kPeriod = 1e-3;  // s
   for (int i = 0; i < cycles; ++i) {
@@ -40,7 +40,7 @@ inline void run(component::Pipeline& pipeline, const sensing::Signals& signals,
   }
 }
 
-inline void run(component::Pipeline& pipeline, const sensing::Signals& signals, int cycles) {
+inline void run(pipeline::Pipeline& pipeline, const sensing::Signals& signals, int cycles) {
   run(pipeline, signals, signals, cycles);
 }
 

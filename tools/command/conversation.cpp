@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::command {
 namespace {
@@ -43,8 +43,8 @@ Answer Conversation::wait(Send send, Renew renew, double timeout) {
     component_event_t event;
     std::int64_t arrival_ns = 0;
     while (events_.take(event, arrival_ns)) {
-      const std::string name = daemon::get_text(event.event);
-      if (name == "no_access") answer.reason = name + ": " + daemon::get_text(event.reason);
+      const std::string name = bus::get_text(event.event);
+      if (name == "no_access") answer.reason = name + ": " + bus::get_text(event.reason);
       if (event.command_counter < first || event.command_counter > last) continue;
       if (name == "no_access") {
         if (event.command_counter == last) renew();
@@ -54,7 +54,7 @@ Answer Conversation::wait(Send send, Renew renew, double timeout) {
         answer.reason = "the replacement has begun, but its end was not heard of";
         continue;
       }
-      return {name, daemon::get_text(event.reason)};
+      return {name, bus::get_text(event.reason)};
     }
     if (Clock::now() < again) continue;
     last = send();

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::command {
 namespace {
@@ -15,7 +15,7 @@ void put(std::uint8_t (&field)[kSize], const char* name, const std::string& text
   if (text.size() >= kSize)
     throw std::invalid_argument(std::string(name) + " has " + std::to_string(text.size()) +
                                 " bytes; at most " + std::to_string(kSize - 1) + " fit a message");
-  daemon::put_text(field, text);
+  bus::put_text(field, text);
 }
 
 /// `node` with `value` at `path` below it.

@@ -6,8 +6,8 @@
 #include <map>
 #include <palpate/component_command_t.hpp>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 #include "tools/log/type_table.hpp"
 
 namespace palpate::doctor {
@@ -64,7 +64,7 @@ struct Line {
 void start_it(Line& control) {
   component_command_t start{};
   start.session = 2;
-  daemon::put_text(start.event, "start");
+  bus::put_text(start.event, "start");
   const auto operator_bus = bus::make_memory_bus(control.hub);
   bus::TypedPublisher<component_command_t>(*operator_bus, "COMPONENT_COMMAND").publish(start);
 }

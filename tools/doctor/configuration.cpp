@@ -22,7 +22,7 @@ Findings check_configuration(const std::string& path, const std::vector<std::str
     const auto hub = bus::make_memory_hub();
     const auto bus = bus::make_memory_bus(hub);
     daemon::Daemon daemon(root, *bus, *bus, daemon::Mode::kDeterministic, 1);
-    const component::Object& object = daemon.pipeline().object();
+    const registry::Object& object = daemon.pipeline().object();
     std::string text = path + ": " + std::to_string(object.body.mesh.node_count()) + " nodes, " +
                        std::to_string(object.body.mesh.element_count()) +
                        " elements, every file that it names can be read";

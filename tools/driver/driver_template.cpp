@@ -11,8 +11,8 @@
 #include <thread>
 
 #include "joint_guard.hpp"
-#include "rt/component/arm_model.hpp"
 #include "rt/config/installation.hpp"
+#include "rt/registry/arm_model.hpp"
 #include "simulated_arm.hpp"
 
 namespace {
@@ -108,7 +108,7 @@ int run(Options options) {
   if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
   if (options.urdf.empty())
     options.urdf = (palpate::config::data_folder() / "sim/robot/lwr_hand.urdf").string();
-  const SerialChain chain = palpate::component::read_urdf(options.urdf, options.flange);
+  const SerialChain chain = palpate::registry::read_urdf(options.urdf, options.flange);
   if (chain.joint_count() != static_cast<int>(options.joints.size()))
     throw std::invalid_argument("--joints: has " + std::to_string(options.joints.size()) +
                                 " numbers; allowed: " + std::to_string(chain.joint_count()));

@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/refactoring.hpp"
 #include "rt/loop/allocation_counter.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/table.hpp"
 
@@ -39,7 +39,7 @@ std::int64_t processor_time_ns() {
 /// The hand, the wrist and the feature's target of a loop around some components.
 class Loop {
  public:
-  explicit Loop(component::Pipeline& pipeline) : slots_(pipeline.slots_at_setup()) {
+  explicit Loop(pipeline::Pipeline& pipeline) : slots_(pipeline.slots_at_setup()) {
     pipeline.start();
     inputs_.dt = kPeriod;
     inputs_.grasp_count = 1;
@@ -52,7 +52,7 @@ class Loop {
 
   void cycle(int number, CycleCost* cost) {
     if (number % kToAndFro == 0) set_target(number / kToAndFro % 2 == 0 ? kWay : 0);
-    component::FeatureState& feature = slots_.feature_state;
+    pipeline::FeatureState& feature = slots_.feature_state;
     control::LawInputs law = law_inputs();
     {
       const loop::NoAllocationScope scope;
@@ -114,7 +114,7 @@ class Loop {
     }
   }
 
-  component::Slots& slots_;
+  pipeline::Slots& slots_;
   estimation::EstimationInputs inputs_;
   Eigen::VectorXd rest_, target_;
   std::mt19937 random_{1};
@@ -141,7 +141,7 @@ nlohmann::json to_json(const loop::LatencyHistogram& histogram) {
 CycleCost measure_cycle_cost(const std::filesystem::path& configuration,
                              const std::vector<std::string>& overrides, int cycles) {
   const config::Node root = config::Node::load_file(configuration.string(), overrides);
-  component::Pipeline pipeline(root, kPeriod);
+  pipeline::Pipeline pipeline(root, kPeriod);
   CycleCost cost;
   cost.nodes = pipeline.object().body.mesh.node_count();
   Loop loop(pipeline);

@@ -103,7 +103,7 @@ faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, dou
     for (; next != heard_.end() && said_ns(*next) <= kMillisecond * tick; ++next)
       monitor.look(*next, {}, {});
     if (!monitor.health().empty())
-      cycle.state = static_cast<component::LifeCycle>(monitor.health().back().state);
+      cycle.state = static_cast<pipeline::LifeCycle>(monitor.health().back().state);
     cycle.command_valid = monitor.command_valid();
     cycle.speed = monitor.speed();
     trace.cycles.push_back(cycle);

@@ -53,7 +53,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
   });
   const bool alive = daemon.running();
   const faults::Trace trace =
-      wire.trace(scenario.ticks, component::read_gate_limits(root), faults::kTick);
+      wire.trace(scenario.ticks, registry::read_gate_limits(root), faults::kTick);
   const int code = daemon.stop();
   if (!alive || code != 0) {
     RunResult result;

@@ -85,7 +85,7 @@ RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
   if (!starts(user)) result.fail("does not become active again");
 
   const int ticks = static_cast<int>(wire.now() * 1e3);
-  const faults::Trace trace = wire.trace(ticks, component::read_gate_limits(root), faults::kTick);
+  const faults::Trace trace = wire.trace(ticks, registry::read_gate_limits(root), faults::kTick);
   if (const int code = daemon.stop(); code != 0) {
     result.crashed = true;
     result.fail("palpated ended with exit code " + std::to_string(code));

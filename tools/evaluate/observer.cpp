@@ -92,7 +92,7 @@ class Experiment {
   /// of its own.
   void record_training() {
     Progress progress(++step_, steps_, "recording motions to learn from");
-    const auto frames = component::read_frames(config::Node::load_file(configuration_));
+    const auto frames = registry::read_frames(config::Node::load_file(configuration_));
     const double rate = config::Node::load_file(preset()).child("data").number("rate", {1, 1000});
     const int count = options_.recordings + 1;
     int done = 0;

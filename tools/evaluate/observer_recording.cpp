@@ -103,7 +103,7 @@ MotionLogs record_motion(const std::filesystem::path& scene,
   return {control.path(), housekeeping.path()};
 }
 
-void write_wrist_csv(const std::filesystem::path& control_log, const component::Frames& frames,
+void write_wrist_csv(const std::filesystem::path& control_log, const registry::Frames& frames,
                      double rate, const std::filesystem::path& csv) {
   constexpr std::int64_t kPeriodUs = 1000;
   LogReader log;

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "rt/component/frames.hpp"
+#include "rt/registry/frames.hpp"
 
 namespace palpate::evaluate {
 
@@ -29,7 +29,7 @@ MotionLogs record_motion(const std::filesystem::path& scene,
 /// millisecond, of what had arrived by then, as a loop of 1 kHz sees it. `rate`: Hz, of the model's
 /// steps, over which the rate of turn is differentiated as ft_rnnob does it. Throws
 /// std::runtime_error where a stream is missing or the file cannot be written.
-void write_wrist_csv(const std::filesystem::path& control_log, const component::Frames& frames,
+void write_wrist_csv(const std::filesystem::path& control_log, const registry::Frames& frames,
                      double rate, const std::filesystem::path& csv);
 
 }  // namespace palpate::evaluate

@@ -3,8 +3,8 @@
 
 #include "core/mesh/element_mesh.hpp"
 #include "core/mesh/surface.hpp"
-#include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
 #include "sim/camera/annotate.hpp"
 #include "sim/camera/png_file.hpp"
 #include "sim/camera/renderer.hpp"
@@ -83,7 +83,7 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   const RunLog& log = *scene.log;
   const config::Node configuration =
       config::Node::load_file(demo.file("rt/config/examples/bar_long_soft.yaml").string());
-  const math::Pose X_WO = component::read_frames(configuration).X_WO;
+  const math::Pose X_WO = registry::read_frames(configuration).X_WO;
   const MeshMessage plant = assemble(log.truth_chunks);
   const MeshMessage estimate = assemble(log.shape_chunks);
   const Eigen::Matrix3Xd truth = positions(shown_at(log.truths, scene.utime));

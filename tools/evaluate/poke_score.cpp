@@ -44,7 +44,7 @@ double deviations(const Vector6d& change) {
 /// One run, in s since the scene began.
 class Run {
  public:
-  Run(const RunLog& log, const ShapeScore& shape, const component::Frames& frames)
+  Run(const RunLog& log, const ShapeScore& shape, const registry::Frames& frames)
       : log_(log),
         shape_(shape),
         plant_(assemble(log.truth_chunks)),
@@ -179,7 +179,7 @@ Json json_of(const std::optional<PokeScore::Error>& error, double length) {
 }  // namespace
 
 PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const RunLog& log,
-                       const ShapeScore& shape, const component::Frames& frames) {
+                       const ShapeScore& shape, const registry::Frames& frames) {
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");
   const Run run(log, shape, frames);

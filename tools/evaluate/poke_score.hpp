@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "rt/component/frames.hpp"
+#include "rt/registry/frames.hpp"
 #include "sim/scenes/pokes.hpp"
 #include "tools/evaluate/log_reader.hpp"
 #include "tools/evaluate/shape_score.hpp"
@@ -43,7 +43,7 @@ struct PokeScores {
 
 /// Throws std::runtime_error where the log lacks truth or estimate at one of `pokes`.
 PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const RunLog& log,
-                       const ShapeScore& shape, const component::Frames& frames);
+                       const ShapeScore& shape, const registry::Frames& frames);
 
 /// `length`: of the object's largest side, m.
 nlohmann::json to_json(const PokeScores& scores, double length);

@@ -3,8 +3,8 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "rt/component/registry.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/registry.hpp"
 #include "sim/scenes/scene.hpp"
 
 namespace palpate::evaluate {
@@ -26,7 +26,7 @@ Gate gate_of(const std::filesystem::path& configuration,
              const std::vector<std::string>& overrides) {
   const config::Node root = config::Node::load_file(configuration.string(), overrides);
   const double period_ms = root.child_or_empty("loop").number("period_ms", {0.25, 100}, 1.0);
-  return {component::read_gate_limits(root), period_ms * 1e-3};
+  return {registry::read_gate_limits(root), period_ms * 1e-3};
 }
 
 Gate gate_of(const RunPlan& plan) { return gate_of(plan.configuration, plan.overrides); }

@@ -2,7 +2,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "rt/component/frames.hpp"
+#include "rt/registry/frames.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/study_hash.hpp"
@@ -25,7 +25,7 @@ Json scored(const StudyJob& job, const RunLog& log, const fs::path& folder, bool
   score.shape = score_shape(log);
   const config::Node configuration =
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
-  const math::Pose X_WO = component::read_frames(configuration).X_WO;
+  const math::Pose X_WO = registry::read_frames(configuration).X_WO;
   Json result{{"score", to_json(score)},
               {"job",
                {{"name", job.name},

@@ -8,7 +8,7 @@
 #include "core/mesh/surface.hpp"
 #include "core/published_sensing/learned_shape.hpp"
 #include "core/published_sensing/neural_gas.hpp"
-#include "rt/component/object.hpp"
+#include "rt/registry/object.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/plant_truth.hpp"
@@ -82,7 +82,7 @@ math::Pose grasp_of(const estimate_t& m) {
 
 /// What the pipeline tells of hand and wrench in a replay of the recording, beside the truth.
 Samples gather(const SensingScene& scene, const SensingRecording& recording,
-               const component::Object& object, const Eigen::Matrix3Xd& units,
+               const registry::Object& object, const Eigen::Matrix3Xd& units,
                LearnedShape::Inputs inputs, const fs::path& folder) {
   const fs::path replayed = folder / "replay.log";
   if (run_to_end(replay_command(scene, recording, {}, replayed), folder / "palpate-replay.txt",
@@ -185,8 +185,8 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
     const fs::path folder = fs::absolute(o.output) / file_name(name);
     const SensingRecording recording = record_sensing(scene, folder);
     const config::Node configuration = config::Node::load_file(scene.configuration.string());
-    const component::Object object =
-        component::read_object(configuration, component::read_frames(configuration));
+    const registry::Object object =
+        registry::read_object(configuration, registry::read_frames(configuration));
     const Eigen::Matrix3Xd surface = object.body.mesh.nodes(Eigen::all, object.surface.nodes);
     for (const LearnedShape::Inputs inputs :
          {LearnedShape::Inputs::kPosition, LearnedShape::Inputs::kAngle}) {

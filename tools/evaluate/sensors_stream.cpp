@@ -10,8 +10,8 @@
 
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/linear_tactile.hpp"
-#include "rt/component/learned_sensors.hpp"
 #include "rt/inference/model_file.hpp"
+#include "rt/registry/learned_sensors.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -62,9 +62,9 @@ std::string tare_and_no_gate(const SensorTrack& track) {
 /// start, each followed by visit(row, component, contacts).
 template <class Visit>
 void run_fingertip(const config::Node& node, const SensorTrack& track, Visit visit) {
-  component::Context context;
+  registry::Context context;
   context.deterministic = true;
-  const auto component = component::make_biotac_lstm(node, context);
+  const auto component = registry::make_biotac_lstm(node, context);
   const auto& fingertip = dynamic_cast<const sensing::BiotacLstm&>(*component);
   const train::Table& table = track.recording.table;
   const double interval =
@@ -169,12 +169,12 @@ Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& execut
   for (const inference::StreamDelay& delay : card.delays)
     if (delay.stream == "inertial") train::delay_columns(felt, kQuaternion, 4, delay.seconds);
 
-  component::Context context;
+  registry::Context context;
   context.deterministic = true;
   context.period = 1 / loop_rate;
   context.frames.gravity_W = kGravity;
   const auto component =
-      component::make_ft_rnnob(section("ft_rnnob", model, executor, ""), context.frames, context);
+      registry::make_ft_rnnob(section("ft_rnnob", model, executor, ""), context.frames, context);
   sensing::Signals signals;
   sensing::ContactSet contacts;
   Eigen::MatrixXd wrenches(track.time.size(), 6);

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <palpate/ft_wrench_t.hpp>
 
-#include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
@@ -138,7 +138,7 @@ void run_and_score(Demo& demo, ScoredRun& scored) {
   LogReader reader;
   reader.collect("FT_TRUTH", truth);
   reader.read(files.control);
-  const auto frames = component::read_frames(config::Node::load_file(plan.configuration.string()));
+  const auto frames = registry::read_frames(config::Node::load_file(plan.configuration.string()));
   scored.loop = score_loop(log);
   scored.recording = score_recording(log, TrueForce(std::move(truth)), frames.X_OT[0]->linear());
   scored.recording->largest_displacement = largest_displacement(log);

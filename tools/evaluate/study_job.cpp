@@ -6,8 +6,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/belief_score.hpp"
 #include "tools/evaluate/live_run.hpp"
@@ -129,7 +129,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   score_into(scored, log, gate_of(plan), job.target ? &*job.target : nullptr);
   const config::Node configuration =
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
-  const component::Frames frames = component::read_frames(configuration);
+  const registry::Frames frames = registry::read_frames(configuration);
   const math::Pose& X_WO = frames.X_WO;
 
   Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};

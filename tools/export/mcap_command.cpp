@@ -1,7 +1,7 @@
 #include <memory>
 
-#include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
 #include "tools/export/commands.hpp"
 #include "tools/export/mcap_export.hpp"
 #include "tools/export/options.hpp"
@@ -49,7 +49,7 @@ void add_mcap(CLI::App& app, std::function<void()>& chosen) {
     chosen = [options] {
       if (!options->configuration.empty())
         options->mcap.X_WO =
-            component::read_frames(config::Node::load_file(options->configuration)).X_WO;
+            registry::read_frames(config::Node::load_file(options->configuration)).X_WO;
       Source source(options->source);
       report(export_mcap(source, options->mcap, options->output), source);
     };

@@ -6,8 +6,8 @@
 #include <set>
 #include <stdexcept>
 
-#include "rt/component/frames.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
 #include "sim/camera/annotate.hpp"
 
 namespace palpate::exporting {
@@ -61,7 +61,7 @@ SceneDrawing::SceneDrawing(const DrawingOptions& options)
     : options_(options), renderer_(options.width, options.height, kSupersampling) {
   if (options_.configuration.empty()) return;
   const config::Node configuration = config::Node::load_file(options_.configuration);
-  X_WO_ = component::read_frames(configuration).X_WO;
+  X_WO_ = registry::read_frames(configuration).X_WO;
   if (!options_.urdf.empty())
     arm_ = std::make_unique<robot::Robot>(robot::load_model(options_.urdf), robot::RobotOptions());
 }

@@ -7,7 +7,7 @@
 namespace palpate::faults {
 namespace {
 
-using component::LifeCycle;
+using pipeline::LifeCycle;
 
 constexpr int kRecordedTicks = 1900;
 

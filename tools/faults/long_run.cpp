@@ -13,7 +13,7 @@
 namespace palpate::faults {
 namespace {
 
-using component::LifeCycle;
+using pipeline::LifeCycle;
 
 constexpr double kShortestRest = 4, kLongestRest = 7;  // s, in which the target is reached
 constexpr double kRecoverWithin = 5;                   // s
@@ -30,7 +30,7 @@ LongRun::LongRun(std::uint64_t seed) : random_(seed, "long run") {
                                              daemon::Mode::kDeterministic, 1);
   user_ = std::make_unique<User>(*to_daemon_);
   monitor_ =
-      std::make_unique<Monitor>(component::read_gate_limits(root), daemon_->settings().loop.period);
+      std::make_unique<Monitor>(registry::read_gate_limits(root), daemon_->settings().loop.period);
   rest_point_ = target_ = daemon_->pipeline().feature().rest_points()[0];
   start_simulation();
 }
@@ -152,7 +152,7 @@ std::string LongRun::put_fault() {
   switch (random_.below(18)) {
     case 0:
     case 1: {
-      component::Pipeline& pipeline = daemon_->pipeline();
+      pipeline::Pipeline& pipeline = daemon_->pipeline();
       auto faulty = std::make_unique<FaultySensor>(pipeline.exchange_sensor_model(0, nullptr));
       sensor_ = faulty.get();
       sensor_->number = static_cast<int>(random_.below(6));
@@ -200,7 +200,7 @@ void LongRun::end_fault() {
   if (report_.replaced + report_.refused < due_answer_) fail("a request was not answered");
   if (!simulation_) start_simulation();
   if (sensor_ != nullptr) {
-    component::Pipeline& pipeline = daemon_->pipeline();
+    pipeline::Pipeline& pipeline = daemon_->pipeline();
     const auto faulty = pipeline.exchange_sensor_model(0, nullptr);
     pipeline.exchange_sensor_model(0, std::exchange(sensor_, nullptr)->release());
   }
@@ -234,7 +234,7 @@ void LongRun::recover() {
   }
   if (since >= kRecoverWithin) {
     fail(std::string("is not active again, but ") +
-         component::name(daemon_->pipeline().condition().state));
+         pipeline::name(daemon_->pipeline().condition().state));
     next_ = time();
   }
 }

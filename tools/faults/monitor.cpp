@@ -12,7 +12,7 @@
 #include <palpate/unknown_contact_t.hpp>
 #include <utility>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tools/faults/stream.hpp"
 
 namespace palpate::faults {
@@ -114,8 +114,8 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
   } else if (channel == "COMPONENT_EVENT") {
     component_event_t event;
     if (read(message, event))
-      events_.push_back({message.time_ns, daemon::get_text(event.slot),
-                         daemon::get_text(event.event), daemon::get_text(event.reason)});
+      events_.push_back({message.time_ns, bus::get_text(event.slot), bus::get_text(event.event),
+                         bus::get_text(event.reason)});
   } else {
     complain(undecoded_, channel + ": the daemon has no such channel");
   }
@@ -186,7 +186,7 @@ void Monitor::look_at_health(const bus::Published& message) {
     note.lost += health.lost[i];
     note.rejected += health.rejected[i];
     note.frozen += health.frozen[i];
-    const std::string name = daemon::get_text(health.input_name[i]);
+    const std::string name = bus::get_text(health.input_name[i]);
     const double age = health.age_ms[i];
     if (name == "FT_WRENCH" || name == "IMU" || name == "ROBOT_STATE")
       note.oldest_ms = std::max(note.oldest_ms, age);

@@ -6,7 +6,7 @@
 namespace palpate::faults {
 namespace {
 
-using component::LifeCycle;
+using pipeline::LifeCycle;
 
 bool is_news(const HealthNote& note, const HealthNote& before) {
   constexpr double kOlder = 50;  // ms, beyond what a busy machine delays
@@ -113,8 +113,8 @@ RunResult judge_process(const Trace& trace, const Trace& expected, const Bench& 
   const bool excused = last == LifeCycle::kActive && runs_late(trace, end) &&
                        trace.cycles.back().state == LifeCycle::kDegraded;
   if (may_recover && !excused && !any_state(trace, std::min(back, end), end, last))
-    result.fail(std::string("ends ") + component::name(trace.cycles.back().state) + ", not " +
-                component::name(last));
+    result.fail(std::string("ends ") + pipeline::name(trace.cycles.back().state) + ", not " +
+                pipeline::name(last));
   return result;
 }
 

@@ -11,7 +11,7 @@ Replay::Replay(const Recording& recording, const std::vector<std::string>& overr
   daemon_ = std::make_unique<daemon::Daemon>(root, *daemon_bus_, *daemon_bus_, mode, 1);
   user_ = std::make_unique<User>(*outside_);
   monitor_ =
-      std::make_unique<Monitor>(component::read_gate_limits(root), daemon_->settings().loop.period);
+      std::make_unique<Monitor>(registry::read_gate_limits(root), daemon_->settings().loop.period);
 }
 
 void look_at(const std::vector<bus::Published>& said, daemon::Daemon& daemon, Monitor& monitor) {
@@ -57,7 +57,7 @@ Trace Replay::run(const Stream& stream, int ticks, const Each& each) {
 }
 
 void Replay::observe(int tick, Trace& trace) {
-  const component::Pipeline& pipeline = daemon_->pipeline();
+  const pipeline::Pipeline& pipeline = daemon_->pipeline();
   look_at(said_, *daemon_, *monitor_);
   said_.clear();
 

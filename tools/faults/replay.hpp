@@ -13,7 +13,7 @@ namespace palpate::faults {
 
 /// What a daemon did in one cycle of 1 ms.
 struct Cycle {
-  component::LifeCycle state = component::LifeCycle::kInactive;
+  pipeline::LifeCycle state = pipeline::LifeCycle::kInactive;
   bool command_valid = false;
   double speed = 0;                // of the command, m/s
   std::uint64_t hash = 0;          // of what it said, but for contacts, HEALTH and events

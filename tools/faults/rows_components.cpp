@@ -10,10 +10,10 @@
 namespace palpate::faults {
 namespace {
 
-using component::LifeCycle;
+using pipeline::LifeCycle;
 
 FaultySensor& put_faulty_sensor(Replay& replay) {
-  component::Pipeline& pipeline = replay.daemon().pipeline();
+  pipeline::Pipeline& pipeline = replay.daemon().pipeline();
   auto faulty = std::make_unique<FaultySensor>(pipeline.exchange_sensor_model(0, nullptr));
   FaultySensor& reference = *faulty;
   pipeline.exchange_sensor_model(0, std::move(faulty));
@@ -104,12 +104,12 @@ RunResult run_overruns(const Bench& bench, std::uint64_t seed) {
   const LifeCycle state = seen > 700 ? LifeCycle::kActive : trace.cycles[seen - 1].state;
   result.measured = seen > 700 ? 0 : 1e3 * kTick * (seen - (end - 1));
   if (state != chosen.expected)
-    result.fail(std::string("state ") + component::name(state) + ", not " +
-                component::name(chosen.expected));
+    result.fail(std::string("state ") + pipeline::name(state) + ", not " +
+                pipeline::name(chosen.expected));
   const LifeCycle last =
       chosen.expected == LifeCycle::kFaulted ? LifeCycle::kFaulted : LifeCycle::kActive;
   if (trace.cycles.back().state != last)
-    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+    result.fail(std::string("ends ") + pipeline::name(trace.cycles.back().state));
   return result;
 }
 
@@ -139,7 +139,7 @@ RunResult judge_overflow(const Bench& bench, const Scenario& scenario, LifeCycle
   RunResult result = judge(trace, bench.reference, window, true);
   result.measured = 1e3 * result.detected;
   if (trace.cycles.back().state != expected)
-    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+    result.fail(std::string("ends ") + pipeline::name(trace.cycles.back().state));
   const double zero = zero_after(trace, window.begin, 1e-3 * scenario.ticks);
   if (expected == LifeCycle::kFaulted && (zero < 0 || zero > kZeroWithin))
     result.fail("no zero command within 100 ms");
@@ -190,7 +190,7 @@ RunResult judge_held_still(const Bench& bench, const Scenario& scenario) {
   result.measured = 1e3 * result.detected;
   const LifeCycle expected = scenario.held.length > 600 ? LifeCycle::kFaulted : LifeCycle::kActive;
   if (trace.cycles.back().state != expected)
-    result.fail(std::string("ends ") + component::name(trace.cycles.back().state));
+    result.fail(std::string("ends ") + pipeline::name(trace.cycles.back().state));
   return result;
 }
 

@@ -100,7 +100,7 @@ Row states_row(const std::string& name, Disturbance disturbance, int states, dou
           {}};
   row.run = [=](const Bench&, std::uint64_t seed) {
     math::Random random(seed, name);
-    component::Pipeline pipeline(configuration(), kTick, true);
+    pipeline::Pipeline pipeline(configuration(), kTick, true);
     Stepper stepper(pipeline.model());
     for (int i = 0; i < 300; ++i) stepper.step();
     const Eigen::Matrix3Xd rest = pipeline.model().positions();
@@ -127,12 +127,12 @@ Scenario thrown(const Bench& bench, std::uint64_t seed) {
 
 /// `each`: before every cycle. `harms`: whether it must show where the shape does not jump.
 RunResult run_and_look_for_jumps(const Bench& bench, const Scenario& scenario, bool harms,
-                                 const std::function<void(int, component::Pipeline&)>& each) {
+                                 const std::function<void(int, pipeline::Pipeline&)>& each) {
   Replay replay(bench.recording, scenario.overrides);
   bool jumped = false;
   Eigen::Matrix3Xd before;
   const Trace trace = replay.run(scenario.stream, scenario.ticks, [&](int tick, daemon::Now&) {
-    component::Pipeline& pipeline = replay.daemon().pipeline();
+    pipeline::Pipeline& pipeline = replay.daemon().pipeline();
     const Eigen::Matrix3Xd& shape = pipeline.model().positions();
     jumped = jumped || (pipeline.is_running() &&
                         (pipeline.estimate().step.restarted || is_jump(before, shape)));
@@ -145,13 +145,13 @@ RunResult run_and_look_for_jumps(const Bench& bench, const Scenario& scenario, b
   const bool told = std::any_of(trace.events.begin(), trace.events.end(),
                                 [](const EventNote& event) { return event.event == "jump"; });
   if (jumped && !told) result.fail("it jumps, and no event tells");
-  if (trace.cycles.back().state != component::LifeCycle::kActive)
+  if (trace.cycles.back().state != pipeline::LifeCycle::kActive)
     result.note("not active 0.65 s later");
   return result;
 }
 
 RunResult run_thrown(const Bench& bench, std::uint64_t seed) {
-  return run_and_look_for_jumps(bench, thrown(bench, seed), true, [](int, component::Pipeline&) {});
+  return run_and_look_for_jumps(bench, thrown(bench, seed), true, [](int, pipeline::Pipeline&) {});
 }
 
 /// Each node up to three times the object's size away, while palpated controls it. A throw so small
@@ -163,15 +163,13 @@ RunResult run_thrown_shape(const Bench& bench, std::uint64_t seed) {
   scenario.window = {kTick * tick, kTick * (tick + 200)};
   scenario.ticks = 1200;
   scenario.stream = bench.recording.stream;
-  return run_and_look_for_jumps(bench, scenario, false,
-                                [&](int now, component::Pipeline& pipeline) {
-                                  if (now != tick) return;
-                                  Eigen::Matrix3Xd x = pipeline.model().positions();
-                                  const double reach = random.uniform(0, 3) * extent(x);
-                                  for (double& number : x.reshaped())
-                                    number += random.uniform(-reach, reach);
-                                  pipeline.model().restore(x, Eigen::Matrix3Xd::Zero(3, x.cols()));
-                                });
+  return run_and_look_for_jumps(bench, scenario, false, [&](int now, pipeline::Pipeline& pipeline) {
+    if (now != tick) return;
+    Eigen::Matrix3Xd x = pipeline.model().positions();
+    const double reach = random.uniform(0, 3) * extent(x);
+    for (double& number : x.reshaped()) number += random.uniform(-reach, reach);
+    pipeline.model().restore(x, Eigen::Matrix3Xd::Zero(3, x.cols()));
+  });
 }
 
 /// One iteration a cycle and a tolerance that nobody can meet, while the hand is shaken.

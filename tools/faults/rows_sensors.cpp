@@ -305,7 +305,7 @@ RunResult judge_restarted(const Bench& bench, const Scenario& scenario) {
   const auto again = static_cast<std::size_t>(std::lround(window.end / kTick));
   for (std::size_t i = inactive; i + 1 < again; ++i)
     if (trace.cycles[i].command_valid) result.fail("a command before it was started again");
-  if (trace.cycles.back().state != component::LifeCycle::kActive)
+  if (trace.cycles.back().state != pipeline::LifeCycle::kActive)
     result.note("is not active after it was started again");
   return result;
 }

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::faults {
 
@@ -22,11 +22,11 @@ class User {
     component_command_t message{};
     message.session = 1;
     message.counter = ++counter_;
-    daemon::put_text(message.slot, slot);
-    daemon::put_text(message.instance, instance);
-    daemon::put_text(message.event, event);
-    daemon::put_text(message.component, component);
-    daemon::put_text(message.parameters, parameters);
+    bus::put_text(message.slot, slot);
+    bus::put_text(message.instance, instance);
+    bus::put_text(message.event, event);
+    bus::put_text(message.component, component);
+    bus::put_text(message.parameters, parameters);
     commands_.publish(message);
   }
 
@@ -36,7 +36,7 @@ class User {
     message.session = 1;
     message.revision = again ? revision_ : ++revision_;
     message.chunks = 1;
-    daemon::put_text(message.kind, kind);
+    bus::put_text(message.kind, kind);
     message.value_count = static_cast<int>(value.size());
     std::copy_n(value.data(), value.size(), message.values);
     targets_.publish(message);

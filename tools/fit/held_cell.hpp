@@ -4,15 +4,15 @@
 #include <vector>
 
 #include "core/sensing/payload.hpp"
-#include "rt/component/object.hpp"
+#include "rt/registry/object.hpp"
 
 namespace palpate::fit {
 
 /// What a configuration of palpated says of an object in one hand: where things are, the mesh, its
 /// grasp and what holds it, and what the hand weighs behind the force-torque sensor.
 struct HeldCell {
-  component::Frames frames;
-  component::Object object;
+  registry::Frames frames;
+  registry::Object object;
   sensing::PayloadParameters hand;  // none where the configuration names none
   int polarity = 1;                 // -1: the sensor tells what the load exerts on it
 };

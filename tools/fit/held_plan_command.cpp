@@ -5,7 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "rt/component/registry.hpp"
+#include "rt/registry/registry.hpp"
 #include "tools/fit/held_plan_report.hpp"
 
 namespace palpate::fit {
@@ -40,7 +40,7 @@ int run(Arguments arguments) {
                                  arguments.markers[k + 2]);
   if (!arguments.grasp.empty()) arguments.overrides.push_back(grasp_override(arguments.grasp));
   const HeldCell cell = read_held_cell(arguments.configuration, arguments.overrides);
-  const control::GateLimits limits = component::read_gate_limits(
+  const control::GateLimits limits = registry::read_gate_limits(
       config::Node::load_file(arguments.configuration, arguments.overrides));
   const HeldPlan plan = plan_motions(cell, limits, options);
   if (arguments.json == "-") {

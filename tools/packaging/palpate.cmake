@@ -1,6 +1,6 @@
 # How a folder of palpate becomes a target.
 #
-#   palpate_library(DEPENDS a b)          palpate::<folder> from every .cpp of this folder
+#   palpate_library(DEPENDS a b)          palpate::<folder> (or NAME n) from every .cpp of this folder
 #   palpate_program(NAME DEPENDS a b)     bin/NAME from every .cpp of this folder (or SOURCES)
 #   palpate_test(LABEL KIND TARGET t)     one test program per mirrored folder
 #
@@ -44,8 +44,11 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
 endif()
 
 function(palpate_library)
-  cmake_parse_arguments(ARG "" "" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
+  cmake_parse_arguments(ARG "" "NAME" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   get_filename_component(name ${CMAKE_CURRENT_SOURCE_DIR} NAME)
+  if(ARG_NAME)
+    set(name ${ARG_NAME})
+  endif()
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/*.cpp)
   list(FILTER sources EXCLUDE REGEX "/main\\.cpp$")
   if(sources)

@@ -6,11 +6,11 @@
 
 #include "core/sensing/recurrent_network.hpp"
 #include "rt/bus/authentication.hpp"
-#include "rt/component/pipeline.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/inference/model_file.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/plan.hpp"
 #include "tools/train/plan.hpp"
@@ -88,7 +88,7 @@ std::string replaced(std::string text, const std::string& word, const std::strin
 
 void read_daemon(const config::Node& root) {
   const daemon::Settings settings = daemon::read_settings(root);
-  const component::Pipeline pipeline(root, settings.loop.period, true);
+  const pipeline::Pipeline pipeline(root, settings.loop.period, true);
   root.check_all_used();
 }
 

@@ -7,8 +7,8 @@
 
 #include "core/math/fnv1a.hpp"
 #include "rt/bus/event_log_reader.hpp"
+#include "rt/bus/text.hpp"
 #include "rt/daemon/stepped_clock.hpp"
-#include "rt/daemon/text.hpp"
 
 namespace palpate::replay {
 namespace {
@@ -25,8 +25,8 @@ std::set<std::string> inputs_of(const bus::MessageBus& bus) {
 void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   component_command_t command{};
   command.session = kSession;
-  daemon::put_text(command.slot, "all");
-  daemon::put_text(command.event, "start");
+  bus::put_text(command.slot, "all");
+  bus::put_text(command.event, "start");
   bus::Sealer("COMPONENT_COMMAND", {key, 0}).put(command, 0);
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
 }

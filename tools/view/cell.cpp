@@ -1,6 +1,6 @@
 #include "tools/view/cell.hpp"
 
-#include "rt/component/frames.hpp"
+#include "rt/registry/frames.hpp"
 
 namespace palpate::view {
 
@@ -9,7 +9,7 @@ Cell Cell::read(const std::string& configuration, const std::vector<std::string>
   Cell cell;
   const config::Node root = config::Node::load_file(configuration, overrides);
   cell.configured = read_configured(root);
-  const component::Frames frames = component::read_frames(root);
+  const registry::Frames frames = registry::read_frames(root);
   cell.X_WO = frames.X_WO;
   std::string file = urdf, link = flange;
   if (file.empty() && root.has("robot")) {
@@ -20,7 +20,7 @@ Cell Cell::read(const std::string& configuration, const std::vector<std::string>
   if (link.empty()) link = "flange";
   if (file.empty()) return cell;
   cell.robots.emplace_back(PlacedRobot{RobotDrawing(file, link), frames.X_WO.inverse()});
-  if (const auto second = component::read_second_frames(root))
+  if (const auto second = registry::read_second_frames(root))
     cell.robots.emplace_back(PlacedRobot{RobotDrawing(file, link), second->X_WO.inverse()});
   return cell;
 }

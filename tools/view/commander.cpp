@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::view {
 namespace {
@@ -84,8 +84,8 @@ void Commander::push(const double (&rest_point)[3], const double (&force)[3], st
 }
 
 void Commander::hear(const component_event_t& event) {
-  const std::string name = daemon::get_text(event.event);
-  const bool of_target = std::string_view(daemon::get_text(event.slot)) == "feature" &&
+  const std::string name = bus::get_text(event.event);
+  const bool of_target = std::string_view(bus::get_text(event.slot)) == "feature" &&
                          (name == "target" || name == "refused");
   for (auto asked = asked_.begin(); asked != asked_.end(); ++asked) {
     if (event.command_counter < asked->first_counter || event.command_counter > asked->last_counter)
@@ -105,7 +105,7 @@ void Commander::hear(const component_event_t& event) {
       if (!asked->replacing) {
         asked->replacing = true;
         asked->until_us += kPatienceReplacing - kPatience;
-        asked->heard({name, daemon::get_text(event.reason), false});
+        asked->heard({name, bus::get_text(event.reason), false});
       }
       return;
     }
@@ -113,7 +113,7 @@ void Commander::hear(const component_event_t& event) {
     if (name == "repeated" && asked->replacing) return;
     const Heard heard = std::move(asked->heard);
     asked_.erase(asked);
-    heard({name, daemon::get_text(event.reason), true});
+    heard({name, bus::get_text(event.reason), true});
     return;
   }
 }

@@ -1,7 +1,7 @@
 #include "tools/view/components.hpp"
 
-#include "rt/component/published_control_registry.hpp"
-#include "rt/component/published_sensing_registry.hpp"
+#include "rt/registry/published_control_registry.hpp"
+#include "rt/registry/published_sensing_registry.hpp"
 
 namespace palpate::view {
 namespace {
@@ -27,7 +27,7 @@ const std::vector<SlotChoices>& slot_choices() {
        false,
        {{"component", with({"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
                             "pose_wrench_filter"},
-                           component::published_sensing_names())}}},
+                           registry::published_sensing_names())}}},
       {"deformation",
        false,
        {{"component",
@@ -39,7 +39,7 @@ const std::vector<SlotChoices>& slot_choices() {
          {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"}}}},
       {"control",
        false,
-       {{"provider", with({"fem", "kinematic"}, component::published_providers())},
+       {{"provider", with({"fem", "kinematic"}, registry::published_providers())},
         {"law", {"proportional_twist", "dual_quaternion", "quadratic_program"}}}}};
   return all;
 }

@@ -14,7 +14,7 @@ struct Choice {
   std::vector<std::string> names;
 };
 
-/// A slot of the pipeline as rt/component knows it.
+/// A slot of the pipeline as rt/registry knows it.
 struct SlotChoices {
   std::string slot;
   bool has_instances = false;  // a list of named ones

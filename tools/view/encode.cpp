@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::view {
 
@@ -107,7 +107,7 @@ json to_json(const estimate_t& e) {
 }
 
 json to_json(const feature_t& f) {
-  return {{"kind", daemon::get_text(f.kind)},
+  return {{"kind", bus::get_text(f.kind)},
           {"revision", f.revision},
           {"value", numbers(f.value, f.value_count)},
           {"target", numbers(f.target, f.value_count)},
@@ -118,7 +118,7 @@ json to_json(const feature_t& f) {
 json to_json(const health_t& h) {
   json inputs = json::array(), models = json::array();
   for (int i = 0; i < h.input_count; ++i) {
-    inputs.push_back({{"name", daemon::get_text(h.input_name[i])},
+    inputs.push_back({{"name", bus::get_text(h.input_name[i])},
                       {"received", h.received[i]},
                       {"lost", h.lost[i]},
                       {"rejected", h.rejected[i]},
@@ -126,14 +126,14 @@ json to_json(const health_t& h) {
                       {"age_ms", number(static_cast<double>(h.age_ms[i]))}});
   }
   for (int i = 0; i < h.model_count; ++i) {
-    models.push_back({{"name", daemon::get_text(h.model_name[i])},
-                      {"executor", daemon::get_text(h.model_executor[i])},
+    models.push_back({{"name", bus::get_text(h.model_name[i])},
+                      {"executor", bus::get_text(h.model_executor[i])},
                       {"steps", h.model_steps[i]},
                       {"late", h.model_late[i]},
                       {"dropped", h.model_dropped[i]}});
   }
   return {{"state", h.state},
-          {"reason", daemon::get_text(h.reason)},
+          {"reason", bus::get_text(h.reason)},
           {"cycles", h.cycles},
           {"overruns", h.overruns},
           {"overrun_us", h.overrun_us},
@@ -164,12 +164,12 @@ json to_json(const truth_contact_t& t) {
 json to_json(const NumberedEvent& e) {
   return {{"number", e.number},
           {"time_us", e.time_us},
-          {"slot", daemon::get_text(e.event.slot)},
-          {"instance", daemon::get_text(e.event.instance)},
-          {"component", daemon::get_text(e.event.component)},
-          {"event", daemon::get_text(e.event.event)},
+          {"slot", bus::get_text(e.event.slot)},
+          {"instance", bus::get_text(e.event.instance)},
+          {"component", bus::get_text(e.event.component)},
+          {"event", bus::get_text(e.event.event)},
           {"answer", e.event.command_counter >= 0},
-          {"reason", daemon::get_text(e.event.reason)}};
+          {"reason", bus::get_text(e.event.reason)}};
 }
 
 }  // namespace palpate::view

@@ -10,7 +10,7 @@
 
 #include "rt/bus/event_log.hpp"
 #include "rt/bus/event_log_reader.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::view {
 namespace {
@@ -129,7 +129,7 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
   } else if (channel == "COMPONENT_EVENT") {
     component_event_t event;
     if (bus::checked_decode(event, data, size))
-      happened_.emplace_back(time_us, daemon::get_text(event.event));
+      happened_.emplace_back(time_us, bus::get_text(event.event));
   }
 }
 

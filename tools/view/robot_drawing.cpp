@@ -4,7 +4,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "rt/component/urdf_file.hpp"
+#include "rt/registry/urdf_file.hpp"
 
 namespace palpate::view {
 namespace {
@@ -32,7 +32,7 @@ bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
     default:
       return false;
   }
-  shape.X_LV = component::to_pose(visual.origin);
+  shape.X_LV = registry::to_pose(visual.origin);
   shape.colour.setConstant(0.6);
   if (visual.material) {
     const urdf::Color& c = visual.material->color;
@@ -44,7 +44,7 @@ bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
 }  // namespace
 
 RobotDrawing::RobotDrawing(const std::string& path, const std::string& flange) {
-  const urdf::ModelInterfaceSharedPtr model = component::parse_urdf(path);
+  const urdf::ModelInterfaceSharedPtr model = registry::parse_urdf(path);
   std::set<std::string> arm;  // links from the root to the flange
   urdf::LinkConstSharedPtr link = model->getLink(flange);
   if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
@@ -58,7 +58,7 @@ RobotDrawing::RobotDrawing(const std::string& path, const std::string& flange) {
     made.parent = parent;
     if (from->parent_joint) {
       const urdf::Joint& joint = *from->parent_joint;
-      made.X_PL = component::to_pose(joint.parent_to_joint_origin_transform);
+      made.X_PL = registry::to_pose(joint.parent_to_joint_origin_transform);
       const bool turns =
           joint.type == urdf::Joint::REVOLUTE || joint.type == urdf::Joint::CONTINUOUS;
       if (turns || joint.type == urdf::Joint::PRISMATIC) {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::view {
 

@@ -28,7 +28,7 @@ Trace hurried(const char* stops, const std::vector<const char*>& goes_on, int pa
 void expect_no_step(const Trace& trace) {
   ASSERT_GT(trace.cycles[kMoves - 2].speed, 0.01);
   EXPECT_TRUE(trace.sound()) << trace.complaint;
-  EXPECT_EQ(trace.cycles.back().state, component::LifeCycle::kActive);
+  EXPECT_EQ(trace.cycles.back().state, pipeline::LifeCycle::kActive);
 }
 
 TEST(HurriedUser, StartsWhileTheHandStillStops) {

@@ -4,8 +4,8 @@
 #include <fstream>
 #include <sstream>
 
-#include "rt/component/pipeline.hpp"
 #include "rt/daemon/settings.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace palpate::fuzz {
@@ -52,7 +52,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   try {
     const config::Node root = config::Node::from_text(text, "f");
     const daemon::Settings settings = daemon::read_settings(root);
-    const component::Pipeline pipeline(root, settings.loop.period, true);
+    const pipeline::Pipeline pipeline(root, settings.loop.period, true);
     fuzz::require(pipeline.object().body.mesh.nodes.allFinite(), "a mesh that is built is finite");
     root.check_all_used();
   } catch (const config::Error& error) {

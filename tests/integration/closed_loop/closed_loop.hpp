@@ -10,8 +10,8 @@
 #include <palpate/twist_command_t.hpp>
 #include <string_view>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 #include "sim/scenes/simulation.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -82,8 +82,8 @@ class ClosedLoop {
     component_command_t message{};
     message.session = 1;
     message.counter = ++counter_;
-    daemon::put_text(message.slot, "all");
-    daemon::put_text(message.event, event);
+    bus::put_text(message.slot, "all");
+    bus::put_text(message.event, event);
     commands_.publish(message);
   }
 
@@ -93,11 +93,11 @@ class ClosedLoop {
     component_command_t message{};
     message.session = 1;
     message.counter = ++counter_;
-    daemon::put_text(message.slot, slot);
-    daemon::put_text(message.instance, instance);
-    daemon::put_text(message.event, "replace");
-    daemon::put_text(message.component, component);
-    daemon::put_text(message.parameters, parameters);
+    bus::put_text(message.slot, slot);
+    bus::put_text(message.instance, instance);
+    bus::put_text(message.event, "replace");
+    bus::put_text(message.component, component);
+    bus::put_text(message.parameters, parameters);
     commands_.publish(message);
   }
   /// Events that the daemon told since the last call, as "event: reason".
@@ -106,8 +106,7 @@ class ClosedLoop {
     component_event_t event;
     std::int64_t arrival_ns = 0;
     while (events_.take(event, arrival_ns))
-      texts.push_back(std::string(daemon::get_text(event.event)) + ": " +
-                      daemon::get_text(event.reason));
+      texts.push_back(std::string(bus::get_text(event.event)) + ": " + bus::get_text(event.reason));
     return texts;
   }
 
@@ -116,7 +115,7 @@ class ClosedLoop {
     message.session = 1;
     message.revision = ++revision_;
     message.chunks = 1;
-    daemon::put_text(message.kind, kind);
+    bus::put_text(message.kind, kind);
     message.value_count = static_cast<int>(value.size());
     std::copy_n(value.data(), value.size(), message.values);
     targets_.publish(message);

@@ -14,7 +14,7 @@ TEST(ClosedLoop, ConfigurationRepeatsTheScenesFrames) {
   for (const char* scene : {kControlScene, kPoseScene}) {
     ClosedLoop loop(scene, kConfiguration);
     loop.run(0.1);
-    const component::Frames& frames = loop.daemon().pipeline().frames();
+    const registry::Frames& frames = loop.daemon().pipeline().frames();
     const math::Pose X_OG =
         frames.X_WO.inverse() * loop.daemon().inputs().signals().robot.latest.X_WE * frames.X_EG;
     const math::Pose truth = loop.simulation().grasp_in_object();
@@ -30,7 +30,7 @@ TEST(ClosedLoop, PoseDrivenShapeFollowsThePlantOverTheFirstPose) {
   loop.run(5.0);
   const Eigen::VectorXd error = loop.shape_error();
   std::printf("mean %.2f mm, max %.2f mm\n", 1e3 * error.mean(), 1e3 * error.maxCoeff());
-  EXPECT_EQ(loop.daemon().pipeline().condition().state, component::LifeCycle::kActive)
+  EXPECT_EQ(loop.daemon().pipeline().condition().state, pipeline::LifeCycle::kActive)
       << loop.daemon().pipeline().condition().reason;
   EXPECT_LT(error.mean(), 0.01 * kLength);
   EXPECT_LT(error.maxCoeff(), 0.02 * kLength);
@@ -45,7 +45,7 @@ TEST(ClosedLoop, NonCollocatedPointReachesItsTargetAndStays) {
   const Eigen::Vector3d target = rest_point + Eigen::Vector3d(0, 0, 0.03);
   loop.send_target("point", target);
 
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   double last_outside = 0;
   double time = 0;
   double fastest = 0;
@@ -80,7 +80,7 @@ TEST(ClosedLoop, ThesisPresetBringsTheGraspPoseIntoItsDeadBand) {
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   Eigen::VectorXd target = pipeline.feature_state().value;
   target[2] += 0.04;
   loop.send_target("pose", target);
@@ -131,7 +131,7 @@ TEST(ClosedLoop, RobotFallingSilentStopsTheCommand) {
     after = Eigen::Map<const Eigen::Vector3d>(twist.twist).norm();
   }
   EXPECT_EQ(after, 0);
-  EXPECT_EQ(loop.daemon().pipeline().condition().state, component::LifeCycle::kDegraded);
+  EXPECT_EQ(loop.daemon().pipeline().condition().state, pipeline::LifeCycle::kDegraded);
 }
 
 }  // namespace

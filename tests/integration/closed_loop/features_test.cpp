@@ -20,7 +20,7 @@ double rest_on_the_plant(const std::string& configuration, std::vector<std::stri
   loop.run(0.1);
   loop.send_event("start");
   loop.run(1.0);
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   const double target = pipeline.feature_state().value[0] + change;
   EXPECT_GT(std::abs(truth(loop) - target), 0.8 * std::abs(change)) << "there is something to do";
   loop.send_target(pipeline.feature().kind(), Eigen::VectorXd::Constant(1, target));

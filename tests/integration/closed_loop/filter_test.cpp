@@ -32,7 +32,7 @@ Result estimate_over_two_poses(std::vector<std::string> overrides) {
     result.largest = std::max(result.largest, error.maxCoeff());
   }
   result.estimate = loop.daemon().pipeline().estimate();
-  EXPECT_EQ(loop.daemon().pipeline().condition().state, component::LifeCycle::kActive)
+  EXPECT_EQ(loop.daemon().pipeline().condition().state, pipeline::LifeCycle::kActive)
       << loop.daemon().pipeline().condition().reason;
   return result;
 }

@@ -7,7 +7,7 @@
 #include <set>
 
 #include "core/elasticity/element_stress.hpp"
-#include "rt/component/arm_model.hpp"
+#include "rt/registry/arm_model.hpp"
 #include "sim/robot/robot.hpp"
 #include "tests/integration/closed_loop/closed_loop.hpp"
 
@@ -53,7 +53,7 @@ class Way {
 
   Vector3d truth() { return loop.simulation().plant().position_at(rest_point_); }
   double error() { return (truth() - target).norm(); }
-  const component::FeatureState& feature() { return loop.daemon().pipeline().feature_state(); }
+  const pipeline::FeatureState& feature() { return loop.daemon().pipeline().feature_state(); }
   /// Of the plant's shape, under the law of a foam as stiff as the plant's.
   double peak_stress() {
     elasticity::Body body = loop.daemon().pipeline().object().body;
@@ -107,7 +107,7 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
   int tick = 0;
   way.go(displacement, 4, [&] {
     if (++tick % 20 != 0) return;
-    const component::Pipeline& pipeline = way.loop.daemon().pipeline();
+    const pipeline::Pipeline& pipeline = way.loop.daemon().pipeline();
     const elasticity::ElementStress stress =
         elasticity::element_stress(pipeline.object().body, pipeline.model().positions());
     estimated = std::max(estimated, stress.von_mises.maxCoeff());
@@ -242,7 +242,7 @@ std::vector<std::string> joints_within(double degrees) {
 TEST(LimitsLoop, JointsStayWithinTheirLimitsAndTheRestIsUnreachable) {
   constexpr double kDegrees = 2;
   Way way(joints_within(kDegrees));
-  const component::Pipeline& pipeline = way.loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = way.loop.daemon().pipeline();
   ASSERT_TRUE(pipeline.commands_joints(0));
   const Eigen::VectorXd start = way.loop.simulation().robot().joint_positions();
   double farthest = 0;
@@ -263,7 +263,7 @@ TEST(LimitsLoop, JointsStayWithinTheirLimitsAndTheRestIsUnreachable) {
 // The chain that the daemon reads of the URDF file, against the simulator's own library.
 TEST(LimitsLoop, KinematicsOfTheArmAreThoseOfTheSimulator) {
   const std::string path = PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf";
-  const kinematics::SerialChain chain = component::read_urdf(path, "flange");
+  const kinematics::SerialChain chain = registry::read_urdf(path, "flange");
   robot::Robot robot(robot::load_model(path), {});
   ASSERT_EQ(chain.joint_count(), robot.joint_count());
   std::srand(3);
@@ -282,8 +282,8 @@ TEST(LimitsLoop, KinematicsOfTheArmAreThoseOfTheSimulator) {
     EXPECT_LT((state.X_WE.matrix() - robot.flange_pose().matrix()).norm(), 1e-9);
     EXPECT_LT((state.J_W_E - robot.flange_jacobian()).norm(), 1e-9);
   }
-  EXPECT_THROW(component::read_urdf(path, "no_such_link"), std::invalid_argument);
-  EXPECT_THROW(component::read_urdf(path + ".not", "flange"), std::invalid_argument);
+  EXPECT_THROW(registry::read_urdf(path, "no_such_link"), std::invalid_argument);
+  EXPECT_THROW(registry::read_urdf(path + ".not", "flange"), std::invalid_argument);
 }
 
 // With room, joints bring the point to its target as the hand's twist does.

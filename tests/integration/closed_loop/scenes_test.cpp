@@ -23,8 +23,8 @@ TEST_P(SceneAndConfiguration, SpeakOfTheSameObject) {
   ClosedLoop loop(scene_of(GetParam()), configuration_of(GetParam()));
   loop.run(0.1);
   const scenes::Scene& scene = loop.simulation().scene();
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
-  const component::Frames& frames = pipeline.frames();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
+  const registry::Frames& frames = pipeline.frames();
   const math::Pose X_OG =
       frames.X_WO.inverse() * loop.daemon().inputs().signals().robot.latest.X_WE * frames.X_EG;
   const math::Pose truth = loop.simulation().grasp_in_object();

@@ -39,8 +39,8 @@ class Steered {
   }
   void run(double seconds) {
     loop_.run(seconds, [this] {
-      const component::Condition condition = loop_.daemon().pipeline().condition();
-      if (condition.state != component::LifeCycle::kActive) ++inactive_ticks_;
+      const pipeline::Condition condition = loop_.daemon().pipeline().condition();
+      if (condition.state != pipeline::LifeCycle::kActive) ++inactive_ticks_;
       twist_command_t command;
       std::int64_t arrival_ns = 0;
       while (loop_.twists().take(command, arrival_ns)) {

@@ -16,7 +16,7 @@ TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
   loop.run(0.9);
   loop.send_event("start");
   loop.run(3.0);
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   EXPECT_TRUE(pipeline.is_running()) << pipeline.condition().reason;
   const object::HyperelasticPlant& plant = loop.simulation().plant();
   int seen = 0;

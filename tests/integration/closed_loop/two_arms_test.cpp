@@ -17,10 +17,10 @@ const char* const kConfiguration = "rt/config/examples/bar_two_hands.yaml";
 TEST(TwoArmsLoop, ConfigurationRepeatsTheScenesFrames) {
   ClosedLoop loop(kPoseScene, kConfiguration);
   loop.run(0.1);
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   ASSERT_EQ(pipeline.arm_count(), 2);
   for (int i = 0; i < 2; ++i) {
-    const component::Frames& frames = pipeline.frames(i);
+    const registry::Frames& frames = pipeline.frames(i);
     const math::Pose X_OG =
         frames.X_WO.inverse() * loop.daemon().inputs().signals(i).robot.latest.X_WE * frames.X_EG;
     const math::Pose truth = loop.simulation().arm(i).grasp_in_object();
@@ -35,8 +35,8 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
   loop.run(0.1);
   loop.send_event("start");
   loop.run(8.0);  // into the S-bend
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
-  EXPECT_EQ(pipeline.condition().state, component::LifeCycle::kActive)
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
+  EXPECT_EQ(pipeline.condition().state, pipeline::LifeCycle::kActive)
       << pipeline.condition().reason;
   const Eigen::VectorXd error = loop.shape_error();
   std::printf("mean %.2f mm, max %.2f mm\n", 1e3 * error.mean(), 1e3 * error.maxCoeff());
@@ -105,7 +105,7 @@ TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
-  const component::Pipeline& pipeline = loop.daemon().pipeline();
+  const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   const object::HyperelasticPlant& plant = loop.simulation().plant();
   const std::vector<Eigen::Vector3d>& points = pipeline.feature().rest_points();
   Eigen::VectorXd target(9);
@@ -182,7 +182,7 @@ TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {
 
   loop.mute("_1");
   loop.run(0.4);
-  EXPECT_EQ(daemon.pipeline().condition().state, component::LifeCycle::kDegraded);
+  EXPECT_EQ(daemon.pipeline().condition().state, pipeline::LifeCycle::kDegraded);
   for (int arm = 0; arm < 2; ++arm)
     EXPECT_EQ(daemon.pipeline().gate_output(arm).V_W_E.vector().norm(), 0) << arm;
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {

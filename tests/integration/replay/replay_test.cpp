@@ -9,7 +9,7 @@
 #include <fstream>
 #include <palpate/robot_state_t.hpp>
 
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace palpate::replay {
@@ -25,7 +25,7 @@ class Recording {
   explicit Recording(double seconds, double amplitude = 0.03)
       : path_(std::filesystem::temp_directory_path() /
               ("palpate_replay_" + std::to_string(getpid()) + ".lcmlog")) {
-    const component::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
+    const pipeline::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
     const math::Pose X_WE0 = pipeline.frames().X_WO * pipeline.object().body.grasps[0].X_OG_rest *
                              pipeline.frames().X_EG.inverse();
     lcm::LogFile log(path_.string(), "w");

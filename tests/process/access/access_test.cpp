@@ -12,7 +12,7 @@
 
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tests/support/child_process.hpp"
 
 namespace palpate {
@@ -263,7 +263,7 @@ TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
     return wait_health([&](const health_t& h) { return h.commands_refused > before; }, health);
   };
-  ASSERT_STREQ(daemon::get_text(log.front().event), "start");
+  ASSERT_STREQ(bus::get_text(log.front().event), "start");
   EXPECT_TRUE(refuses(log.front())) << "replayed to the same daemon";
   EXPECT_EQ(health.state, 1);
   palpated->send(SIGTERM);
@@ -285,7 +285,7 @@ TEST_F(AccessProcess, ACommandThatWasThereBeforeTheDaemonIsObeyed) {
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
   while (!commands_->take(asked, arrival_ns) && std::chrono::steady_clock::now() < end)
     std::this_thread::sleep_for(milliseconds(5));
-  ASSERT_STREQ(daemon::get_text(asked.event), "start") << asks.output();
+  ASSERT_STREQ(bus::get_text(asked.event), "start") << asks.output();
   ChildProcess palpated(palpated_with());
   ChildProcess arm(driver());
   EXPECT_EQ(asks.wait(milliseconds(70000)), 0) << asks.output() << palpated.output();

@@ -8,7 +8,7 @@
 #include <palpate/twist_command_t.hpp>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "rt/loop/sanitizer.hpp"
 #include "tests/support/child_process.hpp"
 
@@ -84,8 +84,8 @@ class DaemonProcess : public ::testing::Test {
     component_command_t message{};
     message.session = 42;
     message.counter = counter;
-    daemon::put_text(message.slot, "all");
-    daemon::put_text(message.event, event);
+    bus::put_text(message.slot, "all");
+    bus::put_text(message.event, event);
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
   }
 

@@ -63,10 +63,10 @@ class ReplacementProcess : public DaemonProcess {
     component_command_t message{};
     message.session = 42;
     message.counter = counter;
-    daemon::put_text(message.slot, request.slot);
-    daemon::put_text(message.event, "replace");
-    daemon::put_text(message.component, request.component);
-    daemon::put_text(message.parameters, request.parameters);
+    bus::put_text(message.slot, request.slot);
+    bus::put_text(message.event, "replace");
+    bus::put_text(message.component, request.component);
+    bus::put_text(message.parameters, request.parameters);
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
   }
   /// Sends, as whoever wants an answer does, again while there is none (a datagram may be lost);
@@ -83,8 +83,8 @@ class ReplacementProcess : public DaemonProcess {
       }
       watch_commands();
       while (events_->take(event, arrival_ns)) {
-        const std::string text = daemon::get_text(event.event);
-        reason_ = daemon::get_text(event.reason);
+        const std::string text = bus::get_text(event.event);
+        reason_ = bus::get_text(event.reason);
         if (event.command_counter == counter && text != "replacing") return text;
       }
       std::this_thread::sleep_for(std::chrono::microseconds(200));
@@ -140,12 +140,12 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   std::this_thread::sleep_for(milliseconds(300));
   send_event("start", 1);
   ASSERT_TRUE(wait_health([](const health_t& h) { return h.state == 2; }, health))
-      << daemon::get_text(health.reason);
+      << bus::get_text(health.reason);
   shape_target_t target{};
   target.session = 42;
   target.revision = 1;
   target.chunks = 1;
-  daemon::put_text(target.kind, "point");
+  bus::put_text(target.kind, "point");
   target.value_count = 3;
   target.values[0] = 0.25, target.values[1] = 0.03, target.values[2] = 0.08;
   bus::TypedPublisher<shape_target_t>(*control_, "SHAPE_TARGET").publish(target);

@@ -18,7 +18,7 @@ import sys
 import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
-READERS = ("rt/daemon/*.cpp", "rt/component/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
+READERS = ("rt/daemon/*.cpp", "rt/registry/*.cpp", "rt/pipeline/*.cpp", "rt/plugin/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
            "tools/train/plan.cpp", "tools/fit/*.cpp", "tools/evaluate/study_plan.cpp")
 GETTER = re.compile(
     r"(?:(?:\.|->)\s*"

@@ -27,7 +27,7 @@ struct Case {
   const char* override;
   const char* event;  // that it begins with
   /// Puts in a component that errs once `broken` is true.
-  void (*put_in)(component::Slots& slots, const bool& broken);
+  void (*put_in)(pipeline::Slots& slots, const bool& broken);
 };
 
 /// Errs when it is told to from outside.
@@ -45,15 +45,15 @@ class ToldSensor final : public faults::FaultySensor {
   const bool& broken_;
 };
 
-void put_in_sensor(component::Slots& slots, const bool& broken) {
-  component::SensorFallback& pair = *slots.sensing[0].fallback;
+void put_in_sensor(pipeline::Slots& slots, const bool& broken) {
+  registry::SensorFallback& pair = *slots.sensing[0].fallback;
   std::unique_ptr<sensing::SensorModel> first;
   pair.exchange(first);
   first = std::make_unique<ToldSensor>(std::move(first), broken);
   pair.exchange(first);
 }
 
-void put_in_transformer(component::Slots& slots, const bool& broken) {
+void put_in_transformer(pipeline::Slots& slots, const bool& broken) {
   auto faulty = std::make_unique<support::FaultyTransformer>(broken);
   auto& its_good = faulty->good;
   std::unique_ptr<contact::ForceTransformer> first = std::move(faulty);
@@ -61,7 +61,7 @@ void put_in_transformer(component::Slots& slots, const bool& broken) {
   its_good = std::move(first);
 }
 
-void put_in_feature(component::Slots& slots, const bool& broken) {
+void put_in_feature(pipeline::Slots& slots, const bool& broken) {
   auto faulty = std::make_unique<support::FaultyFeature>(broken);
   faulty->good = std::move(slots.feature);
   slots.feature = std::move(faulty);
@@ -87,7 +87,7 @@ int run_daemon(const Case& of, const evaluate::Urls& urls) {
   const auto housekeeping = bus::make_lcm_bus(urls.housekeeping);
   daemon::Daemon daemon(root, *control, *housekeeping, daemon::Mode::kRealTime,
                         bus::random_session());
-  component::Pipeline& pipeline = daemon.pipeline();
+  pipeline::Pipeline& pipeline = daemon.pipeline();
   bool broken = false, in_same_cycle = false;
   of.put_in(pipeline.slots_at_setup(), broken);
   control->start();
@@ -132,7 +132,7 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
   EXPECT_EQ(WEXITSTATUS(status), 0) << "no command of the fallback in the cycle of the fault";
 
   const faults::Trace trace =
-      wire.trace(kTicks, component::read_gate_limits(configuration(of)), faults::kTick);
+      wire.trace(kTicks, registry::read_gate_limits(configuration(of)), faults::kTick);
   EXPECT_TRUE(trace.sound()) << trace.complaint;
   const auto event =
       std::find_if(trace.events.begin(), trace.events.end(),
@@ -143,8 +143,8 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
   int degraded = 0, still = 0;
   for (const faults::HealthNote& note : trace.health) {
     if (note.time_ns < event->time_ns - 20'000'000) continue;
-    degraded += note.state == static_cast<int>(component::LifeCycle::kDegraded) ? 1 : 0;
-    EXPECT_NE(note.state, static_cast<int>(component::LifeCycle::kFaulted));
+    degraded += note.state == static_cast<int>(pipeline::LifeCycle::kDegraded) ? 1 : 0;
+    EXPECT_NE(note.state, static_cast<int>(pipeline::LifeCycle::kFaulted));
   }
   EXPECT_GT(degraded, 0);
   const auto at = static_cast<std::size_t>(event->time_ns / 1'000'000);

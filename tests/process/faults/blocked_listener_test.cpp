@@ -52,7 +52,7 @@ TEST_F(BlockedListener, StoppedLoggerIsNotWaitedFor) {
     EXPECT_EQ(stopped.not_finite, 0);
   }
   const health_t health = health_now();
-  EXPECT_TRUE(health.state == 2 || health.state == 3) << daemon::get_text(health.reason);
+  EXPECT_TRUE(health.state == 2 || health.state == 3) << bus::get_text(health.reason);
   std::filesystem::remove(control_log);
   std::filesystem::remove(housekeeping_log);
 }

@@ -101,7 +101,7 @@ class FaultProcess : public DaemonProcess {
       }
     }
     return ::testing::AssertionFailure()
-           << "state " << health.state << ": " << daemon::get_text(health.reason);
+           << "state " << health.state << ": " << bus::get_text(health.reason);
   }
 
   void send_target(double z = 0.08) {
@@ -109,7 +109,7 @@ class FaultProcess : public DaemonProcess {
     target.session = 42;
     target.revision = ++revision_;
     target.chunks = 1;
-    daemon::put_text(target.kind, "point");
+    bus::put_text(target.kind, "point");
     target.value_count = 3;
     target.values[0] = 0.25, target.values[1] = 0.03, target.values[2] = z;
     bus::TypedPublisher<shape_target_t>(*control_, "SHAPE_TARGET").publish(target);
@@ -186,7 +186,7 @@ class FaultProcess : public DaemonProcess {
     std::int64_t arrival_ns = 0;
     while (seconds_since(begin) < seconds) {
       while (events_->take(event, arrival_ns))
-        if (daemon::get_text(event.event) == name) return true;
+        if (bus::get_text(event.event) == name) return true;
       std::this_thread::sleep_for(milliseconds(1));
     }
     return false;

@@ -63,14 +63,14 @@ TEST_F(Flood, OnAnotherPortIsNotHeard) {
   const health_t after = health_now();
   EXPECT_LT(flooded.datagrams / flooded.seconds, 1.5 * quiet.datagrams / quiet.seconds + 1000)
       << "none of it reached the daemon";
-  EXPECT_TRUE(after.state == 2 || after.state == 3) << daemon::get_text(after.reason);
+  EXPECT_TRUE(after.state == 2 || after.state == 3) << bus::get_text(after.reason);
 }
 
 TEST_F(Flood, OnAnotherChannelIsCounted) {
   const auto [quiet, flooded] = compare(control_url_, {});
   const health_t after = health_now();
   EXPECT_GT(flooded.datagrams / flooded.seconds, quiet.datagrams / quiet.seconds + 1000);
-  EXPECT_TRUE(after.state == 2 || after.state == 3) << daemon::get_text(after.reason);
+  EXPECT_TRUE(after.state == 2 || after.state == 3) << bus::get_text(after.reason);
 }
 
 TEST_F(Flood, OfCommandsDoesNotHoldUpTheLoop) {

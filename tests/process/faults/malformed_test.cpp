@@ -54,7 +54,7 @@ TEST_F(Malformed, PacketsLeaveTheLoopAlone) {
       static_cast<long long>(rejected),
       static_cast<long long>(after.overflowed - before.overflowed), growth);
 
-  EXPECT_TRUE(after.state == 2 || after.state == 3) << daemon::get_text(after.reason);
+  EXPECT_TRUE(after.state == 2 || after.state == 3) << bus::get_text(after.reason);
   // Every kind was seen and counted; what the socket lost was never seen.
   EXPECT_GT(after.malformed - before.malformed, 0);
   EXPECT_GT(after.fragmented - before.fragmented, 0);
@@ -104,7 +104,7 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
   component_event_t event{};
   ASSERT_TRUE(wait_event("wrong type", 10, event));
   const double first = seconds_since(began);
-  const std::string reason = daemon::get_text(event.reason);
+  const std::string reason = bus::get_text(event.reason);
   const auto hexadecimal = [](std::int64_t number) {
     char text[20];
     std::snprintf(text, sizeof text, "0x%llx", static_cast<unsigned long long>(number));
@@ -121,7 +121,7 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
   int told = 0;
   std::int64_t arrival_ns = 0;
   while (events_->take(event, arrival_ns))
-    if (std::string(daemon::get_text(event.event)) == "wrong type") ++told;
+    if (std::string(bus::get_text(event.event)) == "wrong type") ++told;
   std::printf("told after %.1f ms; %d more for 500 in %.2f s\n", 1e3 * first, told,
               seconds_since(began));
   EXPECT_LE(told, static_cast<int>(seconds_since(began)));

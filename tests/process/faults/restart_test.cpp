@@ -34,7 +34,7 @@ class Restart : public FaultProcess {
         << daemon.output();
     const double took = seconds_since(begin);
     session_ = health.session;
-    EXPECT_EQ(health.state, 1) << daemon::get_text(health.reason);
+    EXPECT_EQ(health.state, 1) << bus::get_text(health.reason);
     Seen seen;
     twist_command_t twist{};
     const auto heard = Clock::now();

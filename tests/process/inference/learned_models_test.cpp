@@ -9,7 +9,7 @@
 #include <palpate/health_t.hpp>
 
 #include "rt/bus/message_bus.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tests/support/child_process.hpp"
 #include "tests/support/torch_script/torch_script.hpp"
 
@@ -73,8 +73,8 @@ class LearnedModelProcess : public ::testing::Test {
     component_command_t message{};
     message.session = 42;
     message.counter = 1;
-    daemon::put_text(message.slot, "all");
-    daemon::put_text(message.event, "start");
+    bus::put_text(message.slot, "all");
+    bus::put_text(message.event, "start");
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
   }
 
@@ -118,7 +118,7 @@ TEST_F(LearnedModelProcess, EndsCleanlyThoughAModelHangs) {
   start();
   ASSERT_TRUE(touch_until(0, [](const health_t& h) { return h.model_steps[0] > 20; }));
   ASSERT_TRUE(touch_until(1000, [](const health_t& h) { return h.state == 4; }));
-  EXPECT_THAT(daemon::get_text(last_.reason), HasSubstr("ring_finger: the network of the force"));
+  EXPECT_THAT(bus::get_text(last_.reason), HasSubstr("ring_finger: the network of the force"));
   EXPECT_GT(last_.model_late[0], 0);
   const std::int64_t cycles = last_.cycles;
   ASSERT_TRUE(touch_until(0, [&](const health_t& h) { return h.cycles > cycles + 200; }))

@@ -14,7 +14,7 @@
 #include "core/math/random.hpp"
 #include "core/math/rigid.hpp"
 #include "rt/bus/message_bus.hpp"
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tests/process/lock_step/datagrams.hpp"
 #include "tests/support/child_process.hpp"
 
@@ -116,12 +116,12 @@ class LockStepProcess : public ::testing::Test {
     const auto bus = bus::make_lcm_bus(daemon_url_);
     component_command_t start{};
     start.session = start.counter = 1;
-    daemon::put_text(start.slot, "all");
-    daemon::put_text(start.event, "start");
+    bus::put_text(start.slot, "all");
+    bus::put_text(start.event, "start");
     bus::TypedPublisher<component_command_t>(*bus, "COMPONENT_COMMAND").publish(start);
     shape_target_t target{};
     target.session = target.revision = target.chunks = 1;
-    daemon::put_text(target.kind, "point");
+    bus::put_text(target.kind, "point");
     target.value_count = 3;
     const double point[] = {0.25, 0.03, 0.08};
     std::copy(std::begin(point), std::end(point), target.values);

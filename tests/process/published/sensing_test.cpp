@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <nlohmann/json.hpp>
 
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tests/unit/tools/evaluate/study_folder.hpp"
 
 namespace palpate::evaluate {
@@ -159,7 +159,7 @@ objects:
         kRoot + "/rt/config/examples/bar_long_soft.yaml",
         {"estimation={component: learned_shape, model: '" + folder_.file(model).string() + "'}",
          "deformation={component: as_rigid_as_possible}"});
-    EXPECT_NO_THROW(component::Pipeline(root, 1e-3)) << model;
+    EXPECT_NO_THROW(pipeline::Pipeline(root, 1e-3)) << model;
   }
 }
 

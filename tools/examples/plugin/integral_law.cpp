@@ -6,9 +6,9 @@
 
 namespace example {
 
-using palpate::component::number;
+using palpate::plugin::number;
 
-std::vector<palpate::component::Parameter> IntegralLaw::parameters() {
+std::vector<palpate::plugin::Parameter> IntegralLaw::parameters() {
   const Options o;
   return {number("gain", 1e-3, 50, o.gain, "of the error, 1/s"),
           number("integral_gain", 0, 50, o.integral_gain, "of its integral, 1/s^2"),
@@ -19,7 +19,7 @@ std::vector<palpate::component::Parameter> IntegralLaw::parameters() {
           number("length", 1e-3, 10, o.length, "that counts as much as a radian, m")};
 }
 
-IntegralLaw::Options IntegralLaw::read(const palpate::component::Parameters& p) {
+IntegralLaw::Options IntegralLaw::read(const palpate::plugin::Parameters& p) {
   return {p.number("gain"),    p.number("integral_gain"), p.number("integral_zone"),
           p.number("damping"), p.number("linear_speed"),  p.number("angular_speed"),
           p.number("length")};

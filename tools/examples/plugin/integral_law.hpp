@@ -1,6 +1,6 @@
 #pragma once
 
-#include "rt/component/plugin.hpp"
+#include "rt/plugin/plugin.hpp"
 
 namespace example {
 
@@ -9,7 +9,7 @@ namespace example {
 ///   u = J^T (J J^T + d^2)^-1 (kp e + ki integral of e),
 /// so that what a proportional law leaves over, for friction or a drifting target, goes away. For
 /// features of at most six rows that one hand moves.
-class IntegralLaw : public palpate::component::PluginControlLaw {
+class IntegralLaw : public palpate::plugin::PluginControlLaw {
  public:
   struct Options {
     double gain = 1;              // kp, 1/s
@@ -21,8 +21,8 @@ class IntegralLaw : public palpate::component::PluginControlLaw {
     double length = 0.1;          // m, of motion that counts as much as a radian
   };
   /// The keys of the configuration, and the options that they say.
-  static std::vector<palpate::component::Parameter> parameters();
-  static Options read(const palpate::component::Parameters& parameters);
+  static std::vector<palpate::plugin::Parameter> parameters();
+  static Options read(const palpate::plugin::Parameters& parameters);
 
   explicit IntegralLaw(const Options& options) : options_(options) {}
 

@@ -5,11 +5,11 @@
 
 namespace example {
 
-using palpate::component::integer;
-using palpate::component::number;
+using palpate::plugin::integer;
+using palpate::plugin::number;
 using palpate::sensing::Status;
 
-std::vector<palpate::component::Parameter> MedianSensor::parameters() {
+std::vector<palpate::plugin::Parameter> MedianSensor::parameters() {
   const Options o;
   return {integer("samples", 1, kMostSamples, o.samples, "of the median; odd"),
           integer("tare_samples", 1, 100000, o.tare_samples, "of a tare"),
@@ -17,7 +17,7 @@ std::vector<palpate::component::Parameter> MedianSensor::parameters() {
           number("force_deviation", 0, 100, o.force_deviation, "standard, of each axis, N")};
 }
 
-MedianSensor::Options MedianSensor::read(const palpate::component::Parameters& p) {
+MedianSensor::Options MedianSensor::read(const palpate::plugin::Parameters& p) {
   return {p.integer("samples"), p.integer("tare_samples"), p.number("max_age_ms") * 1e-3,
           p.number("force_deviation")};
 }

@@ -3,14 +3,14 @@
 #include <array>
 
 #include "core/sensing/tare.hpp"
-#include "rt/component/plugin.hpp"
+#include "rt/plugin/plugin.hpp"
 
 namespace example {
 
 /// A sensor model of one's own for a wrist whose readings have spikes: the median of the last
 /// samples of each axis, less what was read at zero(). As of ft_tare_only it is right only while
 /// the hand keeps its orientation.
-class MedianSensor : public palpate::component::PluginSensorModel {
+class MedianSensor : public palpate::plugin::PluginSensorModel {
  public:
   static constexpr int kMostSamples = 63;
   struct Options {
@@ -19,8 +19,8 @@ class MedianSensor : public palpate::component::PluginSensorModel {
     double max_age = 0.025;        // s
     double force_deviation = 0.1;  // N, standard, of each axis
   };
-  static std::vector<palpate::component::Parameter> parameters();
-  static Options read(const palpate::component::Parameters& parameters);
+  static std::vector<palpate::plugin::Parameter> parameters();
+  static Options read(const palpate::plugin::Parameters& parameters);
 
   /// Throws std::invalid_argument for an even number of samples.
   explicit MedianSensor(const Options& options);

@@ -1,14 +1,14 @@
 // A library of a user's own components for palpated. README.md says how it is built and loaded.
 
-#include "rt/component/plugin.hpp"
+#include "rt/plugin/plugin.hpp"
 
 #include "integral_law.hpp"
 #include "median_sensor.hpp"
 
 PALPATE_PLUGIN(registrar) {
-  using palpate::component::Parameters;
-  using palpate::component::PluginCell;
-  using palpate::component::SensorKind;
+  using palpate::plugin::Parameters;
+  using palpate::plugin::PluginCell;
+  using palpate::plugin::SensorKind;
   registrar.control_laws.push_back({"integral_twist", example::IntegralLaw::parameters(),
                                     [](const Parameters& parameters, const PluginCell&) {
                                       return std::make_unique<example::IntegralLaw>(

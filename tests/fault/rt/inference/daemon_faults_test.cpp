@@ -16,8 +16,8 @@
 #include <palpate/robot_state_t.hpp>
 #include <thread>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 #include "tests/support/torch_script/torch_script.hpp"
 
 namespace palpate::daemon {
@@ -62,8 +62,8 @@ class Cell {
     component_command_t message{};
     message.session = 1;
     message.counter = ++counter_;
-    put_text(message.slot, "all");
-    put_text(message.event, event);
+    bus::put_text(message.slot, "all");
+    bus::put_text(message.event, event);
     bus::TypedPublisher<component_command_t>(*users_, "COMPONENT_COMMAND").publish(message);
   }
 
@@ -110,12 +110,12 @@ class Cell {
   std::string told(const std::string& event) const {
     std::string text;
     for (const component_event_t& e : events)
-      if (get_text(e.slot) == std::string("sensing") && get_text(e.event) == event)
-        text += std::string(get_text(e.instance)) + " " + get_text(e.component) + " " +
-                get_text(e.reason) + "\n";
+      if (bus::get_text(e.slot) == std::string("sensing") && bus::get_text(e.event) == event)
+        text += std::string(bus::get_text(e.instance)) + " " + bus::get_text(e.component) + " " +
+                bus::get_text(e.reason) + "\n";
     return text;
   }
-  std::string reason() const { return get_text(health.reason); }
+  std::string reason() const { return bus::get_text(health.reason); }
   double force(int axis) const { return contacts.count == 0 ? 0 : contacts.wrench[0][axis]; }
 
   contacts_t contacts{};
@@ -225,7 +225,7 @@ TEST_F(FaultyModel, AHangIsLateThenAFaultAndTheDaemonEnds) {
   EXPECT_NEAR(cell.force(2), 0.4, 1e-6);
   EXPECT_EQ(cell.health.state, kDegraded);
   EXPECT_THAT(cell.reason(), HasSubstr("biotac_linear has taken over"));
-  EXPECT_STREQ(get_text(cell.health.model_executor[0]), "torch");
+  EXPECT_STREQ(bus::get_text(cell.health.model_executor[0]), "torch");
   EXPECT_THAT(cell.told("model_fault"), HasSubstr("executor torch, model 0"));
   EXPECT_THAT(cell.told("model_fault"), HasSubstr("late "));
 }

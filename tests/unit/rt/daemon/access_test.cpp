@@ -7,8 +7,8 @@
 #include <filesystem>
 #include <palpate/manual_force_t.hpp>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -27,8 +27,8 @@ class DaemonAccess : public ::testing::Test {
   static component_command_t event(const char* name) {
     component_command_t message{};
     message.session = 42;
-    put_text(message.slot, "all");
-    put_text(message.event, name);
+    bus::put_text(message.slot, "all");
+    bus::put_text(message.event, name);
     return message;
   }
   component_command_t sealed(const char* name) {
@@ -59,7 +59,7 @@ class DaemonAccess : public ::testing::Test {
   std::vector<std::string> told(const std::string& name) const {
     std::vector<std::string> reasons;
     for (const component_event_t& e : sent<component_event_t>("COMPONENT_EVENT"))
-      if (get_text(e.event) == name) reasons.push_back(get_text(e.reason));
+      if (bus::get_text(e.event) == name) reasons.push_back(bus::get_text(e.reason));
     return reasons;
   }
   bool runs() { return daemon_->pipeline().is_running(); }
@@ -101,7 +101,7 @@ TEST_F(DaemonAccess, RefusesForgedChangedAndMisdirectedCommands) {
   forged.counter = 1;
   send("COMPONENT_COMMAND", forged);
   component_command_t changed = sealed("stop");
-  put_text(changed.event, "start");
+  bus::put_text(changed.event, "start");
   send("COMPONENT_COMMAND", changed);
   component_command_t foreign = event("start");
   bus::Key other = *access_.key;
@@ -159,7 +159,7 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   target.session = 42;
   target.revision = 1;
   target.chunks = 1;
-  put_text(target.kind, "point");
+  bus::put_text(target.kind, "point");
   target.value_count = 3;
   manual_force_t force{};
   force.session = 42;
@@ -205,7 +205,7 @@ TEST_F(DaemonAccess, InRealTimeCountersAreThoseOfTheWallClock) {
   // So that who sent it can seal it anew.
   const auto events = sent<component_event_t>("COMPONENT_EVENT");
   const auto refused = std::find_if(events.begin(), events.end(), [](const component_event_t& e) {
-    return std::string(get_text(e.event)) == "no_access";
+    return std::string(bus::get_text(e.event)) == "no_access";
   });
   ASSERT_NE(refused, events.end());
   EXPECT_EQ(refused->command_counter, 2);

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -36,8 +36,8 @@ class ComponentReportsTest : public ::testing::Test {
     for (const bus::Published& message : published_) {
       component_event_t event{};
       event.decode(message.data.data(), 0, static_cast<int>(message.data.size()));
-      texts.push_back(std::string(get_text(event.slot)) + " " + get_text(event.instance) + " " +
-                      get_text(event.component) + " " + get_text(event.event));
+      texts.push_back(std::string(bus::get_text(event.slot)) + " " + bus::get_text(event.instance) +
+                      " " + bus::get_text(event.component) + " " + bus::get_text(event.event));
     }
     published_.clear();
     return texts;
@@ -45,7 +45,7 @@ class ComponentReportsTest : public ::testing::Test {
 
   std::shared_ptr<bus::MemoryHub> hub_ = bus::make_memory_hub();
   std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
-  component::Pipeline pipeline_{
+  pipeline::Pipeline pipeline_{
       config::Node::load_file(PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml"), 1e-3};
   Commands commands_{*bus_, *bus_, 1};
   ComponentReports reports_{pipeline_};

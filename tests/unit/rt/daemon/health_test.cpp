@@ -9,8 +9,8 @@
 namespace palpate::daemon {
 namespace {
 
-using component::Condition;
-using component::LifeCycle;
+using pipeline::Condition;
+using pipeline::LifeCycle;
 
 class HealthNews : public ::testing::Test {
  protected:

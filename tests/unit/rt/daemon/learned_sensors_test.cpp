@@ -16,8 +16,8 @@
 #include <sstream>
 
 #include "core/sensing/linear_tactile.hpp"
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 #include "rt/inference/model_file.hpp"
 #include "tests/support/recordings.hpp"
 
@@ -139,8 +139,8 @@ Outcome run(const config::Node& configuration, const std::vector<biotac_t>& samp
   component_command_t start{};
   start.session = 1;
   start.counter = 1;
-  put_text(start.slot, "all");
-  put_text(start.event, "start");
+  bus::put_text(start.slot, "all");
+  bus::put_text(start.event, "start");
   bus::TypedPublisher<component_command_t>(*input, "COMPONENT_COMMAND").publish(start);
 
   Outcome result;
@@ -204,8 +204,8 @@ TEST_F(LearnedSensors, TheDaemonSaysWhatTheModelSaysOfTheSameRecording) {
     EXPECT_LT(largest, 1e-5) << executor;
 
     ASSERT_EQ(answers.health.model_count, 1);
-    EXPECT_STREQ(get_text(answers.health.model_name[0]), "ring_finger");
-    EXPECT_EQ(get_text(answers.health.model_executor[0]), executor);
+    EXPECT_STREQ(bus::get_text(answers.health.model_name[0]), "ring_finger");
+    EXPECT_EQ(bus::get_text(answers.health.model_executor[0]), executor);
     EXPECT_NEAR(static_cast<double>(answers.health.model_steps[0]), 1000 - kTareSamples, 11);
     EXPECT_EQ(answers.health.model_late[0], 0);
     EXPECT_EQ(answers.health.model_dropped[0], 0);

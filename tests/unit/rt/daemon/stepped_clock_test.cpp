@@ -4,7 +4,7 @@
 
 #include <palpate/twist_command_t.hpp>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::daemon {
 namespace {

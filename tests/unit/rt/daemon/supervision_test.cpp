@@ -7,8 +7,8 @@
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/imu_t.hpp>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -46,7 +46,7 @@ class Supervision : public ::testing::Test {
   static int count(const std::vector<component_event_t>& events, const std::string& name) {
     return static_cast<int>(std::count_if(
         events.begin(), events.end(),
-        [&](const component_event_t& event) { return get_text(event.event) == name; }));
+        [&](const component_event_t& event) { return bus::get_text(event.event) == name; }));
   }
 
   std::shared_ptr<bus::MemoryHub> hub_;
@@ -74,8 +74,8 @@ TEST_F(Supervision, ALoopThatIsStartedInItsFirstCycleIsNotChargedWithTheSetUp) {
   component_command_t command{};
   command.session = 3;
   command.counter = 1;
-  put_text(command.slot, "all");
-  put_text(command.event, "start");
+  bus::put_text(command.slot, "all");
+  bus::put_text(command.event, "start");
   commands.publish(command);
   tick();
   ASSERT_TRUE(daemon_.pipeline().is_running());
@@ -90,8 +90,8 @@ TEST_F(Supervision, CommandsWithoutEndAreTakenAFewACycle) {
     component_command_t command{};
     command.session = 3;
     command.counter = i;
-    put_text(command.slot, "all");
-    put_text(command.event, "zero");
+    bus::put_text(command.slot, "all");
+    bus::put_text(command.event, "zero");
     commands.publish(command);
   }
   EXPECT_EQ(count(tick(), "zero"), 4);
@@ -108,7 +108,7 @@ TEST_F(Supervision, AWrongTypeIsNamedAtOnceAndThenOnceASecond) {
     const auto events = tick();
     told += count(events, "wrong type");
     if (i > 0 || events.empty()) continue;
-    const std::string reason = get_text(events.back().reason);
+    const std::string reason = bus::get_text(events.back().reason);
     EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
   }
   EXPECT_EQ(told, 3);

@@ -3,8 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/text.hpp"
 
 namespace palpate::daemon {
 namespace {
@@ -49,7 +49,7 @@ class LargeTargets : public ::testing::Test {
       chunk.revision = revision;
       chunk.chunk = static_cast<std::int16_t>(c);
       chunk.chunks = 3;
-      put_text(chunk.kind, "points");
+      bus::put_text(chunk.kind, "points");
     }
     return chunks;
   }
@@ -71,7 +71,7 @@ class LargeTargets : public ::testing::Test {
       if (p.channel != "COMPONENT_EVENT") continue;
       component_event_t event;
       event.decode(p.data.data(), 0, static_cast<int>(p.data.size()));
-      const std::string name = get_text(event.event), reason = get_text(event.reason);
+      const std::string name = bus::get_text(event.event), reason = bus::get_text(event.reason);
       if (name == "target" || name == "refused")
         found.push_back(name + (reason.empty() ? "" : ": " + reason));
     }
@@ -143,7 +143,7 @@ TEST_F(LargeTargets, ThatCannotBeAreRefusedOnce) {
   for (int times = 0; times < 2; ++times)
     for (const shape_target_t& chunk : chunks) send(chunk);
   chunks = chunks_of(2, 0.01);
-  put_text(chunks[2].kind, "point");
+  bus::put_text(chunks[2].kind, "point");
   for (const shape_target_t& chunk : chunks) send(chunk);
   chunks = chunks_of(3, 0.01);
   chunks[0].chunks = TargetAssembly::kMostChunks + 1;

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <yaml-cpp/yaml.h>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::command {
 namespace {
@@ -11,11 +11,11 @@ namespace {
 TEST(Request, BecomesACommand) {
   const component_command_t message =
       make_command({"replace", "sensing", "wrist", "ft_tare_only", "{gain: 2}"});
-  EXPECT_STREQ(daemon::get_text(message.event), "replace");
-  EXPECT_STREQ(daemon::get_text(message.slot), "sensing");
-  EXPECT_STREQ(daemon::get_text(message.instance), "wrist");
-  EXPECT_STREQ(daemon::get_text(message.component), "ft_tare_only");
-  EXPECT_STREQ(daemon::get_text(message.parameters), "{gain: 2}");
+  EXPECT_STREQ(bus::get_text(message.event), "replace");
+  EXPECT_STREQ(bus::get_text(message.slot), "sensing");
+  EXPECT_STREQ(bus::get_text(message.instance), "wrist");
+  EXPECT_STREQ(bus::get_text(message.component), "ft_tare_only");
+  EXPECT_STREQ(bus::get_text(message.parameters), "{gain: 2}");
 }
 
 TEST(Request, IsNeverCut) {
@@ -35,7 +35,7 @@ TEST(Request, TargetHoldsPointsByRowAndValues) {
   const std::vector<shape_target_t> messages = make_target("point", {1, 2, 3, 4, 5, 6}, {7, -8});
   ASSERT_EQ(messages.size(), 1U);
   const shape_target_t& message = messages[0];
-  EXPECT_STREQ(daemon::get_text(message.kind), "point");
+  EXPECT_STREQ(bus::get_text(message.kind), "point");
   ASSERT_EQ(message.point_count, 2);
   EXPECT_EQ(message.rest_points[1][0], 4);
   EXPECT_EQ(message.rest_points[0][2], 3);

@@ -4,15 +4,15 @@
 
 #include <random>
 
-#include "rt/component/arm_model.hpp"
+#include "rt/registry/arm_model.hpp"
 #include "tools/driver/simulated_arm.hpp"
 
 namespace palpate::driver {
 namespace {
 
 kinematics::SerialChain chain() {
-  return component::read_urdf(std::string(PALPATE_SOURCE_DIR) + "/sim/robot/lwr_hand.urdf",
-                              "flange");
+  return registry::read_urdf(std::string(PALPATE_SOURCE_DIR) + "/sim/robot/lwr_hand.urdf",
+                             "flange");
 }
 
 Joints bent(int count) {

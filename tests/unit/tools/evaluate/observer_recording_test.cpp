@@ -43,7 +43,7 @@ class ObserverRecording : public ::testing::Test {
 /// A flange that spins up about its z through the origin of W, the sensor 0.3 m off that axis, the
 /// inertial unit 0.1 m further out and turned: what a body feels on a turntable.
 TEST_F(ObserverRecording, MovesTheInertialUnitToTheSensor) {
-  component::Frames frames;
+  registry::Frames frames;
   frames.X_ES.translation() = Eigen::Vector3d(0.3, 0, 0);
   frames.X_EI = math::make_pose(math::exp_rotation({0, 0, M_PI / 2}), {0.4, 0, 0});
   const double alpha = 2;  // rad/s^2
@@ -119,7 +119,7 @@ TEST_F(ObserverRecording, TheTrueForceIsWhatTheSensorFeels) {
   EXPECT_LT(pressed.x(), -10) << "the hand pushes away from the arm";
 
   write_wrist_csv(logs.control,
-                  component::read_frames(config::Node::load_file(
+                  registry::read_frames(config::Node::load_file(
                       PALPATE_SOURCE_DIR "/rt/config/examples/payload_arm.yaml")),
                   200, folder_ / "press.csv");
   import::CsvReader csv((folder_ / "press.csv").string());

@@ -54,8 +54,8 @@ RunLog poked_run() {
   return run;
 }
 
-component::Frames frames() {
-  component::Frames frames;
+registry::Frames frames() {
+  registry::Frames frames;
   frames.X_EG.translation().z() = 0.3;
   frames.X_ES.translation().z() = 0.04;
   return frames;

@@ -6,7 +6,7 @@
 
 #include <set>
 
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/study_plan.hpp"
 
@@ -92,7 +92,7 @@ TEST(PublishedControl, PalpatedTakesEveryMethod) {
       overrides.emplace_back("control.goal={displacement: [0, 0, 0.01]}");
     try {
       const config::Node root = config::Node::load_file(job.configuration.string(), overrides);
-      const component::Pipeline pipeline(root, 1e-3);
+      const pipeline::Pipeline pipeline(root, 1e-3);
       root.child("control").check_all_used();
     } catch (const config::Error& error) {
       ADD_FAILURE() << job.method << ": " << error.what();

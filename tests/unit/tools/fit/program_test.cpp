@@ -9,8 +9,8 @@
 #include <sstream>
 #include <thread>
 
-#include "rt/component/object.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/object.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
 #include "tools/evaluate/process.hpp"
 #include "tools/fit/checkpoint.hpp"
@@ -96,7 +96,7 @@ TEST_F(ProgramTest, PalpatedReadsWhatItWrites) {
                 "  grasp_box: {lower: [0.2, 0, 0], upper: [0.2, 0.04, 0.04]}\n"
                 "  material: {density: 26}\n  material_file: material.yaml\n");
   const config::Node root = config::Node::load_file((folder_.path() / "bar.yaml").string());
-  const component::Object object = component::read_object(root, component::Frames());
+  const registry::Object object = registry::read_object(root, registry::Frames());
   root.check_all_used();
   EXPECT_NEAR(object.body.material.young_modulus, 20e3, 100);
   EXPECT_EQ(object.body.material.density, 26);

@@ -7,9 +7,9 @@
 #include "core/elasticity/static_solver.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/surface.hpp"
-#include "rt/component/frames.hpp"
-#include "rt/component/object.hpp"
 #include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
+#include "rt/registry/object.hpp"
 #include "tests/unit/tools/mesh/mesh_folder.hpp"
 
 namespace palpate::mesh_tool {
@@ -22,19 +22,19 @@ constexpr double kYoung = 1e5;  // Pa; Poisson's ratio is nil, so that clamps st
 
 class Daemon : public MeshFolder {
  protected:
-  component::Object load(const std::string& file, const std::string& order,
-                         const std::string& more = "") {
+  registry::Object load(const std::string& file, const std::string& order,
+                        const std::string& more = "") {
     const config::Node node = config::Node::load_file(
         write("object.yaml", "object:\n  mesh: {file: " + file + "}\n  order: " + order +
                                  "\n  material: {young_modulus: 1e5, poisson_ratio: 0, density: "
                                  "100}\n  gravity: false\n" +
                                  more));
-    return component::read_object(node, component::Frames());
+    return registry::read_object(node, registry::Frames());
   }
 
   /// Nodal forces of a traction (by outward normal, Pa) on surface triangles that are wanted.
   template <typename Wanted, typename Traction>
-  static Matrix3Xd loads(const component::Object& object, Wanted wanted, Traction traction) {
+  static Matrix3Xd loads(const registry::Object& object, Wanted wanted, Traction traction) {
     const Matrix3Xd& rest = object.body.mesh.nodes;
     Matrix3Xd result = Matrix3Xd::Zero(3, rest.cols());
     for (const std::vector<int>& nodes : object.surface.triangle_nodes) {
@@ -52,7 +52,7 @@ class Daemon : public MeshFolder {
   /// it, on any mesh of any body.
   void expect_patch_test(const std::string& file) {
     for (const std::string order : {"linear", "quadratic"}) {
-      component::Object object = load(file, order);
+      registry::Object object = load(file, order);
       elasticity::Body& body = object.body;
       const Matrix3Xd& rest = body.mesh.nodes;
       int first = 0, second = 0, third = 0;
@@ -82,7 +82,7 @@ class Daemon : public MeshFolder {
 
   /// Deflection (m) along z of the far end, clamped at x = 0, under 1 mN spread over that end.
   double tip_deflection(const std::string& file, double length) {
-    component::Object object =
+    registry::Object object =
         load(file, "quadratic", "  fixed_box: {lower: [0, -1, -1], upper: [0, 1, 1]}\n");
     const Matrix3Xd& rest = object.body.mesh.nodes;
     const auto at_end = [&](const Vector3d& p) { return p.x() > length - 1e-9; };

@@ -8,7 +8,7 @@
 #include <palpate/sim_tick_t.hpp>
 
 #include "rt/bus/event_log_reader.hpp"
-#include "rt/component/pipeline.hpp"
+#include "rt/pipeline/pipeline.hpp"
 #include "tests/support/recordings.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
@@ -35,7 +35,7 @@ class Stepped : public testing::Test {
   /// The hand moves sideways for `ticks` ms of the simulator, recorded in half the time; every
   /// 50th tick is repeated. What the daemon `said` follows its tick.
   void record(const std::string& name, int ticks, const std::string& said = "") const {
-    const component::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
+    const pipeline::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
     const math::Pose X_WE = pipeline.frames().X_WO * pipeline.object().body.grasps[0].X_OG_rest *
                             pipeline.frames().X_EG.inverse();
     std::unique_ptr<bus::EventLogReader> daemon;

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tools/command/request.hpp"
 
 namespace palpate::view {
@@ -39,9 +39,9 @@ class CommanderTest : public ::testing::Test {
   }
   void say(const char* slot, const char* event, std::int64_t counter, const char* reason = "") {
     component_event_t message{};
-    daemon::put_text(message.slot, slot);
-    daemon::put_text(message.event, event);
-    daemon::put_text(message.reason, reason);
+    bus::put_text(message.slot, slot);
+    bus::put_text(message.event, event);
+    bus::put_text(message.reason, reason);
     message.command_counter = counter;
     commander_->hear(message);
   }
@@ -109,7 +109,7 @@ TEST_F(CommanderTest, WhatWasSealedBeforeTheDaemonsStartIsSealedAnew) {
   commander_->service(kStart + 600'000);
   const component_command_t late = taken()[0];
   EXPECT_GT(late.counter, early.counter);
-  EXPECT_STREQ(daemon::get_text(late.event), "start");
+  EXPECT_STREQ(bus::get_text(late.event), "start");
   say("all", "start", late.counter);
   ASSERT_EQ(answers_.size(), 1U);
   EXPECT_EQ(answers_[0].event, "start");

@@ -5,7 +5,7 @@
 #include <functional>
 #include <map>
 
-#include "rt/component/registry.hpp"
+#include "rt/registry/registry.hpp"
 
 namespace palpate::view {
 namespace {
@@ -29,34 +29,34 @@ std::string asked(const std::function<void(const config::Node&)>& make, const st
 }
 
 TEST(Components, AreThoseOfTheRegistries) {
-  const component::Object object = component::read_object(
+  const registry::Object object = registry::read_object(
       config::Node::from_text("object: {mesh: {box: {size: [0.4, 0.1, 0.1], cells: [4, 1, 1]}}, "
                               "material: {young_modulus: 3e4, poisson_ratio: 0.3, density: 26}, "
                               "fixed_box: {lower: [0, 0, 0], upper: [0, 0.1, 0.1]}, "
                               "grasp_box: {lower: [0.3, 0, 0], upper: [0.4, 0.1, 0.1]}}"),
       {});
-  component::Context context;
+  registry::Context context;
   context.object = &object;
-  const auto feature = component::make_feature(
+  const auto feature = registry::make_feature(
       config::Node::from_text("{component: point, rest_points: [[0.2, 0.05, 0.1]]}"), context);
   using config::Node;
   const std::map<std::string, std::function<void(const Node&)>> registries = {
-      {"sensing", [&](const Node& n) { component::make_sensor_model(n, context); }},
-      {"contact", [&](const Node& n) { component::make_force_transformer(n, context); }},
-      {"estimation", [&](const Node& n) { component::make_estimator(n, context); }},
-      {"deformation", [&](const Node& n) { component::make_deformation_model(n, context); }},
-      {"feature", [&](const Node& n) { component::make_feature(n, context); }}};
+      {"sensing", [&](const Node& n) { registry::make_sensor_model(n, context); }},
+      {"contact", [&](const Node& n) { registry::make_force_transformer(n, context); }},
+      {"estimation", [&](const Node& n) { registry::make_estimator(n, context); }},
+      {"deformation", [&](const Node& n) { registry::make_deformation_model(n, context); }},
+      {"feature", [&](const Node& n) { registry::make_feature(n, context); }}};
   ASSERT_EQ(slot_choices().size(), registries.size() + 1);
   for (const SlotChoices& slot : slot_choices()) {
     if (slot.slot == "control") {
       ASSERT_EQ(slot.choices.size(), 2U);
       EXPECT_EQ(
           listed(slot.choices[0].names),
-          asked([&](const Node& n) { component::make_jacobian_provider(n, context, *feature); },
+          asked([&](const Node& n) { registry::make_jacobian_provider(n, context, *feature); },
                 "provider"));
       EXPECT_EQ(
           listed(slot.choices[1].names),
-          asked([&](const Node& n) { component::make_control_law(n, context, *feature); }, "law"));
+          asked([&](const Node& n) { registry::make_control_law(n, context, *feature); }, "law"));
       continue;
     }
     ASSERT_EQ(slot.choices.size(), 1U);

@@ -5,7 +5,7 @@
 
 #include <filesystem>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
 #include "tools/collect/event_log.hpp"
@@ -34,7 +34,7 @@ class LogSourceTest : public ::testing::Test {
       if (i == 700) housekeeping.write("SHAPE_MESH", kBegin + i * 10'000, box_chunks({2, 1, 1})[0]);
       if (i % 400 == 0) {
         component_event_t event{};
-        daemon::put_text(event.event, "event" + std::to_string(i));
+        bus::put_text(event.event, "event" + std::to_string(i));
         housekeeping.write("COMPONENT_EVENT", kBegin + i * 10'000, event);
       }
     }

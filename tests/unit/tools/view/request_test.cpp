@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 
 namespace palpate::view {
 namespace {
@@ -21,8 +21,8 @@ TEST(Request, OfEachKind) {
       R"({"type":"command","id":3,"event":"replace","slot":"deformation","component":"linear"})",
       5));
   EXPECT_EQ(command.id, 3);
-  EXPECT_STREQ(daemon::get_text(command.message.component), "linear");
-  EXPECT_STREQ(daemon::get_text(command.message.slot), "deformation");
+  EXPECT_STREQ(bus::get_text(command.message.component), "linear");
+  EXPECT_STREQ(bus::get_text(command.message.slot), "deformation");
   const auto target = std::get<SetTarget>(
       parse_request(R"({"type":"target","id":4,"kind":"point","values":[1,2,3]})", 5));
   EXPECT_EQ(target.message.at(0).value_count, 3);

@@ -4,7 +4,7 @@
 
 #include <fstream>
 
-#include "rt/component/arm_model.hpp"
+#include "rt/registry/arm_model.hpp"
 #include "tests/support/scratch_folder.hpp"
 
 namespace palpate::view {
@@ -16,7 +16,7 @@ TEST(RobotDrawing, LinksAreWhereTheArmsKinematicsPutThem) {
   const RobotDrawing drawing(kArm, "flange");
   EXPECT_EQ(drawing.arm_joint_count(), 7);
   EXPECT_EQ(drawing.hand_joint_count(), 20);
-  const kinematics::SerialChain chain = component::read_urdf(kArm, "flange");
+  const kinematics::SerialChain chain = registry::read_urdf(kArm, "flange");
   const double q[7] = {0.4, -1.1, 0.3, 1.2, -0.2, 0.7, 0.9};
   kinematics::SerialChain::State state;
   chain.evaluate(Eigen::Map<const Eigen::VectorXd>(q, 7), state);

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <random>
 
-#include "rt/daemon/text.hpp"
+#include "rt/bus/text.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
 #include "tools/view/live_source.hpp"
 
@@ -25,7 +25,7 @@ TEST(Scene, KeepsTheLastOfAChannelAndEveryEvent) {
     health.cycles = i;
     give(scene, "HEALTH", health, 10 + i);
     component_event_t event{};
-    daemon::put_text(event.event, "zero");
+    bus::put_text(event.event, "zero");
     give(scene, "COMPONENT_EVENT", event, 20 + i);
   }
   EXPECT_EQ(scene.health.get(), nullptr) << "until refresh";

@@ -1,0 +1,312 @@
+#include "rt/pipeline/slots.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "rt/registry/fallback_checks.hpp"
+
+namespace palpate::pipeline {
+namespace {
+
+const config::Key kFallback("fallback", "",
+                            "what stands in where this one errs, as its slot's own");
+
+/// Which sources a contact instance serves, by the words of its list `sources`.
+std::array<bool, 8> read_sources(const config::Node& node) {
+  std::array<bool, 8> served{};
+  const std::string text =
+      node.choice({"sources", "", "whose contacts this instance takes"},
+                  {"wrist", "second_wrist", "fingers", "manual", "all"}, "all");
+  const bool all = text == "all";
+  if (all || text == "wrist") served[0] = true;
+  if (all || text == "second_wrist") served[1] = true;
+  if (all || text == "fingers") std::fill(served.begin() + 2, served.begin() + 7, true);
+  if (all || text == "manual") served[7] = true;
+  return served;
+}
+
+}  // namespace
+
+Changes Changes::all(const config::Node& root) {
+  Changes changes{true, true, true, true, {}};
+  changes.sensing.assign(root.list({"sensing", "", "sensor models, at most 16"}).size(), true);
+  return changes;
+}
+
+bool Changes::any() const noexcept {
+  return object || contact || mechanics || steering ||
+         std::find(sensing.begin(), sensing.end(), true) != sensing.end();
+}
+
+Slots::Slots(const config::Node& root, const registry::Context& cell, const Changes& changes,
+             std::shared_ptr<const registry::Object> present)
+    : object(std::move(present)), context(cell) {
+  if (changes.object)
+    object = std::make_shared<registry::Object>(registry::read_object(root, context.frames));
+  context.object = object.get();
+  build_sensing(root, changes);
+  if (changes.contact) build_contact(root);
+  if (changes.mechanics) {
+    const config::Node mechanics =
+        root.child({"deformation", "", "how the object deforms under grasp and loads"});
+    const config::Node driver =
+        root.child({"estimation", "", "what drives and corrects the deformation"});
+    mechanics.leave_to_another("fallback");
+    driver.leave_to_another("fallback");
+    model = registry::make_deformation_model(mechanics, context);
+    estimator = registry::make_estimator(driver, context);
+    jump = estimation::ShapeJump(model->body().mesh.nodes);
+  }
+  if (changes.steering) build_steering(root);
+}
+
+void Slots::make_model(const config::Node& node, Sensing& instance) {
+  if (!registry::has_fallback(node)) {
+    instance.model = registry::make_sensor_model(node, context);
+    return;
+  }
+  registry::check_sensor(node, context);
+  registry::check_differs(node);
+  auto pair = std::make_unique<registry::SensorFallback>(
+      registry::make_sensor_model(node, context),
+      registry::make_sensor_model(node.child(kFallback), context), nullptr);
+  instance.fallback = pair.get();
+  instance.model = std::move(pair);
+}
+
+void Slots::make_transformer(const config::Node& node, Contact& instance) {
+  if (!registry::has_fallback(node)) {
+    instance.transformer = registry::make_force_transformer(node, context);
+    return;
+  }
+  registry::check_differs(node);
+  auto transformer = std::make_unique<registry::ContactFallback>(
+      registry::make_force_transformer(node, context),
+      registry::make_force_transformer(node.child(kFallback), context));
+  instance.fallback = transformer.get();
+  instance.transformer = std::move(transformer);
+}
+
+void Slots::build_sensing(const config::Node& root, const Changes& changes) {
+  std::size_t index = 0;
+  if (root.list({"sensing", "", "sensor models, at most 16"}).size() > kMostSensors)
+    root.fail("sensing", "more than " + std::to_string(kMostSensors) + " sensor models");
+  for (const config::Node& node : root.list({"sensing", "", "sensor models, at most 16"})) {
+    Sensing instance;
+    instance.component = node.text({"component", "", "model of the sensor"});
+    instance.name = node.text(
+        {"name", "", "of the instance, in events and for replacement; by default the component"},
+        instance.component);
+    instance.arm = registry::read_arm(node, context);
+    if (changes.sensing[index++]) {
+      make_model(node, instance);
+      list_running_models(instance);
+    }
+    sensing.push_back(std::move(instance));
+  }
+}
+
+void Slots::list_running_models(const Sensing& instance) {
+  for (int i = 0; const sensing::Executor* executor = instance.model->executor(i); ++i)
+    running_models.push_back({instance.name + (i == 0 ? "" : "/" + std::to_string(i)), executor});
+}
+
+void Slots::build_contact(const config::Node& root) {
+  int max_nodes = 0;
+  for (const config::Node& node :
+       root.list({"contact", "", "what maps contacts to loads of nodes"})) {
+    Contact instance;
+    instance.name = node.text(
+        {"name", "", "of the instance, in events and for replacement; by default the component"},
+        node.text("component"));
+    instance.sources = read_sources(node);
+    make_transformer(node, instance);
+    max_nodes = std::max(max_nodes, instance.transformer->max_nodes());
+    contact.push_back(std::move(instance));
+  }
+  loads.resize(sensing::ContactSet().contacts.size());
+  for (contact::ContactLoads& of_contact : loads) of_contact.loads.reserve(max_nodes);
+}
+
+void Slots::build_steering(const config::Node& root) {
+  for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
+  const config::Node control =
+      root.child({"control", "", "how it is steered: a Jacobian and a law"});
+  feature =
+      registry::make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
+  provider = registry::make_jacobian_provider(control, context, *feature);
+  sight = registry::make_marker_sight(control, context, *feature);
+  law = registry::make_control_law(control, context, *feature);
+  moving = registry::read_moving_arms(control, context);
+  commands_joints = registry::read_commands_joints(control, context);
+
+  const int dimension = feature->dimension();
+  feature_state.value = Eigen::VectorXd::Zero(feature->value_count());
+  feature_state.error = Eigen::VectorXd::Zero(dimension);
+  feature_state.unreachable = Eigen::VectorXd::Zero(dimension);
+  target.value = Eigen::VectorXd::Zero(feature->value_count());
+  jacobian = Eigen::MatrixXd::Zero(dimension, moving == registry::MovingArms::kBoth ? 12 : 6);
+  law_output.unreachable = Eigen::VectorXd::Zero(dimension);
+  if (commands_joints) law_output.joint_velocity.setZero(context.arm_model->limits.count());
+}
+
+void Slots::warm_up() {
+  if (!model) return;
+  model->prepare();
+  estimator->activate(*model);
+  while (elasticity::Refactorisation* job = model->wanted_refactorisation()) {
+    job->run();
+    model->install(*job);
+    if (model->step(context.period).status != elasticity::StepStatus::kFailed) break;
+  }
+  if (feature) feature->evaluate(model->positions(), feature_state.value);
+}
+
+void Slots::adopt(Slots& other, const Changes& changes,
+                  const std::vector<int>& successors) noexcept {
+  for (std::size_t i = 0; i < sensing.size(); ++i) {
+    if (successors[i] < 0) continue;
+    Sensing& before = other.sensing[successors[i]];
+    sensing[i].condition = before.condition;
+    if (!sensing[i].model) {
+      sensing[i].model.swap(before.model);
+      std::swap(sensing[i].fallback, before.fallback);
+      sensing[i].told = before.told;
+    } else if (before.condition.state == LifeCycle::kFaulted) {
+      sensing[i].condition = {LifeCycle::kActive, ""};  // a sound one has come in its place
+    }
+  }
+  if (!changes.contact) {
+    contact.swap(other.contact);
+    loads.swap(other.loads);
+  }
+  estimate = changes.mechanics ? other.estimate.handed_over() : other.estimate;
+  estimation_condition = other.estimation_condition;
+  feature_condition = other.feature_condition;
+  control_condition = other.control_condition;
+  if (!changes.mechanics) {
+    model.swap(other.model);
+    estimator.swap(other.estimator);
+    std::swap(jump, other.jump);
+  } else if (estimation_condition.state == LifeCycle::kFaulted) {
+    estimation_condition = {LifeCycle::kActive, ""};
+  }
+  if (!changes.steering) {
+    feature.swap(other.feature);
+    provider.swap(other.provider);
+    law.swap(other.law);
+    sight.swap(other.sight);
+    moving = other.moving;
+    commands_joints = other.commands_joints;
+    target.value.swap(other.target.value);
+    target.revision = other.target.revision;
+    feature_state.value.swap(other.feature_state.value);
+    feature_state.error.swap(other.feature_state.error);
+    feature_state.unreachable.swap(other.feature_state.unreachable);
+    jacobian.swap(other.jacobian);
+    std::swap(law_output, other.law_output);
+    return;
+  }
+  for (Condition* condition : {&feature_condition, &control_condition})
+    if (condition->state == LifeCycle::kFaulted) *condition = {LifeCycle::kActive, ""};
+  law->reset();
+  feature->evaluate(model->positions(), feature_state.value);
+  const char* reason = "";
+  const std::vector<Eigen::Vector3d>& points = other.feature->rest_points();
+  static_assert(sizeof(Eigen::Vector3d) == sizeof(double[3]));
+  set_target(other.target.revision, other.feature->kind(),
+             reinterpret_cast<const double(*)[3]>(points.data()), static_cast<int>(points.size()),
+             other.target.value.data(), static_cast<int>(other.target.value.size()), reason);
+}
+
+void Slots::start() noexcept {
+  estimation_condition = feature_condition = control_condition = {LifeCycle::kActive, ""};
+  for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
+  for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
+  jump.forget();
+  law->reset();
+  provider->reset();
+}
+
+void Slots::reset() noexcept {
+  for (Sensing& instance : sensing) {
+    instance.model->reset();
+    instance.told = false;
+  }
+  for (Contact& instance : contact) {
+    if (instance.fallback != nullptr) instance.fallback->reset();
+    instance.told = false;
+  }
+  estimator->reset();
+  model->reset();
+  jump.forget();
+  estimator->activate(*model);
+  law->reset();
+  provider->reset();
+  if (sight) sight->reset();
+  target.revision = -1;
+}
+
+bool Slots::set_target(int revision, const char* kind, const double (*rest_points)[3],
+                       int point_count, const double* values, int value_count,
+                       const char*& reason) noexcept {
+  if (std::strcmp(kind, feature->kind()) != 0) {
+    reason = "target is for another kind of feature";
+    return false;
+  }
+  const std::vector<Eigen::Vector3d>& points = feature->rest_points();
+  if (point_count != 0 && point_count != static_cast<int>(points.size())) {
+    reason = "target names another number of points than the feature has";
+    return false;
+  }
+  for (int i = 0; i < point_count; ++i) {
+    const Eigen::Map<const Eigen::Vector3d> p(rest_points[i]);
+    if (!((p - points[i]).norm() < 1e-6)) {
+      reason = "target names other points than the feature has";
+      return false;
+    }
+  }
+  if (!feature->is_valid_target(values, value_count)) {
+    reason = "target values are not valid for the feature";
+    return false;
+  }
+  target.value = Eigen::Map<const Eigen::VectorXd>(values, value_count);
+  target.revision = revision;
+  return true;
+}
+
+SensorReport Slots::sensor_report(int index) const noexcept {
+  const Sensing& instance = sensing[index];
+  SensorReport report{instance.name.c_str(), instance.component.c_str(), instance.condition,
+                      instance.model.get()};
+  report.condition.component = report.name;
+  return report;
+}
+
+Condition Slots::worst_of(const Condition& whole) const noexcept {
+  Condition worst = whole;
+  const auto consider = [&worst](const Condition& other) {
+    if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
+  };
+  for (std::size_t i = 0; i < sensing.size(); ++i)
+    consider(sensor_report(static_cast<int>(i)).condition);
+  for (const Contact& instance : contact) {
+    Condition condition = instance.condition;
+    condition.component = instance.name.c_str();
+    consider(condition);
+  }
+  consider(estimation_condition);
+  consider(feature_condition);
+  consider(control_condition);
+  return worst;
+}
+
+bool Slots::on_fallback() const noexcept {
+  const auto in_use = [](const auto& instance) {
+    return instance.fallback != nullptr && instance.fallback->in_use();
+  };
+  return std::any_of(sensing.begin(), sensing.end(), in_use) ||
+         std::any_of(contact.begin(), contact.end(), in_use);
+}
+
+}  // namespace palpate::pipeline

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+
+namespace palpate::plugin {
+
+/// Names of built-in components of the slots that plug-ins add to, none of which a plug-in may
+/// take.
+inline constexpr std::array<const char*, 6> kSensorModels = {
+    "ft_newton_euler", "ft_rnnob", "ft_tare_only", "biotac_linear", "biotac_lstm", "manual"};
+inline constexpr std::array<const char*, 2> kForceTransformers = {"area_coordinates",
+                                                                  "wrench_patch"};
+inline constexpr std::array<const char*, 2> kJacobianProviders = {"fem", "kinematic"};
+inline constexpr std::array<const char*, 3> kControlLaws = {"proportional_twist", "dual_quaternion",
+                                                            "quadratic_program"};
+
+}  // namespace palpate::plugin

@@ -1,0 +1,69 @@
+#pragma once
+
+#include "core/contact/force_transformer.hpp"
+#include "core/control/control_law.hpp"
+#include "core/mesh/surface.hpp"
+#include "core/sensing/sensor_model.hpp"
+
+namespace palpate::plugin {
+
+/// What a plug-in's component may know of the cell when it is made. What is pointed to outlives it.
+struct PluginCell {
+  double period = 1e-3;        // s, of the loop
+  bool deterministic = false;  // nothing may depend on threads or wall clocks
+  int arm = 0;                 // of a sensor model: 0, or 1 for the second arm, whose frames follow
+  int finger = 0;              // of a sensor model of a finger: 0 to 4
+  math::Pose X_WO = math::Pose::Identity();  // object's rest frame in the robot base
+  math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
+  math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
+  math::Pose X_EG = math::Pose::Identity();  // grasp in the flange
+  Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
+  const elasticity::Body* body = nullptr;    // the object as the daemon believes it to be
+  const mesh::Surface* surface = nullptr;    // its surface
+};
+
+// The interfaces below are those of the built-in components (their headers say what each call
+// means), but may throw: the host catches whatever they throw, faults the component and takes its
+// fallback or the safe reaction. They run on the loop's thread, where no call but a constructor's
+// and configure_for() may allocate, lock, log, sleep, or throw in earnest: HEALTH.allocations
+// counts allocations, the phase's latency shows what is slow, and what crashes takes the daemon
+// with it. `reason` and `remark` are string literals.
+
+class PluginSensorModel {
+ public:
+  virtual ~PluginSensorModel() = default;
+  virtual sensing::UpdateResult update(const sensing::Signals& signals,
+                                       sensing::ContactSet& contacts) = 0;
+  virtual void zero() {}
+  virtual void reset() {}
+  virtual sensing::SensorState save() const { return {}; }
+  virtual bool restore(const sensing::SensorState& state) {
+    return state.meaning == sensing::SensorState::Offset::kUnknown;
+  }
+};
+
+class PluginForceTransformer {
+ public:
+  virtual ~PluginForceTransformer() = default;
+  virtual int max_nodes() const = 0;  // at least 1
+  virtual void distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
+                          contact::ContactLoads& out) = 0;
+};
+
+class PluginJacobianProvider {
+ public:
+  virtual ~PluginJacobianProvider() = default;
+  virtual bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,
+                      const math::Pose& X_OG, Eigen::Ref<Eigen::MatrixXd> J) = 0;
+};
+
+class PluginControlLaw {
+ public:
+  virtual ~PluginControlLaw() = default;
+  virtual void configure_for(const shape::Feature& feature) = 0;
+  /// `output` comes zero; the length of `unreachable` must stay.
+  virtual void compute(const control::LawInputs& inputs, control::LawOutput& output) = 0;
+  virtual void reset() {}
+};
+
+}  // namespace palpate::plugin

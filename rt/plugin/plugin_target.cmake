@@ -1,0 +1,34 @@
+# palpate::plugin: what a library of a user's own components is built with. `plugin.hpp` and the
+# headers that it includes, all of them of core; nothing to link.
+add_library(palpate_plugin INTERFACE)
+add_library(palpate::plugin ALIAS palpate_plugin)
+set_target_properties(palpate_plugin PROPERTIES EXPORT_NAME plugin)
+target_link_libraries(palpate_plugin INTERFACE Eigen3::Eigen)
+target_compile_features(palpate_plugin INTERFACE cxx_std_17)
+# The alignment is part of what host and library must agree on.
+target_compile_definitions(palpate_plugin INTERFACE
+  EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
+# What is in a library shall not be mixed up with what the host has under the same name.
+target_compile_options(palpate_plugin INTERFACE -fvisibility=hidden)
+target_link_options(palpate_plugin INTERFACE -Wl,-Bsymbolic)
+target_include_directories(palpate_plugin INTERFACE
+  $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}> $<INSTALL_INTERFACE:include/palpate>)
+
+set(folder ${CMAKE_BINARY_DIR}/palpate-plugin)
+set(config "include(CMakeFindDependencyMacro)
+find_dependency(Eigen3 3.4 NO_MODULE)
+include(\"\${CMAKE_CURRENT_LIST_DIR}/palpate-plugin-targets.cmake\")
+")
+file(WRITE ${folder}/palpate-plugin-config.cmake "${config}")
+export(TARGETS palpate_plugin NAMESPACE palpate:: FILE ${folder}/palpate-plugin-targets.cmake)
+
+set(package ${CMAKE_INSTALL_LIBDIR}/cmake/palpate-plugin)
+install(TARGETS palpate_plugin EXPORT palpate-plugin-targets COMPONENT plugin)
+install(EXPORT palpate-plugin-targets NAMESPACE palpate:: DESTINATION ${package} COMPONENT plugin)
+install(FILES ${folder}/palpate-plugin-config.cmake DESTINATION ${package} COMPONENT plugin)
+install(DIRECTORY ${CMAKE_SOURCE_DIR}/core DESTINATION include/palpate COMPONENT plugin
+  FILES_MATCHING PATTERN "*.hpp")
+install(FILES ${CMAKE_SOURCE_DIR}/rt/plugin/plugin.hpp
+  ${CMAKE_SOURCE_DIR}/rt/plugin/plugin_components.hpp
+  ${CMAKE_SOURCE_DIR}/rt/plugin/plugin_parameters.hpp
+  DESTINATION include/palpate/rt/plugin COMPONENT plugin)

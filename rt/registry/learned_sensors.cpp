@@ -1,0 +1,222 @@
+#include "rt/registry/learned_sensors.hpp"
+
+#include "core/sensing/biotac_lstm.hpp"
+#include "core/sensing/ft_rnnob.hpp"
+#include "rt/inference/model_file.hpp"
+#include "rt/registry/fallback_checks.hpp"
+#include "rt/registry/sensor_fallback.hpp"
+#include "rt/registry/sensor_keys.hpp"
+
+namespace palpate::registry {
+namespace {
+
+constexpr double kPatience = 10;  // s, for an answer in deterministic mode; then it is a fault
+
+/// A model named by a key, read and found whole, with what is needed to run it.
+class Model {
+ public:
+  Model(const config::Node& node, const std::string& key, const Context& context)
+      : node_(node), key_(key) {
+    kind_ = node.choice({"executor", "",
+                         "who runs the network: libtorch on a thread of its own, or its weights in "
+                         "the loop itself"},
+                        {"torch", "compiled"}, "torch") == "torch"
+                ? inference::ExecutorKind::kTorch
+                : inference::ExecutorKind::kCompiled;
+    options_.wait =
+        node.number({"wait_us", "us",
+                     "that a cycle waits for the network; a later answer is taken in the next one"},
+                    {0, 1e5}, options_.wait * 1e6) *
+        1e-6;
+    if (context.deterministic) options_.wait = options_.patience = kPatience;
+    options_.patience = std::max(options_.patience, options_.wait);
+    options_.fifo_priority = context.inference.priority;
+    options_.cpu = context.inference.cpu;
+    options_.remarks = context.remarks;
+    try {
+      file_ = inference::read_model_file(
+          node.path({key, "", "TorchScript module of palpate-train, its card beside it"}));
+    } catch (const inference::ModelError& error) {
+      node.fail(key, error.what());
+    }
+  }
+
+  const inference::ModelCard& card() const { return file_.card; }
+
+  /// Warmed up.
+  std::unique_ptr<sensing::Executor> make_executor() const {
+    try {
+      return inference::make_executor(file_, kind_, options_);
+    } catch (const inference::ModelError& error) {
+      node_.fail(key_, error.what());
+    }
+  }
+
+  /// Where `place_of` finds each of the card's inputs.
+  template <class Place>
+  std::vector<int> inputs(Place place_of, const std::string& known) const {
+    std::vector<int> places;
+    for (const inference::Channel& input : file_.card.inputs) {
+      const auto [place, unit] = place_of(input.name);
+      if (place < 0) fail("takes an input '" + input.name + "'; known: " + known);
+      if (input.unit != unit)
+        fail("takes input '" + input.name + "' in " + input.unit + ", not in " + unit);
+      places.push_back(place);
+    }
+    return places;
+  }
+
+  /// Places of wanted outputs in the card.
+  std::vector<int> outputs(const std::vector<inference::Channel>& wanted) const {
+    std::vector<int> places;
+    for (const inference::Channel& want : wanted) {
+      int place = -1;
+      for (std::size_t i = 0; i < file_.card.outputs.size(); ++i)
+        if (file_.card.outputs[i].name == want.name) place = static_cast<int>(i);
+      if (place < 0) fail("has no output '" + want.name + "'");
+      if (file_.card.outputs[place].unit != want.unit)
+        fail("gives '" + want.name + "' in " + file_.card.outputs[place].unit + ", not in " +
+             want.unit);
+      places.push_back(place);
+    }
+    return places;
+  }
+
+  [[noreturn]] void fail(const std::string& what) const {
+    node_.fail(key_, file_.path + ": the model " + what);
+  }
+
+ private:
+  config::Node node_;
+  std::string key_;
+  inference::ExecutorKind kind_{};
+  inference::TorchExecutorOptions options_;
+  inference::ModelFile file_;
+};
+
+std::pair<int, std::string> tactile_place(const std::string& name) {
+  const std::string unit = "count";
+  for (int i = 0; i < sensing::kElectrodeCount; ++i)
+    if (name == "e" + std::to_string(i + 1)) return {i, unit};
+  if (name == "pac0") return {sensing::kElectrodeCount, unit};
+  if (name == "pdc") return {sensing::kElectrodeCount + 1, unit};
+  return {-1, ""};
+}
+
+std::vector<int> tactile_inputs_of(const Model& model) {
+  if (model.card().average > 0) model.fail("wants averaged counts, which this component has not");
+  return model.inputs(tactile_place, "e1 to e19, pac0, pdc");
+}
+
+std::pair<int, std::string> observer_place(const std::string& name) {
+  const int place = sensing::observer_input_index(name);
+  return {place, sensing::observer_input_unit(place)};
+}
+
+std::string observer_names() {
+  std::string names = sensing::observer_input_name(0);
+  for (int i = 1; i < sensing::kObserverInputCount; ++i)
+    names += std::string(", ") + sensing::observer_input_name(i);
+  return names;
+}
+
+std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node& node,
+                                                             const Context& context, double rate) {
+  if (!node.has("direction_file")) return {};
+  const Model model(node, "direction_file", context);
+  if (model.card().rate != rate) model.fail("wants another rate than that of model_file");
+  sensing::BiotacLstm::Direction direction;
+  direction.inputs = tactile_inputs_of(model);
+  direction.outputs = model.outputs({{"nx", "1"}, {"ny", "1"}, {"nz", "1"}});
+  direction.R_TN =
+      node.pose({"direction_frame", "m",
+                 "X_TN, of the frame that the network of the direction tells a normal in"})
+          .linear();
+  direction.executor = model.make_executor();
+  return direction;
+}
+
+}  // namespace
+
+/// Null where the section names none.
+std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
+  if (has_fallback(node) || node.choice({"fallback", "", "what stands in where the network fails"},
+                                        {"none", "biotac_linear"}, "none") == "none") {
+    if (node.has("fallback_file")) node.fail("fallback_file", "wants fallback: biotac_linear");
+    return nullptr;
+  }
+  if (!node.has("fallback_file"))
+    node.fail("fallback", "wants fallback_file, a model written by palpate-evaluate tactile");
+  return make_biotac_linear(node, "fallback_file");
+}
+
+std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
+                                                       const Context& context) {
+  const Model model(node, "model_file", context);
+  sensing::BiotacLstm::Options options;
+  read_fingertip_keys(node, options);
+  options.inputs = tactile_inputs_of(model);
+  options.outputs = model.outputs({{"fx", "N"}, {"fy", "N"}, {"fz", "N"}});
+  options.rate = model.card().rate;
+  const std::string scatter = node.choice({"localisation", "",
+                                           "whether electrodes count where they are, or drawn "
+                                           "about it (gaussian: wider under pressure)"},
+                                          {"nominal", "gaussian", "inverted_gaussian"}, "nominal");
+  if (scatter == "gaussian") options.scatter = sensing::ElectrodeScatter::kGaussian;
+  if (scatter == "inverted_gaussian")
+    options.scatter = sensing::ElectrodeScatter::kInvertedGaussian;
+  options.largest_force = node.number(
+      {"largest_force", "N", "that can be; a longer answer is shortened, and the model degraded"},
+      {0, 1000}, options.largest_force);
+  auto direction = read_direction(node, context, options.rate);
+  std::unique_ptr<sensing::SensorModel> fallback = make_tactile_fallback(node);
+  auto learned =
+      std::make_unique<sensing::BiotacLstm>(options, model.make_executor(), std::move(direction));
+  if (!fallback) return learned;
+  return std::make_unique<SensorFallback>(
+      std::move(learned), std::move(fallback),
+      "the network of the force fails or hangs: biotac_linear has taken over");
+}
+
+std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, const Frames& frames,
+                                                    const Context& context) {
+  const Model model(node, "model_file", context);
+  const inference::ModelCard& card = model.card();
+  sensing::FtRnnob::Options options;
+  options.inputs = model.inputs(observer_place, observer_names());
+  options.outputs = model.outputs(
+      {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}, {"tx", "N m"}, {"ty", "N m"}, {"tz", "N m"}});
+  options.rate = card.rate;
+  options.average = card.average;
+  for (const inference::StreamDelay& delay : card.delays) {
+    if (delay.stream == "inertial") {
+      options.inertial_delay = delay.seconds;
+    } else if (delay.stream == "force_torque") {
+      options.force_torque_delay = delay.seconds;
+    } else {
+      model.fail("names the delay of a stream '" + delay.stream +
+                 "'; known: inertial, force_torque");
+    }
+  }
+  options.network_gives_rest = card.payload.has_value();
+  if (card.payload) options.payload = *card.payload;
+  options.domain = card.domain;
+  const bool given = node.has("payload");
+  if (given) options.payload = read_payload(node);
+  options.fall_back =
+      !has_fallback(node) && node.choice({"fallback", "", "what stands in where the network fails"},
+                                         {"none", "newton_euler"}, "none") == "newton_euler";
+  if (options.fall_back && !given && !card.payload)
+    node.fail("fallback", "wants a payload, which neither the model's card nor this section has");
+  if (given && !card.payload && !options.fall_back)
+    node.fail("payload", "serves the fallback alone with this model, and there is none");
+
+  options.period = context.period;
+  options.gravity_W = frames.gravity_W;
+  options.X_ES = frames.X_ES;
+  options.X_EI = frames.X_EI;
+  read_wrist_keys(node, options);
+  return std::make_unique<sensing::FtRnnob>(options, model.make_executor());
+}
+
+}  // namespace palpate::registry

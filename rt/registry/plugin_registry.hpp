@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+
+#include "rt/plugin/plugins.hpp"
+
+namespace palpate::registry {
+
+struct Context;
+
+/// What plug-ins have; empty where `context` knows of none.
+const plugin::PluginRegistrar& plugins_of(const Context& context);
+
+/// Makes a component with its keys from `node`. Throws config::Error, also with what it throws.
+std::unique_ptr<sensing::SensorModel> make_plugin(
+    const plugin::PluginEntry<plugin::PluginSensorModel>& entry, const config::Node& node,
+    const Context& context);
+std::unique_ptr<contact::ForceTransformer> make_plugin(
+    const plugin::PluginEntry<plugin::PluginForceTransformer>& entry, const config::Node& node,
+    const Context& context);
+std::unique_ptr<control::JacobianProvider> make_plugin(
+    const plugin::PluginEntry<plugin::PluginJacobianProvider>& entry, const config::Node& node,
+    const Context& context);
+std::unique_ptr<control::ControlLaw> make_plugin(
+    const plugin::PluginEntry<plugin::PluginControlLaw>& entry, const config::Node& node,
+    const Context& context);
+
+}  // namespace palpate::registry

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "core/contact/force_transformer.hpp"
+#include "core/control/control_law.hpp"
+#include "core/control/safety_gate.hpp"
+#include "core/estimation/estimator.hpp"
+#include "core/published_control/marker_sight.hpp"
+#include "core/sensing/sensor_model.hpp"
+#include "core/shape/feature.hpp"
+#include "rt/config/node.hpp"
+#include "rt/registry/arm_model.hpp"
+#include "rt/registry/frames.hpp"
+#include "rt/registry/inference_settings.hpp"
+#include "rt/registry/object.hpp"
+
+namespace palpate::plugin {
+class Plugins;
+}
+
+namespace palpate::registry {
+
+/// What a component may need to know of the cell beside its own parameters.
+struct Context {
+  Frames frames;
+  std::optional<Frames> second_frames;        // of the second arm, where there is one
+  std::shared_ptr<const ArmModel> arm_model;  // of the first arm, where its joints are known
+  std::array<control::GateLimits, 2> gate;    // of each arm
+  const Object* object = nullptr;             // outlives the component
+  double period = 1e-3;                       // s, of the loop
+  /// Nothing may depend on scheduling: an inference is awaited however long it takes.
+  bool deterministic = false;
+  InferenceSettings inference;
+  std::shared_ptr<const plugin::Plugins> plugins;  // components of the user's own libraries; may be none
+  std::vector<std::string>* remarks = nullptr;  // what the system did not grant, a line each
+};
+
+/// One function a slot: builds the component that `node` names under the key "component" (the
+/// controller: "provider" and "law") from the other keys of `node`. Throws config::Error, also for
+/// an unknown name, with the names that exist. To add a component: add it to its slot's .cpp, or
+/// load it from a library of your own (plugins.hpp).
+std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
+                                                        const Context& context);
+std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
+                                                                  const Context& context);
+std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
+                                                      const Context& context);
+std::unique_ptr<elasticity::DeformationModel> make_deformation_model(const config::Node& node,
+                                                                     const Context& context);
+std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context);
+/// `feature`: what it speaks of, evaluated on the rest shape.
+std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
+                                                                  const Context& context,
+                                                                  shape::Feature& feature);
+/// Key `sight` of the controller; null where it is blind.
+std::unique_ptr<published_control::MarkerSight> make_marker_sight(const config::Node& node,
+                                                                  const Context& context,
+                                                                  const shape::Feature& feature);
+/// Configured for `feature`.
+std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
+                                                      const Context& context,
+                                                      const shape::Feature& feature);
+
+/// Limits from the section `gate`; what it does not name is as in `otherwise`.
+control::GateLimits read_gate_limits(const config::Node& root,
+                                     const control::GateLimits& otherwise = {});
+
+/// Which arms the controller moves.
+enum class MovingArms { kFirst, kSecond, kBoth };
+MovingArms read_moving_arms(const config::Node& control, const Context& context);
+
+/// Key `command` of the controller: whether it commands joints in place of the hand's twist.
+bool read_commands_joints(const config::Node& control, const Context& context);
+
+/// Key `arm` of a sensor model: 0, or 1 with a second arm.
+int read_arm(const config::Node& node, const Context& context);
+
+/// What the sensor model of that name listens to.
+enum class Listens { kWrist, kFinger, kOther };
+Listens listens_to(const std::string& name, const Context& context);
+
+}  // namespace palpate::registry

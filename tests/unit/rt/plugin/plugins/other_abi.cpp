@@ -1,0 +1,19 @@
+// A library of a palpate whose Eigen keeps other alignments.
+
+#include "rt/plugin/plugin.hpp"
+
+extern "C" {
+__attribute__((visibility("default"))) extern const palpate::plugin::PluginAbi palpate_plugin_abi;
+__attribute__((visibility("default"))) void palpate_plugin_register(
+    palpate::plugin::PluginRegistrar&);
+
+const palpate::plugin::PluginAbi palpate_plugin_abi = [] {
+  palpate::plugin::PluginAbi abi = palpate::plugin::kPluginAbi;
+  abi.alignment = 32;
+  abi.version[0] = '9';
+  return abi;
+}();
+
+/// Must not be called.
+void palpate_plugin_register(palpate::plugin::PluginRegistrar&) { std::abort(); }
+}

@@ -1,0 +1,279 @@
+// Libraries of a user's own components: what is loaded, what is refused, and what becomes of those
+// that err in the loop.
+
+#include "rt/plugin/plugins.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+
+#include "rt/pipeline/pipeline.hpp"
+#include "tests/support/pipeline_cycles.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace palpate::plugin {
+namespace {
+
+const std::string kLibraries = PALPATE_TEST_PLUGINS;
+const std::string kUnruly = "plugins=[{library: " + kLibraries + "/unruly.so}]";
+
+config::Node example(std::vector<std::string> overrides) {
+  return config::Node::load_file(
+      std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml", overrides);
+}
+
+std::string error_of(const std::vector<std::string>& overrides) {
+  try {
+    const config::Node root = example(overrides);
+    const pipeline::Pipeline pipeline(root, 1e-3);
+    root.child("control").check_all_used();
+  } catch (const config::Error& error) {
+    return error.what();
+  }
+  return "";
+}
+
+void expect_complaint(const std::vector<std::string>& overrides,
+                      const std::vector<std::string>& words) {
+  const std::string error = error_of(overrides);
+  for (const std::string& word : words)
+    EXPECT_NE(error.find(word), std::string::npos) << word << " is not in: " << error;
+}
+
+std::string library(const std::string& name) {
+  return "plugins=[{library: " + kLibraries + "/" + name + "}]";
+}
+
+/// A pipeline that is started with a target, and the signals of a hand that holds the bar.
+class Running {
+ public:
+  explicit Running(const std::vector<std::string>& overrides) : pipeline(example(overrides), 1e-3) {
+    signals_ = support::at_rest(pipeline);
+    const Eigen::Vector3d target(0.25, 0.03, 0.08);
+    const char* reason = "";
+    pipeline.start();
+    EXPECT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
+  }
+
+  void run(int cycles) {
+    for (int i = 0; i < cycles; ++i) {
+      support::run(pipeline, signals_, 1);
+      const math::Twist twist = pipeline.gate_output(0).V_W_E;
+      ASSERT_TRUE(twist.vector().allFinite());
+      speed = twist.vector().norm();
+    }
+  }
+
+  pipeline::Pipeline pipeline;
+  double speed = 0;  // of the last command
+
+ private:
+  sensing::Signals signals_;
+};
+
+std::string sensor(const std::string& does, const std::string& more = "") {
+  return "sensing=[{name: wrist, component: unruly_sensor, does: " + does + more + "}]";
+}
+std::string law(const std::string& does, const std::string& more = "") {
+  return "control={provider: fem, law: unruly_law, does: " + does + more + "}";
+}
+
+TEST(Plugins, WithoutTheKeyThereAreNone) {
+  EXPECT_TRUE(Plugins::load(example({}))->components().control_laws.empty());
+}
+
+TEST(Plugins, ComponentsAreMadeByName) {
+  Running running(
+      {kUnruly, sensor("nothing"), law("nothing"), "contact=[{component: unruly_transformer}]"});
+  running.run(200);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kActive)
+      << running.pipeline.condition().reason;
+  ASSERT_EQ(running.pipeline.contacts().count, 1);
+  EXPECT_NEAR(running.pipeline.contacts().contacts[0].wrench.force.norm(), 0.125 * std::sqrt(3.0),
+              1e-12);
+  EXPECT_NEAR(running.speed, 0.01, 1e-9);
+}
+
+TEST(Plugins, AProviderServesABuiltInLaw) {
+  Running running(
+      {kUnruly, sensor("nothing"), "control={provider: unruly_provider, law: proportional_twist}"});
+  running.run(50);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kActive);
+  EXPECT_GT(running.speed, 1e-3);
+}
+
+TEST(Plugins, WhatIsNoPluginIsRefusedWithFileAndKey) {
+  expect_complaint({"plugins=[{library: /no/such/file.so}]"},
+                   {"plugins.0.library", "/no/such/file.so", "no such file"});
+  expect_complaint({"plugins=[{library: /tmp}]"}, {"plugins.0.library", "no such file"});
+  expect_complaint({library("no_plugin.so")},
+                   {"plugins.0.library", "no_plugin.so", "is no plug-in of palpate",
+                    "palpate_plugin_abi", "PALPATE_PLUGIN"});
+  expect_complaint({"plugins=[{path: here.so}]"}, {"plugins.0.library"});
+  expect_complaint({"plugins=[here.so]"}, {"plugins.0", "mapping"});
+  expect_complaint({"plugins=here.so"}, {"plugins"});
+  const support::ScratchFolder folder;
+  const std::string text = (folder.path() / "text.so").string();
+  std::ofstream(text) << "hello\n";
+  expect_complaint({"plugins=[{library: " + text + "}]"},
+                   {"plugins.0.library", text, "cannot be loaded"});
+}
+
+TEST(Plugins, OneOfAnotherPalpateIsNotEvenAsked) {
+  expect_complaint({library("other_abi.so")},
+                   {"plugins.0.library", "was built for another palpate", "palpate 9",
+                    "EIGEN_MAX_ALIGN_BYTES 32, here 16", "build it anew"});
+}
+
+TEST(Plugins, NamesAreCheckedAtRegistration) {
+  expect_complaint({library("taken.so")},
+                   {"control law 'quadratic_program' has the name of a built-in one"});
+  expect_complaint({library("misnamed.so")}, {"control law 'My-Law' is no name"});
+  expect_complaint(
+      {"plugins=[{library: " + kLibraries + "/unruly.so}, {library: " + kLibraries + "/twice.so}]"},
+      {"plugins.1.library", "control law 'unruly_law' is there twice"});
+  expect_complaint({"plugins=[{library: " + kLibraries + "/unruly.so}, {library: " + kLibraries +
+                    "/unruly.so}]"},
+                   {"plugins.1.library", "is there twice"});
+  expect_complaint({library("throws.so")},
+                   {"plugins.0.library", "its registration failed: there is no licence for it"});
+}
+
+TEST(Plugins, KeysAreThoseThatItDeclared) {
+  expect_complaint({kUnruly, law("mischief")}, {"control.does", "'mischief'", "allowed: nothing"});
+  expect_complaint({kUnruly, law("nothing", ", after: -1")},
+                   {"control.after", "0", "1000000", "cycles that it is good for"});
+  expect_complaint({kUnruly, law("nothing", ", gain: 1")},
+                   {"control.gain", "unknown key", "after"});
+  expect_complaint({kUnruly, "control.law=no_such_law"},
+                   {"control.law", "no_such_law", "quadratic_program, unruly_law"});
+  expect_complaint({"control.law=unruly_law"}, {"'unruly_law' is unknown"});
+}
+
+TEST(Plugins, WhatSetUpThrowsIsToldWithFileAndKey) {
+  expect_complaint({kUnruly, sensor("fail_setup")},
+                   {"sensing.0.component", "unruly_sensor: no such hardware"});
+  expect_complaint({kUnruly, law("fail_setup")}, {"control.law", "unruly_law: the plug-in threw"});
+}
+
+TEST(Plugins, AFallbackMustBeOfTheSameSensor) {
+  EXPECT_EQ(error_of({kUnruly, sensor("nothing", ", fallback: {component: ft_tare_only}")}), "");
+  expect_complaint({kUnruly, sensor("nothing", ", fallback: {component: manual}")},
+                   {"it cannot stand in for it"});
+}
+
+class Unruly : public ::testing::TestWithParam<const char*> {};
+
+TEST_P(Unruly, SensorFaultsAndTheRobotStops) {
+  Running running({kUnruly, sensor(GetParam(), ", after: 60"), law("nothing")});
+  running.run(50);
+  ASSERT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kActive);
+  ASSERT_GT(running.speed, 1e-3);
+  running.run(150);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kFaulted);
+  EXPECT_NE(std::string(running.pipeline.condition().reason).find("the plug-in"),
+            std::string::npos);
+  EXPECT_EQ(running.pipeline.contacts().count, 0);
+  EXPECT_EQ(running.speed, 0);
+}
+INSTANTIATE_TEST_SUITE_P(Kinds, Unruly,
+                         ::testing::Values("throw", "throw_number", "many", "bad_source"));
+
+TEST(Plugins, ASensorsNumbersThatAreNoneStopTheRobot) {
+  Running running({kUnruly, sensor("nan", ", after: 60"), law("nothing")});
+  running.run(50);
+  ASSERT_GT(running.speed, 1e-3);
+  running.run(150);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kDegraded);
+  EXPECT_EQ(running.speed, 0);
+}
+
+TEST(Plugins, ASensorThatThrowsGivesWayToItsFallback) {
+  Running running(
+      {kUnruly,
+       sensor("throw", ", after: 60, fallback: {component: ft_tare_only, tare_samples: 10}"),
+       law("nothing")});
+  running.run(250);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kDegraded);
+  EXPECT_TRUE(running.pipeline.on_fallback());
+  EXPECT_NEAR(running.speed, 0.01, 1e-9);
+}
+
+TEST(Plugins, ALawThatErrsFaultsAndSaysWhy) {
+  for (const auto& [does, reason] : {std::pair("throw", "the plug-in threw an exception"),
+                                     std::pair("throw_number", "the plug-in threw an exception"),
+                                     std::pair("nan", "the command is not finite"),
+                                     std::pair("resize", "the plug-in changed the length")}) {
+    Running running({kUnruly, sensor("nothing"), law(does, ", after: 60")});
+    running.run(50);
+    ASSERT_GT(running.speed, 1e-3) << does;
+    running.run(150);
+    EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kFaulted) << does;
+    EXPECT_NE(std::string(running.pipeline.condition().reason).find(reason), std::string::npos)
+        << does << ": " << running.pipeline.condition().reason;
+    EXPECT_EQ(running.speed, 0) << does;
+  }
+}
+
+TEST(Plugins, ALawThatThrowsGivesWayToItsFallback) {
+  Running running(
+      {kUnruly, sensor("nothing"),
+       law("throw", ", after: 60, fallback: {provider: fem, law: proportional_twist}")});
+  running.run(250);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kDegraded);
+  EXPECT_NE(std::string(running.pipeline.fallback_reason()).find("the plug-in threw"),
+            std::string::npos);
+  EXPECT_GT(running.speed, 1e-3);
+}
+
+TEST(Plugins, AProviderThatErrsLeavesTheRobotWhereItIs) {
+  for (const char* does : {"throw", "nan"}) {
+    Running running({kUnruly, sensor("nothing"),
+                     std::string("control={provider: unruly_provider, after: 60, law: "
+                                 "proportional_twist, does: ") +
+                         does + "}"});
+    running.run(50);
+    ASSERT_GT(running.speed, 1e-3) << does;
+    running.run(150);
+    EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kDegraded) << does;
+    EXPECT_EQ(running.speed, 0) << does;
+  }
+}
+
+TEST(Plugins, ATransformerThatErrsIsAFault) {
+  for (const char* does : {"throw", "nan", "bad_node"}) {
+    Running running(
+        {kUnruly, sensor("nothing"), law("nothing"),
+         std::string("contact=[{component: unruly_transformer, after: 60, does: ") + does + "}]"});
+    running.run(50);
+    ASSERT_GT(running.speed, 1e-3) << does;
+    running.run(150);
+    EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kFaulted) << does;
+    EXPECT_EQ(running.speed, 0) << does;
+  }
+}
+
+TEST(Plugins, OneThatThrewIsAskedAgainAfterReset) {
+  Running running({kUnruly, sensor("nothing"), law("throw", ", after: 60")});
+  running.run(200);
+  ASSERT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kFaulted);
+  running.pipeline.reset();
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kInactive);
+  running.pipeline.start();
+  running.run(10);
+  EXPECT_EQ(running.pipeline.condition().state, pipeline::LifeCycle::kActive);
+}
+
+TEST(Plugins, TheLibrariesStayAsTheyAreWhileTheDaemonRuns) {
+  const config::Node root = example({kUnruly});
+  try {
+    pipeline::find_changes(root, root.changed("", "plugins: []", false, "replace"));
+    FAIL();
+  } catch (const config::Error& error) {
+    EXPECT_NE(std::string(error.what()).find("plugins stays as it is"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace palpate::plugin

@@ -1,0 +1,86 @@
+#include "rt/config/material_file.hpp"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "rt/registry/object.hpp"
+#include "tests/support/scratch_folder.hpp"
+
+namespace palpate::registry {
+namespace {
+
+class MaterialFileTest : public ::testing::Test {
+ protected:
+  std::string write(const std::string& name, const std::string& text) {
+    const auto path = folder_.path() / name;
+    std::ofstream(path) << text;
+    return path.string();
+  }
+
+  /// A bar whose section `object` also says `keys`.
+  Object bar(const std::string& keys) {
+    const std::string path =
+        write("bar.yaml",
+              "object:\n  mesh: {box: {size: [0.2, 0.04, 0.04], cells: [4, 1, 1]}}\n"
+              "  fixed_box: {lower: [0, 0, 0], upper: [0, 0.04, 0.04]}\n"
+              "  grasp_box: {lower: [0.2, 0, 0], upper: [0.2, 0.04, 0.04]}\n" +
+                  keys);
+    const config::Node root = config::Node::load_file(path);
+    Object object = read_object(root, Frames());
+    root.check_all_used();
+    return object;
+  }
+
+  std::string refusal(const std::string& keys) {
+    try {
+      bar(keys);
+    } catch (const config::Error& error) {
+      return error.what();
+    }
+    return "";
+  }
+
+  support::ScratchFolder folder_;
+  const std::string fitted_ =
+      "material: {model: ogden_1, young_modulus: 5e4, poisson_ratio: 0.45, density: 31,\n"
+      "  mass_damping: 3, ogden_exponent: 4}\n"
+      "corotational: {young_modulus: 4.2e4, poisson_ratio: 0.41, strain_range: [-0.1, 0.3]}\n";
+};
+
+TEST_F(MaterialFileTest, GoesOverTheObjectsOwnMaterial) {
+  write("fitted.yaml", fitted_);
+  const Object object =
+      bar("  material_file: fitted.yaml\n"
+          "  material: {young_modulus: 1e5, poisson_ratio: 0.2, density: 26}\n");
+  EXPECT_EQ(object.body.material.young_modulus, 4.2e4);
+  EXPECT_EQ(object.body.material.poisson_ratio, 0.41);
+  EXPECT_EQ(object.body.material.density, 31);
+  EXPECT_EQ(object.body.damping.mass_factor, 3);
+  EXPECT_EQ(object.body.damping.stiffness_factor, elasticity::Damping().stiffness_factor);
+  EXPECT_EQ(bar("  material_file: fitted.yaml\n").body.material.density, 31);
+}
+
+TEST_F(MaterialFileTest, DampingThatIsGivenStands) {
+  write("fitted.yaml", fitted_);
+  EXPECT_EQ(
+      bar("  material_file: fitted.yaml\n  damping: {mass_factor: 7}\n").body.damping.mass_factor,
+      7);
+}
+
+TEST_F(MaterialFileTest, AWrongFileIsNamed) {
+  EXPECT_NE(refusal("  material_file: nowhere.yaml\n").find("nowhere.yaml"), std::string::npos);
+  write("scene.yaml", "object: {size: 3}\n");
+  EXPECT_NE(refusal("  material_file: scene.yaml\n").find("palpate-fit"), std::string::npos);
+  write("untold.yaml", "material: {model: linear, poisson_ratio: 0.3}\n");
+  EXPECT_NE(refusal("  material_file: untold.yaml\n").find("corotational"), std::string::npos);
+  write("wild.yaml",
+        "material: {model: linear}\ncorotational: {young_modulus: -1, poisson_ratio: 0.3}\n");
+  EXPECT_NE(refusal("  material_file: wild.yaml\n").find("wild.yaml"), std::string::npos);
+  write("weightless.yaml",
+        "material: {model: linear}\ncorotational: {young_modulus: 1e4, poisson_ratio: 0.3}\n");
+  EXPECT_NE(refusal("  material_file: weightless.yaml\n").find("density"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::registry
