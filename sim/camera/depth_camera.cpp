@@ -2,17 +2,17 @@
 
 namespace palpate::camera {
 
-Intrinsics KinectModel::intrinsics() {
+draw::Intrinsics KinectModel::intrinsics() {
   return {kFocalLength, kFocalLength, 0.5 * (kWidth - 1), 0.5 * (kHeight - 1)};
 }
 
-DepthCamera::DepthCamera(const Intrinsics& intrinsics, int width, int height)
+DepthCamera::DepthCamera(const draw::Intrinsics& intrinsics, int width, int height)
     : intrinsics_(intrinsics), renderer_(width, height) {}
 
 void DepthCamera::draw(const std::vector<Body>& bodies, bool only_object) {
   for (const Body& body : bodies) {
     if (only_object && !body.is_object) continue;
-    MeshStyle style;
+    draw::MeshStyle style;
     style.colour = body.colour;
     const Eigen::Matrix3Xd points =
         (body.X_WB.linear() * body.mesh->points).colwise() + body.X_WB.translation();

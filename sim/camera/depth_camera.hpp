@@ -4,15 +4,15 @@
 #include <memory>
 #include <vector>
 
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/renderer.hpp"
 
 namespace palpate::camera {
 
 /// A thing that a camera may see.
 struct Body {
-  std::shared_ptr<const TriangleMesh> mesh;  // in B
+  std::shared_ptr<const draw::TriangleMesh> mesh;  // in B
   math::Pose X_WB = math::Pose::Identity();
-  Colour colour;
+  draw::Colour colour;
   bool is_object = false;  // the one whose shape is wanted
 };
 
@@ -22,9 +22,9 @@ using Mask = std::vector<std::uint8_t>;
 /// What a depth camera sees of one instant. Colour and depth are registered: the same pixel of both
 /// shows the same thing.
 struct DepthFrame {
-  View view;
-  Image colour;
-  DepthImage depth;
+  draw::View view;
+  draw::Image colour;
+  draw::DepthImage depth;
 };
 
 /// Intrinsics of the first Kinect's depth picture of 640 x 480: a focal length of 585 px (5.453 mm
@@ -34,7 +34,7 @@ struct KinectModel {
   static constexpr int kWidth = 640;
   static constexpr int kHeight = 480;
   static constexpr double kFocalLength = 585;  // px
-  static Intrinsics intrinsics();
+  static draw::Intrinsics intrinsics();
 };
 
 /// Depth and colour of a scene at a pose, through OSMesa, without noise. What stands before the
@@ -42,10 +42,10 @@ struct KinectModel {
 class DepthCamera {
  public:
   /// Throws std::runtime_error without OSMesa.
-  explicit DepthCamera(const Intrinsics& intrinsics = KinectModel::intrinsics(),
+  explicit DepthCamera(const draw::Intrinsics& intrinsics = KinectModel::intrinsics(),
                        int width = KinectModel::kWidth, int height = KinectModel::kHeight);
 
-  const Intrinsics& intrinsics() const { return intrinsics_; }
+  const draw::Intrinsics& intrinsics() const { return intrinsics_; }
 
   DepthFrame take(const math::Pose& X_WC, const std::vector<Body>& bodies);
 
@@ -56,8 +56,8 @@ class DepthCamera {
  private:
   void draw(const std::vector<Body>& bodies, bool only_object);
 
-  Intrinsics intrinsics_;
-  Renderer renderer_;
+  draw::Intrinsics intrinsics_;
+  draw::Renderer renderer_;
 };
 
 }  // namespace palpate::camera

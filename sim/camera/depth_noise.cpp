@@ -27,7 +27,7 @@ double axial_noise(double z, double angle) {
 
 double lateral_noise(double angle) { return 0.8 + 0.035 * steepness(angle); }
 
-DepthNoise::DepthNoise(const DepthNoiseOptions& options, const Intrinsics& intrinsics)
+DepthNoise::DepthNoise(const DepthNoiseOptions& options, const draw::Intrinsics& intrinsics)
     : options_(options),
       intrinsics_(intrinsics),
       steepest_(std::tan(options.most_angle) / std::min(intrinsics.fx, intrinsics.fy)) {
@@ -45,7 +45,7 @@ bool DepthNoise::jumps(double z, double other) const {
   return other == 0 || std::abs(z - other) > steepest_ * std::min(z, other);
 }
 
-DepthNoise::Surroundings DepthNoise::look_around(const DepthImage& truth, int column,
+DepthNoise::Surroundings DepthNoise::look_around(const draw::DepthImage& truth, int column,
                                                  int row) const {
   Surroundings around;
   const double z = truth.at(column, row);
@@ -79,7 +79,7 @@ DepthNoise::Surroundings DepthNoise::look_around(const DepthImage& truth, int co
 
 /// Lateral noise moves edges. Within a surface the pixel keeps its own depth: what the shift does
 /// there on a slope is part of the measured axial noise already.
-double DepthNoise::displaced(const DepthImage& truth, int column, int row, double angle,
+double DepthNoise::displaced(const draw::DepthImage& truth, int column, int row, double angle,
                              math::Random& random) const {
   const double deviation = options_.scale * lateral_noise(angle);
   const int c = column + static_cast<int>(std::lround(deviation * random.normal()));
@@ -100,8 +100,8 @@ double DepthNoise::quantised(double z) const {
   return counts > 0 ? options_.base * intrinsics_.fx / (counts * options_.disparity_step) : 0;
 }
 
-DepthImage DepthNoise::apply(const DepthImage& truth, math::Random random) const {
-  DepthImage measured{truth.width, truth.height, std::vector<float>(truth.metres.size())};
+draw::DepthImage DepthNoise::apply(const draw::DepthImage& truth, math::Random random) const {
+  draw::DepthImage measured{truth.width, truth.height, std::vector<float>(truth.metres.size())};
   for (int row = 0; row < truth.height; ++row) {
     for (int column = 0; column < truth.width; ++column) {
       if (truth.at(column, row) == 0) continue;

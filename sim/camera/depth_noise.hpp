@@ -3,8 +3,8 @@
 #include <Eigen/Core>
 
 #include "core/math/random.hpp"
-#include "sim/camera/image.hpp"
-#include "sim/camera/view.hpp"
+#include "sim/draw/image.hpp"
+#include "sim/draw/view.hpp"
 
 namespace palpate::camera {
 
@@ -34,10 +34,10 @@ double lateral_noise(double angle);
 class DepthNoise {
  public:
   /// Throws std::invalid_argument where an option is out of range.
-  DepthNoise(const DepthNoiseOptions& options, const Intrinsics& intrinsics);
+  DepthNoise(const DepthNoiseOptions& options, const draw::Intrinsics& intrinsics);
 
   /// `truth`: without noise. The picture that the camera gives; all chance comes from `random`.
-  DepthImage apply(const DepthImage& truth, math::Random random) const;
+  draw::DepthImage apply(const draw::DepthImage& truth, math::Random random) const;
 
   /// Standard deviation along the optical axis of a surface that is seen from the front, m:
   /// noise and steps.
@@ -49,14 +49,14 @@ class DepthNoise {
     bool at_jump = false;   // one of the four neighbours belongs to another surface
     bool has_slope = true;  // not so on what is one pixel wide, or seen from its side
   };
-  Surroundings look_around(const DepthImage& truth, int column, int row) const;
+  Surroundings look_around(const draw::DepthImage& truth, int column, int row) const;
   bool jumps(double z, double other) const;
-  double displaced(const DepthImage& truth, int column, int row, double angle,
+  double displaced(const draw::DepthImage& truth, int column, int row, double angle,
                    math::Random& random) const;
   double quantised(double z) const;
 
   DepthNoiseOptions options_;
-  Intrinsics intrinsics_;
+  draw::Intrinsics intrinsics_;
   double steepest_;  // change of depth by depth from pixel to pixel that is still one surface
 };
 

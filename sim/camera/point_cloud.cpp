@@ -72,7 +72,7 @@ std::vector<Eigen::Index> one_of_each_cell(const Eigen::Matrix3Xd& points, doubl
 
 }  // namespace
 
-Eigen::Matrix3Xd back_project(const DepthImage& depth, const Intrinsics& intrinsics,
+Eigen::Matrix3Xd back_project(const draw::DepthImage& depth, const draw::Intrinsics& intrinsics,
                               const Mask& mask) {
   if (!mask.empty() && mask.size() != depth.metres.size())
     throw std::invalid_argument("point cloud: mask and picture differ in size");

@@ -10,7 +10,7 @@ struct ObjectFilter {
   math::Pose X_WB = math::Pose::Identity();
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  // of the box, m, in B
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();
-  Colour colour;
+  draw::Colour colour;
   double tolerance = 0.09;  // distance of chromaticities (shares of red, green, blue in their sum)
 };
 

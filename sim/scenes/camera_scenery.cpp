@@ -7,23 +7,23 @@ namespace {
 
 constexpr double kRigThickness = 0.03;  // m
 constexpr double kRigOverhang = 1.6;    // its side lengths by those of the face
-const camera::Colour kRigColour{0.35F, 0.37F, 0.40F, 1};
+const draw::Colour kRigColour{0.35F, 0.37F, 0.40F, 1};
 
-camera::TriangleMesh mesh_of(const robot::VisualShape& visual) {
+draw::TriangleMesh mesh_of(const robot::VisualShape& visual) {
   switch (visual.kind) {
     case robot::ShapeKind::kBox:
-      return camera::make_box(visual.size);
+      return draw::make_box(visual.size);
     case robot::ShapeKind::kCylinder:
-      return camera::make_cylinder(visual.size.x(), visual.size.y());
+      return draw::make_cylinder(visual.size.x(), visual.size.y());
     case robot::ShapeKind::kSphere:
-      return camera::make_sphere(visual.size.x());
+      return draw::make_sphere(visual.size.x());
   }
   return {};
 }
 
-camera::Body make_body(camera::TriangleMesh mesh, const math::Pose& X, const camera::Colour& colour,
+camera::Body make_body(draw::TriangleMesh mesh, const math::Pose& X, const draw::Colour& colour,
                        bool is_object = false) {
-  return {std::make_shared<const camera::TriangleMesh>(std::move(mesh)), X, colour, is_object};
+  return {std::make_shared<const draw::TriangleMesh>(std::move(mesh)), X, colour, is_object};
 }
 
 /// In O; none where the clamp is not one face of the box.
@@ -37,7 +37,7 @@ std::optional<camera::Body> rig(const object::PlantOptions& plant) {
       Eigen::Vector3d size = kRigOverhang * plant.size, centre = 0.5 * (lower + upper);
       size[axis] = kRigThickness;
       centre[axis] = face + (is_upper ? 0.5 : -0.5) * kRigThickness;
-      return make_body(camera::make_box(size), math::make_pose(Eigen::Matrix3d::Identity(), centre),
+      return make_body(draw::make_box(size), math::make_pose(Eigen::Matrix3d::Identity(), centre),
                        kRigColour);
     }
   }

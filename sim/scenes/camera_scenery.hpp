@@ -28,7 +28,7 @@ class CameraScenery {
   std::vector<Visual> visuals_;
   std::vector<camera::Body> still_;
   math::Pose X_WO_;
-  camera::Colour object_colour_;
+  draw::Colour object_colour_;
 };
 
 }  // namespace palpate::scenes

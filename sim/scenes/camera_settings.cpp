@@ -19,7 +19,7 @@ math::Pose read_pose(const config::Node& node, const Eigen::Vector3d& middle_W) 
       node.vector3({"target", "m", "where it looks, in W; by default amid the object"},
                    {-kFarthest, kFarthest}, middle_W);
   try {
-    return camera::look_at(eye, target, Eigen::Vector3d::UnitZ());
+    return draw::look_at(eye, target, Eigen::Vector3d::UnitZ());
   } catch (const std::invalid_argument&) {
     node.fail("eye", "lies above, below or in the target; allowed: elsewhere, or pose instead");
   }

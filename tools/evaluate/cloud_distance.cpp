@@ -20,7 +20,7 @@ using Tree = nanoflann::KDTreeEigenMatrixAdaptor<Eigen::Matrix3Xd, 3, nanoflann:
 /// farther away than that and its own reach.
 class SurfaceTree {
  public:
-  explicit SurfaceTree(const camera::TriangleMesh& surface)
+  explicit SurfaceTree(const draw::TriangleMesh& surface)
       : surface_(surface), middles_(middles_of(surface)), tree_(3, middles_) {
     for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t)
       for (const int corner : surface.triangles.col(t))
@@ -43,7 +43,7 @@ class SurfaceTree {
   }
 
  private:
-  static Eigen::Matrix3Xd middles_of(const camera::TriangleMesh& surface) {
+  static Eigen::Matrix3Xd middles_of(const draw::TriangleMesh& surface) {
     Eigen::Matrix3Xd middles(3, surface.triangles.cols());
     for (Eigen::Index t = 0; t < middles.cols(); ++t)
       middles.col(t) = surface.points(Eigen::all, surface.triangles.col(t)).rowwise().mean();
@@ -58,14 +58,14 @@ class SurfaceTree {
         .distance;
   }
 
-  const camera::TriangleMesh& surface_;
+  const draw::TriangleMesh& surface_;
   Eigen::Matrix3Xd middles_;
   Tree tree_;
   double reach_ = 0;
   mutable std::vector<std::pair<Eigen::Index, double>> found_;
 };
 
-double longest_side(const camera::TriangleMesh& surface, Eigen::Index triangle) {
+double longest_side(const draw::TriangleMesh& surface, Eigen::Index triangle) {
   const auto corners = surface.triangles.col(triangle);
   double longest = 0;
   for (int i = 0; i < 3; ++i)
@@ -76,7 +76,7 @@ double longest_side(const camera::TriangleMesh& surface, Eigen::Index triangle) 
 }
 
 /// An estimate that has burst is metres wide: it is as wrong by fewer samples.
-double affordable_spacing(const camera::TriangleMesh& surface, double spacing) {
+double affordable_spacing(const draw::TriangleMesh& surface, double spacing) {
   constexpr double kMost = 5e5;
   double count = 0;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
@@ -114,7 +114,7 @@ Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::
 }
 
 Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
-                                     const camera::TriangleMesh& surface) {
+                                     const draw::TriangleMesh& surface) {
   if (surface.triangles.cols() == 0) throw std::invalid_argument("distance to an empty surface");
   const SurfaceTree tree(surface);
   Eigen::VectorXd distances(points.cols());
@@ -122,7 +122,7 @@ Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
   return distances;
 }
 
-SurfaceSamples sample_surface(const camera::TriangleMesh& surface, double spacing) {
+SurfaceSamples sample_surface(const draw::TriangleMesh& surface, double spacing) {
   if (!(spacing > 0)) throw std::invalid_argument("samples of a surface need a positive spacing");
   spacing = affordable_spacing(surface, spacing);
   std::vector<Eigen::Vector3d> points;
@@ -157,9 +157,9 @@ SurfaceSamples sample_surface(const camera::TriangleMesh& surface, double spacin
   return samples;
 }
 
-SurfaceDistance surface_distance(const camera::TriangleMesh& first,
-                                 const camera::TriangleMesh& second, double spacing) {
-  const auto one_way = [spacing](const camera::TriangleMesh& from, const camera::TriangleMesh& to) {
+SurfaceDistance surface_distance(const draw::TriangleMesh& first, const draw::TriangleMesh& second,
+                                 double spacing) {
+  const auto one_way = [spacing](const draw::TriangleMesh& from, const draw::TriangleMesh& to) {
     const SurfaceSamples samples = sample_surface(from, spacing);
     return summarise_distances(distances_to_surface(samples.points, to), samples.weights);
   };

@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "sim/camera/solids.hpp"
+#include "sim/draw/solids.hpp"
 
 namespace palpate::evaluate {
 
@@ -24,7 +24,7 @@ Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::
 /// Distance of each point, 3 x n, to the surface, unsigned, exact, m. Throws std::invalid_argument
 /// where the surface has no triangle.
 Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
-                                     const camera::TriangleMesh& surface);
+                                     const draw::TriangleMesh& surface);
 
 /// Points spread over a surface: the centroids of equal parts of each triangle, none with a side
 /// above `spacing`, weighted by their area, and then the corners with weight 0. No point of the
@@ -34,7 +34,7 @@ struct SurfaceSamples {
   Eigen::Matrix3Xd points;
   Eigen::VectorXd weights;  // m^2
 };
-SurfaceSamples sample_surface(const camera::TriangleMesh& surface, double spacing);
+SurfaceSamples sample_surface(const draw::TriangleMesh& surface, double spacing);
 
 /// How far two surfaces lie from each other.
 struct SurfaceDistance {
@@ -42,7 +42,7 @@ struct SurfaceDistance {
   DistanceSummary from_second;  // of the second's to the first
   double hausdorff = 0;         // m, the larger maximum; too small by 2/3 of the spacing at most
 };
-SurfaceDistance surface_distance(const camera::TriangleMesh& first,
-                                 const camera::TriangleMesh& second, double spacing);
+SurfaceDistance surface_distance(const draw::TriangleMesh& first, const draw::TriangleMesh& second,
+                                 double spacing);
 
 }  // namespace palpate::evaluate

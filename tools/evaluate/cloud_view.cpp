@@ -6,12 +6,12 @@
 namespace palpate::evaluate {
 
 Eigen::Matrix3Xd virtual_cloud(camera::DepthCamera& camera, const math::Pose& X_WC,
-                               const camera::TriangleMesh& surface_W,
+                               const draw::TriangleMesh& surface_W,
                                const std::vector<camera::Body>& in_front) {
   std::vector<camera::Body> bodies = in_front;
   for (camera::Body& body : bodies) body.is_object = false;
   camera::Body object;
-  object.mesh = std::make_shared<const camera::TriangleMesh>(surface_W);
+  object.mesh = std::make_shared<const draw::TriangleMesh>(surface_W);
   object.is_object = true;
   bodies.push_back(object);
   const camera::DepthFrame frame = camera.take(X_WC, bodies);

@@ -11,7 +11,7 @@ namespace palpate::evaluate {
 /// only, is compared with its like. 3 x n in W, m. `in_front`: what else stood there and hid parts
 /// of it, such as the hand.
 Eigen::Matrix3Xd virtual_cloud(camera::DepthCamera& camera, const math::Pose& X_WC,
-                               const camera::TriangleMesh& surface_W,
+                               const draw::TriangleMesh& surface_W,
                                const std::vector<camera::Body>& in_front = {});
 
 }  // namespace palpate::evaluate

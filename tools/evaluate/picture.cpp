@@ -5,9 +5,9 @@
 #include "core/mesh/surface.hpp"
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
-#include "sim/camera/annotate.hpp"
-#include "sim/camera/png_file.hpp"
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/annotate.hpp"
+#include "sim/draw/png_file.hpp"
+#include "sim/draw/renderer.hpp"
 #include "sim/robot/robot.hpp"
 #include "tools/evaluate/shape_drawing.hpp"
 
@@ -17,12 +17,12 @@ namespace {
 constexpr int kWidth = 1280, kHeight = 800, kSupersampling = 2;
 constexpr double kFieldOfView = 0.40;  // rad
 
-const camera::Colour kTruth{0.95F, 0.72F, 0.30F, 1};
-const camera::Colour kEstimate{0.10F, 0.30F, 0.85F, 0.28F};
-const camera::Colour kEstimateEdge{0.05F, 0.18F, 0.65F, 1};
-const camera::Colour kStart{0.45F, 0.48F, 0.52F, 0.25F};
-const camera::Colour kTarget{0.85F, 0.10F, 0.12F, 1};
-const camera::Colour kFeature{0.10F, 0.60F, 0.20F, 1};
+const draw::Colour kTruth{0.95F, 0.72F, 0.30F, 1};
+const draw::Colour kEstimate{0.10F, 0.30F, 0.85F, 0.28F};
+const draw::Colour kEstimateEdge{0.05F, 0.18F, 0.65F, 1};
+const draw::Colour kStart{0.45F, 0.48F, 0.52F, 0.25F};
+const draw::Colour kTarget{0.85F, 0.10F, 0.12F, 1};
+const draw::Colour kFeature{0.10F, 0.60F, 0.20F, 1};
 
 /// The last message sent before `utime`, or the first.
 template <class Message>
@@ -31,7 +31,7 @@ const Message& shown_at(const std::vector<Message>& messages, std::int64_t utime
   return message == nullptr ? messages.front() : *message;
 }
 
-void draw_robot(camera::Renderer& renderer, const std::filesystem::path& urdf,
+void draw_robot(draw::Renderer& renderer, const std::filesystem::path& urdf,
                 const robot_state_t& state) {
   robot::Robot arm(robot::load_model(urdf.string()), robot::RobotOptions());
   if (arm.joint_count() != state.joint_count) return;
@@ -39,7 +39,7 @@ void draw_robot(camera::Renderer& renderer, const std::filesystem::path& urdf,
   for (const robot::VisualShape& visual : arm.visuals()) {
     const math::Pose X_WV = arm.link_pose(visual.link) * visual.X_LV;
     const Eigen::Vector3f c = visual.colour.cast<float>();
-    const camera::Colour colour{c.x(), c.y(), c.z(), 1};
+    const draw::Colour colour{c.x(), c.y(), c.z(), 1};
     switch (visual.kind) {
       case robot::ShapeKind::kBox:
         renderer.draw_box(X_WV, visual.size, colour);
@@ -54,7 +54,7 @@ void draw_robot(camera::Renderer& renderer, const std::filesystem::path& urdf,
   }
 }
 
-void draw_clamp(camera::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant) {
+void draw_clamp(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant) {
   const Eigen::Vector3d lower = plant.nodes.rowwise().minCoeff();
   const Eigen::Vector3d upper = plant.nodes.rowwise().maxCoeff();
   const Eigen::Vector3d size(0.03, 1.6 * (upper.y() - lower.y()), 1.6 * (upper.z() - lower.z()));
@@ -64,7 +64,7 @@ void draw_clamp(camera::Renderer& renderer, const math::Pose& X_WO, const MeshMe
   renderer.draw_box(X_WO * X_OB, size, {0.35F, 0.37F, 0.40F, 1});
 }
 
-void draw_target(camera::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant,
+void draw_target(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant,
                  const Eigen::Matrix3Xd& plant_positions, const ControlTarget& target) {
   Eigen::Matrix3Xd rest(3, target.rest_points.size());
   for (int i = 0; i < rest.cols(); ++i) rest.col(i) = target.rest_points[i];
@@ -79,7 +79,7 @@ void draw_target(camera::Renderer& renderer, const math::Pose& X_WO, const MeshM
   renderer.draw_line(X_WO * (goal - target.displacement), X_WO * goal, 3, kTarget);
 }
 
-void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene) {
+void draw_scene(draw::Renderer& renderer, const Demo& demo, const Scene& scene) {
   const RunLog& log = *scene.log;
   const config::Node configuration =
       config::Node::load_file(demo.file("rt/config/examples/bar_long_soft.yaml").string());
@@ -92,12 +92,12 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   const Eigen::Vector3d middle = truth_W.rowwise().mean() + Eigen::Vector3d(-0.12, 0, 0.02);
   const Eigen::Vector3d eye = middle + Eigen::Vector3d(-0.35, -1.45, 0.55);
   renderer.begin(
-      camera::make_view(eye, middle, Eigen::Vector3d::UnitZ(), kFieldOfView, kWidth, kHeight));
+      draw::make_view(eye, middle, Eigen::Vector3d::UnitZ(), kFieldOfView, kWidth, kHeight));
   if (!log.robot.empty())
     draw_robot(renderer, demo.file("sim/robot/lwr_hand.urdf"), shown_at(log.robot, scene.utime));
   draw_clamp(renderer, X_WO, plant);
 
-  camera::MeshStyle style;
+  draw::MeshStyle style;
   style.colour = kTruth;
   renderer.draw_mesh(truth_W, plant.triangles, style);
   style.colour = kStart;
@@ -110,23 +110,23 @@ void draw_scene(camera::Renderer& renderer, const Demo& demo, const Scene& scene
   if (scene.target != nullptr) draw_target(renderer, X_WO, plant, truth, *scene.target);
 }
 
-void annotate(camera::Image& image, const Scene& scene) {
-  std::vector<camera::LegendEntry> legend{
+void annotate(draw::Image& image, const Scene& scene) {
+  std::vector<draw::LegendEntry> legend{
       {"true shape", kTruth}, {"estimated shape", kEstimateEdge}, {"shape at the start", kStart}};
   if (scene.target != nullptr) legend.push_back({"target of the feature", kTarget});
-  camera::draw_title(image, scene.title);
-  camera::draw_legend(image, legend);
+  draw::draw_title(image, scene.title);
+  draw::draw_legend(image, legend);
 }
 
 }  // namespace
 
 bool draw_picture(const Demo& demo, const Scene& scene, const std::filesystem::path& png) {
   try {
-    camera::Renderer renderer(kWidth, kHeight, kSupersampling);
+    draw::Renderer renderer(kWidth, kHeight, kSupersampling);
     draw_scene(renderer, demo, scene);
-    camera::Image image = renderer.end();
+    draw::Image image = renderer.end();
     annotate(image, scene);
-    camera::write_png(png.string(), image);
+    draw::write_png(png.string(), image);
     return true;
   } catch (const std::exception& error) {
     std::cerr << "no picture " << png.filename().string() << ": " << error.what() << '\n';

@@ -129,7 +129,7 @@ std::vector<StateScore> score_states(const StudyJob& job, const RunLog& log,
     add_node_error(state, shape);
     const std::int64_t utime = start + microseconds(wanted.time);
     state.shapes = shapes.at(utime);
-    const camera::TriangleMesh &truth = state.shapes.truth, &estimate = state.shapes.estimate;
+    const draw::TriangleMesh &truth = state.shapes.truth, &estimate = state.shapes.estimate;
     state.surface = surface_distance(truth, estimate, kFinest);
     const double spacing = std::min(kFinest, 0.25 * job.octree_resolution);
     state.octree = octree_agreement(sample_surface(estimate, spacing).points,

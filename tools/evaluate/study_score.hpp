@@ -18,8 +18,8 @@ namespace palpate::evaluate {
 struct StateShapes {
   Eigen::Matrix3Xd measured;  // cloud: of the camera, or spread over the plant's surface
   bool camera = false;
-  camera::TriangleMesh truth;
-  camera::TriangleMesh estimate;
+  draw::TriangleMesh truth;
+  draw::TriangleMesh estimate;
 };
 
 /// One state of the object, such as a pose of the hand that was held.

@@ -5,7 +5,7 @@
 
 #include "core/math/random.hpp"
 #include "sim/camera/shape_camera.hpp"
-#include "sim/camera/view.hpp"
+#include "sim/draw/view.hpp"
 #include "tools/evaluate/cloud_view.hpp"
 #include "tools/evaluate/plant_truth.hpp"
 #include "tools/evaluate/table.hpp"
@@ -23,7 +23,7 @@ constexpr std::int64_t kWindow = 500'000;  // us before a state
 const Vector3d kEye(-0.25, -0.65, 0.40);   // m, in W, from the middle of the object
 constexpr int kMostPoints = 20000;
 
-camera::TriangleMesh in_world(const camera::TriangleMesh& mesh_O, const math::Pose& X_WO) {
+draw::TriangleMesh in_world(const draw::TriangleMesh& mesh_O, const math::Pose& X_WO) {
   return {transformed(X_WO, mesh_O.points), mesh_O.triangles};
 }
 
@@ -60,14 +60,14 @@ std::string cell(const std::vector<const Json*>& states, const std::string& key,
 
 CameraAgreement camera_agreement(const StateShapes& shapes, const math::Pose& X_WO,
                                  double resolution, int seed) {
-  const camera::TriangleMesh truth_W = in_world(shapes.truth, X_WO);
+  const draw::TriangleMesh truth_W = in_world(shapes.truth, X_WO);
   const Vector3d middle = truth_W.points.rowwise().mean();
   camera::ShapeCameraOptions options;
-  options.X_WC = camera::look_at(middle + kEye, middle, Vector3d::UnitZ());
+  options.X_WC = draw::look_at(middle + kEye, middle, Vector3d::UnitZ());
   options.segmentation = camera::Segmentation::kTruth;
   options.voxel = 0.25 * resolution;
   camera::Body body;
-  body.mesh = std::make_shared<const camera::TriangleMesh>(truth_W);
+  body.mesh = std::make_shared<const draw::TriangleMesh>(truth_W);
   body.is_object = true;
   const math::Pose X_OW = X_WO.inverse();
   CameraAgreement result;
@@ -77,7 +77,7 @@ CameraAgreement camera_agreement(const StateShapes& shapes, const math::Pose& X_
         X_OW, camera.look({body}, math::Random(seed, "thesis camera"), kMostPoints).points_W);
   }
   camera::DepthCamera virtual_camera;
-  const auto agreement = [&](const camera::TriangleMesh& mesh_W) {
+  const auto agreement = [&](const draw::TriangleMesh& mesh_W) {
     const Eigen::Matrix3Xd cloud = virtual_cloud(virtual_camera, options.X_WC, mesh_W);
     return octree_agreement(transformed(X_OW, cloud), result.measured, resolution);
   };

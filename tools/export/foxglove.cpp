@@ -3,7 +3,7 @@
 #include <cmath>
 #include <cstring>
 
-#include "sim/camera/annotate.hpp"
+#include "sim/draw/annotate.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/mesh_edges.hpp"
 
@@ -32,7 +32,7 @@ Json pose_of(const Eigen::Vector3d& p,
   return {{"position", vector_of(p)}, {"orientation", quaternion_of(q)}};
 }
 
-Json colour_of(const camera::Colour& c) {
+Json colour_of(const draw::Colour& c) {
   const auto rounded = [](float value) { return std::round(1e3 * value) / 1e3; };
   return {{"r", rounded(c.red)}, {"g", rounded(c.green)}, {"b", rounded(c.blue)}, {"a", c.alpha}};
 }
@@ -63,7 +63,7 @@ std::string scene(const Json& entity) {
 }
 
 void add_arrow(Json& entity, const double* location, const double* wrench,
-               const camera::Colour& colour) {
+               const draw::Colour& colour) {
   const Eigen::Map<const Eigen::Vector3d> at(location), force(wrench);
   if (!(force.norm() > kSmallestForce)) return;
   const double length = kMetresPerNewton * force.norm();
@@ -77,7 +77,7 @@ void add_arrow(Json& entity, const double* location, const double* wrench,
                               {"color", colour_of(colour)}});
 }
 
-void add_ball(Json& entity, const double* at, double radius, const camera::Colour& colour) {
+void add_ball(Json& entity, const double* at, double radius, const draw::Colour& colour) {
   entity["spheres"].push_back({{"pose", pose_of(Eigen::Map<const Eigen::Vector3d>(at))},
                                {"size", vector_of(Eigen::Vector3d::Constant(2 * radius))},
                                {"color", colour_of(colour)}});
@@ -101,7 +101,7 @@ std::string estimate_scene(const Instant& instant, double largest) {
   for (Eigen::Index i = 0; i < instant.estimate.cols(); ++i) {
     const double share =
         (instant.estimate.col(i) - mesh.nodes.col(i)).norm() / std::max(largest, 1e-9);
-    colours.push_back(colour_of(camera::colour_map(share)));
+    colours.push_back(colour_of(draw::colour_map(share)));
   }
   Json indices = Json::array();
   for (Eigen::Index i = 0; i < mesh.triangles.size(); ++i)

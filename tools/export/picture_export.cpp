@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/png_file.hpp"
 #include "tools/export/video.hpp"
 
 namespace palpate::exporting {
@@ -50,7 +50,7 @@ std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& o
   std::vector<Written> written;
   for (const Instant& instant : shown) {
     const auto name = times.size() > 1 ? with_time(file, instant.time) : file;
-    camera::write_png(name.string(), drawing.draw(instant));
+    draw::write_png(name.string(), drawing.draw(instant));
     written.push_back({name, "shape at " + std::to_string(instant.time) + " s", 1});
   }
   return written;

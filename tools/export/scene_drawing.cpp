@@ -8,12 +8,12 @@
 
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
-#include "sim/camera/annotate.hpp"
+#include "sim/draw/annotate.hpp"
 
 namespace palpate::exporting {
 namespace {
 
-using camera::Colour;
+using draw::Colour;
 
 constexpr int kSupersampling = 2;
 constexpr double kFieldOfView = 0.45;    // rad
@@ -127,13 +127,13 @@ double SceneDrawing::high() const {
   return largest_ > 0 ? round_up(largest_) : 1;
 }
 
-camera::View SceneDrawing::view() const {
+draw::View SceneDrawing::view() const {
   const Eigen::Vector3d middle = bounds_W_.center();
   const double azimuth = radians(options_.azimuth), elevation = radians(options_.elevation);
   const Eigen::Vector3d towards(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
   // The bounds' corners have to lie in the picture: half of its width and height at their depth.
-  const math::Pose X_WC = camera::look_at(
+  const math::Pose X_WC = draw::look_at(
       middle + towards, middle,
       std::abs(towards.z()) > 0.999 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
   const double tangent = std::tan(kFieldOfView / 2);
@@ -148,13 +148,13 @@ camera::View SceneDrawing::view() const {
   }
   // Room for title, legend and colour bar.
   distance *= (arm_ ? 1.5 : 1.2) / options_.zoom;
-  return camera::make_view(
+  return draw::make_view(
       middle + distance * towards, middle,
       std::abs(towards.z()) > 0.999 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ(),
       kFieldOfView, options_.width, options_.height);
 }
 
-const camera::Image& SceneDrawing::draw(const Instant& instant) {
+const draw::Image& SceneDrawing::draw(const Instant& instant) {
   draws_truth_ = draws_force_ = draws_target_ = draws_feature_ = false;
   values_ = values_at_nodes(instant, options_.quantity);
   renderer_.begin(view());
@@ -181,11 +181,11 @@ void SceneDrawing::draw_shape(const Instant& instant) {
   const evaluate::MeshMessage& mesh =
       (is_estimate ? instant.estimate_mesh : instant.truth_mesh)->mesh();
   const Eigen::Matrix3Xd x = in_world(is_estimate ? instant.estimate : instant.truth);
-  camera::MeshStyle style;
+  draw::MeshStyle style;
   style.colour = kPlain;
   for (Eigen::Index i = 0; i < values_.size(); ++i)
     style.vertex_colours.push_back(
-        camera::colour_map((values_(i) - options_.low) / (high() - options_.low)));
+        draw::colour_map((values_(i) - options_.low) / (high() - options_.low)));
   renderer_.draw_mesh(x, mesh.triangles, style);
   draw_edges(x, surface_edges(mesh, Edges::kAll), 1, kEdge);
   draw_edges(x, surface_edges(mesh, Edges::kSharp), 2, kSharpEdge);
@@ -204,7 +204,7 @@ void SceneDrawing::draw_edges(const Eigen::Matrix3Xd& points_W, const Eigen::Mat
 }
 
 void SceneDrawing::draw_rest(const evaluate::MeshMessage& mesh) {
-  camera::MeshStyle style;
+  draw::MeshStyle style;
   style.colour = kRest;
   const Eigen::Matrix3Xd x = in_world(mesh.nodes);
   renderer_.draw_mesh(x, mesh.triangles, style);
@@ -340,13 +340,13 @@ void SceneDrawing::annotate(const Instant& instant) {
   }
   if (instant.status == shape_t::STATUS_OLD) title += "   SHAPE IS OLD";
   if (instant.status == shape_t::STATUS_NOT_CONVERGED) title += "   NOT CONVERGED";
-  camera::draw_title(image_, title);
+  draw::draw_title(image_, title);
 
-  std::vector<camera::LegendEntry> legend;
+  std::vector<draw::LegendEntry> legend;
   const bool is_estimate = instant.estimate_mesh != nullptr;
   const std::string shape = is_estimate ? "estimated shape" : "true shape";
   if (values_.size() > 0)
-    legend.push_back({shape + " by " + text.name, camera::colour_map(0.5)});
+    legend.push_back({shape + " by " + text.name, draw::colour_map(0.5)});
   else
     legend.push_back({shape, kPlain});
   if (draws_truth_) legend.push_back({"true shape", kTruthWire});
@@ -359,9 +359,9 @@ void SceneDrawing::annotate(const Instant& instant) {
   }
   if (draws_feature_) legend.push_back({"feature", kFeature});
   if (draws_target_) legend.push_back({"target of the feature", kTarget});
-  camera::draw_legend(image_, legend);
+  draw::draw_legend(image_, legend);
   if (options_.quantity != Quantity::kNone)
-    camera::draw_colour_bar(image_, text.factor * options_.low, text.factor * high(), text.unit);
+    draw::draw_colour_bar(image_, text.factor * options_.low, text.factor * high(), text.unit);
 }
 
 }  // namespace palpate::exporting

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/math/rigid.hpp"
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/renderer.hpp"
 #include "sim/robot/robot.hpp"
 #include "tools/export/mesh_edges.hpp"
 #include "tools/export/quantity.hpp"
@@ -41,30 +41,30 @@ class SceneDrawing {
   /// Throws std::runtime_error where no instant that was measured tells the quantity.
   void check() const;
 
-  const camera::Image& draw(const Instant& instant);
+  const draw::Image& draw(const Instant& instant);
 
  private:
   void draw_shape(const Instant& instant);
   void draw_truth(const Instant& instant);
   void draw_rest(const evaluate::MeshMessage& mesh);
   void draw_edges(const Eigen::Matrix3Xd& points_W, const Eigen::Matrix2Xi& edges, double width,
-                  const camera::Colour& colour);
+                  const draw::Colour& colour);
   void draw_clamp(const evaluate::MeshMessage& mesh);
   void draw_forces(const Instant& instant);
   void draw_arrow(const Eigen::Vector3d& at_O, const Eigen::Vector3d& force_O,
-                  const camera::Colour& colour);
+                  const draw::Colour& colour);
   void draw_target(const Instant& instant);
   void draw_floor();
   void draw_arm(const robot_state_t& state);
-  void draw_ball(const Eigen::Vector3d& at_O, double radius, const camera::Colour& colour);
-  camera::View view() const;
+  void draw_ball(const Eigen::Vector3d& at_O, double radius, const draw::Colour& colour);
+  draw::View view() const;
   double high() const;
   void annotate(const Instant& instant);
   Eigen::Matrix3Xd in_world(const Eigen::Matrix3Xd& points_O) const;
 
   DrawingOptions options_;
-  camera::Renderer renderer_;
-  camera::Image image_;
+  draw::Renderer renderer_;
+  draw::Image image_;
   math::Pose X_WO_ = math::Pose::Identity();
   std::unique_ptr<robot::Robot> arm_;
   Eigen::AlignedBox3d bounds_W_;                        // of all shapes

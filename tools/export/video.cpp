@@ -83,7 +83,7 @@ void Video::fail() const {
   throw std::runtime_error(file_.string() + ": ffmpeg failed: " + evaluate::tail(messages_, 5));
 }
 
-void Video::add(const camera::Image& image) {
+void Video::add(const draw::Image& image) {
   if (image.width != width_ || image.height != height_)
     throw std::invalid_argument("a picture of another size than the film's");
   if (fwrite(image.rgb.data(), 1, image.rgb.size(), pipe_) != image.rgb.size()) fail();

@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <filesystem>
 
-#include "sim/camera/image.hpp"
+#include "sim/draw/image.hpp"
 
 namespace palpate::exporting {
 
@@ -18,7 +18,7 @@ class Video {
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
-  void add(const camera::Image& image);
+  void add(const draw::Image& image);
   /// Waits for ffmpeg; throws std::runtime_error with its last words where it failed.
   void finish();
 

@@ -6,15 +6,15 @@
 #include <cstring>
 
 #include "core/mesh/near_nodes.hpp"
-#include "sim/camera/annotate.hpp"
-#include "sim/camera/png_file.hpp"
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/annotate.hpp"
+#include "sim/draw/png_file.hpp"
+#include "sim/draw/renderer.hpp"
 #include "tools/mesh/mesh_files.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
 
-using camera::Colour;
+using draw::Colour;
 using Eigen::Vector3d;
 
 constexpr int kPanel = 760, kHeight = 700, kTitle = 34, kSupersampling = 2;  // px
@@ -57,13 +57,13 @@ class Scene {
     body_.points = scaled(body.points);
   }
 
-  camera::Image whole() const {
+  draw::Image whole() const {
     const Vector3d direction = Vector3d(0.45, -1, 0.5).normalized();
     return draw(Vector3d::Zero(), direction, 2.25, 0.008, "");
   }
 
   /// From outside, on the first place of the first fault that has one.
-  camera::Image close_up() const {
+  draw::Image close_up() const {
     for (std::size_t kind = 0; kind < faults_.size(); ++kind) {
       const Fault& fault = faults_[kind];
       if (fault.points.empty() || !fault.points.front().allFinite()) continue;
@@ -92,32 +92,32 @@ class Scene {
   }
   Vector3d place_of(const Vector3d& p) const { return scale_ * (p - centre_); }
 
-  camera::Image draw(const Vector3d& target, const Vector3d& direction, double distance,
-                     double ball, const std::string& label) const {
-    camera::Renderer renderer(kPanel, kHeight, kSupersampling);
-    const camera::View view = camera::make_view(target + distance * direction, target,
-                                                Vector3d::UnitZ(), kFieldOfView, kPanel, kHeight);
+  draw::Image draw(const Vector3d& target, const Vector3d& direction, double distance, double ball,
+                   const std::string& label) const {
+    draw::Renderer renderer(kPanel, kHeight, kSupersampling);
+    const draw::View view = draw::make_view(target + distance * direction, target,
+                                            Vector3d::UnitZ(), kFieldOfView, kPanel, kHeight);
     renderer.begin(view);
-    camera::MeshStyle style;
+    draw::MeshStyle style;
     style.colour = kBody;
     style.edges = kWire;
     if (body_.triangle_count() > 0) renderer.draw_mesh(body_.points, body_.triangles, style);
     for (std::size_t kind = faults_.size(); kind-- > 0;) draw(renderer, kind, ball);
-    camera::Image image = renderer.end();
+    draw::Image image = renderer.end();
     for (std::size_t kind = faults_.size(); kind-- > 0;) frame(image, kind, view);
-    if (!label.empty()) camera::draw_text(image, 12, 12, label, Colour{0.15F, 0.18F, 0.22F, 1}, 2);
+    if (!label.empty()) draw::draw_text(image, 12, 12, label, Colour{0.15F, 0.18F, 0.22F, 1}, 2);
     return image;
   }
 
-  void draw(camera::Renderer& renderer, std::size_t kind, double ball) const {
+  void draw(draw::Renderer& renderer, std::size_t kind, double ball) const {
     const Fault& fault = faults_[kind];
-    camera::MeshStyle style;
+    draw::MeshStyle style;
     // What is less bad does not hide the worst.
     const Colour colour = colour_of(kind);
     style.colour = colour;
     style.colour.alpha = kind == 0 ? 1.0F : 0.45F;
     style.edges = kDark;
-    style.shading = camera::Shading::kFlat;
+    style.shading = draw::Shading::kFlat;
     if (!fault.faces.empty()) {
       Eigen::Matrix3Xd points(3, 3 * static_cast<int>(fault.faces.size()));
       Eigen::Matrix3Xi triangles(3, 2 * static_cast<int>(fault.faces.size()));
@@ -140,7 +140,7 @@ class Scene {
   }
 
   /// A square round each place of a few, whatever hides it.
-  void frame(camera::Image& image, std::size_t kind, const camera::View& view) const {
+  void frame(draw::Image& image, std::size_t kind, const draw::View& view) const {
     constexpr int kHalf = 11, kLine = 3;  // px
     if (faults_[kind].points.size() > kMostBalls) return;
     for (const Vector3d& point : faults_[kind].points) {
@@ -152,10 +152,10 @@ class Scene {
       if (!(x > kHalf && x < kPanel - kHalf && y > kHalf && y < kHeight - kHalf)) continue;
       const int left = static_cast<int>(x) - kHalf, top = static_cast<int>(y) - kHalf;
       const Colour colour = colour_of(kind);
-      camera::draw_rectangle(image, left, top, 2 * kHalf, kLine, colour);
-      camera::draw_rectangle(image, left, top + 2 * kHalf - kLine, 2 * kHalf, kLine, colour);
-      camera::draw_rectangle(image, left, top, kLine, 2 * kHalf, colour);
-      camera::draw_rectangle(image, left + 2 * kHalf - kLine, top, kLine, 2 * kHalf, colour);
+      draw::draw_rectangle(image, left, top, 2 * kHalf, kLine, colour);
+      draw::draw_rectangle(image, left, top + 2 * kHalf - kLine, 2 * kHalf, kLine, colour);
+      draw::draw_rectangle(image, left, top, kLine, 2 * kHalf, colour);
+      draw::draw_rectangle(image, left + 2 * kHalf - kLine, top, kLine, 2 * kHalf, colour);
     }
   }
 
@@ -165,7 +165,7 @@ class Scene {
   double scale_ = 1;
 };
 
-void paste(const camera::Image& part, int column, int row, camera::Image& whole) {
+void paste(const draw::Image& part, int column, int row, draw::Image& whole) {
   for (int y = 0; y < part.height; ++y) {
     std::memcpy(whole.pixel(column, row + y), part.pixel(0, y), std::size_t(3) * part.width);
   }
@@ -210,12 +210,12 @@ mesh::TriangleSurface background(const mesh::TriangleSurface& surface) {
 void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& faults,
                  const std::string& title, const std::filesystem::path& png) {
   const Scene scene(body, faults);
-  camera::Image image(2 * kPanel + 4, kTitle + kHeight);
+  draw::Image image(2 * kPanel + 4, kTitle + kHeight);
   std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
   paste(scene.whole(), 0, kTitle, image);
   paste(scene.close_up(), kPanel + 4, kTitle, image);
-  camera::draw_title(image, title);
-  std::vector<camera::LegendEntry> legend;
+  draw::draw_title(image, title);
+  std::vector<draw::LegendEntry> legend;
   for (std::size_t kind = 0; kind < faults.size(); ++kind) {
     const Fault& fault = faults[kind];
     if (fault.points.empty() && fault.faces.empty() && fault.lines.empty()) continue;
@@ -226,8 +226,8 @@ void draw_faults(const mesh::TriangleSurface& body, const std::vector<Fault>& fa
     legend.push_back({label, colour_of(kind)});
   }
   if (faults.empty()) legend.push_back({"no faults found", kWire});
-  camera::draw_legend(image, legend);
-  camera::write_png(png.string(), image);
+  draw::draw_legend(image, legend);
+  draw::write_png(png.string(), image);
 }
 
 }  // namespace palpate::mesh_tool

@@ -2,14 +2,14 @@
 #include <cmath>
 #include <cstdio>
 
-#include "sim/camera/annotate.hpp"
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/annotate.hpp"
+#include "sim/draw/png_file.hpp"
 #include "tools/mesh/quality.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
 
-using camera::Colour;
+using draw::Colour;
 
 constexpr int kColumns = 2, kPanelWidth = 780, kPanelHeight = 330, kTitle = 34, kBins = 36;  // px
 constexpr int kLeft = 70, kRight = 20, kTop = 44, kBottom = 44;                              // px
@@ -23,7 +23,7 @@ std::string tick(double value) {
 }
 
 /// Bars of equal width between two ends, with the counts on the left.
-void draw_one(camera::Image& image, int x, int y, const Distribution& d, double low, double high) {
+void draw_one(draw::Image& image, int x, int y, const Distribution& d, double low, double high) {
   std::vector<int> counts(kBins, 0);
   for (const double value : d.values) {
     if (!std::isfinite(value)) continue;
@@ -35,26 +35,26 @@ void draw_one(camera::Image& image, int x, int y, const Distribution& d, double 
   const int left = x + kLeft, base = y + kPanelHeight - kBottom;
   for (int line = 0; line <= 4; ++line) {
     const int at = base - height * line / 4;
-    camera::draw_rectangle(image, left, at, width, 1, kGrid);
+    draw::draw_rectangle(image, left, at, width, 1, kGrid);
     const std::string label = tick(most * line / 4.0);
-    camera::draw_text(image, left - 8 - camera::text_width(label, 2), at - 7, label, kInk);
+    draw::draw_text(image, left - 8 - draw::text_width(label, 2), at - 7, label, kInk);
   }
   for (int b = 0; b < kBins; ++b) {
     const int from = left + width * b / kBins, to = left + width * (b + 1) / kBins;
     int tall = static_cast<int>(std::lround(double(height) * counts[b] / most));
     if (counts[b] > 0) tall = std::max(tall, 2);  // a single bad element shall be seen
-    camera::draw_rectangle(image, from, base - tall, to - from - 1, tall, kBar);
+    draw::draw_rectangle(image, from, base - tall, to - from - 1, tall, kBar);
   }
-  camera::draw_rectangle(image, left, base, width, 2, kInk);
+  draw::draw_rectangle(image, left, base, width, 2, kInk);
   for (int mark = 0; mark <= 4; ++mark) {
     const int at = left + width * mark / 4;
-    camera::draw_rectangle(image, at, base, 2, 6, kInk);
+    draw::draw_rectangle(image, at, base, 2, 6, kInk);
     const std::string label = tick(low + (high - low) * mark / 4);
-    const int half = camera::text_width(label, 2) / 2;
-    camera::draw_text(image, std::min(at - half, x + kPanelWidth - 2 * half - 2), base + 12, label,
-                      kInk);
+    const int half = draw::text_width(label, 2) / 2;
+    draw::draw_text(image, std::min(at - half, x + kPanelWidth - 2 * half - 2), base + 12, label,
+                    kInk);
   }
-  camera::draw_text(
+  draw::draw_text(
       image, left, y + 14,
       d.name + ": " + tick(d.least()) + " to " + tick(d.most()) + ", mean " + tick(d.mean()), kInk);
 }
@@ -71,7 +71,7 @@ void draw_histograms(const Quality& quality, const std::string& title,
       {"radius_ratio", 0, 1},         {"scaled_jacobian", 0, 1}, {"smallest_angle_deg", 0, 72},
       {"largest_angle_deg", 60, 180}, {"edge_m", 0, 0},          {"relative_stiffness", 1, 1}};
   const int rows = (static_cast<int>(std::size(kWanted)) + kColumns - 1) / kColumns;
-  camera::Image image(kColumns * kPanelWidth, kTitle + rows * kPanelHeight);
+  draw::Image image(kColumns * kPanelWidth, kTitle + rows * kPanelHeight);
   std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
   for (int i = 0; i < static_cast<int>(std::size(kWanted)); ++i) {
     const Distribution& d = quality.of(kWanted[i].key);
@@ -86,8 +86,8 @@ void draw_histograms(const Quality& quality, const std::string& title,
     draw_one(image, (i % kColumns) * kPanelWidth, kTitle + (i / kColumns) * kPanelHeight, d, low,
              high);
   }
-  camera::draw_title(image, title);
-  camera::write_png(png.string(), image);
+  draw::draw_title(image, title);
+  draw::write_png(png.string(), image);
 }
 
 }  // namespace palpate::mesh_tool

@@ -13,20 +13,20 @@ namespace {
 constexpr int kMostPoints = 256;
 
 /// A bar whose sides are a grid of `n` by 8 cells of two triangles.
-TriangleMesh bar(int n) {
+draw::TriangleMesh bar(int n) {
   constexpr int kAround = 8;
   Eigen::Matrix2Xd profile(2, n + 1);
   for (int i = 0; i <= n; ++i) profile.col(i) << 0.04, 0.5 * i / n - 0.25;
-  return make_revolution(profile, kAround);
+  return draw::make_revolution(profile, kAround);
 }
 
 std::vector<Body> bodies(int triangles) {
-  const auto shared = [](TriangleMesh mesh) {
-    return std::make_shared<const TriangleMesh>(std::move(mesh));
+  const auto shared = [](draw::TriangleMesh mesh) {
+    return std::make_shared<const draw::TriangleMesh>(std::move(mesh));
   };
-  const Colour amber{0.95F, 0.72F, 0.30F, 1}, grey{0.60F, 0.62F, 0.65F, 1};
+  const draw::Colour amber{0.95F, 0.72F, 0.30F, 1}, grey{0.60F, 0.62F, 0.65F, 1};
   std::vector<Body> all{{shared(bar(triangles / 16)), math::Pose::Identity(), amber, true}};
-  const auto link = shared(make_cylinder(0.02, 0.12));
+  const auto link = shared(draw::make_cylinder(0.02, 0.12));
   for (int i = 0; i < 30; ++i) {
     const double angle = 0.2 * i;
     all.push_back({link,
@@ -37,7 +37,7 @@ std::vector<Body> bodies(int triangles) {
   return all;
 }
 
-math::Pose camera_pose() { return look_at({0.2, -0.8, 0.2}, {0, 0, 0}, {0, 0, 1}); }
+math::Pose camera_pose() { return draw::look_at({0.2, -0.8, 0.2}, {0, 0, 0}, {0, 0, 1}); }
 
 void report_rate(benchmark::State& state) {
   state.counters["frames"] = benchmark::Counter(state.iterations(), benchmark::Counter::kIsRate);

@@ -7,7 +7,9 @@
 namespace palpate::camera {
 namespace {
 
-std::vector<Body> ball(double y) { return {body(make_sphere(0.1), at(1, y, 0), kAmber, true)}; }
+std::vector<Body> ball(double y) {
+  return {body(draw::make_sphere(0.1), at(1, y, 0), kAmber, true)};
+}
 
 ShapeCameraOptions options() {
   ShapeCameraOptions o;
@@ -40,7 +42,7 @@ TEST(BackgroundCamera, HandsErrorsOver) {
   EXPECT_THROW(BackgroundCamera(wrong, 100), std::invalid_argument);
 
   BackgroundCamera camera(options(), 100);
-  TriangleMesh broken = make_sphere(0.1);
+  draw::TriangleMesh broken = draw::make_sphere(0.1);
   broken.triangles(0, 0) = 100000;
   camera.submit({body(broken, at(1, 0, 0))}, math::Random(1));
   EXPECT_THROW(camera.collect(true), std::invalid_argument);

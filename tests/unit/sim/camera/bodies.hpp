@@ -6,12 +6,12 @@
 
 namespace palpate::camera {
 
-inline constexpr Colour kAmber{0.95F, 0.72F, 0.30F, 1};
-inline constexpr Colour kGrey{0.60F, 0.62F, 0.65F, 1};
+inline constexpr draw::Colour kAmber{0.95F, 0.72F, 0.30F, 1};
+inline constexpr draw::Colour kGrey{0.60F, 0.62F, 0.65F, 1};
 
-inline Body body(TriangleMesh mesh, const math::Pose& X_WB, const Colour& colour = kGrey,
-                 bool is_object = false) {
-  return {std::make_shared<const TriangleMesh>(std::move(mesh)), X_WB, colour, is_object};
+inline Body body(draw::TriangleMesh mesh, const math::Pose& X_WB,
+                 const draw::Colour& colour = kGrey, bool is_object = false) {
+  return {std::make_shared<const draw::TriangleMesh>(std::move(mesh)), X_WB, colour, is_object};
 }
 
 inline math::Pose at(double x, double y, double z,
@@ -20,6 +20,6 @@ inline math::Pose at(double x, double y, double z,
 }
 
 /// Camera at the origin of W, looking along x, its top towards z.
-inline math::Pose camera_along_x() { return look_at({0, 0, 0}, {1, 0, 0}, {0, 0, 1}); }
+inline math::Pose camera_along_x() { return draw::look_at({0, 0, 0}, {1, 0, 0}, {0, 0, 1}); }
 
 }  // namespace palpate::camera

@@ -56,7 +56,7 @@ struct Comparison {
 /// Casts a ray through every third pixel.
 Comparison compare(const DepthFrame& frame, const std::vector<Body>& bodies) {
   Comparison c;
-  const Intrinsics& k = frame.view.intrinsics;
+  const draw::Intrinsics& k = frame.view.intrinsics;
   for (int row = 0; row < frame.depth.height; row += 3) {
     for (int column = 0; column < frame.depth.width; column += 3) {
       const Vector3d ray =
@@ -84,9 +84,9 @@ Comparison compare(const DepthFrame& frame, const std::vector<Body>& bodies) {
 
 TEST(DepthCamera, AgreesWithRayCastingAtEightyCentimetres) {
   const std::vector<Body> bodies{
-      body(make_box({0.06, 0.5, 0.06}), at(0.8, 0.02, 0.01, {0.3, 0.2, 0.5}), kAmber, true),
-      body(make_sphere(0.08), at(0.75, -0.2, 0.12)),
-      body(make_cylinder(0.05, 0.3), at(0.85, 0.18, -0.1, {0.9, -0.4, 0.2}))};
+      body(draw::make_box({0.06, 0.5, 0.06}), at(0.8, 0.02, 0.01, {0.3, 0.2, 0.5}), kAmber, true),
+      body(draw::make_sphere(0.08), at(0.75, -0.2, 0.12)),
+      body(draw::make_cylinder(0.05, 0.3), at(0.85, 0.18, -0.1, {0.9, -0.4, 0.2}))};
   DepthCamera camera;
   const DepthFrame frame = camera.take(camera_along_x(), bodies);
   EXPECT_EQ(frame.depth.width, 640);
@@ -104,7 +104,7 @@ TEST(DepthCamera, AgreesWithRayCastingAtEightyCentimetres) {
 TEST(DepthCamera, PoseOfTheCameraIsTheViewsPose) {
   // The same scene moved with the camera looks the same.
   const std::vector<Body> bodies{
-      body(make_box({0.1, 0.3, 0.2}), at(0.8, 0.05, -0.03, {0, 0, 0.4}))};
+      body(draw::make_box({0.1, 0.3, 0.2}), at(0.8, 0.05, -0.03, {0, 0, 0.4}))};
   const math::Pose X = at(0.3, -0.7, 1.1, {0.5, -1.2, 0.8});
   std::vector<Body> moved = bodies;
   moved[0].X_WB = X * bodies[0].X_WB;
@@ -123,12 +123,12 @@ TEST(DepthCamera, PoseOfTheCameraIsTheViewsPose) {
 int count(const Mask& mask) { return static_cast<int>(std::count(mask.begin(), mask.end(), 1)); }
 
 TEST(DepthCamera, ABoxInFrontHidesTheObject) {
-  const Body object = body(make_box({0.06, 0.4, 0.06}), at(0.8, 0, 0), kAmber, true);
-  const Body behind = body(make_box({0.1, 1, 1}), at(1.2, 0, 0));
+  const Body object = body(draw::make_box({0.06, 0.4, 0.06}), at(0.8, 0, 0), kAmber, true);
+  const Body behind = body(draw::make_box({0.1, 1, 1}), at(1.2, 0, 0));
   // Of the width of 0.4 m, 0.1 m is hidden by a screen at half the distance.
   const double front = 0.77, screen = 0.4;
-  const Body half = body(make_box({0.001, 0.1 * screen / front, 1}), at(screen, 0, 0));
-  const Body all = body(make_box({0.001, 1, 1}), at(screen, 0, 0));
+  const Body half = body(draw::make_box({0.001, 0.1 * screen / front, 1}), at(screen, 0, 0));
+  const Body all = body(draw::make_box({0.001, 1, 1}), at(screen, 0, 0));
   DepthCamera camera;
   const auto visible = [&](const std::vector<Body>& bodies) {
     const DepthFrame frame = camera.take(camera_along_x(), bodies);
@@ -144,8 +144,8 @@ TEST(DepthCamera, ABoxInFrontHidesTheObject) {
 
 TEST(DepthCamera, MaskShowsTheObjectAndNothingElse) {
   const std::vector<Body> bodies{
-      body(make_sphere(0.1), at(0.8, 0.1, 0), kAmber, true),
-      body(make_sphere(0.1), at(0.8, -0.1, 0.05), kAmber)};  // alike, but not the object
+      body(draw::make_sphere(0.1), at(0.8, 0.1, 0), kAmber, true),
+      body(draw::make_sphere(0.1), at(0.8, -0.1, 0.05), kAmber)};  // alike, but not the object
   DepthCamera camera;
   const DepthFrame frame = camera.take(camera_along_x(), bodies);
   const Mask mask = camera.object_mask(frame, bodies);
@@ -157,7 +157,7 @@ TEST(DepthCamera, MaskShowsTheObjectAndNothingElse) {
         wrong += mask[row * 640 + column];
         continue;
       }
-      const Intrinsics& k = frame.view.intrinsics;
+      const draw::Intrinsics& k = frame.view.intrinsics;
       const Vector3d p =
           frame.view.X_WC * Vector3d(z * (column - k.cx) / k.fx, z * (row - k.cy) / k.fy, z);
       const bool is_object = std::abs((p - Vector3d(0.8, 0.1, 0)).norm() - 0.1) < 1e-3;

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kWidth = 200, kHeight = 160;
 
-Intrinsics intrinsics() { return {585, 585, 99.5, 79.5}; }
+draw::Intrinsics intrinsics() { return {585, 585, 99.5, 79.5}; }
 
 DepthNoiseOptions only_noise() {
   DepthNoiseOptions options;
@@ -22,9 +22,9 @@ DepthNoiseOptions only_noise() {
 }
 
 /// A plane through the optical axis at `distance`, turned about the picture's upright by `angle`.
-DepthImage plane(double distance, double angle) {
-  DepthImage image{kWidth, kHeight, std::vector<float>(std::size_t(kWidth) * kHeight)};
-  const Intrinsics k = intrinsics();
+draw::DepthImage plane(double distance, double angle) {
+  draw::DepthImage image{kWidth, kHeight, std::vector<float>(std::size_t(kWidth) * kHeight)};
+  const draw::Intrinsics k = intrinsics();
   for (int row = 0; row < kHeight; ++row)
     for (int column = 0; column < kWidth; ++column)
       image.metres[std::size_t(row) * kWidth + column] =
@@ -40,7 +40,7 @@ struct Statistics {
 };
 
 /// Errors of the middle of the picture, where distance and angle are those asked for.
-Statistics errors(const DepthImage& measured, const DepthImage& truth, int half_width) {
+Statistics errors(const draw::DepthImage& measured, const draw::DepthImage& truth, int half_width) {
   Statistics s;
   double squares = 0;
   for (int row = 20; row < kHeight - 20; ++row) {
@@ -64,7 +64,7 @@ TEST(DepthNoise, GrowsWithDistanceAndAngleAsPublished) {
   const DepthNoise noise(only_noise(), intrinsics());
   for (const double distance : {0.6, 0.8, 1.5, 3.0}) {
     for (const double angle : {0.0, 0.5, 1.2}) {
-      const DepthImage truth = plane(distance, angle);
+      const draw::DepthImage truth = plane(distance, angle);
       const Statistics s = errors(noise.apply(truth, math::Random(4)), truth, 10);
       // Nguyen et al. 2012, eq. 3, in numbers of the paper.
       double expected = 0.0012 + 0.0019 * std::pow(distance - 0.4, 2);
@@ -82,8 +82,8 @@ TEST(DepthNoise, DisparityComesInSteps) {
   options.scale = 0;
   options.disparity_step = 0.125;
   const DepthNoise noise(options, intrinsics());
-  const DepthImage truth = plane(1, 0.6);
-  const DepthImage measured = noise.apply(truth, math::Random(1));
+  const draw::DepthImage truth = plane(1, 0.6);
+  const draw::DepthImage measured = noise.apply(truth, math::Random(1));
   double worst = 0;
   for (std::size_t i = 0; i < truth.metres.size(); ++i) {
     const double counts = 8 * 0.075 * 585 / measured.metres[i];
@@ -101,7 +101,7 @@ TEST(DepthNoise, DeviationIsWhatAFrontalSurfaceShows) {
   const DepthNoise noise(options, intrinsics());
   for (const double distance : {0.8, 2.0}) {
     // A slight slope, so that the steps are met at every place.
-    const DepthImage truth = plane(distance, 0.2);
+    const draw::DepthImage truth = plane(distance, 0.2);
     const Statistics s = errors(noise.apply(truth, math::Random(2)), truth, 60);
     EXPECT_NEAR(s.deviation, noise.deviation(distance), 0.05 * s.deviation) << distance;
   }
@@ -110,7 +110,7 @@ TEST(DepthNoise, DeviationIsWhatAFrontalSurfaceShows) {
 TEST(DepthNoise, GrazingSurfacesAndWhatIsOutOfRangeAreNotSeen) {
   const DepthNoise noise(DepthNoiseOptions(), intrinsics());
   const auto share = [&](double distance, double angle) {
-    const DepthImage truth = plane(distance, angle);
+    const draw::DepthImage truth = plane(distance, angle);
     const Statistics s = errors(noise.apply(truth, math::Random(1)), truth, 5);
     return s.count / double(s.count + s.empty);
   };
@@ -121,8 +121,8 @@ TEST(DepthNoise, GrazingSurfacesAndWhatIsOutOfRangeAreNotSeen) {
 }
 
 /// A square of 60 px at 0.8 m before a wall at 1.2 m.
-DepthImage step_picture() {
-  DepthImage image = plane(1.2, 0);
+draw::DepthImage step_picture() {
+  draw::DepthImage image = plane(1.2, 0);
   for (int row = 50; row < 110; ++row)
     for (int column = 70; column < 130; ++column)
       image.metres[std::size_t(row) * kWidth + column] = 0.8F;
@@ -137,7 +137,7 @@ TEST(DepthNoise, EdgesLoseTheirShareOfPixels) {
   int lost = 0;
   const int pictures = 20;
   for (int i = 0; i < pictures; ++i) {
-    const DepthImage measured = noise.apply(step_picture(), math::Random(i));
+    const draw::DepthImage measured = noise.apply(step_picture(), math::Random(i));
     for (std::size_t p = 0; p < measured.metres.size(); ++p) lost += measured.metres[p] == 0;
   }
   const int beside = 4 * 60 + 4 * 60 - 4;  // outside and inside of the outline
@@ -152,7 +152,7 @@ TEST(DepthNoise, EdgesAreSeenBesideWhereTheyAre) {
   const int pictures = 40;
   std::vector<double> near(kWidth);
   for (int i = 0; i < pictures; ++i) {
-    const DepthImage measured = noise.apply(step_picture(), math::Random(i));
+    const draw::DepthImage measured = noise.apply(step_picture(), math::Random(i));
     for (int column = 60; column < 80; ++column)
       for (int row = 60; row < 100; ++row) near[column] += measured.at(column, row) < 1;
   }
@@ -167,8 +167,8 @@ TEST(DepthNoise, EdgesAreSeenBesideWhereTheyAre) {
 
 TEST(DepthNoise, SeedDecidesAlone) {
   const DepthNoise noise(DepthNoiseOptions(), intrinsics());
-  const DepthImage truth = step_picture();
-  const DepthImage a = noise.apply(truth, math::Random(7, "camera"));
+  const draw::DepthImage truth = step_picture();
+  const draw::DepthImage a = noise.apply(truth, math::Random(7, "camera"));
   EXPECT_EQ(a.metres, noise.apply(truth, math::Random(7, "camera")).metres);
   EXPECT_NE(a.metres, noise.apply(truth, math::Random(8, "camera")).metres);
 }
@@ -176,7 +176,7 @@ TEST(DepthNoise, SeedDecidesAlone) {
 TEST(DepthNoise, WithoutFaultsIsTheTruth) {
   DepthNoiseOptions options = only_noise();
   options.scale = 0;
-  const DepthImage truth = step_picture();
+  const draw::DepthImage truth = step_picture();
   EXPECT_EQ(DepthNoise(options, intrinsics()).apply(truth, math::Random(1)).metres, truth.metres);
 }
 

@@ -13,7 +13,7 @@ namespace palpate::camera {
 namespace {
 
 TEST(BackProject, UndoesTheProjection) {
-  const Intrinsics k{585, 580, 310, 250};
+  const draw::Intrinsics k{585, 580, 310, 250};
   const Eigen::Vector3d p(0.12, -0.07, 0.9);
   const double column = k.fx * p.x() / p.z() + k.cx, row = k.fy * p.y() / p.z() + k.cy;
   EXPECT_LT((back_project(k, column, row, p.z()) - p).norm(), 1e-12);
@@ -22,9 +22,9 @@ TEST(BackProject, UndoesTheProjection) {
 TEST(BackProject, PointsOfASphereLieOnIt) {
   const Eigen::Vector3d centre(0.9, 0.1, -0.05);
   const std::vector<Body> bodies{
-      body(make_sphere(0.15), at(centre.x(), centre.y(), centre.z()), kAmber, true)};
+      body(draw::make_sphere(0.15), at(centre.x(), centre.y(), centre.z()), kAmber, true)};
   DepthCamera camera;
-  const math::Pose X_WC = look_at({0.1, -0.4, 0.3}, centre, {0, 0, 1});
+  const math::Pose X_WC = draw::look_at({0.1, -0.4, 0.3}, centre, {0, 0, 1});
   const DepthFrame frame = camera.take(X_WC, bodies);
   const Eigen::Matrix3Xd points_C = back_project(frame.depth, camera.intrinsics());
   const Eigen::Matrix3Xd points_W = (X_WC.linear() * points_C).colwise() + X_WC.translation();
@@ -80,13 +80,13 @@ TEST(ThinByVoxels, NeverLeavesMoreThanAskedFor) {
 }
 
 TEST(Segment, BoxAndColourFindTheObjectAmongOthers) {
-  const Colour orange{0.95F, 0.45F, 0.10F, 1}, skin{0.25F, 0.55F, 0.35F, 1};
+  const draw::Colour orange{0.95F, 0.45F, 0.10F, 1}, skin{0.25F, 0.55F, 0.35F, 1};
   const std::vector<Body> bodies{
-      body(make_box({0.06, 0.5, 0.06}), at(0.8, 0, 0, {0.2, 0.3, 0.4}), kAmber, true),
-      body(make_cylinder(0.05, 0.2), at(0.7, 0.2, 0), orange),
-      body(make_sphere(0.04), at(0.72, 0, 0.02), skin),
-      body(make_box({0.2, 2, 0.02}), at(0.9, 0, -0.15)),
-      body(make_sphere(0.05), at(0.8, -0.1, 0.2), kAmber)};  // alike, but not where it may be
+      body(draw::make_box({0.06, 0.5, 0.06}), at(0.8, 0, 0, {0.2, 0.3, 0.4}), kAmber, true),
+      body(draw::make_cylinder(0.05, 0.2), at(0.7, 0.2, 0), orange),
+      body(draw::make_sphere(0.04), at(0.72, 0, 0.02), skin),
+      body(draw::make_box({0.2, 2, 0.02}), at(0.9, 0, -0.15)),
+      body(draw::make_sphere(0.05), at(0.8, -0.1, 0.2), kAmber)};  // alike, but not where it may be
   DepthCamera camera;
   const DepthFrame frame = camera.take(camera_along_x(), bodies);
   const Mask truth = camera.object_mask(frame, bodies);

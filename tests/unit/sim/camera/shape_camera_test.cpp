@@ -13,13 +13,13 @@ namespace {
 const Eigen::Vector3d kSize(0.06, 0.5, 0.08);
 
 std::vector<Body> bar_and_hand() {
-  return {body(make_box(kSize), at(0.8, 0, 0), kAmber, true),
-          body(make_box({0.1, 0.1, 0.2}), at(0.7, 0.15, 0))};
+  return {body(draw::make_box(kSize), at(0.8, 0, 0), kAmber, true),
+          body(draw::make_box({0.1, 0.1, 0.2}), at(0.7, 0.15, 0))};
 }
 
 ShapeCameraOptions options() {
   ShapeCameraOptions o;
-  o.X_WC = look_at({0, 0.1, 0.3}, {0.8, 0, 0}, {0, 0, 1});
+  o.X_WC = draw::look_at({0, 0.1, 0.3}, {0.8, 0, 0}, {0, 0, 1});
   o.filter.X_WB = at(0.8, 0, 0);
   o.filter.lower.setConstant(-0.4);
   o.filter.upper.setConstant(0.4);

@@ -10,7 +10,7 @@
 namespace palpate::evaluate {
 namespace {
 
-camera::TriangleMesh moved(camera::TriangleMesh mesh, const Eigen::Vector3d& by) {
+draw::TriangleMesh moved(draw::TriangleMesh mesh, const Eigen::Vector3d& by) {
   mesh.points.colwise() += by;
   return mesh;
 }
@@ -25,7 +25,7 @@ TEST(CloudDistance, NearestIsThatOfExhaustiveSearch) {
     EXPECT_NEAR(distances[i], (cloud.colwise() - points.col(i)).colwise().norm().minCoeff(), 1e-12);
   EXPECT_EQ(distances_to_cloud(cloud.leftCols(1), cloud)[0], 0);
   EXPECT_THROW(distances_to_cloud(points, Eigen::Matrix3Xd(3, 0)), std::invalid_argument);
-  EXPECT_THROW(distances_to_surface(points, camera::TriangleMesh{cloud, Eigen::Matrix3Xi(3, 0)}),
+  EXPECT_THROW(distances_to_surface(points, draw::TriangleMesh{cloud, Eigen::Matrix3Xi(3, 0)}),
                std::invalid_argument);
 }
 
@@ -42,7 +42,7 @@ TEST(CloudDistance, SummaryIsWeighted) {
 }
 
 TEST(SurfaceSamples, CoverTheSurfaceAndWeighItsArea) {
-  const camera::TriangleMesh box = camera::make_box({0.3, 0.2, 0.1});
+  const draw::TriangleMesh box = draw::make_box({0.3, 0.2, 0.1});
   const double spacing = 0.02;
   const SurfaceSamples samples = sample_surface(box, spacing);
   EXPECT_NEAR(samples.weights.sum(), 2 * (0.06 + 0.03 + 0.02), 1e-12);
@@ -57,7 +57,7 @@ TEST(SurfaceSamples, CoverTheSurfaceAndWeighItsArea) {
 }
 
 TEST(SurfaceSamples, OfASurfaceThatHasBurstThereAreNoMoreThanCanBeScored) {
-  camera::TriangleMesh box = camera::make_box({3000, 2000, 1000});
+  draw::TriangleMesh box = draw::make_box({3000, 2000, 1000});
   const SurfaceSamples samples = sample_surface(box, 2.5e-3);
   EXPECT_NEAR(samples.weights.sum(), 2 * (6 + 3 + 2) * 1e6, 1);
   EXPECT_GT(samples.points.cols(), 1e5);
@@ -73,7 +73,7 @@ TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
     return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
                            random.uniform(-size, size));
   };
-  camera::TriangleMesh soup;
+  draw::TriangleMesh soup;
   soup.points.resize(3, 180);
   soup.triangles.resize(3, 60);
   for (int t = 0; t < 60; ++t) {
@@ -95,7 +95,7 @@ TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
 
 TEST(SurfaceDistance, ShiftedCubeHasItsAnalyticDistances) {
   const double a = 0.2, s = 0.03;
-  const camera::TriangleMesh cube = camera::make_box({a, a, a});
+  const draw::TriangleMesh cube = draw::make_box({a, a, a});
   const SurfaceDistance d = surface_distance(cube, moved(cube, {s, 0, 0}), 0.004);
   // Over the face ahead s; over the face behind min(s, distance to its edges); beside, what sticks
   // out by x is x away. By area: s / 3 + 2 s^3 / (9 a^2).
@@ -108,14 +108,14 @@ TEST(SurfaceDistance, ShiftedCubeHasItsAnalyticDistances) {
 
 TEST(SurfaceDistance, ConcentricSpheresAndAPartOfASurface) {
   const SurfaceDistance d =
-      surface_distance(camera::make_sphere(0.10), camera::make_sphere(0.12), 0.005);
+      surface_distance(draw::make_sphere(0.10), draw::make_sphere(0.12), 0.005);
   EXPECT_NEAR(d.from_first.mean, 0.02, 2e-4);
   EXPECT_NEAR(d.from_second.mean, 0.02, 2e-4);
   EXPECT_NEAR(d.hausdorff, 0.02, 1e-3);  // facets
 
   // A part lies on the whole, but the whole does not lie on the part.
-  const camera::TriangleMesh box = camera::make_box({0.1, 0.1, 0.1});
-  camera::TriangleMesh open = box;
+  const draw::TriangleMesh box = draw::make_box({0.1, 0.1, 0.1});
+  draw::TriangleMesh open = box;
   open.triangles = box.triangles.leftCols(10);  // without one face
   const SurfaceDistance part = surface_distance(open, box, 0.005);
   EXPECT_LT(part.from_first.maximum, 1e-12);

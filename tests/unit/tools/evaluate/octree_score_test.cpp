@@ -90,7 +90,7 @@ TEST(OctreeAgreement, FallsWithDistanceByTheResolution) {
 }
 
 TEST(OctreeAgreement, RoundingOnRoundNumbersDoesNotDecide) {
-  const SurfaceSamples samples = sample_surface(camera::make_box({0.1, 0.06, 0.04}), 0.002);
+  const SurfaceSamples samples = sample_surface(draw::make_box({0.1, 0.06, 0.04}), 0.002);
   Eigen::Matrix3Xd rounded = samples.points;
   rounded.array() += 1e-12;
   EXPECT_GT(octree_agreement(rounded, samples.points, 0.01).estimate_in_truth, 0.999);
@@ -110,9 +110,9 @@ TEST(OctreeAgreement, RefusesNonsense) {
 
 TEST(VirtualCloud, SameSurfaceAgreesAndAMovedOneDoesNot) {
   camera::DepthCamera camera;
-  const math::Pose X_WC = camera::look_at({0.5, -0.8, 0.4}, {0, 0, 0}, {0, 0, 1});
-  const camera::TriangleMesh bar = camera::make_box({0.5, 0.06, 0.06});
-  camera::TriangleMesh lower = bar;
+  const math::Pose X_WC = draw::look_at({0.5, -0.8, 0.4}, {0, 0, 0}, {0, 0, 1});
+  const draw::TriangleMesh bar = draw::make_box({0.5, 0.06, 0.06});
+  draw::TriangleMesh lower = bar;
   lower.points.row(2).array() -= 0.03;
   const Eigen::Matrix3Xd cloud = virtual_cloud(camera, X_WC, bar);
   ASSERT_GT(cloud.cols(), 5000);
@@ -127,7 +127,7 @@ TEST(VirtualCloud, SameSurfaceAgreesAndAMovedOneDoesNot) {
 
   // What stood before the camera hides as much of the virtual cloud.
   camera::Body screen;
-  screen.mesh = std::make_shared<const camera::TriangleMesh>(camera::make_box({0.2, 0.01, 0.3}));
+  screen.mesh = std::make_shared<const draw::TriangleMesh>(draw::make_box({0.2, 0.01, 0.3}));
   screen.X_WB.translation() << 0.1, -0.1, 0;
   screen.is_object = true;
   const Eigen::Matrix3Xd hidden = virtual_cloud(camera, X_WC, bar, {screen});

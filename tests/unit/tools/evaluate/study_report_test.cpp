@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/png_file.hpp"
 #include "tests/unit/tools/evaluate/study_folder.hpp"
 #include "tools/evaluate/html.hpp"
 #include "tools/evaluate/study_host.hpp"
@@ -165,7 +165,7 @@ TEST(StudyPage, NeedsNoOtherFile) {
   report.folder = folder.file("out");
   std::filesystem::create_directories(report.folder / "job_1");
   EXPECT_THAT(study_page(report), HasSubstr("no picture"));
-  camera::write_png(report.folder / "job_1/state.png", camera::Image(2, 2));
+  draw::write_png(report.folder / "job_1/state.png", draw::Image(2, 2));
   write_study(report);
   const std::string page = folder.read("out/report.html");
   EXPECT_THAT(page, HasSubstr("src=\"data:image/png;base64,iVBORw0KGgo"));

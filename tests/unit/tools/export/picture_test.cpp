@@ -2,8 +2,8 @@
 
 #include <gtest/gtest.h>
 
-#include "sim/camera/annotate.hpp"
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/annotate.hpp"
+#include "sim/draw/png_file.hpp"
 #include "tests/unit/tools/export/python.hpp"
 #include "tests/unit/tools/export/small_run.hpp"
 
@@ -17,14 +17,14 @@ class PictureTest : public testing::Test {
     drawing_.height = 300;
   }
 
-  camera::Image picture(const std::vector<double>& times) {
+  draw::Image picture(const std::vector<double>& times) {
     const auto file = run_.folder() / "picture.png";
     export_png(follower_, drawing_, times, file);
-    return camera::read_png(file.string());
+    return draw::read_png(file.string());
   }
 
   /// Share of the pixels that are near a colour up to brightness.
-  static double share(const camera::Image& image, const camera::Colour& colour) {
+  static double share(const draw::Image& image, const draw::Colour& colour) {
     const Eigen::Vector3d wanted =
         Eigen::Vector3d(colour.red, colour.green, colour.blue).normalized();
     int count = 0;
@@ -49,19 +49,19 @@ TEST_F(PictureTest, ColoursTellTheQuantity) {
   drawing_.high = 0.2;
   // Half of the scale's end: equivalent strain of a stretch of 1.1 is 2/3 of its 0.105.
   const double value = 2.0 / 3 * 0.5 * (1.1 * 1.1 - 1) / 0.2;
-  const camera::Image late = picture({1.02});
+  const draw::Image late = picture({1.02});
   EXPECT_EQ(late.width, 480);
-  EXPECT_GT(share(late, camera::colour_map(value)), 0.05);
-  const camera::Image early = picture({0.02});
-  EXPECT_LT(share(early, camera::colour_map(value)), 0.02);
-  EXPECT_GT(share(early, camera::colour_map(0)), 0.015);
-  EXPECT_LT(share(late, camera::colour_map(0)), 0.005);
+  EXPECT_GT(share(late, draw::colour_map(value)), 0.05);
+  const draw::Image early = picture({0.02});
+  EXPECT_LT(share(early, draw::colour_map(value)), 0.02);
+  EXPECT_GT(share(early, draw::colour_map(0)), 0.015);
+  EXPECT_LT(share(late, draw::colour_map(0)), 0.005);
 }
 
 TEST_F(PictureTest, TruthAndForcesCanBeSeen) {
   drawing_.quantity = Quantity::kNone;
-  const camera::Colour wire{0.86F, 0.10F, 0.10F, 1}, arrow{0.90F, 0.35F, 0.05F, 1};
-  const camera::Image image = picture({});
+  const draw::Colour wire{0.86F, 0.10F, 0.10F, 1}, arrow{0.90F, 0.35F, 0.05F, 1};
+  const draw::Image image = picture({});
   EXPECT_GT(share(image, wire), 0.002);
   EXPECT_GT(share(image, arrow), 0.002);
 }

@@ -9,7 +9,7 @@
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/png_file.hpp"
 #include "tests/unit/tools/mesh/mesh_folder.hpp"
 #include "tools/mesh/faults.hpp"
 #include "tools/mesh/mesh_files.hpp"
@@ -23,7 +23,7 @@ using ::testing::Not;
 
 /// How many pixels have the colour that faults have in pictures, in any light.
 int red_pixels(const std::string& png) {
-  const camera::Image image = camera::read_png(png);
+  const draw::Image image = draw::read_png(png);
   int count = 0;
   for (int y = 34; y < image.height - 60; ++y) {  // neither title nor legend
     for (int x = 0; x < image.width; ++x) {
@@ -337,7 +337,7 @@ TEST_F(Program, ReportsQualityCostAndHistograms) {
   EXPECT_NEAR(quality["smallest_angle_deg"]["least"], 54.7356, 1e-4);
   EXPECT_NEAR(quality["relative_stiffness"]["least"], 1, 1e-9);
   EXPECT_GT(result["step_cost"]["order_2"]["median_s"], result["step_cost"]["order_1"]["median_s"]);
-  const camera::Image picture = camera::read_png(path("h.png"));
+  const draw::Image picture = draw::read_png(path("h.png"));
   EXPECT_GT(picture.width, 1000);
 }
 

@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/camera/image.hpp"
+#include "sim/draw/image.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Each throws std::runtime_error that names the file and the reason. Encoding 640 x 480 takes
 /// tens of milliseconds: not for a loop.
@@ -14,4 +14,4 @@ void write_png(const std::string& path, const Image& image);
 Image read_png(const std::string& path);
 std::vector<std::uint8_t> encode_png(const Image& image);
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

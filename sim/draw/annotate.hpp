@@ -3,9 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "sim/camera/image.hpp"
+#include "sim/draw/image.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Width and height in px of a line of text in the built-in 5 x 7 font, `scale` px per dot.
 int text_width(const std::string& text, int scale);
@@ -36,4 +36,4 @@ void draw_colour_bar(Image& image, double low, double high, const std::string& c
 /// Perceptually even colours from dark blue (t = 0) over green to yellow (t = 1), after viridis.
 Colour colour_map(double t);
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

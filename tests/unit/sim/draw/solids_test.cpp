@@ -1,13 +1,13 @@
-#include "sim/camera/solids.hpp"
+#include "sim/draw/solids.hpp"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "sim/camera/normals.hpp"
+#include "sim/draw/normals.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 /// Volume by the divergence theorem; wrong or negative where a triangle faces inwards. The sum of
@@ -53,4 +53,4 @@ TEST(CornerNormals, RoundASphereAndKeepABoxSharp) {
 }
 
 }  // namespace
-}  // namespace palpate::camera
+}  // namespace palpate::draw

@@ -1,11 +1,11 @@
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/png_file.hpp"
 
 #include <png.h>
 
 #include <cstring>
 #include <stdexcept>
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 png_image describe(const Image& image) {
@@ -58,4 +58,4 @@ std::vector<std::uint8_t> encode_png(const Image& image) {
   return bytes;
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

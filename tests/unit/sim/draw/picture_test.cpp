@@ -4,10 +4,10 @@
 #include <cstdio>
 #include <fstream>
 
-#include "sim/camera/annotate.hpp"
-#include "sim/camera/png_file.hpp"
+#include "sim/draw/annotate.hpp"
+#include "sim/draw/png_file.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 Image pattern() {
@@ -95,4 +95,4 @@ TEST(Annotate, ColourMapBrightensEvenly) {
 }
 
 }  // namespace
-}  // namespace palpate::camera
+}  // namespace palpate::draw

@@ -1,4 +1,4 @@
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/renderer.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -7,9 +7,9 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/camera/normals.hpp"
+#include "sim/draw/normals.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 constexpr double kCrease = 0.7;  // rad, about 40 degrees
@@ -327,4 +327,4 @@ void Renderer::read_colours() {
   }
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

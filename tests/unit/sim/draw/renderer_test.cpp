@@ -1,11 +1,11 @@
-#include "sim/camera/renderer.hpp"
+#include "sim/draw/renderer.hpp"
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 constexpr int kWidth = 320;
@@ -212,4 +212,4 @@ TEST(Renderer, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace palpate::camera
+}  // namespace palpate::draw

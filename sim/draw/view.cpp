@@ -1,9 +1,9 @@
-#include "sim/camera/view.hpp"
+#include "sim/draw/view.hpp"
 
 #include <cmath>
 #include <stdexcept>
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 Intrinsics Intrinsics::from_field_of_view(double vertical, int width, int height) {
   const double focal = 0.5 * height / std::tan(0.5 * vertical);
@@ -31,4 +31,4 @@ View make_view(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const 
   return view;
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

@@ -1,10 +1,10 @@
-#include "sim/camera/normals.hpp"
+#include "sim/draw/normals.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
 #include <vector>
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 Eigen::Matrix3Xd corner_normals(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
                                 double crease) {
@@ -35,4 +35,4 @@ Eigen::Matrix3Xd corner_normals(const Eigen::Matrix3Xd& points, const Eigen::Mat
   return normals;
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

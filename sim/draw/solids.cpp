@@ -1,9 +1,9 @@
-#include "sim/camera/solids.hpp"
+#include "sim/draw/solids.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 constexpr double kPi = 3.14159265358979323846;
@@ -89,4 +89,4 @@ TriangleMesh make_arrow(double length, double shaft_radius) {
   return make_revolution(profile, kSegments);
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Colour with opacity, each in [0, 1].
 struct Colour {
@@ -40,4 +40,4 @@ struct DepthImage {
   std::vector<float> metres;
 };
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

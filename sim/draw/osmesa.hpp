@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Mesa's off-screen OpenGL, loaded privately: its symbols clash with those of libGL, which other
 /// libraries may bring into the process, so nothing links to it and every function is asked for.
@@ -76,4 +76,4 @@ class OsMesaContext {
   std::unique_ptr<osmesa_context, Destroy> context_;
 };
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

@@ -1,13 +1,13 @@
-#include "sim/camera/annotate.hpp"
+#include "sim/draw/annotate.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "sim/camera/font.hpp"
+#include "sim/draw/font.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 constexpr Colour kInk{0.1F, 0.12F, 0.15F, 1};
@@ -132,4 +132,4 @@ Colour colour_map(double t) {
   return {mixed[0], mixed[1], mixed[2], 1};
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

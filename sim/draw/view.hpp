@@ -2,7 +2,7 @@
 
 #include "core/math/rigid.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Pinhole: a point (x, y, z) of the camera frame is seen at column fx x / z + cx, row
 /// fy y / z + cy. Whole numbers are centres of pixels, (0, 0) that of the upper left one.
@@ -33,4 +33,4 @@ math::Pose look_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target,
 View make_view(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, const Eigen::Vector3d& up,
                double vertical_field_of_view, int width, int height);
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

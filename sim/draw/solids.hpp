@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 /// Closed triangle mesh. points: 3 x n, m; triangles: 3 x m, outward by the right-hand rule.
 struct TriangleMesh {
@@ -26,4 +26,4 @@ TriangleMesh make_sphere(double radius);
 /// Arrow from the origin along z; its head is at most half of the length.
 TriangleMesh make_arrow(double length, double shaft_radius);
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

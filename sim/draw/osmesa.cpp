@@ -1,4 +1,4 @@
-#include "sim/camera/osmesa.hpp"
+#include "sim/draw/osmesa.hpp"
 
 #include <dlfcn.h>
 
@@ -7,7 +7,7 @@
 
 #include "rt/loop/sanitizer.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 // The sanitizers' allocator cannot live with RTLD_DEEPBIND; their builds load no libGL anyway.
@@ -95,4 +95,4 @@ void OsMesaContext::make_current() {
   }
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

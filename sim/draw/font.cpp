@@ -1,6 +1,6 @@
-#include "sim/camera/font.hpp"
+#include "sim/draw/font.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 namespace {
 
 constexpr char kFirst = ' ';
@@ -66,4 +66,4 @@ const std::array<std::uint8_t, kGlyphWidth>& glyph(char character) {
   return kGlyphs[index >= 0 && index < kCount ? index : '?' - kFirst];
 }
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw

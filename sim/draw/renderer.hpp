@@ -5,12 +5,12 @@
 #include <vector>
 
 #include "core/math/rigid.hpp"
-#include "sim/camera/image.hpp"
-#include "sim/camera/osmesa.hpp"
-#include "sim/camera/solids.hpp"
-#include "sim/camera/view.hpp"
+#include "sim/draw/image.hpp"
+#include "sim/draw/osmesa.hpp"
+#include "sim/draw/solids.hpp"
+#include "sim/draw/view.hpp"
 
-namespace palpate::camera {
+namespace palpate::draw {
 
 enum class Shading {
   kFlat,   // one normal per triangle
@@ -93,4 +93,4 @@ class Renderer {
   std::vector<float> depth_buffer_;
 };
 
-}  // namespace palpate::camera
+}  // namespace palpate::draw
