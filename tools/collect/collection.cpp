@@ -10,8 +10,8 @@
 #include <stdexcept>
 
 #include "rt/bus/session.hpp"
-#include "tools/collect/event_log.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/log/event_log.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::collect {
 namespace {
@@ -58,7 +58,7 @@ class CsvCollection : public CollectionFile {
     const std::size_t end = text.rfind('\n');
     if (end == std::string::npos || end + 1 != text.size())
       throw std::runtime_error(path_ + ": ends within a row: cannot be resumed");
-    import::CsvReader csv(path_);
+    recordings::CsvReader csv(path_);
     const int column = csv.column("trial");
     int rows = 0, first_rows = 0;
     while (csv.next()) {
@@ -85,7 +85,7 @@ class LogCollection : public CollectionFile {
   explicit LogCollection(const std::filesystem::path& path) : log_(path) {}
 
   void add(const Trial& trial, const std::vector<Sample>& samples) override {
-    component_event_t mark = trial_event(trial.number, name_of(trial));
+    component_event_t mark = log::trial_event(trial.number, name_of(trial));
     mark_stamp_.put(mark, start_us_);
     write("COMPONENT_EVENT", mark);
     for (const Sample& sample : samples) {
@@ -121,7 +121,7 @@ class LogCollection : public CollectionFile {
     log_.write(channel, message.utime, message);
   }
 
-  EventLog log_;
+  log::EventLog log_;
   std::int64_t session_ = bus::random_session();
   bus::Stamp mark_stamp_{session_}, wrench_stamp_{session_}, biotac_stamp_{session_};
   std::int64_t start_us_ = 1000000;

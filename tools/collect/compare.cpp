@@ -8,9 +8,9 @@
 #include "core/math/rigid.hpp"
 #include "sim/sensors/biotac.hpp"
 #include "tools/collect/nelder_mead.hpp"
-#include "tools/evaluate/progress.hpp"
-#include "tools/evaluate/table.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::collect {
 namespace {
@@ -135,7 +135,7 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
                      bool fit_skin, int evaluations) {
   const PressRecording sparse = first_rows(recording, rows, 10);
   const PressRecording dense = first_rows(recording, rows, 1);
-  evaluate::Progress progress(1, 1, "calibration on the first rows");
+  common::Progress progress(1, 1, "calibration on the first rows");
   int count = 0;
   Comparison trial;
   const auto cost = [&](const PressRecording& part, const VectorXd& x) {
@@ -181,7 +181,7 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
 }  // namespace
 
 PressRecording read_press(const std::filesystem::path& file) {
-  import::CsvReader csv(file.string());
+  recordings::CsvReader csv(file.string());
   const int time = csv.column("t");
   const int force[] = {csv.column("fx"), csv.column("fy"), csv.column("fz")};
   std::vector<int> columns;
@@ -262,12 +262,12 @@ Comparison compare_press(const PressRecording& recording, const sensors::BiotacT
 
 void run_compare(const std::filesystem::path& data, bool fit_skin, double part, int evaluations,
                  std::ostream& out) {
-  using evaluate::number;
+  using common::number;
   const PressRecording recording = read_press(data / "biotac_foam_bar" / "ring_finger_dev.csv");
   const sensors::BiotacTable table =
       sensors::read_sensors(config::Node::from_text("{}", "sensors")).biotac;
   const Comparison found = compare_press(recording, table, fit_skin, part, evaluations);
-  evaluate::Table rows({"never seen", "correlation", "counts/N", "emulated", "RMS counts",
+  common::Table rows({"never seen", "correlation", "counts/N", "emulated", "RMS counts",
                         "with own gain", "loop counts N", "emulated "});
   VectorXd measured(kElectrodeCount), emulated(kElectrodeCount);
   double sum = 0, sum_own = 0;

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "rt/bus/session.hpp"
-#include "tools/collect/event_log.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/log/event_log.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/progress.hpp"
 
 namespace palpate::collect {
 namespace {
@@ -42,7 +42,7 @@ class Hand {
   Hand& operator=(const Hand&) = delete;
 
   void mark(int trial, const std::string& name) {
-    component_event_t event = trial_event(trial, name);
+    component_event_t event = log::trial_event(trial, name);
     marks_.put(event, now_us<std::chrono::system_clock>());
     log_.write("COMPONENT_EVENT", event.utime, event);
   }
@@ -53,7 +53,7 @@ class Hand {
     std::int64_t next = begin;
     for (std::int64_t now = begin; now < begin + static_cast<std::int64_t>(1e6 * seconds);
          now = now_us<std::chrono::steady_clock>()) {
-      evaluate::throw_if_interrupted();
+      common::throw_if_interrupted();
       if (now >= next) {
         command(action, force);
         next += static_cast<std::int64_t>(1e6 * kRepeat);
@@ -96,7 +96,7 @@ class Hand {
   bus::TypedPublisher<hand_command_t> commands_;
   bus::Sealer sealer_;
   bus::Stamp stamp_{bus::random_session()}, marks_{bus::random_session()};
-  EventLog log_;
+  log::EventLog log_;
   HandCount count_;
 };
 
@@ -106,7 +106,7 @@ HandCount collect_from_hand(bus::MessageBus& bus, const HandProtocol& protocol,
                             const std::string& name, const std::filesystem::path& log,
                             const std::optional<bus::Key>& key) {
   Hand hand(bus, protocol.finger, log, key);
-  evaluate::Progress progress(1, 1, "pressing " + name);
+  common::Progress progress(1, 1, "pressing " + name);
   for (int trial = 0; trial < protocol.trials; ++trial) {
     progress.show(static_cast<double>(trial) / protocol.trials,
                   "trial " + std::to_string(trial + 1));

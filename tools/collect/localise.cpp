@@ -5,8 +5,8 @@
 #include <ostream>
 
 #include "tools/collect/protocol.hpp"
-#include "tools/evaluate/table.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/common/table.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::collect {
 namespace {
@@ -38,7 +38,7 @@ struct Sums {
 std::vector<LocalisationErrors> score_localisation(const std::filesystem::path& file,
                                                    const sensing::LocalizationOptions& options,
                                                    double least_force) {
-  import::CsvReader csv(file.string());
+  recordings::CsvReader csv(file.string());
   const int trial = csv.column("trial"), area = csv.column("area"), time = csv.column("t");
   const int force[] = {csv.column("fx"), csv.column("fy"), csv.column("fz")};
   int electrode[kElectrodeCount];
@@ -105,8 +105,8 @@ std::vector<LocalisationErrors> score_localisation(const std::filesystem::path& 
 
 void run_localise(const std::filesystem::path& file, const sensing::LocalizationOptions& options,
                   std::ostream& out) {
-  using evaluate::number;
-  evaluate::Table rows({"variant", "weighting", "samples", "X mean mm", "|X|", "Y mean mm", "|Y|",
+  using common::number;
+  common::Table rows({"variant", "weighting", "samples", "X mean mm", "|X|", "Y mean mm", "|Y|",
                         "Z mean mm", "|Z|", "median mm", "right area %"});
   for (const auto weighting : {sensing::Weighting::kPublished, sensing::Weighting::kCentroid}) {
     sensing::LocalizationOptions with = options;

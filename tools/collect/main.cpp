@@ -7,8 +7,8 @@
 #include "tools/collect/compare.hpp"
 #include "tools/collect/hand.hpp"
 #include "tools/collect/localise.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/progress.hpp"
 
 namespace {
 
@@ -35,7 +35,7 @@ void run_emulate(const EmulateOptions& options) {
       options.extended ? collect::Profiles::kExtended : collect::Profiles::kThesis);
   trials.resize(std::min(trials.size(), static_cast<std::size_t>(options.most)));
   const auto file = collect::open_collection(options.out, options.resume);
-  evaluate::Progress progress(1, 1, "collecting " + std::to_string(trials.size()) + " trials");
+  common::Progress progress(1, 1, "collecting " + std::to_string(trials.size()) + " trials");
   const double count = static_cast<double>(trials.size());
   for (std::size_t i = file->trials(); i < trials.size(); ++i) {
     progress.show(static_cast<double>(i) / count, collect::name_of(trials[i]));
@@ -142,7 +142,7 @@ int main(int argc, char** argv) {
     if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
     if (*hand) {
-      evaluate::catch_interruptions();
+      common::catch_interruptions();
       std::optional<bus::Key> key;
       if (!key_file.empty()) key = bus::read_key_file(key_file);
       const auto bus = bus::make_lcm_bus(url);

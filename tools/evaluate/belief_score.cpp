@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -19,16 +19,16 @@ constexpr double kSoon = 3;                    // s of motion in which E shall b
 
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
-void score_deviations(const RunLog& run, BeliefScore& score) {
-  const MeshMessage estimate = assemble(run.shape_chunks), plant = assemble(run.truth_chunks);
-  const PlantPoints points(plant, estimate.nodes);
-  const PlantMotion motion(run.truths);
+void score_deviations(const log::RunLog& run, BeliefScore& score) {
+  const log::MeshMessage estimate = log::assemble(run.shape_chunks), plant = log::assemble(run.truth_chunks);
+  const log::PlantPoints points(plant, estimate.nodes);
+  const log::PlantMotion motion(run.truths);
   Eigen::Matrix3Xd truth;
   long inside = 0, count = 0;
   for (const shape_t& shape : run.shapes) {
     if (shape.mesh_hash != estimate.hash || shape.node_count != estimate.nodes.cols()) continue;
     if (shape.deviation_count != shape.node_count || !motion.at(shape.utime, truth)) continue;
-    const Eigen::Matrix3Xd error = positions(shape) - points.at(truth);
+    const Eigen::Matrix3Xd error = log::positions(shape) - points.at(truth);
     for (int i = 0; i < shape.node_count; ++i) {
       if (!(shape.deviation[i] > 0)) continue;  // held, or not observable
       inside += error.col(i).norm() <= kBall * shape.deviation[i] ? 1 : 0;
@@ -54,7 +54,7 @@ bool has_moved(const estimate_t& from, const estimate_t& to) {
 
 bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
 
-void score_estimates(const RunLog& run, BeliefScore& score) {
+void score_estimates(const log::RunLog& run, BeliefScore& score) {
   const std::int64_t start = run.shapes.front().utime;
   std::int64_t next = start;
   long with_contact = 0;
@@ -83,7 +83,7 @@ void score_estimates(const RunLog& run, BeliefScore& score) {
 
 }  // namespace
 
-BeliefScore score_belief(const RunLog& run) {
+BeliefScore score_belief(const log::RunLog& run) {
   if (run.shapes.empty()) throw std::runtime_error("the log holds no SHAPE");
   BeliefScore score;
   score_deviations(run, score);

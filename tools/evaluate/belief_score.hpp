@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 
@@ -26,7 +26,7 @@ struct BeliefScore {
 };
 
 /// Throws std::runtime_error where the log lacks shape, truth or meshes.
-BeliefScore score_belief(const RunLog& run);
+BeliefScore score_belief(const log::RunLog& run);
 
 nlohmann::json to_json(const BeliefScore& belief);
 

@@ -9,8 +9,8 @@
 
 #include "core/mesh/point_locator.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/common/table.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -101,7 +101,7 @@ json to_json(const BeamRecording& recording, const MarkerMotion& errors) {
 }  // namespace
 
 std::vector<BeamRecording> read_beam(const std::filesystem::path& file) {
-  import::CsvReader csv(file.string());
+  recordings::CsvReader csv(file.string());
   std::vector<BeamRecording> recordings;
   while (csv.next()) {
     BeamRecording recording;
@@ -187,7 +187,7 @@ int run_beam(const BeamOptions& options, std::ostream& out) {
   const BeamModel model(options.grid);
   const BeamFit fit = fit_beam(model, recordings);
   double heaviest = 0, squares = 0, worst = 0;
-  Table table({"beam_dragonskin, error mm", "load N", "tip", "tip_top", "tip_left", "tip_right",
+  common::Table table({"beam_dragonskin, error mm", "load N", "tip", "tip_top", "tip_left", "tip_right",
                "left out: E kPa", "tip", "worst marker"});
   json results;
   for (std::size_t i = 0; i < recordings.size(); ++i) {
@@ -197,11 +197,11 @@ int run_beam(const BeamOptions& options, std::ostream& out) {
     heaviest = std::max(heaviest, r.tip_load);
     squares += errors.squaredNorm();
     worst = std::max(worst, tip_error(errors));
-    table.add({r.name, number(r.tip_load, 3), number(tip_error(errors) / kMm, 2),
-               number(errors.col(0).norm() / kMm, 2), number(errors.col(1).norm() / kMm, 2),
-               number(errors.col(2).norm() / kMm, 2), number(1e-3 * without.young_modulus, 1),
-               number(tip_error(without.errors[i]) / kMm, 2),
-               number(marker_error(without.errors[i]) / kMm, 2)});
+    table.add({r.name, common::number(r.tip_load, 3), common::number(tip_error(errors) / kMm, 2),
+               common::number(errors.col(0).norm() / kMm, 2), common::number(errors.col(1).norm() / kMm, 2),
+               common::number(errors.col(2).norm() / kMm, 2), common::number(1e-3 * without.young_modulus, 1),
+               common::number(tip_error(without.errors[i]) / kMm, 2),
+               common::number(marker_error(without.errors[i]) / kMm, 2)});
     json j = to_json(r, errors);
     j["left_out"] = to_json(r, without.errors[i]);
     j["left_out"]["young_modulus"] = without.young_modulus;
@@ -213,10 +213,10 @@ int run_beam(const BeamOptions& options, std::ostream& out) {
   const IncrementalRun run = run_incremental(loaded, solve(loaded).positions, 500);
   const bool met = worst <= kGoal && run.times.p99 <= kBudget && run.converged;
   table.print(out);
-  out << "One E for all: " << number(1e-3 * fit.young_modulus, 1) << " kPa; RMS of all markers "
-      << number(rms / kMm, 2) << " mm. Mesh " << options.grid.text() << ", quadratic, "
-      << loaded.body.mesh.node_count() << " nodes: " << number(run.times.p50, 0) << " us p50, "
-      << number(run.times.p99, 0)
+  out << "One E for all: " << common::number(1e-3 * fit.young_modulus, 1) << " kPa; RMS of all markers "
+      << common::number(rms / kMm, 2) << " mm. Mesh " << options.grid.text() << ", quadratic, "
+      << loaded.body.mesh.node_count() << " nodes: " << common::number(run.times.p50, 0) << " us p50, "
+      << common::number(run.times.p99, 0)
       << " us p99 per tick.\nTip within 1 mm at 1 kHz: " << (met ? "met" : "MISSED") << "\n";
   if (!options.json.empty()) {
     write_json({{"young_modulus", fit.young_modulus},

@@ -10,7 +10,7 @@
 #include "tools/evaluate/case_report.hpp"
 #include "tools/evaluate/case_sweep.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -107,7 +107,7 @@ struct CaseCommands::Options {
   int run_sweep(const std::vector<CaseFile>& cases, std::ostream& out) const {
     const SweepOptions options;
     std::vector<CaseScore> all_scores, best;
-    std::vector<Plot> plots;
+    std::vector<common::Plot> plots;
     std::ostringstream goals;
     bool met = true;
     for (const CaseFile& c : cases) {
@@ -124,7 +124,7 @@ struct CaseCommands::Options {
     out << "Shown are the meshes that no other one beats in both error and median time; a power is "
            "the grading.\n"
         << goals.str();
-    if (!plot.empty() && !draw(plots, plot)) out << "no plot: gnuplot is not installed\n";
+    if (!plot.empty() && !common::draw(plots, plot)) out << "no plot: gnuplot is not installed\n";
     return std::max(write(all_scores), met ? 0 : 1);
   }
 
@@ -132,12 +132,12 @@ struct CaseCommands::Options {
                          const SweepOptions& options, std::ostream& out) {
     const auto describe = [](const CaseScore& s) {
       return s.mesh + ", " + std::to_string(s.nodes) + " nodes, RMS " +
-             number(100 * s.figures.rms_share(), 2) + " %, p99 " +
-             number(s.incremental->times.p99, 0) + " us";
+             common::number(100 * s.figures.rms_share(), 2) + " %, p99 " +
+             common::number(s.incremental->times.p99, 0) + " us";
     };
     const CaseScore* smallest = smallest_within_goal(scores, options);
     const CaseScore* best = most_accurate(scores, options);
-    out << c.name << ": quadratic within " << number(100 * options.goal_rms_share, 0) << " %: "
+    out << c.name << ": quadratic within " << common::number(100 * options.goal_rms_share, 0) << " %: "
         << (smallest ? describe(*smallest)
                      : "none of at most " + std::to_string(options.goal_nodes) + " nodes");
     if (best && best != smallest) out << "; most accurate: " << describe(*best);

@@ -5,7 +5,7 @@
 
 #include "rt/config/node.hpp"
 #include "tools/evaluate/case_formula.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -147,7 +147,7 @@ void read_definition(const Node& root, CaseFile& c) {
 
 std::vector<CaseProbe> read_probes(const std::filesystem::path& file) {
   try {
-    import::CsvReader csv(file.string());
+    recordings::CsvReader csv(file.string());
     std::array<int, 6> columns{};
     const char* const names[] = {"x", "y", "z", "ux", "uy", "uz"};
     for (int i = 0; i < 6; ++i) columns[i] = csv.column(names[i]);
@@ -158,7 +158,7 @@ std::vector<CaseProbe> read_probes(const std::filesystem::path& file) {
     std::vector<CaseProbe> probes;
     while (csv.next()) probes.push_back({vector(0), vector(3)});
     return probes;
-  } catch (const import::CsvError& error) {
+  } catch (const recordings::CsvError& error) {
     throw config::Error(error.what());
   }
 }

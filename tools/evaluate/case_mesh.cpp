@@ -7,7 +7,7 @@
 #include "core/mesh/gmsh.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/config/node.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -116,7 +116,7 @@ std::string CaseGrid::text() const {
   std::string text;
   for (const int n : cells) text += (text.empty() ? "" : "x") + std::to_string(n);
   if (cut == mesh::CellCut::kSix) text += "k";
-  return grading == 1 ? text : text + "^" + number(grading, 1);
+  return grading == 1 ? text : text + "^" + common::number(grading, 1);
 }
 
 mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const CaseGrid& grid) {

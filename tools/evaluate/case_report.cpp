@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -63,9 +63,9 @@ json to_json(const BaselineDifference& difference) {
 }
 
 std::string monitored(const CaseFigures& figures) {
-  if (figures.twist_deg) return number(*figures.twist_deg, 3) + " deg";
-  if (figures.grasp) return number(figures.grasp->force.norm(), 4) + " N";
-  return figures.mean ? number(1e3 * figures.mean->norm(), 3) + " mm" : "";
+  if (figures.twist_deg) return common::number(*figures.twist_deg, 3) + " deg";
+  if (figures.grasp) return common::number(figures.grasp->force.norm(), 4) + " N";
+  return figures.mean ? common::number(1e3 * figures.mean->norm(), 3) + " mm" : "";
 }
 
 }  // namespace
@@ -81,7 +81,7 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
                                   "max %",  "monitored",  "Newton",  "it/tick", "p50 us",
                                   "p99 us", "off stored", "relative"};
   if (dynamic) header.insert(header.end(), {"settled s", "damping 1/s", "RMS %", "from static"});
-  Table table(header);
+  common::Table table(header);
   std::string name;
   for (const CaseScore& score : scores) {
     if (score.name != name) table.section(name = score.name);
@@ -89,8 +89,8 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
                                  name_of(score.order),
                                  std::to_string(score.nodes),
                                  std::to_string(score.elements),
-                                 number(100 * score.figures.rms_share(), 3),
-                                 number(100 * score.figures.max_share(), 3),
+                                 common::number(100 * score.figures.rms_share(), 3),
+                                 common::number(100 * score.figures.max_share(), 3),
                                  monitored(score.figures),
                                  std::to_string(score.equilibrium.iterations)};
     const StepTimes* times = score.dynamic       ? &score.dynamic->times
@@ -98,7 +98,7 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
                                                  : nullptr;
     for (const double value :
          {times ? times->iterations : 0.0, times ? times->p50 : 0.0, times ? times->p99 : 0.0})
-      row.push_back(times ? number(value, 1) : "");
+      row.push_back(times ? common::number(value, 1) : "");
     if (score.baseline) {
       const BaselineDifference difference = compare(score.figures, *score.baseline);
       row.push_back(scientific(difference.largest_share()));
@@ -107,10 +107,10 @@ void print_cases(const std::vector<CaseScore>& scores, std::ostream& out) {
       row.resize(row.size() + 2);
     }
     if (score.dynamic) {
-      row.push_back(score.dynamic->at_rest ? number(score.dynamic->settling_time, 3)
+      row.push_back(score.dynamic->at_rest ? common::number(score.dynamic->settling_time, 3)
                                            : "not at rest");
-      row.push_back(number(score.dynamic->mass_damping, 1));
-      row.push_back(number(100 * score.dynamic_figures->rms_share(), 3));
+      row.push_back(common::number(score.dynamic->mass_damping, 1));
+      row.push_back(common::number(100 * score.dynamic_figures->rms_share(), 3));
       row.push_back(scientific(score.dynamic->deviation / score.figures.largest_reference));
     }
     table.add(row);

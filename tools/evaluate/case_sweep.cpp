@@ -96,14 +96,14 @@ std::vector<const CaseScore*> best_of(const std::vector<CaseScore>& scores, Elem
   return best;
 }
 
-Plot error_against_time(const std::string& name, const std::vector<CaseScore>& scores) {
-  Plot plot;
+common::Plot error_against_time(const std::string& name, const std::vector<CaseScore>& scores) {
+  common::Plot plot;
   plot.title = name;
   plot.x_label = "median time per 1 ms tick, us";
   plot.y_label = "RMS error, % of largest displacement";
   plot.logarithmic = true;
   for (const ElementOrder order : {ElementOrder::kLinear, ElementOrder::kQuadratic}) {
-    Curve curve;
+    common::Curve curve;
     curve.title = name_of(order);
     for (const CaseScore* score : best_of(scores, order)) {
       curve.x.push_back(score->incremental->times.p50);

@@ -2,7 +2,7 @@
 
 #include "tools/evaluate/case_mesh.hpp"
 #include "tools/evaluate/case_score.hpp"
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
 
 namespace palpate::evaluate {
 
@@ -34,6 +34,6 @@ std::vector<const CaseScore*> best_of(const std::vector<CaseScore>& scores,
                                       mesh::ElementOrder order);
 
 /// Error in % against median time per tick, a curve for each element.
-Plot error_against_time(const std::string& name, const std::vector<CaseScore>& scores);
+common::Plot error_against_time(const std::string& name, const std::vector<CaseScore>& scores);
 
 }  // namespace palpate::evaluate

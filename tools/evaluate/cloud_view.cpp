@@ -1,7 +1,7 @@
 #include "tools/evaluate/cloud_view.hpp"
 
 #include "sim/camera/point_cloud.hpp"
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::evaluate {
 
@@ -17,7 +17,7 @@ Eigen::Matrix3Xd virtual_cloud(camera::DepthCamera& camera, const math::Pose& X_
   const camera::DepthFrame frame = camera.take(X_WC, bodies);
   const Eigen::Matrix3Xd cloud_C =
       camera::back_project(frame.depth, camera.intrinsics(), camera.object_mask(frame, bodies));
-  return transformed(X_WC, cloud_C);
+  return log::transformed(X_WC, cloud_C);
 }
 
 }  // namespace palpate::evaluate

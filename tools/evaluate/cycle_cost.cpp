@@ -8,7 +8,7 @@
 #include "rt/loop/allocation_counter.hpp"
 #include "rt/pipeline/pipeline.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -122,7 +122,7 @@ class Loop {
 };
 
 std::string microseconds(const loop::LatencyHistogram& histogram, double share) {
-  return number(static_cast<double>(histogram.quantile_ns(share)) * 1e-3, 0);
+  return common::number(static_cast<double>(histogram.quantile_ns(share)) * 1e-3, 0);
 }
 
 nlohmann::json to_json(const loop::LatencyHistogram& histogram) {
@@ -159,7 +159,7 @@ CycleCost measure_cycle_cost(const std::filesystem::path& configuration,
 }
 
 int run_cycle_cost(const CycleCostOptions& options, std::ostream& out) {
-  Table table({"us of the processor", "p50", "p99", "p99.9", "max", "above 1 ms %"});
+  common::Table table({"us of the processor", "p50", "p99", "p99.9", "max", "above 1 ms %"});
   nlohmann::json json = nlohmann::json::array();
   std::int64_t allocations = 0;
   for (const char* mesh : kMeshes) {
@@ -184,8 +184,8 @@ int run_cycle_cost(const CycleCostOptions& options, std::ostream& out) {
       const double above = static_cast<double>(part->count_above(1'000'000)) /
                            static_cast<double>(std::max<std::int64_t>(1, part->count()));
       table.add({name, microseconds(*part, 0.5), microseconds(*part, 0.99),
-                 microseconds(*part, 0.999), number(static_cast<double>(part->max_ns()) * 1e-3, 0),
-                 number(100 * above, 3)});
+                 microseconds(*part, 0.999), common::number(static_cast<double>(part->max_ns()) * 1e-3, 0),
+                 common::number(100 * above, 3)});
       entry["us"][name] = to_json(*part);
     }
     json.push_back(std::move(entry));

@@ -6,8 +6,9 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -36,7 +37,7 @@ nlohmann::json summary(const Demo& demo, double seconds, bool good) {
 }  // namespace
 
 std::filesystem::path Demo::log_folder(const std::string& run) const {
-  return options.output / "logs" / file_name(run);
+  return options.output / "logs" / common::file_name(run);
 }
 
 Mismatch Demo::mismatch(const std::string& level, const std::string& scene,
@@ -54,7 +55,7 @@ Mismatch Demo::mismatch(const std::string& level, const std::string& scene,
 int run_demo(const DemoOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto begin = Clock::now();
-  catch_interruptions();
+  common::catch_interruptions();
   Demo demo;
   demo.options = options;
   // Programs that read what others wrote there take paths relative to their own files.

@@ -8,7 +8,7 @@
 
 #include "rt/config/node.hpp"
 #include "sim/sensors/biotac.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 #include "tools/evaluate/tactile.hpp"
 
 namespace palpate::evaluate {
@@ -116,7 +116,7 @@ EmulatedTactileScore score_emulated_tactile(std::uint64_t seed, int presses,
 
 int run_emulated_tactile(const std::filesystem::path& model, std::ostream& out) {
   const int presses = 3000;
-  Table table({"emulated BioTac", "presses", "force error N: x", "y", "z", "|F|", "place mm"});
+  common::Table table({"emulated BioTac", "presses", "force error N: x", "y", "z", "|F|", "place mm"});
   EmulatedTactileScore score;
   for (const auto features :
        {sensing::TactileFeatures::kCounts, sensing::TactileFeatures::kProducts}) {
@@ -125,15 +125,15 @@ int run_emulated_tactile(const std::filesystem::path& model, std::ostream& out) 
         features == sensing::TactileFeatures::kCounts ? "linear" : "with products";
     const auto row = [&](const std::string& part, const Eigen::Vector3d& rms,
                          const std::string& place) {
-      table.add({name + part, std::to_string(score.rows), number(rms.x(), 3), number(rms.y(), 3),
-                 number(rms.z(), 3), number(rms.norm(), 3), place});
+      table.add({name + part, std::to_string(score.rows), common::number(rms.x(), 3), common::number(rms.y(), 3),
+                 common::number(rms.z(), 3), common::number(rms.norm(), 3), place});
     };
     row(", fitted", score.fit.training_rms, "");
-    row(", never seen", score.test_rms, number(1e3 * score.place_rms, 2));
+    row(", never seen", score.test_rms, common::number(1e3 * score.place_rms, 2));
   }
   table.print(out);
-  out << "always the mean: " << number(score.mean_rms_norm, 3)
-      << " N; place by the centroid: " << number(1e3 * score.centroid_rms, 2) << " mm\n";
+  out << "always the mean: " << common::number(score.mean_rms_norm, 3)
+      << " N; place by the centroid: " << common::number(1e3 * score.centroid_rms, 2) << " mm\n";
   if (model.empty()) return 0;
   std::ofstream file(model);
   write_tactile_yaml(score.fit.model, file);

@@ -8,7 +8,7 @@
 
 #include "rt/bus/session.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -68,7 +68,7 @@ void FaultWire::play(const faults::Recording& recording, const faults::Scenario&
   const std::int64_t origin_ns = loop::monotonic_ns();
   auto next = scenario.stream.begin();
   for (int tick = 1; tick <= scenario.ticks; ++tick) {
-    throw_if_interrupted();
+    common::throw_if_interrupted();
     const std::int64_t due_ns = kMillisecond * tick;
     const std::int64_t early_ns = due_ns - (loop::monotonic_ns() - origin_ns);
     if (early_ns > 0) std::this_thread::sleep_for(std::chrono::nanoseconds(early_ns));

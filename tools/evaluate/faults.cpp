@@ -6,7 +6,7 @@
 
 #include "tools/evaluate/faults_process.hpp"
 #include "tools/evaluate/faults_report.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/progress.hpp"
 
 namespace palpate::evaluate {
 
@@ -49,7 +49,7 @@ std::optional<int> FaultsCommand::run(std::ostream& out) {
   const faults::Bench bench = faults::make_bench();
   std::vector<faults::RowReport> reports;
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    Progress progress(static_cast<int>(i) + 1, static_cast<int>(rows.size()),
+    common::Progress progress(static_cast<int>(i) + 1, static_cast<int>(rows.size()),
                       rows[i].number + " " + rows[i].fault);
     reports.push_back(faults::run_row(
         bench, rows[i], options.seeds, options.jobs,

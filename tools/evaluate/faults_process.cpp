@@ -7,8 +7,8 @@
 
 #include "tools/evaluate/fault_wire.hpp"
 #include "tools/evaluate/faults_simulator.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/process.hpp"
 #include "tools/faults/campaign.hpp"
 #include "tools/faults/mutation.hpp"
 #include "tools/faults/process_judge.hpp"
@@ -42,9 +42,9 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
       scenario.held.length > 0 ? scenario.overrides : patient(scenario.overrides);
   const config::Node root = faults::configuration(overrides);
   FaultWire wire(urls);
-  Process daemon = start_palpated(root, urls, folder.path());
+  common::Process daemon = start_palpated(root, urls, folder.path());
   for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
-    sleep_for(0.01);
+    common::sleep_for(0.01);
 
   wire.play(bench.recording, scenario, [&](int tick) {
     if (scenario.held.length == 0) return;
@@ -59,7 +59,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
     RunResult result;
     result.crashed = true;
     result.fail("palpated ended with exit code " + std::to_string(code) + ": " +
-                tail(daemon.output(), 1));
+                common::tail(daemon.output(), 1));
     return result;
   }
   late = wire.latest() > kLatest;
@@ -90,10 +90,10 @@ void refuse_one(math::Random& random, RunResult& result) {
   const std::filesystem::path file = folder.path() / "mutated.yaml";
   write_text(file, mutation.text);
   const FaultWire wire(urls);
-  Process daemon("palpated", {(program_folder() / "palpated").string(), file.string()},
+  common::Process daemon("palpated", {(common::program_folder() / "palpated").string(), file.string()},
                  folder.path() / "palpated.txt");
   for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
-    sleep_for(0.01);
+    common::sleep_for(0.01);
   const std::string where = mutation.what + " " + mutation.key + ": ";
   if (daemon.running()) {
     if (mutation.must_fail) result.fail(where + "is taken");
@@ -101,7 +101,7 @@ void refuse_one(math::Random& random, RunResult& result) {
     return;
   }
   const int code = daemon.wait(0).value_or(-1);
-  const std::string words = tail(daemon.output(), 5);
+  const std::string words = common::tail(daemon.output(), 5);
   if (code != kExitConfiguration)
     result.fail(where + "exit code " + std::to_string(code) + ": " + words);
   result.outcome = std::max(result.outcome, faults::Outcome::kSafeStop);

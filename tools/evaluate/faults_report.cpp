@@ -5,8 +5,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/evaluate/plot.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/table.hpp"
 #include "tools/faults/rows.hpp"
 
 namespace palpate::evaluate {
@@ -15,7 +15,7 @@ namespace {
 using faults::kOutcomes;
 using faults::RowReport;
 
-std::string milliseconds(double seconds) { return seconds < 0 ? "-" : number(1e3 * seconds, 0); }
+std::string milliseconds(double seconds) { return seconds < 0 ? "-" : common::number(1e3 * seconds, 0); }
 
 std::string amount(double value, const std::string& unit) {
   if (value < 0) return "-";
@@ -32,7 +32,7 @@ std::string limit_of(const faults::Row& row) {
 }  // namespace
 
 void print_faults(const std::vector<RowReport>& reports, std::ostream& out) {
-  Table table({"fault", "unaffected", "degraded", "safe stop", "failed", "state ms", "told ms",
+  common::Table table({"fault", "unaffected", "degraded", "safe stop", "failed", "state ms", "told ms",
                "back ms", "measured", "figure", ""});
   int seeds = 0, survived = 0, crashes = 0, missed = 0;
   for (const RowReport& report : reports) {
@@ -59,7 +59,7 @@ void print_faults(const std::vector<RowReport>& reports, std::ostream& out) {
   for (const faults::Elsewhere& row : faults::rows_elsewhere())
     out << row.number << ' ' << row.fault << ": " << row.where << '\n';
   out << "survived " << survived << " of " << seeds << " seeds (95 %: at least "
-      << number(100 * faults::wilson_lower(survived, seeds), 2) << " %), " << crashes
+      << common::number(100 * faults::wilson_lower(survived, seeds), 2) << " %), " << crashes
       << " crashes or hangs, " << missed << " of " << reports.size() << " figures missed\n";
 }
 
@@ -105,7 +105,7 @@ void write_faults_csv(const std::vector<RowReport>& reports, const std::filesyst
 }
 
 bool draw_faults(const std::vector<RowReport>& reports, const std::filesystem::path& picture) {
-  ColourMatrix matrix;
+  common::ColourMatrix matrix;
   matrix.title = "% of " + std::to_string(reports.front().seeds) +
                  " seeds (longest time until the state tells / is back)";
   constexpr unsigned kColours[] = {0x2e9e4f, 0xe8b923, 0x2f6fb5, 0xc8322b};
@@ -123,7 +123,7 @@ bool draw_faults(const std::vector<RowReport>& reports, const std::filesystem::p
       shares.push_back(static_cast<double>(count) / report.seeds);
     matrix.shares.push_back(shares);
   }
-  return draw(matrix, picture);
+  return common::draw(matrix, picture);
 }
 
 }  // namespace palpate::evaluate

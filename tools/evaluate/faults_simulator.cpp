@@ -24,10 +24,10 @@ constexpr double kBraked = 0.5;   // s after which nothing may move any more
 
 std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
-Process start_simulator(const Urls& urls, const std::filesystem::path& folder, const char* words) {
+common::Process start_simulator(const Urls& urls, const std::filesystem::path& folder, const char* words) {
   return {
       "palpate-sim",
-      {(program_folder() / "palpate-sim").string(), source("sim/scenes/bar_long_soft_control.yaml"),
+      {(common::program_folder() / "palpate-sim").string(), source("sim/scenes/bar_long_soft_control.yaml"),
        "--set", "object.elements=[8, 1, 1]", "--set", "bus.control=" + urls.control, "--set",
        "bus.housekeeping=" + urls.housekeeping, "--set", "bus.pictures=" + urls.pictures},
       folder / words};
@@ -55,14 +55,14 @@ RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
   const Urls urls = private_urls();
   const config::Node root = faults::configuration(patient({}));
   FaultWire wire(urls);
-  Process daemon = start_palpated(root, urls, folder.path());
+  common::Process daemon = start_palpated(root, urls, folder.path());
   RunResult result;
   Operator user(urls);
   double killed = 0, again = 0;
   {
-    const Process simulator = start_simulator(urls, folder.path(), "simulator.txt");
+    const common::Process simulator = start_simulator(urls, folder.path(), "simulator.txt");
     if (!wait_until(user, [&] { return user.heard() && user.has_robot_state(); })) {
-      result.fail("no simulator: " + tail(folder.path() / "simulator.txt", 1));
+      result.fail("no simulator: " + common::tail(folder.path() / "simulator.txt", 1));
       return result;
     }
     wire.begin();
@@ -76,7 +76,7 @@ RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
     kill(simulator.pid(), SIGKILL);
     user.spin(random.uniform(0, 0.5));
   }
-  const Process simulator = start_simulator(urls, folder.path(), "simulator_again.txt");
+  const common::Process simulator = start_simulator(urls, folder.path(), "simulator_again.txt");
   constexpr int kInactive = 1;
   if (!wait_until(user, [&] { return user.health() && user.health()->state == kInactive; }))
     result.fail("is not inactive beside a new simulator");
@@ -118,14 +118,14 @@ std::vector<std::string> patient(std::vector<std::string> overrides) {
   return overrides;
 }
 
-Process start_palpated(const config::Node& configuration, const Urls& urls,
+common::Process start_palpated(const config::Node& configuration, const Urls& urls,
                        const std::filesystem::path& folder) {
   const std::filesystem::path file = folder / "palpated.yaml";
   std::ofstream out(file);
   out << configuration.dump() << '\n';
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
   return {"palpated",
-          {(program_folder() / "palpated").string(), file.string(), "--set",
+          {(common::program_folder() / "palpated").string(), file.string(), "--set",
            "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping},
           folder / "palpated.txt"};
 }

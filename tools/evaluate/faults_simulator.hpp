@@ -4,7 +4,7 @@
 
 #include "rt/config/node.hpp"
 #include "tools/evaluate/operator.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/process.hpp"
 #include "tools/faults/result.hpp"
 
 namespace palpate::evaluate {
@@ -26,7 +26,7 @@ class FaultFolder {
 std::vector<std::string> patient(std::vector<std::string> overrides);
 
 /// palpated with that configuration and these ports; its words go to palpated.txt in `folder`.
-Process start_palpated(const config::Node& configuration, const Urls& urls,
+common::Process start_palpated(const config::Node& configuration, const Urls& urls,
                        const std::filesystem::path& folder);
 
 /// palpate-sim beside palpated is killed while the loop is closed, and started anew.

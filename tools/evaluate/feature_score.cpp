@@ -105,7 +105,7 @@ double overshoot(const std::vector<FeatureErrorSample>& samples, const Eigen::Ve
   return furthest / length;
 }
 
-std::optional<FeatureScore> score_feature(const RunLog& run, const FeatureDefinition* steered) {
+std::optional<FeatureScore> score_feature(const log::RunLog& run, const FeatureDefinition* steered) {
   if (run.targets.empty()) return std::nullopt;
   const shape_target_t& message = first_of_last_revision(run.targets);
   if (message.point_count < 1)
@@ -126,11 +126,11 @@ std::optional<FeatureScore> score_feature(const RunLog& run, const FeatureDefini
       Eigen::Map<const Eigen::VectorXd>(message.values, message.value_count);
   score.target = feature.place(target);
 
-  const MeshMessage plant = assemble(run.truth_chunks);
-  const PlantPoints points(plant, feature.rest_points());
+  const log::MeshMessage plant = log::assemble(run.truth_chunks);
+  const log::PlantPoints points(plant, feature.rest_points());
   for (const shape_t& truth : run.truths) {
     if (truth.utime < message.utime || truth.node_count != plant.nodes.cols()) continue;
-    const Eigen::VectorXd value = feature.value(points.at(positions(truth)));
+    const Eigen::VectorXd value = feature.value(points.at(log::positions(truth)));
     const Eigen::VectorXd error = feature.error(value, target);
     FeatureErrorSample sample;
     sample.time = static_cast<double>(truth.utime - message.utime) * 1e-6;

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "tools/evaluate/feature_on_points.hpp"
-#include "tools/evaluate/log_reader.hpp"
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::evaluate {
 
@@ -60,7 +60,7 @@ struct FeatureScore {
 /// harmonics), which no message tells; nullptr: nothing, as of `point`, `pose` (the frame of
 /// three), `points` and `distance`. Nothing where the log has no target; throws std::runtime_error
 /// where the target names no rest points.
-std::optional<FeatureScore> score_feature(const RunLog& run,
+std::optional<FeatureScore> score_feature(const log::RunLog& run,
                                           const FeatureDefinition* steered = nullptr);
 
 }  // namespace palpate::evaluate

@@ -9,11 +9,12 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -77,7 +78,7 @@ std::vector<ControlTarget> targets_of(const std::filesystem::path& root) {
 }
 
 Measured measure(const LatencyOptions& options, const std::string& name, bool stressed) {
-  const std::filesystem::path folder = options.output / file_name(name);
+  const std::filesystem::path folder = options.output / common::file_name(name);
   const auto targets = targets_of(options.root);
   RunPlan plan;
   plan.name = name;
@@ -96,13 +97,13 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   const auto [all_before, stolen_before] = processor_times();
   const health_t before = *run.user().health();
   const std::string seconds = std::to_string(std::lround(options.seconds));
-  std::optional<Process> stress;
+  std::optional<common::Process> stress;
   if (stressed)
     stress.emplace("stress-ng",
                    std::vector<std::string>{"stress-ng", "--cpu", "0", "--vm", "1", "--vm-bytes",
                                             "256M", "--io", "1", "--timeout", seconds},
                    folder / "stress-ng.txt");
-  Process cyclictest("cyclictest",
+  common::Process cyclictest("cyclictest",
                      {"cyclictest", "--mlockall", "--quiet", "--priority",
                       std::to_string(kPriority), "--interval", std::to_string(std::lround(kPeriod)),
                       "--duration", seconds, "--histogram", std::to_string(kLargestLatency)},
@@ -145,15 +146,15 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
 std::vector<std::string> row(const std::string& name, const LatencyTail& tail, double missed) {
   return {name,
           std::to_string(tail.count),
-          number(tail.at(0.5), 0),
-          number(tail.at(0.01), 0),
-          number(tail.at(0.001), 0),
-          number(tail.max, 0),
-          number(100 * missed, 3)};
+          common::number(tail.at(0.5), 0),
+          common::number(tail.at(0.01), 0),
+          common::number(tail.at(0.001), 0),
+          common::number(tail.max, 0),
+          common::number(100 * missed, 3)};
 }
 
-Curve curve(const std::string& title, const LatencyTail& tail) {
-  Curve result;
+common::Curve curve(const std::string& title, const LatencyTail& tail) {
+  common::Curve result;
   result.title = title;
   for (const auto& [share, latency] : tail.pairs) {
     result.x.push_back(std::max(1.0, latency));
@@ -206,24 +207,24 @@ LatencyTail read_cyclictest(std::istream& in, double period) {
 }
 
 int run_latency(const LatencyOptions& options) {
-  catch_interruptions();
+  common::catch_interruptions();
   std::filesystem::create_directories(options.output);
   std::vector<Measured> all;
   all.push_back(measure(options, "as it is", false));
   if (options.stressed) all.push_back(measure(options, "stress-ng", true));
 
-  Table table({"us", "samples", "p50", "p99", "p99.9", "max", "missed %"});
-  std::vector<Plot> plots;
+  common::Table table({"us", "samples", "p50", "p99", "p99.9", "max", "missed %"});
+  std::vector<common::Plot> plots;
   nlohmann::json json;
   bool good = true;
   for (const Measured& one : all) {
-    table.section(one.name + ", " + number(100 * one.stolen, 2) + " % of the processors stolen");
+    table.section(one.name + ", " + common::number(100 * one.stolen, 2) + " % of the processors stolen");
     table.add(row("cyclictest, wake-up", one.cyclictest, one.cyclictest.missed));
     table.add(row("loop, wake-up", one.wake_up, one.wake_up.missed));
     table.add(row("loop, whole cycle", one.cycle, one.missed));
     for (std::size_t i = 0; i < one.phases.size(); ++i)
       table.add(row("  of it " + std::string(kPhases[i]), one.phases[i], one.phases[i].missed));
-    Plot plot;
+    common::Plot plot;
     plot.title = one.name;
     plot.x_label = "us";
     plot.y_label = "share above";
@@ -246,7 +247,7 @@ int run_latency(const LatencyOptions& options) {
   for (const Measured& one : all)
     std::cout << one.name << ": " << one.page_faults << " page faults and " << one.allocations
               << " allocations of the loop\n";
-  if (draw(plots, options.output / "latency.png"))
+  if (common::draw(plots, options.output / "latency.png"))
     std::cout << "distributions: " << (options.output / "latency.png").string() << "\n";
   std::cout << (good ? "the loop misses no more than cyclictest does and 0.1 %\n"
                      : "THE LOOP MISSES MORE than cyclictest does and 0.1 %\n");

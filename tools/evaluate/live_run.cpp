@@ -36,7 +36,7 @@ std::vector<std::string> source_command(const RunPlan& plan, const RunFiles& fil
   const Source& source = plan.source;
   if (!source.log.empty())
     return {"lcm-logplayer", "--lcm-url=" + urls.control, source.log.string()};
-  std::vector<std::string> command{(program_folder() / "palpate-sim").string(),
+  std::vector<std::string> command{(common::program_folder() / "palpate-sim").string(),
                                    source.scene.string(), "--json", files.simulator.string()};
   if (source.duration > 0) {
     command.push_back("--duration");
@@ -61,13 +61,6 @@ bool has_ended(const std::filesystem::path& log) {
 
 }  // namespace
 
-std::string file_name(const std::string& title) {
-  std::string name = title;
-  std::replace_if(
-      name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
-  return name;
-}
-
 LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     : plan_(plan),
       files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json",
@@ -78,9 +71,9 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   urls_ = private_urls();
   const Urls& urls = urls_;
   operator_ = std::make_unique<Operator>(urls);
-  const std::string palpated = (program_folder() / "palpated").string();
+  const std::string palpated = (common::program_folder() / "palpated").string();
   // Not lcm-logger: a run in lock-step is faster than it writes, and it drops what it cannot keep.
-  const std::string recorder = (program_folder() / "palpate-record").string();
+  const std::string recorder = (common::program_folder() / "palpate-record").string();
   const auto record = [&](const std::string& label, const std::string& url,
                           const std::filesystem::path& log) {
     const std::string name = "logger_" + label;
@@ -98,17 +91,17 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
                                    files_.daemon.string()};
   if (plan.lock_step) command.push_back("--stepped");
-  daemon_ = std::make_unique<Process>("palpated", with_settings(command, plan.overrides, urls),
+  daemon_ = std::make_unique<common::Process>("palpated", with_settings(command, plan.overrides, urls),
                                       folder / "palpated.txt");
   if (plan.lock_step) start_lock_step();
   // A recording does not wait: the daemon has to be active before the first message is played.
   if (!plan.source.log.empty()) activate();
-  source_ = std::make_unique<Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
+  source_ = std::make_unique<common::Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
                                       source_command(plan, files_, urls), folder / "source.txt");
   if (plan.source.log.empty() && !plan.lock_step) activate();
 }
 
-void LiveRun::fail(const std::string& what, const Process* at_fault) const {
+void LiveRun::fail(const std::string& what, const common::Process* at_fault) const {
   std::string text = what;
   if (at_fault != nullptr) {
     const std::string words = tail(at_fault->output(), kTail);
@@ -118,11 +111,11 @@ void LiveRun::fail(const std::string& what, const Process* at_fault) const {
 }
 
 bool LiveRun::check_programs() {
-  const auto check = [this](Process& process) {
+  const auto check = [this](common::Process& process) {
     if (const auto code = process.wait(0))
       fail(process.name() + " ended with exit code " + std::to_string(*code), &process);
   };
-  for (Process& logger : loggers_) check(logger);
+  for (common::Process& logger : loggers_) check(logger);
   check(*daemon_);
   if (!source_) return true;
   const auto code = source_->wait(0);
@@ -145,7 +138,7 @@ void LiveRun::start_lock_step() {
   operator_->spin(0.1);
 }
 
-void LiveRun::complete_lock_step(Progress& progress) {
+void LiveRun::complete_lock_step(common::Progress& progress) {
   // Slow is no failure: how long a run takes is the machine's affair, and what it finds is not.
   std::int64_t simulated = 0, since = wall_clock();  // us
   while (check_programs()) {
@@ -185,7 +178,7 @@ void LiveRun::activate() {
   }
 }
 
-void LiveRun::complete(Progress& progress) {
+void LiveRun::complete(common::Progress& progress) {
   if (plan_.lock_step) return complete_lock_step(progress);
   if (plan_.target) operator_->set_target(*plan_.target);
   const std::int64_t begin = wall_clock();
@@ -227,7 +220,7 @@ RunFiles LiveRun::finish() {
   const std::string reason = operator_->health()
                                  ? reinterpret_cast<const char*>(operator_->health()->reason)
                                  : "no HEALTH was heard";
-  const auto stop = [this](Process& process, bool may_have_ended) {
+  const auto stop = [this](common::Process& process, bool may_have_ended) {
     const bool ended = !process.running();
     const int code = process.stop();
     if (code != 0 || (ended && !may_have_ended))
@@ -239,12 +232,12 @@ RunFiles LiveRun::finish() {
   stop(*source_, true);
   stop(*daemon_, false);
   await_loggers();
-  for (Process& logger : loggers_) logger.stop();
+  for (common::Process& logger : loggers_) logger.stop();
   if (!healthy) fail("palpated ended faulted: " + reason, daemon_.get());
   return files_;
 }
 
-RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, Progress& progress) {
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, common::Progress& progress) {
   LiveRun run(plan, folder);
   run.complete(progress);
   return run.finish();

@@ -9,8 +9,8 @@
 
 #include "tools/evaluate/experiments.hpp"
 #include "tools/evaluate/operator.hpp"
-#include "tools/evaluate/process.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/process.hpp"
+#include "tools/common/progress.hpp"
 
 namespace palpate::evaluate {
 
@@ -59,7 +59,7 @@ class LiveRun {
   LiveRun(const RunPlan& plan, const std::filesystem::path& folder);
 
   /// To the end of the plan: its duration, the end of the source, or a target reached and kept.
-  void complete(Progress& progress);
+  void complete(common::Progress& progress);
 
   /// Ends everything in order and checks the exit codes; throws RunFailed.
   RunFiles finish();
@@ -71,24 +71,21 @@ class LiveRun {
 
  private:
   void start_lock_step();
-  void complete_lock_step(Progress& progress);
+  void complete_lock_step(common::Progress& progress);
   void await_loggers();
   void activate();
-  [[noreturn]] void fail(const std::string& what, const Process* at_fault) const;
+  [[noreturn]] void fail(const std::string& what, const common::Process* at_fault) const;
 
   const RunPlan& plan_;
   RunFiles files_;
   Urls urls_;
   std::unique_ptr<Operator> operator_;
-  std::vector<Process> loggers_;
-  std::unique_ptr<Process> daemon_;
-  std::unique_ptr<Process> source_;
+  std::vector<common::Process> loggers_;
+  std::unique_ptr<common::Process> daemon_;
+  std::unique_ptr<common::Process> source_;
 };
 
 /// Starts, completes and finishes a plan.
-RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, Progress& progress);
-
-/// Name with everything but letters and digits as '_', for files.
-std::string file_name(const std::string& title);
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder, common::Progress& progress);
 
 }  // namespace palpate::evaluate

@@ -32,7 +32,7 @@ Speeds accelerations(const twist_command_t& from, const twist_command_t& to, dou
 
 }  // namespace
 
-LoopScore score_loop(const RunLog& run) {
+LoopScore score_loop(const log::RunLog& run) {
   if (run.health.empty()) throw std::runtime_error("the log holds no HEALTH");
   const health_t& last = run.health.back();
   LoopScore score;
@@ -62,7 +62,7 @@ LoopScore score_loop(const RunLog& run) {
   return score;
 }
 
-CommandScore check_commands(const RunLog& run, const control::GateLimits& limits, double period) {
+CommandScore check_commands(const log::RunLog& run, const control::GateLimits& limits, double period) {
   CommandScore score;
   const twist_command_t* before = nullptr;
   for (const twist_command_t& command : run.commands) {

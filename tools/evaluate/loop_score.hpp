@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/control/safety_gate.hpp"
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 
@@ -23,7 +23,7 @@ struct LoopScore {
 };
 
 /// Throws std::runtime_error where the log holds no HEALTH.
-LoopScore score_loop(const RunLog& run);
+LoopScore score_loop(const log::RunLog& run);
 
 /// The largest commands of a run and how often one left the limits.
 struct CommandScore {
@@ -37,6 +37,6 @@ struct CommandScore {
 };
 
 /// `period`: s between two commands of consecutive sequence numbers. Stopping at once is allowed.
-CommandScore check_commands(const RunLog& run, const control::GateLimits& limits, double period);
+CommandScore check_commands(const log::RunLog& run, const control::GateLimits& limits, double period);
 
 }  // namespace palpate::evaluate

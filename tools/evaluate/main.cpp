@@ -12,7 +12,7 @@
 #include "tools/evaluate/demo.hpp"
 #include "tools/evaluate/emulated_tactile.hpp"
 #include "tools/evaluate/faults.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/latency.hpp"
 #include "tools/evaluate/observer.hpp"
 #include "tools/evaluate/payload.hpp"

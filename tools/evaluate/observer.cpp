@@ -11,11 +11,11 @@
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/observer_recording.hpp"
 #include "tools/evaluate/observer_score.hpp"
-#include "tools/evaluate/plot.hpp"
-#include "tools/evaluate/process.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/process.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -91,7 +91,7 @@ class Experiment {
   /// The last recording of each kind of motion validates. Every one has a motion and sensor errors
   /// of its own.
   void record_training() {
-    Progress progress(++step_, steps_, "recording motions to learn from");
+    common::Progress progress(++step_, steps_, "recording motions to learn from");
     const auto frames = registry::read_frames(config::Node::load_file(configuration_));
     const double rate = config::Node::load_file(preset()).child("data").number("rate", {1, 1000});
     const int count = options_.recordings + 1;
@@ -118,7 +118,7 @@ class Experiment {
   }
 
   void record_tests() {
-    Progress progress(++step_, steps_, "recording motions to be scored on");
+    common::Progress progress(++step_, steps_, "recording motions to be scored on");
     for (const std::string& motion : motions_)
       logs_[motion] = record_motion(scene(motion), {"seed=1000"}, options_.output / "logs", motion,
                                     motion == kCollision ? 0 : options_.longest);
@@ -130,12 +130,12 @@ class Experiment {
   }
 
   void train(const std::string& name) {
-    Progress progress(++step_, steps_, "training " + name);
+    common::Progress progress(++step_, steps_, "training " + name);
     if (options_.keep && fs::exists(inference::card_path(model(name).string())))
       return progress.finish(true, "kept");
     fs::create_directories(model(name).parent_path());
     const bool ours = name == "ft_rnnob";
-    std::vector<std::string> command{(program_folder() / "palpate-train").string(),
+    std::vector<std::string> command{(common::program_folder() / "palpate-train").string(),
                                      ours ? preset() : "ft_rnnob_thesis",
                                      "--data",
                                      training().string(),
@@ -170,9 +170,9 @@ class Experiment {
   }
 
   static void run_program(const std::vector<std::string>& command, const fs::path& output) {
-    if (const int code = run_to_end(command, output, kPatience))
+    if (const int code = common::run_to_end(command, output, kPatience))
       throw RunFailed(command.front() + " ended with exit code " + std::to_string(code) + ":\n" +
-                      tail(output, 15));
+                      common::tail(output, 15));
   }
 
   std::vector<std::string> settings(const std::string& name) const {
@@ -199,9 +199,9 @@ class Experiment {
   }
 
   void score(const std::string& motion, const std::string& name) {
-    Progress progress(++step_, steps_, motion + ", " + name);
+    common::Progress progress(++step_, steps_, motion + ", " + name);
     const fs::path log = options_.output / "logs" / (motion + "." + name + ".log");
-    std::vector<std::string> command{(program_folder() / "palpate-replay").string(),
+    std::vector<std::string> command{(common::program_folder() / "palpate-replay").string(),
                                      logs_.at(motion).control.string(),
                                      "--config",
                                      configuration_,
@@ -225,11 +225,11 @@ class Experiment {
   }
 
   void report(std::ostream& out) const {
-    out << "payload identified: " << number(payload_.mass, 4) << " kg, weight "
-        << number(weight(), 2) << " N\n\n";
-    Table residual({"without contact", "force RMS N", "max N", "RMS %", "max %", "torque RMS N m",
+    out << "payload identified: " << common::number(payload_.mass, 4) << " kg, weight "
+        << common::number(weight(), 2) << " N\n\n";
+    common::Table residual({"without contact", "force RMS N", "max N", "RMS %", "max %", "torque RMS N m",
                     "max N m", "max within 2 %"});
-    Table tracking({"collision", "peak N", "error RMS N", "max N", "RMS %", "max %", "at peak %",
+    common::Table tracking({"collision", "peak N", "error RMS N", "max N", "RMS %", "max %", "at peak %",
                     "lag ms", "max % without lag", "max within 5 %"});
     std::string section;
     bool collided = false;
@@ -238,19 +238,19 @@ class Experiment {
       if (s.tracking) {
         const TrackingScore& t = *s.tracking;
         const double share = 100 / t.peak;
-        tracking.add({s.model, number(t.peak, 2), number(t.error_rms, 3), number(t.error_max, 3),
-                      number(share * t.error_rms, 2), number(share * t.error_max, 2),
-                      number(share * t.peak_error, 2), number(1e3 * t.lag, 0),
-                      number(share * t.lagged_max, 2), verdict});
+        tracking.add({s.model, common::number(t.peak, 2), common::number(t.error_rms, 3), common::number(t.error_max, 3),
+                      common::number(share * t.error_rms, 2), common::number(share * t.error_max, 2),
+                      common::number(share * t.peak_error, 2), common::number(1e3 * t.lag, 0),
+                      common::number(share * t.lagged_max, 2), verdict});
         collided = true;
         continue;
       }
       if (s.motion != section) residual.section(section = s.motion);
       const ResidualScore& r = *s.residual;
       const double share = 100 / weight();
-      residual.add({s.model, number(r.force_rms, 3), number(r.force_max, 3),
-                    number(share * r.force_rms, 2), number(share * r.force_max, 2),
-                    number(r.torque_rms, 4), number(r.torque_max, 4), verdict});
+      residual.add({s.model, common::number(r.force_rms, 3), common::number(r.force_max, 3),
+                    common::number(share * r.force_rms, 2), common::number(share * r.force_max, 2),
+                    common::number(r.torque_rms, 4), common::number(r.torque_max, 4), verdict});
     }
     residual.print(out);
     out << '\n';
@@ -305,9 +305,9 @@ class Experiment {
     if (!options_.json.empty()) write_json(json, options_.json);
   }
 
-  static Curve curve(const std::string& title, const ForceSeries& series,
+  static common::Curve curve(const std::string& title, const ForceSeries& series,
                      const Eigen::RowVectorXd& values, bool dashed) {
-    Curve curve;
+    common::Curve curve;
     curve.title = title;
     curve.x = series.time;
     curve.y.assign(values.data(), values.data() + values.size());
@@ -316,8 +316,8 @@ class Experiment {
   }
 
   void plot(const std::string& motion) const {
-    Plot force{motion + ": contact force", "time, s", "|F|, N", {}};
-    Plot second{motion == kCollision ? "error of the contact force" : "contact torque",
+    common::Plot force{motion + ": contact force", "time, s", "|F|, N", {}};
+    common::Plot second{motion == kCollision ? "error of the contact force" : "contact torque",
                 "time, s",
                 motion == kCollision ? "|dF|, N" : "|T|, N m",
                 {}};
@@ -331,7 +331,7 @@ class Experiment {
       else
         second.curves.push_back(curve(s.model, s.felt, s.felt.torque.colwise().norm(), false));
     }
-    draw({force, second}, options_.output / ("observer_" + motion + ".png"));
+    common::draw({force, second}, options_.output / ("observer_" + motion + ".png"));
   }
 
   ObserverOptions options_;

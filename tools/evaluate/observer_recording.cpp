@@ -11,7 +11,7 @@
 #include <stdexcept>
 
 #include "sim/scenes/simulation.hpp"
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -56,7 +56,7 @@ class Recorder {
 template <class Message>
 class Arrivals {
  public:
-  Arrivals(LogReader& log, std::string channel) : channel_(std::move(channel)) {
+  Arrivals(log::LogReader& log, std::string channel) : channel_(std::move(channel)) {
     log.collect(channel_, messages_);
   }
   void check() const {
@@ -106,7 +106,7 @@ MotionLogs record_motion(const std::filesystem::path& scene,
 void write_wrist_csv(const std::filesystem::path& control_log, const registry::Frames& frames,
                      double rate, const std::filesystem::path& csv) {
   constexpr std::int64_t kPeriodUs = 1000;
-  LogReader log;
+  log::LogReader log;
   Arrivals<robot_state_t> robot(log, "ROBOT_STATE");
   Arrivals<imu_t> inertial(log, "IMU");
   Arrivals<ft_wrench_t> wrench(log, "FT_WRENCH");

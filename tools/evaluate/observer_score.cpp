@@ -6,7 +6,7 @@
 #include <palpate/truth_touch_t.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -48,7 +48,7 @@ Errors errors_at_lag(const ForceSeries& felt, const ForceSeries& truth, std::siz
 
 ForceSeries read_wrist_contacts(const std::filesystem::path& log, double begin) {
   std::vector<contacts_t> messages;
-  LogReader reader(LogClock::kSent);
+  log::LogReader reader(log::LogClock::kSent);
   reader.collect("CONTACTS", messages);
   reader.read(log);
   ForceSeries series;
@@ -71,7 +71,7 @@ ForceSeries read_wrist_contacts(const std::filesystem::path& log, double begin) 
 
 ForceSeries read_true_touch(const std::filesystem::path& housekeeping_log) {
   std::vector<truth_touch_t> messages;
-  LogReader reader(LogClock::kSent);
+  log::LogReader reader(log::LogClock::kSent);
   reader.collect("TRUTH_TOUCH", messages);
   reader.read(housekeeping_log);
   ForceSeries series;

@@ -10,7 +10,7 @@
 #include <stdexcept>
 
 #include "rt/bus/udpm_url.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -85,7 +85,7 @@ void Operator::on_command(const lcm::ReceiveBuffer*, const std::string&,
 void Operator::spin(double seconds) {
   const std::int64_t end = wall_clock() + static_cast<std::int64_t>(seconds * 1e6);
   for (std::int64_t now = wall_clock(); now < end; now = wall_clock()) {
-    throw_if_interrupted();
+    common::throw_if_interrupted();
     if (target_ && now - target_sent_ >= kTargetPeriod) {
       target_->utime = now;
       target_->seq = seq_++;

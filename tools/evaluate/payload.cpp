@@ -7,7 +7,7 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -46,32 +46,32 @@ nlohmann::json to_json(const PayloadScore& score) {
 }
 
 std::string triple(const Eigen::Vector3d& v, int decimals) {
-  return number(v.x(), decimals) + " " + number(v.y(), decimals) + " " + number(v.z(), decimals);
+  return common::number(v.x(), decimals) + " " + common::number(v.y(), decimals) + " " + common::number(v.z(), decimals);
 }
 
 void print(const std::vector<PayloadScore>& scores, std::ostream& out) {
-  Table table({"recording", "readings", "mass kg", "centre mm", "residual x y z N", "|F| N",
+  common::Table table({"recording", "readings", "mass kg", "centre mm", "residual x y z N", "|F| N",
                "|T| mNm", "left out |F| N", "bar N", ""});
   for (const PayloadScore& score : scores) {
     const sensing::PayloadFit& fit = score.fit;
     std::string bar, verdict;
     if (score.has_bar()) {
-      bar = number(score.force_bar, 2) + (score.bar_per_axis ? " an axis" : "");
+      bar = common::number(score.force_bar, 2) + (score.bar_per_axis ? " an axis" : "");
       verdict = score.met() ? "met" : "MISSED";
     }
     table.add({score.recording, std::to_string(fit.sample_count),
-               number(fit.parameters.mass, 4) + " +- " + number(fit.deviation[0], 4),
+               common::number(fit.parameters.mass, 4) + " +- " + common::number(fit.deviation[0], 4),
                triple(1e3 * fit.parameters.center_of_mass(), 1),
-               triple(fit.residual_rms.head<3>(), 3), number(fit.force_rms, 3),
-               number(1e3 * fit.torque_rms, 1),
-               score.left_out_force < 0 ? "" : number(score.left_out_force, 3), bar, verdict});
+               triple(fit.residual_rms.head<3>(), 3), common::number(fit.force_rms, 3),
+               common::number(1e3 * fit.torque_rms, 1),
+               score.left_out_force < 0 ? "" : common::number(score.left_out_force, 3), bar, verdict});
   }
   table.print(out);
   for (const PayloadScore& score : scores) {
     if (score.reversed)
       out << score.recording << ": the sensor reports what the load exerts on it (polarity -1)\n";
     if (score.gravity_tilt > 0.5 * kDegree)
-      out << score.recording << ": gravity stands " << number(score.gravity_tilt / kDegree, 1)
+      out << score.recording << ": gravity stands " << common::number(score.gravity_tilt / kDegree, 1)
           << " degrees off the base's -z\n";
     if (score.fit.bias_drift.force.norm() > 0)
       out << score.recording << ": the force bias drifts by "

@@ -4,12 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
-using import::CsvReader;
+using recordings::CsvReader;
 using sensing::StaticPose;
 
 constexpr double kDegree = M_PI / 180;

@@ -27,7 +27,7 @@ const draw::Colour kFeature{0.10F, 0.60F, 0.20F, 1};
 /// The last message sent before `utime`, or the first.
 template <class Message>
 const Message& shown_at(const std::vector<Message>& messages, std::int64_t utime) {
-  const Message* message = latest(messages, utime);
+  const Message* message = log::latest(messages, utime);
   return message == nullptr ? messages.front() : *message;
 }
 
@@ -54,7 +54,7 @@ void draw_robot(draw::Renderer& renderer, const std::filesystem::path& urdf,
   }
 }
 
-void draw_clamp(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant) {
+void draw_clamp(draw::Renderer& renderer, const math::Pose& X_WO, const log::MeshMessage& plant) {
   const Eigen::Vector3d lower = plant.nodes.rowwise().minCoeff();
   const Eigen::Vector3d upper = plant.nodes.rowwise().maxCoeff();
   const Eigen::Vector3d size(0.03, 1.6 * (upper.y() - lower.y()), 1.6 * (upper.z() - lower.z()));
@@ -64,11 +64,11 @@ void draw_clamp(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMess
   renderer.draw_box(X_WO * X_OB, size, {0.35F, 0.37F, 0.40F, 1});
 }
 
-void draw_target(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMessage& plant,
+void draw_target(draw::Renderer& renderer, const math::Pose& X_WO, const log::MeshMessage& plant,
                  const Eigen::Matrix3Xd& plant_positions, const ControlTarget& target) {
   Eigen::Matrix3Xd rest(3, target.rest_points.size());
   for (int i = 0; i < rest.cols(); ++i) rest.col(i) = target.rest_points[i];
-  const Eigen::Matrix3Xd now = PlantPoints(plant, rest).at(plant_positions);
+  const Eigen::Matrix3Xd now = log::PlantPoints(plant, rest).at(plant_positions);
   const Eigen::Vector3d feature = now.rowwise().mean();
   const Eigen::Vector3d goal = target.values.head<3>();
   math::Pose at = math::Pose::Identity();
@@ -80,14 +80,14 @@ void draw_target(draw::Renderer& renderer, const math::Pose& X_WO, const MeshMes
 }
 
 void draw_scene(draw::Renderer& renderer, const Demo& demo, const Scene& scene) {
-  const RunLog& log = *scene.log;
+  const log::RunLog& log = *scene.log;
   const config::Node configuration =
       config::Node::load_file(demo.file("rt/config/examples/bar_long_soft.yaml").string());
   const math::Pose X_WO = registry::read_frames(configuration).X_WO;
-  const MeshMessage plant = assemble(log.truth_chunks);
-  const MeshMessage estimate = assemble(log.shape_chunks);
-  const Eigen::Matrix3Xd truth = positions(shown_at(log.truths, scene.utime));
-  const Eigen::Matrix3Xd truth_W = transformed(X_WO, truth);
+  const log::MeshMessage plant = log::assemble(log.truth_chunks);
+  const log::MeshMessage estimate = log::assemble(log.shape_chunks);
+  const Eigen::Matrix3Xd truth = log::positions(shown_at(log.truths, scene.utime));
+  const Eigen::Matrix3Xd truth_W = log::transformed(X_WO, truth);
 
   const Eigen::Vector3d middle = truth_W.rowwise().mean() + Eigen::Vector3d(-0.12, 0, 0.02);
   const Eigen::Vector3d eye = middle + Eigen::Vector3d(-0.35, -1.45, 0.55);
@@ -101,11 +101,11 @@ void draw_scene(draw::Renderer& renderer, const Demo& demo, const Scene& scene) 
   style.colour = kTruth;
   renderer.draw_mesh(truth_W, plant.triangles, style);
   style.colour = kStart;
-  renderer.draw_mesh(transformed(X_WO, positions(shown_at(log.truths, scene.start_utime))),
+  renderer.draw_mesh(log::transformed(X_WO, log::positions(shown_at(log.truths, scene.start_utime))),
                      plant.triangles, style);
   style.colour = kEstimate;
   style.edges = kEstimateEdge;
-  renderer.draw_mesh(transformed(X_WO, positions(shown_at(log.shapes, scene.utime))),
+  renderer.draw_mesh(log::transformed(X_WO, log::positions(shown_at(log.shapes, scene.utime))),
                      estimate.triangles, style);
   if (scene.target != nullptr) draw_target(renderer, X_WO, plant, truth, *scene.target);
 }

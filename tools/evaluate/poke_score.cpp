@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -44,10 +44,10 @@ double deviations(const Vector6d& change) {
 /// One run, in s since the scene began.
 class Run {
  public:
-  Run(const RunLog& log, const ShapeScore& shape, const registry::Frames& frames)
+  Run(const log::RunLog& log, const ShapeScore& shape, const registry::Frames& frames)
       : log_(log),
         shape_(shape),
-        plant_(assemble(log.truth_chunks)),
+        plant_(log::assemble(log.truth_chunks)),
         motion_(log.truths),
         X_GS_(frames.X_EG.inverse() * frames.X_ES),
         start_(log.truths.front().utime) {}
@@ -109,7 +109,7 @@ class Run {
   void score_contact(PokeScore& result) const {
     const scenes::Poke& poke = result.poke;
     const double full = poke.at + poke.duration - std::min(scenes::Poke::kRamp, poke.duration / 2);
-    const PlantPoints point(plant_, poke.point);
+    const log::PlantPoints point(plant_, poke.point);
     Eigen::Matrix3Xd truth;
     int count = 0, observable = 0;
     double place = 0;
@@ -152,10 +152,10 @@ class Run {
     if (count == 0) throw std::runtime_error("the log does not reach before a poke");
   }
 
-  const RunLog& log_;
+  const log::RunLog& log_;
   const ShapeScore& shape_;
-  MeshMessage plant_;
-  PlantMotion motion_;
+  log::MeshMessage plant_;
+  log::PlantMotion motion_;
   math::Pose X_GS_;
   std::int64_t start_;
 };
@@ -178,7 +178,7 @@ Json json_of(const std::optional<PokeScore::Error>& error, double length) {
 
 }  // namespace
 
-PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const RunLog& log,
+PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog& log,
                        const ShapeScore& shape, const registry::Frames& frames) {
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");

@@ -6,7 +6,7 @@
 
 #include "rt/registry/frames.hpp"
 #include "sim/scenes/pokes.hpp"
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 #include "tools/evaluate/shape_score.hpp"
 #include "tools/evaluate/study_tables.hpp"
 
@@ -42,7 +42,7 @@ struct PokeScores {
 };
 
 /// Throws std::runtime_error where the log lacks truth or estimate at one of `pokes`.
-PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const RunLog& log,
+PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog& log,
                        const ShapeScore& shape, const registry::Frames& frames);
 
 /// `length`: of the object's largest side, m.

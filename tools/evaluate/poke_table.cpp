@@ -3,9 +3,9 @@
 #include <cmath>
 #include <functional>
 
-#include "tools/evaluate/bootstrap.hpp"
+#include "tools/common/bootstrap.hpp"
 #include "tools/evaluate/poke_score.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -46,20 +46,20 @@ std::string of(int count, std::size_t all) {
 
 /// "median / largest".
 std::string median_and_worst(std::vector<double> values, int decimals) {
-  if (values.empty()) return kNotAvailable;
-  return number(median_of(values).value, decimals) + " / " +
-         number(*std::max_element(values.begin(), values.end()), decimals);
+  if (values.empty()) return common::kNotAvailable;
+  return common::number(common::median_of(values).value, decimals) + " / " +
+         common::number(*std::max_element(values.begin(), values.end()), decimals);
 }
 
 std::string cell(const Json& poke, const char* pointer, int decimals) {
   const Json::json_pointer key(pointer);
   if (!poke.contains(key) || !poke.at(key).is_number()) return "";
-  return number(poke.at(key).get<double>(), decimals);
+  return common::number(poke.at(key).get<double>(), decimals);
 }
 
 std::string vector_of(const Json& numbers) {
   std::string text;
-  for (const Json& value : numbers) text += (text.empty() ? "" : " ") + number(value, 3);
+  for (const Json& value : numbers) text += (text.empty() ? "" : " ") + common::number(value, 3);
   return text;
 }
 
@@ -118,7 +118,7 @@ void add_row(ReportTable& table, const std::string& method, const Runs& runs) {
     alarms += run->at("false_alarms").get<int>();
     quiet += run->at("quiet_s").get<double>();
   }
-  row.push_back(std::to_string(alarms) + " in " + number(quiet, 0));
+  row.push_back(std::to_string(alarms) + " in " + common::number(quiet, 0));
   table.rows.push_back(row);
 }
 

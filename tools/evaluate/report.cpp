@@ -5,7 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -14,8 +14,8 @@ using Json = nlohmann::json;
 
 constexpr double kDegree = M_PI / 180;
 
-std::string millimetres(double metres) { return number(metres * 1e3, 2); }
-std::string percent(double fraction) { return number(fraction * 100, 2); }
+std::string millimetres(double metres) { return common::number(metres * 1e3, 2); }
+std::string percent(double fraction) { return common::number(fraction * 100, 2); }
 
 std::vector<std::string> cells(const ScoredRun& run) {
   std::vector<std::string> row(14);
@@ -33,14 +33,14 @@ std::vector<std::string> cells(const ScoredRun& run) {
     const FeatureScore& feature = *run.feature;
     if (feature.is_distance) row[6] = millimetres(feature.rest_distance);
     const bool has_angle = feature.kind == "pose" || feature.kind == "angle";
-    if (has_angle) row[7] = number(feature.rest_angle / kDegree, 2);
-    row[8] = feature.within_5mm ? number(*feature.within_5mm, 1) : "never";
+    if (has_angle) row[7] = common::number(feature.rest_angle / kDegree, 2);
+    row[8] = feature.within_5mm ? common::number(*feature.within_5mm, 1) : "never";
   }
   if (run.loop) {
-    row[9] = number(run.loop->p50_us, 0);
-    row[10] = number(run.loop->p99_us, 0);
-    row[11] = number(run.loop->p999_us, 0);
-    row[12] = number(run.loop->max_us, 0);
+    row[9] = common::number(run.loop->p50_us, 0);
+    row[10] = common::number(run.loop->p99_us, 0);
+    row[11] = common::number(run.loop->p999_us, 0);
+    row[12] = common::number(run.loop->max_us, 0);
     row[13] = std::to_string(run.loop->overruns);
   }
   return row;
@@ -150,18 +150,18 @@ Json to_json(const RecordingScore& recording) {
 void print_recording(const ScoredRun& run, std::ostream& out) {
   const RecordingScore& score = *run.recording;
   const Eigen::Vector3d p = score.location * 1e3;
-  out << run.name << ": contact at (" << number(p.x(), 1) << ", " << number(p.y(), 1) << ", "
-      << number(p.z(), 1) << ") mm of the object for " << number(score.duration, 1)
-      << " s; force error " << number(score.force_rms, 4) << " N RMS (of the vector), "
-      << number(score.force_magnitude_rms, 4) << " N (of its size), truth "
-      << number(score.true_force_rms, 3) << " N RMS; deepest indentation "
+  out << run.name << ": contact at (" << common::number(p.x(), 1) << ", " << common::number(p.y(), 1) << ", "
+      << common::number(p.z(), 1) << ") mm of the object for " << common::number(score.duration, 1)
+      << " s; force error " << common::number(score.force_rms, 4) << " N RMS (of the vector), "
+      << common::number(score.force_magnitude_rms, 4) << " N (of its size), truth "
+      << common::number(score.true_force_rms, 3) << " N RMS; deepest indentation "
       << millimetres(score.largest_displacement) << " mm\n";
 }
 
 }  // namespace
 
 void print_report(const std::vector<ScoredRun>& runs, std::ostream& out) {
-  Table table({"run", "model error", "shape mm", "%", "max mm", "%", "feature mm", "deg", "5 mm s",
+  common::Table table({"run", "model error", "shape mm", "%", "max mm", "%", "feature mm", "deg", "5 mm s",
                "p50 us", "p99", "p99.9", "max", "overruns"});
   std::string stage;
   for (const ScoredRun& run : runs) {

@@ -10,7 +10,7 @@
 namespace palpate::evaluate {
 namespace {
 
-void check_limits(ScoredRun& scored, const RunLog& log, const Gate& gate) {
+void check_limits(ScoredRun& scored, const log::RunLog& log, const Gate& gate) {
   scored.commands = check_commands(log, gate.limits, gate.period);
   const CommandScore& commands = *scored.commands;
   if (commands.violations > 0)
@@ -31,7 +31,7 @@ Gate gate_of(const std::filesystem::path& configuration,
 
 Gate gate_of(const RunPlan& plan) { return gate_of(plan.configuration, plan.overrides); }
 
-void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate,
+void score_into(ScoredRun& scored, const log::RunLog& log, const Gate& gate,
                 const FeatureDefinition* steered) {
   scored.shape = score_shape(log);
   scored.feature = score_feature(log, steered);
@@ -49,7 +49,7 @@ void check_poses(ScoredRun& scored, const std::filesystem::path& scene) {
 }
 
 int run_score(const ScoreOptions& options) {
-  const RunLog log = read_run(options.control, options.housekeeping);
+  const log::RunLog log = log::read_run(options.control, options.housekeeping);
   ScoredRun scored;
   scored.stage = "score";
   scored.name = options.control.filename().string();

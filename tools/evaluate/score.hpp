@@ -17,7 +17,7 @@ Gate gate_of(const std::filesystem::path& configuration, const std::vector<std::
 
 /// Adds every score that the log gives: shape, feature, loop, commands. Commands beyond the gate's
 /// limits and a fault are entered as missed. Throws std::runtime_error where something lacks.
-void score_into(ScoredRun& scored, const RunLog& log, const Gate& gate,
+void score_into(ScoredRun& scored, const log::RunLog& log, const Gate& gate,
                 const FeatureDefinition* steered = nullptr);
 
 /// Enters as missed where fewer poses were held than `scene` goes through.

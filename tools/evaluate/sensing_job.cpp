@@ -17,7 +17,7 @@ using Json = nlohmann::json;
 
 constexpr double kPatience = 1500;  // s, of a replay
 
-Json scored(const StudyJob& job, const RunLog& log, const fs::path& folder, bool pictures) {
+Json scored(const StudyJob& job, const log::RunLog& log, const fs::path& folder, bool pictures) {
   ScoredRun score;
   score.stage = job.application;
   score.name = job.method;
@@ -59,7 +59,7 @@ SensingScene scene_of(const StudyJob& job) {
 }
 
 std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures) {
-  const fs::path programs = program_folder();
+  const fs::path programs = common::program_folder();
   return hash_of_inputs(
       job, {recording_hash, hash_of_file(programs / "palpate-replay"),
             hash_of_file(programs / "palpate-evaluate"), pictures ? "drawn" : "not drawn"});
@@ -69,16 +69,16 @@ void run_sensing_job(const StudyJob& job, const std::string& inputs_hash, const 
                      const fs::path& folder, bool pictures) {
   SensingRecording recording = read_recording(scene_of(job), recorded);
   const fs::path replayed = folder / "replay.log", said = folder / "palpate-replay.txt";
-  const int code = run_to_end(
+  const int code = common::run_to_end(
       replay_command(scene_of(job), recording, job.daemon_overrides, replayed), said, kPatience);
   if (code != 0)
-    throw RunFailed("palpate-replay, exit code " + std::to_string(code) + ":\n" + tail(said, 8));
-  RunLog log;
+    throw RunFailed("palpate-replay, exit code " + std::to_string(code) + ":\n" + common::tail(said, 8));
+  log::RunLog log;
   log.truths = std::move(recording.truth.truths);
   log.truth_chunks = std::move(recording.truth.truth_chunks);
   log.truth_contacts = std::move(recording.truth.truth_contacts);
   log.observations = std::move(recording.truth.observations);
-  LogReader reader(LogClock::kSent);
+  log::LogReader reader(log::LogClock::kSent);
   reader.collect("SHAPE", log.shapes);
   reader.collect("SHAPE_MESH", log.shape_chunks);
   reader.collect("ESTIMATE", log.estimates);

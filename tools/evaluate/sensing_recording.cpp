@@ -72,14 +72,14 @@ std::string hash_of_recording(const SensingScene& scene) {
   job.configuration = scene.configuration;
   job.daemon_overrides = scene.daemon_overrides;
   job.duration = scene.duration;
-  return hash_of_inputs(job, {kFormat, hash_of_file(program_folder() / "palpate-sim")});
+  return hash_of_inputs(job, {kFormat, hash_of_file(common::program_folder() / "palpate-sim")});
 }
 
 SensingRecording read_recording(const SensingScene& scene, const fs::path& folder) {
   if (!has_result({"", {}, folder, hash_of_recording(scene)}))
     throw RunFailed(folder.string() + " holds no recording of this scene");
   const fs::path sensors = folder / kSensorLog;
-  return {sensors, read_run(sensors, folder / kTruthLog, LogClock::kSent)};
+  return {sensors, log::read_run(sensors, folder / kTruthLog, log::LogClock::kSent)};
 }
 
 SensingRecording record_sensing(const SensingScene& scene, const fs::path& folder) {
@@ -97,7 +97,7 @@ SensingRecording record_sensing(const SensingScene& scene, const fs::path& folde
   plan.duration = plan.source.duration + kSlack;
   plan.settled = plan.duration;
   plan.lock_step = true;
-  Progress progress(1, 1, "recording of " + scene.scene.filename().string());
+  common::Progress progress(1, 1, "recording of " + scene.scene.filename().string());
   const RunFiles files = run_live(plan, folder, progress);
   progress.finish(true);
   keep_sensors(files.control, folder / kSensorLog);
@@ -111,7 +111,7 @@ std::vector<std::string> replay_command(const SensingScene& scene,
                                         const SensingRecording& recording,
                                         const std::vector<std::string>& overrides,
                                         const fs::path& output) {
-  std::vector<std::string> command{(program_folder() / "palpate-replay").string(),
+  std::vector<std::string> command{(common::program_folder() / "palpate-replay").string(),
                                    recording.sensors.string(),
                                    "--start",
                                    "--config",

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 
 /// A motion of the hand before a camera, simulated once and then replayed by other estimators.
 struct SensingRecording {
   std::filesystem::path sensors;  // log of what the daemon was told, by the simulator's clock
-  RunLog truth;
+  log::RunLog truth;
 };
 
 /// What is recorded.

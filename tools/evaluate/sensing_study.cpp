@@ -5,15 +5,16 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/bootstrap.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/bootstrap.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/sensing_job.hpp"
 #include "tools/evaluate/shard.hpp"
 #include "tools/evaluate/study_host.hpp"
 #include "tools/evaluate/study_progress.hpp"
 #include "tools/evaluate/study_report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 
@@ -117,7 +118,7 @@ namespace {
 /// A task of the plan is simulated once for each level and seed: the name of that recording.
 std::string recording_of(const StudyJob& job) {
   return "recordings/" +
-         file_name(job.application + " " + job.mismatch + " " + std::to_string(job.seed));
+         common::file_name(job.application + " " + job.mismatch + " " + std::to_string(job.seed));
 }
 
 /// Mean over the states of a number; the cap where the run failed, and never more.
@@ -134,7 +135,7 @@ void print_table(const StudyReport& report, double cap, std::ostream& out) {
   for (const StudyApplication& application : report.plan.applications) {
     std::vector<std::string> header{application.name + ", mean / Hausdorff, mm"};
     for (const Mismatch& level : application.levels) header.push_back(level.name);
-    Table table(header);
+    common::Table table(header);
     bool any = false;
     for (const Method& method : application.methods) {
       std::vector<std::string> cells{method.name};
@@ -149,8 +150,8 @@ void print_table(const StudyReport& report, double cap, std::ostream& out) {
           surfaces.push_back(mean_of(result, "hausdorff_mm", cap));
         }
         cells.push_back(means.empty() ? ""
-                                      : number(median_of(means).value, 2) + " / " +
-                                            number(median_of(surfaces).value, 2));
+                                      : common::number(common::median_of(means).value, 2) + " / " +
+                                            common::number(common::median_of(surfaces).value, 2));
         any = any || !means.empty();
       }
       table.add(cells);
@@ -202,7 +203,7 @@ std::optional<int> SensingStudyCommand::run(const fs::path& root, std::ostream& 
   for (const StudyJob& job : jobs)
     if (job.kind == "control")
       throw std::invalid_argument(job.application + ": what is controlled cannot be replayed");
-  catch_interruptions();
+  common::catch_interruptions();
   if (!o.job.empty()) {
     for (const StudyJob& job : jobs) {
       const std::string recording = recording_of(job);

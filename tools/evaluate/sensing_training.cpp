@@ -9,11 +9,12 @@
 #include "core/published_sensing/learned_shape.hpp"
 #include "core/published_sensing/neural_gas.hpp"
 #include "rt/registry/object.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 #include "tools/evaluate/sensing_recording.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 
@@ -85,28 +86,28 @@ Samples gather(const SensingScene& scene, const SensingRecording& recording,
                const registry::Object& object, const Eigen::Matrix3Xd& units,
                LearnedShape::Inputs inputs, const fs::path& folder) {
   const fs::path replayed = folder / "replay.log";
-  if (run_to_end(replay_command(scene, recording, {}, replayed), folder / "palpate-replay.txt",
+  if (common::run_to_end(replay_command(scene, recording, {}, replayed), folder / "palpate-replay.txt",
                  kReplayPatience) != 0)
-    throw RunFailed("palpate-replay:\n" + tail(folder / "palpate-replay.txt", 10));
+    throw RunFailed("palpate-replay:\n" + common::tail(folder / "palpate-replay.txt", 10));
   std::vector<estimate_t> estimates;
   std::vector<contacts_t> contacts;
-  LogReader reader(LogClock::kSent);
+  log::LogReader reader(log::LogClock::kSent);
   reader.collect("ESTIMATE", estimates);
   reader.collect("CONTACTS", contacts);
   reader.read(replayed);
   fs::remove(replayed);
   if (estimates.size() < 100) throw RunFailed("the replay tells nothing of the hand");
-  const PlantPoints points(assemble(recording.truth.truth_chunks), units);
-  const PlantMotion motion(recording.truth.truths);
+  const log::PlantPoints points(log::assemble(recording.truth.truth_chunks), units);
+  const log::PlantMotion motion(recording.truth.truths);
   const std::int64_t begin = estimates.front().utime, end = estimates.back().utime;
   std::vector<Eigen::VectorXd> in[2], out[2];
   Eigen::Matrix3Xd plant;
   for (std::int64_t t = begin; t < end; t += static_cast<std::int64_t>(kEvery * 1e6)) {
-    const contacts_t* felt = latest(contacts, t);
+    const contacts_t* felt = log::latest(contacts, t);
     if (felt == nullptr || felt->count < 1 || !motion.at(t, plant)) continue;
     Eigen::VectorXd input(LearnedShape::input_count(inputs));
     LearnedShape::gather(inputs, Eigen::Map<const Eigen::Vector3d>(felt->wrench[0]),
-                         grasp_of(*latest(estimates, t)), object.body.grasps[0].X_OG_rest, input);
+                         grasp_of(*log::latest(estimates, t)), object.body.grasps[0].X_OG_rest, input);
     const Eigen::Matrix3Xd moved = points.at(plant) - units;
     const double place =
         kBlocks * static_cast<double>(t - begin) / static_cast<double>(end - begin);
@@ -173,8 +174,8 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
   published_sensing::ShapeTrainingOptions training;
   training.hidden = plan.integer("hidden", {1, 500}, training.hidden);
   training.epochs = plan.integer("epochs", {1, 1e6}, training.epochs);
-  catch_interruptions();
-  Table table({"object", "inputs", "samples", "mean error on blocks not trained on, mm", "model"});
+  common::catch_interruptions();
+  common::Table table({"object", "inputs", "samples", "mean error on blocks not trained on, mm", "model"});
   for (const config::Node& node : plan.list("objects")) {
     const std::string name = node.text("name");
     SensingScene scene;
@@ -182,7 +183,7 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
     scene.configuration = root / node.text("configuration");
     scene.scene_overrides = {random_motion(node.child("motion"), seed),
                              "seed=" + std::to_string(seed)};
-    const fs::path folder = fs::absolute(o.output) / file_name(name);
+    const fs::path folder = fs::absolute(o.output) / common::file_name(name);
     const SensingRecording recording = record_sensing(scene, folder);
     const config::Node configuration = config::Node::load_file(scene.configuration.string());
     const registry::Object object =
@@ -200,16 +201,16 @@ std::optional<int> TrainSensingCommand::run(const fs::path& root, std::ostream& 
           random.split("network"));
       const bool by_angle = inputs == LearnedShape::Inputs::kAngle;
       const fs::path file = fs::absolute(o.output) /
-                            (file_name(name) + (by_angle ? "_angle" : "_position") + ".yaml");
+                            (common::file_name(name) + (by_angle ? "_angle" : "_position") + ".yaml");
       const double error = mean_error(model.network, samples);
       write_model(model,
                   "palpate-evaluate train-sensing, " + name + ", seed " + std::to_string(seed) +
-                      ", version " PALPATE_VERSION ", mean error " + number(error * 1e3, 2) +
+                      ", version " PALPATE_VERSION ", mean error " + common::number(error * 1e3, 2) +
                       " mm on blocks that it was not trained on",
                   file);
       table.add({name, by_angle ? "angle" : "position",
                  std::to_string(samples.inputs.cols() + samples.held_inputs.cols()),
-                 number(error * 1e3, 2), file.filename().string()});
+                 common::number(error * 1e3, 2), file.filename().string()});
     }
   }
   plan.check_all_used();

@@ -7,7 +7,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/sensors_models.hpp"
 #include "tools/evaluate/sensors_report.hpp"
@@ -146,7 +146,7 @@ std::vector<SensorComparison> compare(const SensorsOptions& options, std::ostrea
          methods_of(kind, options, models,
                     found == known.end() ? std::vector<SensorTrack>{} : found->second, refit, out))
       for (const std::string& file : files) {
-        throw_if_interrupted();
+        common::throw_if_interrupted();
         if (fitted.methods.empty()) continue;
         SensorComparison comparison =
             compare_sensors(of_file(tracks, file), fitted.training, fitted.methods);
@@ -218,7 +218,7 @@ SensorsCommand::SensorsCommand(CLI::App& app) {
 
 std::optional<int> SensorsCommand::run(const std::filesystem::path& recordings, std::ostream& out) {
   if (!command_->parsed()) return {};
-  catch_interruptions();
+  common::catch_interruptions();
   if (options_.train.empty()) options_.train = recordings;
   if (options_.data.empty()) options_.data = options_.train;
   return run_sensors(options_, out);

@@ -7,8 +7,8 @@
 #include "core/sensing/electrode_scatter.hpp"
 #include "core/sensing/linear_tactile.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
-#include "tools/train/ridge.hpp"
-#include "tools/train/wrist_data.hpp"
+#include "tools/recordings/ridge.hpp"
+#include "tools/recordings/wrist_data.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -22,17 +22,17 @@ class LinearMap {
   /// `inputs`: n x all inputs of a track.
   LinearMap(SensorKind kind, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs)
       : plan_(plan_of(kind)) {
-    for (const std::string& column : train::columns_of(plan_.data.inputs))
+    for (const std::string& column : recordings::columns_of(plan_.data.inputs))
       places_.push_back(input_place(kind, column));
     const Eigen::MatrixXd x = picked(inputs);
     mean_ = x.colwise().mean();
     deviation_ =
         ((x.rowwise() - mean_).colwise().squaredNorm() / static_cast<double>(x.rows())).cwiseSqrt();
     Eigen::Index column = 0;
-    for (const train::ColumnGroup& group : plan_.data.inputs)
+    for (const recordings::ColumnGroup& group : plan_.data.inputs)
       for (std::size_t i = 0; i < group.columns.size(); ++i, ++column)
         deviation_[column] = std::max(deviation_[column], group.floor);
-    ridge_ = train::fit_ridge(scaled(x), outputs, plan_.network.penalties);
+    ridge_ = recordings::fit_ridge(scaled(x), outputs, plan_.network.penalties);
   }
 
   Eigen::MatrixXd operator()(const Eigen::MatrixXd& inputs) const {
@@ -45,7 +45,7 @@ class LinearMap {
     for (std::size_t i = 0; i < places_.size(); ++i)
       x.col(static_cast<Eigen::Index>(i)) = inputs.col(places_[i]);
     Eigen::Index first = 0;
-    for (const train::ColumnGroup& group : plan_.data.inputs) {
+    for (const recordings::ColumnGroup& group : plan_.data.inputs) {
       const auto count = static_cast<Eigen::Index>(group.columns.size());
       if (group.unit_length > 0)
         for (Eigen::Index k = 0; k < x.rows(); ++k)
@@ -59,10 +59,10 @@ class LinearMap {
     return (x.rowwise() - mean_).array().rowwise() / deviation_.array();
   }
 
-  train::Plan plan_;
+  recordings::Plan plan_;
   std::vector<int> places_;
   Eigen::RowVectorXd mean_, deviation_;
-  train::Ridge ridge_;
+  recordings::Ridge ridge_;
 };
 
 double strongest(const SensorTrack& track, Eigen::Index row) {
@@ -148,22 +148,22 @@ Eigen::MatrixXd load_of(const sensing::PayloadParameters& payload,
 }
 
 /// Payload and biases identified from the rows that may be used.
-train::DataSet identify(const SensorTraining& training, const std::vector<SensorTrack>& tracks,
+recordings::DataSet identify(const SensorTraining& training, const std::vector<SensorTrack>& tracks,
                         bool moving) {
-  train::DataPlan plan = plan_of(SensorKind::kWrist).data;
-  plan.target = train::Target::kMeasured;
-  train::DataSet data;
-  std::vector<train::WristRecording> wrists;
+  recordings::DataPlan plan = plan_of(SensorKind::kWrist).data;
+  plan.target = recordings::Target::kMeasured;
+  recordings::DataSet data;
+  std::vector<recordings::WristRecording> wrists;
   for (const SensorTrack& track : tracks) {
-    train::Recording recording;
+    recordings::Recording recording;
     recording.time = track.time;
     for (const bool learn : rows_to_learn(training, track))
-      recording.parts.push_back(learn ? train::Part::kTraining : train::Part::kTest);
+      recording.parts.push_back(learn ? recordings::Part::kTraining : recordings::Part::kTest);
     recording.counts = track.counts;
     data.recordings.push_back(recording);
     wrists.push_back({track.time, moving ? track.samples : at_rest(track), track.input, {}});
   }
-  train::finish_wrists(plan, wrists, data);
+  recordings::finish_wrists(plan, wrists, data);
   return data;
 }
 
@@ -173,8 +173,8 @@ std::vector<SensorMethod> wrist_baselines(const SensorTraining& training,
   std::vector<Eigen::MatrixXd> inputs, outputs;
   for (const SensorTrack& track : known)
     if (training.find(track.recording) != nullptr) tracks.push_back(track);
-  const train::DataSet moving = identify(training, tracks, true);
-  const train::DataSet resting = identify(training, tracks, false);
+  const recordings::DataSet moving = identify(training, tracks, true);
+  const recordings::DataSet resting = identify(training, tracks, false);
   for (std::size_t r = 0; r < tracks.size(); ++r) {
     const std::vector<bool> rows = rows_to_learn(training, tracks[r]);
     inputs.push_back(wanted_rows(tracks[r].input, rows));

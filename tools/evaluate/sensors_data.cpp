@@ -9,8 +9,8 @@
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
-#include "tools/import/csv_reader.hpp"
-#include "tools/train/wrist_data.hpp"
+#include "tools/recordings/csv_reader.hpp"
+#include "tools/recordings/wrist_data.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -22,8 +22,8 @@ constexpr SensorKind kKinds[] = {SensorKind::kForce, SensorKind::kDirection, Sen
 constexpr const char* kPac = "pac0";
 constexpr double kRestPressure = 15;  // counts of PDC above the quietest rows that are still rest
 
-train::Plan preset(const std::string& name) {
-  return train::read_plan(config::Node::load_file(
+recordings::Plan preset(const std::string& name) {
+  return recordings::read_plan(config::Node::load_file(
       (config::data_folder() / "tools/train/presets" / (name + ".yaml")).string()));
 }
 
@@ -32,17 +32,17 @@ std::vector<std::string> tactile_columns(SensorKind kind) {
   for (int i = 1; i <= kElectrodeCount; ++i) columns.push_back("e" + std::to_string(i));
   columns.push_back(kPac);
   columns.push_back("pdc");
-  for (const std::string& column : train::columns_of(plan_of(kind).data.outputs))
+  for (const std::string& column : recordings::columns_of(plan_of(kind).data.outputs))
     columns.push_back(column);
   return columns;
 }
 
 std::vector<std::string> columns_of(SensorKind kind) {
-  return kind == SensorKind::kWrist ? train::wrist_columns(plan_of(kind).data.wrist)
+  return kind == SensorKind::kWrist ? recordings::wrist_columns(plan_of(kind).data.wrist)
                                     : tactile_columns(kind);
 }
 
-std::string first_present(const import::CsvReader& csv, const std::vector<std::string>& names) {
+std::string first_present(const recordings::CsvReader& csv, const std::vector<std::string>& names) {
   for (const std::string& name : names)
     if (csv.has_column(name)) return name;
   return "";
@@ -65,7 +65,7 @@ std::string read_as(SensorKind kind, const std::filesystem::path& path, const st
   std::vector<std::string> columns = columns_of(kind);
   std::string time, label;
   {
-    const import::CsvReader csv(path.string());
+    const recordings::CsvReader csv(path.string());
     time = first_present(csv, {plan_of(kind).data.time, "t", "t_s"});
     label = first_present(csv, {"log", "recording", "run", "trial"});
     std::string missing = time.empty() ? " " + plan_of(kind).data.time : "";
@@ -78,9 +78,9 @@ std::string read_as(SensorKind kind, const std::filesystem::path& path, const st
   }
   const bool lacks_pac =
       kind != SensorKind::kWrist && columns.size() < tactile_columns(kind).size();
-  std::vector<train::Table> tables = train::read_tables(path.string(), time, columns, label);
+  std::vector<recordings::Table> tables = recordings::read_tables(path.string(), time, columns, label);
   const std::string sha256 = inference::sha256_of(bytes_of(path));
-  for (train::Table& table : tables) {
+  for (recordings::Table& table : tables) {
     if (lacks_pac) {
       Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(table.rows.rows(), table.rows.cols() + 1);
       rows.leftCols(kElectrodeCount) = table.rows.leftCols(kElectrodeCount);
@@ -97,10 +97,10 @@ std::string read_as(SensorKind kind, const std::filesystem::path& path, const st
 }
 
 SensorTrack tactile_track(const SensorRecording& recording) {
-  const train::DataPlan& plan = plan_of(recording.kind).data;
+  const recordings::DataPlan& plan = plan_of(recording.kind).data;
   SensorTrack track;
   track.recording = recording;
-  const train::Table& table = recording.table;
+  const recordings::Table& table = recording.table;
   track.time = table.time;
   const Eigen::Index n = table.rows.rows();
   while (track.tare_rows < n && table.time[track.tare_rows] < plan.tare) ++track.tare_rows;
@@ -131,13 +131,13 @@ SensorTrack tactile_track(const SensorRecording& recording) {
 SensorTrack wrist_track(const SensorRecording& recording) {
   constexpr int kAcceleration = 10;     // place in wrist_columns()
   constexpr double kHalfGravity = 4.9;  // m/s^2
-  train::DataPlan plan = plan_of(SensorKind::kWrist).data;
+  recordings::DataPlan plan = plan_of(SensorKind::kWrist).data;
   SensorTrack track;
   track.recording = recording;
   track.acceleration_has_gravity =
       recording.table.rows.middleCols(kAcceleration, 3).rowwise().norm().mean() > kHalfGravity;
   plan.wrist.acceleration_has_gravity = track.acceleration_has_gravity;
-  const train::WristRecording wrist = train::load_wrist(plan, recording.table);
+  const recordings::WristRecording wrist = recordings::load_wrist(plan, recording.table);
   track.time = wrist.time;
   track.input = wrist.inputs;
   track.samples = wrist.samples;
@@ -162,10 +162,10 @@ const char* name_of(SensorKind kind) {
   return "wrist";
 }
 
-const train::Plan& plan_of(SensorKind kind) {
-  static const train::Plan kForce = preset("biotac_linear_lstm");
-  static const train::Plan kDirection = preset("biotac_direction");
-  static const train::Plan kWrist = preset("ft_rnnob");
+const recordings::Plan& plan_of(SensorKind kind) {
+  static const recordings::Plan kForce = preset("biotac_linear_lstm");
+  static const recordings::Plan kDirection = preset("biotac_direction");
+  static const recordings::Plan kWrist = preset("ft_rnnob");
   return kind == SensorKind::kForce ? kForce : kind == SensorKind::kDirection ? kDirection : kWrist;
 }
 

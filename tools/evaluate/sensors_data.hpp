@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "core/sensing/payload.hpp"
-#include "tools/train/plan.hpp"
-#include "tools/train/recording_table.hpp"
+#include "tools/recordings/plan.hpp"
+#include "tools/recordings/recording_table.hpp"
 
 namespace palpate::evaluate {
 
@@ -21,7 +21,7 @@ const char* name_of(SensorKind kind);
 
 /// How recordings of a kind are read and its linear baseline is fitted: the first preset of the
 /// kind.
-const train::Plan& plan_of(SensorKind kind);
+const recordings::Plan& plan_of(SensorKind kind);
 
 /// Place of an input by its name among those that a track of the kind holds; -1: there is none.
 int input_place(SensorKind kind, const std::string& name);
@@ -33,7 +33,7 @@ struct SensorRecording {
   std::string name;    // file, and the recording in it where it holds several
   std::string sha256;  // of the file
   /// Tactile: electrodes, PAC (0 where there is none), PDC, truth; wrist: train::wrist_columns().
-  train::Table table;
+  recordings::Table table;
 };
 
 struct SensorFolder {

@@ -14,7 +14,7 @@ namespace {
 std::string presets_folder() { return (config::data_folder() / "tools/train/presets/").string(); }
 
 std::vector<std::string> output_names(SensorKind kind) {
-  return train::columns_of(plan_of(kind).data.outputs);
+  return recordings::columns_of(plan_of(kind).data.outputs);
 }
 
 int output_place(const inference::ModelCard& card, const std::string& name) {
@@ -41,7 +41,7 @@ SensorKind kind_of(const inference::ModelFile& file) {
 int window_of(const std::string& name) {
   const std::string preset = presets_folder() + name + ".yaml";
   if (!std::filesystem::exists(preset)) return 0;
-  const train::Plan plan = train::read_plan(config::Node::load_file(preset));
+  const recordings::Plan plan = recordings::read_plan(config::Node::load_file(preset));
   return plan.training.carry ? 0 : plan.training.steps;
 }
 
@@ -96,10 +96,10 @@ Eigen::MatrixXd run_network(const inference::ModelFile& file, const std::string&
 }  // namespace
 
 SensorKind kind_of_preset(const std::string& preset) {
-  const train::Plan plan =
-      train::read_plan(config::Node::load_file(presets_folder() + preset + ".yaml"));
+  const recordings::Plan plan =
+      recordings::read_plan(config::Node::load_file(presets_folder() + preset + ".yaml"));
   if (plan.data.is_wrist) return SensorKind::kWrist;
-  return train::columns_of(plan.data.outputs) == output_names(SensorKind::kDirection)
+  return recordings::columns_of(plan.data.outputs) == output_names(SensorKind::kDirection)
              ? SensorKind::kDirection
              : SensorKind::kForce;
 }

@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 
 #include "core/sensing/biotac_geometry.hpp"
-#include "tools/evaluate/plot.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -20,7 +20,7 @@ double millimetres(double angle) { return 1e3 * sensing::kSkinRadius * angle; }
 
 void add_cells(std::vector<std::string>& row, const Eigen::VectorXd& values, double scale,
                int decimals) {
-  for (const double value : values) row.push_back(number(scale * value, decimals));
+  for (const double value : values) row.push_back(common::number(scale * value, decimals));
 }
 
 std::vector<std::string> header_of(SensorKind kind) {
@@ -49,29 +49,29 @@ std::vector<std::string> header_of(SensorKind kind) {
 /// `again`: with the other tare, of a wrist.
 std::vector<std::string> cells_of(SensorKind kind, const SensorScore& score,
                                   const SensorScore* again) {
-  const train::Errors& errors = score.errors;
+  const recordings::Errors& errors = score.errors;
   std::vector<std::string> row{score.is_model ? score.method : "  " + score.method};
   switch (kind) {
     case SensorKind::kForce:
       add_cells(row, errors.rms, 1, 4);
-      row.push_back(number(errors.norms[0], 4));
+      row.push_back(common::number(errors.norms[0], 4));
       add_cells(row, errors.mean_absolute, 1, 4);
       add_cells(row, errors.correlation, 1, 3);
       break;
     case SensorKind::kDirection:
       for (const double angle : {errors.median_angle[0], errors.angle_90[0]})
-        row.push_back(number(angle / kDegree, 2));
+        row.push_back(common::number(angle / kDegree, 2));
       for (const double angle : {errors.median_angle[0], errors.angle_90[0]})
-        row.push_back(number(millimetres(angle), 2));
+        row.push_back(common::number(millimetres(angle), 2));
       break;
     case SensorKind::kWrist:
-      row.push_back(number(errors.norms[0], 3));
-      row.push_back(number(1e3 * errors.norms[1], 1));
+      row.push_back(common::number(errors.norms[0], 3));
+      row.push_back(common::number(1e3 * errors.norms[1], 1));
       add_cells(row, errors.rms.head(3), 1, 3);
       add_cells(row, errors.rms.tail(3), 1e3, 1);
       if (again != nullptr) {
-        row.push_back(number(again->errors.norms[0], 3));
-        row.push_back(number(1e3 * again->errors.norms[1], 1));
+        row.push_back(common::number(again->errors.norms[0], 3));
+        row.push_back(common::number(1e3 * again->errors.norms[1], 1));
       }
       break;
   }
@@ -88,20 +88,20 @@ const SensorScore* with_tare(const SensorComparison& comparison, const SensorSco
 
 /// How the errors of a kind are to be read.
 std::string legend_of(SensorKind kind) {
-  const train::DataPlan& plan = plan_of(kind).data;
+  const recordings::DataPlan& plan = plan_of(kind).data;
   switch (kind) {
     case SensorKind::kForce:
-      return "counts and forces are tared on " + number(plan.tare, 1) + " s at rest";
+      return "counts and forces are tared on " + common::number(plan.tare, 1) + " s at rest";
     case SensorKind::kDirection:
-      return "rows in contact (PDC " + number(plan.contact_threshold, 0) +
-             " counts above rest); mm on a skin of " + number(1e3 * sensing::kSkinRadius, 0) +
+      return "rows in contact (PDC " + common::number(plan.contact_threshold, 0) +
+             " counts above rest); mm on a skin of " + common::number(1e3 * sensing::kSkinRadius, 0) +
              " mm radius";
     case SensorKind::kWrist:
       break;
   }
-  return "at " + number(plan.rate, 0) + " Hz, means over " + number(plan.average, 1) +
+  return "at " + common::number(plan.rate, 0) + " Hz, means over " + common::number(plan.average, 1) +
          " s; of every method alike, the mean error over the whole recording (or its first " +
-         number(kFirstSeconds, 0) + " s) is taken off, as the sensor's bias of that session";
+         common::number(kFirstSeconds, 0) + " s) is taken off, as the sensor's bias of that session";
 }
 
 std::string quoted(const std::string& text) {
@@ -139,9 +139,9 @@ std::vector<std::size_t> shown_methods(const SensorComparison& comparison) {
   return places;
 }
 
-Curve curve(const std::string& title, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
+common::Curve curve(const std::string& title, const Eigen::VectorXd& x, const Eigen::VectorXd& y,
             bool dashed) {
-  Curve result{title, {}, {}, dashed};
+  common::Curve result{title, {}, {}, dashed};
   const Eigen::Index step = 1 + x.size() / kPlotPoints;
   for (Eigen::Index k = 0; k < x.size(); k += step) {
     result.x.push_back(x[k]);
@@ -160,11 +160,11 @@ Eigen::VectorXd angles(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   return result;
 }
 
-std::vector<Plot> plots_of(const SensorComparison& comparison) {
+std::vector<common::Plot> plots_of(const SensorComparison& comparison) {
   const std::vector<std::size_t> shown = shown_methods(comparison);
-  std::vector<Plot> plots;
+  std::vector<common::Plot> plots;
   if (comparison.kind == SensorKind::kDirection) {
-    Plot plot{comparison.file + ": error of direction", "s", "degrees", {}};
+    common::Plot plot{comparison.file + ": error of direction", "s", "degrees", {}};
     for (const std::size_t i : shown)
       plot.curves.push_back(curve(comparison.methods[i], comparison.time,
                                   angles(comparison.answers[i], comparison.truth), false));
@@ -174,7 +174,7 @@ std::vector<Plot> plots_of(const SensorComparison& comparison) {
   for (std::size_t g = 0; g < groups.size(); ++g)
     for (int axis = 0; axis < kGroupColumns; ++axis) {
       const auto column = static_cast<Eigen::Index>(g) * kGroupColumns + axis;
-      Plot plot{comparison.file + ": " + groups[g].columns[axis], "s", groups[g].unit, {}};
+      common::Plot plot{comparison.file + ": " + groups[g].columns[axis], "s", groups[g].unit, {}};
       plot.curves.push_back(
           curve("measured", comparison.time, comparison.truth.col(column), false));
       for (const std::size_t i : shown)
@@ -189,7 +189,7 @@ std::vector<Plot> plots_of(const SensorComparison& comparison) {
 
 void print_sensors(const std::vector<SensorComparison>& comparisons, std::ostream& out) {
   for (const SensorKind kind : {SensorKind::kForce, SensorKind::kDirection, SensorKind::kWrist}) {
-    Table table(header_of(kind));
+    common::Table table(header_of(kind));
     bool any = false;
     for (const SensorComparison& comparison : comparisons) {
       if (comparison.kind != kind || comparison.scores.empty()) continue;
@@ -215,7 +215,7 @@ void write_sensors_csv(const std::vector<SensorComparison>& comparisons, std::os
   out << ",rms_force_or_direction,rms_torque,median_deg,p90_deg,median_mm\n";
   for (const SensorComparison& comparison : comparisons)
     for (const SensorScore& score : comparison.scores) {
-      const train::Errors& errors = score.errors;
+      const recordings::Errors& errors = score.errors;
       out << json_name(comparison.kind) << ',' << quoted(comparison.file) << ','
           << quoted(score.recording.empty() ? "all" : score.recording) << ',' << comparison.origin
           << ',' << quoted(score.method) << ',' << (score.is_model ? "yes" : "no") << ','
@@ -274,7 +274,7 @@ std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparis
     const std::filesystem::path picture =
         folder / (std::string(json_name(comparison.kind)) + "-" + name + "-" +
                   std::to_string(pictures.size() + 1) + ".png");
-    if (!draw(plots_of(comparison), picture)) return {};
+    if (!common::draw(plots_of(comparison), picture)) return {};
     pictures.push_back(picture);
   }
   return pictures;

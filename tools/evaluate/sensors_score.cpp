@@ -78,11 +78,11 @@ SensorComparison compare_sensors(const std::vector<SensorTrack>& tracks,
         answers.push_back(wanted_rows(tared(raw[i], *parts[i].track, tare), parts[i].rows));
       if (tare == tares_of(comparison.kind).front()) comparison.answers.push_back(answers[largest]);
       comparison.scores.push_back({method.name, method.is_model, "", tare,
-                                   train::measure_errors(stacked(answers), truth, groups)});
+                                   recordings::measure_errors(stacked(answers), truth, groups)});
       if (parts.size() == 1) continue;
       for (std::size_t i = 0; i < parts.size(); ++i)
         comparison.scores.push_back({method.name, method.is_model, comparison.recordings[i], tare,
-                                     train::measure_errors(answers[i], parts[i].truth, groups)});
+                                     recordings::measure_errors(answers[i], parts[i].truth, groups)});
     }
   }
   return comparison;

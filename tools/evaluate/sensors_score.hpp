@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "tools/evaluate/sensors_baselines.hpp"
-#include "tools/train/errors.hpp"
+#include "tools/recordings/errors.hpp"
 
 namespace palpate::evaluate {
 
@@ -22,7 +22,7 @@ struct SensorScore {
   bool is_model = false;
   std::string recording;  // its name; empty: all of the file
   SensorTare tare = SensorTare::kNone;
-  train::Errors errors;  // of the plan's output groups
+  recordings::Errors errors;  // of the plan's output groups
 };
 
 /// Methods that are compared on the same rows of a file's recordings.

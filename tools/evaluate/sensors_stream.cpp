@@ -38,7 +38,7 @@ config::Node section(const std::string& component, const std::string& model,
                                  component);
 }
 
-sensing::BioTac tactile_sample(const train::Table& table, Eigen::Index row, double time) {
+sensing::BioTac tactile_sample(const recordings::Table& table, Eigen::Index row, double time) {
   constexpr int kCount = sensing::kElectrodeCount;
   sensing::BioTac sample;
   sample.time = time;
@@ -48,7 +48,7 @@ sensing::BioTac tactile_sample(const train::Table& table, Eigen::Index row, doub
   return sample;
 }
 
-Eigen::Matrix3d orientation(const train::Table& table, Eigen::Index row) {
+Eigen::Matrix3d orientation(const recordings::Table& table, Eigen::Index row) {
   const auto q = table.rows.row(row).segment<4>(kQuaternion);
   return Eigen::Quaterniond(q[0], q[1], q[2], q[3]).normalized().toRotationMatrix();
 }
@@ -66,7 +66,7 @@ void run_fingertip(const config::Node& node, const SensorTrack& track, Visit vis
   context.deterministic = true;
   const auto component = registry::make_biotac_lstm(node, context);
   const auto& fingertip = dynamic_cast<const sensing::BiotacLstm&>(*component);
-  const train::Table& table = track.recording.table;
+  const recordings::Table& table = track.recording.table;
   const double interval =
       table.time[table.time.size() - 1] / static_cast<double>(table.time.size());
   sensing::Signals signals;
@@ -159,15 +159,15 @@ Eigen::MatrixXd stream_place(const std::string& direction, const inference::Mode
 
 Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& executor,
                              const inference::ModelCard& card, const SensorTrack& track) {
-  const train::Table& raw = track.recording.table;
+  const recordings::Table& raw = track.recording.table;
   const double raw_rate = static_cast<double>(raw.time.size() - 1) / raw.time[raw.time.size() - 1];
   const auto ticks_per_step =
       static_cast<Eigen::Index>(std::max(1.0, std::ceil(raw_rate / card.rate - 0.01)));
   const double loop_rate = card.rate * static_cast<double>(ticks_per_step);
-  const train::Table table = train::resample(raw, loop_rate, 0);
-  train::Table felt = table;
+  const recordings::Table table = recordings::resample(raw, loop_rate, 0);
+  recordings::Table felt = table;
   for (const inference::StreamDelay& delay : card.delays)
-    if (delay.stream == "inertial") train::delay_columns(felt, kQuaternion, 4, delay.seconds);
+    if (delay.stream == "inertial") recordings::delay_columns(felt, kQuaternion, 4, delay.seconds);
 
   registry::Context context;
   context.deterministic = true;

@@ -3,9 +3,9 @@
 
 #include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/process.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/process.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/evaluate/sensors_models.hpp"
 #include "tools/evaluate/study_hash.hpp"
 
@@ -13,11 +13,11 @@ namespace palpate::evaluate {
 namespace {
 
 /// Of all that a trained model depends on.
-std::string hash_of_training(const config::Node& preset, const train::Plan& plan,
+std::string hash_of_training(const config::Node& preset, const recordings::Plan& plan,
                              const std::filesystem::path& data,
                              const std::filesystem::path& program) {
   std::string text = std::to_string(preset.hash()) + hash_of_file(program);
-  for (const train::RecordingPlan& recording : plan.data.recordings)
+  for (const recordings::RecordingPlan& recording : plan.data.recordings)
     text += hash_of_file(data / recording.file);
   return inference::sha256_of(text).substr(0, 12);
 }
@@ -37,13 +37,13 @@ const std::vector<std::string>& default_sensor_models() {
 std::optional<std::filesystem::path> train_sensor_model(const std::string& preset,
                                                         const SensorTrainingOptions& options,
                                                         int position, int count) {
-  const std::filesystem::path program = program_folder() / "palpate-train";
+  const std::filesystem::path program = common::program_folder() / "palpate-train";
   std::vector<std::string> overrides;
   if (!options.refit) overrides.push_back("training.refit=false");
   const config::Node node = config::Node::load_file(
       (config::data_folder() / "tools/train/presets" / (preset + ".yaml")).string(), overrides);
-  const train::Plan plan = train::read_plan(node);
-  for (const train::RecordingPlan& recording : plan.data.recordings)
+  const recordings::Plan plan = recordings::read_plan(node);
+  for (const recordings::RecordingPlan& recording : plan.data.recordings)
     if (!std::filesystem::exists(options.data / recording.file)) return {};
   if (!std::filesystem::exists(program))
     throw std::runtime_error(program.string() + ": is absent; give models by --model");
@@ -72,18 +72,18 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
     command.push_back("--set");
     command.push_back(item);
   }
-  Progress progress(position, count, "training " + preset);
-  Process process("palpate-train", command, log);
+  common::Progress progress(position, count, "training " + preset);
+  common::Process process("palpate-train", command, log);
   const auto start = std::chrono::steady_clock::now();
   std::optional<int> code;
   while (!(code = process.wait(0.5))) {
-    throw_if_interrupted();
+    common::throw_if_interrupted();
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - start;
     progress.show(0, std::to_string(static_cast<int>(elapsed.count())) + " s");
   }
   if (*code != 0) {
     progress.finish(false);
-    throw std::runtime_error("palpate-train " + preset + " failed:\n" + tail(log, 5));
+    throw std::runtime_error("palpate-train " + preset + " failed:\n" + common::tail(log, 5));
   }
   std::filesystem::rename(inference::card_path(fresh.string()),
                           inference::card_path(model.string()));

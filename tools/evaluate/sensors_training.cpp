@@ -9,19 +9,19 @@
 namespace palpate::evaluate {
 namespace {
 
-bool in_any(const std::vector<train::Interval>& intervals, double t) {
+bool in_any(const std::vector<recordings::Interval>& intervals, double t) {
   return std::any_of(intervals.begin(), intervals.end(),
-                     [t](const train::Interval& interval) { return interval.contains(t); });
+                     [t](const recordings::Interval& interval) { return interval.contains(t); });
 }
 
-bool same(const std::vector<train::Interval>& a, const std::vector<train::Interval>& b) {
+bool same(const std::vector<recordings::Interval>& a, const std::vector<recordings::Interval>& b) {
   return std::equal(a.begin(), a.end(), b.begin(), b.end(), [](const auto& x, const auto& y) {
     return x.begin == y.begin && x.end == y.end;
   });
 }
 
-std::vector<train::Interval> intervals(const YAML::Node& ends) {
-  std::vector<train::Interval> list;
+std::vector<recordings::Interval> intervals(const YAML::Node& ends) {
+  std::vector<recordings::Interval> list;
   if (!ends.IsDefined()) return list;
   for (std::size_t i = 0; i + 1 < ends.size(); i += 2)
     list.push_back({ends[i].as<double>(), ends[i + 1].as<double>()});
@@ -63,11 +63,11 @@ SensorTraining training_of(const inference::ModelCard& card) {
   return training;
 }
 
-SensorTraining training_of(const train::DataPlan& plan, const std::filesystem::path& folder,
+SensorTraining training_of(const recordings::DataPlan& plan, const std::filesystem::path& folder,
                            bool all_parts) {
   SensorTraining training;
   training.all_parts = all_parts;
-  for (const train::RecordingPlan& entry : plan.recordings) {
+  for (const recordings::RecordingPlan& entry : plan.recordings) {
     std::ifstream stream(folder / entry.file, std::ios::binary);
     if (!stream) continue;
     std::ostringstream bytes;

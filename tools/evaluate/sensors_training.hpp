@@ -12,8 +12,8 @@ namespace palpate::evaluate {
 struct SensorTraining {
   struct File {
     std::string sha256;
-    std::vector<train::Interval> validation;
-    std::vector<train::Interval> test;
+    std::vector<recordings::Interval> validation;
+    std::vector<recordings::Interval> test;
   };
   std::vector<File> files;
   bool all_parts = false;  // validation and test were learned in the end, too
@@ -28,7 +28,7 @@ struct SensorTraining {
 SensorTraining training_of(const inference::ModelCard& card);
 
 /// Of a plan, files below `folder`; those that are absent are left out.
-SensorTraining training_of(const train::DataPlan& plan, const std::filesystem::path& folder,
+SensorTraining training_of(const recordings::DataPlan& plan, const std::filesystem::path& folder,
                            bool all_parts);
 
 /// Rows of a track that a fit to `training` may use.

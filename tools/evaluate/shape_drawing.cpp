@@ -5,20 +5,21 @@
 #include <set>
 
 #include "tools/evaluate/live_run.hpp"
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
-void draw_or_say(const std::vector<Plot>& plots, const std::filesystem::path& png) {
+void draw_or_say(const std::vector<common::Plot>& plots, const std::filesystem::path& png) {
   static bool said = false;
-  if (draw(plots, png) || said) return;
+  if (common::draw(plots, png) || said) return;
   said = true;
   std::cerr << "gnuplot is not installed: no plots are drawn (apt-get install gnuplot-nox)\n";
 }
 
-Curve shape_error_curve(const ScoredRun& run) {
-  Curve curve{run.name, {}, {}, false};
+common::Curve shape_error_curve(const ScoredRun& run) {
+  common::Curve curve{run.name, {}, {}, false};
   for (const ShapeErrorSample& sample : run.shape->samples) {
     curve.x.push_back(sample.time);
     curve.y.push_back(std::max(1e-3, sample.mean * 1e3));
@@ -27,11 +28,11 @@ Curve shape_error_curve(const ScoredRun& run) {
 }
 
 /// Along the line to the target, from the rest shape, mm.
-Curve way_curve(const std::string& title, const std::vector<FeatureErrorSample>& samples,
+common::Curve way_curve(const std::string& title, const std::vector<FeatureErrorSample>& samples,
                 const ControlTarget& target) {
   const Eigen::Vector3d direction = target.displacement.normalized();
   const Eigen::Vector3d rest = target.values.head<3>() - target.displacement;
-  Curve curve{title, {}, {}, false};
+  common::Curve curve{title, {}, {}, false};
   for (const FeatureErrorSample& sample : samples) {
     curve.x.push_back(sample.time);
     curve.y.push_back((sample.position - rest).dot(direction) * 1e3);
@@ -39,8 +40,8 @@ Curve way_curve(const std::string& title, const std::vector<FeatureErrorSample>&
   return curve;
 }
 
-Curve distance_curve(const std::string& title, const std::vector<FeatureErrorSample>& samples) {
-  Curve curve{title, {}, {}, false};
+common::Curve distance_curve(const std::string& title, const std::vector<FeatureErrorSample>& samples) {
+  common::Curve curve{title, {}, {}, false};
   for (const FeatureErrorSample& sample : samples) {
     curve.x.push_back(sample.time);
     curve.y.push_back(std::max(1e-2, sample.distance * 1e3));
@@ -48,20 +49,20 @@ Curve distance_curve(const std::string& title, const std::vector<FeatureErrorSam
   return curve;
 }
 
-Curve level(const std::string& title, double value, double end) {
+common::Curve level(const std::string& title, double value, double end) {
   return {title, {0, end}, {value, value}, true};
 }
 
 }  // namespace
 
-void draw_sensing(const Demo& demo, const RunLog* pictured) {
-  std::vector<Plot> plots;
+void draw_sensing(const Demo& demo, const log::RunLog* pictured) {
+  std::vector<common::Plot> plots;
   std::vector<std::string> levels;
   for (const ScoredRun& run : demo.scored)
     if (std::find(levels.begin(), levels.end(), run.mismatch) == levels.end())
       levels.push_back(run.mismatch);
   for (const std::string& name : levels) {
-    Plot plot{"Mean shape error, six poses, model error: " + name, "time, s", "mm", {}, true};
+    common::Plot plot{"Mean shape error, six poses, model error: " + name, "time, s", "mm", {}, true};
     for (const ScoredRun& run : demo.scored)
       if (run.shape && run.mismatch == name) plot.curves.push_back(shape_error_curve(run));
     if (!plot.curves.empty()) plots.push_back(plot);
@@ -80,25 +81,25 @@ void draw_sensing(const Demo& demo, const RunLog* pictured) {
                demo.options.output / "sensing.png");
 }
 
-void draw_control(const Demo& demo, const ScoredRun& scored, const RunLog& log,
+void draw_control(const Demo& demo, const ScoredRun& scored, const log::RunLog& log,
                   const ControlTarget& target) {
   const FeatureScore& feature = *scored.feature;
   const double end = feature.samples.back().time;
   const std::string title = target.name + ", model error: " + scored.mismatch;
-  const Plot way{title,
+  const common::Plot way{title,
                  "time, s",
                  "way to the target, mm",
                  {way_curve("plant", feature.samples, target),
                   way_curve("estimate", feature.estimated, target),
                   level("target", target.displacement.norm() * 1e3, end)},
                  false};
-  const Plot error{"Distance to the target",
+  const common::Plot error{"Distance to the target",
                    "time, s",
                    "mm",
                    {distance_curve("plant", feature.samples),
                     distance_curve("estimate", feature.estimated), level("5 mm", 5, end)},
                    true};
-  const std::string name = "control_" + file_name(target.name) + "_" + scored.mismatch;
+  const std::string name = "control_" + common::file_name(target.name) + "_" + scored.mismatch;
   draw_or_say({way, error}, demo.options.output / (name + "_plot.png"));
   const std::int64_t start = log.targets.front().utime;
   draw_picture(demo, {&log, start, log.shapes.back().utime, &target, "Shape control, " + title},

@@ -9,16 +9,16 @@ namespace palpate::evaluate {
 
 /// Plots of shape error over time by method and model error, and a picture of the pose with the
 /// largest true displacement in `pictured`, the live run (nullptr: none).
-void draw_sensing(const Demo& demo, const RunLog* pictured);
+void draw_sensing(const Demo& demo, const log::RunLog* pictured);
 
 /// Plot of feature against target and of its error over time; picture of start, target, true and
 /// estimated shape at the end.
-void draw_control(const Demo& demo, const ScoredRun& scored, const RunLog& log,
+void draw_control(const Demo& demo, const ScoredRun& scored, const log::RunLog& log,
                   const ControlTarget& target);
 
 /// What a picture of one instant shows. All shapes in O.
 struct Scene {
-  const RunLog* log = nullptr;
+  const log::RunLog* log = nullptr;
   std::int64_t start_utime = 0;  // of the shape that is drawn pale
   std::int64_t utime = 0;        // of the true and the estimated shape, and of the arm
   const ControlTarget* target = nullptr;

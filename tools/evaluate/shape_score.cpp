@@ -76,13 +76,13 @@ std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, d
   return holds;
 }
 
-ShapeScore score_shape(const RunLog& run) {
+ShapeScore score_shape(const log::RunLog& run) {
   if (run.shapes.empty()) throw std::runtime_error("the log holds no SHAPE");
   if (run.truths.empty()) throw std::runtime_error("the log holds no TRUTH_SHAPE");
-  const MeshMessage estimate = assemble(run.shape_chunks);
-  const MeshMessage plant = assemble(run.truth_chunks);
-  const PlantPoints points(plant, estimate.nodes);
-  const PlantMotion motion(run.truths);
+  const log::MeshMessage estimate = log::assemble(run.shape_chunks);
+  const log::MeshMessage plant = log::assemble(run.truth_chunks);
+  const log::PlantPoints points(plant, estimate.nodes);
+  const log::PlantMotion motion(run.truths);
   const std::int64_t start = run.shapes.front().utime;
 
   ShapeScore score;
@@ -93,7 +93,7 @@ ShapeScore score_shape(const RunLog& run) {
     if (!motion.at(shape.utime, plant_positions) || plant_positions.cols() != plant.nodes.cols())
       continue;
     const Eigen::VectorXd distance =
-        (positions(shape) - points.at(plant_positions)).colwise().norm();
+        (log::positions(shape) - points.at(plant_positions)).colwise().norm();
     ShapeErrorSample sample;
     sample.time = seconds(shape.utime - start);
     sample.mean = distance.mean();

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/log_reader.hpp"
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::evaluate {
 
@@ -59,6 +59,6 @@ std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, d
 
 /// Compares every SHAPE with the truth of the same instant at the estimate's corner nodes. Throws
 /// std::runtime_error where the log lacks shape, truth or meshes.
-ShapeScore score_shape(const RunLog& run);
+ShapeScore score_shape(const log::RunLog& run);
 
 }  // namespace palpate::evaluate

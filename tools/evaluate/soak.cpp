@@ -6,10 +6,10 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -27,7 +27,7 @@ double mean(const std::vector<MemorySample>& samples, std::size_t first, std::si
 }
 
 void print_header() {
-  Table({"      s", "resident MB", "overruns", "late ms", "p50 us", "p99", "p99.9", "max"})
+  common::Table({"      s", "resident MB", "overruns", "late ms", "p50 us", "p99", "p99.9", "max"})
       .print(std::cout);
 }
 
@@ -77,7 +77,7 @@ MemoryTrend memory_trend(const std::vector<MemorySample>& samples) {
 }
 
 int run_soak(const SoakOptions& options) {
-  catch_interruptions();
+  common::catch_interruptions();
   const auto targets = pair_of_targets(options.root / "tools/evaluate/targets.yaml");
   RunPlan plan;
   plan.name = "soak";
@@ -112,8 +112,8 @@ int run_soak(const SoakOptions& options) {
 
   const MemoryTrend trend = memory_trend(samples);
   const bool flat = trend.growth() <= kMostGrowth;
-  std::cout << "resident memory of palpated: " << number(trend.first, 2) << " MB after warm-up, "
-            << number(trend.last, 2) << " MB at the end, slope " << number(trend.slope, 4)
+  std::cout << "resident memory of palpated: " << common::number(trend.first, 2) << " MB after warm-up, "
+            << common::number(trend.last, 2) << " MB at the end, slope " << common::number(trend.slope, 4)
             << " MB/min; " << health.overruns << " overruns in " << health.cycles << " cycles\n"
             << (flat ? "memory is flat\n" : "MEMORY GROWS by more than 1 MB\n");
   if (!options.json.empty())

@@ -1,7 +1,7 @@
 // Shape control of the long soft bar: one live run a target and level of model error.
 
 #include "tools/evaluate/demo.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/shape_drawing.hpp"
@@ -28,10 +28,10 @@ ScoredRun run_target(Demo& demo, const ControlTarget& target, const Mismatch& mi
   for (const std::string& setting : target.daemon_overrides()) plan.overrides.push_back(setting);
   plan.duration = kLongest;
   plan.target = target;
-  Progress progress(++demo.begun, demo.runs, target.name + ", model error " + mismatch.name);
+  common::Progress progress(++demo.begun, demo.runs, target.name + ", model error " + mismatch.name);
   try {
     const RunFiles files = run_live(plan, demo.log_folder(plan.name), progress);
-    const RunLog log = read_run(files.control, files.housekeeping);
+    const log::RunLog log = log::read_run(files.control, files.housekeeping);
     score_into(scored, log, gate_of(plan));
     // Under model error the figure is reported, not judged.
     if (!scored.feature) throw RunFailed("the log holds no target");
@@ -40,7 +40,7 @@ ScoredRun run_target(Demo& demo, const ControlTarget& target, const Mismatch& mi
           "the plant's feature did not come to stay within 5 mm (and 1 degree)");
     draw_control(demo, scored, log, target);
     progress.finish(scored.missed.empty());
-  } catch (const Interrupted&) {
+  } catch (const common::Interrupted&) {
     throw;
   } catch (const std::exception& error) {
     scored.failure = error.what();

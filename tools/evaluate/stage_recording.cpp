@@ -8,7 +8,7 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
 #include "tools/evaluate/demo.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/tactile.hpp"
 
@@ -34,11 +34,11 @@ std::filesystem::path fit_sensor(const Demo& demo, const std::filesystem::path& 
 
 std::filesystem::path import_recording(const Demo& demo, const std::filesystem::path& folder) {
   const std::filesystem::path log = folder / "recording.log", output = folder / "import.txt";
-  const int code = run_to_end(
-      {(program_folder() / "palpate-import").string(), (demo.options.data / kRecording).string(),
+  const int code = common::run_to_end(
+      {(common::program_folder() / "palpate-import").string(), (demo.options.data / kRecording).string(),
        "--preset", "biotac_foam_bar", "--output", log.string()},
       output, 60);
-  if (code != 0) throw RunFailed("palpate-import failed:\n" + tail(output, 10));
+  if (code != 0) throw RunFailed("palpate-import failed:\n" + common::tail(output, 10));
   return log;
 }
 
@@ -85,7 +85,7 @@ FeltContact felt_at(const std::vector<contacts_t>& contacts, std::int64_t utime,
   return felt;
 }
 
-RecordingScore score_recording(const RunLog& log, const TrueForce& truth,
+RecordingScore score_recording(const log::RunLog& log, const TrueForce& truth,
                                const Eigen::Matrix3d& R_OT) {
   // The daemon answers a sample within two cycles; one sample of the recording is 10 ms.
   constexpr std::int64_t kAnswer = 5000;  // us
@@ -112,17 +112,17 @@ RecordingScore score_recording(const RunLog& log, const TrueForce& truth,
   return score;
 }
 
-double largest_displacement(const RunLog& log) {
-  const MeshMessage mesh = assemble(log.shape_chunks);
+double largest_displacement(const log::RunLog& log) {
+  const log::MeshMessage mesh = log::assemble(log.shape_chunks);
   double largest = 0;
   for (const shape_t& shape : log.shapes)
     if (shape.node_count == mesh.nodes.cols())
-      largest = std::max(largest, (positions(shape) - mesh.nodes).colwise().norm().maxCoeff());
+      largest = std::max(largest, (log::positions(shape) - mesh.nodes).colwise().norm().maxCoeff());
   return largest;
 }
 
 void run_and_score(Demo& demo, ScoredRun& scored) {
-  Progress progress(++demo.begun, demo.runs, "real BioTac on a real foam bar");
+  common::Progress progress(++demo.begun, demo.runs, "real BioTac on a real foam bar");
   const std::filesystem::path folder = demo.log_folder("recording");
   std::filesystem::create_directories(folder);
   RunPlan plan;
@@ -133,9 +133,9 @@ void run_and_score(Demo& demo, ScoredRun& scored) {
   plan.duration = 60;  // the end of the recording comes first
   const RunFiles files = run_live(plan, folder, progress);
 
-  const RunLog log = read_run(files.control, files.housekeeping);
+  const log::RunLog log = log::read_run(files.control, files.housekeeping);
   std::vector<ft_wrench_t> truth;
-  LogReader reader;
+  log::LogReader reader;
   reader.collect("FT_TRUTH", truth);
   reader.read(files.control);
   const auto frames = registry::read_frames(config::Node::load_file(plan.configuration.string()));
@@ -157,13 +157,13 @@ void run_recording(Demo& demo) {
   scored.name = "biotac_foam_bar";
   const std::filesystem::path recording = demo.options.data / kRecording;
   if (!std::filesystem::exists(recording)) {
-    Progress progress(++demo.begun, demo.runs, "real BioTac on a real foam bar");
+    common::Progress progress(++demo.begun, demo.runs, "real BioTac on a real foam bar");
     scored.skipped = recording.string() + " is absent; set PALPATE_DATA";
     progress.finish(true, "skipped: no recording");
   } else {
     try {
       run_and_score(demo, scored);
-    } catch (const Interrupted&) {
+    } catch (const common::Interrupted&) {
       throw;
     } catch (const std::exception& error) {
       scored.failure = error.what();

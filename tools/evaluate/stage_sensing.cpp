@@ -5,7 +5,7 @@
 
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/demo.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/live_run.hpp"
 #include "tools/evaluate/score.hpp"
 #include "tools/evaluate/shape_drawing.hpp"
@@ -30,7 +30,7 @@ double motion_duration(const std::filesystem::path& scene) {
 struct SensingRun {
   ScoredRun scored;
   RunFiles files;
-  std::optional<RunLog> log;
+  std::optional<log::RunLog> log;
 };
 
 void judge(ScoredRun& run) {
@@ -60,16 +60,16 @@ SensingRun run_live_method(Demo& demo, const Method& method, const Mismatch& mis
   plan.configuration = demo.file(kConfiguration);
   plan.overrides = joined(mismatch.daemon, method.overrides);
   plan.duration = plan.source.duration + kSlack;
-  Progress progress(++demo.begun, demo.runs,
+  common::Progress progress(++demo.begun, demo.runs,
                     "six poses, " + method.name + ", model error " + mismatch.name);
   try {
     run.files = run_live(plan, demo.log_folder(plan.name), progress);
-    run.log = read_run(run.files.control, run.files.housekeeping);
+    run.log = log::read_run(run.files.control, run.files.housekeeping);
     score_into(run.scored, *run.log, gate_of(plan));
     check_poses(run.scored, plan.source.scene);
     judge(run.scored);
     progress.finish(run.scored.missed.empty());
-  } catch (const Interrupted&) {
+  } catch (const common::Interrupted&) {
     throw;
   } catch (const std::exception& error) {
     run.scored.failure = error.what();
@@ -81,8 +81,8 @@ SensingRun run_live_method(Demo& demo, const Method& method, const Mismatch& mis
 struct Replay {
   ScoredRun scored;
   std::filesystem::path output;
-  const RunLog* live;
-  std::unique_ptr<Process> process;
+  const log::RunLog* live;
+  std::unique_ptr<common::Process> process;
 };
 
 Replay start_replay(const Demo& demo, const SensingRun& live, const Method& method,
@@ -96,7 +96,7 @@ Replay start_replay(const Demo& demo, const SensingRun& live, const Method& meth
   const std::filesystem::path folder = demo.log_folder(name);
   std::filesystem::create_directories(folder);
   replay.output = folder / "replay.log";
-  std::vector<std::string> command{(program_folder() / "palpate-replay").string(),
+  std::vector<std::string> command{(common::program_folder() / "palpate-replay").string(),
                                    live.files.control.string(),
                                    "--config",
                                    demo.file(kConfiguration).string(),
@@ -107,23 +107,23 @@ Replay start_replay(const Demo& demo, const SensingRun& live, const Method& meth
     command.push_back(setting);
   }
   replay.process =
-      std::make_unique<Process>("palpate-replay", command, folder / "palpate-replay.txt");
+      std::make_unique<common::Process>("palpate-replay", command, folder / "palpate-replay.txt");
   return replay;
 }
 
-void finish_replay(Replay& replay, Progress& progress) {
+void finish_replay(Replay& replay, common::Progress& progress) {
   const std::int64_t begin = wall_clock();
   while (!replay.process->wait(0.05)) {
-    throw_if_interrupted();
+    common::throw_if_interrupted();
     const double elapsed = static_cast<double>(wall_clock() - begin) * 1e-6;
     if (elapsed > kReplayPatience) throw RunFailed("palpate-replay takes too long");
     progress.show(elapsed / kReplayPatience);
   }
   if (const int code = *replay.process->wait(0); code != 0)
     throw RunFailed("palpate-replay ended with exit code " + std::to_string(code) + ":\n" +
-                    tail(replay.process->output(), 15));
-  RunLog log;
-  LogReader reader;
+                    common::tail(replay.process->output(), 15));
+  log::RunLog log;
+  log::LogReader reader;
   reader.collect("SHAPE", log.shapes);
   reader.collect("SHAPE_MESH", log.shape_chunks);
   reader.read(replay.output);
@@ -156,12 +156,12 @@ void run_sensing(Demo& demo) {
       if (live[l].log) replays.push_back(start_replay(demo, live[l], methods[m], levels[l]));
   for (SensingRun& run : live) demo.scored.push_back(run.scored);
   for (Replay& replay : replays) {
-    Progress progress(++demo.begun, demo.runs,
+    common::Progress progress(++demo.begun, demo.runs,
                       "the same log, " + replay.scored.name + ", " + replay.scored.mismatch);
     try {
       finish_replay(replay, progress);
       progress.finish(true);
-    } catch (const Interrupted&) {
+    } catch (const common::Interrupted&) {
       throw;
     } catch (const std::exception& error) {
       replay.scored.failure = error.what();

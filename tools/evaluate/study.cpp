@@ -5,8 +5,8 @@
 #include <stdexcept>
 #include <thread>
 
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/process.hpp"
 #include "tools/evaluate/shard.hpp"
 #include "tools/evaluate/study_hash.hpp"
 #include "tools/evaluate/study_host.hpp"
@@ -14,7 +14,7 @@
 #include "tools/evaluate/study_progress.hpp"
 #include "tools/evaluate/study_report.hpp"
 #include "tools/evaluate/study_scheduler.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -136,15 +136,15 @@ StudyCommand::~StudyCommand() = default;
 namespace {
 
 void print_list(const std::vector<StudyJob>& jobs, std::ostream& out) {
-  Table table({"application", "method", "model error", "seed", "s", "job"});
+  common::Table table({"application", "method", "model error", "seed", "s", "job"});
   double simulated = 0;
   for (const StudyJob& job : jobs) {
     simulated += job.duration;
     table.add({job.application, job.method, job.mismatch, std::to_string(job.seed),
-               number(job.duration, 1), job.name});
+               common::number(job.duration, 1), job.name});
   }
   table.print(out);
-  out << jobs.size() << " jobs, " << number(simulated, 0) << " s simulated\n";
+  out << jobs.size() << " jobs, " << common::number(simulated, 0) << " s simulated\n";
 }
 
 /// The result of a job; null where there is none. One of other inputs is no result of it.
@@ -188,7 +188,7 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
     print_list(jobs, out);
     return 0;
   }
-  catch_interruptions();
+  common::catch_interruptions();
   const std::vector<std::string> programs = program_hashes();
   if (!o.job.empty()) {
     const auto job =

@@ -8,7 +8,7 @@
 #include <stdexcept>
 
 #include "rt/config/node.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/process.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -62,7 +62,7 @@ void add_document(Fnv& hash, const fs::path& file, const std::vector<std::string
 }  // namespace
 
 std::vector<fs::path> study_programs() {
-  const fs::path folder = program_folder();
+  const fs::path folder = common::program_folder();
   return {folder / "palpated", folder / "palpate-sim", folder / "palpate-evaluate"};
 }
 

@@ -89,22 +89,22 @@ std::string picture_of(const StateScore& state, std::size_t number, const math::
 }
 
 /// One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
-std::int64_t lost_by(const RunLog& log, const RunFiles& files) {
+std::int64_t lost_by(const log::RunLog& log, const RunFiles& files) {
   return json_in(files.daemon).value("cycles", std::int64_t{0}) -
          static_cast<std::int64_t>(log.features.size());
 }
 
 /// A log that misses more than one cycle of 200 cannot be scored: a machine that was too busy for
 /// the recorder has another two tries.
-RunLog run_and_read(const StudyJob& job, const RunPlan& plan, const fs::path& folder,
+log::RunLog run_and_read(const StudyJob& job, const RunPlan& plan, const fs::path& folder,
                     RunFiles& files) {
   constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
-    Progress progress(1, 1, job.name);
+    common::Progress progress(1, 1, job.name);
     files = run_live(plan, folder, progress);
     progress.finish(true);
-    RunLog log = read_run(files.control, files.housekeeping,
-                          job.real_time ? LogClock::kReceived : LogClock::kSent);
+    log::RunLog log = log::read_run(files.control, files.housekeeping,
+                          job.real_time ? log::LogClock::kReceived : log::LogClock::kSent);
     const std::int64_t lost = lost_by(log, files);
     if (lost * 200 <= static_cast<std::int64_t>(log.features.size())) return log;
     const std::string what = "the log misses " + std::to_string(lost) + " cycles of " +
@@ -121,7 +121,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
                    bool keep_logs) {
   const RunPlan plan = plan_of(job);
   RunFiles files;
-  const RunLog log = run_and_read(job, plan, folder, files);
+  const log::RunLog log = run_and_read(job, plan, folder, files);
   ScoredRun scored;
   scored.stage = job.application;
   scored.name = job.method;

@@ -5,7 +5,7 @@
 #include <numeric>
 #include <set>
 
-#include "tools/evaluate/csv.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -36,7 +36,7 @@ std::string median_over(const Runs& runs, int decimals, const Value& value) {
   for (const StudyResult* run : runs)
     if (run->json.is_object())
       if (const std::optional<double> number = value(run->json)) values.push_back(*number);
-  return median_and_interval(values, decimals);
+  return common::median_and_interval(values, decimals);
 }
 
 /// Of the runs with a target that is a place or a distance, those for which a time is there and at
@@ -51,7 +51,7 @@ std::string share_over(const Runs& runs, const char* pointer, double latest) {
     const std::optional<double> time = number_at(run->json, pointer);
     reached += time && *time <= latest ? 1 : 0;
   }
-  return share_and_interval(reached, trials);
+  return common::share_and_interval(reached, trials);
 }
 
 constexpr double kSoon = 3, kEver = 1e9;  // s
@@ -133,13 +133,13 @@ void write_runs_csv(const std::vector<StudyResult>& results, std::ostream& out) 
     }
   }
   out << "application,method,model_error,seed,outcome,version,inputs_hash";
-  for (const std::string& key : keys) out << ',' << csv_cell(key);
+  for (const std::string& key : keys) out << ',' << common::csv_cell(key);
   out << "\r\n";
   for (const StudyResult& result : results) {
     const auto row = rows.find(&result);
     if (row == rows.end() && !result.failed) continue;
-    out << csv_cell(result.job.application) << ',' << csv_cell(result.job.method) << ','
-        << csv_cell(result.job.mismatch) << ',' << result.job.seed << ','
+    out << common::csv_cell(result.job.application) << ',' << common::csv_cell(result.job.method) << ','
+        << common::csv_cell(result.job.mismatch) << ',' << result.job.seed << ','
         << (result.failed ? "failed" : "done") << ',' << PALPATE_VERSION << ','
         << (row == rows.end() ? "" : result.json.value("inputs_hash", ""));
     for (const std::string& key : keys) {

@@ -92,11 +92,11 @@ void copy_panel(draw::Image& into, const draw::Image& panel, int column) {
 
 void draw_state(const StateScore& state, const math::Pose& X_WO, const std::filesystem::path& png) {
   const StateShapes& shapes = state.shapes;
-  const Eigen::Matrix3Xd estimate = transformed(X_WO, shapes.estimate.points);
-  const draw::TriangleMesh dotted = dots(transformed(X_WO, shapes.measured));
+  const Eigen::Matrix3Xd estimate = log::transformed(X_WO, shapes.estimate.points);
+  const draw::TriangleMesh dotted = dots(log::transformed(X_WO, shapes.measured));
   const math::Pose axes = place_of_axes(X_WO);
   Eigen::Matrix3Xd all(3, estimate.cols() + shapes.truth.points.cols() + 1);
-  all << estimate, transformed(X_WO, shapes.truth.points), axes.translation();
+  all << estimate, log::transformed(X_WO, shapes.truth.points), axes.translation();
   const draw::View view = view_of(all, Eigen::Vector3d(-0.22, -0.92, 0.33).normalized());
 
   draw::Renderer renderer(kWidth, kHeight, kSupersampling);

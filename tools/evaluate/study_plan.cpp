@@ -7,6 +7,7 @@
 #include "rt/config/node.hpp"
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/live_run.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -208,7 +209,7 @@ void append(std::vector<std::string>& to, const std::vector<std::string>& from) 
 StudyJob make_job(const StudyApplication& application, const Method& method, const Mismatch& level,
                   int seed) {
   StudyJob job;
-  job.name = file_name(application.name + " " + method.name + " " + level.name + " " +
+  job.name = common::file_name(application.name + " " + method.name + " " + level.name + " " +
                        std::to_string(seed));
   job.application = application.name;
   job.kind = application.kind;
@@ -248,7 +249,7 @@ StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
   for (const config::Node& entry :
        node.list({"applications", "", "what is run, each with every method, error and seed"})) {
     plan.applications.push_back(read_application(entry, root));
-    if (!names.insert(file_name(plan.applications.back().name)).second)
+    if (!names.insert(common::file_name(plan.applications.back().name)).second)
       entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");
   }
   if (plan.applications.empty()) node.fail("applications", "is empty");

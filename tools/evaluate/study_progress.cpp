@@ -4,13 +4,13 @@
 
 #include <cstdio>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
 std::string duration(double seconds) {
-  return seconds < 100 ? number(seconds, 0) + " s" : number(seconds / 60, 0) + " min";
+  return seconds < 100 ? common::number(seconds, 0) + " s" : common::number(seconds / 60, 0) + " min";
 }
 
 }  // namespace

@@ -7,12 +7,13 @@
 
 #include "tools/evaluate/html.hpp"
 #include "tools/evaluate/live_run.hpp"
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
 #include "tools/evaluate/poke_score.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/study_overview.hpp"
 #include "tools/evaluate/study_tactile.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -32,9 +33,9 @@ constexpr const char* kAbout =
     "summaries over the states, medians of means and of maxima. "
     "Latency is that of a whole cycle of palpated; in lock-step none is measured.";
 
-Curve curve_of(const Json& data, const std::string& values, const std::string& title, double least,
+common::Curve curve_of(const Json& data, const std::string& values, const std::string& title, double least,
                bool dashed) {
-  Curve curve{title, {}, {}, dashed};
+  common::Curve curve{title, {}, {}, dashed};
   if (!data.is_object() || !data.contains(values)) return curve;
   curve.x = data.at("time_s").get<std::vector<double>>();
   curve.y = data.at(values).get<std::vector<double>>();
@@ -43,8 +44,8 @@ Curve curve_of(const Json& data, const std::string& values, const std::string& t
 }
 
 /// The error of the pose in one state after the other, as the thesis' Fig. 4.15 has it.
-Curve pose_curve(const Json& states, const std::string& title) {
-  Curve curve{title, {}, {}, false};
+common::Curve pose_curve(const Json& states, const std::string& title) {
+  common::Curve curve{title, {}, {}, false};
   for (std::size_t i = 0; i < states.size(); ++i) {
     if (!states[i].contains("pose_mm")) continue;
     curve.x.push_back(static_cast<double>(i + 1));
@@ -69,22 +70,22 @@ std::vector<const StudyResult*> first_seeds(const StudyApplication& application,
   return first;
 }
 
-std::vector<Plot> plots_of(const StudyApplication& application,
+std::vector<common::Plot> plots_of(const StudyApplication& application,
                            const std::vector<const StudyResult*>& runs, const std::string& level) {
   const std::string suffix = ", model error: " + level;
-  Plot shape{"Mean shape error" + suffix, "time, s", "mm", {}, true};
-  Plot pose{"Distance of the estimated pose from the plant's" + suffix, "state", "mm", {}, true};
-  Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
-  Plot curvature{"Curvature from its target" + suffix, "time, s", "1/m", {}, true};
-  Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
-  Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
-  Plot modulus{"Young's modulus, as estimated" + suffix, "time, s", "kPa", {}, false};
+  common::Plot shape{"Mean shape error" + suffix, "time, s", "mm", {}, true};
+  common::Plot pose{"Distance of the estimated pose from the plant's" + suffix, "state", "mm", {}, true};
+  common::Plot feature{"Distance of the feature from its target" + suffix, "time, s", "mm", {}, true};
+  common::Plot curvature{"Curvature from its target" + suffix, "time, s", "1/m", {}, true};
+  common::Plot angle{"Angle from the target" + suffix, "time, s", "degrees", {}, true};
+  common::Plot command{"Commanded speed" + suffix, "time, s", "mm/s", {}, false};
+  common::Plot modulus{"Young's modulus, as estimated" + suffix, "time, s", "kPa", {}, false};
   int colour = 0;
   for (const StudyResult* run : runs) {
     const Json control = run->json.value("control", Json());
     const std::string& method = run->job.method;
     ++colour;
-    const auto add = [colour](Plot& plot, Curve curve) {
+    const auto add = [colour](common::Plot& plot, common::Curve curve) {
       curve.colour = colour;
       plot.curves.push_back(std::move(curve));
     };
@@ -100,18 +101,18 @@ std::vector<Plot> plots_of(const StudyApplication& application,
     add(angle, curve_of(control["plant"], "deg", method + ", plant", 1e-3, false));
     add(command, curve_of(control["command"], "mm_per_s", method, 0, false));
   }
-  std::vector<Plot> plots{shape};
+  std::vector<common::Plot> plots{shape};
   if (application.kind == "control")
     plots.insert(plots.end(), {feature, curvature, angle, command});
   else
     plots.push_back(pose);
   plots.push_back(modulus);
-  for (Plot& plot : plots)
+  for (common::Plot& plot : plots)
     plot.curves.erase(std::remove_if(plot.curves.begin(), plot.curves.end(),
-                                     [](const Curve& curve) { return curve.x.empty(); }),
+                                     [](const common::Curve& curve) { return curve.x.empty(); }),
                       plot.curves.end());
   plots.erase(std::remove_if(plots.begin(), plots.end(),
-                             [](const Plot& plot) { return plot.curves.empty(); }),
+                             [](const common::Plot& plot) { return plot.curves.empty(); }),
               plots.end());
   return plots;
 }
@@ -124,7 +125,7 @@ void add_pictures(HtmlPage& page, const StudyReport& report,
       const std::string caption = state.value("name", "") + ", " + run->job.method +
                                   ", model error: " + run->job.mismatch + ", seed " +
                                   std::to_string(run->job.seed) + ": measured (" +
-                                  state.value("measured", kNotAvailable) + "), estimate, both";
+                                  state.value("measured", common::kNotAvailable) + "), estimate, both";
       if (!file.empty()) page.picture(report.folder / run->job.name / file, caption);
     }
 }
@@ -140,7 +141,7 @@ void add_application(HtmlPage& page, const StudyReport& report,
   page.heading(2, application.name);
   page.paragraph("Kind: " + application.kind + "; scene " + application.scene.filename().string() +
                  ", configuration " + application.configuration.filename().string() +
-                 "; octree resolution " + number(report.plan.octree_resolution * 1e3, 1) + " mm.");
+                 "; octree resolution " + common::number(report.plan.octree_resolution * 1e3, 1) + " mm.");
   if (!application.note.empty()) page.paragraph(application.note);
   add_table(page, "Published", published_table(application));
   if (application.kind == "control")
@@ -157,11 +158,11 @@ void add_application(HtmlPage& page, const StudyReport& report,
   add_table(page, "By state", state_table(application, report.results));
   for (const Mismatch& level : application.levels) {
     const auto runs = first_seeds(application, report.results, level.name);
-    const std::vector<Plot> plots = plots_of(application, runs, level.name);
+    const std::vector<common::Plot> plots = plots_of(application, runs, level.name);
     if (!plots.empty()) {
       const std::filesystem::path svg =
-          report.folder / (file_name(application.name + " " + level.name) + ".svg");
-      if (draw(plots, svg))
+          report.folder / (common::file_name(application.name + " " + level.name) + ".svg");
+      if (common::draw(plots, svg))
         page.picture(svg, "Over time, seed " + std::to_string(runs.front()->job.seed));
       else
         page.paragraph("No plots: gnuplot is not installed.");
@@ -181,7 +182,7 @@ bool has_jobs(const StudyReport& report, const StudyApplication& application) {
 }
 
 void print_table(const ReportTable& from, std::ostream& out) {
-  Table table(from.header);
+  common::Table table(from.header);
   for (const std::vector<std::string>& row : from.rows)
     row.size() == 1 ? table.section(row[0]) : table.add(row);
   table.print(out);

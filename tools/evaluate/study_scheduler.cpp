@@ -7,8 +7,8 @@
 #include <list>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/process.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -25,7 +25,7 @@ double since(Clock::time_point begin) {
 
 struct Running {
   std::size_t task;
-  Process process;
+  common::Process process;
   Clock::time_point begin = Clock::now();
 };
 
@@ -50,7 +50,7 @@ class Schedule {
         start_some();
         collect();
         if (polls % kPollsAShow == 0) show(nullptr);
-        if (!running_.empty()) sleep_for(kPoll);
+        if (!running_.empty()) common::sleep_for(kPoll);
       }
     } catch (...) {
       end_all();
@@ -68,7 +68,7 @@ class Schedule {
       try {
         std::filesystem::create_directories(task.folder);
         std::filesystem::remove(task.folder / "result.json");
-        running_.push_back({i, Process(task.name, task.command, task.folder / "log.txt")});
+        running_.push_back({i, common::Process(task.name, task.command, task.folder / "log.txt")});
       } catch (const std::exception& error) {
         end(i, 0, error.what());
       }
@@ -94,7 +94,7 @@ class Schedule {
   static std::string failure_of(const Task& task, int code) {
     if (code == 0 && has_result(task)) return "";
     const std::string what = code == 0 ? "left no result" : "exit code " + std::to_string(code);
-    return what + ":\n" + tail(task.folder / "log.txt", kTail);
+    return what + ":\n" + common::tail(task.folder / "log.txt", kTail);
   }
 
   void end(std::size_t task, double seconds, const std::string& failure) {

@@ -43,24 +43,24 @@ Eigen::Matrix3Xd observed(const shape_observation_t& message, const math::Pose& 
 /// What a log says of the shapes at a time.
 class Shapes {
  public:
-  Shapes(const RunLog& log, const math::Pose& X_WO)
+  Shapes(const log::RunLog& log, const math::Pose& X_WO)
       : log_(log),
         X_WO_(X_WO),
-        plant_(assemble(log.truth_chunks)),
-        estimate_(assemble(log.shape_chunks)),
+        plant_(log::assemble(log.truth_chunks)),
+        estimate_(log::assemble(log.shape_chunks)),
         motion_(log.truths) {}
 
-  const MeshMessage& plant() const { return plant_; }
+  const log::MeshMessage& plant() const { return plant_; }
 
   StateShapes at(std::int64_t utime) const {
     StateShapes shapes;
-    const shape_t* estimate = latest(log_.shapes, utime);
+    const shape_t* estimate = log::latest(log_.shapes, utime);
     if (!motion_.at(utime, shapes.truth.points) || estimate == nullptr ||
         estimate->node_count != estimate_.nodes.cols())
       throw std::runtime_error("the log does not reach the state");
     shapes.truth.triangles = plant_.triangles;
-    shapes.estimate = {positions(*estimate), estimate_.triangles};
-    const shape_observation_t* observation = latest(log_.observations, utime);
+    shapes.estimate = {log::positions(*estimate), estimate_.triangles};
+    const shape_observation_t* observation = log::latest(log_.observations, utime);
     shapes.camera = observation != nullptr && observation->count > 0;
     shapes.measured =
         shapes.camera ? observed(*observation, X_WO_) : sample_surface(shapes.truth, kDots).points;
@@ -68,28 +68,28 @@ class Shapes {
   }
 
  private:
-  const RunLog& log_;
+  const log::RunLog& log_;
   const math::Pose X_WO_;
-  MeshMessage plant_, estimate_;
-  PlantMotion motion_;
+  log::MeshMessage plant_, estimate_;
+  log::PlantMotion motion_;
 };
 
-std::optional<math::Vector6d> pose_error(const StudyJob& job, const RunLog& log,
-                                         const MeshMessage& plant, std::int64_t end) {
+std::optional<math::Vector6d> pose_error(const StudyJob& job, const log::RunLog& log,
+                                         const log::MeshMessage& plant, std::int64_t end) {
   if (job.pose_points.empty()) return std::nullopt;
   FeatureDefinition definition;
   definition.kind = "pose";
   definition.rest_points = job.pose_points;
   const FeatureOnPoints feature(definition);
-  const PlantPoints points(plant, feature.rest_points());
+  const log::PlantPoints points(plant, feature.rest_points());
   math::Vector6d sum = math::Vector6d::Zero();
   int count = 0;
   for (const shape_t& truth : log.truths) {
     if (truth.utime <= end - microseconds(kWindow) || truth.utime > end) continue;
-    const feature_t* estimate = latest(log.features, truth.utime);
+    const feature_t* estimate = log::latest(log.features, truth.utime);
     if (estimate == nullptr || estimate->value_count != feature.value_count()) continue;
     const Eigen::Map<const Eigen::VectorXd> value(estimate->value, estimate->value_count);
-    sum += feature.error(feature.value(points.at(positions(truth))), value);
+    sum += feature.error(feature.value(points.at(log::positions(truth))), value);
     ++count;
   }
   if (count == 0) throw std::runtime_error("the log holds no pose beside the plant's");
@@ -117,7 +117,7 @@ Json json_of(const DistanceSummary& distance) {
 
 }  // namespace
 
-std::vector<StateScore> score_states(const StudyJob& job, const RunLog& log,
+std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log,
                                      const ShapeScore& shape, const math::Pose& X_WO) {
   const Shapes shapes(log, X_WO);
   const std::int64_t start = log.shapes.front().utime;
@@ -186,7 +186,7 @@ nlohmann::json shape_curve(const ShapeScore& shape) {
   return json;
 }
 
-nlohmann::json control_curves(const FeatureScore& feature, const RunLog& log) {
+nlohmann::json control_curves(const FeatureScore& feature, const log::RunLog& log) {
   const auto curve = [&feature](const std::vector<FeatureErrorSample>& samples) {
     Json json{{"time_s", Json::array()}, {"deg", Json::array()}};
     const std::size_t step = std::max<std::size_t>(1, samples.size() / kCurvePoints);

@@ -7,7 +7,7 @@
 
 #include "core/math/rigid.hpp"
 #include "tools/evaluate/cloud_distance.hpp"
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 #include "tools/evaluate/octree_score.hpp"
 #include "tools/evaluate/report.hpp"
 #include "tools/evaluate/study_plan.hpp"
@@ -38,7 +38,7 @@ struct StateScore {
 
 /// Scores the states of a job: those that it names, or the poses held, or (kind control) the end.
 /// X_WO: where the object lies. Throws std::runtime_error where the log does not reach a state.
-std::vector<StateScore> score_states(const StudyJob& job, const RunLog& log,
+std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log,
                                      const ShapeScore& shape, const math::Pose& X_WO);
 
 nlohmann::json to_json(const StateScore& state, double length);
@@ -47,6 +47,6 @@ nlohmann::json to_json(const StateScore& state, double length);
 nlohmann::json shape_curve(const ShapeScore& shape);
 
 /// Error over time of the plant's feature and the daemon's, and the commanded speed, thinned out.
-nlohmann::json control_curves(const FeatureScore& feature, const RunLog& log);
+nlohmann::json control_curves(const FeatureScore& feature, const log::RunLog& log);
 
 }  // namespace palpate::evaluate

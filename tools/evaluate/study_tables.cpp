@@ -5,7 +5,7 @@
 #include <numeric>
 #include <set>
 
-#include "tools/evaluate/csv.hpp"
+#include "tools/common/csv.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -99,7 +99,7 @@ std::string cell(const Group& group, const std::string& state, const StateColumn
     const std::vector<double> values = state_values(*result, state, column.key);
     if (!values.empty()) seeds.push_back(column.scale * reduced(values, column.largest));
   }
-  return median_and_interval(seeds, column.decimals);
+  return common::median_and_interval(seeds, column.decimals);
 }
 
 std::string cell(const Group& group, const RunColumn& column) {
@@ -111,9 +111,9 @@ std::string cell(const Group& group, const RunColumn& column) {
     const Json& value = result->at(pointer);
     value.is_number() ? seeds.push_back(value.get<double>()) : void(++never);
   }
-  if (never == 0) return median_and_interval(seeds, column.decimals);
+  if (never == 0) return common::median_and_interval(seeds, column.decimals);
   if (seeds.empty()) return "never";
-  return median_and_interval(seeds, column.decimals) + ", never in " + std::to_string(never);
+  return common::median_and_interval(seeds, column.decimals) + ", never in " + std::to_string(never);
 }
 
 template <class Columns>
@@ -209,17 +209,17 @@ void write_states_csv(const std::vector<StudyResult>& results, std::ostream& out
         for (const auto& entry : state.items())
           if (entry.value().is_primitive() && entry.key() != "name") keys.insert(entry.key());
   out << "application,kind,method,model_error,seed,state";
-  for (const std::string& key : keys) out << ',' << csv_cell(key);
+  for (const std::string& key : keys) out << ',' << common::csv_cell(key);
   out << "\r\n";
   for (const StudyResult& result : results) {
     if (!result.json.is_object()) continue;
     const StudyJob& job = result.job;
     for (const Json& state : result.json.value("states", Json::array())) {
-      out << csv_cell(job.application) << ',' << csv_cell(job.kind) << ',' << csv_cell(job.method)
-          << ',' << csv_cell(job.mismatch) << ',' << job.seed << ','
-          << csv_cell(state.value("name", ""));
+      out << common::csv_cell(job.application) << ',' << common::csv_cell(job.kind) << ',' << common::csv_cell(job.method)
+          << ',' << common::csv_cell(job.mismatch) << ',' << job.seed << ','
+          << common::csv_cell(state.value("name", ""));
       for (const std::string& key : keys)
-        out << ',' << (state.contains(key) ? csv_cell(state[key]) : "");
+        out << ',' << (state.contains(key) ? common::csv_cell(state[key]) : "");
       out << "\r\n";
     }
   }

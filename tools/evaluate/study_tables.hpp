@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/bootstrap.hpp"
+#include "tools/common/bootstrap.hpp"
 #include "tools/evaluate/study_plan.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 

@@ -7,8 +7,8 @@
 #include "sim/camera/shape_camera.hpp"
 #include "sim/draw/view.hpp"
 #include "tools/evaluate/cloud_view.hpp"
-#include "tools/evaluate/plant_truth.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/log/plant_truth.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -24,7 +24,7 @@ const Vector3d kEye(-0.25, -0.65, 0.40);   // m, in W, from the middle of the ob
 constexpr int kMostPoints = 20000;
 
 draw::TriangleMesh in_world(const draw::TriangleMesh& mesh_O, const math::Pose& X_WO) {
-  return {transformed(X_WO, mesh_O.points), mesh_O.triangles};
+  return {log::transformed(X_WO, mesh_O.points), mesh_O.triangles};
 }
 
 struct FingerErrors {
@@ -53,7 +53,7 @@ std::string cell(const std::vector<const Json*>& states, const std::string& key,
   std::vector<double> values;
   for (const Json* state : states)
     if (state->contains(key)) values.push_back(scale * state->at(key).get<double>());
-  return values.empty() ? "" : median_and_interval(values, decimals);
+  return values.empty() ? "" : common::median_and_interval(values, decimals);
 }
 
 }  // namespace
@@ -73,20 +73,20 @@ CameraAgreement camera_agreement(const StateShapes& shapes, const math::Pose& X_
   CameraAgreement result;
   {
     camera::ShapeCamera camera(options);
-    result.measured = transformed(
+    result.measured = log::transformed(
         X_OW, camera.look({body}, math::Random(seed, "thesis camera"), kMostPoints).points_W);
   }
   camera::DepthCamera virtual_camera;
   const auto agreement = [&](const draw::TriangleMesh& mesh_W) {
     const Eigen::Matrix3Xd cloud = virtual_cloud(virtual_camera, options.X_WC, mesh_W);
-    return octree_agreement(transformed(X_OW, cloud), result.measured, resolution);
+    return octree_agreement(log::transformed(X_OW, cloud), result.measured, resolution);
   };
   result.estimate = agreement(in_world(shapes.estimate, X_WO));
   result.truth = agreement(truth_W);
   return result;
 }
 
-void add_tactile_score(const StudyJob& job, const RunLog& log, const math::Pose& X_WO,
+void add_tactile_score(const StudyJob& job, const log::RunLog& log, const math::Pose& X_WO,
                        std::int64_t utime, StateShapes& shapes, nlohmann::json& json) {
   try {
     const CameraAgreement seen = camera_agreement(shapes, X_WO, job.octree_resolution, job.seed);
@@ -103,7 +103,7 @@ void add_tactile_score(const StudyJob& job, const RunLog& log, const math::Pose&
   std::array<FingerErrors, kFingers> errors;
   for (const truth_touch_t& truth : log.truth_touches) {
     if (truth.utime <= utime - kWindow || truth.utime > utime) continue;
-    if (const contacts_t* felt = latest(log.contacts, truth.utime))
+    if (const contacts_t* felt = log::latest(log.contacts, truth.utime))
       add_errors(truth, *felt, errors);
   }
   for (int finger = 0; finger < kFingers; ++finger) {

@@ -21,7 +21,7 @@ CameraAgreement camera_agreement(const StateShapes& shapes, const math::Pose& X_
 /// Adds the camera's agreement and, by finger, the errors of force and place over the last half
 /// second to the JSON of a state at `utime`; shapes.measured becomes the measured cloud. Without a
 /// renderer the cloud is left out.
-void add_tactile_score(const StudyJob& job, const RunLog& log, const math::Pose& X_WO,
+void add_tactile_score(const StudyJob& job, const log::RunLog& log, const math::Pose& X_WO,
                        std::int64_t utime, StateShapes& shapes, nlohmann::json& json);
 
 /// Agreement with the camera's cloud and contact forces: a row a state and method.

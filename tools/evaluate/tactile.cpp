@@ -8,13 +8,13 @@
 #include <ostream>
 #include <stdexcept>
 
-#include "tools/evaluate/table.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/common/table.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
-using import::CsvReader;
+using recordings::CsvReader;
 using sensing::kElectrodeCount;
 using sensing::kTactileInputCount;
 
@@ -44,7 +44,7 @@ sensing::ElectrodeVector electrodes(const CsvReader& csv, int first_column) {
 int first_electrode(const CsvReader& csv) {
   const int first = csv.column("e1");
   if (csv.column("e19") != first + kElectrodeCount - 1)
-    throw import::CsvError("columns e1 to e19 must stand side by side");
+    throw recordings::CsvError("columns e1 to e19 must stand side by side");
   return first;
 }
 
@@ -80,7 +80,7 @@ Contacts read_contacts(const std::filesystem::path& file) {
     // The set's frame is T turned by half a turn about y: its z points into the skin's side.
     contacts.normals.emplace_back(-csv.number(nx), csv.number(nx + 1), -csv.number(nx + 2));
   }
-  if (contacts.counts.size() < 4) throw import::CsvError(file.string() + ": hardly any contact");
+  if (contacts.counts.size() < 4) throw recordings::CsvError(file.string() + ": hardly any contact");
   return contacts;
 }
 
@@ -94,23 +94,23 @@ const char* name_of(sensing::Weighting weighting) {
 
 bool print_force(const TactileForceScore& score, std::ostream& out) {
   const bool met = score.test_rms_norm <= kForceBar;
-  Table table({"biotac_foam_bar, force error N", "rows", "x", "y", "z", "|F|", "largest |F| N"});
+  common::Table table({"biotac_foam_bar, force error N", "rows", "x", "y", "z", "|F|", "largest |F| N"});
   const auto row = [&](const std::string& name, int rows, const Eigen::Vector3d& rms,
                        double largest) {
-    table.add({name, std::to_string(rows), number(rms.x(), 4), number(rms.y(), 4),
-               number(rms.z(), 4), number(rms.norm(), 4), largest > 0 ? number(largest, 2) : ""});
+    table.add({name, std::to_string(rows), common::number(rms.x(), 4), common::number(rms.y(), 4),
+               common::number(rms.z(), 4), common::number(rms.norm(), 4), largest > 0 ? common::number(largest, 2) : ""});
   };
   row("first half, fitted", score.training_rows, score.fit.training_rms, score.largest_training);
   row("first half, blocks left out", score.training_rows, score.fit.cross_validated_rms, 0);
   row("second half, never seen", score.test_rows, score.test_rms, score.largest_test);
   table.print(out);
-  out << "penalty " << score.fit.penalty << "; always the mean: " << number(score.mean_rms_norm, 3)
-      << " N; bar " << number(kForceBar, 2) << " N: " << (met ? "met" : "MISSED") << "\n";
+  out << "penalty " << score.fit.penalty << "; always the mean: " << common::number(score.mean_rms_norm, 3)
+      << " N; bar " << common::number(kForceBar, 2) << " N: " << (met ? "met" : "MISSED") << "\n";
   return met;
 }
 
 bool print_localization(const std::vector<LocalizationScore>& scores, std::ostream& out) {
-  Table table({"biotac_normal_dir, contact normal", "rows", "median deg", "90 % deg",
+  common::Table table({"biotac_normal_dir, contact normal", "rows", "median deg", "90 % deg",
                "mean normal deg", "bar deg", ""});
   bool met = true;
   for (const LocalizationScore& score : scores) {
@@ -118,9 +118,9 @@ bool print_localization(const std::vector<LocalizationScore>& scores, std::ostre
     const bool good = score.median <= kAngleBar;
     met = met && (good || !judged);
     table.add({name_of(score.options.weighting), std::to_string(score.contacts),
-               number(score.median / kDegree, 1), number(score.ninetieth / kDegree, 1),
-               number(score.mean_direction / kDegree, 1),
-               judged ? number(kAngleBar / kDegree, 0) : "",
+               common::number(score.median / kDegree, 1), common::number(score.ninetieth / kDegree, 1),
+               common::number(score.mean_direction / kDegree, 1),
+               judged ? common::number(kAngleBar / kDegree, 0) : "",
                judged ? (good ? "met" : "MISSED") : ""});
   }
   table.print(out);
@@ -177,7 +177,7 @@ TactileForceScore score_tactile_force(const std::filesystem::path& file) {
     forces.emplace_back(csv.number(fx), csv.number(fx + 1), csv.number(fx + 2));
   }
   const auto rows = static_cast<Eigen::Index>(inputs.size());
-  if (rows < 4 * kRestRows) throw import::CsvError(file.string() + ": too few rows");
+  if (rows < 4 * kRestRows) throw recordings::CsvError(file.string() + ": too few rows");
   Eigen::MatrixXd X(rows, kTactileInputCount), Y(rows, 3);
   for (Eigen::Index i = 0; i < rows; ++i) {
     X.row(i) = inputs[i].transpose();

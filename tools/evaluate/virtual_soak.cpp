@@ -6,11 +6,11 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/bootstrap.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/bootstrap.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/evaluate/report.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 #include "tools/faults/long_run.hpp"
 
 namespace palpate::evaluate {
@@ -21,7 +21,7 @@ constexpr double kMostGrowthHour = 1.0;  // MB
 
 double median_mm(std::vector<double>::const_iterator first,
                  std::vector<double>::const_iterator last) {
-  return first == last ? 0 : 1e3 * median_of({first, last}).value;
+  return first == last ? 0 : 1e3 * common::median_of({first, last}).value;
 }
 
 void print(const faults::LongRunReport& report) {
@@ -30,11 +30,11 @@ void print(const faults::LongRunReport& report) {
     count += times;
     std::cout << "  " << times << "  " << fault << '\n';
   }
-  std::cout << count << " faults in " << number(report.time / 3600, 2) << " h of virtual time, "
+  std::cout << count << " faults in " << common::number(report.time / 3600, 2) << " h of virtual time, "
             << std::llround(report.time * 1e3) << " cycles; " << report.messages
             << " messages of the daemon looked at\n"
             << "reset or started again " << report.stops << " times; active at most "
-            << number(report.slowest_recovery, 2) << " s after a fault's end\n"
+            << common::number(report.slowest_recovery, 2) << " s after a fault's end\n"
             << "answers to commands: " << report.replaced << " components replaced, "
             << report.refused << " refused\n";
 }
@@ -42,14 +42,14 @@ void print(const faults::LongRunReport& report) {
 }  // namespace
 
 int run_virtual_soak(const SoakOptions& options) {
-  catch_interruptions();
+  common::catch_interruptions();
   faults::LongRun run(options.seed);
   const double duration = 60 * options.minutes;
   std::vector<MemorySample> samples;
-  Progress progress(1, 1, "virtual time");
+  common::Progress progress(1, 1, "virtual time");
   for (int i = 1; i <= kSamples; ++i) {
     run.run(duration / kSamples);
-    throw_if_interrupted();
+    common::throw_if_interrupted();
     samples.push_back({run.report().time, resident_megabytes(getpid())});
     progress.show(static_cast<double>(i) / kSamples,
                   std::to_string(run.report().failures) + " failures");
@@ -66,12 +66,12 @@ int run_virtual_soak(const SoakOptions& options) {
                last = median_mm(errors.end() - tenth, errors.end());
   const double most = errors.empty() ? 0 : 1e3 * *std::max_element(errors.begin(), errors.end());
   print(report);
-  std::cout << "error of the plant before each fault, median: first tenth " << number(first, 2)
-            << " mm, last tenth " << number(last, 2) << " mm; largest " << number(most, 2)
+  std::cout << "error of the plant before each fault, median: first tenth " << common::number(first, 2)
+            << " mm, last tenth " << common::number(last, 2) << " mm; largest " << common::number(most, 2)
             << " mm\n"
-            << "resident memory, simulator included: " << number(memory.first, 2)
-            << " MB after warm-up, " << number(memory.last, 2) << " MB at the end, slope "
-            << number(60 * memory.slope, 3) << " MB/h" << (flat ? "" : ": MEMORY GROWS") << '\n'
+            << "resident memory, simulator included: " << common::number(memory.first, 2)
+            << " MB after warm-up, " << common::number(memory.last, 2) << " MB at the end, slope "
+            << common::number(60 * memory.slope, 3) << " MB/h" << (flat ? "" : ": MEMORY GROWS") << '\n'
             << report.failures << " failures\n";
   for (const std::string& complaint : report.complaints) std::cout << "  " << complaint << '\n';
   if (!options.json.empty())

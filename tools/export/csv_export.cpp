@@ -3,8 +3,7 @@
 #include <map>
 #include <set>
 
-#include "tools/evaluate/csv.hpp"
-#include "tools/evaluate/live_run.hpp"
+#include "tools/common/csv.hpp"
 #include "tools/export/columns.hpp"
 #include "tools/export/output_file.hpp"
 
@@ -16,7 +15,7 @@ void append_cell(const log::Record& record, const Column& column, std::string& r
   switch (column.kind) {
     case Column::Kind::kText:
       if (column.index < record.texts(field))
-        row += evaluate::csv_cell(record.text(field, column.index));
+        row += common::csv_cell(record.text(field, column.index));
       break;
     case Column::Kind::kBytes:
       row += record.hexadecimal(field, 0, record.used(field));
@@ -75,8 +74,8 @@ class Table {
     out.write("time,s,since the earliest message of all logs\n");
     out.write("received_utime,us,when the log received the message\n");
     for (const Column& column : columns_)
-      out.write(column.name + "," + evaluate::csv_cell(column.unit) + "," +
-                evaluate::csv_cell(column.meaning) + "\n");
+      out.write(column.name + "," + common::csv_cell(column.unit) + "," +
+                common::csv_cell(column.meaning) + "\n");
     out.finish();
   }
 
@@ -94,7 +93,7 @@ std::vector<Written> export_csv(Source& source, const std::filesystem::path& fol
   std::set<std::string> names;
   for (const ChannelSurvey& channel : source.found().channels) {
     if (!source.is_selected(channel) || channel.messages == channel.broken) continue;
-    std::string name = evaluate::file_name(channel.channel);
+    std::string name = common::file_name(channel.channel);
     while (!names.insert(name).second) name += "_" + channel.type->name;
     tables.try_emplace({channel.channel, channel.type}, channel, folder / (name + ".csv"));
   }

@@ -48,7 +48,7 @@ Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes) {
   return places;
 }
 
-ElementGradients::ElementGradients(const evaluate::MeshMessage& mesh) : elements_(mesh.elements) {
+ElementGradients::ElementGradients(const log::MeshMessage& mesh) : elements_(mesh.elements) {
   if (elements_.rows() == kTetrahedronNodes)
     add_tetrahedra(mesh.nodes);
   else if (elements_.rows() == kQuadraticNodes)

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::exporting {
 
@@ -12,7 +12,7 @@ namespace palpate::exporting {
 class ElementGradients {
  public:
   /// Throws std::runtime_error where the mesh has other elements, or one without volume.
-  explicit ElementGradients(const evaluate::MeshMessage& mesh);
+  explicit ElementGradients(const log::MeshMessage& mesh);
 
   int element_count() const { return static_cast<int>(elements_.cols()); }
   int points_per_element() const { return points_; }

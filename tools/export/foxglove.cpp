@@ -96,7 +96,7 @@ void add_feature(Json& entity, const feature_t& feature) {
 
 std::string estimate_scene(const Instant& instant, double largest) {
   Json entity = empty_entity("estimate", instant.utime);
-  const evaluate::MeshMessage& mesh = instant.estimate_mesh->mesh();
+  const log::MeshMessage& mesh = instant.estimate_mesh->mesh();
   Json colours = Json::array();
   for (Eigen::Index i = 0; i < instant.estimate.cols(); ++i) {
     const double share =

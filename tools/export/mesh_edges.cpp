@@ -12,7 +12,7 @@ namespace palpate::exporting {
 namespace {
 
 /// Nodes amid the faces and amid the whole of 27-node hexahedra.
-std::vector<char> inner_nodes(const evaluate::MeshMessage& mesh) {
+std::vector<char> inner_nodes(const log::MeshMessage& mesh) {
   std::vector<char> inner(static_cast<std::size_t>(mesh.nodes.cols()), 0);
   if (mesh.elements.rows() != 27) return inner;
   for (Eigen::Index e = 0; e < mesh.elements.cols(); ++e) {
@@ -28,7 +28,7 @@ std::vector<char> inner_nodes(const evaluate::MeshMessage& mesh) {
 
 }  // namespace
 
-Eigen::Matrix2Xi surface_edges(const evaluate::MeshMessage& mesh, Edges which) {
+Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which) {
   const double crease = std::cos(40 * M_PI / 180);
   const std::vector<char> inner = inner_nodes(mesh);
   std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> normals;

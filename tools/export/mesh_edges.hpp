@@ -2,13 +2,13 @@
 
 #include <Eigen/Core>
 
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::exporting {
 
 /// Edges of the elements on the surface of a mesh, as columns of two nodes; of hexahedra without
 /// the lines through their faces. kSharp: those where the rest surface turns by more than 40 deg.
 enum class Edges { kAll, kSharp };
-Eigen::Matrix2Xi surface_edges(const evaluate::MeshMessage& mesh, Edges which);
+Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which);
 
 }  // namespace palpate::exporting

@@ -13,7 +13,7 @@ namespace {
 constexpr int kIterations = 12;
 constexpr double kEnough = 1e-9;  // of what is out of balance halfway, where one stops
 
-mesh::TetrahedralMesh tetrahedra_of(const evaluate::MeshMessage& corners) {
+mesh::TetrahedralMesh tetrahedra_of(const log::MeshMessage& corners) {
   mesh::TetrahedralMesh mesh;
   mesh.nodes = corners.nodes;
   mesh.tetrahedra = corners.elements;
@@ -22,7 +22,7 @@ mesh::TetrahedralMesh tetrahedra_of(const evaluate::MeshMessage& corners) {
 
 }  // namespace
 
-MidsideNodes::MidsideNodes(const evaluate::MeshMessage& corners) : mesh_(corners) {
+MidsideNodes::MidsideNodes(const log::MeshMessage& corners) : mesh_(corners) {
   const mesh::ElementMesh quadratic =
       mesh::make_element_mesh(tetrahedra_of(corners), mesh::ElementOrder::kQuadratic);
   mesh_.nodes = quadratic.nodes;

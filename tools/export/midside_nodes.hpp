@@ -13,10 +13,10 @@ namespace palpate::exporting {
 class MidsideNodes {
  public:
   /// Throws std::runtime_error where an element has no volume.
-  explicit MidsideNodes(const evaluate::MeshMessage& corners);
+  explicit MidsideNodes(const log::MeshMessage& corners);
 
   /// The quadratic mesh: its first nodes are the corners.
-  const evaluate::MeshMessage& mesh() const { return mesh_; }
+  const log::MeshMessage& mesh() const { return mesh_; }
   const ElementGradients& gradients() const { return *gradients_; }
 
   /// All nodes, 3 x n, for the corners' positions. Stiffness itself plays no role, only Poisson's
@@ -28,7 +28,7 @@ class MidsideNodes {
   Eigen::VectorXd out_of_balance(const Eigen::Matrix3Xd& x, double poisson_ratio) const;
   Eigen::Matrix3Xd halfway(const Eigen::Matrix3Xd& corners) const;
 
-  evaluate::MeshMessage mesh_;
+  log::MeshMessage mesh_;
   std::unique_ptr<ElementGradients> gradients_;
   std::vector<std::pair<int, int>> ends_;  // corners of each midside node
   std::vector<int> unknown_;               // by node: place among the unknowns, or -1

@@ -6,7 +6,7 @@
 #include <map>
 #include <stdexcept>
 
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
 #include "tools/export/columns.hpp"
 
 namespace palpate::exporting {
@@ -34,8 +34,8 @@ class Envelope {
 
   bool empty() const { return count_ == 0; }
 
-  evaluate::Curve curve(const std::string& title) const {
-    evaluate::Curve curve;
+  common::Curve curve(const std::string& title) const {
+    common::Curve curve;
     curve.title = title;
     for (const auto& [number, pair] : pieces_) {
       const bool is_rising = pair.first.time <= pair.second.time;
@@ -183,18 +183,18 @@ std::vector<std::string> paths_of(const std::string& panel) {
 }
 
 /// Without the channel where that is clear enough.
-void shorten(std::vector<evaluate::Curve>& curves) {
+void shorten(std::vector<common::Curve>& curves) {
   std::map<std::string, int> short_names;
   const auto without_channel = [](const std::string& title) {
     return title.rfind("norm(", 0) == 0 ? title : title.substr(title.rfind('.') + 1);
   };
-  for (const evaluate::Curve& curve : curves) ++short_names[without_channel(curve.title)];
+  for (const common::Curve& curve : curves) ++short_names[without_channel(curve.title)];
   if (short_names.size() < curves.size()) return;
-  for (evaluate::Curve& curve : curves) curve.title = without_channel(curve.title);
+  for (common::Curve& curve : curves) curve.title = without_channel(curve.title);
 }
 
 /// gnuplot's colours without the yellow one, which cannot be seen on white.
-void colour(std::vector<evaluate::Curve>& curves) {
+void colour(std::vector<common::Curve>& curves) {
   constexpr int kColours[] = {1, 2, 4, 6, 7, 3, 8};
   for (std::size_t i = 0; i < curves.size(); ++i) {
     curves[i].colour = kColours[i % std::size(kColours)];
@@ -202,8 +202,8 @@ void colour(std::vector<evaluate::Curve>& curves) {
   }
 }
 
-evaluate::Plot plot_of(const std::vector<Selected>& panel, const std::string& title) {
-  evaluate::Plot plot;
+common::Plot plot_of(const std::vector<Selected>& panel, const std::string& title) {
+  common::Plot plot;
   plot.title = title;
   plot.x_label = "time, s";
   std::vector<std::string> units;
@@ -243,14 +243,14 @@ int export_plot(Source& source, const std::vector<std::string>& panels,
     for (std::vector<Selected>& panel : selected)
       for (Selected& one : panel) take(one, message);
   });
-  std::vector<evaluate::Plot> plots;
+  std::vector<common::Plot> plots;
   int count = 0;
   for (std::size_t i = 0; i < panels.size(); ++i) {
     plots.push_back(plot_of(selected[i], panels[i]));
     count += static_cast<int>(plots.back().curves.size());
   }
   if (picture.has_parent_path()) std::filesystem::create_directories(picture.parent_path());
-  if (!evaluate::draw(plots, picture))
+  if (!common::draw(plots, picture))
     throw std::runtime_error("gnuplot is not installed (apt-get install gnuplot-nox)");
   return count;
 }

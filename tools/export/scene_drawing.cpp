@@ -67,7 +67,7 @@ SceneDrawing::SceneDrawing(const DrawingOptions& options)
 }
 
 Eigen::Matrix3Xd SceneDrawing::in_world(const Eigen::Matrix3Xd& points_O) const {
-  return evaluate::transformed(X_WO_, points_O);
+  return log::transformed(X_WO_, points_O);
 }
 
 void SceneDrawing::measure(const Instant& instant) {
@@ -178,7 +178,7 @@ const draw::Image& SceneDrawing::draw(const Instant& instant) {
 
 void SceneDrawing::draw_shape(const Instant& instant) {
   const bool is_estimate = instant.estimate_mesh != nullptr;
-  const evaluate::MeshMessage& mesh =
+  const log::MeshMessage& mesh =
       (is_estimate ? instant.estimate_mesh : instant.truth_mesh)->mesh();
   const Eigen::Matrix3Xd x = in_world(is_estimate ? instant.estimate : instant.truth);
   draw::MeshStyle style;
@@ -203,7 +203,7 @@ void SceneDrawing::draw_edges(const Eigen::Matrix3Xd& points_W, const Eigen::Mat
     renderer_.draw_line(points_W.col(edges(0, e)), points_W.col(edges(1, e)), width, colour);
 }
 
-void SceneDrawing::draw_rest(const evaluate::MeshMessage& mesh) {
+void SceneDrawing::draw_rest(const log::MeshMessage& mesh) {
   draw::MeshStyle style;
   style.colour = kRest;
   const Eigen::Matrix3Xd x = in_world(mesh.nodes);
@@ -212,7 +212,7 @@ void SceneDrawing::draw_rest(const evaluate::MeshMessage& mesh) {
 }
 
 /// A plate behind the nodes that are held, where they lie in a plane of the rest shape.
-void SceneDrawing::draw_clamp(const evaluate::MeshMessage& mesh) {
+void SceneDrawing::draw_clamp(const log::MeshMessage& mesh) {
   if (mesh.constrained.empty()) return;
   Eigen::AlignedBox3d held, all;
   for (const int node : mesh.constrained) held.extend(mesh.nodes.col(node));

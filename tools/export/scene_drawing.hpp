@@ -46,10 +46,10 @@ class SceneDrawing {
  private:
   void draw_shape(const Instant& instant);
   void draw_truth(const Instant& instant);
-  void draw_rest(const evaluate::MeshMessage& mesh);
+  void draw_rest(const log::MeshMessage& mesh);
   void draw_edges(const Eigen::Matrix3Xd& points_W, const Eigen::Matrix2Xi& edges, double width,
                   const draw::Colour& colour);
-  void draw_clamp(const evaluate::MeshMessage& mesh);
+  void draw_clamp(const log::MeshMessage& mesh);
   void draw_forces(const Instant& instant);
   void draw_arrow(const Eigen::Vector3d& at_O, const Eigen::Vector3d& force_O,
                   const draw::Colour& colour);

@@ -34,7 +34,7 @@ void spread_to_corners(const Eigen::MatrixXi& elements, Eigen::Index corners,
 
 }  // namespace
 
-ShapeEvaluator::ShapeEvaluator(const evaluate::MeshMessage& mesh, Law law)
+ShapeEvaluator::ShapeEvaluator(const log::MeshMessage& mesh, Law law)
     : law_(law),
       mesh_(mesh),
       element_volume_(Eigen::VectorXd::Zero(mesh.elements.cols())),

@@ -29,7 +29,7 @@ struct ShapeFields {
 class ShapeEvaluator {
  public:
   /// Throws as ElementGradients.
-  ShapeEvaluator(const evaluate::MeshMessage& mesh, Law law);
+  ShapeEvaluator(const log::MeshMessage& mesh, Law law);
 
   ShapeFields at(const Eigen::Matrix3Xd& positions,
                  const std::optional<Stiffness>& stiffness) const;
@@ -38,7 +38,7 @@ class ShapeEvaluator {
   /// their volume.
   Eigen::VectorXd at_nodes(const Eigen::VectorXd& by_element) const;
 
-  const evaluate::MeshMessage& mesh() const { return mesh_; }
+  const log::MeshMessage& mesh() const { return mesh_; }
 
  private:
   void add_strain(const Eigen::Matrix3Xd& x, ShapeFields& fields) const;
@@ -47,7 +47,7 @@ class ShapeEvaluator {
   const ElementGradients& gradients() const;
 
   Law law_;
-  evaluate::MeshMessage mesh_;
+  log::MeshMessage mesh_;
   std::unique_ptr<MidsideNodes> midsides_;       // of quadratic tetrahedra, or
   std::unique_ptr<ElementGradients> gradients_;  // of others
   Eigen::VectorXd element_volume_;

@@ -34,7 +34,7 @@ bool has(const Source& source, const std::string& channel, const std::string& ty
 }
 
 /// Whether all that a mesh names is there; logs may come from anywhere.
-bool is_sound(const evaluate::MeshMessage& mesh) {
+bool is_sound(const log::MeshMessage& mesh) {
   const auto count = static_cast<int>(mesh.nodes.cols());
   const auto is_node = [count](int node) { return node >= 0 && node < count; };
   return mesh.nodes.allFinite() && mesh.elements.cols() > 0 &&
@@ -50,7 +50,7 @@ std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& ch
   try {
     if (chunks.front().corner_count <= 0 || chunks.front().corner_count > kMostNodes)
       throw std::runtime_error("mesh message without nodes");
-    const evaluate::MeshMessage mesh = evaluate::assemble(chunks);
+    const log::MeshMessage mesh = log::assemble(chunks);
     if (!is_sound(mesh)) throw std::runtime_error("mesh message that names nodes that it has not");
     return std::make_unique<ShapeEvaluator>(mesh, law);
   } catch (const std::exception& error) {
@@ -176,7 +176,7 @@ void ShapeFollower::add_shape(const shape_t& shape, const Message& message) {
   instant.utime = message.utime;
   instant.received_utime = message.event.utime;
   instant.estimate_mesh = mesh->second.get();
-  instant.estimate = evaluate::positions(shape);
+  instant.estimate = log::positions(shape);
   instant.status = shape.status;
   if (static_cast<Eigen::Index>(shape.deviation.size()) == instant.estimate.cols())
     instant.node_deviation =
@@ -190,7 +190,7 @@ void ShapeFollower::add_truth(const shape_t& shape, const Message& message, cons
   if (mesh == truths_.end() ||
       3 * mesh->second->mesh().nodes.cols() != static_cast<Eigen::Index>(shape.xyz.size()))
     return;
-  Truth truth{message.utime, message.event.utime, shape.mesh_hash, evaluate::positions(shape)};
+  Truth truth{message.utime, message.event.utime, shape.mesh_hash, log::positions(shape)};
   if (!has_estimate_) {
     Instant instant = latest_;
     instant.time = message.time;
@@ -227,7 +227,7 @@ void ShapeFollower::put_truth(Instant& instant, const Truth& before, const Truth
   instant.truth = (1 - s) * before.positions + s * after.positions;
   auto& places = places_[{instant.estimate_mesh->mesh().hash, after.mesh}];
   if (!places)
-    places = std::make_unique<evaluate::PlantPoints>(instant.truth_mesh->mesh(),
+    places = std::make_unique<log::PlantPoints>(instant.truth_mesh->mesh(),
                                                      instant.estimate_mesh->mesh().nodes);
   instant.deviation = instant.estimate - places->at(instant.truth);
 }

@@ -98,7 +98,7 @@ class ShapeFollower {
   FollowerOptions options_;
   bool has_estimate_ = false, has_truth_ = false, has_deviation_ = false;
   std::map<std::int64_t, std::unique_ptr<ShapeEvaluator>> estimates_, truths_;  // by hash
-  std::map<std::pair<std::int64_t, std::int64_t>, std::unique_ptr<evaluate::PlantPoints>> places_;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::unique_ptr<log::PlantPoints>> places_;
   Instant latest_;               // what is known beside shapes
   std::deque<Instant> waiting_;  // for the truth of their time
   std::optional<Truth> last_truth_;

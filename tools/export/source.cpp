@@ -9,7 +9,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/progress.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -62,7 +62,7 @@ class Stage {
 
  private:
   std::int64_t bytes_;
-  std::optional<evaluate::Progress> progress_;
+  std::optional<common::Progress> progress_;
 };
 
 }  // namespace

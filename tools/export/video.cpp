@@ -12,7 +12,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/evaluate/process.hpp"
+#include "tools/common/process.hpp"
 
 extern char** environ;
 
@@ -80,7 +80,7 @@ Video::~Video() {
 }
 
 void Video::fail() const {
-  throw std::runtime_error(file_.string() + ": ffmpeg failed: " + evaluate::tail(messages_, 5));
+  throw std::runtime_error(file_.string() + ": ffmpeg failed: " + common::tail(messages_, 5));
 }
 
 void Video::add(const draw::Image& image) {

@@ -42,7 +42,7 @@ class Series {
   std::vector<SeriesEntry> entries_;
 };
 
-Eigen::MatrixXi vtk_cells(const evaluate::MeshMessage& mesh) {
+Eigen::MatrixXi vtk_cells(const log::MeshMessage& mesh) {
   if (mesh.elements.rows() != 27) return mesh.elements;
   Eigen::MatrixXi cells(27, mesh.elements.cols());
   for (int e = 0; e < cells.cols(); ++e) {

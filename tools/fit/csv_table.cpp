@@ -7,7 +7,7 @@
 #include <limits>
 #include <mutex>
 
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -23,7 +23,7 @@ double parsed(const std::string& cell) {
 }
 
 std::shared_ptr<const CsvTable> parse(const std::string& path) {
-  import::CsvReader reader(path);
+  recordings::CsvReader reader(path);
   auto table = std::make_shared<CsvTable>();
   table->path = path;
   table->header = reader.header();
@@ -52,13 +52,13 @@ std::size_t CsvTable::column(const std::string& name) const {
   if (found != header.end()) return static_cast<std::size_t>(found - header.begin());
   std::string all;
   for (const std::string& known : header) all += (all.empty() ? "'" : ", '") + known + "'";
-  throw import::CsvError(path + ": no column '" + name + "'; the columns are " + all);
+  throw recordings::CsvError(path + ": no column '" + name + "'; the columns are " + all);
 }
 
 double CsvTable::number(std::size_t row, std::size_t column) const {
   const double value = columns[column][row];
   if (!std::isnan(value)) return value;
-  throw import::CsvError(path + ":" + std::to_string(lines[row]) + ":" + header[column] + ": '" +
+  throw recordings::CsvError(path + ":" + std::to_string(lines[row]) + ":" + header[column] + ": '" +
                          bad_cells.at({row, column}) +
                          "' is not a finite number; remove the row, or leave it out by `rows`");
 }

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <map>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit/report.hpp"
 
 namespace palpate::fit {
@@ -34,7 +34,7 @@ void print_findings(const Job& job, const JobResult& result, std::ostream& out) 
   for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
     values[problem.parameters()[p].name] = all[static_cast<Eigen::Index>(p)];
   }
-  evaluate::Table table(
+  common::Table table(
       {job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
   bool is_empty = true;
   for (const Member& member : problem.members()) {

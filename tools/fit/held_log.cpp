@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -67,8 +67,8 @@ double turn_between(const math::Pose& a, const math::Pose& b) {
 
 HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time) {
   HeldLog messages;
-  evaluate::LogReader reader(time == "sent" ? evaluate::LogClock::kSent
-                                            : evaluate::LogClock::kReceived);
+  log::LogReader reader(time == "sent" ? log::LogClock::kSent
+                                            : log::LogClock::kReceived);
   reader.collect("ROBOT_STATE", messages.robot);
   reader.collect("FT_WRENCH", messages.wrenches);
   reader.collect("SHAPE_OBSERVATION", messages.seen);

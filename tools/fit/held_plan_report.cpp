@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -44,7 +44,7 @@ void print(const HeldPlan& plan, std::ostream& out) {
       << "parameter is not told:\n\n";
   std::vector<std::string> header = {"motion"};
   for (const Knowledge& known : plan.before) header.push_back(known.name);
-  evaluate::Table table(header);
+  common::Table table(header);
   const auto add = [&](const std::string& title, const std::vector<Knowledge>& knowledge) {
     std::vector<std::string> row = {title};
     for (const Knowledge& known : knowledge) row.push_back(interval(known));

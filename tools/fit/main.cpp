@@ -8,8 +8,8 @@
 
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/fit/findings.hpp"
 #include "tools/fit/held_plan_command.hpp"
 #include "tools/fit/kinds.hpp"
@@ -81,7 +81,7 @@ std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Optio
   run.checks_gradients = options.check_gradients;
   run.compares_numeric = options.numeric;
   run.threads = options.threads;
-  evaluate::Progress progress(1, 1, plan.name);
+  common::Progress progress(1, 1, plan.name);
   run.progress = [&](double fraction, const std::string& note) { progress.show(fraction, note); };
   std::vector<fit::JobResult> results = fit::run(plan, run);
   progress.finish(true, std::to_string(results.size()) + (results.size() == 1 ? " fit" : " fits"));
@@ -150,7 +150,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   int code = 0;
   fit::add_held_plan_command(app, code);
-  evaluate::catch_interruptions();
+  common::catch_interruptions();
   try {
     CLI11_PARSE(app, argc, argv);
     if (!app.get_subcommands().empty()) return code;

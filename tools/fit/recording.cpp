@@ -6,7 +6,7 @@
 #include <unordered_set>
 
 #include "tools/fit/csv_table.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -212,11 +212,11 @@ void Recording::require_rising(const std::string& quantity) const {
 
 void Recording::fail(Eigen::Index row, const std::string& what) const {
   const auto index = static_cast<std::size_t>(row);
-  throw import::CsvError(path_ + ":" + std::to_string(index < lines_.size() ? lines_[index] : 1) +
+  throw recordings::CsvError(path_ + ":" + std::to_string(index < lines_.size() ? lines_[index] : 1) +
                          ": " + what);
 }
 
-void Recording::fail(const std::string& what) const { throw import::CsvError(path_ + ": " + what); }
+void Recording::fail(const std::string& what) const { throw recordings::CsvError(path_ + ": " + what); }
 
 std::vector<double> distinct_values(const std::filesystem::path& file, const std::string& column) {
   const std::shared_ptr<const CsvTable> table = read_csv(file.string());

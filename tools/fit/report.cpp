@@ -5,13 +5,13 @@
 #include <cstdio>
 #include <map>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::fit {
 namespace {
 
-using evaluate::number;
-using evaluate::Table;
+using common::number;
+using common::Table;
 
 std::string formatted(const char* format, double value) {
   char text[48];

@@ -7,15 +7,15 @@
 #include <iomanip>
 #include <stdexcept>
 
-#include "tools/evaluate/csv.hpp"
-#include "tools/evaluate/plot.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/csv.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/progress.hpp"
 
 namespace palpate::fit {
 namespace {
 
 using Eigen::Index;
-using evaluate::csv_cell;
+using common::csv_cell;
 
 constexpr std::size_t kMostFolders = 200;
 constexpr std::size_t kMostPlots = 6;
@@ -42,37 +42,37 @@ std::string folder_name(const std::string& text) {
 bool is_material(const Estimate& e) { return e.parameter.name.find('.') == std::string::npos; }
 
 /// Curves through what was measured and predicted, by the abscissa's order as recorded.
-evaluate::Plot value_plot(const JobResult& result, std::size_t s) {
+common::Plot value_plot(const JobResult& result, std::size_t s) {
   const Series& series = result.problem->series_at(s);
   const SeriesFit& fit = result.fit.series[s];
-  evaluate::Curve measured{"measured", {}, {}}, fitted{"fitted", {}, {}},
+  common::Curve measured{"measured", {}, {}}, fitted{"fitted", {}, {}},
       held{"predicted, held out", {}, {}};
   for (Index i = 0; i < series.measured.size(); ++i) {
     const double x =
         series.x.size() == series.measured.size() ? series.x[i] : static_cast<double>(i);
     measured.x.push_back(x);
     measured.y.push_back(series.measured[i]);
-    evaluate::Curve& to = result.problem->is_fitted(s, i) ? fitted : held;
+    common::Curve& to = result.problem->is_fitted(s, i) ? fitted : held;
     to.x.push_back(x);
     to.y.push_back(fit.predicted[i]);
   }
   const auto with_unit = [](const std::string& name, const std::string& unit) {
     return unit.empty() ? name : name + " [" + unit + "]";
   };
-  evaluate::Plot plot{fit.recording,
+  common::Plot plot{fit.recording,
                       with_unit(series.abscissa, series.abscissa_unit),
                       with_unit(series.quantity, series.unit),
                       {measured}};
-  for (evaluate::Curve* curve : {&fitted, &held})
+  for (common::Curve* curve : {&fitted, &held})
     if (!curve->x.empty()) plot.curves.push_back(*curve);
   return plot;
 }
 
-evaluate::Plot residual_plot(const JobResult& result, std::size_t s) {
-  evaluate::Plot plot = value_plot(result, s);
-  const evaluate::Curve measured = plot.curves.front();
+common::Plot residual_plot(const JobResult& result, std::size_t s) {
+  common::Plot plot = value_plot(result, s);
+  const common::Curve measured = plot.curves.front();
   const Series& series = result.problem->series_at(s);
-  evaluate::Curve residual{"predicted - measured", measured.x, {}};
+  common::Curve residual{"predicted - measured", measured.x, {}};
   for (Index i = 0; i < series.measured.size(); ++i)
     residual.y.push_back(result.fit.series[s].predicted[i] - series.measured[i]);
   plot.title += ": residual";
@@ -169,14 +169,14 @@ void write_samples(const JobResult& result, std::ostream& out) {
 }
 
 bool draw_fit(const Job& job, const JobResult& result, const std::filesystem::path& picture) {
-  std::vector<evaluate::Plot> plots;
+  std::vector<common::Plot> plots;
   const std::size_t count = std::min(result.fit.series.size(), kMostPlots);
   for (std::size_t s = 0; s < count; ++s) {
     plots.push_back(value_plot(result, s));
     plots.push_back(residual_plot(result, s));
   }
   plots.front().title = job.title() + ": " + plots.front().title;
-  return evaluate::draw(plots, picture);
+  return common::draw(plots, picture);
 }
 
 void write_files(const Plan& plan, const std::vector<JobResult>& results,
@@ -185,7 +185,7 @@ void write_files(const Plan& plan, const std::vector<JobResult>& results,
   write_file(folder / "fits.csv", [&](std::ostream& out) { write_table(plan, results, out); });
   if (results.size() > kMostFolders) return;
   const auto count = static_cast<int>(results.size());
-  evaluate::Progress progress(1, 1, "pictures and files");
+  common::Progress progress(1, 1, "pictures and files");
   for (int k = 0; k < count; ++k) {
     const Job& job = plan.jobs[static_cast<std::size_t>(k)];
     const JobResult& result = results[static_cast<std::size_t>(k)];

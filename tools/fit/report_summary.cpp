@@ -2,14 +2,14 @@
 #include <cmath>
 #include <map>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit/report.hpp"
 
 namespace palpate::fit {
 namespace {
 
-using evaluate::number;
-using evaluate::Table;
+using common::number;
+using common::Table;
 
 constexpr std::size_t kMostRows = 60;  // more fits are told by their medians alone
 

@@ -9,7 +9,7 @@
 #include <mutex>
 #include <thread>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/fit/checkpoint.hpp"
 #include "tools/fit/kinds.hpp"
 
@@ -75,7 +75,7 @@ class Run {
     for (std::size_t k = 1; k < count; ++k) threads.emplace_back([this] { work(); });
     work();
     for (std::thread& thread : threads) thread.join();
-    evaluate::throw_if_interrupted();
+    common::throw_if_interrupted();
     if (plan_.jobs.size() == 1 && first_error_) std::rethrow_exception(first_error_);
     if (first_error_ == nullptr) checkpoint_.remove();
     return std::move(results_);
@@ -83,7 +83,7 @@ class Run {
 
  private:
   void work() {
-    while (!evaluate::is_interrupted()) {
+    while (!common::is_interrupted()) {
       const std::size_t k = next_++;
       if (k >= plan_.jobs.size()) return;
       try {
@@ -112,7 +112,7 @@ class Run {
     settings.solver.progress = [&](int iteration, double cost, const VectorXd& x) {
       checkpoint_.keep(job.title(), problem, x, cost, false);
       if (is_alone) report(note_of(iteration, cost));
-      return !evaluate::is_interrupted();
+      return !common::is_interrupted();
     };
     result.fit = fit_problem(problem, settings, start);
     checkpoint_.keep(job.title(), problem, result.fit.solution.coordinates,

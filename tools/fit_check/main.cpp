@@ -5,16 +5,16 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/config/node.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/progress.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit_check/coverage.hpp"
 #include "tools/fit_check/simulated.hpp"
 
 namespace {
 
 using namespace palpate;
-using evaluate::number;
+using common::number;
 
 constexpr double kLeastCoverage = 0.90, kMostCoverage = 0.99;
 
@@ -42,15 +42,15 @@ void write_json(const nlohmann::json& json, const std::string& path) {
 
 int run_coverage(const Options& options) {
   nlohmann::json json = nlohmann::json::array();
-  evaluate::Table table({"own model", "parameter", "fits", "truth inside", "mean width"});
+  common::Table table({"own model", "parameter", "fits", "truth inside", "mean width"});
   const std::vector<fit_check::OwnModel> models = fit_check::own_models(options.folder);
   bool is_met = true;
   for (std::size_t k = 0; k < models.size(); ++k) {
-    evaluate::Progress progress(static_cast<int>(k) + 1, static_cast<int>(models.size()),
+    common::Progress progress(static_cast<int>(k) + 1, static_cast<int>(models.size()),
                                 models[k].mechanics->name());
     const auto rows = fit_check::measure_coverage(models[k].mechanics, models[k].truth,
                                                   options.seeds, [&](double share) {
-                                                    evaluate::throw_if_interrupted();
+                                                    common::throw_if_interrupted();
                                                     progress.show(share, "");
                                                   });
     progress.finish(true);
@@ -73,18 +73,18 @@ int run_coverage(const Options& options) {
 }
 
 int run_simulated(const Options& options) {
-  evaluate::Progress progress(1, 1, "simulated bar");
+  common::Progress progress(1, 1, "simulated bar");
   fit_check::StatementOptions plan;
   plan.folder = options.folder;
   plan.overrides = options.overrides;
   plan.cells = options.cells;
   plan.progress = [&](const std::string& what, double share) {
-    evaluate::throw_if_interrupted();
+    common::throw_if_interrupted();
     progress.show(share, what);
   };
   const std::vector<fit_check::Statement> statements = fit_check::fit_simulated(plan);
   progress.finish(true);
-  evaluate::Table table({"parameter", "truth", "found", "95 % interval", "error", "at most"});
+  common::Table table({"parameter", "truth", "found", "95 % interval", "error", "at most"});
   nlohmann::json json = nlohmann::json::array();
   bool is_met = true;
   for (const fit_check::Statement& s : statements) {
@@ -130,7 +130,7 @@ int main(int argc, char** argv) {
       "coverage", "How often 95 % intervals hold the truth of recordings by the own model");
   coverage->add_option("--seeds", options.seeds, "Recordings of each")->capture_default_str();
   CLI11_PARSE(app, argc, argv);
-  evaluate::catch_interruptions();
+  common::catch_interruptions();
   try {
     std::filesystem::create_directories(options.folder);
     return coverage->parsed() ? run_coverage(options) : run_simulated(options);

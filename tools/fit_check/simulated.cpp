@@ -9,7 +9,7 @@
 #include "core/math/random.hpp"
 #include "rt/bus/checked_decode.hpp"
 #include "sim/scenes/simulation.hpp"
-#include "tools/collect/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::fit_check {
 namespace {
@@ -32,7 +32,7 @@ double greatest_way(const std::vector<Eigen::Matrix3Xd>& points) {
   return (most - least).maxCoeff();
 }
 
-void write_markers(const Seen& seen, double noise, math::Random random, collect::EventLog& log) {
+void write_markers(const Seen& seen, double noise, math::Random random, log::EventLog& log) {
   if (seen.times.empty() || seen.points_W[0].cols() == 0) return;
   const double deviation = noise * greatest_way(seen.points_W);
   for (std::size_t i = 0; i < seen.times.size(); ++i) {
@@ -55,7 +55,7 @@ struct WrenchNoise {
 };
 
 void write_messages(const std::vector<bus::Published>& published, const WrenchNoise& deviation,
-                    math::Random random, collect::EventLog& log) {
+                    math::Random random, log::EventLog& log) {
   std::vector<ft_wrench_t> wrenches;
   for (const bus::Published& p : published) {
     const int size = static_cast<int>(p.data.size());
@@ -109,7 +109,7 @@ void record(const SimulatedRecording& recording, const std::string& log,
     if (progress) progress(static_cast<double>(simulation.tick()) / static_cast<double>(ticks));
   }
   bus::record(*hub, nullptr);
-  collect::EventLog file(log);
+  log::EventLog file(log);
   const math::Random random(static_cast<std::uint64_t>(recording.seed), "recording");
   write_messages(published, noise, random.split("wrench"), file);
   write_markers(seen, recording.noise, random.split("markers"), file);

@@ -19,7 +19,7 @@ class EncoderOf : public Encoder {
  public:
   EncoderOf(FieldMapping mapping, Fill fill) : mapping_(std::move(mapping)), fill_(fill) {}
 
-  std::vector<std::uint8_t> encode(const CsvReader& csv, const MessageHead& head) const override {
+  std::vector<std::uint8_t> encode(const recordings::CsvReader& csv, const MessageHead& head) const override {
     Message message{};
     message.utime = head.utime;
     message.seq = head.seq;
@@ -43,7 +43,7 @@ std::unique_ptr<Encoder> encoder_of(FieldMapping mapping, Fill fill) {
   return std::make_unique<EncoderOf<Message, Fill>>(std::move(mapping), fill);
 }
 
-std::int16_t counts(const CsvReader& csv, const FieldMapping& mapping, int field) {
+std::int16_t counts(const recordings::CsvReader& csv, const FieldMapping& mapping, int field) {
   const double value = std::round(mapping.value(csv, field));
   using Limits = std::numeric_limits<std::int16_t>;
   if (value < Limits::min() || value > Limits::max())
@@ -57,7 +57,7 @@ constexpr int kMaxJoints = 16;
 constexpr int kPac = 19, kPdc = 41, kTac = 42, kTdc = 43;
 constexpr int kElectrodes = 19, kPacSlots = 22;
 
-void fill_robot_state(const CsvReader& csv, const FieldMapping& mapping, robot_state_t& message) {
+void fill_robot_state(const recordings::CsvReader& csv, const FieldMapping& mapping, robot_state_t& message) {
   message.joint_count = 1;
   for (int i = 0; i < kMaxJoints; ++i) {
     if (mapping.has(kJoints + i)) message.joint_count = i + 1;
@@ -72,7 +72,7 @@ void fill_robot_state(const CsvReader& csv, const FieldMapping& mapping, robot_s
     csv.fail("the quaternion is not of unit length");
 }
 
-void fill_biotac(const CsvReader& csv, const FieldMapping& mapping, biotac_t& message) {
+void fill_biotac(const recordings::CsvReader& csv, const FieldMapping& mapping, biotac_t& message) {
   if (mapping.has(0)) message.valid |= biotac_t::VALID_ELECTRODES;
   if (mapping.has(kPac)) message.valid |= biotac_t::VALID_PAC;
   if (mapping.has(kPdc)) message.valid |= biotac_t::VALID_PDC;
@@ -92,17 +92,17 @@ void fill_biotac(const CsvReader& csv, const FieldMapping& mapping, biotac_t& me
 
 std::unique_ptr<Encoder> make_encoder(const std::string& format,
                                       const std::map<std::string, std::string>& described,
-                                      const CsvReader& csv) {
+                                      const recordings::CsvReader& csv) {
   FieldMapping mapping(format, described, csv);
   if (format == "force_torque") {
     return encoder_of<ft_wrench_t>(
-        std::move(mapping), [](const CsvReader& row, const FieldMapping& from, ft_wrench_t& to) {
+        std::move(mapping), [](const recordings::CsvReader& row, const FieldMapping& from, ft_wrench_t& to) {
           for (int i = 0; i < 6; ++i) to.wrench[i] = from.value(row, i);
         });
   }
   if (format == "imu") {
     return encoder_of<imu_t>(std::move(mapping),
-                             [](const CsvReader& row, const FieldMapping& from, imu_t& to) {
+                             [](const recordings::CsvReader& row, const FieldMapping& from, imu_t& to) {
                                for (int i = 0; i < 3; ++i) to.acceleration[i] = from.value(row, i);
                                for (int i = 0; i < 3; ++i)
                                  to.angular_velocity[i] = from.value(row, 3 + i);

@@ -20,7 +20,7 @@ class Encoder {
  public:
   virtual ~Encoder() = default;
   /// Throws CsvError where a value does not fit the message.
-  virtual std::vector<std::uint8_t> encode(const CsvReader& csv, const MessageHead& head) const = 0;
+  virtual std::vector<std::uint8_t> encode(const recordings::CsvReader& csv, const MessageHead& head) const = 0;
   virtual const FieldMapping& mapping() const = 0;
 };
 
@@ -28,6 +28,6 @@ class Encoder {
 /// only, or nothing at all.
 std::unique_ptr<Encoder> make_encoder(const std::string& format,
                                       const std::map<std::string, std::string>& described,
-                                      const CsvReader& csv);
+                                      const recordings::CsvReader& csv);
 
 }  // namespace palpate::import

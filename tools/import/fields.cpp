@@ -103,7 +103,7 @@ const std::vector<Field>& fields_of(const std::string& format) {
 
 FieldMapping::FieldMapping(const std::string& format,
                            const std::map<std::string, std::string>& described,
-                           const CsvReader& csv) {
+                           const recordings::CsvReader& csv) {
   const std::vector<Field>& fields = fields_of(format);
   for (const auto& item : described) {
     const bool exists = std::any_of(fields.begin(), fields.end(),
@@ -156,7 +156,7 @@ bool FieldMapping::has_any(int first, int count) const {
                      [](const Source& source) { return source.known; });
 }
 
-double FieldMapping::value(const CsvReader& csv, int i) const {
+double FieldMapping::value(const recordings::CsvReader& csv, int i) const {
   const Source& source = sources_[i];
   return source.column < 0 ? source.constant : source.factor * csv.number(source.column);
 }

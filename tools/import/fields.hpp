@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::import {
 
@@ -43,13 +43,13 @@ class FieldMapping {
   /// Throws CsvError or std::invalid_argument: unknown field, column or unit, or a required field
   /// without a column.
   FieldMapping(const std::string& format, const std::map<std::string, std::string>& described,
-               const CsvReader& csv);
+               const recordings::CsvReader& csv);
 
   /// Whether field `i` of fields_of(format) is there.
   bool has(int i) const { return sources_[i].known; }
   bool has_any(int first, int count) const;
   /// Value of the current row in SI; 0 where the field is absent.
-  double value(const CsvReader& csv, int i) const;
+  double value(const recordings::CsvReader& csv, int i) const;
   /// Column of field `i`, -1 for a constant or an absent field.
   int column(int i) const { return sources_[i].column; }
 

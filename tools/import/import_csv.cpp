@@ -70,7 +70,7 @@ class NewLog {
 ImportSummary import_csv(const ImportOptions& options) {
   if (options.streams.empty()) throw std::invalid_argument("no stream to import");
   const double unit = seconds_in(options.time_unit);
-  CsvReader csv(options.input);
+  recordings::CsvReader csv(options.input);
   const int time_column = options.rate > 0 ? -1 : csv.column(options.time_column);
   std::vector<std::pair<int, std::string>> where;
   for (const auto& [column, text] : options.where) where.emplace_back(csv.column(column), text);
@@ -111,7 +111,7 @@ ImportSummary import_csv(const ImportOptions& options) {
     }
     ++summary.rows;
   }
-  if (summary.rows == 0) throw CsvError(options.input + ": no row to import");
+  if (summary.rows == 0) throw recordings::CsvError(options.input + ": no row to import");
   log.finish();
   return summary;
 }

@@ -13,8 +13,8 @@
 #include "core/mesh/gmsh.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/surface_files.hpp"
-#include "tools/evaluate/interruption.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/interruption.hpp"
+#include "tools/common/process.hpp"
 #include "tools/mesh/mesh_files.hpp"
 
 namespace palpate::mesh_tool {
@@ -99,7 +99,7 @@ std::string messages(const fs::path& log) {
     if (line.rfind("Error", 0) == 0 && line.find("----") == std::string::npos && ++lines <= 12)
       errors += line + "\n";
   }
-  return errors.empty() ? evaluate::tail(log, 8) : errors;
+  return errors.empty() ? common::tail(log, 8) : errors;
 }
 
 }  // namespace
@@ -116,14 +116,14 @@ mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
   scaled.points /= options.edge;
   write_surface(scaled, folder.path() / "surface.stl");
   write_file(folder.path() / "mesh.geo", script(options));
-  evaluate::Process gmsh("gmsh",
+  common::Process gmsh("gmsh",
                          {options.program, (folder.path() / "mesh.geo").string(), "-3", "-format",
                           "msh41", "-nt", "1", "-o", output.string()},
                          log);
   const auto start = std::chrono::steady_clock::now();
   std::optional<int> code;
   while (!code) {
-    evaluate::throw_if_interrupted();
+    common::throw_if_interrupted();
     code = gmsh.wait(0.1);
     tell(log, progress);
     const double elapsed =
@@ -131,7 +131,7 @@ mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
     if (!code && elapsed > options.time_limit) {
       gmsh.stop(1);
       throw std::runtime_error("gmsh did not end within " + mesh::shortest(options.time_limit) +
-                               " s (--time-limit); it said:\n" + evaluate::tail(log, 5));
+                               " s (--time-limit); it said:\n" + common::tail(log, 5));
     }
   }
   if (*code != 0 || !fs::exists(output)) {

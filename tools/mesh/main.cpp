@@ -3,7 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/mesh/commands.hpp"
 
 int main(int argc, char** argv) {
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   int code = mesh_tool::kGood;
   mesh_tool::add_make_commands(app, code);
   mesh_tool::add_file_commands(app, code);
-  evaluate::catch_interruptions();
+  common::catch_interruptions();
   try {
     app.parse(argc, argv);
     return code;

@@ -10,7 +10,7 @@
 #include "core/mesh/round_mesh.hpp"
 #include "core/mesh/side_groups.hpp"
 #include "core/mesh/surface_repair.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/mesh/commands.hpp"
 #include "tools/mesh/full_volume.hpp"
 #include "tools/mesh/gmsh_program.hpp"
@@ -91,7 +91,7 @@ int make_box(const MakeOptions& options) {
 
 /// Fills a sound surface; where new triangles of the wanted size cannot be made, with its own.
 mesh::MeshWithGroups fill(const mesh::TriangleSurface& surface, const MakeOptions& options) {
-  evaluate::Progress progress(1, 1, "gmsh fills the surface");
+  common::Progress progress(1, 1, "gmsh fills the surface");
   const auto show = [&progress](double share, const std::string& note) {
     progress.show(share, note);
   };

@@ -13,7 +13,7 @@
 #include "rt/pipeline/pipeline.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/plan.hpp"
-#include "tools/train/plan.hpp"
+#include "tools/recordings/plan.hpp"
 #ifndef PALPATE_WITHOUT_SIM
 #include "sim/scenes/scene.hpp"
 #include "tools/evaluate/study_plan.hpp"
@@ -177,7 +177,7 @@ Declarations read(Reader reader, const Exploration& exploration) {
   if (reader == Reader::kDaemon) {
     read_daemon(root);
   } else if (reader == Reader::kTrain) {
-    train::read_plan(root);
+    recordings::read_plan(root);
   } else if (reader == Reader::kFit) {
     // Its parts are laid over each other in documents of their own.
     fit::read_plan(root, "");

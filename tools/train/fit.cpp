@@ -4,16 +4,16 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "tools/train/ridge.hpp"
+#include "tools/recordings/ridge.hpp"
 
 namespace palpate::train {
 namespace {
 
 using sensing::RecurrentWeights;
 
-Eigen::VectorXd floors(const std::vector<ColumnGroup>& groups) {
+Eigen::VectorXd floors(const std::vector<recordings::ColumnGroup>& groups) {
   std::vector<double> list;
-  for (const ColumnGroup& group : groups)
+  for (const recordings::ColumnGroup& group : groups)
     list.insert(list.end(), group.columns.size(), group.floor);
   return Eigen::Map<Eigen::VectorXd>(list.data(), static_cast<Eigen::Index>(list.size()));
 }
@@ -57,9 +57,9 @@ void check_start(const RecurrentWeights& start, const RecurrentWeights& plan) {
         "start_from: the network has other inputs, outputs, layers or unit_length than the plan");
 }
 
-void set_unit_length(const std::vector<ColumnGroup>& inputs, RecurrentWeights& weights) {
+void set_unit_length(const std::vector<recordings::ColumnGroup>& inputs, RecurrentWeights& weights) {
   Eigen::Index first = 0;
-  for (const ColumnGroup& group : inputs) {
+  for (const recordings::ColumnGroup& group : inputs) {
     const auto count = static_cast<Eigen::Index>(group.columns.size());
     if (group.unit_length > 0) {
       weights.unit_mask.segment(first, count).setOnes();
@@ -82,27 +82,27 @@ Eigen::MatrixXd with_unit_length(const Eigen::MatrixXd& rows, const RecurrentWei
   return result;
 }
 
-bool is_used(const Recording& recording, std::size_t k, bool all_parts) {
-  return all_parts || recording.parts[k] == Part::kTraining;
+bool is_used(const recordings::Recording& recording, std::size_t k, bool all_parts) {
+  return all_parts || recording.parts[k] == recordings::Part::kTraining;
 }
 
-Eigen::MatrixXd gather_used(const DataSet& data, const std::vector<Eigen::MatrixXd>& list,
+Eigen::MatrixXd gather_used(const recordings::DataSet& data, const std::vector<Eigen::MatrixXd>& list,
                             bool all_parts) {
-  if (!all_parts) return gather(data, list, Part::kTraining);
-  const Eigen::MatrixXd parts[] = {gather(data, list, Part::kTraining),
-                                   gather(data, list, Part::kValidation),
-                                   gather(data, list, Part::kTest)};
+  if (!all_parts) return recordings::gather(data, list, recordings::Part::kTraining);
+  const Eigen::MatrixXd parts[] = {recordings::gather(data, list, recordings::Part::kTraining),
+                                   recordings::gather(data, list, recordings::Part::kValidation),
+                                   recordings::gather(data, list, recordings::Part::kTest)};
   Eigen::MatrixXd all(parts[0].rows() + parts[1].rows() + parts[2].rows(), parts[0].cols());
   all << parts[0], parts[1], parts[2];
   return all;
 }
 
 /// Stretches of rows that may be learned from, without a gap.
-std::vector<Sequence> stretches(const DataSet& data, const std::vector<Eigen::MatrixXd>& inputs,
+std::vector<Sequence> stretches(const recordings::DataSet& data, const std::vector<Eigen::MatrixXd>& inputs,
                                 const std::vector<Eigen::MatrixXd>& targets, bool all_parts) {
   std::vector<Sequence> list;
   for (std::size_t r = 0; r < data.recordings.size(); ++r) {
-    const Recording& recording = data.recordings[r];
+    const recordings::Recording& recording = data.recordings[r];
     const std::size_t n = recording.parts.size();
     for (std::size_t begin = 0; begin < n;) {
       std::size_t end = begin;
@@ -135,10 +135,10 @@ RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
   return weights;
 }
 
-double validation_error(const RecurrentWeights& weights, const DataSet& data, int window) {
+double validation_error(const RecurrentWeights& weights, const recordings::DataSet& data, int window) {
   const Eigen::MatrixXd predicted =
-      gather(data, predict(weights, data, window, {}, Part::kValidation), Part::kValidation);
-  const Eigen::MatrixXd truth = gather(data, outputs_of(data), Part::kValidation);
+      recordings::gather(data, predict(weights, data, window, {}, recordings::Part::kValidation), recordings::Part::kValidation);
+  const Eigen::MatrixXd truth = recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation);
   const Eigen::VectorXd scale = weights.output_deviation.cast<double>().cwiseInverse();
   return ((predicted - truth) * scale.asDiagonal()).squaredNorm() /
          static_cast<double>(truth.size());
@@ -146,11 +146,11 @@ double validation_error(const RecurrentWeights& weights, const DataSet& data, in
 
 /// Per output, the part of what the cells say that serves the validation rows best, 0 to 1.
 Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeights& network,
-                             const DataSet& data, int window) {
-  const Eigen::MatrixXd without = gather(data, predict(base, data), Part::kValidation);
+                             const recordings::DataSet& data, int window) {
+  const Eigen::MatrixXd without = recordings::gather(data, predict(base, data), recordings::Part::kValidation);
   const Eigen::MatrixXd cells =
-      gather(data, predict(network, data, window), Part::kValidation) - without;
-  const Eigen::MatrixXd wanted = gather(data, outputs_of(data), Part::kValidation) - without;
+      recordings::gather(data, predict(network, data, window), recordings::Part::kValidation) - without;
+  const Eigen::MatrixXd wanted = recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation) - without;
   Eigen::VectorXd part = Eigen::VectorXd::Zero(cells.cols());
   for (Eigen::Index k = 0; k < cells.cols(); ++k)
     if (cells.col(k).squaredNorm() > 0)
@@ -160,19 +160,19 @@ Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeight
 
 }  // namespace
 
-Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) {
+Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, const FitOptions& options) {
   const int inputs = static_cast<int>(data.inputs.size());
   const int outputs = static_cast<int>(data.outputs.size());
   RecurrentWeights base = RecurrentWeights::zero(inputs, outputs, plan.network.layers);
   set_unit_length(plan.data.inputs, base);
 
-  std::vector<Eigen::MatrixXd> x = inputs_of(data);
+  std::vector<Eigen::MatrixXd> x = recordings::inputs_of(data);
   for (Eigen::MatrixXd& rows : x) rows = with_unit_length(rows, base);
-  std::vector<Eigen::MatrixXd> y = outputs_of(data);
+  std::vector<Eigen::MatrixXd> y = recordings::outputs_of(data);
   const Eigen::MatrixXd used_x = gather_used(data, x, options.all_parts);
   const Eigen::MatrixXd used_y = gather_used(data, y, options.all_parts);
   if (used_x.rows() < 10) throw std::runtime_error("fewer than ten rows of training data count");
-  const bool is_validated = gather(data, y, Part::kValidation).rows() > 0;
+  const bool is_validated = recordings::gather(data, y, recordings::Part::kValidation).rows() > 0;
   if (!options.all_parts && !is_validated && (!plan.training.keep_last || plan.network.shrink))
     throw std::runtime_error(
         "no row of the validation part counts: the recordings are shorter than the plan says, or "
@@ -201,7 +201,7 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   }
   for (Eigen::MatrixXd& rows : left) rows = out.apply(rows);
   Fit fit;
-  const Ridge ridge = fit_ridge(gather_used(data, x, options.all_parts),
+  const recordings::Ridge ridge = recordings::fit_ridge(gather_used(data, x, options.all_parts),
                                 gather_used(data, left, options.all_parts), plan.network.penalties);
   fit.penalty = ridge.penalty;
   fit.linear = options.start ? *options.start : base;
@@ -242,7 +242,7 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     start = {options.start->layers, options.start->dense, Eigen::VectorXf::Zero(outputs)};
     hooks.start = &start;
   }
-  TrainingPlan training = plan.training;
+  recordings::TrainingPlan training = plan.training;
   training.keep_last = training.keep_last || options.all_parts;
   const TrainerResult result =
       train_cells(stretches(data, x, y, options.all_parts), plan.network.layers, training, hooks);
@@ -255,7 +255,7 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
     fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
   }
   if (plan.network.domain_points > 0)
-    fit.domain = sensing::cover(gather_used(data, inputs_of(data), options.all_parts), in.deviation,
+    fit.domain = sensing::cover(gather_used(data, recordings::inputs_of(data), options.all_parts), in.deviation,
                                 plan.network.domain_points, plan.network.domain_near,
                                 plan.network.domain_far);
   fit.best_iteration = result.best_iteration;
@@ -263,14 +263,14 @@ Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options) 
   return fit;
 }
 
-std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const DataSet& data,
+std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const recordings::DataSet& data,
                                      int window, const sensing::InputDomain& domain,
-                                     std::optional<Part> only) {
+                                     std::optional<recordings::Part> only) {
   sensing::RecurrentNetwork network(weights);
   std::vector<float> state(network.states());
   Eigen::VectorXf answer(network.outputs());
   std::vector<Eigen::MatrixXd> list;
-  for (const Recording& recording : data.recordings) {
+  for (const recordings::Recording& recording : data.recordings) {
     const Eigen::MatrixXf x = recording.inputs.cast<float>().transpose();
     Eigen::MatrixXd y = Eigen::MatrixXd::Zero(x.cols(), network.outputs());
     if (only &&

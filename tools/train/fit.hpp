@@ -5,8 +5,8 @@
 
 #include "core/sensing/input_domain.hpp"
 #include "core/sensing/recurrent_network.hpp"
-#include "tools/train/data_set.hpp"
-#include "tools/train/plan.hpp"
+#include "tools/recordings/data_set.hpp"
+#include "tools/recordings/plan.hpp"
 #include "tools/train/trainer.hpp"
 
 namespace palpate::train {
@@ -34,14 +34,14 @@ struct FitOptions {
 
 /// Normalises on the training rows that count, fits the ridge and trains the cells: on what it
 /// leaves where the plan has a linear path. Throws std::runtime_error where there is too little.
-Fit fit_model(const Plan& plan, const DataSet& data, const FitOptions& options);
+Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, const FitOptions& options);
 
 /// Answers for every row of every recording, streamed from its start; where `window` is above 0,
 /// from a state of zero over the last `window` rows each (before the start: copies of the first).
 /// They fade to zero outside of `domain`. With `only`, recordings without a row of that part are
 /// not run; their answers are zero.
-std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const DataSet& data,
+std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const recordings::DataSet& data,
                                      int window = 0, const sensing::InputDomain& domain = {},
-                                     std::optional<Part> only = {});
+                                     std::optional<recordings::Part> only = {});
 
 }  // namespace palpate::train

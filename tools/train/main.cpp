@@ -8,7 +8,7 @@
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "rt/inference/model_file.hpp"
-#include "tools/evaluate/progress.hpp"
+#include "tools/common/progress.hpp"
 #include "tools/train/report.hpp"
 
 namespace {
@@ -34,11 +34,11 @@ std::string plan_path(const std::string& text) {
   throw config::Error(text + ": is neither a file nor a preset");
 }
 
-train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data,
+train::Fit fit_with_progress(const recordings::Plan& plan, const recordings::DataSet& data,
                              const Options& options, const sensing::RecurrentWeights* start,
                              const train::Fit* before = nullptr) {
   const bool all_parts = before != nullptr;
-  evaluate::Progress progress(all_parts ? 2 : 1, plan.training.refit ? 2 : 1,
+  common::Progress progress(all_parts ? 2 : 1, plan.training.refit ? 2 : 1,
                               plan.name + (all_parts ? " on all parts" : ""));
   train::FitOptions fit_options;
   fit_options.all_parts = all_parts;
@@ -65,7 +65,7 @@ train::Fit fit_with_progress(const train::Plan& plan, const train::DataSet& data
 }
 
 /// Throws where the module is damaged or takes or gives other columns than the plan.
-sensing::RecurrentWeights read_start(const train::Plan& plan) {
+sensing::RecurrentWeights read_start(const recordings::Plan& plan) {
   const inference::ModelFile file = inference::read_model_file(plan.start_from);
   const auto same = [](const std::vector<inference::Channel>& channels,
                        const std::vector<std::string>& columns) {
@@ -73,17 +73,17 @@ sensing::RecurrentWeights read_start(const train::Plan& plan) {
         channels.begin(), channels.end(), columns.begin(), columns.end(),
         [](const inference::Channel& a, const std::string& b) { return a.name == b; });
   };
-  if (!same(file.card.inputs, train::columns_of(plan.data.inputs)) ||
-      !same(file.card.outputs, train::columns_of(plan.data.outputs)))
+  if (!same(file.card.inputs, recordings::columns_of(plan.data.inputs)) ||
+      !same(file.card.outputs, recordings::columns_of(plan.data.outputs)))
     throw std::runtime_error(plan.start_from + ": its columns are not those of the plan");
   return inference::read_recurrent_weights(file.bytes);
 }
 
 int run(const Options& options) {
-  train::Plan plan =
-      train::read_plan(config::Node::load_file(plan_path(options.plan), options.overrides));
+  recordings::Plan plan =
+      recordings::read_plan(config::Node::load_file(plan_path(options.plan), options.overrides));
   if (!options.start_from.empty()) plan.start_from = options.start_from;
-  const train::DataSet data = train::load_data(plan.data, options.data);
+  const recordings::DataSet data = recordings::load_data(plan.data, options.data);
   std::optional<sensing::RecurrentWeights> start;
   if (!plan.start_from.empty()) start = read_start(plan);
   const auto* const from = start ? &*start : nullptr;
@@ -99,11 +99,11 @@ int run(const Options& options) {
 
   sensing::RecurrentWeights weights = fit.network;
   if (plan.training.refit) {
-    train::Plan again = plan;
+    recordings::Plan again = plan;
     again.training.iterations = fit.best_iteration;
-    for (train::RecordingPlan& recording : again.data.recordings)
+    for (recordings::RecordingPlan& recording : again.data.recordings)
       recording.test.clear(), recording.validation.clear();
-    const train::DataSet all = train::load_data(again.data, options.data);
+    const recordings::DataSet all = recordings::load_data(again.data, options.data);
     const train::Fit last = fit_with_progress(again, all, options, from, &fit);
     weights = last.network;
     // What goes with these weights; errors stay those of the parts left out.

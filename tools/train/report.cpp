@@ -5,8 +5,8 @@
 #include <ostream>
 
 #include "rt/inference/torch_module.hpp"
-#include "tools/evaluate/plot.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/plot.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::train {
 namespace {
@@ -15,10 +15,10 @@ constexpr double kDegree = M_PI / 180;
 constexpr Eigen::Index kPlotPoints = 1500;
 
 /// Predictions less the mean error over the first seconds of each recording.
-std::vector<Eigen::MatrixXd> tare_again(const DataSet& data, std::vector<Eigen::MatrixXd> list,
+std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data, std::vector<Eigen::MatrixXd> list,
                                         double seconds) {
   for (std::size_t r = 0; r < list.size(); ++r) {
-    const Recording& recording = data.recordings[r];
+    const recordings::Recording& recording = data.recordings[r];
     Eigen::Index rows = 0;
     while (rows < recording.time.size() && recording.time[rows] < seconds) ++rows;
     if (rows == 0) continue;
@@ -29,7 +29,7 @@ std::vector<Eigen::MatrixXd> tare_again(const DataSet& data, std::vector<Eigen::
   return list;
 }
 
-const char* part_name(Part part) { return part == Part::kTest ? "test" : "validation"; }
+const char* part_name(recordings::Part part) { return part == recordings::Part::kTest ? "test" : "validation"; }
 
 template <class List>
 YAML::Node flow(const List& values) {
@@ -39,16 +39,16 @@ YAML::Node flow(const List& values) {
   return node;
 }
 
-YAML::Node intervals(const std::vector<Interval>& list) {
+YAML::Node intervals(const std::vector<recordings::Interval>& list) {
   std::vector<double> ends;
-  for (const Interval& interval : list) {
+  for (const recordings::Interval& interval : list) {
     ends.push_back(interval.begin);
     ends.push_back(interval.end);
   }
   return flow(ends);
 }
 
-YAML::Node to_yaml(const Method& method, const std::vector<ColumnGroup>& outputs) {
+YAML::Node to_yaml(const Method& method, const std::vector<recordings::ColumnGroup>& outputs) {
   YAML::Node node;
   node["method"] = method.name;
   if (method.tared) node["tared_anew"] = true;
@@ -68,18 +68,18 @@ YAML::Node to_yaml(const Method& method, const std::vector<ColumnGroup>& outputs
 
 }  // namespace
 
-Score score_fit(const Plan& plan, const DataSet& data, const Fit& fit) {
+Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit) {
   Score score;
-  const std::vector<Eigen::MatrixXd> truth = outputs_of(data);
-  if (gather(data, truth, Part::kTest).rows() == 0) score.part = Part::kValidation;
-  const Eigen::MatrixXd scored = gather(data, truth, score.part);
-  const Eigen::MatrixXd trained = gather(data, truth, Part::kTraining);
+  const std::vector<Eigen::MatrixXd> truth = recordings::outputs_of(data);
+  if (recordings::gather(data, truth, recordings::Part::kTest).rows() == 0) score.part = recordings::Part::kValidation;
+  const Eigen::MatrixXd scored = recordings::gather(data, truth, score.part);
+  const Eigen::MatrixXd trained = recordings::gather(data, truth, recordings::Part::kTraining);
   score.largest_scored = scored.cwiseAbs().colwise().maxCoeff().transpose();
   score.largest_trained = trained.cwiseAbs().colwise().maxCoeff().transpose();
 
   const auto add = [&](const std::string& name, std::vector<Eigen::MatrixXd> predictions) {
     const auto measure = [&](const std::vector<Eigen::MatrixXd>& list) {
-      return measure_errors(gather(data, list, score.part), scored, plan.data.outputs);
+      return recordings::measure_errors(recordings::gather(data, list, score.part), scored, plan.data.outputs);
     };
     score.methods.push_back({name, predictions, measure(predictions), false});
     if (!plan.data.is_wrist || plan.data.retare <= 0) return;
@@ -92,7 +92,7 @@ Score score_fit(const Plan& plan, const DataSet& data, const Fit& fit) {
   add("ridge", predict(fit.linear, data));
   if (plan.data.is_wrist) {
     std::vector<Eigen::MatrixXd> analytic;
-    for (const Recording& recording : data.recordings) analytic.push_back(recording.analytic);
+    for (const recordings::Recording& recording : data.recordings) analytic.push_back(recording.analytic);
     add("newton_euler", analytic);
   } else {
     std::vector<Eigen::MatrixXd> mean;
@@ -103,57 +103,57 @@ Score score_fit(const Plan& plan, const DataSet& data, const Fit& fit) {
   return score;
 }
 
-void print_score(const Plan& plan, const DataSet& data, const Score& score, std::ostream& out) {
+void print_score(const recordings::Plan& plan, const recordings::DataSet& data, const Score& score, std::ostream& out) {
   std::vector<std::string> header{"method", "tare"};
   for (const inference::Channel& channel : data.outputs)
     header.push_back(channel.name + " " + channel.unit);
-  for (const ColumnGroup& group : plan.data.outputs) {
+  for (const recordings::ColumnGroup& group : plan.data.outputs) {
     header.push_back("|" + group.name + "| " + group.unit);
     header.push_back("its length");
     if (group.is_direction) header.insert(header.end(), {"median deg", "90 % deg"});
   }
-  evaluate::Table table(header);
+  common::Table table(header);
   for (const Method& method : score.methods) {
     std::vector<std::string> row{method.name, method.tared ? "anew" : ""};
-    for (const double rms : method.errors.rms) row.push_back(evaluate::number(rms, 4));
+    for (const double rms : method.errors.rms) row.push_back(common::number(rms, 4));
     for (std::size_t g = 0; g < plan.data.outputs.size(); ++g) {
-      row.push_back(evaluate::number(method.errors.norms[g], 4));
-      row.push_back(evaluate::number(method.errors.lengths[g], 4));
+      row.push_back(common::number(method.errors.norms[g], 4));
+      row.push_back(common::number(method.errors.lengths[g], 4));
       if (!plan.data.outputs[g].is_direction) continue;
-      row.push_back(evaluate::number(method.errors.median_angle[g] / kDegree, 2));
-      row.push_back(evaluate::number(method.errors.angle_90[g] / kDegree, 2));
+      row.push_back(common::number(method.errors.median_angle[g] / kDegree, 2));
+      row.push_back(common::number(method.errors.angle_90[g] / kDegree, 2));
     }
     table.add(row);
   }
   out << "RMS errors on " << score.methods.front().errors.rows << " rows of the "
       << part_name(score.part) << " part\n";
   table.print(out);
-  const Errors trained =
-      measure_errors(gather(data, score.methods.front().predictions, Part::kTraining),
-                     gather(data, outputs_of(data), Part::kTraining), plan.data.outputs);
+  const recordings::Errors trained =
+      recordings::measure_errors(recordings::gather(data, score.methods.front().predictions, recordings::Part::kTraining),
+                     recordings::gather(data, recordings::outputs_of(data), recordings::Part::kTraining), plan.data.outputs);
   out << score.methods.front().name << " on its training part:";
   for (std::size_t g = 0; g < plan.data.outputs.size(); ++g)
-    out << "  |" << plan.data.outputs[g].name << "| " << evaluate::number(trained.norms[g], 4)
+    out << "  |" << plan.data.outputs[g].name << "| " << common::number(trained.norms[g], 4)
         << " " << plan.data.outputs[g].unit;
   out << "\nlargest magnitude, scored / trained:";
   for (std::size_t i = 0; i < data.outputs.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
-    out << "  " << data.outputs[i].name << " " << evaluate::number(score.largest_scored[k], 3)
-        << " / " << evaluate::number(score.largest_trained[k], 3);
+    out << "  " << data.outputs[i].name << " " << common::number(score.largest_scored[k], 3)
+        << " / " << common::number(score.largest_trained[k], 3);
   }
   out << "\n";
   for (const inference::StreamDelay& delay : data.delays)
-    out << delay.stream << " lags behind the pose by " << evaluate::number(1e3 * delay.seconds, 1)
+    out << delay.stream << " lags behind the pose by " << common::number(1e3 * delay.seconds, 1)
         << " ms\n";
   if (data.payload) {
     const Eigen::Vector3d centre = 1e3 * data.payload->center_of_mass();
-    out << "payload " << evaluate::number(data.payload->mass, 3) << " kg, centre "
-        << evaluate::number(centre.x(), 1) << " " << evaluate::number(centre.y(), 1) << " "
-        << evaluate::number(centre.z(), 1) << " mm\n";
+    out << "payload " << common::number(data.payload->mass, 3) << " kg, centre "
+        << common::number(centre.x(), 1) << " " << common::number(centre.y(), 1) << " "
+        << common::number(centre.z(), 1) << " mm\n";
   }
 }
 
-inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit& fit,
+inference::ModelCard make_card(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit,
                                const Score& score) {
   inference::ModelCard card;
   card.name = plan.name;
@@ -161,7 +161,7 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   card.average = plan.data.average;
   card.inputs = data.inputs;
   card.outputs = data.outputs;
-  if (plan.data.target == Target::kResidual) card.payload = data.payload;
+  if (plan.data.target == recordings::Target::kResidual) card.payload = data.payload;
   card.domain = fit.domain;
   card.delays = data.delays;
 
@@ -192,10 +192,10 @@ inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit&
   return card;
 }
 
-bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score& score,
+bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit, const Score& score,
               const std::string& picture) {
-  std::vector<evaluate::Plot> plots;
-  evaluate::Plot curve{
+  std::vector<common::Plot> plots;
+  common::Plot curve{
       plan.name + ": learning curve",
       "iteration",
       "mean squared error, scaled",
@@ -210,23 +210,23 @@ bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score
     curve.curves[1].x.push_back(point.iteration);
     curve.curves[1].y.push_back(point.validation);
   }
-  const auto is_empty = [](const evaluate::Curve& c) { return c.x.empty(); };
+  const auto is_empty = [](const common::Curve& c) { return c.x.empty(); };
   curve.curves.erase(std::remove_if(curve.curves.begin(), curve.curves.end(), is_empty),
                      curve.curves.end());
   if (!curve.curves.empty()) plots.push_back(curve);
 
   for (std::size_t r = 0; r < data.recordings.size(); ++r) {
-    const Recording& recording = data.recordings[r];
+    const recordings::Recording& recording = data.recordings[r];
     const bool has_part = std::find(recording.parts.begin(), recording.parts.end(), score.part) !=
                           recording.parts.end();
     if (!has_part) continue;
     const Eigen::Index step = 1 + recording.time.size() / kPlotPoints;
     Eigen::Index column = 0;
-    for (const ColumnGroup& group : plan.data.outputs) {
-      evaluate::Plot plot{recording.name + ": " + group.name, "s", group.unit, {}};
+    for (const recordings::ColumnGroup& group : plan.data.outputs) {
+      common::Plot plot{recording.name + ": " + group.name, "s", group.unit, {}};
       for (const std::string& name : group.columns) {
-        evaluate::Curve truth{name, {}, {}};
-        evaluate::Curve answer{name + " predicted", {}, {}, true};
+        common::Curve truth{name, {}, {}};
+        common::Curve answer{name + " predicted", {}, {}, true};
         for (Eigen::Index k = 0; k < recording.time.size(); k += step) {
           if (recording.parts[static_cast<std::size_t>(k)] != score.part) continue;
           truth.x.push_back(recording.time[k]);
@@ -241,7 +241,7 @@ bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score
       plots.push_back(plot);
     }
   }
-  return evaluate::draw(plots, picture);
+  return common::draw(plots, picture);
 }
 
 }  // namespace palpate::train

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/train/errors.hpp"
+#include "tools/recordings/errors.hpp"
 #include "tools/train/fit.hpp"
 
 namespace palpate::train {
@@ -13,12 +13,12 @@ namespace palpate::train {
 struct Method {
   std::string name;
   std::vector<Eigen::MatrixXd> predictions;  // of each recording
-  Errors errors;
+  recordings::Errors errors;
   bool tared = false;  // errors are of readings tared over the first seconds of each recording
 };
 
 struct Score {
-  Part part = Part::kTest;  // kValidation where no row is for testing
+  recordings::Part part = recordings::Part::kTest;  // kValidation where no row is for testing
   std::vector<Method> methods;
   Eigen::VectorXd largest_trained;  // per output: largest magnitude among training rows
   Eigen::VectorXd largest_scored;
@@ -26,16 +26,16 @@ struct Score {
 
 /// The network, the ridge, the mean of the training and, for a wrist, the rigid payload (each also
 /// tared anew). A network trained on windows is scored streamed and by windows.
-Score score_fit(const Plan& plan, const DataSet& data, const Fit& fit);
+Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit);
 
-void print_score(const Plan& plan, const DataSet& data, const Score& score, std::ostream& out);
+void print_score(const recordings::Plan& plan, const recordings::DataSet& data, const Score& score, std::ostream& out);
 
 /// The card without hash, architecture and states, which go with the file.
-inference::ModelCard make_card(const Plan& plan, const DataSet& data, const Fit& fit,
+inference::ModelCard make_card(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit,
                                const Score& score);
 
 /// Learning curve and predictions beside the truth. False where gnuplot is not installed.
-bool draw_fit(const Plan& plan, const DataSet& data, const Fit& fit, const Score& score,
+bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit, const Score& score,
               const std::string& picture);
 
 }  // namespace palpate::train

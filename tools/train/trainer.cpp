@@ -104,7 +104,7 @@ struct Network : torch::nn::Module {
 /// Gives each lane its next piece of a sequence.
 class Feeder {
  public:
-  Feeder(const std::vector<Sequence>& sequences, const TrainingPlan& plan)
+  Feeder(const std::vector<Sequence>& sequences, const recordings::TrainingPlan& plan)
       : sequences_(sequences), plan_(plan), lanes_(plan.lanes) {
     for (std::size_t i = 0; i < sequences.size(); ++i) {
       const Eigen::Index starts = sequences[i].inputs.rows() - plan.steps + 1;
@@ -168,7 +168,7 @@ class Feeder {
   }
 
   const std::vector<Sequence>& sequences_;
-  const TrainingPlan& plan_;
+  const recordings::TrainingPlan& plan_;
   std::vector<Lane> lanes_;
   std::vector<Eigen::Index> ends_;  // of the possible starts, counted over all sequences
   std::vector<std::size_t> indices_;
@@ -186,7 +186,7 @@ struct Standing {
 
 /// What must be the same for a training to be resumed.
 std::string signature(const std::vector<Sequence>& sequences, const std::vector<int>& layers,
-                      const TrainingPlan& plan) {
+                      const recordings::TrainingPlan& plan) {
   std::ostringstream text;
   text << plan.seed << ' ' << plan.evaluate_every << ' ' << plan.lanes << ' ' << plan.steps << ' '
        << plan.carry << ' ' << plan.burn_in << ' ' << plan.rate << ' ' << plan.clip << ' '
@@ -272,7 +272,7 @@ void copy_parameters(const Network& from, Network& to) {
 }  // namespace
 
 TrainerResult train_cells(const std::vector<Sequence>& sequences, const std::vector<int>& layers,
-                          const TrainingPlan& plan, const TrainerHooks& hooks) {
+                          const recordings::TrainingPlan& plan, const TrainerHooks& hooks) {
   if (sequences.empty()) throw std::runtime_error("there is no training data");
   at::set_num_threads(1);  // sums in the same order each time
   torch::manual_seed(plan.seed);

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/sensing/recurrent_network.hpp"
-#include "tools/train/plan.hpp"
+#include "tools/recordings/plan.hpp"
 
 namespace palpate::train {
 
@@ -51,6 +51,6 @@ struct TrainerHooks {
 /// also across a stop and a resumption. Throws std::runtime_error where there is nothing to learn
 /// from, the loss is not finite, or the checkpoint belongs to another plan.
 TrainerResult train_cells(const std::vector<Sequence>& sequences, const std::vector<int>& layers,
-                          const TrainingPlan& plan, const TrainerHooks& hooks);
+                          const recordings::TrainingPlan& plan, const TrainerHooks& hooks);
 
 }  // namespace palpate::train

@@ -6,7 +6,7 @@
 #include "rt/bus/log_ring.hpp"
 #include "rt/bus/udpm_frame.hpp"
 #include "tests/fuzz/target.hpp"
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::fuzz {
 namespace {
@@ -67,7 +67,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   const fuzz::MemoryFile file({reinterpret_cast<const char*>(data), size});
   try {
     fuzz::check_events(file.path(), static_cast<std::int64_t>(size));
-    const evaluate::RunLog run = evaluate::read_run(file.path(), file.path());
+    const log::RunLog run = log::read_run(file.path(), file.path());
     fuzz::require(run.commands.size() * sizeof(std::int64_t) <= size, "no more than was recorded");
   } catch (const std::runtime_error& error) {
     fuzz::require(std::string(error.what()).find(file.path()) != std::string::npos,

@@ -26,7 +26,7 @@ TEST(Standstill, ARunWhoseSimulatorMakesNoHeadwayIsGivenUpAndSaysSo) {
   StudyFolder folder;
   RunPlan plan = plan_of("object.material.young_modulus=1e9");  // takes a long time for a tick
   plan.standstill = 1;
-  Progress progress(1, 1, plan.name);
+  common::Progress progress(1, 1, plan.name);
   try {
     run_live(plan, folder.file("run"), progress);
     ADD_FAILURE() << "it came to its end";
@@ -38,7 +38,7 @@ TEST(Standstill, ARunWhoseSimulatorMakesNoHeadwayIsGivenUpAndSaysSo) {
 TEST(Standstill, ARunThatMovesIsNot) {
   StudyFolder folder;
   RunPlan plan = plan_of("seed=1");
-  Progress progress(1, 1, plan.name);
+  common::Progress progress(1, 1, plan.name);
   const RunFiles files = run_live(plan, folder.file("run"), progress);
   EXPECT_TRUE(std::filesystem::exists(files.simulator));
 }

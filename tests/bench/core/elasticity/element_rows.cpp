@@ -8,13 +8,13 @@
 #include "tests/bench/core/elasticity/candidate_statics.hpp"
 #include "tests/bench/core/elasticity/correction_cost.hpp"
 #include "tools/evaluate/case_score.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::bench {
 namespace {
 
 using Eigen::Matrix3Xd;
-using evaluate::number;
+using common::number;
 
 void set_cost(const elasticity::Body& body, Volumetric volumetric, const Matrix3Xd& positions,
               ElementRow& row) {
@@ -102,7 +102,7 @@ std::optional<ElementRow> measure_round(const RoundBody& round, const std::strin
 }
 
 void print_rows(const std::vector<ElementRow>& rows, std::ostream& out) {
-  evaluate::Table table(
+  common::Table table(
       {"element", "mesh", "nodes", "nnz of factor", "RMS %", "pass us", "solve us", "us"});
   for (const std::string& body : in_order(rows, [](const ElementRow& r) { return r.body; })) {
     table.section(body);
@@ -132,7 +132,7 @@ void print_least_times(const std::vector<ElementRow>& rows, std::ostream& out) {
   const std::vector<double> goals{0.1, 0.05, 0.02, 0.01, 0.005};
   std::vector<std::string> header{"us for an RMS error of at most"};
   for (const double goal : goals) header.push_back(number(100 * goal, 1) + " %");
-  evaluate::Table table(header);
+  common::Table table(header);
   for (const std::string& body : in_order(rows, [](const ElementRow& r) { return r.body; })) {
     table.section(body);
     for (const std::string& element :

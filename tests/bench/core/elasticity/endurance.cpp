@@ -12,13 +12,13 @@
 #include "tests/bench/core/elasticity/baseline_system.hpp"
 #include "tests/bench/core/elasticity/random_handling.hpp"
 #include "tests/bench/core/elasticity/recovery.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::bench {
 namespace {
 
 using elasticity::StepStatus;
-using evaluate::number;
+using common::number;
 
 constexpr double kDt = 1e-3;  // s
 // Steps that a background factorisation may well take, beside a delay that is asked for.
@@ -175,7 +175,7 @@ double resident_bytes() {
 
 void print(const std::vector<Configuration>& all, const std::vector<Tally>& tallies,
            std::ostream& out) {
-  evaluate::Table table({"model", "E Pa", "steps", "nan", "failed", "waiting", "not conv",
+  common::Table table({"model", "E Pa", "steps", "nan", "failed", "waiting", "not conv",
                          "overrun", "allocs", "max ms", "restless", "inverted", "rest m"});
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Tally& t = tallies[i];

@@ -5,13 +5,13 @@
 #include "core/elasticity/inertia.hpp"
 #include "tests/bench/core/elasticity/correction_cost.hpp"
 #include "tests/bench/core/elasticity/memory_stream.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::bench {
 namespace {
 
 using Eigen::Matrix3Xd;
-using evaluate::number;
+using common::number;
 
 /// Additions and multiplications (divisions and roots too) that an element cannot do without,
 /// counted from the formulas of point_kernel.hpp and element_block.hpp, with one Newton step for
@@ -101,7 +101,7 @@ FloorReport find_floor(const LatencyRow& row) {
 
 void print_floors(const std::vector<FloorReport>& reports, std::ostream& out) {
   const auto us = [](double seconds) { return number(1e6 * seconds, 1); };
-  evaluate::Table table(
+  common::Table table(
       {"gap to the floor", "times", "work", "at", "floor us", "us", "x floor", "% of step"});
   for (const FloorReport& report : reports) {
     table.section(report.mesh);

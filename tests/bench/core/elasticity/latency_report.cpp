@@ -5,12 +5,12 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::bench {
 namespace {
 
-using evaluate::number;
+using common::number;
 
 std::string scientific(double value) {
   char text[32];
@@ -49,7 +49,7 @@ nlohmann::json baseline_json(const BaselineResult& b, const LatencyResult& r) {
           {"ratio_thread_p50", b.times.cpu.quantile(0.5) / r.step.cpu.quantile(0.5)}};
 }
 
-void add_baseline(evaluate::Table& table, const char* name, const BaselineResult& b,
+void add_baseline(common::Table& table, const char* name, const BaselineResult& b,
                   const LatencyResult& r) {
   if (b.times.wall.count() == 0) return;
   table.add({std::string("  ") + name, "", "", number(b.iterations.mean(), 1),
@@ -64,7 +64,7 @@ void add_baseline(evaluate::Table& table, const char* name, const BaselineResult
 }  // namespace
 
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
-  evaluate::Table table({"mesh", "motion", "threads", "its", "min", "p50", "p99", "p99.9", "max",
+  common::Table table({"mesh", "motion", "threads", "its", "min", "p50", "p99", "p99.9", "max",
                          "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age",
                          "x wall", "x cpu"});
   for (const LatencyRow& row : rows) {

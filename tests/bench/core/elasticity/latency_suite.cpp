@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tools/evaluate/plot.hpp"
+#include "tools/common/plot.hpp"
 
 namespace palpate::bench {
 
@@ -37,16 +37,16 @@ std::vector<LatencyOptions> suite_of_sizes(LatencyOptions common) {
 }
 
 bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
-  evaluate::Plot plot;
+  common::Plot plot;
   plot.title = "Time per step of 1 ms, motion " + letter_of(rows.front().options.motion);
   plot.x_label = "nodes";
   plot.y_label = "ms";
   plot.logarithmic = plot.logarithmic_x = true;
   for (const auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
     const std::string name = order == mesh::ElementOrder::kLinear ? "linear" : "quadratic";
-    evaluate::Curve p50{name + " p50", {}, {}, false}, p99{name + " p99", {}, {}, true};
-    evaluate::Curve cholmod{name + " full CHOLMOD", {}, {}, false};
-    evaluate::Curve pcg{name + " Jacobi-PCG", {}, {}, false};
+    common::Curve p50{name + " p50", {}, {}, false}, p99{name + " p99", {}, {}, true};
+    common::Curve cholmod{name + " full CHOLMOD", {}, {}, false};
+    common::Curve pcg{name + " Jacobi-PCG", {}, {}, false};
     std::vector<const LatencyRow*> sorted;
     for (const LatencyRow& row : rows) {
       if (row.options.mesh.order == order) sorted.push_back(&row);
@@ -54,7 +54,7 @@ bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
     std::sort(sorted.begin(), sorted.end(), [](const LatencyRow* a, const LatencyRow* b) {
       return a->options.mesh.node_count() < b->options.mesh.node_count();
     });
-    const auto add = [](evaluate::Curve& curve, int nodes, const Samples& samples, double q) {
+    const auto add = [](common::Curve& curve, int nodes, const Samples& samples, double q) {
       if (samples.count() == 0) return;
       curve.x.push_back(nodes);
       curve.y.push_back(1e3 * samples.quantile(q));
@@ -70,7 +70,7 @@ bool draw_scaling(const std::vector<LatencyRow>& rows, const std::string& png) {
       if (!curve->x.empty()) plot.curves.push_back(*curve);
     }
   }
-  return evaluate::draw({plot}, png);
+  return common::draw({plot}, png);
 }
 
 }  // namespace palpate::bench

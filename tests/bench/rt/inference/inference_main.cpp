@@ -12,7 +12,7 @@
 #include "rt/inference/torch_module.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/bench/rt/inference/subjects.hpp"
-#include "tools/evaluate/table.hpp"
+#include "tools/common/table.hpp"
 
 // What one sample costs the loop: palpate's kernel, libtorch streamed, libtorch over a window
 // computed anew for each sample as in the thesis, and libtorch on its own thread.
@@ -88,7 +88,7 @@ class Report {
     if (network_ != compared_) reference_ = figures.p50;
     compared_ = network_;
     const double ratio = figures.p50 / reference_;
-    const auto text = [](double value) { return evaluate::number(value, 1); };
+    const auto text = [](double value) { return common::number(value, 1); };
     table_.add({executor, std::to_string(figures.samples), text(figures.p50), text(figures.p99),
                 text(figures.p999), text(figures.largest), text(ratio),
                 text(figures.loop_allocations), text(figures.model_allocations),
@@ -115,7 +115,7 @@ class Report {
   const nlohmann::json& json() const { return json_; }
 
  private:
-  evaluate::Table table_{{"network and executor", "samples", "p50", "p99", "p99.9", "max", "ratio",
+  common::Table table_{{"network and executor", "samples", "p50", "p99", "p99.9", "max", "ratio",
                           "caller's", "model's", "late"}};
   nlohmann::json json_ = nlohmann::json::array();
   std::string network_, compared_;

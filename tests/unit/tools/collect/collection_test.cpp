@@ -7,8 +7,8 @@
 #include <iterator>
 
 #include "tools/collect/localise.hpp"
-#include "tools/evaluate/log_reader.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/log/log_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 #include <palpate/biotac_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
@@ -70,7 +70,7 @@ TEST_F(Collection, ResumedFileIsThatOfOneGo) {
 TEST_F(Collection, LogHoldsTheSameReadings) {
   collect(*open_collection(path("a.log"), false), 0, 2);
   const std::vector<Sample> samples = bench_.run(trials_[1]);
-  evaluate::LogReader reader(evaluate::LogClock::kSent);
+  log::LogReader reader(log::LogClock::kSent);
   std::vector<biotac_t> touches;
   std::vector<ft_wrench_t> wrenches;
   reader.collect("BIOTAC_0", touches);
@@ -105,7 +105,7 @@ TEST_F(Collection, LocalisationIsScoredWhereTheForceIsStrong) {
   EXPECT_LE(errors[0].absolute.norm(), 1.05 * errors[1].absolute.norm());
 
   std::ofstream(path("bad.csv"), std::ios::app) << "trial,area,t,fx\n";
-  EXPECT_THROW(score_localisation(path("bad.csv"), {}, 0.5), import::CsvError);
+  EXPECT_THROW(score_localisation(path("bad.csv"), {}, 0.5), recordings::CsvError);
 }
 
 }  // namespace

@@ -12,8 +12,8 @@ namespace {
 Eigen::Vector3d still(const Eigen::Vector3d& p, double) { return p; }
 
 /// One node of four is off by 8 mm, the others by 2 mm; all say `deviation`.
-RunLog run_with(float deviation) {
-  RunLog run = synthetic_run(
+log::RunLog run_with(float deviation) {
+  log::RunLog run = synthetic_run(
       still,
       [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
         return p + Eigen::Vector3d(p.x() > 0.35 ? 8e-3 : 2e-3, 0, 0);
@@ -44,7 +44,7 @@ TEST(BeliefScore, CountsTheNodesWithinTheirIntervals) {
 }
 
 TEST(BeliefScore, FollowsTheModulusTenTimesASecond) {
-  RunLog run = run_with(1e-3F);
+  log::RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i)
     run.estimates.push_back(estimate_at(0.01 + 1e-3 * i, std::log(30e3), i < 500 ? -1 : 0.1));
   const BeliefScore score = score_belief(run);
@@ -57,7 +57,7 @@ TEST(BeliefScore, FollowsTheModulusTenTimesASecond) {
 }
 
 TEST(BeliefScore, TellsTheModulusAfterThreeSecondsOfMotion) {
-  RunLog run = run_with(1e-3F);
+  log::RunLog run = run_with(1e-3F);
   double x = 0;
   for (int i = 0; i < 100; ++i) {  // moves in every other second
     const double time = 0.001 + 0.1 * i;
@@ -74,13 +74,13 @@ TEST(BeliefScore, TellsTheModulusAfterThreeSecondsOfMotion) {
 }
 
 TEST(BeliefScore, AModulusThatNobodyEstimatesIsNone) {
-  RunLog run = run_with(1e-3F);
+  log::RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i) run.estimates.push_back(estimate_at(1e-3 * i, std::log(30e3), -1));
   EXPECT_TRUE(score_belief(run).modulus.empty());
 }
 
 TEST(BeliefScore, TellsWhenAContactWasToldOfAndForHowLong) {
-  RunLog run = run_with(1e-3F);
+  log::RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i) {
     run.estimates.push_back(estimate_at(0.003 + 1e-3 * i, 0, -1));
     if (i >= 600) run.estimates.back().unknown_contact_deviation = 0.02;

@@ -122,7 +122,7 @@ TEST(Sweep, PicksTheSmallestMeshWithinTheGoalAndTheFront) {
   for (const CaseScore* s : best_of(scores, quadratic)) front.push_back(s->nodes);
   EXPECT_EQ(front, (std::vector<int>{100, 200, 500, 700}));
 
-  const Plot plot = error_against_time("bar", scores);
+  const common::Plot plot = error_against_time("bar", scores);
   ASSERT_EQ(plot.curves.size(), 2u);
   EXPECT_EQ(plot.curves[1].x, (std::vector<double>{10, 20, 40, 50}));
   EXPECT_NEAR(plot.curves[1].y[1], 1.5, 1e-12);

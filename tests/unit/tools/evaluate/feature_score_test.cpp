@@ -59,7 +59,7 @@ TEST(FeatureScore, PointFollowsThePlantAndNotTheEstimate) {
     return p + Eigen::Vector3d(0, 0, t < 1 ? 0 : 0.1 * (1 - std::exp(1 - t)));
   };
   const auto estimate = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d { return p; };
-  RunLog run = synthetic_run(truth, estimate, 9);
+  log::RunLog run = synthetic_run(truth, estimate, 9);
   const Eigen::Vector3d point(0.13, 0.04, 0.2);
   run.targets.push_back(target_of("point", {point}, {0.13, 0.04, 0.3}, 1));
   run.targets.push_back(target_of("point", {point}, {0.13, 0.04, 0.3}, 1.5));
@@ -78,7 +78,7 @@ TEST(FeatureScore, PoseErrorHasItsAngle) {
   const auto truth = [angle](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
     return math::exp_rotation(Eigen::Vector3d(0, 0, angle)) * p;
   };
-  RunLog run = synthetic_run(truth, truth, 1);
+  log::RunLog run = synthetic_run(truth, truth, 1);
   const std::vector<Eigen::Vector3d> points{{0.1, 0, 0}, {0.3, 0, 0}, {0.1, 0.1, 0}};
   // At rest: x along the bar, z up.
   run.targets.push_back(target_of("pose", points, {0.5 / 3, 0.1 / 3, 0, 1, 0, 0, 0}, 0));
@@ -94,7 +94,7 @@ TEST(FeatureScore, ErrorOfASetIsItsRootMeanSquare) {
   const auto truth = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
     return {1.1 * p.x(), p.y(), p.z()};
   };
-  RunLog run = synthetic_run(truth, truth, 1);
+  log::RunLog run = synthetic_run(truth, truth, 1);
   std::vector<Eigen::Vector3d> points;
   std::vector<double> values;
   double sum = 0;
@@ -123,7 +123,7 @@ TEST(FeatureScore, OfADistanceIsItsDifference) {
   const auto truth = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
     return {1.1 * p.x(), p.y(), p.z()};
   };
-  RunLog run = synthetic_run(truth, truth, 1);
+  log::RunLog run = synthetic_run(truth, truth, 1);
   run.targets.push_back(target_of("distance", {{0.1, 0, 0}, {0.3, 0, 0}}, {0.21}, 0));
   const auto score = score_feature(run);
   ASSERT_TRUE(score);
@@ -148,7 +148,7 @@ FeatureDefinition about_minus_y(const char* kind) {
 }
 
 TEST(FeatureScore, OfACurvatureIsInItsOwnUnit) {
-  RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
+  log::RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
   const std::vector<Eigen::Vector3d> points{{0.1, 0, 0}, {0.2, 0, 0}, {0.3, 0, 0}};
   run.targets.push_back(target_of("curvature", points, {0.6}, 0));
   EXPECT_THROW(score_feature(run), std::invalid_argument) << "a straight line without an axis";
@@ -164,7 +164,7 @@ TEST(FeatureScore, OfACurvatureIsInItsOwnUnit) {
 }
 
 TEST(FeatureScore, OfAnAngleIsAnAngle) {
-  RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
+  log::RunLog run = synthetic_run(bent_to(2), bent_to(2), 1);
   const std::vector<Eigen::Vector3d> points{{0, 0, 0}, {0.1, 0, 0}, {0.3, 0, 0}, {0.4, 0, 0}};
   run.targets.push_back(target_of("angle", points, {0.2}, 0));
   const FeatureDefinition steered = about_minus_y("angle");
@@ -181,7 +181,7 @@ TEST(FeatureScore, OfAContourIsTheMeanOverItsLength) {
   const auto truth = [&shift](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
     return t < 0.5 ? p : p + shift;
   };
-  RunLog run = synthetic_run(truth, truth, 2);
+  log::RunLog run = synthetic_run(truth, truth, 2);
   FeatureDefinition steered;
   steered.kind = "fourier_contour";
   steered.harmonics = 2;

@@ -18,8 +18,8 @@ twist_command_t command(int seq, double vx, double wz = 0) {
   return message;
 }
 
-RunLog commands(std::vector<twist_command_t> messages) {
-  RunLog run;
+log::RunLog commands(std::vector<twist_command_t> messages) {
+  log::RunLog run;
   run.commands = std::move(messages);
   return run;
 }
@@ -69,7 +69,7 @@ TEST(CommandScore, AStoppedDaemonMayBrakeOnly) {
 }
 
 TEST(LoopScore, LastHealthCountsAndAFaultOnTheWayIsKept) {
-  RunLog run;
+  log::RunLog run;
   for (const int state : {1, 2, 4, 2}) {
     health_t health = {};
     health.state = state;
@@ -82,7 +82,7 @@ TEST(LoopScore, LastHealthCountsAndAFaultOnTheWayIsKept) {
   EXPECT_EQ(score.cycles, 300);
   EXPECT_EQ(score.p99_us, 250);
   EXPECT_TRUE(score.faulted);
-  EXPECT_THROW(score_loop(RunLog()), std::runtime_error);
+  EXPECT_THROW(score_loop(log::RunLog()), std::runtime_error);
 }
 
 }  // namespace

@@ -10,7 +10,7 @@
 #include <palpate/robot_state_t.hpp>
 
 #include "tools/evaluate/observer_score.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -72,7 +72,7 @@ TEST_F(ObserverRecording, MovesTheInertialUnitToTheSensor) {
     }
   }
   write_wrist_csv(path, frames, 200, folder_ / "spin.csv");
-  import::CsvReader csv((folder_ / "spin.csv").string());
+  recordings::CsvReader csv((folder_ / "spin.csv").string());
   const auto cell = [&csv](const char* name) { return csv.number(csv.column(name)); };
   int rows = 0;
   while (csv.next()) {
@@ -122,7 +122,7 @@ TEST_F(ObserverRecording, TheTrueForceIsWhatTheSensorFeels) {
                   registry::read_frames(config::Node::load_file(
                       PALPATE_SOURCE_DIR "/rt/config/examples/payload_arm.yaml")),
                   200, folder_ / "press.csv");
-  import::CsvReader csv((folder_ / "press.csv").string());
+  recordings::CsvReader csv((folder_ / "press.csv").string());
   double before = 0, after = 0;
   int first = 0, last = 0;
   while (csv.next()) {

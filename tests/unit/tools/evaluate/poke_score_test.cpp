@@ -17,8 +17,8 @@ double share(double time) { return scenes::Poke{kAt, kEnd - kAt, kPoint, kForce}
 
 /// The hand feels half of the poke; the estimate finds it late, 10 mm off and 0.1 N too small, and
 /// has the shape wrong by 8 mm until then and by 1 mm after.
-RunLog poked_run() {
-  RunLog run = synthetic_run([](const Eigen::Vector3d& p, double) { return p; },
+log::RunLog poked_run() {
+  log::RunLog run = synthetic_run([](const Eigen::Vector3d& p, double) { return p; },
                              [](const Eigen::Vector3d& p, double time) -> Eigen::Vector3d {
                                if (time < kAt || time > kEnd) return p;
                                return p + Eigen::Vector3d(0, 0, time < kFound ? 8e-3 : 1e-3);
@@ -62,7 +62,7 @@ registry::Frames frames() {
 }
 
 TEST(PokeScore, HoldsWhatIsToldAgainstTheTruth) {
-  const RunLog run = poked_run();
+  const log::RunLog run = poked_run();
   const scenes::Poke poke{kAt, kEnd - kAt, kPoint, kForce};
   const PokeScores scores = score_pokes({poke}, run, score_shape(run), frames());
   ASSERT_EQ(scores.pokes.size(), 1u);
@@ -90,7 +90,7 @@ TEST(PokeScore, HoldsWhatIsToldAgainstTheTruth) {
 }
 
 TEST(PokeScore, SaysWhatWasNeverFeltOrFound) {
-  RunLog run = poked_run();
+  log::RunLog run = poked_run();
   for (truth_contact_t& contact : run.truth_contacts) contact.grasp_wrench[0][2] = 3;
   for (estimate_t& estimate : run.estimates) estimate.unknown_contact_deviation = -1;
   run.unknown_contacts.clear();
@@ -118,7 +118,7 @@ TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereNobodyPokes) {
   result.job.mismatch = "none";
   result.json = nlohmann::json::object();
   EXPECT_TRUE(poke_table(application, {result}).rows.empty());
-  const RunLog run = poked_run();
+  const log::RunLog run = poked_run();
   result.json["pokes"] = to_json(
       score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, score_shape(run), frames()), 0.4);
   const ReportTable table = poke_table(application, {result, result});

@@ -16,7 +16,7 @@
 #include "tools/evaluate/sensors.hpp"
 #include "tools/evaluate/sensors_models.hpp"
 #include "tools/evaluate/sensors_stream.hpp"
-#include "tools/train/wrist_data.hpp"
+#include "tools/recordings/wrist_data.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -80,13 +80,13 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
   // A network of random weights beside a payload, by its own streams' delays.
   const SensorTrack track =
       make_track(read_sensor_folder(support::recordings() / "ft_imu_panda").recordings.at(0));
-  const train::DataPlan& plan = plan_of(SensorKind::kWrist).data;
+  const recordings::DataPlan& plan = plan_of(SensorKind::kWrist).data;
   inference::ModelCard card;
   card.name = "random";
   card.rate = plan.rate;
   card.average = plan.average;
   std::vector<int> places;
-  for (const std::string& name : train::columns_of(plan.inputs)) {
+  for (const std::string& name : recordings::columns_of(plan.inputs)) {
     places.push_back(sensing::observer_input_index(name));
     card.inputs.push_back({name, sensing::observer_input_unit(places.back())});
   }
@@ -95,7 +95,7 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
   card.payload = sensing::PayloadParameters{};
   card.payload->mass = 1.15;
   card.payload->first_moment = {0, 0.004, 0.12};
-  card.delays = train::load_wrist(plan, track.recording.table).delays;
+  card.delays = recordings::load_wrist(plan, track.recording.table).delays;
   std::mt19937 random(2);
   std::normal_distribution<float> normal(0, 0.4f);
   auto weights = sensing::RecurrentWeights::zero(static_cast<int>(places.size()), 6, {15, 10});

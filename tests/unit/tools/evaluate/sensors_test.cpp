@@ -185,7 +185,7 @@ TEST_F(Sensors, ALinearMapIsFoundAndAModelThatHoldsItIsRight) {
     ASSERT_EQ(comparisons.size(), 1u);
     EXPECT_EQ(comparisons[0].origin, "unseen");
     EXPECT_EQ(comparisons[0].file, "other/new.csv");
-    const train::Errors& exact = score_of(comparisons[0], "exact").errors;
+    const recordings::Errors& exact = score_of(comparisons[0], "exact").errors;
     EXPECT_EQ(exact.rows, 800);
     EXPECT_LT(exact.norms[0], 1e-5);  // N
     EXPECT_GT(exact.correlation.minCoeff(), 0.9999);

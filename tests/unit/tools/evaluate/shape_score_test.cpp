@@ -16,7 +16,7 @@ Eigen::Vector3d drift(const Eigen::Vector3d& p, double time) {
 
 TEST(ShapeScore, KnownErrorGivesThatNumber) {
   const Eigen::Vector3d offset(0.001, -0.002, 0.002);  // 3 mm
-  const RunLog run = synthetic_run(
+  const log::RunLog run = synthetic_run(
       drift,
       [&](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d { return drift(p, t) + offset; },
       2);
@@ -30,7 +30,7 @@ TEST(ShapeScore, KnownErrorGivesThatNumber) {
 
 TEST(ShapeScore, MeanRmsAndMaximumDifferAsTheyShould) {
   // One node of four is off by 8 mm.
-  const RunLog run = synthetic_run(
+  const log::RunLog run = synthetic_run(
       drift,
       [](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
         return drift(p, t) + Eigen::Vector3d(p.x() > 0.35 ? 8e-3 : 0, 0, 0);
@@ -78,7 +78,7 @@ TEST(ShapeScore, HoldsAreScoredAtTheirEnd) {
     const double error = t < 4 ? 10e-3 : t < 6 ? 2e-3 : 1e-3;
     return truth(p, t) + Eigen::Vector3d(error, 0, 0);
   };
-  RunLog run = synthetic_run(truth, estimate, 8);
+  log::RunLog run = synthetic_run(truth, estimate, 8);
   run.truth_contacts = ramped_contacts();
   const ShapeScore score = score_shape(run);
   ASSERT_EQ(score.holds.size(), 2u);
@@ -90,7 +90,7 @@ TEST(ShapeScore, HoldsAreScoredAtTheirEnd) {
 }
 
 TEST(ShapeScore, MissingTruthAndNumbersThatAreNoneAreRefused) {
-  RunLog run = synthetic_run(drift, drift, 1);
+  log::RunLog run = synthetic_run(drift, drift, 1);
   run.shapes[5].xyz[0] = std::nanf("");
   EXPECT_THROW(score_shape(run), std::runtime_error);
   run = synthetic_run(drift, drift, 1);

@@ -127,7 +127,7 @@ TEST(StudyOverview, CountsWhatStayedAtItsTargetAndARunThatFailedAsOneThatDidNot)
   EXPECT_EQ(cell(1, "feature's error mm"), "3.00 (3.00 to 3.00)");
   EXPECT_EQ(cell(1, "runs"), "2");
   EXPECT_THAT(cell(2, "5 mm and stays"), HasSubstr("0 %"));
-  EXPECT_EQ(cell(2, "feature's error mm"), kNotAvailable);
+  EXPECT_EQ(cell(2, "feature's error mm"), common::kNotAvailable);
 }
 
 TEST(StudyOverview, ALineARunOfWhatItScored) {

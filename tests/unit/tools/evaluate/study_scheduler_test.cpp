@@ -10,7 +10,7 @@
 #include <thread>
 
 #include "tests/unit/tools/evaluate/study_folder.hpp"
-#include "tools/evaluate/interruption.hpp"
+#include "tools/common/interruption.hpp"
 #include "tools/evaluate/study_progress.hpp"
 
 namespace palpate::evaluate {
@@ -117,13 +117,13 @@ TEST_F(StudyScheduler, AnInterruptionEndsWhatRuns) {
   const std::vector<Task> tasks{task("a", "h", script), task("b", "h", script), good("c")};
   const pid_t scheduler = fork();
   if (scheduler == 0) {
-    catch_interruptions();
+    common::catch_interruptions();
     options_.show = [&](const ScheduleStatus&) {
       if (!folder_.read("a/pid").empty() && !folder_.read("b/pid").empty()) raise(SIGINT);
     };
     try {
       run_tasks(tasks, options_);
-    } catch (const Interrupted&) {
+    } catch (const common::Interrupted&) {
       _exit(kRightly);
     }
     _exit(1);

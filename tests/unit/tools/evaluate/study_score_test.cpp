@@ -45,8 +45,8 @@ std::vector<std::int32_t> box_triangles(const Eigen::Matrix3Xd& nodes) {
 }
 
 /// A box that rises, and its own surface 3 mm off as the estimate.
-RunLog run_of_boxes() {
-  RunLog run = synthetic_run(truth, estimate, 3);
+log::RunLog run_of_boxes() {
+  log::RunLog run = synthetic_run(truth, estimate, 3);
   run.shapes.clear();
   run.shape_chunks = mesh_chunks(plant_rest(), shape_mesh_t::QUADRATIC_HEXAHEDRA, 22);
   for (double time = 0; time < 2.99; time += 0.01)
@@ -67,7 +67,7 @@ StudyJob job_with_state(double time) {
 }
 
 TEST(StudyScore, OfAnEstimateThatLiesBesideTheTruth) {
-  const RunLog run = run_of_boxes();
+  const log::RunLog run = run_of_boxes();
   const ShapeScore shape = score_shape(run);
   const auto states = score_states(job_with_state(2.5), run, shape, math::Pose::Identity());
   ASSERT_EQ(states.size(), 1u);
@@ -85,7 +85,7 @@ TEST(StudyScore, OfAnEstimateThatLiesBesideTheTruth) {
 }
 
 TEST(StudyScore, PoseErrorIsEstimateMinusPlant) {
-  RunLog run = run_of_boxes();
+  log::RunLog run = run_of_boxes();
   StudyJob job = job_with_state(2.5);
   job.pose_points = {{0.1, 0.05, 0}, {0.3, 0.05, 0}, {0.2, 0.05, 0.2}};
   FeatureDefinition definition;
@@ -112,7 +112,7 @@ TEST(StudyScore, PoseErrorIsEstimateMinusPlant) {
 }
 
 TEST(StudyScore, ACamerasPointsAreInTheObjectsFrame) {
-  RunLog run = run_of_boxes();
+  log::RunLog run = run_of_boxes();
   math::Pose X_WO = math::Pose::Identity();
   X_WO.linear() = Eigen::AngleAxisd(1.0, Eigen::Vector3d::UnitZ()).toRotationMatrix();
   X_WO.translation() << 1, 2, 3;
@@ -130,13 +130,13 @@ TEST(StudyScore, ACamerasPointsAreInTheObjectsFrame) {
 }
 
 TEST(StudyScore, AStateAfterTheEndIsAnError) {
-  const RunLog run = run_of_boxes();
+  const log::RunLog run = run_of_boxes();
   EXPECT_THROW(score_states(job_with_state(9), run, score_shape(run), math::Pose::Identity()),
                std::runtime_error);
 }
 
 TEST(StudyPicture, ThreePanelsOfWhichTheLastHasBoth) {
-  const RunLog run = run_of_boxes();
+  const log::RunLog run = run_of_boxes();
   const auto states =
       score_states(job_with_state(2.5), run, score_shape(run), math::Pose::Identity());
   const std::filesystem::path png =

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <functional>
 
-#include "tools/evaluate/log_reader.hpp"
+#include "tools/log/log_reader.hpp"
 
 namespace palpate::evaluate {
 
@@ -79,8 +79,8 @@ inline std::vector<shape_mesh_t> mesh_chunks(const Eigen::Matrix3Xd& rest, int k
 
 /// `seconds` of a plant that moves by `truth` (100 Hz) and of an estimate that says `estimate` of
 /// its own nodes (at other instants than the truth).
-inline RunLog synthetic_run(const Deformation& truth, const Deformation& estimate, double seconds) {
-  RunLog run;
+inline log::RunLog synthetic_run(const Deformation& truth, const Deformation& estimate, double seconds) {
+  log::RunLog run;
   run.truth_chunks = mesh_chunks(plant_rest(), shape_mesh_t::QUADRATIC_HEXAHEDRA, 11);
   run.shape_chunks = mesh_chunks(estimate_rest(), shape_mesh_t::LINEAR_TETRAHEDRA, 22);
   for (double time = 0; time < seconds; time += 0.01)

@@ -103,7 +103,7 @@ TEST_F(PictureTest, AFilmHasItsPicturesAndLength) {
 }
 
 TEST(SurfaceEdges, HaveNoDiagonalsOfHexahedra) {
-  const evaluate::MeshMessage box = hexahedral_box({2, 1, 1}, {2, 1, 1});
+  const log::MeshMessage box = hexahedral_box({2, 1, 1}, {2, 1, 1});
   // 20 edges of two elements side by side, each of two pieces; 16 of them along the box's corners.
   EXPECT_EQ(surface_edges(box, Edges::kAll).cols(), 40);
   EXPECT_EQ(surface_edges(box, Edges::kSharp).cols(), 2 * 16);

@@ -13,13 +13,13 @@ const Eigen::Vector3d kSize(0.2, 0.04, 0.06);
 constexpr Stiffness kFoam{30e3, 0.3};
 
 /// At the end that is not held.
-bool is_end(const evaluate::MeshMessage& mesh, Eigen::Index node) {
+bool is_end(const log::MeshMessage& mesh, Eigen::Index node) {
   return mesh.nodes(0, node) > kSize.x() - 1e-9;
 }
 
 class ShapeFieldsTest : public testing::TestWithParam<bool> {
  protected:
-  static evaluate::MeshMessage box() {
+  static log::MeshMessage box() {
     return GetParam() ? hexahedral_box(kSize, {3, 2, 1}) : tetrahedral_box(kSize, {3, 2, 2});
   }
   static Law law() { return GetParam() ? Law::kNeoHookean : Law::kCorotational; }
@@ -62,7 +62,7 @@ TEST_P(ShapeFieldsTest, AStretchIsTheSameEverywhere) {
 
 INSTANTIATE_TEST_SUITE_P(TetrahedraAndHexahedra, ShapeFieldsTest, testing::Bool());
 
-elasticity::Body body_of(const evaluate::MeshMessage& box) {
+elasticity::Body body_of(const log::MeshMessage& box) {
   elasticity::Body body;
   body.mesh.corner_count = static_cast<int>(box.nodes.cols());
   body.mesh.nodes = box.nodes;
@@ -74,7 +74,7 @@ elasticity::Body body_of(const evaluate::MeshMessage& box) {
 }
 
 TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
-  const evaluate::MeshMessage box = tetrahedral_box(kSize, {6, 2, 2});
+  const log::MeshMessage box = tetrahedral_box(kSize, {6, 2, 2});
   const elasticity::Body body = body_of(box);
   Eigen::Matrix3Xd loads = Eigen::Matrix3Xd::Zero(3, box.nodes.cols());
   for (Eigen::Index i = 0; i < loads.cols(); ++i)
@@ -91,7 +91,7 @@ TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
 
 /// A quadratic body: its corners alone are told, as SHAPE does.
 TEST(ShapeFields, MidsideNodesThatAreNotToldAreFoundAgain) {
-  evaluate::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
+  log::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
   box.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;
   elasticity::Body body = body_of(box);
   mesh::TetrahedralMesh corners;
@@ -125,7 +125,7 @@ TEST(ShapeFields, MidsideNodesThatAreNotToldAreFoundAgain) {
 }
 
 TEST(ShapeFields, NodesInAnyOrderMakeTheSameHexahedron) {
-  evaluate::MeshMessage box = hexahedral_box(kSize, {1, 1, 1});
+  log::MeshMessage box = hexahedral_box(kSize, {1, 1, 1});
   const ShapeEvaluator straight(box, Law::kNeoHookean);
   box.elements.col(0).reverseInPlace();
   box.elements.col(0).segment(3, 9).reverseInPlace();
@@ -139,7 +139,7 @@ TEST(ShapeFields, NodesInAnyOrderMakeTheSameHexahedron) {
 }
 
 TEST(ShapeFields, AnElementInsideOutStaysANumber) {
-  const evaluate::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
+  const log::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
   Eigen::Matrix3Xd x = box.nodes;
   x.row(0) *= -1;
   for (const Law law : {Law::kCorotational, Law::kNeoHookean}) {
@@ -150,7 +150,7 @@ TEST(ShapeFields, AnElementInsideOutStaysANumber) {
 }
 
 TEST(ShapeFields, OtherElementsAreRefused) {
-  evaluate::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
+  log::MeshMessage box = tetrahedral_box(kSize, {1, 1, 1});
   box.elements.conservativeResize(3, box.elements.cols());
   EXPECT_THROW(ShapeEvaluator(box, Law::kCorotational), std::runtime_error);
   box = tetrahedral_box(kSize, {1, 1, 1});

@@ -74,8 +74,8 @@ class SmallRun {
     return 1 + 0.1 * 1e-6 * static_cast<double>(time - kStart);
   }
 
-  const evaluate::MeshMessage estimate_mesh = tetrahedral_box({0.2, 0.04, 0.04}, {5, 1, 1});
-  const evaluate::MeshMessage truth_mesh = hexahedral_box({0.2, 0.04, 0.04}, {4, 1, 1});
+  const log::MeshMessage estimate_mesh = tetrahedral_box({0.2, 0.04, 0.04}, {5, 1, 1});
+  const log::MeshMessage truth_mesh = hexahedral_box({0.2, 0.04, 0.04}, {4, 1, 1});
 
  private:
   template <class Message>

@@ -7,15 +7,15 @@
 
 #include "core/mesh/element_mesh.hpp"
 #include "core/mesh/surface.hpp"
-#include "tools/evaluate/plant_truth.hpp"
+#include "tools/log/plant_truth.hpp"
 
 namespace palpate::exporting {
 
 /// A box [0, size] of linear tetrahedra, as palpated would publish it.
-inline evaluate::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
+inline log::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
                                              const std::array<int, 3>& cells) {
   const mesh::TetrahedralMesh box = mesh::make_box(size, cells);
-  evaluate::MeshMessage message;
+  log::MeshMessage message;
   message.hash = 11;
   message.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
   message.nodes = box.nodes;
@@ -28,10 +28,10 @@ inline evaluate::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
 }
 
 /// The same box of 27-node hexahedra, as the simulator would: nodes with x running fastest.
-inline evaluate::MeshMessage hexahedral_box(const Eigen::Vector3d& size,
+inline log::MeshMessage hexahedral_box(const Eigen::Vector3d& size,
                                             const std::array<int, 3>& cells) {
   const int nx = 2 * cells[0] + 1, ny = 2 * cells[1] + 1, nz = 2 * cells[2] + 1;
-  evaluate::MeshMessage message;
+  log::MeshMessage message;
   message.hash = 22;
   message.element_kind = shape_mesh_t::QUADRATIC_HEXAHEDRA;
   message.nodes.resize(3, nx * ny * nz);
@@ -81,7 +81,7 @@ inline evaluate::MeshMessage hexahedral_box(const Eigen::Vector3d& size,
 }
 
 /// Chunk 0 of 1.
-inline shape_mesh_t mesh_message(const evaluate::MeshMessage& mesh) {
+inline shape_mesh_t mesh_message(const log::MeshMessage& mesh) {
   shape_mesh_t message{};
   message.mesh_hash = mesh.hash;
   message.element_kind = mesh.element_kind;
@@ -100,7 +100,7 @@ inline shape_mesh_t mesh_message(const evaluate::MeshMessage& mesh) {
   return message;
 }
 
-inline shape_t shape_message(const evaluate::MeshMessage& mesh, const Eigen::Matrix3Xd& positions,
+inline shape_t shape_message(const log::MeshMessage& mesh, const Eigen::Matrix3Xd& positions,
                              std::int64_t utime) {
   shape_t message{};
   message.utime = utime;

@@ -120,7 +120,7 @@ TEST(ShapeFollower, MeshesThatNameWhatTheyHaveNotAreLeftOut) {
 }
 
 TEST(VtkOrder, PutsCornersEdgesFacesAndMiddleInTheirPlaces) {
-  const evaluate::MeshMessage box = hexahedral_box({1, 1, 1}, {1, 1, 1});
+  const log::MeshMessage box = hexahedral_box({1, 1, 1}, {1, 1, 1});
   const Eigen::VectorXi order = vtk_order(box.nodes);
   const auto at = [&](int number) { return Eigen::Vector3d(box.nodes.col(order(number))); };
   EXPECT_EQ(at(0), Eigen::Vector3d(0, 0, 0));

@@ -5,7 +5,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/fit/held_bar.hpp"
-#include "tools/collect/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -111,7 +111,7 @@ TEST(HeldRinging, BeginsWhereTheHandStops) {
   const support::ScratchFolder folder;
   const std::string file = (folder.path() / "stop.log").string();
   {
-    collect::EventLog log(file);
+    log::EventLog log(file);
     math::Random random(1);
     for (int ms = 0; ms < 3000; ++ms) {
       robot_state_t state{};

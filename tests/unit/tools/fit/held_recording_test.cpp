@@ -8,7 +8,7 @@
 
 #include "core/math/random.hpp"
 #include "tests/support/scratch_folder.hpp"
-#include "tools/collect/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 class Recorded : public ::testing::Test {
  protected:
   void write(int rests, bool wrenches = true) {
-    collect::EventLog log(file_);
+    log::EventLog log(file_);
     math::Random random(1);
     for (int ms = 0; ms < 3000 * rests; ms += 2) {
       const double time = 1e-3 * ms, phase = std::fmod(time, 3);

@@ -12,7 +12,7 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/object.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/process.hpp"
 #include "tools/fit/checkpoint.hpp"
 
 namespace palpate::fit {
@@ -58,7 +58,7 @@ class ProgramTest : public testing::Test {
                                         (folder_.path() / "plan.yaml").string(), "--data",
                                         folder_.path().string()};
     command.insert(command.end(), arguments.begin(), arguments.end());
-    return evaluate::run_to_end(command, folder_.path() / "output.txt", 60);
+    return common::run_to_end(command, folder_.path() / "output.txt", 60);
   }
   std::string output() const { return text_of(folder_.path() / "output.txt"); }
 
@@ -113,7 +113,7 @@ TEST_F(ProgramTest, WhatWasKilledIsGoneOnFrom) {
                                             "--set",
                                             "solver.starts=2000"};
   {
-    evaluate::Process process("palpate-fit", command, folder_.path() / "killed.txt");
+    common::Process process("palpate-fit", command, folder_.path() / "killed.txt");
     while (!std::filesystem::exists(checkpoint) && process.running())
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     ::kill(process.pid(), SIGKILL);
@@ -122,7 +122,7 @@ TEST_F(ProgramTest, WhatWasKilledIsGoneOnFrom) {
   const nlohmann::json kept = nlohmann::json::parse(text_of(checkpoint));
   std::vector<std::string> again = command;
   again.emplace_back("--resume");
-  ASSERT_EQ(evaluate::run_to_end(again, folder_.path() / "output.txt", 60), 0) << output();
+  ASSERT_EQ(common::run_to_end(again, folder_.path() / "output.txt", 60), 0) << output();
   EXPECT_FALSE(std::filesystem::exists(checkpoint));
   const config::Node material = config::Node::load_file((out / "material.yaml").string());
   EXPECT_NEAR(material.child("material").number("young_modulus", {}), 20e3, 100);

@@ -7,7 +7,7 @@
 
 #include "tests/unit/tools/fit/fit_folder.hpp"
 #include "tools/fit/held_out.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -66,7 +66,7 @@ TEST_F(RecordingTest, ARowIsNamedByItsLineOfTheFile) {
   try {
     r.fail(2, "is odd");
     FAIL();
-  } catch (const import::CsvError& error) {
+  } catch (const recordings::CsvError& error) {
     EXPECT_THAT(error.what(), HasSubstr("a.csv:5: is odd"));
   }
 }

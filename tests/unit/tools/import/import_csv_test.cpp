@@ -15,7 +15,7 @@
 
 #include "rt/bus/event_log_reader.hpp"
 #include "tests/support/recordings.hpp"
-#include "tools/import/csv_reader.hpp"
+#include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::import {
 namespace {
@@ -238,7 +238,7 @@ TEST_F(ImportCsv, ImportsTheFoamBarRecording) {
   // 100 Hz throughout.
   EXPECT_NEAR(1e-6 * static_cast<double>(summary.last_utime - summary.first_utime),
               0.01 * static_cast<double>(summary.rows - 1), 0.02);
-  CsvReader csv(options_.input);
+  recordings::CsvReader csv(options_.input);
   std::size_t i = 0;
   while (csv.next()) {
     const auto biotac = events.at(i++).as<biotac_t>();

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "tests/support/scratch_folder.hpp"
-#include "tools/evaluate/process.hpp"
+#include "tools/common/process.hpp"
 
 namespace palpate::mesh_tool {
 
@@ -35,7 +35,7 @@ class MeshFolder : public ::testing::Test {
     return run_other(arguments);
   }
   int run_other(const std::vector<std::string>& command) const {
-    return evaluate::run_to_end(command, path("output.txt"), 100);
+    return common::run_to_end(command, path("output.txt"), 100);
   }
   std::string output() const { return text_of("output.txt"); }
 

@@ -7,11 +7,11 @@
 #include <fstream>
 #include <random>
 
-#include "tools/import/csv_reader.hpp"
-#include "tools/train/delay.hpp"
-#include "tools/train/errors.hpp"
-#include "tools/train/recording_table.hpp"
-#include "tools/train/ridge.hpp"
+#include "tools/recordings/csv_reader.hpp"
+#include "tools/recordings/delay.hpp"
+#include "tools/recordings/errors.hpp"
+#include "tools/recordings/recording_table.hpp"
+#include "tools/recordings/ridge.hpp"
 
 namespace palpate::train {
 namespace {
@@ -36,8 +36,8 @@ class RecordingFile {
 std::string complaint(const std::string& text) {
   const RecordingFile file(text);
   try {
-    read_tables(file.path(), "t", {"a"}, "");
-  } catch (const import::CsvError& error) {
+    recordings::read_tables(file.path(), "t", {"a"}, "");
+  } catch (const recordings::CsvError& error) {
     return error.what();
   }
   return "";
@@ -55,7 +55,7 @@ TEST(ReadTables, NamesFileLineAndColumnOfWhatIsWrong) {
 
 TEST(ReadTables, SeparatesRecordings) {
   const RecordingFile file("run,t,a\nx,5,1\nx,6,2\ny,0,3\ny,1,4\ny,2,5\n");
-  const std::vector<Table> tables = read_tables(file.path(), "t", {"a"}, "run");
+  const std::vector<recordings::Table> tables = recordings::read_tables(file.path(), "t", {"a"}, "run");
   ASSERT_EQ(tables.size(), 2u);
   EXPECT_EQ(tables[0].time[1], 1);  // from 0
   EXPECT_EQ(tables[1].rows(2, 0), 5);
@@ -63,14 +63,14 @@ TEST(ReadTables, SeparatesRecordings) {
 }
 
 TEST(Resample, HoldsOrAveragesWhatCameBefore) {
-  Table table;
+  recordings::Table table;
   table.time = Eigen::VectorXd::LinSpaced(11, 0, 1);
   table.rows = Eigen::VectorXd::LinSpaced(11, 0, 10);
-  const Table held = resample(table, 4, 0);
+  const recordings::Table held = recordings::resample(table, 4, 0);
   ASSERT_EQ(held.rows.rows(), 5);
   EXPECT_EQ(held.rows(1, 0), 2);  // at 0.25 s: the sample of 0.2 s
   EXPECT_EQ(held.rows(4, 0), 10);
-  const Table mean = resample(table, 5, 0.3);
+  const recordings::Table mean = recordings::resample(table, 5, 0.3);
   EXPECT_EQ(mean.rows(0, 0), 0);
   EXPECT_NEAR(mean.rows(5, 0), 9, 1e-12);  // of 0.8, 0.9 and 1 s
 }
@@ -89,26 +89,26 @@ TEST(IdentifyDelay, FindsAFractionOfASampleUnderNoise) {
     reference.row(k) = motion(t);
     signal.row(k) = 3 * motion(t - delay) + noise + Eigen::RowVector2d(7, -2);
   }
-  const DelayFit later = identify_delay(reference, signal, rate, 0.1);
+  const recordings::DelayFit later = recordings::identify_delay(reference, signal, rate, 0.1);
   EXPECT_NEAR(later.seconds, delay, 1e-3);
   EXPECT_GT(later.correlation, 0.99);
-  EXPECT_NEAR(identify_delay(signal, reference, rate, 0.1).seconds, -delay, 1e-3);
-  EXPECT_THROW(identify_delay(reference, signal, rate, 2), std::invalid_argument);
+  EXPECT_NEAR(recordings::identify_delay(signal, reference, rate, 0.1).seconds, -delay, 1e-3);
+  EXPECT_THROW(recordings::identify_delay(reference, signal, rate, 2), std::invalid_argument);
 }
 
 TEST(DelayColumns, UndoesADelay) {
-  Table table;
+  recordings::Table table;
   table.time = Eigen::VectorXd::LinSpaced(101, 0, 1);
   table.rows.resize(101, 2);
   table.rows.col(0) = table.time;
   table.rows.col(1) = table.time;
-  delay_columns(table, 1, 1, 0.025);
+  recordings::delay_columns(table, 1, 1, 0.025);
   EXPECT_NEAR(table.rows(50, 1), 0.475, 1e-12);
   EXPECT_NEAR(table.rows(50, 0), 0.5, 1e-12);
   EXPECT_EQ(table.rows(0, 1), 0);
 }
 
-TEST(Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
+TEST(recordings::Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const auto noise = [&](Eigen::Index rows, Eigen::Index cols) {
@@ -119,30 +119,30 @@ TEST(Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   const Eigen::MatrixXd map = noise(2, 4);
   const Eigen::MatrixXd x = noise(200, 4);
   const Eigen::MatrixXd y = (x * map.transpose()).rowwise() + Eigen::RowVector2d(3, -1);
-  const Ridge exact = fit_ridge(x, y, {1e-9, 1e-3, 1});
+  const recordings::Ridge exact = recordings::fit_ridge(x, y, {1e-9, 1e-3, 1});
   EXPECT_EQ(exact.penalty[0], 1e-9);
   EXPECT_LT((exact.matrix - map).norm(), 1e-6);
   EXPECT_NEAR(exact.offset[0], 3, 1e-6);
-  const Ridge noisy = fit_ridge(noise(40, 20), noise(40, 1), {1e-9, 1e-3, 100});
+  const recordings::Ridge noisy = recordings::fit_ridge(noise(40, 20), noise(40, 1), {1e-9, 1e-3, 100});
   EXPECT_EQ(noisy.penalty[0], 100);
-  EXPECT_THROW(fit_ridge(x.topRows(5), y.topRows(5), {1}), std::invalid_argument);
+  EXPECT_THROW(recordings::fit_ridge(x.topRows(5), y.topRows(5), {1}), std::invalid_argument);
 }
 
-TEST(Errors, AreThoseOfTheirDefinition) {
+TEST(recordings::Errors, AreThoseOfTheirDefinition) {
   Eigen::MatrixXd truth(2, 3), predicted(2, 3);
   truth << 1, 0, 0, 0, 1, 0;
   predicted << 0, 1, 0, 0, 2, 0;
-  ColumnGroup group;
+  recordings::ColumnGroup group;
   group.columns = {"x", "y", "z"};
   group.is_direction = true;
-  const Errors errors = measure_errors(predicted, truth, {group});
+  const recordings::Errors errors = recordings::measure_errors(predicted, truth, {group});
   EXPECT_NEAR(errors.rms[1], 1, 1e-12);
   EXPECT_NEAR(errors.mean_absolute[0], 0.5, 1e-12);
   EXPECT_NEAR(errors.norms[0], std::sqrt(1.5), 1e-12);
   EXPECT_NEAR(errors.correlation[1], 1, 1e-12);
   EXPECT_EQ(errors.correlation[2], 0);
   EXPECT_NEAR(errors.median_angle[0], 0, 1e-12);  // of 90 degrees and 0
-  EXPECT_THROW(measure_errors(predicted, truth.topRows(1), {group}), std::invalid_argument);
+  EXPECT_THROW(recordings::measure_errors(predicted, truth.topRows(1), {group}), std::invalid_argument);
 }
 
 }  // namespace

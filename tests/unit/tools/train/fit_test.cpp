@@ -17,8 +17,8 @@
 namespace palpate::train {
 namespace {
 
-Plan preset(const std::string& name, const std::vector<std::string>& overrides = {}) {
-  return read_plan(config::Node::load_file(
+recordings::Plan preset(const std::string& name, const std::vector<std::string>& overrides = {}) {
+  return recordings::read_plan(config::Node::load_file(
       std::string(PALPATE_SOURCE_DIR) + "/tools/train/presets/" + name + ".yaml", overrides));
 }
 
@@ -32,7 +32,7 @@ TEST(Presets, AreAllWellFormed) {
   int count = 0;
   for (const auto& entry : std::filesystem::directory_iterator(std::string(PALPATE_SOURCE_DIR) +
                                                                "/tools/train/presets")) {
-    const Plan plan = preset(entry.path().stem().string());
+    const recordings::Plan plan = preset(entry.path().stem().string());
     EXPECT_EQ(plan.name, entry.path().stem().string());
     ++count;
   }
@@ -105,9 +105,9 @@ class WristRecordingFile {
 
 TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
   const WristRecordingFile file;
-  Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
+  recordings::Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
   plan.data.recordings = {{"wrist.csv", "", {{8, 9}}, {{9, 12}}}};
-  const DataSet data = load_data(plan.data, {file.folder()});
+  const recordings::DataSet data = recordings::load_data(plan.data, {file.folder()});
   ASSERT_EQ(data.delays.size(), 2u);
   EXPECT_NEAR(data.delays[0].seconds, kInertialDelay, kSample / 2);
   EXPECT_NEAR(data.delays[1].seconds, kWrenchDelay, kSample / 2);
@@ -128,12 +128,12 @@ TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
 TEST(WristData, TakesADriftOutOfTheTrainingButNotOutOfTheScore) {
   const double drift = 0.2;  // N/s
   const WristRecordingFile file(drift);
-  Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
+  recordings::Plan plan = preset("ft_rnnob", {"data.wrist.acceleration_has_gravity=true"});
   plan.data.recordings = {{"wrist.csv", "", {}, {{4, 6}}}};
-  const DataSet data = load_data(plan.data, {file.folder()});
-  const Recording& recording = data.recordings[0];
+  const recordings::DataSet data = recordings::load_data(plan.data, {file.folder()});
+  const recordings::Recording& recording = data.recordings[0];
   EXPECT_NEAR(data.payload->mass, 1.2, 0.012);
-  const auto slope_of_fz = [&](Part part) {
+  const auto slope_of_fz = [&](recordings::Part part) {
     double t_mean = 0, y_mean = 0, ty = 0, tt = 0, n = 0;
     for (const bool sums : {false, true})
       for (std::size_t k = 20; k < recording.parts.size(); ++k) {
@@ -147,17 +147,17 @@ TEST(WristData, TakesADriftOutOfTheTrainingButNotOutOfTheScore) {
       }
     return ty / tt;
   };
-  EXPECT_NEAR(slope_of_fz(Part::kTraining), 0, 0.02 * drift);
-  EXPECT_NEAR(slope_of_fz(Part::kTest), drift, 0.1 * drift);
+  EXPECT_NEAR(slope_of_fz(recordings::Part::kTraining), 0, 0.02 * drift);
+  EXPECT_NEAR(slope_of_fz(recordings::Part::kTest), drift, 0.1 * drift);
 }
 
 TEST(FoamBar, ForceIsWithinItsBarOnLoadsNeverTrainedOn) {
   PALPATE_REQUIRE_RECORDING("biotac_foam_bar");
-  const Plan plan = preset("biotac_linear_lstm", {"training.iterations=50"});
-  const DataSet data = load_data(plan.data, {support::recordings().string()});
+  const recordings::Plan plan = preset("biotac_linear_lstm", {"training.iterations=50"});
+  const recordings::DataSet data = recordings::load_data(plan.data, {support::recordings().string()});
   const Fit fit = fit_model(plan, data, quiet());
   const Score score = score_fit(plan, data, fit);
-  EXPECT_EQ(score.part, Part::kTest);
+  EXPECT_EQ(score.part, recordings::Part::kTest);
   EXPECT_GT(score.largest_scored[2], 1.25 * score.largest_trained[2]);
   EXPECT_LE(score.methods.front().errors.norms[0], 0.02);  // N
 

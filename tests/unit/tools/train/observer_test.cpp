@@ -8,7 +8,7 @@
 #include "core/sensing/ft_rnnob.hpp"
 #include "rt/inference/compiled_executor.hpp"
 #include "tests/support/recordings.hpp"
-#include "tools/train/wrist_data.hpp"
+#include "tools/recordings/wrist_data.hpp"
 
 namespace palpate::train {
 namespace {
@@ -48,22 +48,22 @@ void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
 
 TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   PALPATE_REQUIRE_RECORDING("ft_imu_panda");
-  const Plan plan = read_plan(config::Node::load_file(kPreset));
+  const recordings::Plan plan = recordings::read_plan(config::Node::load_file(kPreset));
   const std::string path =
       (support::recordings() / "ft_imu_panda" / "sessionA_11-32-28.csv.gz").string();
-  const Table table = read_tables(path, "t_s", wrist_columns(plan.data.wrist), "").front();
-  const WristRecording recording = load_wrist(plan.data, table);
+  const recordings::Table table = recordings::read_tables(path, "t_s", recordings::wrist_columns(plan.data.wrist), "").front();
+  const recordings::WristRecording recording = recordings::load_wrist(plan.data, table);
 
   sensing::FtRnnob::Options options;
-  for (const std::string& name : columns_of(plan.data.inputs))
+  for (const std::string& name : recordings::columns_of(plan.data.inputs))
     options.inputs.push_back(sensing::observer_input_index(name));
   const auto inputs = static_cast<int>(options.inputs.size());
   options.rate = plan.data.rate;
   options.average = plan.data.average;
   options.inertial_delay = recording.delays[0].seconds;
   options.force_torque_delay = recording.delays[1].seconds;
-  Table felt = table;
-  delay_columns(felt, 0, 4, options.inertial_delay);
+  recordings::Table felt = table;
+  recordings::delay_columns(felt, 0, 4, options.inertial_delay);
   options.payload.mass = 1.15;
   options.payload.first_moment = {0, 0.004, 0.12};
   // Such that the network's part comes and goes along the recording.

@@ -32,8 +32,8 @@ std::vector<Sequence> echoes() {
   return sequences;
 }
 
-TrainingPlan short_plan() {
-  TrainingPlan plan;
+recordings::TrainingPlan short_plan() {
+  recordings::TrainingPlan plan;
   plan.iterations = 300;
   plan.evaluate_every = 20;
   plan.lanes = 8;
@@ -77,7 +77,7 @@ TEST(Trainer, AStopAndAResumptionChangeNothing) {
   const std::string file =
       (std::filesystem::temp_directory_path() / ("palpate-checkpoint-" + std::to_string(getpid())))
           .string();
-  TrainingPlan plan = short_plan();
+  recordings::TrainingPlan plan = short_plan();
   plan.iterations = 60;
   plan.input_noise = 0.1;
   TrainerHooks hooks;
@@ -105,7 +105,7 @@ TEST(Trainer, AStopAndAResumptionChangeNothing) {
 
 TEST(Trainer, SaysWhereThereIsTooLittleToLearnFrom) {
   std::vector<Sequence> sequences = echoes();
-  TrainingPlan plan = short_plan();
+  recordings::TrainingPlan plan = short_plan();
   plan.steps = 401;
   TrainerHooks hooks;
   hooks.validate = [](const Cells&) { return 1.0; };

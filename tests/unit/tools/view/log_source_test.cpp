@@ -8,7 +8,7 @@
 #include "rt/bus/text.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
-#include "tools/collect/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::view {
 namespace {
@@ -21,7 +21,7 @@ class LogSourceTest : public ::testing::Test {
  protected:
   LogSourceTest() {
     const auto mesh = box_mesh({2, 1, 1});
-    collect::EventLog log(control_), housekeeping(housekeeping_);
+    log::EventLog log(control_), housekeeping(housekeeping_);
     for (int i = 0; i <= 1000; ++i) {
       shape_t shape = shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; });
       shape.xyz[0] = 0.01F * static_cast<float>(i);
@@ -91,7 +91,7 @@ TEST_F(LogSourceTest, ReadsWhatIsLeftOfALogThatWasCutShort) {
 
 TEST_F(LogSourceTest, SaysWhenThereIsNothingToShow) {
   const std::string other = (folder_.path() / "other.log").string();
-  collect::EventLog(other).write("FT_WRENCH", kBegin, health_t{});
+  log::EventLog(other).write("FT_WRENCH", kBegin, health_t{});
   const auto fail = [&](const std::string& path) {
     try {
       LogSource log(

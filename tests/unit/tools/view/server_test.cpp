@@ -14,7 +14,7 @@
 
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
-#include "tools/collect/event_log.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::view {
 namespace {
@@ -28,7 +28,7 @@ using nlohmann::json;
 class ServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
-    collect::EventLog log(path_);
+    log::EventLog log(path_);
     const auto mesh = box_mesh({2, 1, 1});
     log.write("SHAPE_MESH", 1'000'000, box_chunks({2, 1, 1})[0]);
     log.write("SHAPE", 1'000'001,

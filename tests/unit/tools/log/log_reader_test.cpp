@@ -1,0 +1,121 @@
+#include "tools/log/log_reader.hpp"
+
+#include <gtest/gtest.h>
+
+#include <lcm/lcm-cpp.hpp>
+#include <stdexcept>
+
+#include "tests/support/scratch_folder.hpp"
+
+namespace palpate::log {
+namespace {
+
+template <class Message>
+void write(lcm::LogFile& log, const std::string& channel, std::int64_t timestamp,
+           const Message& message) {
+  std::vector<std::uint8_t> data(message.getEncodedSize());
+  message.encode(data.data(), 0, static_cast<int>(data.size()));
+  lcm::LogEvent event = {};
+  event.timestamp = timestamp;
+  event.channel = channel;
+  event.datalen = static_cast<int>(data.size());
+  event.data = data.data();
+  log.writeEvent(&event);
+}
+
+TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
+  const support::ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "one.log";
+  {
+    lcm::LogFile log(file.string(), "w");
+    twist_command_t command = {};
+    command.utime = 5;  // a clock of its own
+    command.twist[2] = 0.25;
+    write(log, "TWIST_COMMAND", 1000, command);
+    write(log, "TWIST_COMMAND", 2000, shape_t{});
+    write(log, "HEALTH", 3000, health_t{});
+  }
+  LogReader reader;
+  std::vector<twist_command_t> commands;
+  reader.collect("TWIST_COMMAND", commands);
+  reader.read(file);
+  ASSERT_EQ(commands.size(), 1u);
+  EXPECT_EQ(commands[0].utime, 1000);
+  EXPECT_EQ(commands[0].twist[2], 0.25);
+  EXPECT_EQ(reader.undecodable(), 1);
+  EXPECT_EQ(reader.events(), 3);
+}
+
+TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
+  const support::ScratchFolder scratch;
+  const std::filesystem::path control = scratch.path() / "control.log",
+                              slow = scratch.path() / "housekeeping.log";
+  {
+    lcm::LogFile log(control.string(), "w");
+    shape_target_t target = {};
+    target.utime = 777;  // a clock of its own
+    target.revision = 1;
+    feature_t feature = {};
+    feature.revision = -1;
+    feature.utime = 10;
+    write(log, "SHAPE_TARGET", 5000, target);
+    write(log, "FEATURE", 5000, feature);
+    feature.revision = 1;
+    for (feature.utime = 20; feature.utime < 50; feature.utime += 10)
+      write(log, "FEATURE", 5001, feature);
+    lcm::LogFile other(slow.string(), "w");
+    shape_t shape = {};
+    shape.utime = 30;
+    write(other, "SHAPE", 5002, shape);
+  }
+  const RunLog run = read_run(control, slow, LogClock::kSent);
+  ASSERT_EQ(run.targets.size(), 1u);
+  EXPECT_EQ(run.targets[0].utime, 20);
+  ASSERT_EQ(run.shapes.size(), 1u);
+  EXPECT_EQ(run.shapes[0].utime, 30);
+  EXPECT_EQ(run.features.size(), 4u);
+}
+
+TEST(LogReader, OfALogThatIsCutShortTheRestIsReadWithAWarning) {
+  const support::ScratchFolder scratch;
+  const std::filesystem::path file = scratch.path() / "one.log";
+  {
+    lcm::LogFile log(file.string(), "w");
+    for (int i = 0; i < 3; ++i) write(log, "TWIST_COMMAND", 1000 * i, twist_command_t{});
+  }
+  std::filesystem::resize_file(file, std::filesystem::file_size(file) - 1);
+  LogReader reader;
+  std::vector<twist_command_t> commands;
+  reader.collect("TWIST_COMMAND", commands);
+  testing::internal::CaptureStderr();
+  reader.read(file);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(),
+            "warning: " + file.string() + ": the last event is cut short\n");
+  EXPECT_EQ(commands.size(), 2u);
+}
+
+TEST(LogReader, BySendersClockWhatWasOvertakenIsBackInItsPlace) {
+  const support::ScratchFolder scratch;
+  const auto control = scratch.path() / "overtaken.log";
+  {
+    lcm::LogFile log(control.string(), "w");
+    feature_t feature = {};
+    for (const int seq : {1, 2, 5, 3, 4, 7, 6}) {
+      feature.seq = seq;
+      feature.utime = 1000 * (seq / 2);  // two of each time
+      write(log, "FEATURE", 5000 + seq, feature);
+    }
+  }
+  const RunLog sent = read_run(control, control, LogClock::kSent);
+  const RunLog received = read_run(control, control);
+  ASSERT_EQ(sent.features.size(), 7u);
+  for (int i = 0; i < 7; ++i) EXPECT_EQ(sent.features[i].seq, i + 1);
+  EXPECT_EQ(received.features.back().seq, 6);
+}
+
+TEST(LogReader, AFileThatIsAbsentIsAnError) {
+  EXPECT_THROW(LogReader().read("/nonexistent/run.log"), std::runtime_error);
+}
+
+}  // namespace
+}  // namespace palpate::log

@@ -1,0 +1,27 @@
+#include "tools/common/csv.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <nlohmann/json.hpp>
+
+namespace palpate::common {
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + "\"";
+}
+
+std::string csv_cell(const nlohmann::json& value) {
+  return csv_cell(value.is_string() ? value.get<std::string>() : value.dump());
+}
+
+std::string file_name(const std::string& title) {
+  std::string name = title;
+  std::replace_if(
+      name.begin(), name.end(), [](unsigned char c) { return !std::isalnum(c); }, '_');
+  return name;
+}
+
+}  // namespace palpate::common

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+
+namespace palpate::common {
+
+/// A field of a line of comma-separated values, quoted where it has to be (RFC 4180).
+std::string csv_cell(const std::string& text);
+std::string csv_cell(const nlohmann::json& value);
+
+/// Name with everything but letters and digits as '_', for files.
+std::string file_name(const std::string& title);
+
+}  // namespace palpate::common

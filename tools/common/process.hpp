@@ -1,0 +1,53 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace palpate::common {
+
+/// A child program in a process group of its own. It dies with this object, with whatever it has
+/// started itself, and with this process (PR_SET_PDEATHSIG): start it from a thread that lives on.
+class Process {
+ public:
+  /// Starts `command` (its first word a path, or a name in PATH); standard output and error go to
+  /// the file `output`. Throws std::runtime_error where it cannot be run.
+  Process(std::string name, const std::vector<std::string>& command,
+          const std::filesystem::path& output);
+  ~Process();
+  Process(Process&& other) noexcept;
+  Process& operator=(Process&&) = delete;
+
+  const std::string& name() const { return name_; }
+  const std::filesystem::path& output() const { return output_; }
+  pid_t pid() const { return pid_; }
+  bool running();
+
+  /// Waits for its end; nothing after `seconds`. 128 + n where signal n ended it.
+  std::optional<int> wait(double seconds);
+
+  /// SIGTERM to the group, SIGKILL after `grace` seconds; the exit code.
+  int stop(double grace = 5.0);
+
+ private:
+  void poll();
+  std::string name_;
+  std::filesystem::path output_;
+  pid_t pid_ = -1;
+  std::optional<int> exit_code_;
+};
+
+/// Runs a program to its end; throws Interrupted, and std::runtime_error after `timeout` seconds.
+int run_to_end(const std::vector<std::string>& command, const std::filesystem::path& output,
+               double timeout);
+
+/// The last `lines` lines of a text file; empty where there is none.
+std::string tail(const std::filesystem::path& file, int lines);
+
+/// Folder of this process' executable, where its sibling programs are.
+std::filesystem::path program_folder();
+
+}  // namespace palpate::common

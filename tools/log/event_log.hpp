@@ -1,0 +1,55 @@
+#pragma once
+
+#include <palpate/component_event_t.hpp>
+
+#include <algorithm>
+#include <cstring>
+#include <filesystem>
+#include <iterator>
+#include <lcm/lcm-cpp.hpp>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+namespace palpate::log {
+
+/// An LCM event log that is being written.
+class EventLog {
+ public:
+  explicit EventLog(const std::filesystem::path& path) : path_(path.string()), file_(path_, "w") {
+    if (!file_.good()) throw std::runtime_error(path_ + ": cannot be written");
+  }
+
+  /// `time_us`: of the log's own clock.
+  template <class Message>
+  void write(const std::string& channel, std::int64_t time_us, const Message& message) {
+    buffer_.resize(message.getEncodedSize());
+    message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
+    lcm::LogEvent event{};
+    event.timestamp = time_us;
+    event.channel = channel;
+    event.datalen = static_cast<int>(buffer_.size());
+    event.data = buffer_.data();
+    if (file_.writeEvent(&event) != 0) throw std::runtime_error(path_ + ": cannot be written");
+  }
+
+ private:
+  std::string path_;
+  lcm::LogFile file_;
+  std::vector<std::uint8_t> buffer_;
+};
+
+/// The message that says that trial `number` begins.
+inline component_event_t trial_event(int number, const std::string& name) {
+  component_event_t mark{};
+  const auto put = [](auto& field, const std::string& text) {
+    std::memcpy(field, text.data(), std::min(text.size(), std::size(field) - 1));
+  };
+  put(mark.slot, "collect");
+  put(mark.event, "trial");
+  put(mark.reason, name);
+  mark.command_counter = number;
+  return mark;
+}
+
+}  // namespace palpate::log

@@ -1,0 +1,77 @@
+#include "tools/log/log_reader.hpp"
+
+#include <algorithm>
+#include <iostream>
+
+namespace palpate::log {
+
+void LogReader::read(const std::filesystem::path& log) {
+  bus::EventLogReader file(log.string());
+  while (const bus::LoggedEvent* event = file.next()) {
+    ++events_;
+    const auto handler = handlers_.find(event->channel);
+    if (handler != handlers_.end() && !handler->second(*event)) ++undecodable_;
+  }
+  const std::string complaint = file.complaint();
+  if (!complaint.empty()) std::cerr << "warning: " << complaint << std::endl;
+}
+
+namespace {
+
+void take_times_from_features(std::vector<shape_target_t>& targets,
+                              const std::vector<feature_t>& features) {
+  for (shape_target_t& target : targets)
+    for (const feature_t& feature : features) {
+      if (feature.revision != target.revision) continue;
+      target.utime = feature.utime;
+      break;
+    }
+}
+
+/// Datagrams overtake each other on a busy machine; what was sent first has the lower number.
+template <class... Messages>
+void order_as_sent(std::vector<Messages>&... messages) {
+  const auto earlier = [](const auto& a, const auto& b) {
+    return a.utime != b.utime ? a.utime < b.utime : a.seq < b.seq;
+  };
+  (std::stable_sort(messages.begin(), messages.end(), earlier), ...);
+}
+
+}  // namespace
+
+RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
+                LogClock clock) {
+  RunLog run;
+  LogReader loop(clock);
+  loop.collect("TWIST_COMMAND", run.commands);
+  loop.collect("FEATURE", run.features);
+  loop.collect("ESTIMATE", run.estimates);
+  loop.collect("UNKNOWN_CONTACT", run.unknown_contacts);
+  loop.collect("SHAPE_TARGET", run.targets);
+  loop.collect("ROBOT_STATE", run.robot);
+  loop.collect("CONTACTS", run.contacts);
+  loop.collect("SHAPE_OBSERVATION", run.observations);
+  loop.read(control);
+  if (clock == LogClock::kSent) {
+    order_as_sent(run.commands, run.features, run.estimates, run.unknown_contacts, run.robot,
+                  run.contacts, run.observations);
+    take_times_from_features(run.targets, run.features);
+  }
+
+  LogReader slow(clock);
+  slow.collect("SHAPE", run.shapes);
+  slow.collect("SHAPE_MESH", run.shape_chunks);
+  slow.collect("TRUTH_SHAPE", run.truths);
+  slow.collect("TRUTH_MESH", run.truth_chunks);
+  slow.collect("TRUTH_CONTACT", run.truth_contacts);
+  slow.collect("TRUTH_TOUCH", run.truth_touches);
+  slow.collect("HEALTH", run.health);
+  slow.collect("COMPONENT_EVENT", run.events);
+  slow.read(housekeeping);
+  if (clock == LogClock::kSent)
+    order_as_sent(run.shapes, run.shape_chunks, run.truths, run.truth_chunks, run.truth_contacts,
+                  run.truth_touches, run.health, run.events);
+  return run;
+}
+
+}  // namespace palpate::log
