@@ -3,7 +3,7 @@
 #include <map>
 #include <set>
 
-#include "tools/common/csv.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/export/columns.hpp"
 #include "tools/export/output_file.hpp"
 

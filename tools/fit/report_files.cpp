@@ -7,15 +7,15 @@
 #include <iomanip>
 #include <stdexcept>
 
-#include "tools/common/csv.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
 
 namespace palpate::fit {
 namespace {
 
-using Eigen::Index;
 using common::csv_cell;
+using Eigen::Index;
 
 constexpr std::size_t kMostFolders = 200;
 constexpr std::size_t kMostPlots = 6;
@@ -60,9 +60,9 @@ common::Plot value_plot(const JobResult& result, std::size_t s) {
     return unit.empty() ? name : name + " [" + unit + "]";
   };
   common::Plot plot{fit.recording,
-                      with_unit(series.abscissa, series.abscissa_unit),
-                      with_unit(series.quantity, series.unit),
-                      {measured}};
+                    with_unit(series.abscissa, series.abscissa_unit),
+                    with_unit(series.quantity, series.unit),
+                    {measured}};
   for (common::Curve* curve : {&fitted, &held})
     if (!curve->x.empty()) plot.curves.push_back(*curve);
   return plot;

@@ -16,7 +16,6 @@
 #include "tools/recordings/plan.hpp"
 #ifndef PALPATE_WITHOUT_SIM
 #include "sim/scenes/scene.hpp"
-#include "tools/evaluate/study_plan.hpp"
 #endif
 
 namespace palpate::reference {
@@ -127,29 +126,17 @@ const char* chapter_of(Reader reader) {
       return "fit";
     case Reader::kRecording:
       return "recording";
-    case Reader::kStudy:
-      return "study";
   }
   return "";
 }
 
 #ifndef PALPATE_WITHOUT_SIM
-void read_with_simulator(Reader reader, const config::Node& root, const std::string& file) {
-  if (reader == Reader::kScene) {
-    scenes::read_scene(root);
-  } else {
-    evaluate::read_study_plan(file, config::data_folder());
-  }
-}
+void read_scene(const config::Node& root, const std::string&) { scenes::read_scene(root); }
 #else
-void read_with_simulator(Reader, const config::Node&, const std::string& file) {
+void read_scene(const config::Node&, const std::string& file) {
   throw config::Error(file + ": this build has no simulator");
 }
 #endif
-
-}  // namespace
-
-namespace {
 
 /// What was asked of the recording itself; the configuration that one may name is another's.
 Declarations read_recording(const config::Node& root, const config::DeclarationList& list) {
@@ -185,12 +172,21 @@ Declarations read(Reader reader, const Exploration& exploration) {
   } else if (reader == Reader::kRecording) {
     return read_recording(root, list);
   } else {
-    read_with_simulator(reader, root, exploration.file);
+    read_scene(root, exploration.file);
   }
   Declarations own;
   for (const config::Declaration& declaration : list.all())
     if (declaration.document == exploration.file) own.push_back(declaration);
-  return reader == Reader::kStudy ? without_names(own) : own;
+  return own;
+}
+
+Declarations declared_by(const std::string& file, const std::function<void()>& read) {
+  config::DeclarationList list;
+  read();
+  Declarations own;
+  for (const config::Declaration& declaration : list.all())
+    if (declaration.document == file) own.push_back(declaration);
+  return without_names(own);
 }
 
 std::vector<Exploration> explorations(Reader reader, const fs::path& models) {

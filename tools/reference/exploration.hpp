@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -9,7 +10,7 @@
 namespace palpate::reference {
 
 /// What reads a document.
-enum class Reader { kDaemon, kScene, kTrain, kFit, kRecording, kStudy };
+enum class Reader { kDaemon, kScene, kTrain, kFit, kRecording };
 
 /// A document to be read, with keys set otherwise.
 struct Exploration {
@@ -22,9 +23,12 @@ struct Exploration {
 /// Everything that was asked of it.
 using Declarations = std::vector<config::Declaration>;
 
-/// Reads it as palpated, palpate-sim, palpate-train, palpate-fit or palpate-evaluate does before it
-/// begins; a recording as palpate-fit does. Throws config::Error where they would refuse it.
+/// Reads it as palpated, palpate-sim, palpate-train or palpate-fit does before it begins; a
+/// recording as palpate-fit does. Throws config::Error where they would refuse it.
 Declarations read(Reader reader, const Exploration& exploration);
+
+/// What `read` asks of `file`, whose keys may be names that the document gives (NAME).
+Declarations declared_by(const std::string& file, const std::function<void()>& read);
 
 /// Those of explorations.yaml; `models` is a folder to write to, for models and recordings that
 /// they name. Throws config::Error.

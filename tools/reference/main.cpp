@@ -49,12 +49,6 @@ constexpr const char* kRecording =
     "own,\n"
     "`10.5 mm`; its range is in SI. QUANTITY is each of those that `columns` names.\n\n";
 
-constexpr const char* kStudy =
-    "## Plans of palpate-evaluate\n\n"
-    "Of `palpate-evaluate thesis`, `control`, `estimate` and the others that take `--plan`. Files "
-    "are\n"
-    "named from palpate's own folder. NAME is that of a method or a model error.\n\n";
-
 /// A folder of this run alone.
 class Scratch {
  public:
@@ -76,15 +70,6 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-/// False, and named, where a declaration tells no meaning.
-bool write(std::ostream& out, const std::vector<Declarations>& readings, int level) {
-  const std::vector<Section> sections = merge(readings);
-  write_markdown(out, sections, level);
-  for (const std::string& name : untold(sections))
-    std::cerr << "error: " << name << " is declared without a meaning\n";
-  return untold(sections).empty();
-}
-
 /// A table for each kind of recording: they have little in common.
 bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
   const std::vector<Exploration> all = explorations(Reader::kRecording, models);
@@ -94,7 +79,7 @@ bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
     for (const Exploration& exploration : all)
       if (exploration.kind == kind.name) readings.push_back(read(Reader::kRecording, exploration));
     out << "### Kind `" << kind.name << "`: " << kind.summary << "\n\n";
-    told = write(out, readings, 4) && told && !readings.empty();
+    told = write_tables(out, readings, 4) && told && !readings.empty();
   }
   return told;
 }
@@ -108,8 +93,7 @@ bool write_all(std::ostream& out) {
       {Reader::kScene, "## Scenes of palpate-sim\n\n"},
       {Reader::kTrain, "## Plans of palpate-train\n\n"},
       {Reader::kFit, kFit},
-      {Reader::kRecording, kRecording},
-      {Reader::kStudy, kStudy}};
+      {Reader::kRecording, kRecording}};
   for (const auto& [reader, title] : chapters) {
     out << title;
     if (reader == Reader::kRecording) {
@@ -119,14 +103,14 @@ bool write_all(std::ostream& out) {
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
       readings.push_back(read(reader, exploration));
-    told = write(out, readings, 3) && told;
+    told = write_tables(out, readings, 3) && told;
   }
   return told;
 }
 
 int run(const std::string& file, Reader reader, const std::vector<std::string>& overrides) {
-  const bool told =
-      file.empty() ? write_all(std::cout) : write(std::cout, {read(reader, {file, overrides})}, 2);
+  const bool told = file.empty() ? write_all(std::cout)
+                                 : write_tables(std::cout, {read(reader, {file, overrides})}, 2);
   return told ? 0 : 1;
 }
 
@@ -135,7 +119,7 @@ int run(const std::string& file, Reader reader, const std::vector<std::string>& 
 int main(int argc, char** argv) {
   CLI::App app(
       "palpate-reference prints every parameter of configurations, scenes and plans of\n"
-      "palpate-train, palpate-fit and palpate-evaluate as a table in Markdown: type, unit, "
+      "palpate-train and palpate-fit as a table in Markdown: type, unit, "
       "default, range and meaning, as the code "
       "declares them.\n"
       "Exit codes: 0 done, 1 a parameter tells no meaning, 78 wrong configuration.");
@@ -147,8 +131,7 @@ int main(int argc, char** argv) {
   const std::tuple<const char*, Reader, const char*> kinds[] = {
       {"--scene", Reader::kScene, "it is a scene of palpate-sim"},
       {"--train", Reader::kTrain, "it is a plan of palpate-train"},
-      {"--fit", Reader::kFit, "it is a plan of palpate-fit"},
-      {"--study", Reader::kStudy, "it is a plan of palpate-evaluate"}};
+      {"--fit", Reader::kFit, "it is a plan of palpate-fit"}};
   CLI::Option_group* kind = app.add_option_group("what the file is", "absent: a configuration");
   for (const auto& [name, of, meaning] : kinds) {
     kind->add_flag_callback(

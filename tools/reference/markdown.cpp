@@ -1,6 +1,7 @@
 #include "tools/reference/markdown.hpp"
 
 #include <algorithm>
+#include <iostream>
 #include <ostream>
 
 namespace palpate::reference {
@@ -45,6 +46,14 @@ void write_markdown(std::ostream& out, const std::vector<Section>& sections, int
           << cell(condition_of(parameter) + parameter.meaning) << " |\n";
     out << "\n";
   }
+}
+
+bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level) {
+  const std::vector<Section> sections = merge(readings);
+  write_markdown(out, sections, level);
+  for (const std::string& name : untold(sections))
+    std::cerr << "error: " << name << " is declared without a description\n";
+  return untold(sections).empty();
 }
 
 }  // namespace palpate::reference

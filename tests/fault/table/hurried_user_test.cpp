@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "tools/faults/replay.hpp"
+#include "tools/lab/faults/replay.hpp"
 
 namespace palpate::faults {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/faults/long_run.hpp"
+#include "tools/lab/faults/long_run.hpp"
 
 #include <gtest/gtest.h>
 

@@ -2,8 +2,8 @@
 
 #include <cstdlib>
 
-#include "tools/faults/campaign.hpp"
-#include "tools/faults/rows.hpp"
+#include "tools/lab/faults/campaign.hpp"
+#include "tools/lab/faults/rows.hpp"
 
 namespace palpate::faults {
 namespace {

@@ -74,7 +74,7 @@ class Way {
   Vector3d rest_point_, start_;
 };
 
-/// E and nu as far off as in tools/evaluate/mismatch.yaml; the hand's pose is exact.
+/// E and nu as far off as in tools/lab/studies/mismatch.yaml; the hand's pose is exact.
 const char* const kWrongModulus = "object.material.young_modulus=39e3";
 const char* const kWrongRatio = "object.material.poisson_ratio=0.15";
 

@@ -1,5 +1,5 @@
 // The filter while a camera looks at the object, in the simulator, under every model error at once
-// (tools/evaluate/mismatch.yaml): the daemon's E, Poisson's ratio and mesh are wrong, its force
+// (tools/lab/studies/mismatch.yaml): the daemon's E, Poisson's ratio and mesh are wrong, its force
 // sensor and hand pose are off, the pads give.
 #include "tests/integration/closed_loop/closed_loop.hpp"
 

@@ -25,9 +25,9 @@ SCENE, CONFIGURATION = "sim/scenes/bar_long_soft_control.yaml", "rt/config/examp
 WHOLE = {"README.md", "docs/tutorial.md", "docs/own_robot.md"}  # docs_test.py
 # What is not run, by how its line begins, and why.
 NOT_RUN = {
-    "tools/evaluate/report_rivals": "takes hours; process.published.studies runs it on a small plan",
-    "tools/evaluate/tune_rivals": "takes hours; process.published.tuning runs it on a small plan",
-    "tools/evaluate/run_shards": "takes hours; process.published.studies runs it on a small plan",
+    "tools/lab/report/report_baselines": "takes hours; process.published.studies runs it on a small plan",
+    "tools/lab/report/tune_baselines": "takes hours; process.published.tuning runs it on a small plan",
+    "tools/lab/report/run_shards": "takes hours; process.published.studies runs it on a small plan",
     "sbatch": "needs a cluster; process.published.studies runs its script",
     "palpate-evaluate control": "takes hours; process.published.studies runs it on a small plan",
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",

@@ -11,9 +11,9 @@
 #include "rt/bus/session.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "tests/support/faulty_slots.hpp"
-#include "tools/evaluate/fault_wire.hpp"
-#include "tools/faults/faulty_sensor.hpp"
-#include "tools/faults/process_judge.hpp"
+#include "tools/lab/faults/fault_wire.hpp"
+#include "tools/lab/faults/faulty_sensor.hpp"
+#include "tools/lab/faults/process_judge.hpp"
 
 namespace palpate {
 namespace {
@@ -81,7 +81,7 @@ config::Node configuration(const Case& of) {
 }
 
 /// Runs until some time after the fault. 0: in the cycle of the fault the fallback commanded.
-int run_daemon(const Case& of, const evaluate::Urls& urls) {
+int run_daemon(const Case& of, const runs::Urls& urls) {
   const config::Node root = configuration(of);
   const auto control = bus::make_lcm_bus(urls.control);
   const auto housekeeping = bus::make_lcm_bus(urls.housekeeping);
@@ -112,7 +112,7 @@ class FallbackProcess : public ::testing::TestWithParam<int> {};
 
 TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
   const Case& of = kCases[GetParam()];
-  const evaluate::Urls urls = evaluate::private_urls();
+  const runs::Urls urls = runs::private_urls();
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -120,7 +120,7 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
     _exit(run_daemon(of, urls));
   }
   const faults::Recording recording = faults::record_loop(kTicks);
-  evaluate::FaultWire wire(urls);
+  faults::FaultWire wire(urls);
   for (int i = 0; i < 2000 && !wire.heard(); ++i) usleep(10'000);
   faults::Scenario scenario;
   scenario.stream = recording.stream;

@@ -1,7 +1,7 @@
 // Packets that nobody may accept, at a daemon that holds its closed loop.
 
 #include "tests/process/faults/fault_process.hpp"
-#include "tools/inject/packets.hpp"
+#include "tools/lab/inject/packets.hpp"
 
 namespace palpate {
 namespace {

@@ -9,7 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
-#include "tools/evaluate/observer_score.hpp"
+#include "tools/lab/sensor_models/observer_score.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -37,7 +37,7 @@ class ObserverProcess : public ::testing::Test {
     return code;
   }
 
-  ForceSeries contacts(const std::string& executor) const {
+  sensor_models::ForceSeries contacts(const std::string& executor) const {
     const fs::path log = folder_ / (executor + ".log");
     EXPECT_EQ(run("palpate-replay '" + (folder_ / "logs/rotation_y.control.log").string() +
                   "' --config '" + kConfiguration + "' --start --output '" + log.string() +
@@ -45,7 +45,7 @@ class ObserverProcess : public ::testing::Test {
                   "' --set sensing.0.executor=" + executor),
               0)
         << printed_;
-    return read_wrist_contacts(log, 2);
+    return sensor_models::read_wrist_contacts(log, 2);
   }
 
   fs::path folder_;
@@ -73,7 +73,7 @@ TEST_F(ObserverProcess, LearnsAndIsNoWorseThanNewtonAndEuler) {
   EXPECT_TRUE(fs::exists(folder_ / "observer.csv"));
 
   // The daemon says the same with libtorch's kernel and with palpate's own.
-  const ForceSeries compiled = contacts("compiled"), torch = contacts("torch");
+  const sensor_models::ForceSeries compiled = contacts("compiled"), torch = contacts("torch");
   ASSERT_EQ(compiled.time, torch.time);
   ASSERT_GT(compiled.time.size(), 5000u);
   EXPECT_LT((compiled.force - torch.force).cwiseAbs().maxCoeff(), 1e-5);

@@ -9,7 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/pipeline/pipeline.hpp"
-#include "tests/unit/tools/evaluate/study_folder.hpp"
+#include "tests/unit/tools/lab/studies/study_folder.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -74,7 +74,7 @@ applications:
     return nlohmann::json::parse(folder_.read("out/" + job + "/result.json"));
   }
 
-  StudyFolder folder_;
+  studies::StudyFolder folder_;
 };
 
 TEST_F(PublishedSensing, RunsAgainWhatHasChangedAndNothingElse) {
@@ -130,10 +130,10 @@ TEST_F(PublishedSensing, AMethodThatFailsCountsAtTheCap) {
 }
 
 TEST_F(PublishedSensing, WhatIsControlledIsRefused) {
-  EXPECT_EQ(
-      run("published-sensing --plan '" + kRoot + "/tools/evaluate/published_control.yaml' --out '" +
-          folder_.file("out").string() + "'"),
-      1);
+  EXPECT_EQ(run("published-sensing --plan '" + kRoot +
+                "/tools/lab/studies/published_control.yaml' --out '" +
+                folder_.file("out").string() + "'"),
+            1);
   EXPECT_THAT(said(), HasSubstr("what is controlled cannot be replayed"));
 }
 

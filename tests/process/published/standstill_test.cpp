@@ -3,16 +3,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tests/unit/tools/evaluate/study_folder.hpp"
-#include "tools/evaluate/live_run.hpp"
+#include "tests/unit/tools/lab/studies/study_folder.hpp"
+#include "tools/lab/runs/live_run.hpp"
 
 namespace palpate::evaluate {
 namespace {
 
 const std::filesystem::path kRoot = PALPATE_SOURCE_DIR;
 
-RunPlan plan_of(const std::string& setting) {
-  RunPlan plan;
+runs::RunPlan plan_of(const std::string& setting) {
+  runs::RunPlan plan;
   plan.name = "bar";
   plan.source.scene = kRoot / "sim/scenes/bar_long_soft_control_yield_markers.yaml";
   plan.source.scene_overrides = {setting};
@@ -23,23 +23,24 @@ RunPlan plan_of(const std::string& setting) {
 }
 
 TEST(Standstill, ARunWhoseSimulatorMakesNoHeadwayIsGivenUpAndSaysSo) {
-  StudyFolder folder;
-  RunPlan plan = plan_of("object.material.young_modulus=1e9");  // takes a long time for a tick
+  studies::StudyFolder folder;
+  runs::RunPlan plan =
+      plan_of("object.material.young_modulus=1e9");  // takes a long time for a tick
   plan.standstill = 1;
   common::Progress progress(1, 1, plan.name);
   try {
-    run_live(plan, folder.file("run"), progress);
+    runs::run_live(plan, folder.file("run"), progress);
     ADD_FAILURE() << "it came to its end";
-  } catch (const RunFailed& failure) {
+  } catch (const runs::RunFailed& failure) {
     EXPECT_THAT(failure.what(), testing::HasSubstr("stands still"));
   }
 }
 
 TEST(Standstill, ARunThatMovesIsNot) {
-  StudyFolder folder;
-  RunPlan plan = plan_of("seed=1");
+  studies::StudyFolder folder;
+  runs::RunPlan plan = plan_of("seed=1");
   common::Progress progress(1, 1, plan.name);
-  const RunFiles files = run_live(plan, folder.file("run"), progress);
+  const runs::RunFiles files = runs::run_live(plan, folder.file("run"), progress);
   EXPECT_TRUE(std::filesystem::exists(files.simulator));
 }
 

@@ -22,8 +22,8 @@ applications:
     kind: control
     scene: sim/scenes/bar_long_soft_control_markers.yaml
     configuration: rt/config/examples/bar_long_soft.yaml
-    method_file: tools/evaluate/rivals_tuned.yaml
-    mismatch_file: tools/evaluate/vision.yaml
+    method_file: tools/lab/studies/baselines_tuned.yaml
+    mismatch_file: tools/lab/studies/vision.yaml
     methods: ["palpate, model and markers", kinematic only]
     mismatch: [perfect vision, blind]
     seeds: [1]
@@ -37,9 +37,9 @@ applications:
     kind: force
     scene: {folder}/scene.yaml
     configuration: rt/config/examples/bar_long_soft.yaml
-    method_file: tools/evaluate/published_sensing_methods.yaml
+    method_file: tools/lab/studies/published_sensing_methods.yaml
     methods: ["palpate, pose and wrench, blind", "[31] spline fit, Jordt"]
-    mismatch_file: tools/evaluate/published_sensing_vision.yaml
+    mismatch_file: tools/lab/studies/published_sensing_vision.yaml
     mismatch: [noisy vision]
     seeds: [1]
 """
@@ -102,7 +102,7 @@ class Studies(unittest.TestCase):
         return [json.loads(file.read_text(encoding="utf-8")) for file in files]
 
     def check_report(self):
-        report = run([ROOT / "tools/evaluate/report_rivals", self.path / "out"])
+        report = run([ROOT / "tools/lab/report/report_baselines", self.path / "out"])
         self.assertEqual(report.returncode, 0, report.stdout)
         self.assertIn("Shape control, Table 2.2", report.stdout)
         rows = (self.path / "out/control.csv").read_text(encoding="utf-8").splitlines()
@@ -111,14 +111,14 @@ class Studies(unittest.TestCase):
     def test_one_command_runs_everything_once(self):
         (self.path / "scene.yaml").write_text(SCENE.format(root=ROOT), encoding="utf-8")
         (self.path / "sensing.yaml").write_text(SENSING.format(folder=self.path), encoding="utf-8")
-        command = [ROOT / "tools/evaluate/report_rivals", "--run", "--program", EVALUATE,
+        command = [ROOT / "tools/lab/report/report_baselines", "--run", "--program", EVALUATE,
                    "--control-plan", self.path / "plan.yaml", "--sensing-plan",
                    self.path / "sensing.yaml", self.path / "out"]
         said = run(command)
         self.assertEqual(said.returncode, 0, said.stdout)
         self.assertIn("4 jobs run, 0 kept, 0 failed", said.stdout)
         self.assertIn("methods on recordings: 2 run, 0 kept, 0 failed", said.stdout)
-        page = (self.path / "out/rivals.html").read_text(encoding="utf-8")
+        page = (self.path / "out/baselines.html").read_text(encoding="utf-8")
         for text in ("Table 2.2", "Table 2.1", "<h2>kinematic only</h2>",
                      "<h2>[31] spline fit, Jordt</h2>", "data:image/png"):
             self.assertIn(text, page)
@@ -133,7 +133,7 @@ class Studies(unittest.TestCase):
     def test_slurm_array(self):
         """As sbatch runs the script: with its own variables, one task after the other."""
         for task in (1, 2, 3):
-            said = run(["sh", ROOT / "tools/evaluate/shards.sbatch", *self.study],
+            said = run(["sh", ROOT / "tools/lab/report/shards.sbatch", *self.study],
                        SLURM_ARRAY_TASK_ID=str(task), SLURM_ARRAY_TASK_COUNT="3",
                        SLURM_SUBMIT_DIR=str(ROOT))
             self.assertEqual(said.returncode, 0, said.stdout)
@@ -143,7 +143,7 @@ class Studies(unittest.TestCase):
         self.assertEqual(merged.returncode, 0, merged.stdout)
         self.assertTrue((self.path / "out/control/report.html").exists())
         self.check_report()
-        outside = run(["sh", ROOT / "tools/evaluate/shards.sbatch", *self.study])
+        outside = run(["sh", ROOT / "tools/lab/report/shards.sbatch", *self.study])
         self.assertNotEqual(outside.returncode, 0)
         self.assertIn("SLURM_ARRAY_TASK_ID", outside.stdout)
 
@@ -158,7 +158,7 @@ class Studies(unittest.TestCase):
         ssh.chmod(0o755)
         logins = self.path / "hosts.txt"
         logins.write_text("".join(f"1/{ssh} {host}\n" for host in HOSTS), encoding="utf-8")
-        said = run([ROOT / "tools/evaluate/run_shards", "2", *self.study],
+        said = run([ROOT / "tools/lab/report/run_shards", "2", *self.study],
                    PALPATE_HOSTS=f"--sshloginfile {logins}", PALPATE_SHARDS_AT_ONCE="1")
         self.assertEqual(said.returncode, 0, said.stdout)
         for shard in ("1/2", "2/2"):

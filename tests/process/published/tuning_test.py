@@ -29,7 +29,7 @@ tasks:
       kind: control
       scene: sim/scenes/bar_long_soft_control_markers.yaml
       configuration: rt/config/examples/bar_long_soft.yaml
-      mismatch_file: tools/evaluate/vision.yaml
+      mismatch_file: tools/lab/studies/vision.yaml
       mismatch: [noisy vision]
       seeds: [11]
       duration: 0.6
@@ -57,7 +57,7 @@ tasks:
       kind: force
       scene: {folder}/scene.yaml
       configuration: rt/config/examples/bar_long_soft.yaml
-      mismatch_file: tools/evaluate/published_sensing_tuning_vision.yaml
+      mismatch_file: tools/lab/studies/published_sensing_tuning_vision.yaml
       mismatch: [told right, told wrong]
       seeds: [101]
     methods:
@@ -86,7 +86,7 @@ class Tuning(unittest.TestCase):
 
     def tune(self, *options):
         done = subprocess.run(
-            [str(ROOT / "tools/evaluate/tune_rivals"), str(self.path / "tuning.yaml"), "--out",
+            [str(ROOT / "tools/lab/report/tune_baselines"), str(self.path / "tuning.yaml"), "--out",
              str(self.path / "out"), "--program", str(BIN / "palpate-evaluate"), *options],
             check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return done.returncode, done.stdout

@@ -14,7 +14,7 @@
 #include "tests/support/child_process.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/rt/bus/messages.hpp"
-#include "tools/inject/packets.hpp"
+#include "tools/lab/inject/packets.hpp"
 
 namespace palpate {
 namespace {

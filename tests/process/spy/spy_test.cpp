@@ -9,7 +9,7 @@
 #include "tests/process/spy/display.hpp"
 #include "tests/process/spy/scene.hpp"
 #include "tests/support/scratch_folder.hpp"
-#include "tools/inject/packets.hpp"
+#include "tools/lab/inject/packets.hpp"
 
 namespace palpate {
 namespace {

@@ -10,7 +10,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "tests/unit/tools/evaluate/study_folder.hpp"
+#include "tests/unit/tools/lab/studies/study_folder.hpp"
 
 namespace palpate::evaluate {
 namespace {
@@ -93,7 +93,7 @@ class StudyProcess : public testing::Test {
     EXPECT_EQ(different, 0u) << channel << " of " << both;
     EXPECT_GT(both, sent - sent / 50) << channel;
   }
-  StudyFolder folder_;
+  studies::StudyFolder folder_;
 };
 
 TEST_F(StudyProcess, RunsAJobOnceAndGivesTheSameTwice) {

@@ -7,14 +7,14 @@
 #include "core/mesh/point_locator.hpp"
 #include "tests/bench/core/elasticity/candidate_statics.hpp"
 #include "tests/bench/core/elasticity/correction_cost.hpp"
-#include "tools/evaluate/case_score.hpp"
 #include "tools/common/table.hpp"
+#include "tools/lab/cases/case_score.hpp"
 
 namespace palpate::bench {
 namespace {
 
-using Eigen::Matrix3Xd;
 using common::number;
+using Eigen::Matrix3Xd;
 
 void set_cost(const elasticity::Body& body, Volumetric volumetric, const Matrix3Xd& positions,
               ElementRow& row) {
@@ -36,10 +36,10 @@ std::vector<std::string> in_order(const std::vector<ElementRow>& rows, const Key
 
 }  // namespace
 
-std::optional<ElementRow> measure_case(const evaluate::CaseFile& c, const std::string& mesh_name,
+std::optional<ElementRow> measure_case(const cases::CaseFile& c, const std::string& mesh_name,
                                        const mesh::MeshWithGroups& mesh,
                                        const std::string& element) {
-  const evaluate::CaseProblem problem = evaluate::make_problem(
+  const cases::CaseProblem problem = cases::make_problem(
       c, mesh,
       element == kQuadratic ? mesh::ElementOrder::kQuadratic : mesh::ElementOrder::kLinear);
   const elasticity::Body& body = problem.body;
@@ -52,7 +52,7 @@ std::optional<ElementRow> measure_case(const evaluate::CaseFile& c, const std::s
     if (!solution.converged) return std::nullopt;
     positions = solution.positions;
   } else {
-    const elasticity::StaticSolution solution = evaluate::solve(problem);
+    const elasticity::StaticSolution solution = cases::solve(problem);
     if (!solution.converged) return std::nullopt;
     positions = solution.positions;
   }

@@ -7,7 +7,7 @@
 
 #include "tests/bench/core/elasticity/candidate_elements.hpp"
 #include "tests/bench/core/elasticity/round_bodies.hpp"
-#include "tools/evaluate/case_mesh.hpp"
+#include "tools/lab/cases/case_mesh.hpp"
 
 namespace palpate::bench {
 
@@ -32,7 +32,7 @@ inline constexpr const char* kInflatedQuadratic = "quadratic inflated";
 inline constexpr const char* kCurvedQuadratic = "quadratic curved";
 
 /// A reference case on a mesh with its groups; nothing where statics does not converge.
-std::optional<ElementRow> measure_case(const evaluate::CaseFile& c, const std::string& mesh_name,
+std::optional<ElementRow> measure_case(const cases::CaseFile& c, const std::string& mesh_name,
                                        const mesh::MeshWithGroups& mesh,
                                        const std::string& element);
 

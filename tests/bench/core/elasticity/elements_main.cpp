@@ -8,7 +8,7 @@
 
 #include "tests/bench/core/elasticity/element_rows.hpp"
 #include "tests/support/recordings.hpp"
-#include "tools/evaluate/case_sweep.hpp"
+#include "tools/lab/cases/case_sweep.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -28,7 +28,7 @@ void note(const ElementRow& row) {
 
 /// The delivered meshes, then a ladder of our own ones.
 void measure_cases(const Arguments& a, const std::string& folder, std::vector<ElementRow>& rows) {
-  const evaluate::CaseFile c = evaluate::read_case(folder);
+  const cases::CaseFile c = cases::read_case(folder);
   const auto add = [&](const std::string& name, const mesh::MeshWithGroups& mesh,
                        const std::string& element) {
     if (const auto row = measure_case(c, name, mesh, element)) {
@@ -41,13 +41,13 @@ void measure_cases(const Arguments& a, const std::string& folder, std::vector<El
   for (const std::string element : {kLinear, kAveragedLinear, kQuadratic}) {
     const bool quadratic = element == kQuadratic;
     for (const auto& [name, file] : c.meshes) {
-      if (!quadratic || name == "coarse") add(name, evaluate::read_case_mesh(c, name), element);
+      if (!quadratic || name == "coarse") add(name, cases::read_case_mesh(c, name), element);
     }
     if (c.boxes.empty()) continue;
     const ElementOrder order = quadratic ? ElementOrder::kQuadratic : ElementOrder::kLinear;
-    for (const evaluate::CaseGrid& grid :
-         evaluate::grid_ladder(c, order, quadratic ? a.most_quadratic : a.most_linear)) {
-      add(grid.text(), evaluate::make_case_mesh(c, grid), element);
+    for (const cases::CaseGrid& grid :
+         cases::grid_ladder(c, order, quadratic ? a.most_quadratic : a.most_linear)) {
+      add(grid.text(), cases::make_case_mesh(c, grid), element);
     }
   }
 }

@@ -12,7 +12,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_receiver.hpp"
-#include "tools/inject/packets.hpp"
+#include "tools/lab/inject/packets.hpp"
 
 namespace palpate::inject {
 namespace {

@@ -1,1 +1,0 @@
-"""What tools/evaluate/report_rivals is made of."""

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+namespace palpate::cases {
+
+/// The commands about the deformation model alone: static, dynamic and beam.
+class CaseCommands {
+ public:
+  explicit CaseCommands(CLI::App& app);
+  ~CaseCommands();
+
+  /// Runs the one that was given and returns its exit code; nothing where it is another command.
+  /// `data`: folder of recordings. Throws config::Error for a bad case.
+  std::optional<int> run(const std::filesystem::path& data, std::ostream& out);
+
+ private:
+  struct Options;
+  std::unique_ptr<Options> options_;
+  CLI::App* static_command_;
+  CLI::App* dynamic_command_;
+  CLI::App* beam_command_;
+};
+
+}  // namespace palpate::cases

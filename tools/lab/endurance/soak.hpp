@@ -1,0 +1,44 @@
+#pragma once
+
+#include <sys/types.h>
+
+#include <cstdint>
+#include <filesystem>
+#include <vector>
+
+namespace palpate::endurance {
+
+struct SoakOptions {
+  double minutes = 10;
+  std::filesystem::path root;    // source tree
+  std::filesystem::path output;  // folder of what the programs print
+  std::filesystem::path json;    // empty: none
+  std::uint64_t seed = 1;        // of the faults in virtual time
+};
+
+/// Resident memory over time, s and MB.
+struct MemorySample {
+  double time = 0;
+  double megabytes = 0;
+};
+
+/// Growth between the second and the last tenth of a run (the first is warm-up) and the slope of a
+/// straight line through what follows the warm-up.
+struct MemoryTrend {
+  double first = 0;  // MB, mean of the second tenth
+  double last = 0;   // MB, mean of the last tenth
+  double slope = 0;  // MB per minute
+  double growth() const { return last - first; }
+};
+
+/// Throws std::invalid_argument for fewer than 20 samples.
+MemoryTrend memory_trend(const std::vector<MemorySample>& samples);
+
+/// Of a process, MB. Throws RunFailed where it has ended.
+double resident_megabytes(pid_t pid);
+
+/// Daemon and simulator in real time under changing targets; prints resident memory, overruns and
+/// latency. Exit code 1 where memory grows by more than 1 MB after warm-up.
+int run_soak(const SoakOptions& options);
+
+}  // namespace palpate::endurance

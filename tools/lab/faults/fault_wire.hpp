@@ -1,0 +1,60 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <lcm/lcm-cpp.hpp>
+#include <memory>
+#include <thread>
+#include <vector>
+
+#include "tools/lab/faults/scenario.hpp"
+#include "tools/lab/runs/operator.hpp"
+
+namespace palpate::faults {
+
+/// Everything around a daemon's process: sends what a scenario says when it says so, and hears
+/// whatever the daemon says, from a thread. Times in ns since the scenario's beginning.
+class FaultWire {
+ public:
+  /// Throws std::runtime_error where a URL cannot be opened.
+  explicit FaultWire(const runs::Urls& urls);
+  ~FaultWire();
+  FaultWire(const FaultWire&) = delete;
+  FaultWire& operator=(const FaultWire&) = delete;
+
+  /// Whether the daemon has said anything by now.
+  bool heard() const { return heard_any_; }
+
+  /// From now on what is heard is kept, with times since now. play() does so itself.
+  void begin();
+  /// s since then.
+  double now() const;
+
+  /// Sends all of it, with start and target as in virtual time. `each`: once a millisecond. Throws
+  /// Interrupted.
+  void play(const faults::Recording& recording, const faults::Scenario& scenario,
+            const std::function<void(int tick)>& each);
+  /// s by which the latest message left later than it was to, for this machine's own reasons.
+  double latest() const { return latest_; }
+
+  /// What was heard by now, as a run in virtual time would show it; ends the listening. `limits`:
+  /// of the gate; commands every `period` s. Where the flange is remains unknown, so that the
+  /// workspace is not judged.
+  faults::Trace trace(int ticks, const control::GateLimits& limits, double period);
+
+ private:
+  void listen();
+  void take(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+
+  std::unique_ptr<bus::MessageBus> sender_;
+  faults::User user_;
+  lcm::LCM control_, housekeeping_;
+  std::vector<bus::Published> heard_;
+  std::atomic<bool> heard_any_{false};
+  std::atomic<std::int64_t> origin_us_{0};  // of the wall clock, by which LCM tells arrivals
+  double latest_ = 0;
+  std::atomic<bool> stop_{false};
+  std::thread listener_;
+};
+
+}  // namespace palpate::faults

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "tools/lab/faults/result.hpp"
+
+namespace palpate::faults {
+
+/// Runs task(0) to task(count - 1) in `jobs` processes, so that a crash or a hang (a minute) of one
+/// is an outcome like any other and the rest goes on. `done` is called with the number that is
+/// there. Results in order. For a program without other threads. Throws std::runtime_error where no
+/// process can be made.
+std::vector<RunResult> run_isolated(int count, int jobs, const std::function<RunResult(int)>& task,
+                                    const std::function<void(int)>& done = {});
+
+}  // namespace palpate::faults

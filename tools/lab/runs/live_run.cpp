@@ -1,0 +1,248 @@
+#include "tools/lab/runs/live_run.hpp"
+
+#include <algorithm>
+#include <cctype>
+#include <fstream>
+#include <sstream>
+#include <utility>
+
+namespace palpate::runs {
+namespace {
+
+// s; the simulator settles the plant under gravity first
+constexpr double kActivationPatience = 30;
+constexpr const char* kReady = "waits for start";  // what palpated says once it listens
+constexpr double kSlice = 0.1;                     // s
+constexpr double kDrain = 0.1;                     // s, from one look at the logs to the next
+constexpr double kLoggersPatience = 30;            // s, to write what is under way
+constexpr const char* kEndOfLog = "END_OF_LOG";    // channel of what a log ends with
+constexpr int kTail = 15;                          // lines of a failed program's output
+
+std::vector<std::string> with_settings(std::vector<std::string> command,
+                                       const std::vector<std::string>& overrides,
+                                       const Urls& urls) {
+  const auto set = [&command](const std::string& setting) {
+    command.push_back("--set");
+    command.push_back(setting);
+  };
+  for (const std::string& setting : overrides) set(setting);
+  set("bus.control=" + urls.control);
+  set("bus.housekeeping=" + urls.housekeeping);
+  return command;
+}
+
+std::vector<std::string> source_command(const RunPlan& plan, const RunFiles& files,
+                                        const Urls& urls) {
+  const Source& source = plan.source;
+  if (!source.log.empty())
+    return {"lcm-logplayer", "--lcm-url=" + urls.control, source.log.string()};
+  std::vector<std::string> command{(common::program_folder() / "palpate-sim").string(),
+                                   source.scene.string(), "--json", files.simulator.string()};
+  if (source.duration > 0) {
+    command.push_back("--duration");
+    command.push_back(std::to_string(source.duration));
+  }
+  if (plan.lock_step) command.push_back("--fast");
+  std::vector<std::string> overrides = source.scene_overrides;
+  overrides.push_back("bus.pictures=" + urls.pictures);
+  return with_settings(command, overrides, urls);
+}
+
+/// Whether one of its last messages is the mark of its end.
+bool has_ended(const std::filesystem::path& log) {
+  constexpr std::streamoff kLastBytes = 4096;
+  std::ifstream file(log, std::ios::binary | std::ios::ate);
+  const std::streamoff size = file.tellg();
+  file.seekg(std::max<std::streamoff>(0, size - kLastBytes));
+  std::stringstream tail;
+  tail << file.rdbuf();
+  return tail.str().find(kEndOfLog) != std::string::npos;
+}
+
+}  // namespace
+
+LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
+    : plan_(plan),
+      files_{folder / "control.log", folder / "housekeeping.log", folder / "simulator.json",
+             folder / "palpated.json"} {
+  if (plan.lock_step && (!plan.source.log.empty() || !(plan.source.duration > 0)))
+    throw std::invalid_argument("a lock-step run wants a simulator that ends by itself");
+  std::filesystem::create_directories(folder);
+  urls_ = private_urls();
+  const Urls& urls = urls_;
+  operator_ = std::make_unique<Operator>(urls);
+  const std::string palpated = (common::program_folder() / "palpated").string();
+  // Not lcm-logger: a run in lock-step is faster than it writes, and it drops what it cannot keep.
+  const std::string recorder = (common::program_folder() / "palpate-record").string();
+  const auto record = [&](const std::string& label, const std::string& url,
+                          const std::filesystem::path& log) {
+    const std::string name = "logger_" + label;
+    constexpr char kRoom[] = "&recv_buf_size=67108864";  // for a second in which others compute
+    loggers_.emplace_back(
+        name,
+        std::vector<std::string>{recorder, "--quiet", "--force", "--flush-interval", "20", "--only",
+                                 label, "--url", label + "=" + url + kRoom, log.string()},
+        folder / (name + ".txt"));
+  };
+  if (plan.recorded) {
+    record("control", urls.control, files_.control);
+    record("housekeeping", urls.housekeeping, files_.housekeeping);
+  }
+  std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
+                                   files_.daemon.string()};
+  if (plan.lock_step) command.push_back("--stepped");
+  daemon_ = std::make_unique<common::Process>(
+      "palpated", with_settings(command, plan.overrides, urls), folder / "palpated.txt");
+  if (plan.lock_step) start_lock_step();
+  // A recording does not wait: the daemon has to be active before the first message is played.
+  if (!plan.source.log.empty()) activate();
+  source_ =
+      std::make_unique<common::Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
+                                        source_command(plan, files_, urls), folder / "source.txt");
+  if (plan.source.log.empty() && !plan.lock_step) activate();
+}
+
+void LiveRun::fail(const std::string& what, const common::Process* at_fault) const {
+  std::string text = what;
+  if (at_fault != nullptr) {
+    const std::string words = tail(at_fault->output(), kTail);
+    text += "; " + at_fault->output().string() + (words.empty() ? " is empty" : ":\n" + words);
+  }
+  throw RunFailed(text);
+}
+
+bool LiveRun::check_programs() {
+  const auto check = [this](common::Process& process) {
+    if (const auto code = process.wait(0))
+      fail(process.name() + " ended with exit code " + std::to_string(*code), &process);
+  };
+  for (common::Process& logger : loggers_) check(logger);
+  check(*daemon_);
+  if (!source_) return true;
+  const auto code = source_->wait(0);
+  if (code && *code != 0)
+    fail(source_->name() + " ended with exit code " + std::to_string(*code), source_.get());
+  return !code;
+}
+
+void LiveRun::start_lock_step() {
+  const std::int64_t begin = wall_clock();
+  const double patience = std::max(kActivationPatience, plan_.standstill);
+  while (tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
+    check_programs();
+    if (static_cast<double>(wall_clock() - begin) * 1e-6 > patience)
+      fail("palpated does not listen", daemon_.get());
+    operator_->spin(0.02);
+  }
+  operator_->send_event("start");
+  if (plan_.target) operator_->set_target(*plan_.target);
+  operator_->spin(0.1);
+}
+
+void LiveRun::complete_lock_step(common::Progress& progress) {
+  // Slow is no failure: how long a run takes is the machine's affair, and what it finds is not.
+  std::int64_t simulated = 0, since = wall_clock();  // us
+  while (check_programs()) {
+    const std::int64_t now = operator_->health() ? operator_->health()->utime : 0;
+    if (now != simulated) since = wall_clock();
+    simulated = now;
+    if (static_cast<double>(wall_clock() - since) * 1e-6 > plan_.standstill)
+      fail("the simulation stands still", source_.get());
+    if (!operator_->refusal().empty())
+      fail("palpated refused: " + operator_->refusal(), daemon_.get());
+    progress.show(static_cast<double>(simulated) * 1e-6 / plan_.source.duration);
+    operator_->spin(kSlice);
+  }
+  if (!operator_->is_running()) fail("palpated was not active at the end", daemon_.get());
+}
+
+void LiveRun::activate() {
+  const std::int64_t begin = wall_clock();
+  std::int64_t sent = 0;
+  while (!operator_->is_running()) {
+    const std::int64_t now = wall_clock();
+    if (static_cast<double>(now - begin) * 1e-6 > kActivationPatience) {
+      const bool health = operator_->heard();
+      const std::string state = health ? reinterpret_cast<const char*>(operator_->health()->reason)
+                                       : "nothing was heard of it";
+      fail("palpated did not become active: " + state +
+               (operator_->refusal().empty() ? "" : "; refused: " + operator_->refusal()),
+           daemon_.get());
+    }
+    if (!check_programs()) fail(source_->name() + " ended at once", source_.get());
+    const bool ready = operator_->heard() && (!source_ || operator_->has_robot_state());
+    if (ready && now - sent > 500000) {
+      operator_->send_event("start");
+      sent = now;
+    }
+    operator_->spin(0.05);
+  }
+}
+
+void LiveRun::complete(common::Progress& progress) {
+  if (plan_.lock_step) return complete_lock_step(progress);
+  if (plan_.target) operator_->set_target(*plan_.target);
+  const std::int64_t begin = wall_clock();
+  for (;;) {
+    const double elapsed = static_cast<double>(wall_clock() - begin) * 1e-6;
+    if (elapsed >= plan_.duration || !check_programs()) return;
+    std::string note;
+    if (plan_.target) {
+      if (!operator_->refusal().empty())
+        fail("palpated refused the target: " + operator_->refusal(), nullptr);
+      if (operator_->is_active() && operator_->settled() >= plan_.settled) return;
+      if (operator_->estimated_error() >= 0)
+        note = std::to_string(operator_->estimated_error() * 1e3).substr(0, 5) + " mm";
+    }
+    progress.show(elapsed / plan_.duration, note);
+    operator_->spin(std::min(kSlice, plan_.duration - elapsed));
+  }
+}
+
+/// A logger writes in the order in which messages come: what was sent before a mark that stands in
+/// its log stands there too, if it came at all.
+void LiveRun::await_loggers() {
+  if (!plan_.recorded) return;
+  for (const auto& [url, log] : {std::pair{urls_.control, files_.control},
+                                 std::pair{urls_.housekeeping, files_.housekeeping}}) {
+    lcm::LCM marker(url);
+    const std::int64_t begin = wall_clock();
+    while (!has_ended(log)) {
+      if (static_cast<double>(wall_clock() - begin) * 1e-6 > kLoggersPatience)
+        fail("the logger does not write " + log.string(), nullptr);
+      marker.publish(kEndOfLog, kEndOfLog, 1);
+      operator_->spin(kDrain);
+    }
+  }
+}
+
+RunFiles LiveRun::finish() {
+  const bool healthy = operator_->health() && operator_->health()->state != 4;
+  const std::string reason = operator_->health()
+                                 ? reinterpret_cast<const char*>(operator_->health()->reason)
+                                 : "no HEALTH was heard";
+  const auto stop = [this](common::Process& process, bool may_have_ended) {
+    const bool ended = !process.running();
+    const int code = process.stop();
+    if (code != 0 || (ended && !may_have_ended))
+      fail(process.name() +
+               (ended ? " ended by itself with exit code " : " ended with exit code ") +
+               std::to_string(code),
+           &process);
+  };
+  stop(*source_, true);
+  stop(*daemon_, false);
+  await_loggers();
+  for (common::Process& logger : loggers_) logger.stop();
+  if (!healthy) fail("palpated ended faulted: " + reason, daemon_.get());
+  return files_;
+}
+
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder,
+                  common::Progress& progress) {
+  LiveRun run(plan, folder);
+  run.complete(progress);
+  return run.finish();
+}
+
+}  // namespace palpate::runs

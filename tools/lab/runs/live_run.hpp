@@ -1,0 +1,92 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "tools/common/process.hpp"
+#include "tools/common/progress.hpp"
+#include "tools/lab/runs/experiments.hpp"
+#include "tools/lab/runs/operator.hpp"
+
+namespace palpate::runs {
+
+/// A run did not come to its end: what() says why, with the last words of the program at fault.
+class RunFailed : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+/// What feeds the daemon: the simulator with a scene, or the player with a log.
+struct Source {
+  std::filesystem::path scene;
+  std::vector<std::string> scene_overrides;
+  double duration = 0;        // s, simulated, after which the simulator ends; 0: never
+  std::filesystem::path log;  // of the control URL; where set, it is played and nothing simulated
+};
+
+struct RunPlan {
+  std::string name;  // names the folder of the run
+  Source source;
+  std::filesystem::path configuration;  // of palpated
+  std::vector<std::string> overrides;
+  double duration = 10;  // s from the start of the daemon's activity, at most
+  std::optional<ControlTarget> target;
+  double settled = 3;    // s after which a run with a target ends early, once at rest
+  bool recorded = true;  // by one logger a URL
+  /// Simulator and daemon tick by tick instead of in real time, to the end of the source, whose
+  /// duration has to be set: what comes out does not depend on the machine's load.
+  bool lock_step = false;
+  double standstill = 120;  // s without simulated time to pass, after which such a run is given up
+};
+
+struct RunFiles {
+  std::filesystem::path control;       // log of the control URL
+  std::filesystem::path housekeeping;  // log of the housekeeping URL
+  std::filesystem::path simulator;     // summary of palpate-sim, JSON
+  std::filesystem::path daemon;        // statistics of palpated, JSON
+};
+
+/// The programs of one run over LCM on private ports: two loggers, the daemon, its source. All of
+/// them end with this object. In lock-step the daemon is told to start, and its target, before the
+/// simulator's first tick, so that every run hears of them at the same one.
+class LiveRun {
+ public:
+  /// Starts everything and activates the daemon; logs go to `folder`. Throws RunFailed.
+  LiveRun(const RunPlan& plan, const std::filesystem::path& folder);
+
+  /// To the end of the plan: its duration, the end of the source, or a target reached and kept.
+  void complete(common::Progress& progress);
+
+  /// Ends everything in order and checks the exit codes; throws RunFailed.
+  RunFiles finish();
+
+  Operator& user() { return *operator_; }
+  pid_t daemon_pid() const { return daemon_->pid(); }
+  /// Throws RunFailed where a program has ended that should run. False once the source is through.
+  bool check_programs();
+
+ private:
+  void start_lock_step();
+  void complete_lock_step(common::Progress& progress);
+  void await_loggers();
+  void activate();
+  [[noreturn]] void fail(const std::string& what, const common::Process* at_fault) const;
+
+  const RunPlan& plan_;
+  RunFiles files_;
+  Urls urls_;
+  std::unique_ptr<Operator> operator_;
+  std::vector<common::Process> loggers_;
+  std::unique_ptr<common::Process> daemon_;
+  std::unique_ptr<common::Process> source_;
+};
+
+/// Starts, completes and finishes a plan.
+RunFiles run_live(const RunPlan& plan, const std::filesystem::path& folder,
+                  common::Progress& progress);
+
+}  // namespace palpate::runs

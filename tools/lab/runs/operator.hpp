@@ -1,0 +1,77 @@
+#pragma once
+
+#include <cstdint>
+#include <lcm/lcm-cpp.hpp>
+#include <optional>
+#include <palpate/component_event_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <palpate/twist_command_t.hpp>
+#include <string>
+
+#include "rt/bus/authentication.hpp"
+#include "tools/lab/runs/experiments.hpp"
+
+namespace palpate::runs {
+
+/// URLs of one run; nobody else on this machine uses their ports.
+struct Urls {
+  std::string control;
+  std::string housekeeping;
+  std::string pictures;
+};
+Urls private_urls();
+
+/// What a user does with a running daemon: starts it, gives targets, looks at its health.
+class Operator {
+ public:
+  /// `key`: that the daemon is configured with. Throws std::runtime_error where a URL cannot be
+  /// opened.
+  explicit Operator(const Urls& urls, const std::optional<bus::Key>& key = {});
+
+  /// Handles what arrives for `seconds` and repeats the target at 2 Hz; throws Interrupted.
+  void spin(double seconds);
+
+  /// Sends an event to all slots once.
+  void send_event(const std::string& event);
+
+  void set_target(const ControlTarget& target);
+
+  bool heard() const { return health_.has_value(); }
+  const std::optional<health_t>& health() const { return health_; }
+  bool is_running() const;  // active or degraded
+  bool is_active() const;
+  bool has_robot_state() const;
+  /// Why the daemon refused the last command or target; empty where it did not.
+  const std::string& refusal() const { return refusal_; }
+
+  /// s for which the daemon has followed our target and commanded no motion.
+  double settled() const;
+  /// m, distance of the estimated feature to the target; below zero where unknown.
+  double estimated_error() const { return estimated_error_; }
+
+ private:
+  void on_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* message);
+  void on_event(const lcm::ReceiveBuffer*, const std::string&, const component_event_t* message);
+  void on_feature(const lcm::ReceiveBuffer*, const std::string&, const feature_t* message);
+  void on_command(const lcm::ReceiveBuffer*, const std::string&, const twist_command_t* message);
+
+  lcm::LCM control_;
+  lcm::LCM housekeeping_;
+  std::int64_t session_;
+  std::int32_t seq_ = 0;
+  bus::Sealer command_sealer_, target_sealer_;
+  std::optional<shape_target_t> target_;
+  std::int64_t target_sent_ = 0;  // us
+  std::optional<health_t> health_;
+  std::string refusal_;
+  bool following_ = false;
+  std::int64_t still_since_ = 0;  // us; 0: moving
+  double estimated_error_ = -1;
+};
+
+/// us since the epoch.
+std::int64_t wall_clock();
+
+}  // namespace palpate::runs

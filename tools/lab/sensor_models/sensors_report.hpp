@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <nlohmann/json_fwd.hpp>
+#include <ostream>
+#include <vector>
+
+#include "tools/lab/sensor_models/sensors_score.hpp"
+
+namespace palpate::sensor_models {
+
+/// A table a kind, a section of it a file.
+void print_sensors(const std::vector<SensorComparison>& comparisons, std::ostream& out);
+
+/// One row a method, recording and tare, RFC 4180. Angles in degrees, torques in N m.
+void write_sensors_csv(const std::vector<SensorComparison>& comparisons, std::ostream& out);
+
+nlohmann::json to_json(const SensorComparison& comparison);
+
+/// Truth and answers (or errors) over time of the first learned model and the first baseline, one
+/// picture a comparison below `folder`; the pictures. None where gnuplot is not installed.
+std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparison>& comparisons,
+                                                const std::filesystem::path& folder);
+
+}  // namespace palpate::sensor_models

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "tools/lab/studies/sensing_recording.hpp"
+#include "tools/lab/studies/study_plan.hpp"
+
+namespace palpate::studies {
+
+/// What of a job is simulated once for all methods: its scene, by its level and seed.
+SensingScene scene_of(const StudyJob& job);
+
+/// Hash of all that a method's result on a recording depends on: the recording's own hash, the
+/// method's configuration with the files that it names, the programs that replay and score, how it
+/// is scored, and whether its states are drawn.
+std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures);
+
+/// Replays the recording in `recorded` with the job's method, scores it on the plant's truth and
+/// writes result.json (with pictures of the states, where wanted) to `folder`. Throws RunFailed and
+/// std::runtime_error.
+void run_sensing_job(const StudyJob& job, const std::string& inputs_hash,
+                     const std::filesystem::path& recorded, const std::filesystem::path& folder,
+                     bool pictures);
+
+}  // namespace palpate::studies

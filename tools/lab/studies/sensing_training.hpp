@@ -1,0 +1,28 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+namespace palpate::studies {
+
+/// The command `train-sensing`: networks of the published methods that learn a shape
+/// (core/published_sensing/learned_shape.hpp), from recordings of motions that no study runs.
+class TrainSensingCommand {
+ public:
+  explicit TrainSensingCommand(CLI::App& app);
+  ~TrainSensingCommand();
+
+  /// Runs it where it was given and returns the exit code. `root`: the source tree. Throws
+  /// config::Error for a bad file, RunFailed and Interrupted.
+  std::optional<int> run(const std::filesystem::path& root, std::ostream& out);
+
+ private:
+  struct Options;
+  std::unique_ptr<Options> options_;
+  CLI::App* command_;
+};
+
+}  // namespace palpate::studies

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/lab/studies/study_scheduler.hpp"
+
+namespace palpate::studies {
+
+/// The I-th of N parts of a study, I from 1.
+struct Shard {
+  std::size_t index = 1, count = 1;
+};
+
+/// Of "I/N". Throws std::invalid_argument where it is none with 1 <= I <= N.
+Shard read_shard(const std::string& text);
+
+/// What of `tasks` belongs to it: every N-th, so that long and short ones are dealt out evenly. The
+/// N parts hold each task once.
+std::vector<Task> shard_of(const std::vector<Task>& tasks, const Shard& shard);
+
+}  // namespace palpate::studies

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <ostream>
+
+namespace palpate::studies {
+
+/// A command that runs a plan: every method under every model error with every seed.
+struct Study {
+  std::string name;            // of the command, its folder and its JSON file
+  std::string title;           // of the report
+  std::string about;           // what it runs, for --help
+  std::filesystem::path plan;  // its own plan, below the source tree
+};
+
+/// Runs, scores and reports a study.
+class StudyCommand {
+ public:
+  StudyCommand(CLI::App& app, Study study);
+  ~StudyCommand();
+
+  /// Runs it where it was given and returns the exit code: 0, or 1 where a job failed. `root`: the
+  /// source tree. Throws config::Error for a bad plan, and Interrupted.
+  std::optional<int> run(const std::filesystem::path& root, std::ostream& out);
+
+ private:
+  struct Options;
+  Study study_;
+  std::unique_ptr<Options> options_;
+  CLI::App* command_;
+};
+
+}  // namespace palpate::studies

@@ -1,0 +1,168 @@
+#include "tools/lab/studies/study_job.hpp"
+
+#include <algorithm>
+#include <fstream>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "rt/config/node.hpp"
+#include "rt/registry/frames.hpp"
+#include "sim/scenes/scene.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/lab/runs/live_run.hpp"
+#include "tools/lab/scores/belief_score.hpp"
+#include "tools/lab/scores/reached_shape.hpp"
+#include "tools/lab/scores/score.hpp"
+#include "tools/lab/studies/poke_score.hpp"
+#include "tools/lab/studies/study_picture.hpp"
+#include "tools/lab/studies/study_score.hpp"
+#include "tools/lab/studies/study_tactile.hpp"
+
+namespace palpate::studies {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double kSlack = 10;  // s in real time; the scene ends the run
+
+/// What a controller that plans before the hand moves has to know then: the target itself.
+std::string goal_of(const Eigen::VectorXd& values) {
+  std::ostringstream text;
+  text.precision(9);
+  for (Eigen::Index i = 0; i < values.size(); ++i) text << (i == 0 ? "" : ", ") << values[i];
+  return "control.goal={values: [" + text.str() + "]}";
+}
+
+bool plans_ahead(const StudyJob& job) {
+  return std::any_of(job.daemon_overrides.begin(), job.daemon_overrides.end(),
+                     [](const std::string& setting) {
+                       return setting.find("control.provider=inverse_elements") == 0 ||
+                              setting == "control.provider=rheological_chain";
+                     });
+}
+
+runs::RunPlan plan_of(const StudyJob& job) {
+  runs::RunPlan plan;
+  plan.name = job.name;
+  plan.source.scene = job.scene;
+  plan.source.scene_overrides = job.scene_overrides;
+  plan.source.duration = job.duration;
+  plan.configuration = job.configuration;
+  plan.overrides = job.daemon_overrides;
+  plan.duration = job.duration + kSlack;
+  plan.target = job.target;
+  if (plan.target && plan.target->hand)
+    plan.target->values = scores::reached_value(job.scene, *plan.target, *plan.target->hand);
+  if (plan.target && plans_ahead(job)) plan.overrides.push_back(goal_of(plan.target->values));
+  plan.settled = plan.duration;  // every run of an application takes as long
+  plan.lock_step = !job.real_time;
+  return plan;
+}
+
+Json json_in(const fs::path& file) {
+  std::ifstream in(file);
+  return Json::parse(in, nullptr, false);
+}
+
+Json describe(const StudyJob& job) {
+  return {{"name", job.name},
+          {"application", job.application},
+          {"kind", job.kind},
+          {"method", job.method},
+          {"model_error", job.mismatch},
+          {"seed", job.seed},
+          {"mode", job.real_time ? "real time" : "lock-step"}};
+}
+
+/// Pictures are for people: a job without them is still scored.
+std::string picture_of(const StateScore& state, std::size_t number, const math::Pose& X_WO,
+                       const fs::path& folder) {
+  const std::string file = "state_" + std::to_string(number) + ".png";
+  try {
+    draw_state(state, X_WO, folder / file);
+    return file;
+  } catch (const std::exception& error) {
+    std::cout << "no picture of " << state.name << ": " << error.what() << '\n';
+    return "";
+  }
+}
+
+/// One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
+std::int64_t lost_by(const log::RunLog& log, const runs::RunFiles& files) {
+  return json_in(files.daemon).value("cycles", std::int64_t{0}) -
+         static_cast<std::int64_t>(log.features.size());
+}
+
+/// A log that misses more than one cycle of 200 cannot be scored: a machine that was too busy for
+/// the recorder has another two tries.
+log::RunLog run_and_read(const StudyJob& job, const runs::RunPlan& plan, const fs::path& folder,
+                         runs::RunFiles& files) {
+  constexpr int kTries = 3;
+  for (int attempt = 1;; ++attempt) {
+    common::Progress progress(1, 1, job.name);
+    files = runs::run_live(plan, folder, progress);
+    progress.finish(true);
+    log::RunLog log =
+        log::read_run(files.control, files.housekeeping,
+                      job.real_time ? log::LogClock::kReceived : log::LogClock::kSent);
+    const std::int64_t lost = lost_by(log, files);
+    if (lost * 200 <= static_cast<std::int64_t>(log.features.size())) return log;
+    const std::string what = "the log misses " + std::to_string(lost) + " cycles of " +
+                             std::to_string(lost + static_cast<std::int64_t>(log.features.size())) +
+                             ": the machine is too busy to record the run";
+    if (attempt == kTries) throw runs::RunFailed(what + ", in each of three tries");
+    std::cout << what << "; once more\n";
+  }
+}
+
+}  // namespace
+
+void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs::path& folder,
+                   bool keep_logs) {
+  const runs::RunPlan plan = plan_of(job);
+  runs::RunFiles files;
+  const log::RunLog log = run_and_read(job, plan, folder, files);
+  scores::ScoredRun scored;
+  scored.stage = job.application;
+  scored.name = job.method;
+  scored.mismatch = job.mismatch;
+  scores::score_into(scored, log, scores::gate_of(plan), job.target ? &*job.target : nullptr);
+  const config::Node configuration =
+      config::Node::load_file(job.configuration.string(), job.daemon_overrides);
+  const registry::Frames frames = registry::read_frames(configuration);
+  const math::Pose& X_WO = frames.X_WO;
+
+  Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};
+  result["score"] = to_json(scored);
+  // A stepped daemon has no clock to be late by.
+  if (!job.real_time) result["score"]["loop"].erase("latency_us");
+  result["simulator"] = json_in(files.simulator);
+  result["features_lost_by_log"] = lost_by(log, files);
+  std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    Json state = to_json(states[i], scored.shape->length);
+    if (job.kind == "tactile") {
+      const auto utime = log.shapes.front().utime + static_cast<std::int64_t>(states[i].time * 1e6);
+      add_tactile_score(job, log, X_WO, utime, states[i].shapes, state);
+    }
+    state["picture"] = picture_of(states[i], i + 1, X_WO, folder);
+    result["states"].push_back(std::move(state));
+  }
+  result["belief"] = to_json(scores::score_belief(log));
+  const config::Node scene = config::Node::load_file(job.scene.string(), job.scene_overrides);
+  const std::vector<scenes::Poke> pokes = scenes::read_scene(scene).pokes;
+  if (!pokes.empty())
+    result["pokes"] = to_json(score_pokes(pokes, log, *scored.shape, frames), scored.shape->length);
+  result["shape_error"] = shape_curve(*scored.shape);
+  if (scored.feature) result["control"] = control_curves(*scored.feature, log);
+  // A result is there as a whole or not at all.
+  common::write_json(result, folder / "result.json.part");
+  fs::rename(folder / "result.json.part", folder / "result.json");
+  if (keep_logs) return;
+  fs::remove(files.control);
+  fs::remove(files.housekeeping);
+}
+
+}  // namespace palpate::studies

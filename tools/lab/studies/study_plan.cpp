@@ -1,0 +1,282 @@
+#include "tools/lab/studies/study_plan.hpp"
+
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+
+#include "rt/config/node.hpp"
+#include "sim/scenes/scene.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/lab/runs/live_run.hpp"
+
+namespace palpate::studies {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kSettle = 0.5;  // s after the end of a scene's motion
+
+fs::path source_file(const config::Node& node, const config::Key& key, const fs::path& root,
+                     const std::string& otherwise = "") {
+  const fs::path file = root / (otherwise.empty() ? node.text(key) : node.text(key, otherwise));
+  if (!fs::exists(file)) node.fail(key.name, "there is no file " + file.string());
+  return file;
+}
+
+std::vector<std::string> names(const config::Node& node, const config::Key& key) {
+  const std::vector<std::string> texts = node.texts(key);
+  if (texts.empty()) node.fail(key.name, "is empty");
+  if (std::set<std::string>(texts.begin(), texts.end()).size() != texts.size())
+    node.fail(key.name, "names something twice");
+  return texts;
+}
+
+std::vector<runs::Method> chosen_methods(const config::Node& node, const fs::path& root) {
+  const std::vector<runs::Method> known = runs::read_methods(
+      source_file(node, {"method_file", "", "of the methods, in the folder of palpate"}, root,
+                  "tools/lab/studies/methods.yaml"));
+  std::vector<runs::Method> chosen;
+  for (const std::string& name :
+       names(node, {"methods", "", "that run, by their names in method_file"})) {
+    const auto found =
+        std::find_if(known.begin(), known.end(),
+                     [&name](const runs::Method& method) { return method.name == name; });
+    if (found == known.end()) {
+      std::string list;
+      for (const runs::Method& method : known) list += (list.empty() ? "" : "; ") + method.name;
+      node.fail("methods", "unknown method \"" + name + "\"; known: " + list);
+    }
+    chosen.push_back(*found);
+  }
+  return chosen;
+}
+
+/// Settings of this application that come after a method's or a level's own.
+void add_settings(const config::Node& node, StudyApplication& application) {
+  const auto named = [](const std::string& name) {
+    return [&name](const auto& entry) { return entry.name == name; };
+  };
+  for (const std::string& name : node.keys()) {
+    const auto method =
+        std::find_if(application.methods.begin(), application.methods.end(), named(name));
+    const auto level =
+        std::find_if(application.levels.begin(), application.levels.end(), named(name));
+    const bool is_method = method != application.methods.end();
+    if (!is_method && level == application.levels.end())
+      node.fail(name, "is no method and no model error of this application");
+    std::vector<std::string>& settings = is_method ? method->overrides : level->daemon;
+    for (const std::string& setting : node.texts(
+             {name, "", "key=value over the configuration, for this method or error alone"})) {
+      if (setting.find('=') == std::string::npos)
+        node.fail(name, "\"" + setting + "\" is not of the form key=value");
+      settings.push_back(setting);
+    }
+  }
+}
+
+std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
+                                          const StudyApplication& application) {
+  const fs::path file =
+      source_file(node, {"mismatch_file", "", "of the model errors, in the folder of palpate"},
+                  root, "tools/lab/studies/mismatch.yaml");
+  std::vector<runs::Mismatch> levels;
+  for (const std::string& name :
+       names(node, {"mismatch", "", "model errors, each for every method, by their names"}))
+    levels.push_back(runs::read_mismatch(file, name, application.scene, application.configuration));
+  return levels;
+}
+
+std::vector<int> seeds_of(const config::Node& node) {
+  std::vector<int> seeds;
+  for (const double seed :
+       node.numbers({"seeds", "", "of the scene's noise, a run for each"}, -1, {0, 1e9})) {
+    if (seed != std::floor(seed)) node.fail("seeds", "wants whole numbers");
+    seeds.push_back(static_cast<int>(seed));
+  }
+  if (seeds.empty()) node.fail("seeds", "is empty");
+  return seeds;
+}
+
+runs::ControlTarget read_target(const config::Node& node, const std::string& name) {
+  runs::ControlTarget target;
+  target.name = name;
+  target.kind =
+      node.choice({"feature", "", "what is steered"},
+                  {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"});
+  target.rest_points = node.points({"rest_points", "m", "that it names on the rest shape, in O"});
+  const bool is_place = target.kind == "point" || target.kind == "points" || target.kind == "pose";
+  if (node.has("axis"))
+    target.axis = node.vector3({"axis", "", "about which an angle or curvature is signed, in O"});
+  if (target.kind == "fourier_contour") {
+    target.harmonics = node.integer({"harmonics", "", "of a contour"}, {1, 31}, target.harmonics);
+    target.closed = node.flag({"closed", "", "whether a contour is closed"}, target.closed);
+  }
+  if (node.has("hand")) {
+    if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
+    const config::Node hand = node.child(
+        {"hand", "", "the target is where this motion of the hand would bring the feature"});
+    target.hand = runs::HandMotion{
+        hand.vector3({"translation", "m", "of the hand, in O"}, {-1, 1}, Eigen::Vector3d::Zero()),
+        hand.vector3({"rotation_deg", "deg", "of the hand, a rotation vector"}, {-180, 180},
+                     Eigen::Vector3d::Zero())};
+  } else if (!is_place) {
+    node.fail("hand", "is needed: a " + target.kind + " cannot be displaced");
+  } else {
+    target.displacement =
+        node.vector3({"displacement", "m", "of the feature from where it rests"}, {-1, 1});
+  }
+  try {
+    target.displace();
+  } catch (const std::invalid_argument& error) {
+    node.fail("rest_points", error.what());
+  }
+  return target;
+}
+
+/// What the scene says of its own motion.
+void read_motion(const config::Node& node, StudyApplication& application) {
+  const config::Node scene = config::Node::load_file(application.scene.string());
+  const auto motion = scenes::read_scene(scene).motion;
+  if (motion) {
+    application.duration = motion->duration() + kSettle;
+    for (const config::Node& pose : scene.child("motion").list("poses"))
+      application.pose_names.push_back(pose.text("name", ""));
+  }
+  if (motion && !node.has("duration")) return;
+  application.duration = node.number(
+      {"duration", "s",
+       "of a scene that does not move by itself; else half a second more than it moves"},
+      {0.5, 3600});
+}
+
+StudyApplication read_application(const config::Node& node, const fs::path& root) {
+  StudyApplication application;
+  application.name = node.text({"name", "", "of the application"});
+  application.kind = node.choice({"kind", "", "what is scored"}, {"force", "control", "tactile"});
+  application.note = node.text({"note", "", "printed beside its results"}, "");
+  application.quick = node.flag({"quick", "", "it is among those that --quick runs"}, true);
+  application.scene =
+      source_file(node, {"scene", "", "of palpate-sim, in the folder of palpate"}, root);
+  application.configuration =
+      source_file(node, {"configuration", "", "of palpated, in the folder of palpate"}, root);
+  application.methods = chosen_methods(node, root);
+  application.levels = chosen_levels(node, root, application);
+  add_settings(
+      node.child_or_empty({"also", "", "settings by method or model error, after its own"}),
+      application);
+  application.seeds = seeds_of(node);
+  read_motion(node, application);
+  for (const config::Node& state : node.list({"states", "", "instants that are scored apart"}))
+    application.states.push_back(
+        {state.text({"name", "", "of the instant"}),
+         state.number({"time", "s", "since the start"}, {0, application.duration})});
+  if (node.has("pose_points")) {
+    application.pose_points =
+        node.points({"pose_points", "m", "three on the rest shape whose pose is scored, in O"});
+    if (application.pose_points.size() != 3) node.fail("pose_points", "wants three points");
+  }
+  if (application.kind == "control") {
+    application.target =
+        read_target(node.child({"target", "", "where what is steered shall go"}), application.name);
+    if (application.target->kind == "pose")
+      application.pose_points = application.target->rest_points;
+  } else if (node.has("target")) {
+    node.fail("target", "belongs to kind control alone");
+  }
+  for (const config::Node& figure :
+       node.list({"published", "", "figures of a publication, printed beside ours"}))
+    application.published.push_back({figure.text({"quantity", "", "what was measured"}),
+                                     figure.text({"value", "", "with its unit"})});
+  return application;
+}
+
+bool is_named(const StudyApplication& application, const std::vector<std::string>& names) {
+  return names.empty() ||
+         std::any_of(names.begin(), names.end(), [&application](const std::string& name) {
+           return application.name.find(name) != std::string::npos;
+         });
+}
+
+std::vector<int> seeds_of(const StudyApplication& application, const StudySelection& selection) {
+  if (!selection.seeds.empty()) return selection.seeds;
+  if (selection.quick) return {application.seeds.front()};
+  return application.seeds;
+}
+
+void append(std::vector<std::string>& to, const std::vector<std::string>& from) {
+  to.insert(to.end(), from.begin(), from.end());
+}
+
+StudyJob make_job(const StudyApplication& application, const runs::Method& method,
+                  const runs::Mismatch& level, int seed) {
+  StudyJob job;
+  job.name = common::file_name(application.name + " " + method.name + " " + level.name + " " +
+                               std::to_string(seed));
+  job.application = application.name;
+  job.kind = application.kind;
+  job.method = method.name;
+  job.mismatch = level.name;
+  job.seed = seed;
+  job.scene = application.scene;
+  job.scene_overrides = level.scene;
+  job.scene_overrides.push_back("seed=" + std::to_string(seed));
+  job.configuration = application.configuration;
+  job.daemon_overrides = level.daemon;
+  append(job.daemon_overrides, method.overrides);
+  job.duration = application.duration;
+  job.states = application.states;
+  job.pose_names = application.pose_names;
+  job.pose_points = application.pose_points;
+  job.target = application.target;
+  if (job.target) {
+    append(job.daemon_overrides, job.target->daemon_overrides());
+  } else if (!job.pose_points.empty()) {
+    runs::ControlTarget watched;  // no target is ever sent: the pose is only told
+    watched.kind = "pose";
+    watched.rest_points = job.pose_points;
+    append(job.daemon_overrides, watched.daemon_overrides());
+  }
+  return job;
+}
+
+}  // namespace
+
+StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
+  const config::Node node = config::Node::load_file(file.string());
+  StudyPlan plan;
+  plan.octree_resolution = node.number(
+      {"octree_resolution", "m", "of the octrees that shapes are compared by"}, {1e-3, 1});
+  std::set<std::string> names;
+  for (const config::Node& entry :
+       node.list({"applications", "", "what is run, each with every method, error and seed"})) {
+    plan.applications.push_back(read_application(entry, root));
+    if (!names.insert(common::file_name(plan.applications.back().name)).second)
+      entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");
+  }
+  if (plan.applications.empty()) node.fail("applications", "is empty");
+  node.check_all_used();
+  return plan;
+}
+
+std::vector<StudyJob> study_jobs(const StudyPlan& plan, const StudySelection& selection) {
+  for (const std::string& name : selection.applications)
+    if (std::none_of(plan.applications.begin(), plan.applications.end(),
+                     [&name](const StudyApplication& a) { return is_named(a, {name}); }))
+      throw std::invalid_argument("no application is called \"" + name + "\"; see --list");
+  std::vector<StudyJob> jobs;
+  for (const StudyApplication& application : plan.applications) {
+    if (!is_named(application, selection.applications)) continue;
+    if (selection.quick && !application.quick) continue;
+    for (const int seed : seeds_of(application, selection))
+      for (const runs::Mismatch& level : application.levels)
+        for (const runs::Method& method : application.methods) {
+          jobs.push_back(make_job(application, method, level, seed));
+          jobs.back().octree_resolution = plan.octree_resolution;
+          jobs.back().real_time = selection.real_time;
+        }
+  }
+  if (jobs.empty()) throw std::invalid_argument("the selection leaves nothing to run");
+  return jobs;
+}
+
+}  // namespace palpate::studies

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "tools/lab/studies/study_scheduler.hpp"
+
+namespace palpate::studies {
+
+/// Jobs done, running and still to come on standard error: one line that moves on a terminal, and a
+/// line a job that has ended.
+class ScheduleDisplay {
+ public:
+  ScheduleDisplay();
+  ~ScheduleDisplay();
+  void show(const ScheduleStatus& status);
+
+ private:
+  bool terminal_;
+};
+
+/// "[ 5/36] 2 running, about 3 min left".
+std::string progress_line(const ScheduleStatus& status);
+
+}  // namespace palpate::studies

@@ -1,0 +1,229 @@
+#include "tools/lab/studies/study_tables.hpp"
+
+#include <algorithm>
+#include <functional>
+#include <numeric>
+#include <set>
+
+#include "tools/common/output_files.hpp"
+
+namespace palpate::studies {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A number of a state.
+struct StateColumn {
+  const char* header;
+  const char* key;
+  int decimals;
+  bool largest = false;  // over the states, instead of the mean
+  double scale = 1;
+};
+
+constexpr StateColumn kShape[] = {
+    {"mean mm", "mean_mm", 2},
+    {"% of side", "mean_percent_of_length", 2},
+    {"% of displ.", "mean_percent_of_displacement", 1},
+    {"RMS mm", "rms_mm", 2},
+    {"max mm", "max_mm", 2, true},
+    {"% of side", "max_percent_of_length", 2, true},
+    {"% of displ.", "max_percent_of_displacement", 1, true},
+    {"Hausdorff mm", "hausdorff_mm", 2, true},
+    {"octree: estimate in truth %", "octree_estimate_in_truth", 1, false, 100},
+    {"truth in estimate %", "octree_truth_in_estimate", 1, false, 100},
+    {"pose mm", "pose_mm", 2},
+    {"pose deg", "pose_deg", 2}};
+
+constexpr StateColumn kPose[] = {{"x mm", "pose_x_mm", 2},     {"y mm", "pose_y_mm", 2},
+                                 {"z mm", "pose_z_mm", 2},     {"rx deg", "pose_rx_deg", 2},
+                                 {"ry deg", "pose_ry_deg", 2}, {"rz deg", "pose_rz_deg", 2}};
+
+/// A number of a run.
+struct RunColumn {
+  const char* header;
+  const char* pointer;
+  int decimals;
+};
+
+constexpr RunColumn kCost[] = {{"p50 us", "/score/loop/latency_us/p50", 0},
+                               {"p99 us", "/score/loop/latency_us/p99", 0},
+                               {"max us", "/score/loop/latency_us/max", 0},
+                               {"real-time factor", "/simulator/real_time_factor", 2}};
+
+constexpr RunColumn kControl[] = {
+    {"error at rest mm", "/score/feature/error_mm", 2},
+    {"deg", "/score/feature/error_deg", 2},
+    {"1/m", "/score/feature/error_per_m", 3},
+    {"% of way", "/score/feature/error_percent_of_way", 1},
+    {"as palpated sees it mm", "/score/feature/error_that_the_daemon_sees_mm", 2},
+    {"to 5 mm, 1 deg s", "/score/feature/time_to_5mm_s", 1},
+    {"to 2 mm, 0.4 deg s", "/score/feature/time_to_2mm_s", 1},
+    {"to 1 mm, 0.2 deg s", "/score/feature/time_to_1mm_s", 1},
+    {"to 5 % of way s", "/score/feature/time_to_5_percent_of_way_s", 1},
+    {"overshoot %", "/score/feature/overshoot_percent", 1},
+    {"path mm", "/score/feature/path_mm", 1},
+    {"unreachable, as palpated sees it mm", "/score/feature/unreachable_as_the_daemon_sees_it_mm",
+     2},
+    {"worst point mm", "/score/feature/error_of_the_worst_point_mm", 2}};
+
+using Group = std::vector<const Json*>;  // results that differ by their seed alone
+
+Group group_of(const StudyApplication& application, const std::vector<StudyResult>& results,
+               const std::string& method, const std::string& level) {
+  Group group;
+  for (const StudyResult& result : results)
+    if (result.job.application == application.name && result.job.method == method &&
+        result.job.mismatch == level && !result.json.is_null())
+      group.push_back(&result.json);
+  return group;
+}
+
+/// Of one result; `state` empty: over all of them.
+std::vector<double> state_values(const Json& result, const std::string& state, const char* key) {
+  std::vector<double> values;
+  for (const Json& entry : result.value("states", Json::array()))
+    if ((state.empty() || entry.value("name", "") == state) && entry.contains(key))
+      values.push_back(entry[key].get<double>());
+  return values;
+}
+
+double reduced(const std::vector<double>& values, bool largest) {
+  if (largest) return *std::max_element(values.begin(), values.end());
+  return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+}
+
+std::string cell(const Group& group, const std::string& state, const StateColumn& column) {
+  std::vector<double> seeds;
+  for (const Json* result : group) {
+    const std::vector<double> values = state_values(*result, state, column.key);
+    if (!values.empty()) seeds.push_back(column.scale * reduced(values, column.largest));
+  }
+  return common::median_and_interval(seeds, column.decimals);
+}
+
+std::string cell(const Group& group, const RunColumn& column) {
+  std::vector<double> seeds;
+  int never = 0;
+  for (const Json* result : group) {
+    const Json::json_pointer pointer(column.pointer);
+    if (!result->contains(pointer)) continue;
+    const Json& value = result->at(pointer);
+    value.is_number() ? seeds.push_back(value.get<double>()) : void(++never);
+  }
+  if (never == 0) return common::median_and_interval(seeds, column.decimals);
+  if (seeds.empty()) return "never";
+  return common::median_and_interval(seeds, column.decimals) + ", never in " +
+         std::to_string(never);
+}
+
+template <class Columns>
+void add_headers(ReportTable& table, const Columns& columns) {
+  for (const auto& column : columns) table.header.emplace_back(column.header);
+}
+
+void for_each_group(const StudyApplication& application, const std::vector<StudyResult>& results,
+                    ReportTable& table,
+                    const std::function<void(const Group&, std::vector<std::string>&)>& add_cells) {
+  for (const runs::Mismatch& level : application.levels) {
+    table.rows.push_back({"model error: " + level.name});
+    for (const runs::Method& method : application.methods) {
+      const Group group = group_of(application, results, method.name, level.name);
+      std::vector<std::string> row{method.name};
+      add_cells(group, row);
+      row.push_back(std::to_string(group.size()));
+      table.rows.push_back(row);
+    }
+  }
+  table.header.emplace_back("seeds");
+}
+
+std::vector<std::string> state_names(const StudyApplication& application,
+                                     const std::vector<StudyResult>& results) {
+  std::vector<std::string> names;
+  for (const StudyResult& result : results) {
+    if (result.job.application != application.name || result.json.is_null()) continue;
+    for (const Json& state : result.json.value("states", Json::array())) {
+      const std::string name = state.value("name", "");
+      if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    }
+  }
+  return names;
+}
+
+}  // namespace
+
+ReportTable summary_table(const StudyApplication& application,
+                          const std::vector<StudyResult>& results) {
+  ReportTable table{{"method"}, {}};
+  add_headers(table, kShape);
+  add_headers(table, kCost);
+  for_each_group(application, results, table, [](const Group& group, auto& row) {
+    for (const StateColumn& column : kShape) row.push_back(cell(group, "", column));
+    for (const RunColumn& column : kCost) row.push_back(cell(group, column));
+  });
+  return table;
+}
+
+ReportTable state_table(const StudyApplication& application,
+                        const std::vector<StudyResult>& results) {
+  ReportTable table{{"method"}, {}};
+  add_headers(table, kShape);
+  add_headers(table, kPose);
+  for (const runs::Mismatch& level : application.levels) {
+    for (const std::string& state : state_names(application, results)) {
+      table.rows.push_back({state + ", model error: " + level.name});
+      for (const runs::Method& method : application.methods) {
+        const Group group = group_of(application, results, method.name, level.name);
+        std::vector<std::string> row{method.name};
+        for (const StateColumn& column : kShape) row.push_back(cell(group, state, column));
+        for (const StateColumn& column : kPose) row.push_back(cell(group, state, column));
+        table.rows.push_back(row);
+      }
+    }
+  }
+  return table;
+}
+
+ReportTable control_table(const StudyApplication& application,
+                          const std::vector<StudyResult>& results) {
+  ReportTable table{{"method"}, {}};
+  add_headers(table, kControl);
+  for_each_group(application, results, table, [](const Group& group, auto& row) {
+    for (const RunColumn& column : kControl) row.push_back(cell(group, column));
+  });
+  return table;
+}
+
+ReportTable published_table(const StudyApplication& application) {
+  ReportTable table{{"published in the thesis", "value"}, {}};
+  for (const PublishedFigure& figure : application.published)
+    table.rows.push_back({figure.quantity, figure.value});
+  return table;
+}
+
+void write_states_csv(const std::vector<StudyResult>& results, std::ostream& out) {
+  std::set<std::string> keys;
+  for (const StudyResult& result : results)
+    if (result.json.is_object())
+      for (const Json& state : result.json.value("states", Json::array()))
+        for (const auto& entry : state.items())
+          if (entry.value().is_primitive() && entry.key() != "name") keys.insert(entry.key());
+  out << "application,kind,method,model_error,seed,state";
+  for (const std::string& key : keys) out << ',' << common::csv_cell(key);
+  out << "\r\n";
+  for (const StudyResult& result : results) {
+    if (!result.json.is_object()) continue;
+    const StudyJob& job = result.job;
+    for (const Json& state : result.json.value("states", Json::array())) {
+      out << common::csv_cell(job.application) << ',' << common::csv_cell(job.kind) << ','
+          << common::csv_cell(job.method) << ',' << common::csv_cell(job.mismatch) << ','
+          << job.seed << ',' << common::csv_cell(state.value("name", ""));
+      for (const std::string& key : keys)
+        out << ',' << (state.contains(key) ? common::csv_cell(state[key]) : "");
+      out << "\r\n";
+    }
+  }
+}
+
+}  // namespace palpate::studies

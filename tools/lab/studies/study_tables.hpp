@@ -1,0 +1,46 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "tools/common/bootstrap.hpp"
+#include "tools/common/table.hpp"
+#include "tools/lab/studies/study_plan.hpp"
+
+namespace palpate::studies {
+
+/// A job and its result.json; null where it has none: it failed, or has not been run.
+struct StudyResult {
+  StudyJob job;
+  nlohmann::json json;
+  bool failed = false;
+};
+
+struct ReportTable {
+  std::vector<std::string> header;
+  std::vector<std::vector<std::string>> rows;  // a row of one cell is a title across
+};
+
+/// Shape, pose and cost of an application: one row a method, under each level of model error;
+/// errors are means over the states (maxima of maxima), then medians over the seeds with their 95 %
+/// intervals, as in all tables.
+ReportTable summary_table(const StudyApplication& application,
+                          const std::vector<StudyResult>& results);
+
+/// The same by state, with the pose error's components.
+ReportTable state_table(const StudyApplication& application,
+                        const std::vector<StudyResult>& results);
+
+/// Error at rest, times, overshoot, path of a control application.
+ReportTable control_table(const StudyApplication& application,
+                          const std::vector<StudyResult>& results);
+
+/// What the thesis gives, beside nothing of ours.
+ReportTable published_table(const StudyApplication& application);
+
+/// One row a job and state, RFC 4180.
+void write_states_csv(const std::vector<StudyResult>& results, std::ostream& out);
+
+}  // namespace palpate::studies
