@@ -3,8 +3,8 @@
 #include <functional>
 #include <map>
 
-#include "core/elasticity/as_rigid_as_possible.hpp"
-#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/published_control/broyden_update.hpp"
 #include "core/published_control/chain_plan.hpp"
 #include "core/published_control/constant_jacobian.hpp"

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "tools/fit/ball.hpp"
-#include "tools/fit/beam.hpp"
-#include "tools/fit/held_decay.hpp"
-#include "tools/fit/held_object.hpp"
-#include "tools/fit/hertz.hpp"
-#include "tools/fit/skin.hpp"
-#include "tools/fit/uniaxial.hpp"
+#include "tools/fit/experiments/ball.hpp"
+#include "tools/fit/experiments/beam.hpp"
+#include "tools/fit/held/held_decay.hpp"
+#include "tools/fit/held/held_object.hpp"
+#include "tools/fit/experiments/hertz.hpp"
+#include "tools/fit/experiments/skin.hpp"
+#include "tools/fit/experiments/uniaxial.hpp"
 
 namespace palpate::fit {
 

@@ -11,7 +11,7 @@
 #include "tools/common/interruption.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/fit/findings.hpp"
-#include "tools/fit/held_plan_command.hpp"
+#include "tools/fit/held/held_plan_command.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
 #include "tools/fit/report_files.hpp"

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tools/fit/effective.hpp"
+#include "tools/fit/experiments/effective.hpp"
 #include "tools/fit/fit.hpp"
 #include "tools/fit/gradient_check.hpp"
 #include "tools/fit/plan.hpp"

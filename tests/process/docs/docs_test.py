@@ -19,7 +19,7 @@ import tempfile
 
 PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
 READERS = ("rt/daemon/*.cpp", "rt/registry/*.cpp", "rt/pipeline/*.cpp", "rt/plugin/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
-           "tools/recordings/plan.cpp", "tools/fit/*.cpp", "tools/lab/studies/study_plan.cpp")
+           "tools/recordings/plan.cpp", "tools/fit/**/*.cpp", "tools/lab/studies/study_plan.cpp")
 GETTER = re.compile(
     r"(?:(?:\.|->)\s*"
     r"(?:number|integer|flag|text|choice|texts|numbers|vector3|points|pose|path|child|child_or_empty|list)\("

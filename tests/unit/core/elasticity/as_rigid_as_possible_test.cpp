@@ -1,4 +1,4 @@
-#include "core/elasticity/as_rigid_as_possible.hpp"
+#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 
 #include <gtest/gtest.h>
 

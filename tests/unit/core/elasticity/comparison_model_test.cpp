@@ -1,12 +1,12 @@
-#include "core/elasticity/comparison_model.hpp"
+#include "core/elasticity/comparison/comparison_model.hpp"
 
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "core/elasticity/linear_model.hpp"
-#include "core/elasticity/mass_spring_model.hpp"
-#include "core/elasticity/shape_matching_model.hpp"
+#include "core/elasticity/comparison/linear_model.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
+#include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
 // What the three models for comparison promise alike.

@@ -1,4 +1,4 @@
-#include "core/elasticity/linear_model.hpp"
+#include "core/elasticity/comparison/linear_model.hpp"
 
 #include <gtest/gtest.h>
 

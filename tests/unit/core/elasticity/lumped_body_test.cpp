@@ -1,4 +1,4 @@
-#include "core/elasticity/lumped_body.hpp"
+#include "core/elasticity/comparison/lumped_body.hpp"
 
 #include <gtest/gtest.h>
 

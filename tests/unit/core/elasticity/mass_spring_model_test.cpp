@@ -1,4 +1,4 @@
-#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
 
 #include <gtest/gtest.h>
 

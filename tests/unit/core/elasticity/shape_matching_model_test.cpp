@@ -1,4 +1,4 @@
-#include "core/elasticity/shape_matching_model.hpp"
+#include "core/elasticity/comparison/shape_matching_model.hpp"
 
 #include <gtest/gtest.h>
 

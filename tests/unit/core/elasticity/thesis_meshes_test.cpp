@@ -2,7 +2,7 @@
 
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/static_solver.hpp"
-#include "core/elasticity/thesis2018.hpp"
+#include "core/elasticity/comparison/thesis2018.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/recorded_mesh.hpp"
 

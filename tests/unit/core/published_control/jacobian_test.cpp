@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "core/control/kinematic_jacobian.hpp"
-#include "core/elasticity/as_rigid_as_possible.hpp"
-#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"
 #include "core/published_control/diminishing_rigidity.hpp"

@@ -2,7 +2,7 @@
 
 #include <memory>
 
-#include "core/elasticity/as_rigid_as_possible.hpp"
+#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/math/random.hpp"
 #include "core/published_sensing/cloud_estimator.hpp"

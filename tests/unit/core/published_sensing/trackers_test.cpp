@@ -2,7 +2,7 @@
 // hand, they must come near to the shape that is seen, without an allocation.
 #include <gtest/gtest.h>
 
-#include "core/elasticity/mass_spring_model.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/published_sensing/cloud_driven_fem.hpp"
 #include "core/published_sensing/deformation_graph_fit.hpp"
 #include "core/published_sensing/euler_bernoulli_fit.hpp"

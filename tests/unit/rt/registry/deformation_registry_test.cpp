@@ -2,10 +2,10 @@
 
 #include <string>
 
-#include "core/elasticity/as_rigid_as_possible.hpp"
-#include "core/elasticity/linear_model.hpp"
-#include "core/elasticity/mass_spring_model.hpp"
-#include "core/elasticity/shape_matching_model.hpp"
+#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
+#include "core/elasticity/comparison/linear_model.hpp"
+#include "core/elasticity/comparison/mass_spring_model.hpp"
+#include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "rt/registry/registry.hpp"
 
 namespace palpate::registry {

@@ -1,4 +1,4 @@
-#include "tools/fit/ball.hpp"
+#include "tools/fit/experiments/ball.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/fit/gradient.hpp"
-#include "tools/fit/hertz.hpp"
-#include "tools/fit/spline.hpp"
+#include "tools/fit/experiments/hertz.hpp"
+#include "tools/fit/experiments/spline.hpp"
 
 namespace palpate::fit {
 namespace {

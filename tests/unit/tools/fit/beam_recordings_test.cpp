@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "tests/support/recordings.hpp"
-#include "tools/fit/beam.hpp"
-#include "tools/fit/beam_model.hpp"
+#include "tools/fit/experiments/beam.hpp"
+#include "tools/fit/experiments/beam_model.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/fit/beam.hpp"
+#include "tools/fit/experiments/beam.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "tests/support/recordings.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/fit/gradient.hpp"
-#include "tools/fit/beam_model.hpp"
+#include "tools/fit/experiments/beam_model.hpp"
 
 namespace palpate::fit {
 namespace {

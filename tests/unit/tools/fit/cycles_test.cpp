@@ -1,11 +1,11 @@
-#include "tools/fit/cycles.hpp"
+#include "tools/fit/experiments/cycles.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <limits>
 
-#include "tools/fit/video.hpp"
+#include "tools/fit/experiments/video.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/fit/effective.hpp"
+#include "tools/fit/experiments/effective.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "core/math/random.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/tools/fit/gradient.hpp"
-#include "tools/fit/held_object.hpp"
+#include "tools/fit/held/held_object.hpp"
 
 namespace palpate::fit {
 

@@ -1,4 +1,4 @@
-#include "tools/fit/held_decay.hpp"
+#include "tools/fit/held/held_decay.hpp"
 
 #include <gtest/gtest.h>
 

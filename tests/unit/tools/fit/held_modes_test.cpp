@@ -1,4 +1,4 @@
-#include "tools/fit/held_modes.hpp"
+#include "tools/fit/held/held_modes.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/fit/held_object.hpp"
+#include "tools/fit/held/held_object.hpp"
 
 #include <gtest/gtest.h>
 

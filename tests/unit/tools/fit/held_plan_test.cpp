@@ -1,4 +1,4 @@
-#include "tools/fit/held_plan.hpp"
+#include "tools/fit/held/held_plan.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "tests/unit/tools/fit/held_bar.hpp"
-#include "tools/fit/held_plan_report.hpp"
+#include "tools/fit/held/held_plan_report.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/fit/held_recording.hpp"
+#include "tools/fit/held/held_recording.hpp"
 
 #include <gtest/gtest.h>
 

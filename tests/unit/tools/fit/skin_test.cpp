@@ -1,4 +1,4 @@
-#include "tools/fit/skin.hpp"
+#include "tools/fit/experiments/skin.hpp"
 
 #include <gtest/gtest.h>
 

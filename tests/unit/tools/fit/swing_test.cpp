@@ -1,4 +1,4 @@
-#include "tools/fit/swing.hpp"
+#include "tools/fit/experiments/swing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "tools/fit/uniaxial.hpp"
+#include "tools/fit/experiments/uniaxial.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 #include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
 #include "tools/fit/gradient_check.hpp"
-#include "tools/fit/overstress.hpp"
+#include "tools/fit/experiments/overstress.hpp"
 
 namespace palpate::fit {
 namespace {

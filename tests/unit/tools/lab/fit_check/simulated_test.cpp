@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "tests/support/scratch_folder.hpp"
-#include "tools/fit/held_log.hpp"
+#include "tools/fit/held/held_log.hpp"
 
 namespace palpate::fit_check {
 namespace {

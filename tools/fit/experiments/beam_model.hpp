@@ -1,0 +1,76 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "core/solid/solid_solver.hpp"
+#include "tools/fit/held/surface_marker.hpp"
+
+namespace palpate::fit {
+
+/// What a beam is and carries. Frame O of the recording: x along the beam, z up, weight along -z.
+struct BeamShape {
+  Eigen::Vector3d corner;                // m, least coordinates; the face x = corner.x is clamped
+  Eigen::Vector3d size;                  // m
+  std::array<int, 3> cells;              // of the mesh
+  double tip_mass = 0;                   // kg, spread along the upper edge of the free end
+  std::vector<Eigen::Vector3d> markers;  // m, on or off the beam's surface
+  std::vector<Eigen::Vector3d> clamp_markers;  // m, fixed to the clamp
+};
+
+/// What a beam's behaviour depends on, by index of a parameter vector.
+enum BeamParameter {
+  kYoung,                  // Pa
+  kPoisson,                //
+  kDensity,                // kg/m^3
+  kMassDamping,            // 1/s, Rayleigh
+  kStiffnessDamping,       // s, Rayleigh
+  kTilt,                   // rad, 3: rotation vector of the clamp about the centre of its face
+  kOffset = kTilt + 3,     // m, 3: of the clamp
+  kRelease = kOffset + 3,  // s, when the beam is let go
+  kHeldSag,                // share of its loads that bends it while it is held
+  kBeamParameters,
+};
+using BeamVector = Eigen::Matrix<double, kBeamParameters, 1>;
+
+/// Numbers with their derivatives by the parameters, one row each.
+struct BeamPrediction {
+  Eigen::VectorXd values;
+  Eigen::Matrix<double, Eigen::Dynamic, kBeamParameters> slopes;
+};
+
+/// Large deflection of a clamped Neo-Hookean beam by finite elements (core/elasticity/solid_*),
+/// at rest and after it is let go. A tilt of the clamp is computed as one of gravity's direction.
+/// Constant after construction: threads may share it.
+class BeamModel {
+ public:
+  /// Throws std::invalid_argument.
+  explicit BeamModel(BeamShape shape);
+
+  int node_count() const { return body_->mesh().node_count(); }
+
+  /// Displacements at rest (m, x y z by marker, the beam's first), from where the markers are while
+  /// the beam is straight and the clamp neither tilted nor offset. False without equilibrium.
+  bool at_rest(const BeamVector& parameters, BeamPrediction& prediction) const;
+
+  /// Mean height (m) of the beam's markers over that of the straight beam at `times` (s, rising),
+  /// let go at rest at time kRelease, from the shape that a share kHeldSag of its loads bends it to
+  /// (0: straight). Steps of `step` s. False where a step fails.
+  bool swing(const BeamVector& parameters, const Eigen::VectorXd& times, double step,
+             BeamPrediction& prediction) const;
+
+ private:
+  struct Clamp;
+  std::vector<solid::SolidSlope> slopes(const BeamVector& parameters, const Clamp& clamp) const;
+  /// Of a marker at p of the untilted beam; dp by parameter.
+  void place(const Clamp& clamp, const Eigen::Vector3d& p,
+             const Eigen::Matrix<double, 3, kBeamParameters>& dp, Eigen::Vector3d& displaced,
+             Eigen::Matrix<double, 3, kBeamParameters>& slope) const;
+
+  BeamShape shape_;
+  std::unique_ptr<const solid::SolidBody> body_;
+  Eigen::VectorXd nodal_mass_;  // kg, of the tip's
+  std::vector<SurfaceMarker> markers_;
+};
+
+}  // namespace palpate::fit

@@ -1,0 +1,101 @@
+#include "tools/fit/held/held_log.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "tools/log/log_reader.hpp"
+
+namespace palpate::fit {
+namespace {
+
+math::Pose flange_pose(const robot_state_t& state) {
+  return math::make_pose(math::rotation_from_wxyz(state.quaternion),
+                         Eigen::Map<const Eigen::Vector3d>(state.position));
+}
+
+std::vector<HeldBlock> make_blocks(const HeldLog& messages) {
+  const std::int64_t end = std::max(messages.robot.back().utime, messages.wrenches.back().utime);
+  const auto index = [&](std::int64_t utime) {
+    return static_cast<std::size_t>(1e-6 * static_cast<double>(utime - messages.begin) / kBlock);
+  };
+  std::vector<HeldBlock> blocks(index(end) + 1);
+  std::vector<PoseMean> poses(blocks.size());
+  std::vector<int> counts(blocks.size(), 0);
+  for (const robot_state_t& state : messages.robot)
+    if (state.utime >= messages.begin) poses[index(state.utime)].add(flange_pose(state));
+  for (const ft_wrench_t& wrench : messages.wrenches) {
+    if (wrench.utime < messages.begin) continue;
+    blocks[index(wrench.utime)].wrench += Eigen::Map<const math::Vector6d>(wrench.wrench);
+    ++counts[index(wrench.utime)];
+  }
+  for (std::size_t i = 0; i < blocks.size(); ++i) {
+    blocks[i].whole = poses[i].count() > 0 && counts[i] > 0;
+    if (!blocks[i].whole) continue;
+    blocks[i].X_WE = poses[i].get();
+    blocks[i].wrench /= counts[i];
+  }
+  return blocks;
+}
+
+void mark_calm(const CalmRule& rule, std::vector<HeldBlock>& blocks) {
+  const auto still = [&](const HeldBlock& a, const HeldBlock& b) {
+    return a.whole && b.whole &&
+           (a.X_WE.translation() - b.X_WE.translation()).norm() < rule.linear_speed * kBlock &&
+           turn_between(a.X_WE, b.X_WE) < rule.angular_speed * kBlock;
+  };
+  for (std::size_t i = 1; i + 1 < blocks.size(); ++i)
+    blocks[i].calm = still(blocks[i - 1], blocks[i]) && still(blocks[i], blocks[i + 1]);
+}
+
+}  // namespace
+
+void PoseMean::add(const math::Pose& X) {
+  if (count_ == 0) first_ = X;
+  translation_ += X.translation();
+  turn_ += math::log_rotation(X.linear() * first_.linear().transpose());
+  ++count_;
+}
+
+math::Pose PoseMean::get() const {
+  return math::make_pose(math::exp_rotation(turn_ / count_) * first_.linear(),
+                         translation_ / count_);
+}
+
+double turn_between(const math::Pose& a, const math::Pose& b) {
+  return math::log_rotation(a.linear().transpose() * b.linear()).norm();
+}
+
+HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time) {
+  HeldLog messages;
+  log::LogReader reader(time == "sent" ? log::LogClock::kSent
+                                            : log::LogClock::kReceived);
+  reader.collect("ROBOT_STATE", messages.robot);
+  reader.collect("FT_WRENCH", messages.wrenches);
+  reader.collect("SHAPE_OBSERVATION", messages.seen);
+  reader.read(log);
+  if (messages.robot.empty())
+    throw std::runtime_error(log + ": holds no ROBOT_STATE; record the channel of the arm too");
+  if (messages.wrenches.empty())
+    throw std::runtime_error(log + ": holds no FT_WRENCH; record the channel of the wrist too");
+  for (const robot_state_t& state : messages.robot)
+    if (!math::is_unit_quaternion(state.quaternion) ||
+        !Eigen::Map<const Eigen::Vector3d>(state.position).allFinite())
+      throw std::runtime_error(log + ": ROBOT_STATE " + std::to_string(state.seq) +
+                               " holds no pose; mend the driver or cut the log");
+  for (const ft_wrench_t& wrench : messages.wrenches)
+    if (!Eigen::Map<const math::Vector6d>(wrench.wrench).allFinite())
+      throw std::runtime_error(log + ": FT_WRENCH " + std::to_string(wrench.seq) +
+                               " is not finite; mend the driver or cut the log");
+  constexpr std::int64_t kLongest = 86'400'000'000;  // us
+  const std::int64_t end = std::max(messages.robot.back().utime, messages.wrenches.back().utime);
+  messages.begin = std::max(messages.robot[0].utime, messages.wrenches[0].utime);
+  if (end < messages.begin || end - messages.begin > kLongest)
+    throw std::runtime_error(log +
+                             ": its times do not span between nothing and a day; read it by "
+                             "the other clock (time: sent, received)");
+  messages.blocks = make_blocks(messages);
+  mark_calm(rule, messages.blocks);
+  return messages;
+}
+
+}  // namespace palpate::fit

@@ -1,0 +1,101 @@
+#pragma once
+
+#include <filesystem>
+#include <memory>
+
+#include "core/elasticity/static_solver.hpp"
+#include "core/mesh/point_locator.hpp"
+#include "tools/fit/experiment.hpp"
+#include "tools/fit/held/held_cell.hpp"
+#include "tools/fit/held/held_recording.hpp"
+
+namespace palpate::fit {
+
+/// What is sought beside Young's modulus, which always is. Poisson's ratio and density that are not
+/// sought are known: as the configuration says.
+struct HeldSought {
+  bool poisson_ratio = true;
+  bool density = false;
+  bool grasp = false;  // six: the hand's pose in its measured frame G, m and rotation vector, rad
+  bool bias = true;    // six: what the sensor adds, N and N m in S
+  bool hand = false;   // four: mass of the hand, kg, and mass times its centre in S, kg m
+};
+
+struct HeldOptions {
+  HeldSought sought;
+  std::vector<Eigen::Vector3d> markers;  // rest points, O, in the order in which they are seen
+  int points = 60;                       // of a cloud, spread over it; the others are left out
+  /// Of the greatest force and torque between hand and object, at the start: what the mechanics is
+  /// wrong by, however well the sensor reads. Counts as noise.
+  double model_error = 0.01;
+  std::vector<bool> is_held_out;  // by sample; empty: none
+};
+
+/// An object in a hand that moves it and rests: at each rest the co-rotational statics of the
+/// daemon's own mesh (quadratic or linear elements, exact tangent) under the pose of the hand say
+/// what the wrist reads,
+///   F_S = [R_SO f, R_SO tau + p_SG x R_SO f] + weight of the hand + bias,
+/// with (f, tau) of the hand on the object at the origin of G, and where markers stand, or how far
+/// a seen point is from the surface (positive outside, measured as 0). The Jacobian is that of
+/// StaticResponse (control.md 6.2), chained to the grasp's offset; the own parameters carry the
+/// name in front, "NAME.bias_fx".
+class HeldObject final : public Experiment {
+ public:
+  /// Follows the hand from rest to each sample, whose shapes are then where every prediction
+  /// begins. Throws std::invalid_argument where a sample has no equilibrium, or other points than
+  /// markers are named.
+  HeldObject(std::string name, HeldCell cell, HeldRecording recording, HeldOptions options = {});
+
+  const std::string& name() const override { return name_; }
+  const std::vector<Series>& series() const override { return series_; }
+  const std::vector<Parameter>& parameters() const override { return parameters_; }
+  bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
+               Eigen::MatrixXd* jacobian) const override;
+
+  /// Principal strains (stretch - 1) of the elements' corners over the samples, at the start.
+  std::array<double, 2> strain_range() const override;
+
+ private:
+  struct State;
+  struct Equilibrium;
+  void list_parameters();
+  void list_series();
+  State state(const Eigen::VectorXd& parameters) const;
+  math::Pose grasp(const State& state, const math::Pose& X_WE) const;
+  void follow_hand();
+  bool solve(elasticity::StaticSolver& solver, const State& state, int sample, bool derive,
+             Equilibrium& found) const;
+  void predict_wrench(const State& state, int sample, const Equilibrium& found,
+                      Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
+  void predict_markers(const State& state, int sample, const Equilibrium& found,
+                       Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
+  void predict_cloud(const State& state, int sample, const Equilibrium& found,
+                     Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const;
+  Eigen::Matrix3Xd node_columns(const State& state, const Equilibrium& found, int node) const;
+  static constexpr int kMaterial = 3;  // first columns, in the order of Sensitivity::Parameter
+  int samples() const { return static_cast<int>(recording_.samples.size()); }
+
+  std::string name_;
+  HeldCell cell_;
+  HeldRecording recording_;
+  HeldOptions options_;
+  std::vector<Parameter> parameters_;
+  std::vector<Series> series_;
+  int grasp_ = -1, bias_ = -1, mass_ = -1;  // first columns, -1: not sought
+  std::vector<mesh::PointWeights> markers_;
+  std::vector<Eigen::Matrix3Xd> seen_;    // by sample, in O
+  std::vector<int> first_row_;            // of what a sample's points tell
+  std::vector<Eigen::Matrix3Xd> shapes_;  // by sample, where Newton begins
+};
+
+/// Kind `held_object`: a grasp-and-move recording from an LCM log. Keys: log (below the folder of
+/// the data), configuration (of palpated, which describes the object; relative to this file), set
+/// (overrides of it), time (received, sent), calm (linear_speed, angular_speed, settle, window,
+/// every: see CalmRule), sought (list of poisson_ratio, density, grasp, bias, hand; absent:
+/// poisson_ratio, bias), model_error (0.01), markers (rest points), points (of a cloud, 60),
+/// held_out (by `time` or `sample`). A few rests do not tell how large noise is: with them fit by
+/// `solver: {reweigh: false}`. Throws config::Error and std::runtime_error.
+std::unique_ptr<Experiment> make_held_object(const config::Node& node,
+                                             const std::filesystem::path& folder);
+
+}  // namespace palpate::fit

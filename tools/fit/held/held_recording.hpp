@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/fit/held/held_log.hpp"
+
+namespace palpate::fit {
+
+/// The hand at rest, or nearly so.
+struct HeldSample {
+  double time = 0;  // s since the recording began
+  math::Pose X_WE = math::Pose::Identity();
+  math::Wrench F_S;             // as the sensor reads it
+  Eigen::Matrix3Xd points_W;    // m, seen on the surface; none where nothing looked
+  std::vector<math::Pose> way;  // X_WE on the way from the sample before
+};
+
+struct HeldRecording {
+  std::vector<HeldSample> samples;
+  math::Vector6d deviation;    // standard, of F_S of one sample: from the scatter of its blocks
+  double point_deviation = 0;  // m, of each coordinate
+};
+
+/// The samples of a log by the rule. `average_points`: all messages of a window see the same points
+/// in the same order (markers), else the one in its middle is taken. Throws as read_held_log()
+/// does, and where there is no sample at all.
+HeldRecording read_held_recording(const std::string& log, const CalmRule& rule,
+                                  const std::string& time, bool average_points);
+
+}  // namespace palpate::fit
