@@ -14,6 +14,8 @@ target_compile_options(palpate_flags INTERFACE
 target_compile_options(palpate_flags INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>>)
 target_include_directories(palpate_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
+# One visibility for all, so that all can share precompiled headers; see sim/robot/CMakeLists.txt.
+target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fvisibility=hidden;-fvisibility-inlines-hidden>)
 # DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
 target_compile_definitions(palpate_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
@@ -43,6 +45,56 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
+# How a target is compiled. LOOP: as users run it. OFFLINE: programs that compute little and share no hot
+# code with core, where the time to build counts (an object of lower optimisation lends its inline
+# functions to others of the same program). Either takes the headers that nearly all sources include from
+# one precompiled file, tests from one with googletest; a source with flags of its own goes without.
+option(PALPATE_PCH "Precompile common headers" ON)
+set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
+set(PALPATE_OFFLINE_FOLDERS
+  "^(tests/unit/)?tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|spy|top|train|view)")
+if(PALPATE_PCH)
+  find_package(GTest REQUIRED)
+  set(headers <Eigen/Dense> <Eigen/Geometry> <algorithm> <array> <atomic> <chrono> <cmath> <cstdint> <filesystem>
+    <fstream> <functional> <map> <memory> <optional> <sstream> <stdexcept> <string> <vector>)
+  file(WRITE ${CMAKE_BINARY_DIR}/pch/empty.cpp "")
+  foreach(way LOOP OFFLINE)
+    foreach(kind "" _TEST)
+      set(target palpate_pch_${way}${kind})
+      add_library(${target} OBJECT EXCLUDE_FROM_ALL ${CMAKE_BINARY_DIR}/pch/empty.cpp)
+      target_link_libraries(${target} PRIVATE palpate_flags Eigen3::Eigen Threads::Threads)
+      if(way STREQUAL "OFFLINE")
+        target_compile_options(${target} PRIVATE ${PALPATE_OFFLINE_FLAGS})
+      endif()
+      target_precompile_headers(${target} PRIVATE ${headers})
+      if(kind)
+        target_link_libraries(${target} PRIVATE GTest::gmock)
+        target_precompile_headers(${target} PRIVATE <gmock/gmock.h> <gtest/gtest.h>)
+      endif()
+    endforeach()
+  endforeach()
+endif()
+
+# Several sources of a tool or test as one, to read and instantiate what they share once. Never core, rt and
+# sim, which are compiled a source at a time in every build.
+option(PALPATE_UNITY "Compile tools and tests several sources at a time" OFF)
+
+# By the folder of its sources; `kind` is "" or "_TEST".
+function(palpate_compile target kind source)
+  file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${source})
+  set(way LOOP)
+  if(folder MATCHES "${PALPATE_OFFLINE_FOLDERS}")
+    set(way OFFLINE)
+    target_compile_options(${target} PRIVATE ${PALPATE_OFFLINE_FLAGS})
+  endif()
+  if(PALPATE_PCH)
+    target_precompile_headers(${target} REUSE_FROM palpate_pch_${way}${kind})
+  endif()
+  if(PALPATE_UNITY AND folder MATCHES "^(tools|tests)/" AND NOT folder MATCHES "^tests/(bench|stress|fault|process)")
+    set_target_properties(${target} PROPERTIES UNITY_BUILD ON UNITY_BUILD_BATCH_SIZE 6)
+  endif()
+endfunction()
+
 function(palpate_library)
   cmake_parse_arguments(ARG "" "NAME" "DEPENDS;PRIVATE_DEPENDS" ${ARGN})
   get_filename_component(name ${CMAKE_CURRENT_SOURCE_DIR} NAME)
@@ -58,6 +110,9 @@ function(palpate_library)
     add_library(palpate_${name} INTERFACE)
     target_link_libraries(palpate_${name} INTERFACE palpate_flags ${ARG_DEPENDS})
   endif()
+  if(sources)
+    palpate_compile(palpate_${name} "" ${CMAKE_CURRENT_SOURCE_DIR})
+  endif()
   add_library(palpate::${name} ALIAS palpate_${name})
   palpate_export_library(${name})
 endfunction()
@@ -69,6 +124,7 @@ function(palpate_program name)
   endif()
   add_executable(${name} ${ARG_SOURCES})
   target_link_libraries(${name} PRIVATE palpate_flags ${ARG_DEPENDS})
+  palpate_compile(${name} "" ${CMAKE_CURRENT_SOURCE_DIR})
   palpate_install_program(${name})
 endfunction()
 
@@ -93,6 +149,7 @@ function(palpate_test dir)
   add_executable(${name} ${sources})
   target_link_libraries(${name} PRIVATE palpate_flags palpate::support ${ARG_DEPENDS}
     GTest::gmock GTest::gtest GTest::gtest_main)
+  palpate_compile(${name} _TEST ${CMAKE_CURRENT_SOURCE_DIR}/${dir})
   gtest_discover_tests(${name} TEST_PREFIX "${ARG_LABEL}.${flat}." DISCOVERY_MODE PRE_TEST
     DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${ARG_LABEL} TIMEOUT ${ARG_TIMEOUT}
     RUN_SERIAL ${serial})

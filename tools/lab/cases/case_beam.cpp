@@ -10,7 +10,6 @@
 #include "core/mesh/point_locator.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
-#include "tools/lab/scores/report.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::cases {

@@ -11,7 +11,6 @@
 #include "tools/lab/cases/case_mesh.hpp"
 #include "tools/lab/cases/case_report.hpp"
 #include "tools/lab/cases/case_sweep.hpp"
-#include "tools/lab/scores/report.hpp"
 
 namespace palpate::cases {
 namespace {
