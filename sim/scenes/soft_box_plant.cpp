@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;      // s
 constexpr double kSettlingTime = 10;  // s, simulated, at most
-constexpr double kRest = 1e-8;        // m in a step
+constexpr double kRest = 1e-8;        // m per step
 constexpr double kPi = 3.14159265358979323846;
 constexpr double kSticking = 0.99;  // of the friction cone
 
@@ -27,7 +27,7 @@ SoftBoxPlant::SoftBoxPlant(const robot::SoftBoxOptions& options,
   const Eigen::Matrix3Xi& triangles = body_.surface_triangles();
   elements_.resize(4, triangles.cols());
   elements_.topRows<3>() = triangles;
-  // Positive: seen from the core the triangles of the skin run the other way about.
+  // Positive: seen from the core the skin triangles are oriented the other way round.
   elements_.row(0).swap(elements_.row(1));
   elements_.row(3).setConstant(vertices);
   clamped_ = {vertices};
@@ -81,7 +81,7 @@ void SoftBoxPlant::read_touch(int tip) {
   const double pressing = touch.force.dot(touch.normal);
   touch.friction = touch.force - pressing * touch.normal;
   touch.depth = contact.depth;
-  // Of the cap of the sphere that lies within.
+  // Rest area of the spherical cap within the object.
   touch.area = kPi * touch.depth * std::max(0.0, 2 * tips_[tip].radius - touch.depth);
   touch.sticking = touch.friction.norm() < kSticking * friction_ * pressing;
 }

@@ -9,7 +9,7 @@ namespace {
 using sensing::kElectrodeCount;
 
 constexpr double kPi = 3.14159265358979323846;
-constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa a count
+constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa per count
 constexpr double kHighPass = 2 * kPi * 10;                     // rad/s
 constexpr double kLeast = 0, kMost = 4095;
 
@@ -59,7 +59,7 @@ BiotacReading Biotac::read() {
                table_.warm_up_electrode * cold + noisy(table_.electrode, walk_[i]));
   reading.pdc = counts(rest_pressure_ + pressure_counts(pressure_) +
                        table_.warm_up_pressure * cold + noisy(table_.pressure, pressure_walk_));
-  // The steps since the last reading, as many times as the electronics sample them.
+  // Distributes the steps since the last reading over the electronics' samples.
   for (int k = 0; k < kVibrationSamples; ++k) {
     const auto steps = vibration_.size();
     const double value = steps == 0 ? 0 : vibration_[k * steps / kVibrationSamples];
