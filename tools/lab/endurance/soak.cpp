@@ -16,7 +16,7 @@ namespace palpate::endurance {
 namespace {
 
 constexpr double kMostGrowth = 1.0;   // MB
-constexpr double kTargetPeriod = 15;  // s until the other target is given
+constexpr double kTargetPeriod = 15;  // s until the target changes
 constexpr double kSampling = 1.0;     // s
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
@@ -41,7 +41,7 @@ void print_line(const MemorySample& sample, const health_t& health) {
   std::cout << text << std::flush;
 }
 
-/// Two targets of the same feature, to go to and fro between.
+/// Two targets of the same feature, to alternate between.
 std::vector<runs::ControlTarget> pair_of_targets(const std::filesystem::path& file) {
   std::vector<runs::ControlTarget> targets = runs::read_targets(file);
   const std::string kind = targets.at(0).kind;

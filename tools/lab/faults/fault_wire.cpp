@@ -14,7 +14,7 @@ namespace palpate::faults {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;  // ns
-constexpr int kRoom = 1 << 16;                    // messages that wait for the listener
+constexpr int kRoom = 1 << 16;                    // messages queued for the listener
 
 }  // namespace
 
@@ -51,7 +51,8 @@ void FaultWire::take(const lcm::ReceiveBuffer* buffer, const std::string& channe
   heard_any_ = true;
   const std::int64_t origin_us = origin_us_;
   if (origin_us == 0) return;  // before the scenario
-  // The system's word for when it came to this machine, whenever this thread gets to see it.
+  // The kernel's time of arrival at this machine, regardless of when this thread reads the
+  // datagram.
   const std::int64_t time_ns = 1000 * (buffer->recv_utime - origin_us);
   heard_.push_back({channel, {bytes, bytes + buffer->data_size}, time_ns});
 }
@@ -87,8 +88,9 @@ void FaultWire::play(const faults::Recording& recording, const faults::Scenario&
 faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, double period) {
   stop_ = true;
   listener_.join();
-  // What it did when goes by its own stamps: on a busy machine HEALTH comes long after the commands
-  // of its cycle, and datagrams overtake each other. When something was told is when it came.
+  // Times of the daemon's actions are taken from its own stamps: on a busy machine HEALTH arrives
+  // long after the commands of its cycle, and datagrams overtake each other. The time of a report
+  // is its arrival.
   const auto said_ns = [this](const bus::Published& message) {
     return 1000 * (faults::header_of(message).utime - origin_us_);
   };

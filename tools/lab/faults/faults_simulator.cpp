@@ -20,7 +20,7 @@ using faults::Bench;
 using faults::RunResult;
 
 constexpr double kPatience = 40;  // s; the plant settles first
-constexpr double kBraked = 0.5;   // s after which nothing may move any more
+constexpr double kBraked = 0.5;   // s after which all motion must have ended
 
 std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
@@ -34,7 +34,7 @@ common::Process start_simulator(const runs::Urls& urls, const std::filesystem::p
           folder / words};
 }
 
-/// False where it does not come true in time.
+/// False if the condition is not met in time.
 bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
   for (double waited = 0; waited < kPatience; waited += 0.02) {
     if (condition()) return true;
