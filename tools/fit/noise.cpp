@@ -27,7 +27,7 @@ double autocorrelation_factor(const Eigen::VectorXd& residuals) {
 }
 
 double student_quantile(double freedom) {
-  // Exact below 5; then Cornish and Fisher's expansion (Abramowitz and Stegun 26.7.5).
+  // Exact below 5; above, the Cornish-Fisher expansion (Abramowitz and Stegun 26.7.5).
   constexpr std::array<double, 5> kFew = {12.7062, 12.7062, 4.30265, 3.18245, 2.77645};
   if (freedom < 5) {
     const double v = std::max(freedom, 1.0);
