@@ -30,7 +30,7 @@ void check_channel(const std::string& channel) {
     throw std::invalid_argument("channel '" + channel + "' must be 1 to 63 of A-Z, 0-9 and _");
 }
 
-/// A log that takes its name when it is complete.
+/// A log that is renamed to its final name when complete.
 class NewLog {
  public:
   explicit NewLog(const std::string& path) : path_(path), part_(path + ".part") {
