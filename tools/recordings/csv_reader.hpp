@@ -7,7 +7,7 @@
 
 namespace palpate::recordings {
 
-/// What is wrong with a recording; what() reads "file:line: ..." or "file:line:column: ...".
+/// An error in a recording; what() reads "file:line: ..." or "file:line:column: ...".
 class CsvError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -16,7 +16,7 @@ class CsvError : public std::runtime_error {
 /// Reads a comma-separated file with a header line, plain or compressed by gzip, row by row.
 class CsvReader {
  public:
-  /// Throws CsvError where the file cannot be read, has no header or names a column twice.
+  /// Throws CsvError if the file cannot be read, has no header or names a column twice.
   explicit CsvReader(const std::string& path);
   ~CsvReader();
   CsvReader(const CsvReader&) = delete;
@@ -24,15 +24,15 @@ class CsvReader {
 
   const std::vector<std::string>& header() const { return header_; }
   bool has_column(const std::string& name) const;
-  /// 0-based; throws CsvError with the columns that exist.
+  /// 0-based; throws CsvError listing the existing columns.
   int column(const std::string& name) const;
 
-  /// Goes to the next row that is not empty; false at the end of the file. Throws CsvError where it
-  /// has more or fewer cells than the header, or the file is damaged.
+  /// Advances to the next row that is not empty; false at the end of the file. Throws CsvError if
+  /// it has more or fewer cells than the header, or the file is damaged.
   bool next();
 
   const std::string& text(int column) const { return cells_[column]; }
-  /// Throws CsvError where the cell is not a finite number.
+  /// Throws CsvError if the cell is not a finite number.
   double number(int column) const;
   /// Of the current row, 1-based.
   int line() const { return line_; }

@@ -8,7 +8,7 @@
 namespace palpate::replay {
 
 Keyboard::Keyboard() {
-  // Who plays in the background may not take the terminal's keys.
+  // A background process must not read the terminal's keys.
   is_there_ = tcgetattr(STDIN_FILENO, &before_) == 0 && tcgetpgrp(STDIN_FILENO) == getpgrp();
   if (!is_there_) return;
   termios raw = before_;

@@ -6,10 +6,10 @@
 
 namespace palpate::replay {
 
-/// What a key asks of who plays.
+/// Action requested by a key.
 enum class Wish { kNone, kPause, kStep, kFaster, kSlower, kBack, kForward, kQuit };
 
-/// The terminal's keys as they are pressed, where standard input is one; else nothing ever comes.
+/// The terminal's keys as they are pressed, if standard input is a terminal; otherwise none.
 class Keyboard {
  public:
   Keyboard();
@@ -18,7 +18,7 @@ class Keyboard {
   Keyboard& operator=(const Keyboard&) = delete;
 
   bool is_there() const noexcept { return is_there_; }
-  /// Waits for a key, or so long.
+  /// Waits for a key, up to a time-out.
   Wish wait(std::int64_t timeout_ns);
 
  private:

@@ -22,13 +22,13 @@ Terminal::Terminal() {
     throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
   termios raw = before_;
   raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  // Who is stopped would leave the screen as it is.
+  // A stopped process would leave the screen in this mode.
   raw.c_cc[VSUSP] = _POSIX_VDISABLE;
   raw.c_cc[VMIN] = 0;
   raw.c_cc[VTIME] = 0;
   tcsetattr(STDIN_FILENO, TCSANOW, &raw);
   draw(kOpen);
-  // Only to end the wait: the size is asked for at each drawing.
+  // Only to end the wait: the size is queried at each drawing.
   struct sigaction action {};
   action.sa_handler = [](int) {};
   sigaction(SIGWINCH, &action, nullptr);
