@@ -1,4 +1,4 @@
-// What the daemon counts and tells of its own loop and of what comes in, on a virtual clock.
+// The daemon's statistics and reports of its own loop and of its inputs, on a virtual clock.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ class Supervision : public ::testing::Test {
                                          "1, 1]}}"}),
                 *inside_, *inside_, Mode::kRealTime, 1) {}
 
-  /// One cycle a millisecond after the last; the events that it publishes.
+  /// One cycle a millisecond after the previous one; returns the published events.
   std::vector<component_event_t> tick(std::int64_t lateness_ns = 0, std::int64_t missed = 0) {
     now_ns_ += kMillisecond;
     bus::set_time(*hub_, now_ns_);
@@ -61,10 +61,10 @@ TEST_F(Supervision, ALongCycleIsAnOverrunAsALateWakeUpIs) {
   tick(3 * kMillisecond, 3);  // woken up late
   EXPECT_EQ(daemon_.counters().overruns, 1);
   EXPECT_EQ(daemon_.counters().overrun_ns, 3 * kMillisecond);
-  tick(50'000, 1);  // its cycle ended late for that: still the same overrun, but longer
+  tick(50'000, 1);  // its cycle therefore ended late: the same overrun, but longer
   EXPECT_EQ(daemon_.counters().overruns, 1);
   EXPECT_EQ(daemon_.counters().overrun_ns, 4 * kMillisecond);
-  tick(50'000, 2);  // punctual, after a cycle that took the time of three
+  tick(50'000, 2);  // punctual, after a cycle that lasted three periods
   EXPECT_EQ(daemon_.counters().overruns, 2);
   EXPECT_EQ(daemon_.counters().overrun_ns, 6 * kMillisecond);
 }
@@ -112,7 +112,7 @@ TEST_F(Supervision, AWrongTypeIsNamedAtOnceAndThenOnceASecond) {
     EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
   }
   EXPECT_EQ(told, 3);
-  // Silence ends the telling.
+  // A silent input ends the reports.
   told = 0;
   for (int i = 0; i < 2500; ++i) told += count(tick(), "wrong type");
   EXPECT_LE(told, 1);
