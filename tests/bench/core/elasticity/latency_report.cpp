@@ -18,7 +18,7 @@ std::string scientific(double value) {
   return text;
 }
 
-/// With a mark where there were steps that it could not be found for.
+/// With a mark if it could not be computed for some steps.
 std::string error_text(const LatencyResult& r) {
   if (r.checks == 0) return "";
   return r.unknown == 0 ? scientific(r.error)
@@ -65,8 +65,8 @@ void add_baseline(common::Table& table, const char* name, const BaselineResult& 
 
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
   common::Table table({"mesh", "motion", "threads", "its", "min", "p50", "p99", "p99.9", "max",
-                         "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age",
-                         "x wall", "x cpu"});
+                       "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age", "x wall",
+                       "x cpu"});
   for (const LatencyRow& row : rows) {
     const LatencyResult& r = row.result;
     const bool dynamic = row.options.mechanics == Mechanics::kDynamic;

@@ -14,11 +14,11 @@ struct LatencyRow {
   LatencyResult result;
 };
 
-/// One line a configuration, and one for each of its baselines; times in ms.
+/// One line per configuration, and one for each of its baselines; times in ms.
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out);
 nlohmann::json to_json(const LatencyRow& row);
 
-/// Writes `json`, indented; throws std::runtime_error where the file cannot be written.
+/// Writes `json`, indented; throws std::runtime_error if the file cannot be written.
 void write_json(const nlohmann::json& json, const std::string& file);
 
 }  // namespace palpate::bench
