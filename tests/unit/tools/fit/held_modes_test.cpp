@@ -65,7 +65,7 @@ TEST(HeldModes, RingAsTheDynamicModelDoes) {
   double squares = 0, differences = 0;
   for (int step = 1; step <= 8000; ++step) {
     model.step(h);
-    if (step < 2500) continue;  // those above the twelfth have died by then
+    if (step < 2500) continue;  // those above the twelfth have decayed
     double expected = 0;
     for (int i = 0; i < 12; ++i) {
       const double omega = modes.frequencies[i];
