@@ -51,7 +51,7 @@ struct Plan {
   std::string hash;  // of the plan and all that was set over it
 };
 
-/// Throws config::Error, and import::CsvError where `each` cannot be read.
+/// Throws config::Error, and import::CsvError if `each` cannot be read.
 Plan read_plan(const config::Node& node, const std::filesystem::path& data);
 
 }  // namespace palpate::fit

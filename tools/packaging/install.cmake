@@ -30,8 +30,8 @@ function(palpate_install_program name)
   set_property(GLOBAL APPEND PROPERTY PALPATE_PROGRAMS_${component} ${name})
 endfunction()
 
-# What drivers and components loaded by name are built against: every library of core and of rt,
-# but for the daemon itself. palpate::NAME inside is palpate::NAME outside.
+# Libraries for drivers and for components loaded by name: every library of core and of rt, except
+# the daemon itself. palpate::NAME has the same name inside and outside.
 function(palpate_export_library name)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(folder MATCHES "^(core|rt)/" AND NOT name STREQUAL "daemon")

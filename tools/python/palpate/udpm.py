@@ -37,7 +37,7 @@ class Url:
     address: str = "239.255.76.67"
     port: int = 7667
     ttl: int = 0
-    receive_buffer: int = 1 << 21  # bytes that are asked of the system
+    receive_buffer: int = 1 << 21  # bytes requested from the system
 
 
 def parse_url(text: str) -> Url:

@@ -34,8 +34,8 @@ TEST(HeldModes, AreThoseOfABeamClampedAtBothEnds) {
   EXPECT_LT(nearest, 0.01 * longitudinal);
 }
 
-// The hand stops at once: what rings on its wrench is what the daemon's dynamic model integrates in
-// small steps, whose own damping is a hundredth.
+// The hand stops instantly: the vibration of its wrench equals that of the daemon's dynamic model
+// integrated in small steps, whose own damping is a hundredth.
 TEST(HeldModes, RingAsTheDynamicModelDoes) {
   elasticity::Body body = slender_bar(0.3);
   body.damping = {3.0, 2e-3};
