@@ -1,6 +1,6 @@
-# Which package a target belongs to. A component of cmake --install is a Debian package of CPack:
+# Packages of the targets. A component of cmake --install is a Debian package of CPack:
 #
-#   daemon  palpate         palpated, what it loads, palpate-command, examples, systemd, limits
+#   daemon  palpate         palpated, its libraries, palpate-command, examples, systemd, limits
 #   sim     palpate-sim     the simulator and its scenes
 #   tools   palpate-tools   everything else that has a command line
 #   dev     palpate-dev     headers and static libraries of core and rt, message types, the driver
@@ -11,7 +11,7 @@
 
 set(PALPATE_CONTROL_PROGRAMS palpated palpate-command)
 
-# Programs with a command line are known to packaging/CMakeLists.txt, which describes them.
+# Programs with a command line are listed in packaging/CMakeLists.txt, which describes them.
 function(palpate_install_program name)
   if(name STREQUAL "palpate-probe")
     install(TARGETS ${name} RUNTIME DESTINATION lib/palpate COMPONENT daemon)

@@ -68,7 +68,7 @@ class Subscription:
         self._queue: Deque[Any] = deque(maxlen=queue)
 
     def get(self, timeout: Optional[float] = None) -> Any:
-        """The next message, waited for at most `timeout` s (None: for ever). Raises
+        """The next message, waiting at most `timeout` s (None: for ever). Raises
         TimeoutError."""
         end = None if timeout is None else time.monotonic() + timeout
         while not self._queue:
