@@ -49,10 +49,11 @@ ALLOWED = {
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
     "tools/command": "rt/bus",
     "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/log tools/record",
+    "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
     "tools/examples": "core/sensing core/control rt/plugin",
-    "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw sim/robot tools/common "
-                    "tools/log",
+    "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw tools/common "
+                    "tools/log tools/drawing",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
     "tools/import": "core/math rt/config tools/recordings",
@@ -64,7 +65,7 @@ ALLOWED = {
     "tools/spy": "core/sensing",
     "tools/top": "rt/loop tools/record",
     "tools/train": "core/sensing rt/config rt/inference tools/common tools/recordings",
-    "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command",
+    "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
     # Any may include core, rt, sim and tools; what stands here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/runs": "",

@@ -53,7 +53,8 @@ def is_printed(page, words, root):
 
 
 def configuration(root, programs):
-    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root)
+    studies = is_printed("docs/studies.md", [programs / "palpate-evaluate", "reference"], root)
+    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root) or studies
 
 
 def published(root):
@@ -61,7 +62,8 @@ def published(root):
 
 
 def keys(root):
-    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", (root / "docs/configuration.md").read_text(), re.M))
+    pages = (root / "docs/configuration.md").read_text() + (root / "docs/studies.md").read_text()
+    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", pages, re.M))
     missing = []
     asked = 0
     for files in READERS:

@@ -1,4 +1,4 @@
-#include "tools/view/robot_drawing.hpp"
+#include "tools/drawing/robot_drawing.hpp"
 
 #include <cmath>
 #include <set>
@@ -6,7 +6,7 @@
 
 #include "rt/registry/urdf_file.hpp"
 
-namespace palpate::view {
+namespace palpate::drawing {
 namespace {
 
 /// False for shapes that are no primitives.
@@ -110,4 +110,4 @@ void RobotDrawing::place(const math::Pose& X_AW, const double* arm_q, int arm_co
   }
 }
 
-}  // namespace palpate::view
+}  // namespace palpate::drawing

@@ -1,4 +1,4 @@
-#include "tools/view/robot_drawing.hpp"
+#include "tools/drawing/robot_drawing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,7 +7,7 @@
 #include "rt/registry/arm_model.hpp"
 #include "tests/support/scratch_folder.hpp"
 
-namespace palpate::view {
+namespace palpate::drawing {
 namespace {
 
 const std::string kArm = std::string(PALPATE_SOURCE_DIR) + "/sim/robot/lwr_hand.urdf";
@@ -75,4 +75,4 @@ TEST(RobotDrawing, FilesThatCannotBeDrawnAreNamed) {
 }
 
 }  // namespace
-}  // namespace palpate::view
+}  // namespace palpate::drawing

@@ -5,7 +5,7 @@
 
 #include "core/math/rigid.hpp"
 
-namespace palpate::view {
+namespace palpate::drawing {
 
 /// A primitive shape of a link.
 struct LinkShape {
@@ -51,4 +51,4 @@ class RobotDrawing {
   int drawn_links_ = 0, arm_joints_ = 0, hand_joints_ = 0;
 };
 
-}  // namespace palpate::view
+}  // namespace palpate::drawing
