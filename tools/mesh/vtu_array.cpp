@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/mesh/base64.hpp"
+#include "tools/common/base64.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
@@ -63,7 +63,8 @@ class Block {
       // Header and data are encoded one by one, or as one: decoding what is there gives both.
       const std::size_t end = storage.find_first_not_of(
           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/= \t\r\n", from);
-      decoded_ = from_base64(storage.substr(from, end == std::string::npos ? end : end - from));
+      decoded_ =
+          common::from_base64(storage.substr(from, end == std::string::npos ? end : end - from));
       bytes_ = &decoded_;
       at_ = 0;
     }

@@ -9,9 +9,6 @@ namespace palpate::studies {
 /// Text for HTML: & < > " ' as entities, so that nothing of it is markup.
 std::string escaped(const std::string& text);
 
-/// Base64 of bytes, with padding (RFC 4648).
-std::string base64(const std::string& bytes);
-
 /// One page that needs no other file.
 class HtmlPage {
  public:
