@@ -61,9 +61,9 @@ ALLOWED = {
     "tools/record": "rt/loop rt/bus",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/fit "
                        "tools/recordings",
-    "tools/replay": "core/math rt/loop rt/bus rt/daemon tools/record",
+    "tools/replay": "core/math rt/loop rt/bus rt/daemon tools/common tools/record",
     "tools/spy": "core/sensing",
-    "tools/top": "rt/loop tools/record",
+    "tools/top": "rt/loop tools/common tools/record",
     "tools/train": "core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
     # Any may include core, rt, sim and tools; what stands here are other folders of the laboratory.

@@ -11,9 +11,9 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/common/keyboard.hpp"
 #include "tools/record/channel_filter.hpp"
 #include "tools/record/listener.hpp"
-#include "tools/replay/keyboard.hpp"
 
 namespace palpate::replay {
 namespace {
@@ -83,27 +83,15 @@ class Outlets {
   long sent_ = 0, left_out_ = 0, refused_ = 0;
 };
 
-void obey(Wish wish, Player& player, std::int64_t now_ns, const Sink& sink) {
+void obey(const std::string& key, Player& player, std::int64_t now_ns, const Sink& sink) {
   constexpr double kJump = 5;  // s
-  switch (wish) {
-    case Wish::kPause:
-      return player.pause(!player.paused(), now_ns);
-    case Wish::kStep:
-      return player.step(now_ns, sink);
-    case Wish::kFaster:
-      return player.set_rate(2 * player.rate(), now_ns);
-    case Wish::kSlower:
-      return player.set_rate(0.5 * player.rate(), now_ns);
-    case Wish::kBack:
-      return player.seek(player.position(now_ns) - kJump, now_ns);
-    case Wish::kForward:
-      return player.seek(player.position(now_ns) + kJump, now_ns);
-    case Wish::kQuit:
-      stopped = 1;
-      return;
-    case Wish::kNone:
-      return;
-  }
+  if (key == "q" || key == common::Keyboard::kEndOfInput) stopped = 1;
+  if (key == " ") player.pause(!player.paused(), now_ns);
+  if (key == ".") player.step(now_ns, sink);
+  if (key == "+") player.set_rate(2 * player.rate(), now_ns);
+  if (key == "-") player.set_rate(0.5 * player.rate(), now_ns);
+  if (key == "\x1b[D") player.seek(player.position(now_ns) - kJump, now_ns);
+  if (key == "\x1b[C") player.seek(player.position(now_ns) + kJump, now_ns);
 }
 
 void show(const Player& player, std::int64_t now_ns) {
@@ -182,7 +170,7 @@ int PlayCommand::run() const {
   for (const std::string& complaint : player_.complaints())
     std::fprintf(stderr, "warning: %s\n", complaint.c_str());
   const Sink sink = [&](int log, const bus::LoggedEvent& event) { outlets.take(log, event); };
-  Keyboard keyboard;
+  common::Keyboard keyboard;
   const bool shows = !quiet && isatty(STDERR_FILENO) != 0;
   std::int64_t shown_ns = 0;
   while (stopped == 0) {
