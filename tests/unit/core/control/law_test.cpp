@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 
 constexpr double kDegree = M_PI / 180;
 
-shape::PoseFeature::Options pose_points() {
+shape::PoseFeature::Options law_pose_points() {
   return {{Vector3d(0.20, 0.01, 0.02), Vector3d(0.27, 0.03, 0.05), Vector3d(0.23, 0.055, 0.01)}};
 }
 
@@ -85,7 +85,7 @@ class Loop {
 class LawTest : public ::testing::Test {
  protected:
   testing::RigidModel model_{testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
-  shape::PoseFeature pose_{model_.body().mesh, pose_points()};
+  shape::PoseFeature pose_{model_.body().mesh, law_pose_points()};
 
   /// Lets the law steer to random poses up to 170 degrees away and checks that `size` of the error
   /// falls as exp(-gain t).

@@ -21,7 +21,7 @@ constexpr int kLate = 60;    // ms, of what is seen
 constexpr int kPeriod = 33;  // ms, between two messages
 constexpr double kNoise = 3e-4;
 
-void refactor(CorotationalQuasistatic& model) {
+void pose_wrench_sight_refactor(CorotationalQuasistatic& model) {
   if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
     job->run();
     model.install(*job);
@@ -45,7 +45,7 @@ class SeenWorld {
   void tick(EstimationInputs& inputs) {
     const math::Pose X_OG = hand_ * shift_;
     model_.hold(0, X_OG);
-    refactor(model_);
+    pose_wrench_sight_refactor(model_);
     model_.step(1e-3);
     GraspInput& grasp = inputs.grasps[0];
     grasp.pose_freshness = Freshness::kNew;
@@ -139,7 +139,7 @@ class PoseWrenchSightTest : public ::testing::Test {
         world.hand_.linear() = math::exp_rotation(share * Vector3d(0.2, -0.3, 0.2)) * from.linear();
       }
       world.tick(inputs_);
-      refactor(*model_);
+      pose_wrench_sight_refactor(*model_);
       filter_->update(inputs_, *model_, estimate_);
       if (each) each();
     }
@@ -273,7 +273,7 @@ TEST_F(PoseWrenchSightTest, AllocatesNothing) {
   start(nominal());
   for (int i = 0; i < 400; ++i) {
     world.tick(inputs_);
-    refactor(*model_);
+    pose_wrench_sight_refactor(*model_);
     const loop::NoAllocationScope scope;
     filter_->update(inputs_, *model_, estimate_);
     ASSERT_EQ(scope.count(), 0) << i;

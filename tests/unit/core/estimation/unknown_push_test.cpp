@@ -34,9 +34,11 @@ double median(std::vector<double> values, double share = 0.5) {
   return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
 }
 
-elasticity::Body bar() { return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
+elasticity::Body unknown_push_bar() {
+  return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+}
 
-void refactor(CorotationalQuasistatic& model) {
+void unknown_push_refactor(CorotationalQuasistatic& model) {
   if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
     job->run();
     model.install(*job);
@@ -91,7 +93,7 @@ class Scene {
  public:
   explicit Scene(std::uint64_t seed, double mismatch)
       : sensor_(seed),
-        nominal_(bar()),
+        nominal_(unknown_push_bar()),
         surface_(mesh::extract_surface(nominal_.mesh)),
         locator_(nominal_.mesh) {
     elasticity::Body truth = nominal_;
@@ -230,7 +232,7 @@ class Scene {
 
   void tick() {
     world_->hold(0, hand_ * shift_);
-    refactor(*world_);
+    unknown_push_refactor(*world_);
     world_->step(1e-3);
     const Vector6d reaction = world_->reaction(0).vector();
     if (ticks_++ == 0) lagged_ = reaction;
@@ -240,7 +242,7 @@ class Scene {
     grasp.holding = grasp.wrench_valid = true;
     grasp.X_OG = hand_;
     grasp.F_G_O = math::Wrench::from(sensor_.read(lagged_));
-    refactor(*model_);
+    unknown_push_refactor(*model_);
     filter_->update(inputs_, *model_, estimate_);
   }
 
@@ -342,14 +344,14 @@ class StillModel : public testing::RigidModel {
 
 TEST(UnknownPushAtRest, IsImaginedLessThanOnceAnHour) {
   const double hours = setting("PALPATE_REST_HOURS", 0.05);
-  const elasticity::Body body = bar();
+  const elasticity::Body body = unknown_push_bar();
   CorotationalQuasistatic model(body);
   model.prepare();
   math::Pose X_OG = body.grasps[0].X_OG_rest;
   for (int i = 0; i < 400; ++i) {
     X_OG.translation().z() += 1e-4;
     model.hold(0, X_OG);
-    refactor(model);
+    unknown_push_refactor(model);
     model.step(1e-3);
   }
   StillModel still(model);
