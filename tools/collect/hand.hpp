@@ -26,7 +26,7 @@ struct HandCount {
 /// COMPONENT_EVENT of each trial's begin, to an LCM event log that palpate-train reads. Knows
 /// nothing but these channels. `name`: what the events say, as probe and area. Ends with OPEN, also
 /// where it throws. Throws std::runtime_error where the log cannot be written or a trial brings
-/// nothing of one of the channels, evaluate::Interrupted.
+/// nothing of one of the channels, common::Interrupted.
 /// `key`: that the hand's side is configured with, where it is.
 HandCount collect_from_hand(bus::MessageBus& bus, const HandProtocol& protocol,
                             const std::string& name, const std::filesystem::path& log,

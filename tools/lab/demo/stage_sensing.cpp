@@ -130,7 +130,7 @@ void finish_replay(Replay& replay, common::Progress& progress) {
   log.truths = replay.live->truths;
   log.truth_chunks = replay.live->truth_chunks;
   log.truth_contacts = replay.live->truth_contacts;
-  replay.scored.shape = score_shape(log);
+  replay.scored.shape = scores::score_shape(log);
 }
 
 }  // namespace

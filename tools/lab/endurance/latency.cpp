@@ -121,7 +121,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
     if (!run.check_programs()) throw runs::RunFailed("palpate-sim ended before its time");
   }
   if (cyclictest.wait(0).value_or(1) != 0)
-    throw runs::RunFailed("cyclictest failed:\n" + tail(histogram, 5));
+    throw runs::RunFailed("cyclictest failed:\n" + common::tail(histogram, 5));
   const health_t after = *run.user().health();
   const auto [all_after, stolen_after] = processor_times();
   if (stress) stress->stop();
