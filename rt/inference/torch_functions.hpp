@@ -16,4 +16,5 @@ struct TorchFunctions {
 
 }  // namespace palpate::inference
 
-extern "C" __attribute__((visibility("default"))) const palpate::inference::TorchFunctions* palpate_torch_functions();
+extern "C" __attribute__((visibility("default"))) const palpate::inference::TorchFunctions*
+palpate_torch_functions();

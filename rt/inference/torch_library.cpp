@@ -2,6 +2,8 @@
 
 #include <dlfcn.h>
 
+#include <stdexcept>
+
 #include "rt/config/installation.hpp"
 #include "rt/inference/torch_functions.hpp"
 
@@ -30,11 +32,19 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes,
   return functions().load(bytes, sizes);
 }
 
+// Weights are checked here: the library with libtorch has none of core's code.
 sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
-  return functions().read(bytes);
+  sensing::RecurrentWeights weights = functions().read(bytes);
+  try {
+    weights.check();
+  } catch (const std::invalid_argument& error) {
+    throw ModelError(error.what());
+  }
+  return weights;
 }
 
 std::string write_torch_module(const sensing::RecurrentWeights& weights) {
+  weights.check();
   return functions().write(weights);
 }
 

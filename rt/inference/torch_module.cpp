@@ -252,16 +252,10 @@ sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
   weights.offset = reader.vector("offset");
   weights.output_mean = reader.vector("output_mean");
   weights.output_deviation = reader.vector("output_deviation");
-  try {
-    weights.check();
-  } catch (const std::invalid_argument& error) {
-    throw ModelError(error.what());
-  }
   return weights;
 }
 
 std::string write_torch_module(const sensing::RecurrentWeights& weights) {
-  weights.check();
   hold_pools_to_one_thread();
   torch::jit::Module module("RecurrentNetwork");
   const auto add = [&](const std::string& name, const auto& value) {
