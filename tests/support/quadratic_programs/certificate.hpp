@@ -2,7 +2,7 @@
 
 #include "core/math/quadratic_program.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// What the header of QuadraticProgram promises about a row, computed from the program alone.
 struct Scales {
@@ -30,4 +30,4 @@ OptimalityError optimality_error(const math::QuadraticProgram& program,
 bool proves_infeasibility(const math::QuadraticProgram& program,
                           const math::QuadraticProgramSolver& solver);
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -38,7 +38,7 @@ TwistLawOptions bare(double gain) {
 /// A hand that does what it is told and an object that follows it rigidly.
 class Loop {
  public:
-  Loop(ControlLaw& law, shape::Feature& feature, testing::RigidModel& model)
+  Loop(ControlLaw& law, shape::Feature& feature, support::RigidModel& model)
       : law_(law), feature_(feature), model_(model) {
     law.configure_for(feature);
     value.setZero(feature.value_count());
@@ -77,14 +77,14 @@ class Loop {
  private:
   ControlLaw& law_;
   shape::Feature& feature_;
-  testing::RigidModel& model_;
+  support::RigidModel& model_;
   KinematicJacobian provider_;
   MatrixXd jacobian_;
 };
 
 class LawTest : public ::testing::Test {
  protected:
-  testing::RigidModel model_{testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
+  support::RigidModel model_{support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
   shape::PoseFeature pose_{model_.body().mesh, law_pose_points()};
 
   /// Lets the law steer to random poses up to 170 degrees away and checks that `size` of the error

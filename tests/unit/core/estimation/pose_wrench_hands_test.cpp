@@ -79,7 +79,7 @@ class PoseWrenchHands : public ::testing::Test {
 };
 
 TEST_F(PoseWrenchHands, AFilterThatFollowsAnotherGoesOnWhereItWas) {
-  const elasticity::Body body = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   elasticity::Body truth = body;
   truth.material.young_modulus *= 1.5;
   PoseWrenchHandsWorld world(truth);
@@ -120,7 +120,7 @@ TEST_F(PoseWrenchHands, AFilterThatFollowsAnotherGoesOnWhereItWas) {
 }
 
 TEST_F(PoseWrenchHands, FromAnEstimatorThatKnowsNoStiffnessNoneIsTaken) {
-  const elasticity::Body body = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   CorotationalQuasistatic model(body);
   model.prepare();
   Estimate last;
@@ -133,7 +133,7 @@ TEST_F(PoseWrenchHands, FromAnEstimatorThatKnowsNoStiffnessNoneIsTaken) {
 }
 
 TEST_F(PoseWrenchHands, APushIsFollowedByWhicheverHandFeels) {
-  const elasticity::Body body = testing::bar_between_hands(mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::bar_between_hands(mesh::ElementOrder::kQuadratic);
   const mesh::PointWeights place = mesh::PointLocator(body.mesh).locate({0.2, 0.03, 0.06});
   for (const std::array<bool, 2> feels :
        {std::array{true, false}, std::array{false, true}, std::array{true, true}}) {

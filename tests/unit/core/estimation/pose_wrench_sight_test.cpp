@@ -106,11 +106,11 @@ class SeenWorld {
   int ticks_ = 0;
 };
 
-elasticity::Body nominal() { return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
+elasticity::Body nominal() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
 
 /// Another mesh, stiffness and Poisson's ratio.
 elasticity::Body other() {
-  elasticity::Body body = testing::held_bar({10, 2, 2}, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body = support::held_bar({10, 2, 2}, mesh::ElementOrder::kQuadratic);
   body.material.young_modulus *= 1.3;
   body.material.poisson_ratio = 0.45;
   return body;
@@ -288,7 +288,7 @@ double PoseWrenchSightTest::covered(bool amid_faces) {
   PoseWrenchFilter::Options options;
   options.sight.surface = 0;  // its own mesh
   options.relative = 0;
-  const elasticity::Body body = testing::held_bar({5, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({5, 1, 1}, mesh::ElementOrder::kQuadratic);
   double covered = 0, asked = 0;
   for (int seed = 0; seed < kSeeds; ++seed) {
     std::mt19937_64 random(100 + seed);

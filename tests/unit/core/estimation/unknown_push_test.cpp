@@ -35,7 +35,7 @@ double median(std::vector<double> values, double share = 0.5) {
 }
 
 elasticity::Body unknown_push_bar() {
-  return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
 }
 
 void unknown_push_refactor(CorotationalQuasistatic& model) {
@@ -329,7 +329,7 @@ INSTANTIATE_TEST_SUITE_P(Mismatch, UnknownPush, ::testing::Values(0.0, 0.2),
                          [](const auto& of) { return of.param == 0 ? "none" : "some"; });
 
 /// Stands still under whatever it is told, at hardly any cost: hours of rest in seconds.
-class StillModel : public testing::RigidModel {
+class StillModel : public support::RigidModel {
  public:
   explicit StillModel(const CorotationalQuasistatic& of) : RigidModel(of.body()) {
     mutable_sensitivity() = of.sensitivity();

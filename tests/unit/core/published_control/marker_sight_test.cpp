@@ -17,7 +17,7 @@ class Sight : public ::testing::Test {
     return Eigen::Map<Eigen::Matrix3Xd>(v.data(), 3, 3);
   }
 
-  elasticity::Body body_ = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body_ = support::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
   std::vector<Eigen::Vector3d> points_{{0.1, 0.01, 0.03}, {0.25, 0.03, 0.06}, {0.4, 0.05, 0.02}};
   shape::PointsFeature feature_{body_.mesh, {points_}};
   Eigen::Matrix3Xd model_ = body_.mesh.nodes;

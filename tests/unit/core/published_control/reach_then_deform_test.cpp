@@ -35,7 +35,7 @@ class Reaching : public ::testing::Test {
     return V.linear;
   }
 
-  elasticity::Body body_ = testing::weightless_bar();
+  elasticity::Body body_ = support::weightless_bar();
   shape::PointsFeature feature_{body_.mesh, {{{0.2, 0, 0.03}}}};
   Eigen::VectorXd error_;
 };
@@ -81,7 +81,7 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
 }
 
 TEST_F(Reaching, OfWhatIsInTheHandDeformsAtOnce) {
-  testing::HeldBarPlant plant(body_);
+  support::HeldBarPlant plant(body_);
   ReachThenDeform::Options options;
   options.gain = 2;
   options.dead_band = 1e-4;

@@ -9,7 +9,7 @@
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// A bar in equilibrium that a camera sees from above and from one side, 30 times a second, and
 /// that a hand holds whose pose and wrench are told: what estimators in palpated's slot get.
@@ -137,4 +137,4 @@ inline std::unique_ptr<elasticity::DeformationModel> carrier(const elasticity::B
   return std::make_unique<elasticity::AsRigidAsPossible>(body);
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support
