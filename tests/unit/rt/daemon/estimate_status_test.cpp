@@ -42,8 +42,8 @@ class EstimateStatus : public ::testing::Test {
 
   void publish_robot() {
     const registry::Frames& frames = daemon_.pipeline().frames();
-    const math::Pose X_WE = frames.X_WO * daemon_.pipeline().object().body.grasps[0].X_OG_rest *
-                            frames.X_EG.inverse();
+    const math::Pose X_WE =
+        frames.X_WO * daemon_.pipeline().object().body.grasps[0].X_OG_rest * frames.X_EG.inverse();
     robot_state_t state{};
     state.session = 1;
     state.seq = ++seq_;
