@@ -31,4 +31,9 @@ UdpmUrl private_url();
 /// one.
 std::string explain_socket_error(const std::string& doing, const UdpmUrl& url, int error);
 
+/// Throws std::runtime_error with the remedy where the system has no route to the group. Asks a
+/// socket of its own: one that is connected sends by the interface of the address that it was given
+/// then, which need not be the interface of the route that receivers join on.
+void require_route(const UdpmUrl& url);
+
 }  // namespace palpate::bus
