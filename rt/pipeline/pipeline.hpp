@@ -92,7 +92,8 @@ class Pipeline {
   }
   int sensor_count() const noexcept { return static_cast<int>(slots_->sensing.size()); }
   SensorReport sensor_report(int index) const noexcept { return slots_->sensor_report(index); }
-  /// What the system did not grant to threads of components, a line each; of the constructor.
+  /// Warnings, a line each, of the constructor: what the system did not grant to threads of
+  /// components, and what of the configuration hardly is as it was meant.
   const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   /// Whether joint velocities are what an arm is told, not a twist.

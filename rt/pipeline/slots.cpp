@@ -42,7 +42,8 @@ Slots::Slots(const config::Node& root, const registry::Context& cell, const Chan
              std::shared_ptr<const registry::Object> present)
     : object(std::move(present)), context(cell) {
   if (changes.object)
-    object = std::make_shared<registry::Object>(registry::read_object(root, context.frames));
+    object = std::make_shared<registry::Object>(
+        registry::read_object(root, context.frames, context.remarks));
   context.object = object.get();
   build_sensing(root, changes);
   if (changes.contact) build_contact(root);

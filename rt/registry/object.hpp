@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/registry/frames.hpp"
@@ -19,8 +22,10 @@ struct Object {
 /// tells them, go over `material` and stand where `damping` says nothing), damping, fixed_box,
 /// grasp_box, second_grasp_box, gravity. The rest pose of a grasp is `grasp_at_rest`
 /// (`second_grasp_at_rest`) or the middle of the grasped nodes with the axes of O;
-/// `grasp_stiffness` is that of its pads, N/m of the whole patch (absent: rigid). Throws
+/// `grasp_stiffness` is that of its pads, N/m of the whole patch (absent: rigid). `remarks`: takes
+/// a line for each bound of a box that lies between rows of the mesh's nodes; may be null. Throws
 /// config::Error.
-Object read_object(const config::Node& root, const Frames& frames);
+Object read_object(const config::Node& root, const Frames& frames,
+                   std::vector<std::string>* remarks = nullptr);
 
 }  // namespace palpate::registry

@@ -33,8 +33,10 @@ struct Context {
   /// Nothing may depend on scheduling: an inference is awaited however long it takes.
   bool deterministic = false;
   InferenceSettings inference;
-  std::shared_ptr<const plugin::Plugins> plugins;  // components of the user's own libraries; may be none
-  std::vector<std::string>* remarks = nullptr;  // what the system did not grant, a line each
+  /// Components of the user's own libraries; may be none.
+  std::shared_ptr<const plugin::Plugins> plugins;
+  /// Takes what is logged as warnings, a line each; may be null.
+  std::vector<std::string>* remarks = nullptr;
 };
 
 /// One function a slot: builds the component that `node` names under the key "component" (the
