@@ -48,6 +48,7 @@ class Daemon {
 
   const Settings& settings() const noexcept { return settings_; }
   pipeline::Pipeline& pipeline() noexcept { return pipeline_; }
+  const pipeline::Pipeline& pipeline() const noexcept { return pipeline_; }
   const Counters& counters() const noexcept { return counters_; }
   const Replacing& replacing() const noexcept { return replacing_; }
   const Inputs& inputs() const noexcept { return inputs_; }

@@ -147,6 +147,7 @@ struct Options {
   std::vector<std::string> overrides;
   std::string json;
   bool stepped = false;
+  bool check = false;
 };
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
@@ -195,16 +196,36 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   thread.join();
 }
 
+std::string extent_of(const palpate::registry::Object& object) {
+  return fmt::format("{} nodes, {} elements, {} grasped, {} fixed", object.body.mesh.node_count(),
+                     object.body.mesh.element_count(),
+                     object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
+                     object.body.fixed_nodes.size());
+}
+
+/// Builds all that a start would build, beside the network and the folder of records.
+int check(const Options& options) {
+  const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
+  const auto bus = palpate::bus::make_memory_bus(palpate::bus::make_memory_hub());
+  const Daemon daemon(root, *bus, *bus, Mode::kDeterministic, 1);
+  for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
+  spdlog::info("{}: valid configuration; {}", options.configuration,
+               extent_of(daemon.pipeline().object()));
+  return 0;
+}
+
 int run(const Options& options, const sigset_t& signals) {
   namespace bus = palpate::bus;
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
-  const bus::InstanceLock lock(settings.control_url);
   const auto control = bus::make_lcm_bus(settings.control_url);
   const auto housekeeping = bus::make_lcm_bus(settings.housekeeping_url);
   const std::int64_t session = bus::random_session();
   Daemon daemon(root, *control, *housekeeping,
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
+  // After the configuration has been read to its end: that is what is wrong first. Nothing has been
+  // sent or received until here.
+  const bus::InstanceLock lock(settings.control_url);
   palpate::daemon::SteppedClock clock(*control, session);
   control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   if (!options.stepped) {
@@ -215,12 +236,8 @@ int run(const Options& options, const sigset_t& signals) {
   // Nothing is read from the housekeeping bus.
   options.stepped ? control->start_without_thread() : control->start();
 
-  const palpate::registry::Object& object = daemon.pipeline().object();
-  spdlog::info(
-      "palpated {}: {} nodes, {} elements, {} grasped, {} fixed; inactive, waits for start",
-      PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),
-      object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
-      object.body.fixed_nodes.size());
+  spdlog::info("palpated {}: {}; inactive, waits for start", PALPATE_VERSION,
+               extent_of(daemon.pipeline().object()));
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
@@ -245,7 +262,8 @@ int main(int argc, char** argv) {
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
       "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
+      "Exit codes: 0 ended by a signal, or checked and right, 1 run-time error, 78 wrong "
+      "configuration, with\nfile, line, key, value and what is allowed.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
       ->required();
@@ -254,11 +272,15 @@ int main(int argc, char** argv) {
                  "object.material.young_modulus=39e3; a value of ~ takes the key away")
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write statistics to this file at the end");
+  app.add_flag("--check", options.check,
+               "validate the configuration completely, as a start would, without network, robot or "
+               "another daemon, and end");
   app.add_flag("--stepped", options.stepped,
                "run one cycle for each SIM_TICK (palpate-sim --fast) instead of in real time");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
+      "  palpated --check bar.yaml\n"
       "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
   CLI11_PARSE(app, argc, argv);
 
@@ -266,7 +288,7 @@ int main(int argc, char** argv) {
   palpate::daemon::start_log();
   int code = 1;
   try {
-    code = run(options, signals);
+    code = options.check ? check(options) : run(options, signals);
   } catch (const palpate::config::Error& error) {
     spdlog::error("{}", error.what());
     code = palpate::config::kExitCode;
