@@ -124,7 +124,6 @@ class MotionLimits {
   Limit limit_of(int row) const noexcept { return limit_of_[row]; }
 
   double peak_stress() const noexcept { return stress_ ? stress_->peak() : 0; }  // Pa
-  double peak_stretch() const noexcept { return stretch_ ? stretch_->peak() : 0; }
 
   /// 1 far from buckling, 0 at it.
   double ease(const elasticity::DeformationModel& model) noexcept;

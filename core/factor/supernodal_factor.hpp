@@ -45,9 +45,6 @@ class SupernodalFactor {
   /// Inverse of the Schur complement over the free groups' rows, row and column 0 being the first
   /// free unknown; both triangles. Into `inverse`, column-major. Needs is_regular.
   void invert_border(Held held, double* inverse) const noexcept;
-  int border_rows(Held held) const { return border(held).size; }
-  /// First scalar row of the free groups, counted from the first one of the border.
-  int border_offset(Held held) const { return border(held).offset; }
 
  private:
   struct Border {

@@ -5,8 +5,6 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "core/math/rigid.hpp"
-
 namespace palpate::math {
 namespace {
 
@@ -82,11 +80,6 @@ Eigen::Matrix3d polar_spin(const Eigen::Matrix3d& R, const Eigen::Matrix3d& F) n
   eigen.computeDirect(H);
   const Eigen::Vector3d inverse = eigen.eigenvalues().cwiseMax(floor).cwiseInverse();
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-Eigen::Matrix3d polar_rotation_derivative(const Eigen::Matrix3d& R, const Eigen::Matrix3d& A,
-                                          const Eigen::Matrix3d& dF) noexcept {
-  return R * cross_matrix(A * skew_part(R.transpose() * dF));
 }
 
 }  // namespace palpate::math

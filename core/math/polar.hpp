@@ -23,8 +23,4 @@ Eigen::Matrix3d polar_rotation(const Eigen::Matrix3d& F) noexcept;
 /// inverted element about to flip) R jumps; there A is bounded by 1e6 divided by the size of S.
 Eigen::Matrix3d polar_spin(const Eigen::Matrix3d& R, const Eigen::Matrix3d& F) noexcept;
 
-/// dR for a change dF of F; A from polar_spin, shared by all dF at the same F.
-Eigen::Matrix3d polar_rotation_derivative(const Eigen::Matrix3d& R, const Eigen::Matrix3d& A,
-                                          const Eigen::Matrix3d& dF) noexcept;
-
 }  // namespace palpate::math

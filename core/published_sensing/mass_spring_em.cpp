@@ -24,7 +24,6 @@ void MassSpringEm::begin(const Eigen::Matrix3Xd&) noexcept {
   next_ = 0;
   weight_.setZero();
   attractor_.setZero();
-  belonging_ = 0;
 }
 
 /// Adds one point's responsibilities. The noise has the density that `noise` of the points would
@@ -61,7 +60,6 @@ elasticity::StepReport MassSpringEm::advance(double dt, const estimation::Estima
       const double share = 1.0 / static_cast<double>(points_.cols());
       weight_ = share * weight_next_;
       attractor_ = share * attractor_next_;
-      belonging_ = weight_.sum();
     }
   }
   Eigen::Matrix3Xd& loads = model.loads();

@@ -26,9 +26,6 @@ class MassSpringEm final : public CloudEstimator {
   /// Throws std::invalid_argument where an option is out of range.
   MassSpringEm(const elasticity::Body& body, const mesh::Surface& surface, const Options& options);
 
-  /// Share of the last cloud's points that belong to some node.
-  double belonging() const noexcept { return belonging_; }
-
  private:
   void begin(const Eigen::Matrix3Xd& positions) noexcept override;
   elasticity::StepReport advance(double dt, const estimation::EstimationInputs& inputs,
@@ -42,7 +39,6 @@ class MassSpringEm final : public CloudEstimator {
   Eigen::VectorXd share_;                        // of one point, by surface node
   Eigen::VectorXd weight_, weight_next_;         // of all points, by surface node
   Eigen::Matrix3Xd attractor_, attractor_next_;  // sum of r y, m
-  double belonging_ = 0;
 };
 
 }  // namespace palpate::published_sensing

@@ -32,9 +32,8 @@ class SolidMotion {
   const Eigen::Matrix3Xd& positions() const { return x_; }
   const Eigen::Matrix3Xd& velocities() const { return v_; }
   double energy() const;  // J, of strain and motion less the work of the loads
-  /// Of positions and velocities by parameter.
+  /// Of positions by parameter.
   const Eigen::Matrix3Xd& position_slope(int parameter) const { return dx_[parameter]; }
-  const Eigen::Matrix3Xd& velocity_slope(int parameter) const { return dv_[parameter]; }
 
  private:
   /// Forces out of balance at the end of a step to x, whose forces are given.

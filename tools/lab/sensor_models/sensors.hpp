@@ -24,9 +24,12 @@ struct SensorsOptions {
 /// Scores every model and baseline on every recording below `data` that fits it, on rows that it
 /// was not fitted to where there are such, and says what of it was seen. Presets keep their
 /// validation and test parts unseen where all that is scored is found below `train`; else they
-/// learn from all parts. Throws std::runtime_error
-/// where no recording fits, config::Error where a card cannot be used, Interrupted.
-std::vector<SensorComparison> compare_all_sensors(const SensorsOptions& options, std::ostream& out);
+/// learn from all parts. Recordings that could not be used go to `damaged`. Throws
+/// std::runtime_error where no recording fits, config::Error where a card cannot be used,
+/// Interrupted.
+std::vector<SensorComparison> compare_sensor_folders(const SensorsOptions& options,
+                                                     std::ostream& out,
+                                                     std::vector<std::string>& damaged);
 
 /// Does so and prints, writes and draws the result; 0, or 1 where a recording of the right columns
 /// could not be used.
@@ -37,7 +40,7 @@ class SensorsCommand {
  public:
   explicit SensorsCommand(CLI::App& app);
   /// Runs it where it was given and returns the exit code. `recordings`: default of --train. Throws
-  /// as compare_all_sensors.
+  /// as compare_sensor_folders.
   std::optional<int> run(const std::filesystem::path& recordings, std::ostream& out);
 
  private:

@@ -8,6 +8,7 @@
 
 #include "core/math/random.hpp"
 #include "core/math/rigid.hpp"
+#include "tests/support/polar_derivative.hpp"
 
 namespace palpate::math {
 namespace {
@@ -142,7 +143,7 @@ TEST(Polar, DerivativeEqualsFiniteDifference) {
     const double h = 1e-5;
     const Eigen::Matrix3d difference =
         (polar_rotation(F + h * dF) - polar_rotation(F - h * dF)) / (2 * h);
-    EXPECT_LT((polar_rotation_derivative(R, A, dF) - difference).norm(), 1e-6);
+    EXPECT_LT((support::polar_rotation_derivative(R, A, dF) - difference).norm(), 1e-6);
   }
   EXPECT_GT(compared, 200);
 }

@@ -179,9 +179,10 @@ TEST_F(Sensors, ALinearMapIsFoundAndAModelThatHoldsItIsRight) {
   options.output = root_ / "out";
   options.json = root_ / "scores.json";
   std::ostringstream out;
+  std::vector<std::string> damaged;
   for (const char* executor : {"compiled", "torch"}) {
     options.executor = executor;
-    const std::vector<SensorComparison> comparisons = compare_all_sensors(options, out);
+    const std::vector<SensorComparison> comparisons = compare_sensor_folders(options, out, damaged);
     ASSERT_EQ(comparisons.size(), 1u);
     EXPECT_EQ(comparisons[0].origin, "unseen");
     EXPECT_EQ(comparisons[0].file, "other/new.csv");
@@ -210,7 +211,7 @@ TEST_F(Sensors, ALinearMapIsFoundAndAModelThatHoldsItIsRight) {
 
   // What it was trained on is called so.
   options.data = train();
-  EXPECT_EQ(compare_all_sensors(options, out).at(0).origin, "trained on");
+  EXPECT_EQ(compare_sensor_folders(options, out, damaged).at(0).origin, "trained on");
 }
 
 TEST_F(Sensors, TruthOfOtherMomentsGivesLargeErrors) {
@@ -318,9 +319,10 @@ TEST_F(Sensors, WhatCannotBeScoredIsSaidClearly) {
   options.train = options.data = train();
   options.output = root_ / "out";
   std::ostringstream out;
+  std::vector<std::string> damaged;
   const auto complaint = [&]() -> std::string {
     try {
-      compare_all_sensors(options, out);
+      compare_sensor_folders(options, out, damaged);
     } catch (const std::exception& error) {
       return error.what();
     }

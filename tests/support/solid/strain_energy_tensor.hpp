@@ -4,7 +4,7 @@
 
 #include "core/solid/strain_energy.hpp"
 
-namespace palpate::solid {
+namespace palpate::support {
 
 /// A material's answer to a deformation gradient F, for finite elements. Tensors are columns of 9,
 /// the matrix' columns behind each other (P(i, j) at i + 3 j).
@@ -18,7 +18,7 @@ struct TensorStress {
 /// Through the singular values of F (Stomakhin et al. 2012, section 4; Bonet and Wood 2008,
 /// section 6.6). nu below 0.5. False where det F is not positive: these materials know no inverted
 /// element.
-bool respond_to_gradient(const StrainEnergy& material, const Eigen::VectorXd& constants,
+bool respond_to_gradient(const solid::StrainEnergy& material, const Eigen::VectorXd& constants,
                          const Eigen::Matrix3d& F, TensorStress& result);
 
-}  // namespace palpate::solid
+}  // namespace palpate::support

@@ -1,17 +1,17 @@
-#include "core/solid/strain_energy_tensor.hpp"
+#include "tests/support/solid/strain_energy_tensor.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SVD>
 #include <cmath>
 
-namespace palpate::solid {
+namespace palpate::support {
 namespace {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
 /// (g_i - g_j) / (s_i - s_j) of g = tau / s; where the stretches meet, its limit.
-double divided_difference(const PrincipalStress& p, const Vector3d& s, int i, int j) {
+double divided_difference(const solid::PrincipalStress& p, const Vector3d& s, int i, int j) {
   const double gap = s[i] - s[j];
   if (std::abs(gap) > 1e-6 * (s[i] + s[j])) return (p.stress[i] / s[i] - p.stress[j] / s[j]) / gap;
   const double at = 0.5 * (s[i] + s[j]);
@@ -22,13 +22,13 @@ double divided_difference(const PrincipalStress& p, const Vector3d& s, int i, in
 
 }  // namespace
 
-bool respond_to_gradient(const StrainEnergy& material, const Eigen::VectorXd& constants,
+bool respond_to_gradient(const solid::StrainEnergy& material, const Eigen::VectorXd& constants,
                          const Matrix3d& F, TensorStress& result) {
   if (!(F.determinant() > 0)) return false;
   const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Matrix3d &U = svd.matrixU(), &V = svd.matrixV();
   const Vector3d s = svd.singularValues();
-  PrincipalStress p;
+  solid::PrincipalStress p;
   material.evaluate(s.array().log(), constants, p);
   if (!p.stress.allFinite()) return false;
 
@@ -61,4 +61,4 @@ bool respond_to_gradient(const StrainEnergy& material, const Eigen::VectorXd& co
   return true;
 }
 
-}  // namespace palpate::solid
+}  // namespace palpate::support
