@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/control/speed_limit.hpp"
+#include "core/math/constants.hpp"
 
 namespace palpate::control {
 
@@ -14,7 +15,7 @@ TwistLawOptions TwistLawOptions::thesis() noexcept {
   options.linear_speed = 1.0;
   options.angular_speed = 0.5;
   options.dead_band.position = 5e-3;
-  options.dead_band.angle = 0.017453292519943295;
+  options.dead_band.angle = math::kDegree;
   return options;
 }
 

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "rt/registry/urdf_file.hpp"
 
 namespace palpate::registry {
 namespace {
 
 using kinematics::SerialChain;
-constexpr double kDegree = 0.017453292519943295;
-constexpr double kTurn = 2 * 3.14159265358979323846;
+using math::kDegree;
+constexpr double kTurn = 2 * math::kPi;
 
 kinematics::Joint to_joint(const urdf::Joint& from) {
   const bool turns_on = from.type == urdf::Joint::CONTINUOUS;

@@ -5,6 +5,7 @@
 
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
+#include "core/math/constants.hpp"
 #include "core/published_control/broyden_update.hpp"
 #include "core/published_control/chain_plan.hpp"
 #include "core/published_control/constant_jacobian.hpp"
@@ -25,7 +26,7 @@ namespace {
 
 using Provider = std::unique_ptr<control::JacobianProvider>;
 
-constexpr double kDegree = 0.017453292519943295;
+using math::kDegree;
 
 /// What a maker may look at.
 struct Wanted {

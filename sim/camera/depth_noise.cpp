@@ -4,10 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 constexpr double kSteep = kPi / 3;  // from here on the angle adds to axial noise
 
 /// Tends to infinity for a surface seen from its side.

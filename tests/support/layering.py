@@ -64,7 +64,7 @@ ALLOWED = {
     "tools/replay": "core/math rt/loop rt/bus rt/daemon tools/common tools/record",
     "tools/spy": "core/sensing",
     "tools/top": "rt/loop tools/common tools/record",
-    "tools/train": "core/sensing rt/config rt/inference tools/common tools/recordings",
+    "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
     # Any may include core, rt, sim and tools; what stands here are other folders of the laboratory.
     "tools/lab/inject": "",

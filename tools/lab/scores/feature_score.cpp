@@ -4,10 +4,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::scores {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 constexpr double kRest = 0.5;  // s at the end of a run over which the error at rest is taken
 
 /// The last target of the log, as it was first sent.
