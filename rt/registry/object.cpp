@@ -88,7 +88,7 @@ void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
                         (key == "fixed_box" ? "fixed" : "held") + " nodes " +
                         (at_lower ? "begin" : "end") + " at " + in_metres(name, end) +
                         ", the next nodes outside the box are at " + in_metres(name, outside) +
-                        "; the estimated shape is in error by the difference");
+                        ": move the bound to a row of nodes or refine the mesh");
     }
   }
 }
