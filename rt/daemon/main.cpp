@@ -262,8 +262,9 @@ int main(int argc, char** argv) {
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
       "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal, or checked and right, 1 run-time error, 78 wrong "
-      "configuration, with\nfile, line, key, value and what is allowed.");
+      "Exit codes: 0 ended by a signal or configuration valid (--check), 1 run-time error, 78 "
+      "wrong\n"
+      "configuration; the message names file, line, key, value and allowed range.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
       ->required();
@@ -273,8 +274,7 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write statistics to this file at the end");
   app.add_flag("--check", options.check,
-               "validate the configuration completely, as a start would, without network, robot or "
-               "another daemon, and end");
+               "validate the configuration completely, without network or robot, and end");
   app.add_flag("--stepped", options.stepped,
                "run one cycle for each SIM_TICK (palpate-sim --fast) instead of in real time");
   app.set_version_flag("--version", PALPATE_VERSION);
