@@ -262,9 +262,8 @@ int main(int argc, char** argv) {
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
       "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal or configuration valid (--check), 1 run-time error, 78 "
-      "wrong\n"
-      "configuration; the message names file, line, key, value and allowed range.");
+      "Exit codes: 0 ended by a signal or configuration valid (--check), 1 run-time error,\n"
+      "78 wrong configuration; the message names file, line, key, value and allowed range.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
       ->required();
