@@ -10,6 +10,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
 #include "rt/daemon/service_manager.hpp"
@@ -244,8 +245,7 @@ int main(int argc, char** argv) {
       "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
-      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
+      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.");
   Options options;
   app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
       ->required();
@@ -260,7 +260,9 @@ int main(int argc, char** argv) {
   app.footer(
       "Example:\n"
       "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv, {{{0, "ended by a signal"}, {78, "wrong configuration"}}}))
+    return *code;
 
   const sigset_t signals = block_signals();
   palpate::daemon::start_log();

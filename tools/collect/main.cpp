@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/collect/collection.hpp"
 #include "tools/collect/compare.hpp"
@@ -47,9 +48,7 @@ void run_emulate(const EmulateOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "Collects recordings to train tactile models on, and scores what emulates them.\n"
-      "Exit codes: 0 done, 1 an error, 78 wrong configuration.");
+  CLI::App app("Collects recordings to train tactile models on, and scores what emulates them.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -137,7 +136,10 @@ int main(int argc, char** argv) {
   hand->add_option("--release", protocol.release, "s")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code =
+          config::parse(app, argc, argv,
+                        {{{78, "wrong configuration"}, {config::kExitInterrupted, "interrupted"}}}))
+    return *code;
   try {
     if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
@@ -151,6 +153,9 @@ int main(int argc, char** argv) {
     }
     if (*localise) collect::run_localise(collection, localization, std::cout);
     return 0;
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-collect: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-collect: " << error.what() << "\n";
     return config::kExitCode;

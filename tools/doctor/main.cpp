@@ -7,6 +7,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/doctor/channels.hpp"
 #include "tools/doctor/checks.hpp"
@@ -35,9 +36,7 @@ constexpr char kExamples[] =
     "  palpate-doctor\n"
     "  palpate-doctor rt/config/examples/bar_long_soft.yaml --only-bad\n"
     "  palpate-doctor my.yaml --strict --json -\n"
-    "  palpate-doctor my.yaml --channels\n"
-    "Exit codes: 0 nothing fails, 1 something fails (with --strict: or warns), 2 an error,\n"
-    "78 --channels of a wrong configuration.";
+    "  palpate-doctor --config my.yaml --channels";
 
 /// Beside this program, as it is built and as it is installed; from the root.
 std::string spy_jar() {
@@ -133,19 +132,24 @@ int main(int argc, char** argv) {
   app.add_flag("--plain", options.plain, "no colours");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv,
+                                               {{{0, "no check fails"},
+                                                 {1, "a check fails (with --strict: or warns)"},
+                                                 {palpate::config::kExitSoftware, "an error"},
+                                                 {78, "wrong configuration with --channels"}}}))
+    return *code;
   if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
   try {
     const std::string extension = std::filesystem::path(options.json).extension().string();
     if (extension == ".yaml" || extension == ".yml")
-      throw std::invalid_argument("--json " + options.json +
-                                  ": would overwrite a configuration; name that before --json");
+      return palpate::config::usage_error(
+          app, "--json " + options.json + ": would overwrite a configuration");
     return options.channels ? list_channels(options) : run(options);
   } catch (const palpate::config::Error& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return palpate::config::kExitCode;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
+    return palpate::config::kExitSoftware;
   }
 }

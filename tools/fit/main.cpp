@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
@@ -65,9 +66,7 @@ std::string footer() {
       names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) text += " " + name;
-  return text +
-         "\n\nExample:\n  palpate-fit foam.yaml --data recordings --out out/foam --details\n\n"
-         "Exit codes: 0 done, 1 a fit failed or derivatives are wrong, 78 a wrong plan.";
+  return text + "\n\nExample:\n  palpate-fit foam.yaml --data recordings --out out/foam --details";
 }
 
 std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Options& options) {
@@ -152,10 +151,17 @@ int main(int argc, char** argv) {
   fit::add_held_plan_command(app, code);
   common::catch_interruptions();
   try {
-    CLI11_PARSE(app, argc, argv);
+    if (const auto code = config::parse(app, argc, argv,
+                                        {{{1, "an error, a fit that failed, or wrong derivatives"},
+                                          {78, "wrong plan"},
+                                          {config::kExitInterrupted, "interrupted"}}}))
+      return *code;
     if (!app.get_subcommands().empty()) return code;
-    if (options.plan.empty()) throw config::Error("a plan is needed, or a command; see --help");
+    if (options.plan.empty()) return config::usage_error(app, "a plan or a command is required");
     return run(options);
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-fit: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-fit: " << error.what() << "\n";
     return config::kExitCode;

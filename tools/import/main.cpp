@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "rt/config/command_line.hpp"
 #include "tools/import/fields.hpp"
 #include "tools/import/import_csv.hpp"
 
@@ -45,9 +46,7 @@ int main(int argc, char** argv) {
   std::string preset, map_file, json_file;
   std::vector<std::string> columns, where;
 
-  CLI::App app(
-      "Turns a CSV recording, plain or .gz, into an LCM log.\n"
-      "Exit codes: 0 done, 1 an error, 78 a wrong map.");
+  CLI::App app("Turns a CSV recording, plain or .gz, into an LCM log.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -81,7 +80,7 @@ int main(int argc, char** argv) {
   auto* const session_option =
       app.add_option("--session", options.session, "Session of the messages (default: random)");
   app.add_option("--json", json_file, "Write a summary");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = config::parse(app, argc, argv, {{{78, "wrong map"}}})) return *code;
 
   try {
     options.where = pairs(where, "--where");

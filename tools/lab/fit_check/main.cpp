@@ -4,6 +4,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/progress.hpp"
@@ -112,8 +113,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Holds palpate-fit against what is known: recordings of the simulator, whose plant is "
       "another "
-      "model on another mesh, and recordings made by the fitted models themselves.\n"
-      "Exit codes: 0 met, 1 missed or failed, 78 a wrong scene.");
+      "model on another mesh, and recordings made by the fitted models themselves.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -129,11 +129,17 @@ int main(int argc, char** argv) {
   CLI::App* coverage = app.add_subcommand(
       "coverage", "How often 95 % intervals hold the truth of recordings by the own model");
   coverage->add_option("--seeds", options.seeds, "Recordings of each")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = config::parse(
+          app, argc, argv,
+          {{{0, "met"}, {1, "missed or an error"}, {78, "wrong scene"}, {130, "interrupted"}}}))
+    return *code;
   common::catch_interruptions();
   try {
     std::filesystem::create_directories(options.folder);
     return coverage->parsed() ? run_coverage(options) : run_simulated(options);
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-fit-check: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-fit-check: " << error.what() << "\n";
     return config::kExitCode;

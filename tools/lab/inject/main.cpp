@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/config/command_line.hpp"
 #include "tools/lab/inject/packets.hpp"
 #include "tools/lab/inject/sender.hpp"
 
@@ -152,7 +153,9 @@ int run(CLI::App& app, int argc, char** argv) {
       ->add_flag("--typed", options.as_type,
                  "a message of the type that belongs on the channel, of drawn numbers")
       ->excludes(size);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv, {{{0, "all sent"}, {palpate::config::kExitInterrupted, "interrupted"}}}))
+    return *code;
 
   std::signal(SIGINT, [](int) { stopped = 1; });
   std::signal(SIGTERM, [](int) { stopped = 1; });
@@ -166,7 +169,7 @@ int run(CLI::App& app, int argc, char** argv) {
     file << json.dump(2) << '\n';
     if (!file) throw std::runtime_error(options.json + ": cannot be written");
   }
-  return stopped == 0 ? 0 : 130;
+  return stopped == 0 ? 0 : palpate::config::kExitInterrupted;
 }
 
 }  // namespace
@@ -175,8 +178,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "palpate-inject sends to an LCM URL what nobody should: packets that are malformed in every\n"
       "way known to hurt a receiver, seeded, or far too many messages. For tests of palpated, and\n"
-      "of whatever else listens there; other programs may well end.\n"
-      "Exit codes: 0 all sent, 1 an error, 130 interrupted.");
+      "of whatever else listens there; other programs may well end.");
   try {
     return run(app, argc, argv);
   } catch (const std::exception& error) {

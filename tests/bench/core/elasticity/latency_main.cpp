@@ -3,6 +3,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/loop/real_time.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "tests/bench/core/elasticity/floor_report.hpp"
@@ -171,11 +172,11 @@ int main(int argc, char** argv) {
       "beside it. Times in ms; error relative to the largest displacement."};
   palpate::bench::Arguments arguments;
   palpate::bench::add_options(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   try {
     return palpate::bench::run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "bench_latency: " << error.what() << '\n';
-    return 2;
+    return palpate::config::kExitError;
   }
 }
