@@ -69,6 +69,11 @@ int main(int argc, char** argv) {
   format_option->needs(channel_option)->excludes(preset_option)->excludes(map_option);
   channel_option->needs(format_option);
   preset_option->excludes(map_option);
+  std::string delimiter = "auto";
+  auto* const delimiter_option =
+      app.add_option("--delimiter", delimiter, "Between cells; auto: found from the header line")
+          ->check(CLI::IsMember({"auto", "comma", "semicolon", "tab"}))
+          ->capture_default_str();
   app.add_option("--time-column", options.time_column, "Column of the time")->capture_default_str();
   app.add_option("--time-unit", options.time_unit, "Its unit")
       ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
@@ -94,6 +99,7 @@ int main(int argc, char** argv) {
     } else {
       throw std::invalid_argument("one of --preset, --map, --format is needed");
     }
+    if (delimiter_option->count() > 0) options.delimiter = import::delimiter_of(delimiter);
     if (session_option->count() == 0) {
       std::random_device device;
       options.session = static_cast<std::int64_t>(device()) << 31 | device();
