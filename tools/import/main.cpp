@@ -6,6 +6,7 @@
 
 #include "rt/config/command_line.hpp"
 #include "tools/import/fields.hpp"
+#include "tools/import/formats_page.hpp"
 #include "tools/import/import_csv.hpp"
 
 namespace {
@@ -58,8 +59,9 @@ int main(int argc, char** argv) {
           ->check(CLI::IsMember(import::preset_names()));
   auto* const map_option =
       app.add_option("--map", map_file, "YAML: streams of {channel, format, columns}");
-  auto* const format_option = app.add_option("--format", stream.format, "Message type")
-                                  ->check(CLI::IsMember(import::format_names()));
+  auto* const format_option =
+      app.add_option("--format", stream.format, "Message type; --formats lists their fields")
+          ->check(CLI::IsMember(import::format_names()));
   auto* const channel_option =
       app.add_option("--channel", stream.channel, "LCM channel of --format");
   app.add_option("--column", columns,
@@ -85,6 +87,14 @@ int main(int argc, char** argv) {
   auto* const session_option =
       app.add_option("--session", options.session, "Session of the messages (default: random)");
   app.add_option("--json", json_file, "Write a summary");
+  app.add_flag_callback(
+      "--formats",
+      [] {
+        std::string page = import::formats_page();
+        page.pop_back();  // CLI11 ends the line
+        throw CLI::CallForVersion(page, 0);
+      },
+      "Print the fields of each --format with unit and effect, and whether it is required");
   if (const auto code = config::parse(app, argc, argv, {{{78, "wrong map"}}})) return *code;
 
   try {
