@@ -92,6 +92,14 @@ int run(const Options& options) {
     file << to_json(result).dump(2) << '\n';
     if (!file) throw std::runtime_error(options.json + ": cannot be written");
   }
+  if (result.shapes == 0 && result.starts == 0 && !options.replay.start &&
+      !options.replay.compare) {
+    std::fprintf(stderr,
+                 "error: %s: no shape was published, since the log holds no event start; with "
+                 "--start the replay sends it\n",
+                 options.replay.log.c_str());
+    return palpate::config::kExitError;
+  }
   return agrees ? 0 : kDiffers;
 }
 
