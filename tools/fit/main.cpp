@@ -1,7 +1,6 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -10,6 +9,7 @@
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/fit/findings.hpp"
 #include "tools/fit/held/held_plan_command.hpp"
@@ -87,16 +87,6 @@ std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Optio
   return results;
 }
 
-void write_json(const nlohmann::json& json, const std::string& file) {
-  if (file == "-") {
-    std::cout << json.dump(1) << "\n";
-    return;
-  }
-  std::ofstream out(file);
-  out << json.dump(1) << "\n";
-  if (!out.flush()) throw std::runtime_error("cannot write " + file);
-}
-
 int run(const Options& options) {
   if (options.resume && options.out.empty())
     throw config::Error("--resume needs --out, where the checkpoint lies");
@@ -116,7 +106,7 @@ int run(const Options& options) {
       fit::print_findings(plan.jobs[k], results[k], out);
   if (options.check_gradients) is_good = fit::print_gradients(results, out) && is_good;
   if (options.numeric) fit::print_comparison(results, out);
-  if (!options.json.empty()) write_json(fit::to_json(plan, results), options.json);
+  if (!options.json.empty()) common::write_json(fit::to_json(plan, results), options.json);
   if (!options.out.empty()) fit::write_files(plan, results, options.out);
   return is_good ? 0 : 1;
 }

@@ -1,12 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
 #include "tools/lab/fit_check/coverage.hpp"
@@ -33,13 +33,6 @@ struct Options {
   std::string cells = fit_check::StatementOptions().cells;
   std::string json;
 };
-
-void write_json(const nlohmann::json& json, const std::string& path) {
-  if (path.empty()) return;
-  std::ofstream file(path);
-  file << json.dump(1) << "\n";
-  if (!file.flush()) throw std::runtime_error("cannot write " + path);
-}
 
 int run_coverage(const Options& options) {
   nlohmann::json json = nlohmann::json::array();
@@ -69,7 +62,7 @@ int run_coverage(const Options& options) {
   table.print(std::cout);
   std::cout << "To be met: the 95 % interval holds the truth in 90 to 99 % of the fits: "
             << (is_met ? "met\n" : "missed\n");
-  write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return is_met ? 0 : 1;
 }
 
@@ -102,7 +95,7 @@ int run_simulated(const Options& options) {
   }
   table.print(std::cout);
   std::cout << "Errors are relative, that of poisson_ratio absolute.\n";
-  write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return is_met ? 0 : 1;
 }
 

@@ -9,6 +9,7 @@
 #include "tests/bench/core/elasticity/floor_report.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
+#include "tools/common/output_files.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -154,7 +155,7 @@ int run(Arguments& a) {
     nlohmann::json json = nlohmann::json::array();
     for (const LatencyRow& row : rows) json.push_back(to_json(row));
     for (std::size_t k = 0; k < floors.size(); ++k) json[k]["floor"] = to_json(floors[k]);
-    write_json(json, a.json);
+    common::write_json(json, a.json);
   }
   if ((a.suite || a.scaling) && !draw_scaling(rows, a.plot)) {
     std::cerr << "gnuplot is not installed: no picture\n";
