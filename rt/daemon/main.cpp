@@ -247,8 +247,10 @@ int main(int argc, char** argv) {
       "SIGUSR1,\n"
       "and when it crashes. It answers systemd's Type=notify and WatchdogSec.");
   Options options;
-  app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
-      ->required();
+  app.add_option("--config", options.configuration,
+                 "configuration, YAML, see rt/config/examples; required");
+  palpate::config::add_deprecated_positional(app, "configuration", options.configuration,
+                                             "--config");
   app.add_option("--set", options.overrides,
                  "override a key: path.to.key=value (repeatable), e.g. "
                  "object.material.young_modulus=39e3; a value of ~ takes the key away")
@@ -259,10 +261,12 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
+      "  palpated --config bar.yaml --set loop.fifo_priority=60 --json statistics.json");
   if (const auto code = palpate::config::parse(
           app, argc, argv, {{{0, "ended by a signal"}, {78, "wrong configuration"}}}))
     return *code;
+  if (options.configuration.empty())
+    return palpate::config::usage_error(app, "--config is required");
 
   const sigset_t signals = block_signals();
   palpate::daemon::start_log();

@@ -160,7 +160,7 @@ int main(int argc, char** argv) {
       "driver_template moves a simulated arm as palpated commands: a driver to copy.\n"
       "SIGUSR1 presses the emergency stop of the simulated arm, SIGUSR2 releases it.");
   Options options;
-  app.add_option("--url", options.url, "control URL")->capture_default_str();
+  palpate::config::add_url_option(app, {{"control", &options.url}});
   app.add_option("--key", options.key_file, "file of the key that the daemon has");
   app.add_option("--urdf", options.urdf, "expanded URDF of the arm (default: palpate's own)");
   app.add_option("--flange", options.flange, "link of it that is E")->capture_default_str();

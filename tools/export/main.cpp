@@ -33,7 +33,8 @@ int main(int argc, char** argv) {
   exporting::add_mp4(app, chosen);
   if (const auto code = config::parse(
           app, argc, argv,
-          {{{1, "a log cannot be read or nothing can be written"}, {78, "wrong configuration"}}}))
+          {{{1, "a log cannot be read or nothing can be written"}, {78, "wrong configuration"}},
+           {{"--configuration", "--config"}}}))
     return *code;
   try {
     chosen();

@@ -66,7 +66,8 @@ std::string footer() {
       names.push_back(entry.path().stem().string());
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) text += " " + name;
-  return text + "\n\nExample:\n  palpate-fit foam.yaml --data recordings --out out/foam --details";
+  return text +
+         "\n\nExample:\n  palpate-fit foam.yaml --data recordings --output out/foam --details";
 }
 
 std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Options& options) {
@@ -89,7 +90,7 @@ std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Optio
 
 int run(const Options& options) {
   if (options.resume && options.out.empty())
-    throw config::Error("--resume needs --out, where the checkpoint lies");
+    throw config::Error("--resume needs --output, where the checkpoint lies");
   const fit::Plan plan = fit::read_plan(
       config::Node::load_file(plan_path(options.plan), options.overrides), options.data);
   const std::vector<fit::JobResult> results = run_with_progress(plan, options);
@@ -124,12 +125,12 @@ int main(int argc, char** argv) {
   app.add_option("--data", options.data, "Folder that the plan's files lie below")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  app.add_option("-o,--out", options.out,
+  app.add_option("-o,--output", options.out,
                  "Folder for material.yaml, samples.csv, fit.png and fits.csv, and the checkpoint");
   app.add_option("--json", options.json, "File for all results as JSON; - for the standard output");
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_flag("--details", options.details, "Every fit's parameters, series and what is not told");
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint in --out");
+  app.add_flag("--resume", options.resume, "Go on from the checkpoint in --output");
   app.add_flag("--check-gradients", options.check_gradients,
                "Compare derivatives with Ridders' differences; above 1e-6 is an error");
   app.add_flag("--numeric", options.numeric,
@@ -141,11 +142,12 @@ int main(int argc, char** argv) {
   fit::add_held_plan_command(app, code);
   common::catch_interruptions();
   try {
-    if (const auto code = config::parse(app, argc, argv,
-                                        {{{1, "an error, a fit that failed, or wrong derivatives"},
-                                          {78, "wrong plan"},
-                                          {config::kExitInterrupted, "interrupted"}}}))
-      return *code;
+    if (const auto ended = config::parse(app, argc, argv,
+                                         {{{1, "an error, a fit that failed, or wrong derivatives"},
+                                           {78, "wrong plan"},
+                                           {config::kExitInterrupted, "interrupted"}},
+                                          {{"--out", "--output"}}}))
+      return *ended;
     if (!app.get_subcommands().empty()) return code;
     if (options.plan.empty()) return config::usage_error(app, "a plan or a command is required");
     return run(options);

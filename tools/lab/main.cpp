@@ -50,7 +50,7 @@ int run(CLI::App& app, int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  palpate-evaluate demo --output out/demo\n"
-      "  palpate-evaluate thesis --quick --out out/thesis");
+      "  palpate-evaluate thesis --quick --output out/thesis");
   app.add_option("--root", root, "folder with scenes and configurations (default: palpate's own)");
   app.fallthrough();
 
@@ -189,7 +189,8 @@ int run(CLI::App& app, int argc, char** argv) {
                                  {{{0, "all passed"},
                                    {1, "an error, or a run failed or missed its figure"},
                                    {78, "wrong configuration"},
-                                   {palpate::config::kExitInterrupted, "interrupted"}}}))
+                                   {palpate::config::kExitInterrupted, "interrupted"}},
+                                  {{"--out", "--output"}}}))
     return *code;
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;

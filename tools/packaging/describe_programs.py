@@ -27,7 +27,7 @@ class Item:
 
     @property
     def names(self):
-        """-o, --out; or the name of a positional or subcommand."""
+        """-o, --output; or the name of a positional or subcommand."""
         return self.spec.split(" ", 1)[0].split(",")
 
     @property

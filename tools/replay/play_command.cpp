@@ -134,7 +134,10 @@ void PlayCommand::add_to(CLI::App& app) {
                  "logs that were recorded together. NAME.LABEL.lcmlog, as palpate-record writes "
                  "them, goes to the URL of its label; LABEL=FILE says it; else control")
       ->required();
-  app.add_option("--url", urls, "LABEL=URL: another URL for a label (repeatable)")
+  app.add_option("--url", urls,
+                 "LCM URL of a label in place of the default (repeatable; without a "
+                 "label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_option("--start", player.start, "s since the first message, where to begin")
       ->check(CLI::NonNegativeNumber);

@@ -157,9 +157,11 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
-  app.add_option("--url", options.urls,
-                 "LABEL=URL: another URL for control, housekeeping or pictures, or a further one "
-                 "(repeatable)")
+  app.add_option(
+         "--url", options.urls,
+         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
+         "label (repeatable; without a label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_flag("--once", options.once, "print plain text once and end");
   app.add_option("--json", options.json,

@@ -140,15 +140,18 @@ int main(int argc, char** argv) {
                  "Folder of the recordings; of several, the first that has a file")
       ->required()
       ->check(CLI::ExistingDirectory);
-  app.add_option("-o,--out", options.out, "Module to write; its card is the same name with .yaml")
+  app.add_option("-o,--output", options.out,
+                 "Module to write; its card is the same name with .yaml")
       ->capture_default_str();
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_option("--picture", options.picture, "PNG or SVG of curve and predictions");
   app.add_option("--start-from", options.start_from,
                  "Module to go on from, in place of the plan's start_from")
       ->check(CLI::ExistingFile);
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint beside --out");
-  if (const auto code = config::parse(app, argc, argv, {{{78, "wrong plan"}}})) return *code;
+  app.add_flag("--resume", options.resume, "Go on from the checkpoint next to --output");
+  if (const auto code =
+          config::parse(app, argc, argv, {{{78, "wrong plan"}}, {{"--out", "--output"}}}))
+    return *code;
   try {
     return run(options);
   } catch (const config::Error& error) {

@@ -40,9 +40,8 @@ From another machine: ssh -L 8765:127.0.0.1:8765 HOST, and open the address here
 daemon needs a sensor model `manual` and a contact that serves it (tools/view/README.md).)";
 
 void add_options(CLI::App& app, Options& o) {
-  app.add_option("--url", o.control_url, "control URL of the daemon")->capture_default_str();
-  app.add_option("--housekeeping", o.housekeeping_url, "its housekeeping URL")
-      ->capture_default_str();
+  palpate::config::add_url_option(
+      app, {{"control", &o.control_url}, {"housekeeping", &o.housekeeping_url}});
   CLI::Option* config = app.add_option("--config", o.configuration,
                                        "the daemon's configuration: where arm and object are, and "
                                        "which components it began with");
@@ -191,7 +190,8 @@ int main(int argc, char** argv) {
   if (const auto code = palpate::config::parse(app, argc, argv,
                                                {{{0, "ended by a signal"},
                                                  {1, "something is missing or cannot be opened"},
-                                                 {78, "wrong configuration"}}}))
+                                                 {78, "wrong configuration"}},
+                                                {{"--housekeeping", "--url", "housekeeping="}}}))
     return *code;
   try {
     return run(options);

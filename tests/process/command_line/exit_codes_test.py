@@ -9,7 +9,7 @@ import subprocess
 import sys
 import unittest
 
-ROOT, BIN = (pathlib.Path(sys.argv.pop(1)) for _ in range(2))
+ROOT, BIN = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
 # Neither has --help: started by palpated with a module on standard input; google-benchmark's own options.
 WITHOUT = {"palpate-probe", "bench_core_control", "bench_core_elasticity", "bench_core_math_qp", "bench_rt_bus",
            "bench_sim_camera", "bench_sim_object"}

@@ -29,9 +29,13 @@ class Doctor : public testing::Test {
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
   }
   std::vector<std::string> command(const std::vector<std::string>& more) const {
-    std::vector<std::string> words{kDoctor, kExample,
-                                   "--set", "bus.control=" + urls_[0].text(),
-                                   "--set", "bus.housekeeping=" + urls_[1].text()};
+    std::vector<std::string> words{kDoctor,
+                                   "--config",
+                                   kExample,
+                                   "--set",
+                                   "bus.control=" + urls_[0].text(),
+                                   "--set",
+                                   "bus.housekeeping=" + urls_[1].text()};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }

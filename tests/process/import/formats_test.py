@@ -9,7 +9,7 @@ import sys
 import tempfile
 import unittest
 
-ROOT, BIN = (pathlib.Path(sys.argv.pop(1)) for _ in range(2))
+ROOT, BIN = (pathlib.Path(sys.argv.pop(1)).resolve() for _ in range(2))
 
 
 def run(*words):

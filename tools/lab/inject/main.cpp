@@ -115,10 +115,13 @@ int run(CLI::App& app, int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpate-inject malformed 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate 1000");
+      "  palpate-inject malformed --url 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate "
+      "1000");
   const auto common = [&options](CLI::App* command) {
-    command->add_option("url", options.url, "LCM URL, e.g. udpm://239.255.76.67:7667?ttl=0")
-        ->required();
+    palpate::config::add_url_option(
+        *command,
+        {{"control", &options.url}, {"housekeeping", &options.url}, {"pictures", &options.url}});
+    palpate::config::add_deprecated_positional(*command, "url", options.url, "--url");
     command->add_option("--rate", options.rate, "datagrams a second; 0: as fast as they go")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -156,6 +159,7 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = palpate::config::parse(
           app, argc, argv, {{{0, "all sent"}, {palpate::config::kExitInterrupted, "interrupted"}}}))
     return *code;
+  if (options.url.empty()) return palpate::config::usage_error(app, "--url is required");
 
   std::signal(SIGINT, [](int) { stopped = 1; });
   std::signal(SIGTERM, [](int) { stopped = 1; });
