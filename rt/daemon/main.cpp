@@ -10,6 +10,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
 #include "rt/daemon/service_manager.hpp"
@@ -261,12 +262,12 @@ int main(int argc, char** argv) {
       "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
-      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal or configuration valid (--check), 1 run-time error,\n"
-      "78 wrong configuration; the message names file, line, key, value and allowed range.");
+      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.");
   Options options;
-  app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
-      ->required();
+  app.add_option("--config", options.configuration,
+                 "configuration, YAML, see rt/config/examples; required");
+  palpate::config::add_deprecated_positional(app, "configuration", options.configuration,
+                                             "--config");
   app.add_option("--set", options.overrides,
                  "override a key: path.to.key=value (repeatable), e.g. "
                  "object.material.young_modulus=39e3; a value of ~ takes the key away")
@@ -279,9 +280,16 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpated --check bar.yaml\n"
-      "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
-  CLI11_PARSE(app, argc, argv);
+      "  palpated --config bar.yaml --check\n"
+      "  palpated --config bar.yaml --set loop.fifo_priority=60 --json statistics.json");
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{0, "ended by a signal, or the configuration is valid (--check)"},
+            {78,
+             "wrong configuration; the message names file, line, key, value and allowed range"}}}))
+    return *code;
+  if (options.configuration.empty())
+    return palpate::config::usage_error(app, "--config is required");
 
   const sigset_t signals = block_signals();
   palpate::daemon::start_log();

@@ -47,7 +47,7 @@ ALLOWED = {
     "tools/log": "core/math core/mesh rt/bus",
     "tools/recordings": "core/sensing rt/config rt/inference tools/common tools/log",
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
-    "tools/command": "rt/bus",
+    "tools/command": "rt/bus rt/config",
     "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/log tools/record",
     "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
@@ -57,13 +57,13 @@ ALLOWED = {
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
     "tools/import": "core/math rt/config tools/recordings",
-    "tools/mesh": "core/mesh core/elasticity sim/draw tools/common",
-    "tools/record": "rt/loop rt/bus",
+    "tools/mesh": "core/mesh core/elasticity rt/config sim/draw tools/common",
+    "tools/record": "rt/loop rt/bus rt/config",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/fit "
                        "tools/recordings",
-    "tools/replay": "core/math rt/loop rt/bus rt/daemon tools/common tools/record",
+    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/record",
     "tools/spy": "core/sensing",
-    "tools/top": "rt/loop tools/common tools/record",
+    "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
     # Any may include core, rt, sim and tools; what stands here are other folders of the laboratory.

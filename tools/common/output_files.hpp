@@ -13,7 +13,8 @@ std::string csv_cell(const nlohmann::json& value);
 /// Name with everything but letters and digits as '_', for files.
 std::string file_name(const std::string& title);
 
-/// Throws std::runtime_error where the file cannot be written.
+/// Writes to the file, or to standard output where it is "-". Throws std::runtime_error where the
+/// file cannot be written.
 void write_json(const nlohmann::json& json, const std::filesystem::path& file);
 
 }  // namespace palpate::common

@@ -19,7 +19,8 @@ class EncoderOf : public Encoder {
  public:
   EncoderOf(FieldMapping mapping, Fill fill) : mapping_(std::move(mapping)), fill_(fill) {}
 
-  std::vector<std::uint8_t> encode(const recordings::CsvReader& csv, const MessageHead& head) const override {
+  std::vector<std::uint8_t> encode(const recordings::CsvReader& csv,
+                                   const MessageHead& head) const override {
     Message message{};
     message.utime = head.utime;
     message.seq = head.seq;
@@ -57,7 +58,8 @@ constexpr int kMaxJoints = 16;
 constexpr int kPac = 19, kPdc = 41, kTac = 42, kTdc = 43;
 constexpr int kElectrodes = 19, kPacSlots = 22;
 
-void fill_robot_state(const recordings::CsvReader& csv, const FieldMapping& mapping, robot_state_t& message) {
+void fill_robot_state(const recordings::CsvReader& csv, const FieldMapping& mapping,
+                      robot_state_t& message) {
   message.joint_count = 1;
   for (int i = 0; i < kMaxJoints; ++i) {
     if (mapping.has(kJoints + i)) message.joint_count = i + 1;
@@ -96,17 +98,17 @@ std::unique_ptr<Encoder> make_encoder(const std::string& format,
   FieldMapping mapping(format, described, csv);
   if (format == "force_torque") {
     return encoder_of<ft_wrench_t>(
-        std::move(mapping), [](const recordings::CsvReader& row, const FieldMapping& from, ft_wrench_t& to) {
+        std::move(mapping),
+        [](const recordings::CsvReader& row, const FieldMapping& from, ft_wrench_t& to) {
           for (int i = 0; i < 6; ++i) to.wrench[i] = from.value(row, i);
         });
   }
   if (format == "imu") {
-    return encoder_of<imu_t>(std::move(mapping),
-                             [](const recordings::CsvReader& row, const FieldMapping& from, imu_t& to) {
-                               for (int i = 0; i < 3; ++i) to.acceleration[i] = from.value(row, i);
-                               for (int i = 0; i < 3; ++i)
-                                 to.angular_velocity[i] = from.value(row, 3 + i);
-                             });
+    return encoder_of<imu_t>(std::move(mapping), [](const recordings::CsvReader& row,
+                                                    const FieldMapping& from, imu_t& to) {
+      for (int i = 0; i < 3; ++i) to.acceleration[i] = from.value(row, i);
+      for (int i = 0; i < 3; ++i) to.angular_velocity[i] = from.value(row, 3 + i);
+    });
   }
   if (format == "robot_state")
     return encoder_of<robot_state_t>(std::move(mapping), fill_robot_state);

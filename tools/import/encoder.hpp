@@ -20,7 +20,8 @@ class Encoder {
  public:
   virtual ~Encoder() = default;
   /// Throws CsvError where a value does not fit the message.
-  virtual std::vector<std::uint8_t> encode(const recordings::CsvReader& csv, const MessageHead& head) const = 0;
+  virtual std::vector<std::uint8_t> encode(const recordings::CsvReader& csv,
+                                           const MessageHead& head) const = 0;
   virtual const FieldMapping& mapping() const = 0;
 };
 

@@ -23,8 +23,9 @@ struct Source {
 /// The daemon's defaults: control, housekeeping and pictures.
 std::vector<Source> default_sources();
 
-/// Puts each "LABEL=URL" in the place of the default of its label, or behind all. Throws
-/// std::invalid_argument for a label that is not [a-z0-9_]+ or a URL that is wrong.
+/// Puts each "[LABEL=]URL", without a label that of control, in the place of the default of its
+/// label, or behind all. Throws std::invalid_argument for a label that is not [a-z0-9_]+ or a URL
+/// that is wrong.
 void put_urls(const std::vector<std::string>& texts, std::vector<Source>& sources);
 
 /// A message as it came; valid within the handler.

@@ -10,6 +10,7 @@
 #include <regex>
 
 #include "rt/bus/message_bus.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/common/keyboard.hpp"
 #include "tools/record/channel_filter.hpp"
@@ -133,7 +134,10 @@ void PlayCommand::add_to(CLI::App& app) {
                  "logs that were recorded together. NAME.LABEL.lcmlog, as palpate-record writes "
                  "them, goes to the URL of its label; LABEL=FILE says it; else control")
       ->required();
-  app.add_option("--url", urls, "LABEL=URL: another URL for a label (repeatable)")
+  app.add_option("--url", urls,
+                 "LCM URL of a label in place of the default (repeatable; without a "
+                 "label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_option("--start", player.start, "s since the first message, where to begin")
       ->check(CLI::NonNegativeNumber);
@@ -157,8 +161,7 @@ void PlayCommand::add_to(CLI::App& app) {
       "right arrow jump by 5 s, q quits.\n"
       "Examples:\n"
       "  palpate-replay play run.control.lcmlog run.housekeeping.lcmlog --rate 0.5\n"
-      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop\n"
-      "Exit codes: 0 played to the end, 1 an error, 130 ended by q or a signal.");
+      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop");
 }
 
 int PlayCommand::run() const {
@@ -188,7 +191,7 @@ int PlayCommand::run() const {
   if (!quiet)
     std::printf("%ld messages sent, %ld left out, %ld too large for a datagram or refused\n",
                 outlets.sent(), outlets.left_out(), outlets.refused());
-  return stopped == 0 ? 0 : 130;
+  return stopped == 0 ? config::kExitDone : config::kExitInterrupted;
 }
 
 }  // namespace palpate::replay

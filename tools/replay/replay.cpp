@@ -31,6 +31,13 @@ void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
 }
 
+bool is_start(const bus::LoggedEvent& event) {
+  component_command_t command{};
+  return event.channel == "COMPONENT_COMMAND" &&
+         command.decode(event.data, 0, event.size) == event.size &&
+         bus::get_text(command.event) == std::string("start");
+}
+
 /// A log that is damaged may say any time; a replay would be busy for years.
 void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int64_t now_ns) {
   constexpr std::int64_t kLongest = 3600 * std::int64_t{1'000'000};  // us
@@ -118,6 +125,7 @@ class Run {
       ++result_.left_out;
       return;
     }
+    if (is_start(event)) ++result_.starts;
     bus::record(*hub_, nullptr);
     bus::set_time(*hub_, event.utime * 1000);
     input_->publish(event.channel.c_str(), event.data, event.size);

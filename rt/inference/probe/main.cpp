@@ -50,7 +50,7 @@ void try_module(const std::string& bytes, const ModelSizes& sizes) {
 int main(int argc, char** argv) {
   if (argc != 4) {
     std::cerr << "usage: palpate-probe INPUTS STATES OUTPUTS < module.pt\n";
-    return 2;
+    return 64;  // EX_USAGE, as rt/config/command_line.hpp has it
   }
   try {
     torch_version();

@@ -121,7 +121,7 @@ def readme(root, programs):
               f'palpate-sim() {{ exec "{programs}/palpate-sim" "$@" {urls}; }}',
               f'palpated() {{ exec "{programs}/palpated" "$@" {urls} --set loop.degraded_after_ms=9000 '
               "--set loop.overrun_window_ms=10000 --set loop.safe_stop_after_ms=10000; }",
-              f'palpate-command() {{ "{programs}/palpate-command" --url "{control}" --housekeeping "{housekeeping}" '
+              f'palpate-command() {{ "{programs}/palpate-command" --url "{control}" --url "housekeeping={housekeeping}" '
               '--timeout 60 "$@"; }']
     left_out, run = set(), 0
     for start, lines in blocks((root / "README.md").read_text()):

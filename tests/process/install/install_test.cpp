@@ -44,8 +44,9 @@ TEST(Install, TheUnitStartsTheDaemonThatIsInstalled) {
   EXPECT_NE(version.output().find(PALPATE_VERSION), std::string::npos) << version.output();
   // It takes its examples for what they are: a wrong key is its only complaint.
   support::ChildProcess wrong(
-      {program, (folder.path() / "share/palpate/rt/config/examples/bar_long_soft.yaml").string(),
-       "--set", "loop.no_such_key=1"});
+      {program, "--config",
+       (folder.path() / "share/palpate/rt/config/examples/bar_long_soft.yaml").string(), "--set",
+       "loop.no_such_key=1"});
   EXPECT_EQ(wrong.wait(std::chrono::seconds(20)), 78);
   EXPECT_NE(wrong.output().find("no_such_key"), std::string::npos) << wrong.output();
 }

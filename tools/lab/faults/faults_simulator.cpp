@@ -126,7 +126,7 @@ common::Process start_palpated(const config::Node& configuration, const runs::Ur
   out << configuration.dump() << '\n';
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
   return {"palpated",
-          {(common::program_folder() / "palpated").string(), file.string(), "--set",
+          {(common::program_folder() / "palpated").string(), "--config", file.string(), "--set",
            "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping},
           folder / "palpated.txt"};
 }

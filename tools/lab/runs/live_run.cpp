@@ -89,7 +89,7 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     record("control", urls.control, files_.control);
     record("housekeeping", urls.housekeeping, files_.housekeeping);
   }
-  std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
+  std::vector<std::string> command{palpated, "--config", plan.configuration.string(), "--json",
                                    files_.daemon.string()};
   if (plan.lock_step) command.push_back("--stepped");
   daemon_ = std::make_unique<common::Process>(

@@ -1,9 +1,7 @@
 #include "tests/bench/core/elasticity/latency_report.hpp"
 
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "tools/common/table.hpp"
 
@@ -65,8 +63,8 @@ void add_baseline(common::Table& table, const char* name, const BaselineResult& 
 
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out) {
   common::Table table({"mesh", "motion", "threads", "its", "min", "p50", "p99", "p99.9", "max",
-                         "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age",
-                         "x wall", "x cpu"});
+                       "cpu50", "cpu99", "error", "failed", "factors", "factor ms", "age", "x wall",
+                       "x cpu"});
   for (const LatencyRow& row : rows) {
     const LatencyResult& r = row.result;
     const bool dynamic = row.options.mechanics == Mechanics::kDynamic;
@@ -119,12 +117,6 @@ nlohmann::json to_json(const LatencyRow& row) {
     json["jacobi_pcg"] = baseline_json(r.pcg, r);
   }
   return json;
-}
-
-void write_json(const nlohmann::json& json, const std::string& file) {
-  std::ofstream out(file);
-  out << json.dump(2) << '\n';
-  if (!out) throw std::runtime_error("cannot write " + file);
 }
 
 }  // namespace palpate::bench
