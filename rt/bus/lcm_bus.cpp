@@ -13,7 +13,7 @@
 namespace palpate::bus {
 namespace {
 
-/// liblcm finds a missing route as well, but says so on stderr and returns nothing to explain.
+/// liblcm also detects a missing route, but reports it on stderr only.
 void require_route(const UdpmUrl& url) {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const sockaddr_in address = url.socket_address();
@@ -24,8 +24,8 @@ void require_route(const UdpmUrl& url) {
   if (!reachable) throw std::runtime_error(explain_socket_error("open", url, error));
 }
 
-/// liblcm, which starts its own receiver only for a subscription that is never made here,
-/// publishes.
+/// Publishes through liblcm, which starts its own receiver only for a subscription, and none is
+/// made here.
 class LcmBus final : public MessageBus {
  public:
   explicit LcmBus(const UdpmUrl& url) : url_(url), receiver_(datagrams_) {
@@ -52,7 +52,7 @@ class LcmBus final : public MessageBus {
     return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
   }
   void start_publisher(int depth, int largest) override {
-    // liblcm locks while it sends: one of the publisher's own never makes a command wait.
+    // liblcm locks while it sends: a separate instance for the publisher never delays a command
     outlet_ = std::make_unique<LcmBus>(url_);
     publisher_ = std::make_unique<TelemetryPublisher>(*outlet_, depth, largest);
   }
