@@ -82,7 +82,7 @@ void QuadraticProgramLaw::rest() noexcept {
   variables_.setZero();
 }
 
-/// False where the joints are not known.
+/// False if the joint states are not available.
 bool QuadraticProgramLaw::set_map(const LawInputs& inputs) noexcept {
   if (!commands_joints()) return true;
   if (inputs.joints == nullptr || inputs.joints->q.size() != variables_.size() ||
@@ -142,7 +142,7 @@ PseudoInverse::Motion QuadraticProgramLaw::solve(const LawInputs& inputs,
   return before_;
 }
 
-/// Of what gives way the row that should have done so last.
+/// Message about the relaxed row with the highest priority.
 const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
   int worst = -1;
   const auto rank = [&](int row) {
@@ -158,8 +158,8 @@ const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
   return "";
 }
 
-/// What of the error is left after the best displacement within all places: the same program
-/// without rates and with gaps in the place of approach speeds.
+/// Error that remains after the best displacement within all limits: the same program without rate
+/// limits and with distances instead of approach speeds.
 void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& output) noexcept {
   bool pressed = false;
   for (int row = 0; row < program_.rows(); ++row) {
@@ -182,7 +182,7 @@ void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& ou
     most = press;
     hardest = row;
   }
-  if (hardest < 0) return;  // it ends before any limit
+  if (hardest < 0) return;  // the displacement ends before any limit
   motion_ /= options().gain;
   motion_.noalias() -= J_.lazyProduct(reach_solver_.u());
   output.unreachable += motion_.cwiseQuotient(inverse().row_scale());

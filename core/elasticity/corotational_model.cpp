@@ -156,7 +156,7 @@ void CorotationalModel::turn_sensitivity(int begin, int end) noexcept {
     turned.grasps[g] = grasps_[g].applied.linear() * grasps_[g].snapshot.linear().transpose();
   }
   for (int c = 0; c < kContactSlots; ++c) {
-    // The node that bears most of a contact says how its place has turned.
+    // the node with the largest weight determines the rotation of a contact
     const mesh::PointWeights& point = contacts_[c];
     const auto* largest =
         std::max_element(point.weights.begin(), point.weights.begin() + point.count);
@@ -225,7 +225,7 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
   for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
   sensitivity_.valid = at_snapshot_.valid;
   sensitivity_.age = job_age_;
-  if (!dynamic_) persistence_ = 0;  // surprises of the old one say nothing of the new one's
+  if (!dynamic_) persistence_ = 0;  // errors of the old sensitivity no longer apply
   turn_sensitivity(0, static_cast<int>(positions_.cols()));
 }
 
@@ -246,14 +246,14 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
     if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
   }
   surprise_.setZero();
-  // Strains and rotations of the new shape, from which the next step starts.
+  // strains and rotations of the new shape, from which the next step starts
   forces_.setZero();
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
   doubtful_ = 0;
   inverted_ = torn_ = false;
-  ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
+  ticks_ = kTanglePeriod - 1;  // the next step checks whether the shape is valid
   follow_rotations();
   return true;
 }

@@ -9,10 +9,12 @@
 namespace palpate::estimation {
 namespace {
 
-/// Gives a state of a fresh filter this mean and deviation, by a measurement that leads there. One
-/// that was not observable (negative) or is no surer than the prior keeps most of the prior's.
+/// Gives a state of a newly reset filter this mean and deviation by an equivalent measurement. A
+/// state that was not observable (negative deviation) or no more certain than the prior keeps most
+/// of the prior's deviation.
 void carry_over(int state, double mean, double deviation, WrenchFilter& filter) noexcept {
-  constexpr double kMost = 0.95;  // of the prior's; beyond 0.9 a state counts as not observed
+  // Fraction of the prior's deviation; above 0.9 a state counts as not observed.
+  constexpr double kMost = 0.95;
   const double prior = filter.covariance()(state, state);
   const double wanted =
       deviation >= 0 ? std::min(deviation * deviation, kMost * prior) : kMost * prior;
@@ -88,7 +90,7 @@ void PoseWrenchFilter::take_over(const Estimate& last,
                                  elasticity::DeformationModel& model) noexcept {
   activate(model);
   follower_.take_over(last, model);
-  if (!(last.pose_deviation[0][0] >= 0)) return;  // it knew no more than it was told
+  if (!(last.pose_deviation[0][0] >= 0)) return;  // not estimated before
   carry_over(filter_.log_young(),
              last.log_young_modulus - std::log(model.body().material.young_modulus),
              last.log_young_modulus_deviation, filter_);
@@ -149,7 +151,7 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   }
   see(inputs.observation, model, dt);
   if (search_.is_searching()) {
-    constexpr int kPlaces = 1000;  // a tick, 0.2 ms
+    constexpr int kPlaces = 1000;  // per tick, 0.2 ms
     if (search_.advance(model, motion_, kPlaces)) judge_search(model);
   }
   judge_contact(model, dt);
@@ -204,9 +206,9 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
   find_reaction_deviation(now);
-  if (rest_for_ < options_.period) {  // moved since the last wrench was taken
+  if (rest_for_ < options_.period) {  // moved since the last wrench update
     at_rest_count_ = suspicions_ = sudden_ = unexplained_count_ = 0;
-    drop_contact(model);  // of a moving hand's wrench it cannot be told any more
+    drop_contact(model);  // the wrench of a moving hand can no longer identify the contact
   }
   if (rest_for_ > options_.rest) remember(now);
   if (filter_.has_contact()) {
@@ -235,11 +237,11 @@ void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   follow(now.held, now.H, filter_.mean() - before);
 }
 
-/// The prediction follows what is learnt at once, and means of what it was off by with it, so that
-/// nothing is learnt twice.
+/// The prediction follows a correction of the state at once; the means of the innovation are
+/// reduced accordingly, so that no information is used twice.
 void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
                               WrenchFilter::Vector change) noexcept {
-  const WrenchFilter::Wrenches off = H * change;  // the bias is no part of the prediction,
+  const WrenchFilter::Wrenches off = H * change;  // the bias is not part of the prediction
   for (int g = 0; g < filter_.grasp_count(); ++g) change.segment<6>(filter_.bias(g)).setZero();
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     if (!held[g]) continue;
@@ -247,7 +249,7 @@ void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilte
     row += 6;
   }
   if (at_rest_count_ == 0 || recent_.size() != off.size()) return;
-  recent_ -= off;  // but of what is off
+  recent_ -= off;  // the bias is part of the innovation
   if (!filter_.has_contact()) at_rest_ -= off;
 }
 
@@ -288,13 +290,14 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
   estimate.node_deviation = &node_deviation_;
 }
 
-/// A tenth of the nodes a tick.
+/// Updates the deviation of one tenth of the nodes per tick.
 void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model) noexcept {
   if (!model.sensitivity().valid) return;
   const SurfaceFit::Basis now = basis(model);
   const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();
   SurfaceFit::NodeRows rows, J(3, columns), JP(3, columns);
-  const double own = options_.sight.surface * options_.sight.surface;  // of the model itself
+  const double own =
+      options_.sight.surface * options_.sight.surface;  // variance of the mesh itself
   const int nodes = static_cast<int>(node_deviation_.size());
   for (int i = 0; i < nodes / 10 + 1; ++i, next_node_ = (next_node_ + 1) % nodes) {
     rows.setZero(3, filter_.shape_size());

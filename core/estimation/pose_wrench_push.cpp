@@ -1,4 +1,4 @@
-// What of the filter looks for somebody else's push and follows it.
+// PoseWrenchFilter: detection and tracking of an unmodelled external contact.
 #include <algorithm>
 #include <cmath>
 
@@ -7,15 +7,19 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kRestFirst = 0.8;  // s, before a change of the wrench tells of a push
-constexpr double kOfLate = 0.05;    // s, of the mean of late
-constexpr double kRising = 18;      // normalised square of a hand's change: once in 160 by chance,
-constexpr double kSudden = 28;    // and this once in 10,000, just after the other not within hours;
-constexpr int kSuddenInARow = 2;  // a search that finds a place for it is rarer still
-constexpr double kWary = 8;       // and this many times more just after a push has gone,
-constexpr double kWaryFor = 0.3;  // s, while the object swings and the pads slide back
-constexpr double kFaint = 6;      // and, of the usual noise, of one that is hardly any
-constexpr double kPushError = 0.05;  // 1, of the answer to a push, which is a small change
+// s of rest before a wrench change may indicate an external contact
+constexpr double kRestFirst = 0.8;
+constexpr double kOfLate = 0.05;  // s, window of the short-term mean
+// Chi-square threshold of a hand's change: false alarm rate 1 in 160.
+constexpr double kRising = 18;
+constexpr double kSudden = 28;    // the same for a sudden change: false alarm rate 1 in 10,000
+constexpr int kSuddenInARow = 2;  // consecutive sudden changes: no false alarm within hours
+constexpr double kWary = 8;  // factor on the thresholds within kWaryFor after a contact has ended
+constexpr double kWaryFor = 0.3;  // s, time in which the object oscillates and the pads relax
+// Factor on the usual noise below which a contact is barely detectable.
+constexpr double kFaint = 6;
+// Relative error of the predicted response to an external contact, which is a small change.
+constexpr double kPushError = 0.05;
 
 }  // namespace
 
@@ -27,8 +31,8 @@ void PoseWrenchFilter::load_with_unknown(elasticity::DeformationModel& model) co
     model.loads().col(point.nodes[i]) += point.weights[i] * force;
 }
 
-/// From where it came to rest, then that is where it is now; or of late. What a hand that sets
-/// about to move does to its wrench is no push.
+/// Whether the hand has moved from its rest pose, which is then reset to the present one, or has
+/// moved recently. The change of the wrench when a hand starts to move is not an external contact.
 bool PoseWrenchFilter::has_moved(int grasp, const GraspInput& input, double dt) noexcept {
   constexpr double kSettles = 0.1;  // s
   constexpr double kTurn = 10;      // rad/m
@@ -71,9 +75,9 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
   at_rest_count_ = 1;
 }
 
-/// Learns how the wrenches are while nothing happens, and how they spread.
+/// Updates the baseline of the wrenches at rest and their spread.
 void PoseWrenchFilter::settle(const Innovation& now) noexcept {
-  constexpr double kLongest = 2;  // s, of the means
+  constexpr double kLongest = 2;  // s, averaging window
   at_rest_count_ = std::min(at_rest_count_ + 1, wrenches_in(kLongest));
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
   at_rest_spread_ += (off.cwiseAbs2() - at_rest_spread_) / at_rest_count_;
@@ -82,14 +86,15 @@ void PoseWrenchFilter::settle(const Innovation& now) noexcept {
   at_rest_measured_ += (now.measured - at_rest_measured_) / at_rest_count_;
 }
 
-/// What has changed of late since the hands came to rest: a push can be behind it, the sensor's
-/// noise, or an object that still swings, which shows in how the wrenches have spread.
+/// Change of the wrenches since the hands came to rest. Causes: an external contact, sensor noise,
+/// or residual oscillation of the object, which appears in the spread of the wrenches.
 PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) const noexcept {
   Innovation result = now;
   result.y = recent_ - at_rest_;
   result.H.leftCols(filter_.contact()).setZero();
   result.R.setZero();
-  const double mean_of = 2.0 * wrenches_in(kOfLate) - 1;  // as many wrenches, all alike
+  // Equivalent number of equally weighted wrenches.
+  const double mean_of = 2.0 * wrenches_in(kOfLate) - 1;
   for (int row = 0; row < result.y.size(); ++row) {
     const double noise = row % 6 < 3 ? options_.force : options_.torque;
     result.R(row, row) = std::max(noise * noise / mean_of, at_rest_spread_[row]);
@@ -97,12 +102,12 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::change(const Innovation& now) con
   return result;
 }
 
-/// Covariance of a mean of so many wrenches: their noise while nothing happened, and for the
-/// model's own error a share of what a push has changed them by.
+/// Covariance of a mean of `count` wrenches: their noise at rest and, for the model error, a
+/// fraction of the change caused by the contact.
 WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed,
                                             int count) const noexcept {
-  constexpr double kLeast = 0.3;      // of the noise that is expected
-  constexpr double kUncertain = 1.3;  // the spread is an estimate, too
+  constexpr double kLeast = 0.3;      // lower bound, as a fraction of the expected noise
+  constexpr double kUncertain = 1.3;  // margin for the uncertainty of the estimated spread
   WrenchFilter::Noise R = WrenchFilter::Noise::Zero(pushed.size(), pushed.size());
   for (int row = 0; row < pushed.size(); ++row) {
     const double least = kLeast * (row % 6 < 3 ? options_.force : options_.torque);
@@ -112,8 +117,8 @@ WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed
   return R;
 }
 
-/// Begins to look for a push where the wrenches have changed too much: the last two by far more
-/// than their noise, or their mean of late for some time.
+/// Starts a search for an external contact when the wrenches have changed significantly: two
+/// consecutive wrenches by far more than their noise, or the short-term mean for some time.
 void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
   const auto rows = static_cast<double>(changed.y.size());
   Innovation now = changed;
@@ -131,12 +136,12 @@ void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
   add_unexplained(now.y);
   if ((sudden_ >= kSuddenInARow || suspicions_ >= options_.suspicions) && !search_.is_searching())
     search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
-  if (suspicions_ * options_.period > kPatience) at_rest_count_ = 0;  // then that is rest
+  if (suspicions_ * options_.period > kPatience) at_rest_count_ = 0;  // new baseline
 }
 
-/// Into the mean of what the wrenches have changed by, the contact that is known not counted.
+/// Adds to the mean change of the wrenches, without the contribution of the known contact.
 void PoseWrenchFilter::add_unexplained(const WrenchFilter::Wrenches& change) noexcept {
-  constexpr double kLongest = 0.5;  // s, of the mean
+  constexpr double kLongest = 0.5;  // s, averaging window
   if (unexplained_count_ == 0 || unexplained_.size() != change.size()) {
     unexplained_count_ = 0;
     unexplained_ = change;
@@ -149,11 +154,11 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   const WrenchFilter::Wrenches pushed = changed.H.rightCols<3>() * filter_.mean().tail<3>();
   changed.y = latest_ - at_rest_;
   changed.R = noise(pushed, 1);
-  WrenchFilter::Wrenches usual = pushed;  // variances that are expected of a wrench
+  WrenchFilter::Wrenches usual = pushed;  // expected variances of a wrench
   for (int row = 0; row < usual.size(); ++row) {
     const double deviation = row % 6 < 3 ? options_.force : options_.torque;
     usual[row] = deviation * deviation;
-    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // an object swings
+    changed.R(row, row) = std::max(changed.R(row, row), usual[row]);  // oscillation of the object
   }
   const auto rows = static_cast<double>(changed.y.size());
   const double test = filter_.test(changed.H, changed.y, changed.R);
@@ -161,15 +166,15 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   if (test < 0) return;
   const bool believed = test <= options_.gate / 6 * rows;
   suspicions_ = believed ? 0 : suspicions_ + 1;
-  if (suspicions_ == 1) unexplained_count_ = 0;  // it has moved, grown or gone
+  if (suspicions_ == 1) unexplained_count_ = 0;  // the contact has moved, grown or ended
   add_unexplained(changed.y + pushed);
   if (believed) correct(changed);
   const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
     return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
   };
   faint_ = is_faint(pushed);
-  // The hand rests: where it feels again what it did before, nobody pushes, even if the model's
-  // answer, which is not that of a small push, says otherwise.
+  // The hand rests: if the wrench has returned to its baseline, the contact has ended, even if the
+  // innovation, whose model error is not that of a small change, suggests otherwise.
   const bool as_before =
       is_faint(changed.y + pushed) || is_faint(changed.measured - at_rest_measured_);
   gone_ = suspicions_ >= kSuddenInARow && as_before;
@@ -193,7 +198,7 @@ void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) n
         found.cost + kClearlyBetter > search_.judge(place_, model, motion_).cost)
       return;
   } else if (suspicions_ == 0) {
-    return;  // it was nothing
+    return;  // false alarm
   }
   place_contact(found, model);
 }
@@ -203,7 +208,7 @@ void PoseWrenchFilter::place_contact(const ContactSearch::Found& found,
   if (filter_.has_contact()) {
     push(-filter_.mean().tail<3>(), model);
   } else {
-    unexplained_count_ = 0;  // it may have begun within the first of them
+    unexplained_count_ = 0;  // the contact may have begun within the first of them
   }
   place_ = found.place;
   place_deviation_ = search_.spread(place_, model);
@@ -230,7 +235,8 @@ void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
                             const elasticity::DeformationModel& model) noexcept {
   const mesh::PointWeights& point = search_.place(place_).point;
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
-    const bool told = at_rest_count_ > 0 && at_rest_held_[g];  // rows are those of who tells
+    // Rows exist for hands with a wrench only.
+    const bool told = at_rest_count_ > 0 && at_rest_held_[g];
     if (model.is_held(g)) {
       const math::Vector6d wrench =
           ContactSearch::response(point, model.sensitivity(), motion_, g) * force_O;
@@ -247,18 +253,20 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
                                      double dt) noexcept {
   since_contact_ += dt;
   if (!filter_.has_contact()) return;
-  constexpr double kStandsOut = 3;  // deviations
+  constexpr double kStandsOut = 3;  // standard deviations
   constexpr double kFadesIn = 0.3;  // s
   const Eigen::Vector3d force = filter_.mean().tail<3>();
   const Eigen::Matrix3d P = filter_.covariance().bottomRightCorner<3, 3>();
-  // While nothing is learnt of it, its covariance says nothing.
+  // While the force is not being estimated, its covariance is meaningless.
   const bool unsure =
       suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
   const bool weak = faint_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
-  // What no place explains for so long has been sought in vain: better none than a wrong one.
+  // A contact that no location explains for this long is dropped: no estimate is better than a
+  // wrong one.
   unbelieved_for_ = suspicions_ > 0 ? unbelieved_for_ + dt : 0;
-  const bool forgotten = at_rest_count_ < wrenches_in(kRestFirst);  // which hands tell has changed
+  // The set of hands with a wrench has changed.
+  const bool forgotten = at_rest_count_ < wrenches_in(kRestFirst);
   if (weak_for_ >= kFadesIn || unbelieved_for_ >= kFadesIn || gone_ || forgotten)
     drop_contact(model);
 }

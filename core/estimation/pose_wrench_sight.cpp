@@ -1,4 +1,4 @@
-// What of the filter takes what is seen of the shape.
+// PoseWrenchFilter: update by observations of the shape.
 #include <cmath>
 
 #include "core/estimation/pose_wrench_filter.hpp"
@@ -15,8 +15,8 @@ SurfaceFit::Basis PoseWrenchFilter::basis(
   return basis;
 }
 
-/// Of a held grasp, the part of its predicted wrench that is not the mean's: what has not faded in
-/// yet, and the virtual loads, which are no forces of this world.
+/// Part of a held grasp's predicted wrench that does not belong to the filter's mean: the
+/// corrections not yet faded in, and the virtual loads, which are not physical.
 math::Vector6d PoseWrenchFilter::wrench_of_shift(
     int grasp, const elasticity::DeformationModel& model) const noexcept {
   if (!model.sensitivity().valid) return math::Vector6d::Zero();
@@ -27,7 +27,8 @@ math::Vector6d PoseWrenchFilter::wrench_of_shift(
   return stiffness() * motion_.wrench_by_state().middleRows<6>(6 * grasp) * off;
 }
 
-/// From the first message on the shapes are remembered, so that later ones find theirs.
+/// The shape history is recorded from the first message on, so that later messages find the shape
+/// at their acquisition time.
 void PoseWrenchFilter::see(const ObservationInput& seen, elasticity::DeformationModel& model,
                            double dt) noexcept {
   const bool is_new = seen.freshness == sensing::Freshness::kNew;

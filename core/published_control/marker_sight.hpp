@@ -4,42 +4,44 @@
 
 namespace palpate::published_control {
 
-/// How a controller that needs vision is served: markers at the feature's own points, told apart,
-/// take the place of what the model says of these points. Nodal positions are moved as little as
-/// possible (least squares) for the feature's points to lie where their markers have been seen; so
-/// any feature of material points is evaluated on what was seen of it.
+/// Vision input for controllers that require it: identified markers at the feature's own points
+/// replace the model's positions of these points. Node positions are modified as little as possible
+/// (least squares) such that the feature's points coincide with the observed markers; any feature
+/// of material points is then evaluated on the observation.
 class MarkerSight {
  public:
   enum class Kind {
-    kHeld,   // points stay where they were last seen; no word of them once sight is lost
-    kOffset  // the model goes on between two looks and without sight, displaced as last seen
+    kHeld,   // points keep their last observed position; invalid once vision is lost
+    kOffset  // between observations and without vision the model's positions plus the last observed
+             // offset are used
   };
   struct Options {
     Kind kind = Kind::kHeld;
-    double patience = 0.2;  // s without a look, after which sight is lost
+    double patience = 0.2;  // s without an observation after which vision counts as lost
   };
 
-  /// Throws std::invalid_argument where a point is not of the mesh.
+  /// Throws std::invalid_argument if a point is not on the mesh.
   MarkerSight(const mesh::ElementMesh& mesh, const std::vector<Eigen::Vector3d>& rest_points,
               const Options& options);
 
-  /// Once a tick. `fresh`: markers have come in this tick, `age` s after they last came. seen: 3 x
-  /// as many as there are points, in O, in their order; another number is not looked at.
+  /// Call once per tick. `fresh`: markers have arrived in this tick; `age`: s since their last
+  /// arrival. `seen`: positions in O, 3 x number of points, in their order; ignored if the number
+  /// differs. `model`: node positions of the model.
   void look(bool fresh, double age, const Eigen::Ref<const Eigen::Matrix3Xd>& seen,
             const Eigen::Matrix3Xd& model) noexcept;
 
-  /// Nodal positions, 3 x n, after look().
+  /// Node positions, 3 x n, after look().
   const Eigen::Matrix3Xd& positions() const noexcept { return positions_; }
-  /// False while nothing is known of the points.
+  /// False while the positions of the points are unknown.
   bool sees() const noexcept { return sees_; }
-  /// A look has come in this tick.
+  /// An observation has arrived in this tick.
   bool fresh() const noexcept { return fresh_; }
   void reset() noexcept { known_ = sees_ = fresh_ = false; }
 
  private:
   shape::MaterialPoints points_;
   Options options_;
-  Eigen::MatrixXd spread_;  // |support| x points, pseudo-inverse of the points' weights
+  Eigen::MatrixXd spread_;  // |support| x points, pseudo-inverse of the interpolation weights
   Eigen::Matrix3Xd seen_, offset_, moved_, positions_;
   bool known_ = false, sees_ = false, fresh_ = false;
 };

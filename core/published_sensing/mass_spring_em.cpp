@@ -26,8 +26,8 @@ void MassSpringEm::begin(const Eigen::Matrix3Xd&) noexcept {
   attractor_.setZero();
 }
 
-/// Adds one point's responsibilities. The noise has the density that `noise` of the points would
-/// have if they were spread two widths about a node.
+/// Adds the responsibilities of one point. The density of the noise is that of a fraction `noise`
+/// of the points distributed within two widths of a node.
 void MassSpringEm::expect(const Eigen::Vector3d& point,
                           const Eigen::Matrix3Xd& positions) noexcept {
   const double scale = -0.5 / (options_.width * options_.width);

@@ -10,8 +10,8 @@
 namespace palpate::bus {
 namespace {
 
-/// liblcm, which starts its own receiver only for a subscription that is never made here,
-/// publishes.
+/// Publishes through liblcm, which starts its own receiver only for a subscription, and none is
+/// made here.
 class LcmBus final : public MessageBus {
  public:
   explicit LcmBus(const UdpmUrl& url) : url_(url), receiver_(datagrams_) {
@@ -40,7 +40,7 @@ class LcmBus final : public MessageBus {
     return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
   }
   void start_publisher(int depth, int largest) override {
-    // liblcm locks while it sends: one of the publisher's own never makes a command wait.
+    // liblcm locks while it sends: a separate instance for the publisher never delays a command
     outlet_ = std::make_unique<LcmBus>(url_);
     publisher_ = std::make_unique<TelemetryPublisher>(*outlet_, depth, largest);
   }

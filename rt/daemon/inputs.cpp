@@ -5,19 +5,19 @@
 namespace palpate::daemon {
 namespace {
 
-// Of one channel; whoever sends without end shall not hold up the cycle.
+// Per channel; bounds the work per cycle under a message flood.
 constexpr int kMostPerCycle = 64;
 
 constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
                                                         "BIOTAC_3", "BIOTAC_4"};
 
-/// By arm: force-torque, inertial, robot, hand.
+/// By arm: force-torque, IMU, robot, hand.
 constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
     {{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"},
      {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"}}};
 
-/// Beyond every force, speed and length of a robot's cell in SI units: no measurement. What is
-/// finite but larger overflows where it is squared.
+/// Larger than any force, speed and length of a robot cell in SI units, hence not a measurement.
+/// Larger finite numbers would overflow when squared.
 constexpr double kLargest = 1e6;
 
 bool all_plausible(const double* numbers, int count) noexcept {
@@ -98,10 +98,10 @@ bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   return true;
 }
 
-/// A camera that sees nothing of the object says so with no points, which is no news of the shape
-/// but a sign of life.
+/// A camera that does not see the object publishes zero points: no information on the shape, but a
+/// sign of life.
 bool convert(const shape_observation_t& m, sensing::ShapeObservation& out) noexcept {
-  constexpr double kCoarsest = 1;  // m
+  constexpr double kCoarsest = 1;  // m, largest plausible deviation
   if (m.count < 0 || m.count > sensing::ShapeObservation::kMostPoints) return false;
   if (m.count > 0 && !(m.deviation > 0 && m.deviation <= kCoarsest)) return false;
   for (int i = 0; i < m.count; ++i) {
@@ -120,7 +120,7 @@ constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
   return convert(message, out);
 };
 
-/// Whether two samples hold the same numbers, whatever their times.
+/// True if two samples have the same values, whatever their times.
 bool same(const sensing::ForceTorque& a, const sensing::ForceTorque& b) noexcept {
   return a.F_S.force == b.F_S.force && a.F_S.torque == b.F_S.torque;
 }
@@ -173,7 +173,7 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
 template <class Message, class Sample>
 bool Inputs::is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
                        std::int64_t arrival_ns) noexcept {
-  constexpr int kRepeats = 10;  // at least, so that a gap between two messages is none
+  constexpr int kRepeats = 10;  // minimum count, so that a gap between two messages does not count
   if (channel.frozen_after_ns == 0 || !same(before, now)) {
     channel.changed_ns = arrival_ns;
     channel.repeats = 0;
@@ -221,7 +221,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
     channel.arrival_ns = arrival_ns;
     if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
       stream.fresh[stream.fresh_count++] = stream.latest;
-    } else {  // keep the newest ones
+    } else {  // keep the newest
       std::move(stream.fresh.begin() + 1, stream.fresh.end(), stream.fresh.begin());
       stream.fresh.back() = stream.latest;
     }

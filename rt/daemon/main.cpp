@@ -1,4 +1,4 @@
-// palpated: feels the shape of a soft object and steers it. See README.md and --help.
+// palpated: estimates and controls the shape of a soft object. See README.md and --help.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,8 +23,8 @@ using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
 
-/// Blocks the signals that end the program or ask for a record, for all threads; wait_for_end()
-/// then receives them.
+/// Blocks, in all threads, the signals that end the program or request a record; wait_for_end()
+/// receives them.
 sigset_t block_signals() {
   sigset_t set;
   sigemptyset(&set);
@@ -35,7 +35,7 @@ sigset_t block_signals() {
   return set;
 }
 
-/// Says what the loop has to tell.
+/// Logs the events of the loop.
 void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
   palpate::daemon::EventRecord record;
   while (daemon.take_record(record)) {
@@ -48,7 +48,7 @@ void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
   }
 }
 
-/// Writes the record that a fault or somebody asked for, where there is one to be written.
+/// Writes a record requested by a fault or a user, if available.
 void write_record(Daemon& daemon) {
   if (daemon.crash_record() == nullptr) return;
   try {
@@ -59,7 +59,8 @@ void write_record(Daemon& daemon) {
   }
 }
 
-/// Supervises the loop until a signal asks to end or the loop has ended. `cycles`: of the loop.
+/// Supervises the loop until a signal requests the end or the loop has ended. `cycles`: count of
+/// the loop.
 void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
                   const std::atomic<std::int64_t>& cycles) {
   using palpate::daemon::LoopWatch;
@@ -90,7 +91,7 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
   manager.tell("STOPPING=1");
 }
 
-/// Pairs of a fraction of cycles and the us that it exceeds; the fractions four a decade.
+/// Pairs of a fraction of cycles and the latency, us, which it exceeds; four fractions per decade.
 nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
   nlohmann::json pairs = nlohmann::json::array();
   for (double above = 1; above * static_cast<double>(latency.count()) >= 1; above /= 1.7782794)
@@ -98,7 +99,7 @@ nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
   return pairs;
 }
 
-/// Share of cycles that exceed a period, in s.
+/// Fraction of cycles that exceed a period, in s.
 double above_period(const palpate::loop::LatencyHistogram& latency, double period) {
   const auto all = static_cast<double>(std::max<std::int64_t>(1, latency.count()));
   return static_cast<double>(latency.count_above(std::llround(period * 1e9))) / all;
@@ -133,7 +134,7 @@ nlohmann::json statistics(const Daemon& daemon) {
   return json;
 }
 
-/// Lock-step repeats its ticks, but not what sensors say.
+/// Lock-step repeats ticks, but not sensor messages.
 void warn_of_losses(const Daemon& daemon) {
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
@@ -154,7 +155,7 @@ struct Options {
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
-  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate promises half of it
+  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate guarantees half of it
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> cycles{0};
   std::thread thread([&] {
@@ -184,7 +185,7 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
                  palpate::bus::MessageBus& control, const sigset_t& signals) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
-  std::atomic<std::int64_t> rounds{0};  // which go on where no tick comes
+  std::atomic<std::int64_t> rounds{0};  // continues without ticks
   std::thread thread([&] {
     name_this_thread("palpated-loop");
     while (!stop) {
@@ -230,11 +231,11 @@ int run(const Options& options, const sigset_t& signals) {
   palpate::daemon::SteppedClock clock(*control, session);
   control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   if (!options.stepped) {
-    // Contacts, estimate and feature of a hundred cycles; half a second of shapes.
+    // queue for contacts, estimate and feature of a hundred cycles, and half a second of shapes
     control->start_publisher(300, 4096);
     housekeeping->start_publisher(64, bus::kLargestShortMessage);
   }
-  // Nothing is read from the housekeeping bus.
+  // the housekeeping bus is not read
   options.stepped ? control->start_without_thread() : control->start();
 
   spdlog::info("palpated {}: {}; inactive, waits for start", PALPATE_VERSION,

@@ -69,7 +69,7 @@ void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool v
   commands_[arm].publish(arm, valid, utime);
 }
 
-/// Said while there is something to say.
+/// Published while a contact is detected, and once when it ends.
 void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contact,
                                         std::int64_t utime) noexcept {
   const bool is_new = contact.found || unknown_message_.force_deviation >= 0;

@@ -10,7 +10,7 @@
 namespace palpate::inference {
 namespace {
 
-/// Loads the library that comes with the program, once. Throws ModelError.
+/// Loads the library of the program, once. Throws ModelError.
 const TorchFunctions& functions() {
   static const TorchFunctions* const kFunctions = [] {
     const std::filesystem::path path = config::companion("libpalpate_torch.so");
@@ -32,7 +32,7 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes,
   return functions().load(bytes, sizes);
 }
 
-// Weights are checked here: the library with libtorch has none of core's code.
+// Weights are checked here, because the library with libtorch contains no code of core.
 sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
   sensing::RecurrentWeights weights = functions().read(bytes);
   try {

@@ -11,7 +11,7 @@ namespace {
 const config::Key kFallback("fallback", "",
                             "what stands in where this one errs, as its slot's own");
 
-/// Which sources a contact instance serves, by the words of its list `sources`.
+/// Sources served by a contact instance, from the words of its list `sources`.
 std::array<bool, 8> read_sources(const config::Node& node) {
   std::array<bool, 8> served{};
   const std::string text =
@@ -174,7 +174,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
       std::swap(sensing[i].fallback, before.fallback);
       sensing[i].told = before.told;
     } else if (before.condition.state == LifeCycle::kFaulted) {
-      sensing[i].condition = {LifeCycle::kActive, ""};  // a sound one has come in its place
+      sensing[i].condition = {LifeCycle::kActive, ""};  // a valid component has replaced it
     }
   }
   if (!changes.contact) {

@@ -30,7 +30,7 @@ kinematics::Joint to_joint(const urdf::Joint& from) {
   return joint;
 }
 
-/// Limits that the section names come in the place of the file's, all joints at once.
+/// Joint limits of the section replace those of the file, for all joints at once.
 void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
   if (!node.has(key)) return;
   const std::vector<double> degrees =
@@ -46,7 +46,7 @@ SerialChain read_urdf(const std::string& path, const std::string& flange) {
   urdf::LinkConstSharedPtr link = model->getLink(flange);
   if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
   std::vector<kinematics::Joint> joints;         // from the flange to the base
-  math::Pose X_beyond = math::Pose::Identity();  // what is fixed beyond the joint before
+  math::Pose X_beyond = math::Pose::Identity();  // fixed transform beyond the previous joint
   math::Pose X_JE = math::Pose::Identity();
   try {
     for (; link->parent_joint; link = link->getParent()) {

@@ -13,8 +13,8 @@
 namespace palpate::registry {
 namespace {
 
-/// Ten times what a loop can follow in any way. Beyond it factors would take all memory there is,
-/// and objects can be replaced from the network.
+/// Ten times what a loop can process. Above it factors would exhaust the memory, and objects can be
+/// replaced over the network.
 constexpr int kMostNodes = 100000;
 
 void check_size(const config::Node& node, const std::string& key, double count) {
@@ -131,7 +131,7 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const Object& sol
   return grasp;
 }
 
-/// Section `material`, what `material_file` puts over it, and section `damping`.
+/// Section `material`, overridden by `material_file`, and section `damping`.
 void read_material(const config::Node& object, elasticity::Body& body) {
   const config::Node node = config::material_section(object);
   const auto file = config::MaterialFile::read(object);

@@ -28,7 +28,7 @@ using Provider = std::unique_ptr<control::JacobianProvider>;
 
 using math::kDegree;
 
-/// What a maker may look at.
+/// Inputs of a factory function.
 struct Wanted {
   const config::Node& node;
   const Context& context;
@@ -73,7 +73,7 @@ std::unique_ptr<published_control::FeatureView> make_fourier_view(const config::
 
 std::unique_ptr<published_control::FeatureView> make_two_camera_view(const Wanted& wanted) {
   published_control::TwoCameraView::Options options;
-  // Wherever the object stands, both look at its middle: from the side, and from above.
+  // Both cameras point at the centre of the object: from the side, and from above.
   const Eigen::Matrix3Xd& nodes = wanted.context.object->body.mesh.nodes;
   options.target_O = 0.5 * (nodes.rowwise().minCoeff() + nodes.rowwise().maxCoeff());
   options.eyes_O[0] = options.target_O + Eigen::Vector3d(0, -1, 0.4);
@@ -144,7 +144,7 @@ Provider make_as_rigid_as_possible(const Wanted& wanted) {
 
 Provider make_mass_spring(const Wanted& wanted) {
   published_control::DifferenceJacobian::Options options;
-  options.dt = 10;  // inertia and damping out of the way
+  options.dt = 10;  // suppresses inertia and damping
   return std::make_unique<published_control::DifferenceJacobian>(
       options, wanted.context.object->body, 0, [](const elasticity::Body& body) {
         elasticity::MassSpringOptions springs;
@@ -174,7 +174,7 @@ Provider make_gaussian_process(const Wanted& wanted) {
   return std::make_unique<published_control::GaussianProcess>(options, wanted.feature);
 }
 
-/// The feature's value on the rest shape, moved as key `goal` says.
+/// Value of the feature on the rest shape moved by key `goal`.
 Eigen::VectorXd read_goal(const Wanted& wanted) {
   const config::Node goal = wanted.node.child(
       {"goal", "", "where the feature shall be, for a plan that is made at the start"});

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// (g_i - g_j) / (s_i - s_j) of g = tau / s; where the stretches meet, its limit.
+/// (g_i - g_j) / (s_i - s_j) of g = tau / s; its limit for equal stretches.
 double divided_difference(const solid::PrincipalStress& p, const Vector3d& s, int i, int j) {
   const double gap = s[i] - s[j];
   if (std::abs(gap) > 1e-6 * (s[i] + s[j])) return (p.stress[i] / s[i] - p.stress[j] / s[j]) / gap;
