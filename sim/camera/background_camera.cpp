@@ -6,7 +6,7 @@
 namespace palpate::camera {
 
 BackgroundCamera::BackgroundCamera(const ShapeCameraOptions& options, int most) {
-  // The graphics context belongs to the thread that made it, hence the camera is built there.
+  // The graphics context belongs to the thread that created it, so the camera is constructed there.
   thread_ = std::thread([this, options, most] { work(options, most); });
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [this] { return built_ || error_; });

@@ -11,24 +11,24 @@
 
 namespace palpate::camera {
 
-/// A ShapeCamera that draws in a thread of its own, one picture at a time, so that a simulation can
-/// go on meanwhile. To be used by one thread.
+/// A ShapeCamera that renders in its own thread, one image at a time, so that a simulation can
+/// continue meanwhile. To be used by one thread.
 class BackgroundCamera {
  public:
-  /// Readings have `most` points at most. Throws as ShapeCamera does.
+  /// Readings have at most `most` points. Throws as ShapeCamera does.
   BackgroundCamera(const ShapeCameraOptions& options, int most);
   ~BackgroundCamera();
   BackgroundCamera(const BackgroundCamera&) = delete;
   BackgroundCamera& operator=(const BackgroundCamera&) = delete;
 
-  /// True from submit() until collect() has handed the reading out.
+  /// True from submit() until collect() has returned the reading.
   bool busy() const { return busy_; }
 
-  /// Begins a picture of `bodies`. Throws std::logic_error where the camera is busy.
+  /// Begins an image of `bodies`. Throws std::logic_error if the camera is busy.
   void submit(std::vector<Body> bodies, const math::Random& random);
 
-  /// The reading of the picture submitted. Nothing where there is none or, without `wait`, where it
-  /// is not ready. Throws what went wrong in drawing it.
+  /// The reading of the submitted image. Empty if there is none or, without `wait`, if it is not
+  /// ready. Rethrows an error of the rendering thread.
   std::optional<ShapeReading> collect(bool wait);
 
  private:
@@ -40,7 +40,7 @@ class BackgroundCamera {
   void finish(std::optional<ShapeReading> reading, std::exception_ptr error);
 
   bool busy_ = false;
-  std::mutex mutex_;  // of what follows
+  std::mutex mutex_;  // guards the members below
   std::condition_variable changed_;
   std::optional<Job> job_;
   std::optional<ShapeReading> reading_;

@@ -35,7 +35,7 @@ Mask DepthCamera::object_mask(const DepthFrame& frame, const std::vector<Body>& 
   renderer_.begin(frame.view);
   draw(bodies, true);
   renderer_.end();
-  // Drawn alone, the object has the same depth to the bit wherever nothing stood before it.
+  // Rendered alone, the object has bit-identical depth wherever nothing occludes it.
   const std::vector<float>& alone = renderer_.depth().metres;
   Mask mask(alone.size());
   for (std::size_t i = 0; i < mask.size(); ++i)

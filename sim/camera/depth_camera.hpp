@@ -8,28 +8,28 @@
 
 namespace palpate::camera {
 
-/// A thing that a camera may see.
+/// A body that a camera may see.
 struct Body {
   std::shared_ptr<const draw::TriangleMesh> mesh;  // in B
   math::Pose X_WB = math::Pose::Identity();
   draw::Colour colour;
-  bool is_object = false;  // the one whose shape is wanted
+  bool is_object = false;  // the body whose shape is measured
 };
 
 /// Which pixels, 1 or 0, rows from the top.
 using Mask = std::vector<std::uint8_t>;
 
-/// What a depth camera sees of one instant. Colour and depth are registered: the same pixel of both
-/// shows the same thing.
+/// Images of a depth camera at one instant. Colour and depth are registered: the same pixel of both
+/// shows the same point.
 struct DepthFrame {
   draw::View view;
   draw::Image colour;
   draw::DepthImage depth;
 };
 
-/// Intrinsics of the first Kinect's depth picture of 640 x 480: a focal length of 585 px (5.453 mm
-/// at 9.3 um a pixel; Khoshelham and Elberink 2012), the optical axis through the middle. Without
-/// lens distortion.
+/// Intrinsics of the first Kinect's 640 x 480 depth image: focal length 585 px (5.453 mm at 9.3 um
+/// per pixel; Khoshelham and Elberink 2012), optical axis through the centre. Without lens
+/// distortion.
 struct KinectModel {
   static constexpr int kWidth = 640;
   static constexpr int kHeight = 480;
@@ -37,8 +37,8 @@ struct KinectModel {
   static draw::Intrinsics intrinsics();
 };
 
-/// Depth and colour of a scene at a pose, through OSMesa, without noise. What stands before the
-/// object hides it. One thread at a time, the one that made it.
+/// Depth and colour images of a scene from a pose, through OSMesa, without noise. Bodies in front
+/// of the object occlude it. To be used only by the thread that created it.
 class DepthCamera {
  public:
   /// Throws std::runtime_error without OSMesa.
@@ -49,8 +49,8 @@ class DepthCamera {
 
   DepthFrame take(const math::Pose& X_WC, const std::vector<Body>& bodies);
 
-  /// The pixels of `frame` that show the object: truth, which no real camera knows. `frame` must be
-  /// the one just taken of the same bodies.
+  /// The pixels of `frame` that show the object: ground truth, unavailable to a real camera.
+  /// `frame` must be the last one taken, of the same bodies.
   Mask object_mask(const DepthFrame& frame, const std::vector<Body>& bodies);
 
  private:

@@ -12,7 +12,7 @@ namespace {
 using math::kPi;
 constexpr double kSteep = kPi / 3;  // from here on the angle adds to axial noise
 
-/// Tends to infinity for a surface seen from its side.
+/// Tends to infinity for a surface seen edge-on.
 double steepness(double angle) { return angle / (kPi / 2 - angle); }
 
 void require(bool holds, const char* what) {
@@ -51,7 +51,7 @@ DepthNoise::Surroundings DepthNoise::look_around(const draw::DepthImage& truth, 
                                                  int row) const {
   Surroundings around;
   const double z = truth.at(column, row);
-  double slope[2] = {0, 0};  // of depth by column and row, to the side where it is smaller
+  double slope[2] = {0, 0};  // of depth by column and row, on the side where it is smaller
   for (int axis = 0; axis < 2; ++axis) {
     bool known = false;
     for (const int side : {-1, 1}) {
@@ -79,8 +79,8 @@ DepthNoise::Surroundings DepthNoise::look_around(const draw::DepthImage& truth, 
   return around;
 }
 
-/// Lateral noise moves edges. Within a surface the pixel keeps its own depth: what the shift does
-/// there on a slope is part of the measured axial noise already.
+/// Lateral noise moves edges. Within a surface the pixel keeps its own depth: the effect of the
+/// shift on a slope is already part of the measured axial noise.
 double DepthNoise::displaced(const draw::DepthImage& truth, int column, int row, double angle,
                              math::Random& random) const {
   const double deviation = options_.scale * lateral_noise(angle);
@@ -88,7 +88,7 @@ double DepthNoise::displaced(const draw::DepthImage& truth, int column, int row,
   const int r = row + static_cast<int>(std::lround(deviation * random.normal()));
   const double z = truth.at(column, row);
   if (c < 0 || r < 0 || c >= truth.width || r >= truth.height) return z;
-  // A far pixel of the same slope is no edge: the steepest change grows with the distance.
+  // A distant pixel of the same slope is not an edge: the largest change grows with the distance.
   const double other = truth.at(c, r);
   const int steps = std::abs(c - column) + std::abs(r - row);
   const bool edge = other == 0 || std::abs(z - other) > steps * steepest_ * std::min(z, other);

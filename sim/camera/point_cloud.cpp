@@ -10,8 +10,8 @@
 namespace palpate::camera {
 namespace {
 
-/// Neighbouring points in one cell, first <= i < last. The cell's number is packed; sorting few
-/// runs of many points is quick.
+/// Points first <= i < last share a cell. The cell's index is packed into one integer; sorting a
+/// few runs of many points is fast.
 struct Run {
   std::uint64_t cell;
   Eigen::Index first, last;
@@ -95,7 +95,7 @@ Eigen::Matrix3Xd thin_by_voxels(const Eigen::Matrix3Xd& points, double voxel, in
     throw std::invalid_argument("point cloud: needs cubes with a side and room for a point");
   std::vector<Eigen::Index> chosen = one_of_each_cell(points, voxel);
   while (static_cast<int>(chosen.size()) > most) {
-    // Points on a surface: their number falls with the square of the side.
+    // Points on a surface: their number scales with the inverse square of the voxel side.
     voxel *= std::max(1.1, 0.95 * std::sqrt(chosen.size() / double(most)));
     chosen = one_of_each_cell(points, voxel);
   }

@@ -36,7 +36,7 @@ Mask segment(const DepthFrame& frame, const ObjectFilter& filter) {
 
 Mask without_margin(const Mask& mask, int width, int margin) {
   const int height = static_cast<int>(mask.size()) / width;
-  // Along rows, then along columns: a pixel stays where the run of ones about it is long enough.
+  // Along rows, then along columns: a pixel is kept if the run of ones around it is long enough.
   const auto shrink = [margin](const Mask& from, int lines, int length, int line_step, int step) {
     Mask to(from.size());
     for (int line = 0; line < lines; ++line) {

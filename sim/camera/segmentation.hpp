@@ -4,8 +4,8 @@
 
 namespace palpate::camera {
 
-/// How to find the object as a user of a real camera would: it lies in a known box and has a known
-/// colour.
+/// Segmentation parameters, as a user of a real camera would give them: a known box that contains
+/// the object, and its known colour.
 struct ObjectFilter {
   math::Pose X_WB = math::Pose::Identity();
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();  // of the box, m, in B
@@ -15,11 +15,11 @@ struct ObjectFilter {
 };
 
 /// The pixels whose depth puts them into the box and whose chromaticity is that of the object,
-/// whatever the light. Pixels that are almost black have no colour and are left out.
+/// regardless of brightness. Pixels that are almost black have no colour and are excluded.
 Mask segment(const DepthFrame& frame, const ObjectFilter& filter);
 
-/// `mask` without the pixels that have one outside of it, or the picture's border, at most `margin`
-/// columns and rows away: near an outline depth may be that of what lies behind.
+/// `mask` without the pixels that are at most `margin` columns and rows away from an unset pixel or
+/// the image border: near an outline the depth may be that of the background.
 Mask without_margin(const Mask& mask, int width, int margin);
 
 }  // namespace palpate::camera

@@ -7,19 +7,19 @@
 namespace palpate::camera {
 
 enum class Segmentation {
-  kColour,  // box of interest and colour, as a real user does
-  kTruth    // by what was drawn, which only a simulator knows
+  kColour,  // box of interest and colour, as with a real camera
+  kTruth    // by the rendered body, known only to a simulator
 };
 
 struct ShapeCameraOptions {
   math::Pose X_WC = math::Pose::Identity();
-  /// By which the pose that is believed differs: points are reported as X_WC error p_C.
+  /// Error of the believed pose: points are reported as X_WC error p_C.
   math::Pose calibration_error = math::Pose::Identity();
   DepthNoiseOptions noise;
   Segmentation segmentation = Segmentation::kColour;
   ObjectFilter filter;  // for kColour
-  int margin = 3;       // px, of the object's outline that is left out
-  double voxel = 0.01;  // m, side of the cubes that give one point each, at least
+  int margin = 3;       // px, removed along the object's outline
+  double voxel = 0.01;  // m, smallest side of the voxels that give one point each
 };
 
 /// Points on the visible surface of the object.
@@ -28,14 +28,14 @@ struct ShapeReading {
   double deviation = 0;       // m, standard deviation of each coordinate
 };
 
-/// A depth camera with what is usually done next: noisy depth picture, segmentation of the object,
-/// point cloud, thinning.
+/// A depth camera with the usual processing: noisy depth image, segmentation of the object, point
+/// cloud, thinning.
 class ShapeCamera {
  public:
   /// Throws as DepthCamera and DepthNoise do.
   explicit ShapeCamera(const ShapeCameraOptions& options);
 
-  /// At most `most` points. All chance comes from `random`.
+  /// At most `most` points. All randomness comes from `random`.
   ShapeReading look(const std::vector<Body>& bodies, math::Random random, int most);
 
  private:

@@ -13,7 +13,7 @@ struct Colour {
   float alpha = 1;
 };
 
-/// Colour picture: 8-bit red, green, blue, rows from the top, no padding.
+/// Colour image: 8-bit red, green, blue; row-major from the top, no padding.
 struct Image {
   Image() = default;
   Image(int image_width, int image_height)
@@ -31,7 +31,8 @@ struct Image {
   std::vector<std::uint8_t> rgb;
 };
 
-/// Distance along the optical axis in m, rows from the top; 0 where nothing was seen.
+/// Depth image: distance along the optical axis in m, row-major from the top; 0 marks no
+/// measurement.
 struct DepthImage {
   float at(int column, int row) const { return metres[std::size_t(row) * width + column]; }
 

@@ -10,7 +10,7 @@
 namespace palpate::draw {
 namespace {
 
-// The sanitizers' allocator cannot live with RTLD_DEEPBIND; their builds load no libGL anyway.
+// The sanitizers' allocator is incompatible with RTLD_DEEPBIND; sanitizer builds do not load libGL.
 constexpr int kLoadFlags = RTLD_NOW | RTLD_LOCAL | (loop::kSanitized ? 0 : RTLD_DEEPBIND);
 
 template <class Function>

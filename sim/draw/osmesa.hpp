@@ -9,14 +9,15 @@
 
 namespace palpate::draw {
 
-/// Mesa's off-screen OpenGL, loaded privately: its symbols clash with those of libGL, which other
-/// libraries may bring into the process, so nothing links to it and every function is asked for.
+/// Mesa's off-screen OpenGL, loaded with private symbols: they clash with those of libGL, which
+/// other libraries may load into the process. Therefore nothing links to OSMesa and every function
+/// is looked up at run time.
 struct OsMesa {
-  /// Throws std::runtime_error where the library or a function of it is missing.
+  /// Throws std::runtime_error if the library or one of its functions is missing.
   explicit OsMesa(const std::string& library);
 
-  /// The process's copy. Sets LP_NUM_THREADS to 0 where it is not set: pictures are then rendered
-  /// in the caller's thread, and no pool of threads competes with the loop.
+  /// The process-wide instance. Sets LP_NUM_THREADS to 0 unless it is already set: images are then
+  /// rendered in the caller's thread, and no thread pool competes with the control loop.
   static const OsMesa& instance();
 
   decltype(&::OSMesaCreateContextExt) create_context;
@@ -50,7 +51,7 @@ struct OsMesa {
   decltype(&::glViewport) viewport;
 };
 
-/// An OpenGL context with its own picture in memory.
+/// An OpenGL context with its own image buffer.
 class OsMesaContext {
  public:
   OsMesaContext(int width, int height);
@@ -61,7 +62,7 @@ class OsMesaContext {
   int width() const { return width_; }
   int height() const { return height_; }
 
-  /// Red, green, blue, alpha, rows from the bottom; valid after glFinish.
+  /// RGBA pixels, rows from the bottom; valid after glFinish.
   const std::vector<unsigned char>& pixels() const { return pixels_; }
 
  private:

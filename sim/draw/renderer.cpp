@@ -13,8 +13,9 @@ namespace palpate::draw {
 namespace {
 
 constexpr double kCrease = 0.7;  // rad, about 40 degrees
-// Scaling about the eye leaves a thing where it is in the picture but brings it before what it lies
-// on: edges before their surface, an overlay before what it covers. Depth images have neither.
+// Scaling about the eye leaves a shape in place in the image but moves it in front of the surface
+// it lies on: edges in front of their surface, an overlay in front of what it covers. Depth images
+// use neither.
 constexpr double kLineNearness = 0.997;
 constexpr double kOverlayNearness = 0.999;
 
@@ -26,8 +27,8 @@ void append(std::vector<float>& values, const Colour& c) {
   values.insert(values.end(), {c.red, c.green, c.blue, c.alpha});
 }
 
-/// Key light from the upper left, fill light from the right, both fixed to the camera, so that
-/// whatever is looked at is well lit. Eye frame of OpenGL: y up, z towards the viewer.
+/// Key light from the upper left, fill light from the right, both fixed to the camera, so that the
+/// scene is well lit from every view. OpenGL eye frame: y up, z towards the viewer.
 void set_lights(const OsMesa& gl) {
   const float key_direction[4] = {-0.35F, 0.45F, 1, 0};
   const float key[4] = {0.6F, 0.59F, 0.57F, 1};
@@ -181,7 +182,7 @@ void Renderer::set_projection() {
   const Intrinsics& k = view_.intrinsics;
   const double near = view_.near;
   const double far = view_.far;
-  // The middle of pixel 0 lies half a pixel inside the picture, hence the odd numbers.
+  // The centre of pixel 0 lies half a pixel inside the image, hence the odd numbers.
   Eigen::Matrix4d projection = Eigen::Matrix4d::Zero();
   projection(0, 0) = 2 * k.fx / image_.width;
   projection(0, 2) = 1 - (2 * k.cx + 1) / image_.width;
@@ -247,7 +248,8 @@ void Renderer::paint(const Batch& batch) {
   gl.enable_client_state(GL_NORMAL_ARRAY);
   gl.normal_pointer(GL_FLOAT, 0, batch.normals.data());
   if (batch.translucent) {
-    // Depth alone first: then only the front of the body is blended, not its back through it.
+    // Depth only in the first pass: then only the front of the body is blended, not its back
+    // through it.
     gl.color_mask(GL_FALSE, GL_FALSE, GL_FALSE, GL_FALSE);
     gl.draw_arrays(GL_TRIANGLES, 0, count);
     gl.color_mask(GL_TRUE, GL_TRUE, GL_TRUE, GL_TRUE);

@@ -14,35 +14,35 @@ namespace palpate::draw {
 
 enum class Shading {
   kFlat,   // one normal per triangle
-  kSmooth  // averaged over neighbours that meet it at less than 40 degrees: edges stay sharp
+  kSmooth  // averaged over neighbours that meet at less than 40 degrees: edges stay sharp
 };
 
-/// How a mesh is painted.
+/// How a mesh is rendered.
 struct MeshStyle {
   Colour colour{0.7F, 0.7F, 0.7F, 1};
   Shading shading = Shading::kSmooth;
-  std::optional<Colour> edges;         // of the triangles, where wanted
+  std::optional<Colour> edges;         // wireframe of the triangles, if requested
   double edge_width = 1;               // px
-  std::vector<Colour> vertex_colours;  // one per point instead of `colour`, or none
+  std::vector<Colour> vertex_colours;  // one per point instead of `colour`, or empty
 };
 
-/// Off-screen pictures and depth images through OSMesa. Between begin() and end() things are only
-/// collected; end() draws them, opaque ones first, then those with alpha below 1 in the order
-/// given, so that an estimate can be laid over the truth. One thread at a time.
+/// Renders off-screen colour and depth images through OSMesa. Between begin() and end() shapes are
+/// only collected; end() draws them, opaque ones first, then those with alpha below 1 in the given
+/// order, so that an estimate can be overlaid on the ground truth. Not thread-safe.
 class Renderer {
  public:
-  /// Size in px. Each pixel's colour is the mean of supersampling^2 samples (1: none, as a depth
-  /// camera wants it; 2: smooth edges for pictures). Throws std::runtime_error without OSMesa.
+  /// Size in px. Each pixel's colour is the mean of supersampling^2 samples (1: none, suitable for
+  /// depth cameras; 2: smooth edges for images). Throws std::runtime_error without OSMesa.
   Renderer(int width, int height, int supersampling = 1);
 
-  /// Starts a picture.
+  /// Starts an image.
   void begin(const View& view);
 
-  /// Fills what is not covered, from `top` to `bottom`.
+  /// Fills the background with a vertical gradient from `top` to `bottom`.
   void set_background(const Colour& top, const Colour& bottom);
 
-  /// points: 3 x n in W, m; triangles: 3 x m columns of points, outward by the right-hand rule.
-  /// Throws std::invalid_argument where an index or the number of colours is wrong.
+  /// points: 3 x n in W, m; triangles: 3 x m vertex indices, oriented outward by the right-hand
+  /// rule. Throws std::invalid_argument if an index or the number of colours is wrong.
   void draw_mesh(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
                  const MeshStyle& style);
 
@@ -55,18 +55,18 @@ class Renderer {
   void draw_line(const Eigen::Vector3d& from, const Eigen::Vector3d& to, double width_px,
                  const Colour& colour);
 
-  /// Draws. The picture and the depth of its opaque part are valid until the next end().
+  /// Draws. The colour image and the depth of its opaque part are valid until the next end().
   const Image& end();
   const DepthImage& depth() const { return depth_; }
 
  private:
-  /// Triangles or lines, three or two vertices each, ready for the graphics library.
+  /// Triangles or lines, three or two vertices each, in the graphics library's layout.
   struct Batch {
     bool lines = false;
     bool translucent = false;
     float line_width = 1;
     std::vector<float> positions;
-    std::vector<float> normals;  // none for lines
+    std::vector<float> normals;  // empty for lines
     std::vector<float> colours;  // red, green, blue, alpha
   };
 

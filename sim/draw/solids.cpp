@@ -23,7 +23,7 @@ TriangleMesh make_box(const Eigen::Vector3d& size) {
   mesh.triangles.resize(3, 12);
   int t = 0;
   for (int axis = 0; axis < 3; ++axis) {
-    const int u = 1 << (axis + 1) % 3;  // bit of a corner's number that says which side it is on
+    const int u = 1 << (axis + 1) % 3;  // bit of the corner number that selects the side
     const int v = 1 << (axis + 2) % 3;
     const int upper = 1 << axis;
     mesh.triangles.col(t++) << 0, v, u + v;
@@ -76,7 +76,7 @@ TriangleMesh make_sphere(double radius) {
   constexpr int kRings = kSegments / 2 - 1;
   Eigen::Matrix2Xd profile(2, kRings + 2);
   for (int r = 0; r < kRings + 2; ++r) {
-    // The first and last circle lie so near the poles that the closing discs do not show.
+    // The first and last circles lie so close to the poles that the closing discs are not visible.
     const double polar = std::clamp(kPi * r / (kRings + 1), 1e-3, kPi - 1e-3);
     profile.col(r) << radius * std::sin(polar), -radius * std::cos(polar);
   }

@@ -4,7 +4,8 @@
 
 namespace palpate::draw {
 
-/// Closed triangle mesh. points: 3 x n, m; triangles: 3 x m, outward by the right-hand rule.
+/// Closed triangle mesh. points: 3 x n, m; triangles: 3 x m, oriented outward by the right-hand
+/// rule.
 struct TriangleMesh {
   Eigen::Matrix3Xd points;
   Eigen::Matrix3Xi triangles;
@@ -13,8 +14,8 @@ struct TriangleMesh {
 /// Box of full side lengths `size`, centred at the origin.
 TriangleMesh make_box(const Eigen::Vector3d& size);
 
-/// Body of revolution about z: circles (radius, z) from the lowest z upwards, closed by the axis
-/// at both ends.
+/// Solid of revolution about z: circles (radius, z) in ascending z, closed to the axis at both
+/// ends.
 TriangleMesh make_revolution(const Eigen::Matrix2Xd& profile, int segments);
 
 /// Cylinder along z, centred at the origin.
@@ -23,7 +24,7 @@ TriangleMesh make_cylinder(double radius, double length);
 /// Sphere about the origin.
 TriangleMesh make_sphere(double radius);
 
-/// Arrow from the origin along z; its head is at most half of the length.
+/// Arrow from the origin along z; the head takes at most half of the length.
 TriangleMesh make_arrow(double length, double shaft_radius);
 
 }  // namespace palpate::draw

@@ -72,7 +72,7 @@ void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen:
   const auto across = [&n](const Eigen::Vector3d& f) -> Eigen::Vector3d {
     return f - n.dot(f) * n;
   };
-  // A damper that works against the spring does not make room for more of it.
+  // A damper that opposes the spring does not raise the spring's friction limit.
   Eigen::Vector3d held = across(trial);
   if (held.norm() <= most) held = across(spring);
   const double size = held.norm();
@@ -80,7 +80,8 @@ void CompliantGrasp::limit(Pad& pad, const Eigen::Vector3d& spring, const Eigen:
   pad.slipping = true;
   if (size > most) held *= most / size;
   pad.force_O = std::min(pull, pad.grip) * n + held;
-  // Along n the point stays, so that a pad which lost touch finds the surface where it left it.
+  // Along n the anchor stays fixed, so that a pad that lost contact meets the surface where it left
+  // it.
   const Eigen::Vector3d p_O = position + pull / pad.stiffness * n + held / pad.stiffness;
   pad.slipped += (p_O - pad.p_O).norm();
   pad.p_O = p_O;

@@ -10,57 +10,57 @@
 
 namespace palpate::object {
 
-/// How a hand holds the object.
+/// Grasp of the object by a hand.
 struct GraspOptions {
-  Box patch;                // the surface it holds; O, at rest
-  int pinch_axis = -1;      // 0, 1, 2: pads only on faces across this axis; -1: on all faces
+  Box patch;                // grasped surface; O, at rest
+  int pinch_axis = -1;      // 0, 1, 2: pads only on faces normal to this axis; -1: on all faces
   double stiffness = 20e3;  // N/m, whole patch; large: nearly rigid
   double damping = 2;       // N s/m, whole patch
-  /// N, how hard the pads press, summed over the patch: both sides of a pinch. Infinite: never
-  /// slips.
+  /// N, grip force summed over the patch, both sides of a pinch. Infinite: never slips.
   double grip = std::numeric_limits<double>::infinity();
-  double friction = 0.8;                          // Coulomb, of the pads on the object
-  math::Pose X_OG_rest = math::Pose::Identity();  // hand while the object is at rest
+  double friction = 0.8;                          // Coulomb coefficient of the pads on the object
+  math::Pose X_OG_rest = math::Pose::Identity();  // pose of the hand while the object is at rest
 };
 
-/// Truth about the hold of a grasp.
+/// Ground truth of a grasp's contact.
 struct GraspSlip {
-  double share = 0;     // of the patch's area that slips or has lost touch now; 1: the whole patch
-  double distance = 0;  // m, slipped since the hand took hold, mean over the patch's area
-  double greatest = 0;  // m, of any node
+  double share =
+      0;  // fraction of the patch's area that slips or has lost contact now; 1: the whole patch
+  double distance = 0;  // m, accumulated slip since grasping, mean over the patch's area
+  double greatest = 0;  // m, maximum over the nodes
 };
 
-/// Pads of a hand: each surface node of the grasp patch hangs on a point fixed to the hand by a
-/// spring and a damper, both shared out by the area that the node stands for.
+/// Pads of a hand: each surface node of the grasp patch is attached to an anchor point fixed to the
+/// hand by a spring and a damper, both distributed according to the node's share of the area.
 ///
-/// Where the grip is finite every node bears its share N0 of it. Its spring force f with the normal
-/// n out of the object at rest, carried along by the hand, presses with N = max(0, N0 - n.f). While
-/// the force across n, damper included, stays within friction * N the node sticks; beyond, it is
-/// held at that limit, the damper gives way, and the point of the hand creeps after the node
-/// (return mapping of an elastic-plastic spring). A pull along n ends at N0, where the pad loses
-/// touch.
+/// If the grip is finite, every node carries its share N0 of it. Its spring force f, with n the
+/// normal out of the object at rest, rotated with the hand, presses with N = max(0, N0 - n.f).
+/// While the tangential force, damper included, stays within friction * N, the node sticks; beyond,
+/// it is held at that limit, the damper is off, and the anchor creeps after the node (return
+/// mapping of an elastic-plastic spring). A pull along n is limited to N0, where the pad loses
+/// contact.
 class CompliantGrasp {
  public:
-  /// One node held by the pads.
+  /// A node held by the pads.
   struct Pad {
     int node = 0;
     double area = 0;                                       // m^2
     double stiffness = 0;                                  // N/m, isotropic
     double damping = 0;                                    // N s/m
     double grip = 0;                                       // N
-    Eigen::Vector3d normal_G = Eigen::Vector3d::Zero();    // out of the object
-    Eigen::Vector3d p_G = Eigen::Vector3d::Zero();         // the point of the hand it hangs on
-    Eigen::Vector3d p_O = Eigen::Vector3d::Zero();         // that point now, in O
+    Eigen::Vector3d normal_G = Eigen::Vector3d::Zero();    // outward from the object
+    Eigen::Vector3d p_G = Eigen::Vector3d::Zero();         // the anchor point on the hand
+    Eigen::Vector3d p_O = Eigen::Vector3d::Zero();         // the anchor now, in O
     Eigen::Vector3d velocity_O = Eigen::Vector3d::Zero();  // and its velocity, m/s
-    Eigen::Vector3d force_O = Eigen::Vector3d::Zero();     // N, on the object, but for the damper
-    bool slipping = false;                                 // or lifted: the damper is off
-    double slipped = 0;                                    // m, length of the path
+    Eigen::Vector3d force_O = Eigen::Vector3d::Zero();     // N, on the object, without the damper
+    bool slipping = false;                                 // or lifted off: the damper is off
+    double slipped = 0;                                    // m, accumulated slip distance
   };
 
-  /// Throws std::invalid_argument where the box holds no surface node or a value is out of range.
+  /// Throws std::invalid_argument if the box holds no surface node or a value is out of range.
   CompliantGrasp(const HexahedralGrid& grid, const GraspOptions& options);
 
-  /// Takes hold of the nodes where they are, with no spring force at this instant; lets go.
+  /// Grasps the nodes at their current positions without spring force; releases them.
   void hold(const Eigen::Matrix3Xd& positions) noexcept;
   void release() noexcept;
   bool holding() const { return holding_; }
@@ -70,17 +70,17 @@ class CompliantGrasp {
   const HandMotion& hand() const { return hand_; }
   void update_pads() noexcept;
 
-  /// Adds the pads' forces to `forces`, all but their damping by the nodes' own velocities, whose
-  /// coefficients it adds to `damping` (N s/m). Decides what slips.
+  /// Adds the pads' forces to `forces`, except their damping by the nodes' own velocities, whose
+  /// coefficients it adds to `damping` (N s/m). Determines which nodes slip.
   void add_forces(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities,
                   Eigen::Matrix3Xd& forces, Eigen::VectorXd& damping) noexcept;
 
-  /// Force of the hand on the object and its torque about the origin of G, in O, with the forces
+  /// Force of the hand on the object and its torque about the origin of G, in O, for the forces
   /// last added and these velocities.
   math::Wrench wrench(const Eigen::Matrix3Xd& positions,
                       const Eigen::Matrix3Xd& velocities) const noexcept;
 
-  /// Mean of the wrench over the last step of the plant; written by it.
+  /// Mean wrench over the last step of the plant; written by the plant.
   math::Wrench mean_wrench() const { return mean_wrench_; }
   void set_mean_wrench(const math::Wrench& wrench) noexcept { mean_wrench_ = wrench; }
 

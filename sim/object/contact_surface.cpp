@@ -36,7 +36,7 @@ bool ContactSurface::may_touch(const Corners& corners, const Eigen::Vector3d& ce
                                double reach) const noexcept {
   const Eigen::Vector3d lower = corners.rowwise().minCoeff();
   const Eigen::Vector3d upper = corners.rowwise().maxCoeff();
-  // Between its nodes the surface may bulge out of their box by this much and no more.
+  // Between its nodes the surface may bulge out of their bounding box by at most this much.
   const Eigen::Vector3d bulge = 0.5 * (kWeightSum - 1) * (upper - lower);
   const Eigen::Vector3d nearest = centre.cwiseMax(lower - bulge).cwiseMin(upper + bulge);
   return (centre - nearest).squaredNorm() <= reach * reach;

@@ -9,15 +9,16 @@
 
 namespace palpate::object {
 
-/// A point of the object's surface that stands for a bit of it.
+/// Sample point that represents a small area of the object's surface.
 struct SurfaceSample {
   int face = 0;
-  Eigen::Matrix<double, 9, 1> weights;                 // of the face's nodes, adding up to one
-  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // now, in O, m
+  Eigen::Matrix<double, 9, 1> weights;                 // of the face's nodes; they sum to one
+  Eigen::Vector3d position = Eigen::Vector3d::Zero();  // current position in O, m
   double area = 0;                                     // at rest, m^2
 };
 
-/// The biquadratic surface of the object, sampled evenly at the midpoints of small rest rectangles.
+/// The biquadratic surface of the object, sampled uniformly at the midpoints of small rest
+/// rectangles.
 class ContactSurface {
  public:
   ContactSurface() = default;
@@ -25,8 +26,8 @@ class ContactSurface {
   /// Samples are at most `spacing` (m) apart at rest. Throws std::invalid_argument unless > 0.
   ContactSurface(const HexahedralGrid& grid, double spacing);
 
-  /// Calls visit(sample) for every sample within `reach` of `centre`. Complete while no line of the
-  /// surface is stretched by more than kMostStretch.
+  /// Calls visit(sample) for every sample within `reach` of `centre`. Complete as long as no line
+  /// of the surface is stretched by more than kMostStretch.
   template <class Visit>
   void for_each_near(const Eigen::Matrix3Xd& positions, const Eigen::Vector3d& centre, double reach,
                      const Visit& visit) const noexcept;
@@ -34,12 +35,13 @@ class ContactSurface {
   int face_count() const { return static_cast<int>(faces_.cols()); }
   int node(int face, int corner) const { return faces_(corner, face); }
 
-  /// sum |weights| is never more: the square of the Lebesgue constant of three even nodes.
+  /// Upper bound of sum |weights|: the square of the Lebesgue constant of three equidistant nodes.
   static constexpr double kWeightSum = 1.5625;
   static constexpr double kMostStretch = 2;
 
  private:
-  static constexpr int kCell = 4;  // samples along a side of the squares that are passed over whole
+  static constexpr int kCell =
+      4;  // samples along a side of the squares that are skipped as a whole
 
   using Corners = Eigen::Matrix<double, 3, 9>;
   using Lines = std::vector<std::array<double, 3>>;  // shape functions of the nodes along one axis
@@ -47,12 +49,12 @@ class ContactSurface {
   /// One side of an element.
   struct Side {
     Side(double length, double spacing);
-    double apart;   // samples at rest, m
+    double apart;   // rest coordinates of the samples, m
     Lines samples;  // along it
-    Lines cells;    // at the middle of every kCell of them
+    Lines cells;    // at the middle of each group of kCell samples
   };
 
-  /// The quadratic curve across the face at one place along v: its nodes' positions by column.
+  /// Quadratic curve across the face at a fixed v: its nodes' positions by column.
   static Eigen::Matrix3d line(const Corners& corners,
                               const std::array<double, 3>& along_v) noexcept {
     return along_v[0] * corners.leftCols<3>() + along_v[1] * corners.middleCols<3>(3) +

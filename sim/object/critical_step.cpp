@@ -10,8 +10,8 @@ namespace {
 
 constexpr int kPowerIterations = 150;
 
-/// Greatest eigenvalue of M^-1 A by power iteration. `apply(direction, out)` writes A direction;
-/// rows of held nodes must come out as zero.
+/// Largest eigenvalue of M^-1 A by power iteration. `apply(direction, out)` writes A direction;
+/// rows of fixed nodes must be zero.
 template <class Operator>
 double greatest_eigenvalue(const Eigen::VectorXd& masses, const Operator& apply) {
   std::minstd_rand generator(1);

@@ -9,10 +9,11 @@ namespace palpate::object {
 
 using math::Pack4d;
 
-inline constexpr int kGaussPoints = 27;                 // of an element: 3 x 3 x 3, x fastest
-inline constexpr int kTogether = math::kLanes<Pack4d>;  // elements that are worked on side by side
+inline constexpr int kGaussPoints = 27;  // of an element: 3 x 3 x 3, x fastest
+inline constexpr int kTogether =
+    math::kLanes<Pack4d>;  // elements processed in parallel (SIMD lanes)
 
-/// A 3 x 3 tensor of each of several elements side by side, row by row.
+/// A 3 x 3 tensor of each of several elements, one per lane, row by row.
 using PackTensor = std::array<Pack4d, 9>;
 
 /// The same at every Gauss point.
@@ -25,7 +26,7 @@ inline Eigen::Matrix3d tensor_at(const ElementGradients& field, int lane, int po
   return tensor;
 }
 
-/// Replaces it.
+/// Writes the tensor at one point of one of the elements.
 inline void set_tensor(ElementGradients& field, int lane, int point,
                        const Eigen::Matrix3d& tensor) noexcept {
   for (int k = 0; k < 9; ++k) field[point][k][lane] = tensor(k / 3, k % 3);

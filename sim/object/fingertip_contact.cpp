@@ -8,7 +8,8 @@
 namespace palpate::object {
 namespace {
 
-/// Samples this share of the radius above the sphere count as stiff: they may touch within a step.
+/// Samples up to this fraction of the radius above the sphere count as stiff: they may touch within
+/// a step.
 constexpr double kLookAhead = 0.05;
 
 }  // namespace
@@ -91,7 +92,8 @@ void FingertipContact::drag(const ContactSurface& surface, const Eigen::Matrix3X
                             double h, Eigen::Matrix3Xd& forces,
                             Eigen::VectorXd& stiffness) noexcept {
   Eigen::Vector3d slide =
-      velocity_.linear + velocity_.angular.cross(touch_.point - centre_);  // tip over material
+      velocity_.linear +
+      velocity_.angular.cross(touch_.point - centre_);  // tip relative to the material
   for (const Share& share : shares_)
     for (int b = 0; b < 9; ++b)
       slide -= share.weights[b] / pressing_ * velocities.col(surface.node(share.face, b));
@@ -142,7 +144,8 @@ math::Wrench FingertipContact::wrench() const noexcept {
   math::Wrench wrench;
   if (!touch_.touching) return wrench;
   wrench.force = touch_.force;
-  wrench.torque = (touch_.point - centre_).cross(touch_.friction);  // normal forces meet the centre
+  wrench.torque =
+      (touch_.point - centre_).cross(touch_.friction);  // normal forces intersect the centre
   return wrench;
 }
 

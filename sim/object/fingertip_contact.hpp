@@ -11,63 +11,63 @@ namespace palpate::object {
 /// A spherical fingertip.
 struct FingertipOptions {
   double radius = 8e-3;        // m
-  double stiffness = 0;        // Pa/m, pressure by penetration; 0: 50 E / radius
-  double shear_stiffness = 0;  // Pa/m, of the sticking tip, by touched area; 0: half of that
+  double stiffness = 0;        // Pa/m, pressure per penetration; 0: 50 E / radius
+  double shear_stiffness = 0;  // Pa/m, tangential while sticking, per contact area; 0: half of that
   double friction = 0.8;       // Coulomb
 };
 
-/// Truth about the touch of a fingertip, at the end of a step, in O.
+/// Ground truth of a fingertip's contact at the end of a step, in O.
 struct FingertipTouch {
   bool touching = false;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();     // N, on the tip
-  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N, its part across `normal`
+  Eigen::Vector3d friction = Eigen::Vector3d::Zero();  // N, component tangential to `normal`
   Eigen::Vector3d point = Eigen::Vector3d::Zero();     // centre of pressure, m
   Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // out of the object, into the tip
-  double area = 0;                                     // m^2, surface under pressure, at rest
-  double depth = 0;                                    // m, greatest penetration
+  double area = 0;   // m^2, rest area of the surface under pressure
+  double depth = 0;  // m, largest penetration
   bool sticking = false;
-  double slipped = 0;  // m, since touch began
+  double slipped = 0;  // m, since contact began
 };
 
 /// A sphere pressed against the deformed surface of the object.
 ///
 /// Every surface sample of area A at a depth d below the sphere bears the pressure stiffness * d
 /// along the sphere's radius: the gradient of the energy sum A stiffness d^2 / 2. Friction is one
-/// tangential spring of stiffness shear_stiffness * touched area at the centre of pressure, dragged
-/// along by the tip's motion relative to the material there, its force cut off at
-/// friction * |normal force| (regularised Coulomb); it acts on the material as the normal force is
-/// shared out. New area comes unloaded and lost area takes its share of the force along, as in
-/// Mindlin's contact, so that neither brings energy in. Force and torque on tip and object balance
-/// to rounding. The tip turns with its twist but has no torsional friction.
+/// tangential spring of stiffness shear_stiffness * contact area at the centre of pressure, loaded
+/// by the tip's motion relative to the material there, with its force limited to friction * |normal
+/// force| (regularised Coulomb); it is distributed to the material like the normal force. New
+/// contact area is unloaded and lost area takes its share of the force along, as in Mindlin's
+/// contact, so that neither adds energy. Force and torque on tip and object balance to rounding.
+/// The tip rotates with its twist but has no torsional friction.
 class FingertipContact {
  public:
-  /// Throws std::invalid_argument where a value is out of range; stiffnesses must be given.
+  /// Throws std::invalid_argument if a value is out of range; stiffnesses must be given.
   FingertipContact(const FingertipOptions& options, const ContactSurface& surface);
 
-  /// Centre (m) and velocity of the tip in O at the end of the next step. The first one after
-  /// construction or remove() puts it there at once.
+  /// Centre (m) and velocity of the tip in O at the end of the next step. The first call after
+  /// construction or remove() places the tip there immediately.
   void send(const Eigen::Vector3d& centre, const math::Twist& velocity) noexcept;
   void remove() noexcept;
   bool present() const { return present_; }
 
-  /// A step begins; then the share `s` in (0, 1] of it has passed; then it is over.
+  /// Begins a step; advances to the fraction `s` in (0, 1] of it; ends it.
   void begin() noexcept;
   void advance(double s) noexcept;
   void end() noexcept;
 
-  /// Stops where it is.
+  /// Stops at the current position.
   void stop() noexcept;
 
-  /// Adds the forces on the nodes, `h` s after the last time, and to `stiffness` (N/m) a bound on
-  /// the row sums of what stiffness that adds, or may add before the next step. `velocities` are
-  /// the mean ones over those h s.
+  /// Adds the nodal forces, `h` s after the last call, and to `stiffness` (N/m) an upper bound on
+  /// the row sums of the stiffness that it adds, or may add before the next step. `velocities` are
+  /// mean values over those h s.
   void add_forces(const ContactSurface& surface, const Eigen::Matrix3Xd& positions,
                   const Eigen::Matrix3Xd& velocities, double h, Eigen::Matrix3Xd& forces,
                   Eigen::VectorXd& stiffness) noexcept;
 
   const FingertipTouch& touch() const { return touch_; }
 
-  /// On the tip about its centre, in O, now and averaged over the last step of the plant.
+  /// Wrench on the tip about its centre, in O, now and averaged over the last step of the plant.
   math::Wrench wrench() const noexcept;
   math::Wrench mean_wrench() const { return mean_wrench_; }
   void set_mean_wrench(const math::Wrench& wrench) noexcept { mean_wrench_ = wrench; }
@@ -79,7 +79,7 @@ class FingertipContact {
   double energy() const noexcept;
 
  private:
-  struct Share {  // of the normal force, by the nodes of a face
+  struct Share {  // share of the normal force, by the nodes of a face
     int face = 0;
     Eigen::Matrix<double, 9, 1> weights;
   };

@@ -10,9 +10,9 @@ namespace {
 
 constexpr double kSame = 1e-9;  // m
 
-/// How many elements fit into `distance` from a plane, where they are `first` m long, if their
-/// length grows by `slope` m a metre, which is by exp(slope) from one to the next; and the other
-/// way round.
+/// Number of elements that fit into `distance` from a plane if the first is `first` m long and
+/// their length grows by `slope` m per metre, i.e. by a factor exp(slope) from one to the next; and
+/// the inverse.
 double elements_within(double distance, double first, double slope) {
   return slope > 0 ? std::log1p(slope * distance / first) / slope : distance / first;
 }
@@ -20,7 +20,7 @@ double distance_after(double elements, double first, double slope) {
   return slope > 0 ? first / slope * std::expm1(slope * elements) : elements * first;
 }
 
-/// A stretch between two cuts; elements grow from the ends that are planes.
+/// A section between two cuts; element lengths grow from the ends that are planes.
 struct Section {
   double lower, upper;
   bool from_lower, from_upper;
@@ -30,7 +30,7 @@ struct Section {
     return (from_lower && from_upper ? 2 : 1) * elements_within(reach(), first, slope);
   }
 
-  /// The border after the share `s` of its elements.
+  /// The border after the fraction `s` of its elements.
   double border(double s, double first, double slope) const {
     const double all = elements(first, slope);
     if (from_lower && (!from_upper || s < 0.5))
@@ -45,7 +45,7 @@ double elements(const std::vector<Section>& sections, double first, double slope
   return sum;
 }
 
-/// Length of the elements at the planes with which `count` of them fill all sections.
+/// Element length at the planes for which `count` elements fill all sections.
 double first_length(const std::vector<Section>& sections, double length, int count, double slope) {
   double least = 1e-9 * length, most = length;
   for (int i = 0; i < 200; ++i) {
@@ -55,8 +55,8 @@ double first_length(const std::vector<Section>& sections, double length, int cou
   return most;
 }
 
-/// Whole numbers, at least one a section, that add up to `count`: one after the other goes to the
-/// section that lacks most of its share.
+/// Integers, at least one per section, that sum to `count`: each further element goes to the
+/// section with the largest deficit.
 std::vector<int> share_out(const std::vector<Section>& sections, int count, double first,
                            double slope) {
   std::vector<int> counts(sections.size(), 1);

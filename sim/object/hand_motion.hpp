@@ -4,7 +4,8 @@
 
 namespace palpate::object {
 
-/// A hand that moves evenly, within a step of the plant, from where it was to where it was sent.
+/// Motion of a hand at constant velocity within a step of the plant, from its last pose to the
+/// commanded one.
 class HandMotion {
  public:
   explicit HandMotion(const math::Pose& X_OG = math::Pose::Identity());
@@ -12,13 +13,13 @@ class HandMotion {
   /// Pose and velocity in O at the end of the next step.
   void send(const math::Pose& X_OG, const math::Twist& V_O_G) noexcept;
 
-  /// A step begins; then the share `s` in (0, 1] of it has passed; then it is over, and unless the
-  /// hand is sent somewhere it will stand still.
+  /// Begins a step; advances to the fraction `s` in (0, 1] of it; ends it. Without a further
+  /// command the hand then stands still.
   void begin() noexcept;
   void advance(double s) noexcept;
   void end() noexcept;
 
-  /// Stops where it is.
+  /// Stops at the current pose.
   void stop() noexcept;
 
   const math::Pose& X_OG() const { return X_OG_; }

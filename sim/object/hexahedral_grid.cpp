@@ -132,7 +132,7 @@ void HexahedralGrid::add_triangles(int face, bool upper) {
   for (const int corner : {0, 1, 3, 4}) {
     const Eigen::Vector4i quad(faces_(corner, face), faces_(corner + 1, face),
                                faces_(corner + 4, face), faces_(corner + 3, face));
-    // u x v points along +normal: the lower face is listed the other way round.
+    // u x v points along +normal: the lower face is listed in reverse order.
     const Eigen::Vector4i ring = upper ? quad : Eigen::Vector4i(quad.reverse());
     triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[1], ring[2]);
     triangles_.col(triangle++) = Eigen::Vector3i(ring[0], ring[2], ring[3]);

@@ -6,20 +6,20 @@
 
 namespace palpate::object {
 
-/// Axis-aligned box in O, m; both ends belong to it.
+/// Axis-aligned box in O, m; closed at both ends.
 struct Box {
   Eigen::Vector3d lower = Eigen::Vector3d::Zero();
   Eigen::Vector3d upper = Eigen::Vector3d::Zero();
 
-  /// True where `p` lies inside or within 1e-9 m of the box.
+  /// True if `p` lies inside or within 1e-9 m of the box.
   bool contains(const Eigen::Vector3d& p) const;
 };
 
-/// A point of the rest shape as the weighted sum of the 27 nodes of its element.
+/// A point of the rest shape as a weighted sum of the 27 nodes of its element.
 struct MaterialPoint {
   std::array<int, 27> nodes{};
   std::array<double, 27> weights{};
-  double outside = 0;  // m, distance of the point from the box at rest; extrapolated where > 0
+  double outside = 0;  // m, distance of the point from the rest box; extrapolated if > 0
 
   /// Weighted sum of the columns of `values` (3 x node count: positions or velocities).
   Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& values) const {
@@ -29,20 +29,20 @@ struct MaterialPoint {
   }
 };
 
-/// A box cut across each axis into boxes, which are triquadratic hexahedra of 27 nodes.
+/// A box divided along each axis into triquadratic hexahedra of 27 nodes.
 ///
 /// Nodes form a grid of (2 elements + 1) per axis, x fastest, as do the elements. Within an element
-/// node i + 3 j + 9 k lies at parent coordinates (i - 1, j - 1, k - 1), its parent box being
-/// [-1, 1]^3.
+/// node i + 3 j + 9 k lies at parent coordinates (i - 1, j - 1, k - 1), its parent box being [-1,
+/// 1]^3.
 class HexahedralGrid {
  public:
-  /// Where the cuts are along each axis, m from `origin`: from 0 to the length of the side.
+  /// Element borders along each axis, m from `origin`: from 0 to the length of the side.
   using Borders = std::array<std::vector<double>, 3>;
 
   /// Throws std::invalid_argument unless borders begin with 0 and ascend.
   HexahedralGrid(const Eigen::Vector3d& origin, const Borders& borders);
 
-  /// Equal elements. Throws where a side is not positive or a count is below one.
+  /// Equal elements. Throws if a side is not positive or a count is below one.
   HexahedralGrid(const Eigen::Vector3d& origin, const Eigen::Vector3d& size,
                  const std::array<int, 3>& elements);
 
@@ -54,28 +54,28 @@ class HexahedralGrid {
   const Borders& borders() const { return borders_; }
   Eigen::Vector3d element_size(int element) const;  // sides at rest, m
 
-  /// Which element it is along each axis.
+  /// Index of the element along each axis.
   std::array<int, 3> cell(int element) const;
 
   /// Surface faces of 9 nodes, i + 3 j along both in-plane axes, ascending; their rest areas, m^2;
-  /// and the axis that they lie across.
+  /// and the axis normal to each.
   const Eigen::Matrix<int, 9, Eigen::Dynamic>& faces() const { return faces_; }
   const Eigen::VectorXd& face_areas() const { return face_areas_; }
   int face_axis(int face) const { return face_axes_[face]; }
   int face_element(int face) const { return face_elements_[face]; }
 
-  /// Rest volume that each node stands for, m^3: Gauss-Lobatto (Simpson) weights, all positive.
+  /// Rest volume associated with each node, m^3: Gauss-Lobatto (Simpson) weights, all positive.
   Eigen::VectorXd nodal_volumes() const;
 
   /// Nodes whose rest position lies in the box, sorted.
   std::vector<int> nodes_in(const Box& box) const;
 
-  /// Outward area vector that each node stands for, m^2, of the faces that lie wholly in the box;
-  /// where there is none, of every face, counted for the nodes in the box only. 0 elsewhere. With
-  /// `only_axis` 0, 1 or 2 only faces across that axis count; -1: all.
+  /// Outward area vector associated with each node, m^2, of the faces that lie wholly in the box;
+  /// if there is none, of every face, counted for the nodes in the box only. 0 elsewhere. With
+  /// `only_axis` 0, 1 or 2 only faces normal to that axis count; -1: all.
   Eigen::Matrix3Xd patch_area_vectors(const Box& box, int only_axis = -1) const;
 
-  /// The same as plain areas: an edge's two faces add up.
+  /// The same as scalar areas: the areas of both faces at an edge add up.
   Eigen::VectorXd patch_areas(const Box& box, int only_axis = -1) const;
 
   /// Element and shape functions of a rest point in O.
@@ -100,7 +100,7 @@ class HexahedralGrid {
   Eigen::VectorXd face_areas_;
   std::vector<int> face_axes_;
   std::vector<int> face_elements_;  // that they belong to
-  std::vector<double> face_sides_;  // -1 or +1: which way along that axis is out
+  std::vector<double> face_sides_;  // -1 or +1: direction of the outward normal along that axis
 };
 
 }  // namespace palpate::object

@@ -9,9 +9,9 @@
 
 namespace palpate::object {
 
-/// 27-node boxes side by side, one a lane: from nodal values to gradients at the Gauss points
-/// and back. Both go line by line along one axis after the other (sum factorisation: Orszag, J.
-/// Comput. Phys. 37 (1980) 70): values at the nodes, values at the points, slopes there.
+/// 27-node boxes, one per SIMD lane: nodal values to gradients at the Gauss points and back. Both
+/// are evaluated line by line along one axis after the other (sum factorisation: Orszag, J. Comput.
+/// Phys. 37 (1980) 70): values at the nodes, values at the points, slopes there.
 class HexahedronPack {
  public:
   /// One vector at each node or point of each element, by axis.
@@ -19,7 +19,7 @@ class HexahedronPack {
 
   static constexpr double kGauss = 0.77459666924148337704;  // sqrt(0.6): points on [-1, 1]
 
-  /// Where a Gauss point divides the sides of its element, and its share of the volume.
+  /// Position of a Gauss point along the sides of its element, and its share of the volume.
   static Eigen::Array3d point(int index) {
     const int x = index % 3, y = index / 3 % 3, z = index / 9;
     return 0.5 + 0.5 * kGauss * (Eigen::Array3d(x, y, z) - 1);
@@ -29,8 +29,8 @@ class HexahedronPack {
     return kShare[index % 3] * kShare[index / 3 % 3] * kShare[index / 9];
   }
 
-  /// The elements of the grid from `first` on; where fewer than the lanes are left, lanes repeat
-  /// the last one and are not in use.
+  /// Elements of the grid from `first` on; if fewer remain than there are lanes, surplus lanes
+  /// repeat the last element and are unused.
   HexahedronPack(const HexahedralGrid& grid, int first)
       : lanes_(std::min(kTogether, grid.element_count() - first)) {
     for (int lane = 0; lane < kTogether; ++lane) {
@@ -61,7 +61,7 @@ class HexahedronPack {
     }
   }
 
-  /// Adds to a field, lane after lane, as elements share nodes.
+  /// Adds to a field lane by lane, as elements share nodes.
   void scatter(const Vectors& values, double* field) const noexcept {
     for (int a = 0; a < 27; ++a) {
       const Pack4d x = values[0][a], y = values[1][a], z = values[2][a];
@@ -78,8 +78,8 @@ class HexahedronPack {
     }
   }
 
-  /// Gradients by the rest coordinates of nodal values, which are overwritten by those at the Gauss
-  /// points.
+  /// Gradients with respect to the rest coordinates of nodal values, which are overwritten by the
+  /// values at the Gauss points.
   void gradients(Vectors& values, ElementGradients& out) const noexcept {
     const std::array<Pack4d, 3> slopes = slopes_;
     for (int i = 0; i < 3; ++i) {
@@ -94,8 +94,8 @@ class HexahedronPack {
     }
   }
 
-  /// Minus the transpose of gradients() after weighting the points by the volumes that they stand
-  /// for: nodal forces of a stress.
+  /// Minus the transpose of gradients() after weighting the points by their volumes: nodal forces
+  /// of a stress.
   void divergence(const ElementGradients& field, Vectors& values) const noexcept {
     const std::array<Pack4d, 3> slopes{-volume_ * slopes_[0], -volume_ * slopes_[1],
                                        -volume_ * slopes_[2]};
@@ -131,7 +131,7 @@ class HexahedronPack {
   }
 
  private:
-  /// Values across the third axis: few enough to stay in registers.
+  /// Values across the third axis: few enough for registers.
   using Plane = std::array<Pack4d, 9>;
 
   static Pack4d vector(const double* p) noexcept { return Pack4d{p[0], p[1], p[2], 0}; }
@@ -176,7 +176,7 @@ class HexahedronPack {
     c = 5. / 18 * 0.3 * even + odd;
   }
 
-  /// Slopes at the points of the quadratic through values there; those of a point lie 9 apart.
+  /// Slopes of the quadratic at the points from its values there; those of a point lie 9 apart.
   template <int kAxis>
   static void differentiate(const Pack4d* v, Pack4d slope, Pack4d* out) noexcept {
     for_each_line<kAxis>([=](int p0, int p1, int p2) {

@@ -11,12 +11,13 @@
 namespace palpate::object {
 namespace {
 
-constexpr double kSafety = 0.9;        // of the critical step
-constexpr double kMostRefinement = 8;  // substeps over those at rest, however squashed the body is
-constexpr double kMostContact = 32;    // the same with fingertips in touch
-constexpr double kUnloadedStrain = 1e-6;  // whose stress stands for the load of an unloaded body
-constexpr double kContactStiffness = 50;  // of a fingertip, over E / radius
-constexpr double kShearStiffness = 0.5;   // over that
+constexpr double kSafety = 0.9;  // of the critical step
+constexpr double kMostRefinement =
+    8;  // upper bound of substeps relative to those at rest, regardless of compression
+constexpr double kMostContact = 32;       // the same with fingertips in contact
+constexpr double kUnloadedStrain = 1e-6;  // whose stress represents the load of an unloaded body
+constexpr double kContactStiffness = 50;  // of a fingertip, relative to E / radius
+constexpr double kShearStiffness = 0.5;   // relative to that
 constexpr double kSamplesPerRadius = 6;   // of the surface, along a line
 
 void check(const PlantOptions& options) {
@@ -100,9 +101,9 @@ void HyperelasticPlant::add_fingertips() {
 }
 
 double HyperelasticPlant::stable_step() const noexcept {
-  double contact = 0;  // bound on the square of the fastest frequency that fingertips add
+  double contact = 0;  // bound on the square of the highest frequency that fingertips add
   if (!fingertips_.empty()) contact = contact_stiffness_.cwiseQuotient(masses_).maxCoeff();
-  // The bounds come first, so that they are also what a NaN gives.
+  // The bounds are the first arguments, so that they are also the result for a NaN.
   const double material = std::min(kMostRefinement, std::sqrt(stiffening_));
   const double added = 0.25 * critical_step_ * critical_step_ * contact;
   const double refinement =
@@ -174,7 +175,7 @@ void HyperelasticPlant::step(double dt) noexcept {
     end_substep(h, h);
     last = h;
     ++substeps_;
-    // What stiffens on the way takes shorter ones for the rest of it.
+    // If the body stiffens during the step, the rest of it takes shorter substeps.
     if (options_.substeps == 0 && left > 0 && !(stable_step() >= h)) {
       const double rest = left * h;
       left = substeps_for(rest);

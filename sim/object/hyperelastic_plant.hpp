@@ -15,36 +15,36 @@
 
 namespace palpate::object {
 
-/// What the plant is made of and how it is held. SI units; O is the rest frame of the object.
+/// Material and boundary conditions of the plant. SI units; O is the rest frame of the object.
 struct PlantOptions {
   Eigen::Vector3d origin = Eigen::Vector3d::Zero();  // lower corner of the box at rest, m
   Eigen::Vector3d size{0.5, 0.06, 0.06};             // m
   std::array<int, 3> elements{14, 1, 1};             // triquadratic hexahedra per axis
-  double grading = 1;  // growth of their lengths away from clamp and grasps; 1: all are equal
+  double grading = 1;  // growth of element lengths away from clamp and grasps; 1: all are equal
   double young_modulus = 30e3;               // Pa
   double poisson_ratio = 0.3;                // [0, 0.5)
   double density = 26;                       // kg/m^3
   double mass_damping = 2;                   // 1/s, force -mass_damping * m * v
   double viscosity = 0;                      // Pa s, Kelvin-Voigt; 0 is faster
   std::vector<MaxwellBranch> maxwell;        // creep and relaxation
-  std::optional<Yield> yield;                // for an object that does not come back
-  std::vector<ModulusRegion> regions;        // parts of another stiffness
-  std::optional<Box> clamp;                  // nodes the test rig holds still; O, at rest
+  std::optional<Yield> yield;                // for an object that does not recover its shape
+  std::vector<ModulusRegion> regions;        // parts of a different stiffness
+  std::optional<Box> clamp;                  // nodes fixed by the test rig; O, at rest
   std::vector<GraspOptions> grasps;          // hands, at most kMostGrasps
-  std::vector<FingertipOptions> fingertips;  // that may touch it
+  std::vector<FingertipOptions> fingertips;  // that may touch the object
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
   int substeps = 0;                                     // per step(); 0: from the stability limit
 
   static constexpr std::size_t kMostGrasps = 2;
 };
 
-/// A soft object that the estimator does not know: a compressible Neo-Hookean box of 27-node
-/// hexahedra with Gauss-Lobatto lumped mass, integrated by velocity Verlet (explicit, symplectic,
-/// of second order; it conserves the momenta of a free undamped body to rounding). Mass and pad
-/// damping are taken implicitly, node by node; viscous stress uses the half-step velocity. Substeps
-/// keep within the stability limit, which is looked at after each of them.
+/// A soft object that is independent of the estimator's model: a compressible Neo-Hookean box of
+/// 27-node hexahedra with Gauss-Lobatto lumped mass, integrated by velocity Verlet (explicit,
+/// symplectic, second order; it conserves the momenta of a free undamped body to rounding).
+/// Mass-proportional and pad damping are implicit, node by node; viscous stress uses the half-step
+/// velocity. Substeps stay within the stability limit, which is checked after each of them.
 ///
-/// Nothing allocates after construction and every run is bit-for-bit reproducible.
+/// No allocation after construction; every run is bit-for-bit reproducible.
 class HyperelasticPlant final : public Plant {
  public:
   /// Result of settle().
@@ -54,11 +54,11 @@ class HyperelasticPlant final : public Plant {
     bool converged = false;
   };
 
-  /// Starts at rest, held by every hand that is given. Throws std::invalid_argument.
+  /// Starts at rest, held by every given hand. Throws std::invalid_argument.
   explicit HyperelasticPlant(const PlantOptions& options);
 
-  /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent; those that were
-  /// sent nowhere since the last step stand still.
+  /// Advances by `dt` s. Hands and fingertips move at constant velocity to their commanded poses;
+  /// those without a command since the last step stand still.
   void step(double dt) noexcept override;
 
   /// The same after move_hand(0, X_OG, V_O_G).
@@ -67,33 +67,34 @@ class HyperelasticPlant final : public Plant {
   /// Pose and velocity of a hand in O at the end of the next step. `hand` < grasp_count().
   void move_hand(int hand, const math::Pose& X_OG, const math::Twist& V_O_G) noexcept override;
 
-  /// Centre and velocity of a fingertip in O at the end of the next step; the first call puts it
-  /// there at once. Tips are absent until moved and after remove_fingertip().
+  /// Centre and velocity of a fingertip in O at the end of the next step; the first call places it
+  /// there immediately. Tips are absent until moved and after remove_fingertip().
   void move_fingertip(int tip, const Eigen::Vector3d& centre,
                       const math::Twist& velocity) noexcept override;
   void remove_fingertip(int tip) noexcept;
 
-  /// Truth about a tip's touch; wrench on the tip about its centre, in O: mean over the last step.
+  /// Ground truth of a tip's contact; wrench on the tip about its centre, in O: mean over the last
+  /// step.
   const FingertipContact& fingertip(int tip) const { return fingertips_[tip]; }
   int fingertip_count() const override { return static_cast<int>(fingertips_.size()); }
   const FingertipTouch& touch(int tip) const override { return fingertips_[tip].touch(); }
   Eigen::Vector3d fingertip_centre(int tip) const override { return fingertips_[tip].centre(); }
   math::Wrench fingertip_wrench(int tip) const override { return fingertips_[tip].mean_wrench(); }
 
-  /// Advances with the hand standing still until the net force is at most `tolerance` of the loads
-  /// or `max_seconds` have passed. Motion is taken out whenever the kinetic energy has peaked
-  /// (dynamic relaxation with kinetic damping), so the path means nothing, its end the equilibrium.
-  /// Maxwell branches end up relaxed. What yields or slips on that path does so for good: step with
-  /// damping where that matters.
+  /// Advances with the hands standing still until the net force is at most `tolerance` of the loads
+  /// or `max_seconds` have passed. Velocities are zeroed at each peak of the kinetic energy
+  /// (dynamic relaxation with kinetic damping), so the path has no meaning, only the final
+  /// equilibrium. Maxwell branches end up relaxed. Yield and slip on that path are permanent: step
+  /// with damping if that matters.
   Settling settle(double max_seconds, double tolerance = 1e-5) noexcept;
 
-  /// Lets go, or takes hold with no force where hand and object are now.
+  /// Releases the object, or grasps it without force at the current pose of hand and object.
   void set_grasped(bool grasped, int hand = 0) noexcept;
   bool grasped(int hand = 0) const override {
     return hand < grasp_count() && grasps_[hand].holding();
   }
 
-  /// Hand on object about the origin of its G, in O, averaged over the last step.
+  /// Wrench of the hand on the object about the origin of its G, in O, averaged over the last step.
   math::Wrench hand_wrench(int hand = 0) const override {
     return hand < grasp_count() ? grasps_[hand].mean_wrench() : math::Wrench();
   }
@@ -103,7 +104,7 @@ class HyperelasticPlant final : public Plant {
   double slipping_share(int hand) const override { return grasps_[hand].slip().share; }
   int grasp_count() const override { return static_cast<int>(grasps_.size()); }
 
-  /// Test rig on object about the origin of O, in O, at the end of the last step.
+  /// Wrench of the test rig on the object about the origin of O, in O, at the end of the last step.
   math::Wrench clamp_wrench() const noexcept;
 
   /// Adds a force (N, in O) at a material point, applied until clear_forces().
@@ -113,10 +114,10 @@ class HyperelasticPlant final : public Plant {
   }
   void clear_forces() noexcept override;
 
-  /// Cuts through what lies in the box at rest. Throws std::invalid_argument where nothing does.
+  /// Cuts the material within the box at rest. Throws std::invalid_argument if the box holds none.
   void cut(const Box& box) { solid_.cut(grid_, box); }
 
-  /// Replaces positions (m) and velocities (m/s), both 3 x n in O; clamped nodes are kept still.
+  /// Replaces positions (m) and velocities (m/s), both 3 x n in O; clamped nodes are kept fixed.
   void set_state(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities);
 
   const Eigen::Matrix3Xd& positions() const override { return positions_; }
@@ -130,7 +131,7 @@ class HyperelasticPlant final : public Plant {
   /// Element and weights of a rest point, for repeated use.
   MaterialPoint locate(const Eigen::Vector3d& rest_point) const { return grid_.locate(rest_point); }
 
-  /// Where a rest point is now, m, in O.
+  /// Current position of a rest point, m, in O.
   Eigen::Vector3d position_at(const Eigen::Vector3d& rest_point) const {
     return locate(rest_point).interpolate(positions_);
   }
@@ -141,13 +142,15 @@ class HyperelasticPlant final : public Plant {
   Eigen::Vector3d linear_momentum() const noexcept;   // N s
   Eigen::Vector3d angular_momentum() const noexcept;  // N m s, about the origin of O
 
-  /// Longest stable step at rest, held and grasped as built, s.
+  /// Longest stable step at rest, held and grasped as constructed, s.
   double critical_step() const { return critical_step_; }
-  int substeps() const override { return substeps_; }  // that the last step took
+  int substeps() const override { return substeps_; }  // taken by the last step
 
  private:
-  void begin_substep(double h) noexcept;                   // half a kick, then the drift
-  void end_substep(double h, double h_material) noexcept;  // forces there, the other half
+  void begin_substep(
+      double h) noexcept;  // first half-step velocity update, then the position update
+  void end_substep(double h,
+                   double h_material) noexcept;  // forces there, second half-step velocity update
   void update_forces(double h, double h_material) noexcept;
   void add_wrenches(double weight) noexcept;
   void add_fingertips();
@@ -162,16 +165,17 @@ class HyperelasticPlant final : public Plant {
   std::vector<CompliantGrasp> grasps_;
   std::vector<FingertipContact> fingertips_;
   std::vector<int> clamped_;
-  std::vector<int> padded_;  // nodes that pads may hold, each once
+  std::vector<int> padded_;  // nodes that pads may hold, without repetition
   Eigen::VectorXd masses_;
-  Eigen::Matrix3Xd inverse_masses_;    // 1/kg, by coordinate
-  Eigen::Matrix3Xd weight_;            // N
-  Eigen::VectorXd pad_damping_;        // N s/m per node
-  Eigen::VectorXd contact_stiffness_;  // N/m per node, bound on what the fingertips add
+  Eigen::Matrix3Xd inverse_masses_;  // 1/kg, by coordinate
+  Eigen::Matrix3Xd weight_;          // N
+  Eigen::VectorXd pad_damping_;      // N s/m per node
+  Eigen::VectorXd
+      contact_stiffness_;  // N/m per node, bound on the stiffness added by the fingertips
   Eigen::Matrix3Xd positions_;
   Eigen::Matrix3Xd velocities_;
   Eigen::Matrix3Xd applied_;  // N, external forces on nodes
-  Eigen::Matrix3Xd driving_;  // N, all forces but damping by a node's own velocity
+  Eigen::Matrix3Xd driving_;  // N, all forces except damping by a node's own velocity
   Eigen::Matrix<double, 6, Eigen::Dynamic> hand_sums_;  // of the wrenches within a step
   Eigen::Matrix<double, 6, Eigen::Dynamic> tip_sums_;
   double stiffening_ = 1;

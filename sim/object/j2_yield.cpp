@@ -12,7 +12,7 @@ constexpr int kMostIterations = 60;
 constexpr double kTolerance = 1e-12;          // of the yield stress
 constexpr double kLeastVolumeRatio = 0.2;     // of a point that may flow
 constexpr double kMostSquareStretch = 9;      // plastic
-constexpr double kLeastSquareStretch = 1e-6;  // of a point squashed flat
+constexpr double kLeastSquareStretch = 1e-6;  // of a severely compressed point
 const double kRootTwoThirds = std::sqrt(2.0 / 3);
 
 /// Principal values of dev tau over mu.
@@ -21,7 +21,7 @@ Eigen::Vector3d stress_deviator(const Eigen::Vector3d& log_stretch) noexcept {
   return squares.array() - squares.mean();
 }
 
-/// Bound on the square of the greatest singular value; 1 for a rotation.
+/// Upper bound of the square of the largest singular value; 1 for a rotation.
 double square_bound(const Eigen::Matrix3d& m) noexcept {
   const Eigen::Matrix3d square = m * m.transpose();
   return square.cwiseAbs().rowwise().sum().maxCoeff();
@@ -44,8 +44,8 @@ Eigen::Matrix3d J2Yield::plastic_inverse(int element, int point) const noexcept 
   return Eigen::Map<const Eigen::Matrix3d>(inverse_.col(element * kGaussPoints + point).data());
 }
 
-/// How far to go back along `direction` until the stress is on the yield surface: Newton's method
-/// kept within [0, bound], at whose end the deviator is zero.
+/// Step length back along `direction` that puts the stress on the yield surface: Newton's method
+/// bracketed in [0, bound], at whose end the deviator is zero.
 double J2Yield::flow_length(const Eigen::Vector3d& log_stretch, const Eigen::Vector3d& direction,
                             double bound, double strain) const noexcept {
   const double mu = material_.shear_modulus;
@@ -79,8 +79,8 @@ double J2Yield::flow(int element, int lane, ElementGradients& F) noexcept {
     const double limit = kRootTwoThirds * (yield_.stress + yield_.hardening * strain_[column]);
     if (material_.shear_modulus * std::sqrt(square) > limit &&
         elastic.determinant() > kLeastVolumeRatio) {
-      // In closed form: where all of a body flows, this is most of what a step costs, and axes that
-      // are off by the root of a rounding error turn the flow by no more.
+      // In closed form: when the whole body flows this dominates the cost of a step, and an error
+      // of the axes of the order of the square root of rounding rotates the flow by no more.
       Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes;
       axes.computeDirect(C);
       const Eigen::Vector3d log_stretch =

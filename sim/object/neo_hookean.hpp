@@ -2,7 +2,7 @@
 
 namespace palpate::object {
 
-/// Elastic constants of the plant.
+/// Lame constants of the plant.
 struct NeoHookean {
   double shear_modulus = 0;  // mu, Pa
   double lame = 0;           // lambda, Pa

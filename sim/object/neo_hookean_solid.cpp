@@ -10,7 +10,7 @@ namespace {
 
 inline Pack4d greater(Pack4d a, Pack4d b) noexcept { return a > b ? a : b; }
 
-/// l = log J with its tangent below the guard, and l' = dl / dJ.
+/// l = log J, continued by its tangent below the least volume ratio, and l' = dl / dJ.
 struct LogVolume {
   explicit LogVolume(Pack4d J) noexcept {
     const Pack4d guarded = greater(J, math::splat<Pack4d>(NeoHookeanSolid::kLeastVolumeRatio));
@@ -33,10 +33,10 @@ inline Pack4d square(const PackTensor& f) noexcept {
   return sum;
 }
 
-/// First Piola-Kirchhoff stress at all points. Returns the greatest modulus that a rank-one strain
-/// across the most compressed direction n meets, mu + (mu + lambda (1 - l)) |F^-T n|^2; at rest the
-/// other two directions add 2 to |F^-1|^2. In three sweeps, as each of them alone is short enough
-/// for the processor to work on several points at once.
+/// First Piola-Kirchhoff stress at all points. Returns the largest modulus for a rank-one strain
+/// along the most compressed direction n, mu + (mu + lambda (1 - l)) |F^-T n|^2; at rest the other
+/// two directions add 2 to |F^-1|^2. In three loops, each short enough for the compiler to
+/// vectorise over points.
 Pack4d stress(double mu, double lambda, const ElementGradients& F, ElementGradients& P) noexcept {
   std::array<Pack4d, kGaussPoints> log_J, slope;
   for (int point = 0; point < kGaussPoints; ++point) {

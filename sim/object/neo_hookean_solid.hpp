@@ -14,13 +14,13 @@
 
 namespace palpate::object {
 
-/// A part of the object of another stiffness. Where boxes overlap the last one counts.
+/// A region of the object with a different stiffness. Where boxes overlap the last one counts.
 struct ModulusRegion {
   Box box;                   // in O, at rest
-  double young_modulus = 0;  // Pa; Poisson's ratio and yield strain stay the object's own
+  double young_modulus = 0;  // Pa; Poisson's ratio and yield strain remain the object's own
 };
 
-/// What the solid is made of.
+/// Material of the solid.
 struct SolidOptions {
   NeoHookean material;
   double viscosity = 0;  // Pa s, Kelvin-Voigt
@@ -34,12 +34,12 @@ struct SolidOptions {
 /// Energy per rest volume (Bonet and Wood, Nonlinear Continuum Mechanics, 2nd ed., eq. 6.27):
 ///   Psi = mu/2 (tr F'F - 3) - mu l + lambda/2 l^2,  P = mu F + (lambda l - mu) l' cof F,
 /// with l = log J. Below J = kLeastVolumeRatio the logarithm is continued by its tangent, so that
-/// energy and force stay finite, consistent with each other and restoring for any F, inverted ones
-/// too. 3 x 3 x 3 Gauss points; the elements are worked on four side by side.
+/// energy and force stay finite, consistent with each other and restoring for any F, also inverted
+/// ones. 3 x 3 x 3 Gauss points; the elements are processed four at a time.
 ///
 /// Optional: second Piola-Kirchhoff stress eta dC/dt (Kelvin-Voigt), zero in any rigid motion;
-/// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, seen by the
-/// Gauss points within it, which scales all but eta.
+/// Maxwell branches; yield, which makes F the elastic part only; a modulus by region, used by the
+/// Gauss points within it, which scales everything but eta.
 class NeoHookeanSolid {
  public:
   /// Volume ratio below which log J is continued linearly.
@@ -48,20 +48,20 @@ class NeoHookeanSolid {
   /// Throws std::invalid_argument.
   NeoHookeanSolid(const HexahedralGrid& grid, const SolidOptions& options);
 
-  /// Moves on to `positions`, reached `h` s after the last ones seen (0: a sudden jump, infinity:
-  /// all relaxed; only Maxwell branches care), and adds the nodal forces (3 x node count, N) there:
-  /// minus the derivative of the energy, and what is viscous. Returns how much stiffer than at rest
-  /// the most deformed point is: an estimate, at least 1, of the growth of the greatest eigenvalue
-  /// of the tangent stiffness.
+  /// Advances to `positions`, reached `h` s after the last ones (0: a sudden jump, infinity: fully
+  /// relaxed; only Maxwell branches depend on it), and adds the nodal forces (3 x node count, N)
+  /// there: minus the derivative of the energy, and the viscous forces. Returns the stiffness of
+  /// the most deformed point relative to rest: an estimate, at least 1, of the growth of the
+  /// largest eigenvalue of the tangent stiffness.
   double add_forces(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities, double h,
                     Eigen::Matrix3Xd& forces) noexcept;
 
-  /// Stored energy, J, of the elastic part at `positions` and of the branches as last seen.
+  /// Stored energy, J, of the elastic part at `positions` and of the branches at their last update.
   double energy(const Eigen::Matrix3Xd& positions) const noexcept;
 
-  /// What lies in the box at rest bears nearly nothing from now on (kCutModulus of what it did), as
-  /// if a knife had gone through. Throws std::invalid_argument where the box holds no Gauss point.
-  /// The first cut allocates.
+  /// Reduces the stiffness of the material within the box at rest to nearly nothing (factor
+  /// kCutModulus), as if cut by a knife. Throws std::invalid_argument if the box holds no Gauss
+  /// point. The first cut allocates.
   void cut(const HexahedralGrid& grid, const Box& box);
   static constexpr double kCutModulus = 1e-3;
 

@@ -7,12 +7,12 @@
 
 namespace palpate::object {
 
-/// Logarithm and reciprocal of positive normal numbers, which share a division.
+/// Logarithm and reciprocal of positive normal numbers, sharing one division.
 struct LogAndInverse {
   math::Pack4d log, inverse;
 };
 
-/// Lane by lane, right to about two units in the last place of the result: x = 2^k m with m in
+/// Per lane, accurate to about two units in the last place of the result: x = 2^k m with m in
 /// [sqrt(1/2), sqrt(2)), log m = 2 artanh(s), s = (m - 1) / (m + 1).
 inline LogAndInverse log_and_inverse(math::Pack4d x) noexcept {
   using Bits = std::uint64_t __attribute__((vector_size(32)));

@@ -8,26 +8,28 @@
 
 namespace palpate::object {
 
-/// An object of a scene: what hands and fingertips do to it, what they feel of it, and the truth
-/// about its shape. All quantities are in O. Objects that no hand can hold keep the defaults.
+/// Object of a scene: receives the motions of hands and fingertips, returns their contact forces
+/// and the ground truth of its shape. All quantities are in O. Objects that no hand can hold keep
+/// the defaults.
 class Plant {
  public:
   virtual ~Plant() = default;
 
-  /// Advances by `dt` s. Hands and fingertips move evenly to where they were sent.
+  /// Advances by `dt` s. Hands and fingertips move at constant velocity to their commanded poses.
   virtual void step(double dt) noexcept = 0;
-  virtual int substeps() const = 0;  // that the last step took
+  virtual int substeps() const = 0;  // taken by the last step
 
-  /// Centre and velocity of a fingertip at the end of the next step; the first call puts it there.
+  /// Centre and velocity of a fingertip at the end of the next step; the first call places it
+  /// there.
   virtual void move_fingertip(int tip, const Eigen::Vector3d& centre,
                               const math::Twist& velocity) noexcept = 0;
   virtual int fingertip_count() const = 0;
   virtual const FingertipTouch& touch(int tip) const = 0;
   virtual Eigen::Vector3d fingertip_centre(int tip) const = 0;
-  /// On the tip about its centre, mean over the last step.
+  /// Wrench on the tip about its centre, mean over the last step.
   virtual math::Wrench fingertip_wrench(int tip) const = 0;
 
-  /// Adds a force (N) on the material that is at `rest_point` at rest, until clear_forces().
+  /// Adds a force (N) on the material whose rest position is `rest_point`, until clear_forces().
   virtual void push(const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) noexcept = 0;
   virtual void clear_forces() noexcept = 0;
 
@@ -36,9 +38,9 @@ class Plant {
   /// Pose and velocity of a hand at the end of the next step.
   virtual void move_hand(int /*hand*/, const math::Pose& /*X_OG*/,
                          const math::Twist& /*V_O_G*/) noexcept {}
-  /// Hand on object about the origin of its G, mean over the last step.
+  /// Wrench of the hand on the object about the origin of its G, mean over the last step.
   virtual math::Wrench hand_wrench(int /*hand*/) const { return {}; }
-  /// Share of the pads' area that slips.
+  /// Fraction of the pads' area that slips.
   virtual double slipping_share(int /*hand*/) const { return 0; }
 
   virtual const Eigen::Matrix3Xd& positions() const = 0;  // of the nodes, m

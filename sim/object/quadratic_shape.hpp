@@ -14,7 +14,7 @@ struct QuadraticShape {
   std::array<double, 3> slope;
 };
 
-/// Share of a length that each of the three nodes stands for (Gauss-Lobatto, which is Simpson).
+/// Share of a length associated with each of the three nodes (Gauss-Lobatto, i.e. Simpson).
 inline constexpr std::array<double, 3> kLobattoShare{1.0 / 6, 4.0 / 6, 1.0 / 6};
 
 }  // namespace palpate::object

@@ -30,16 +30,16 @@ namespace dd = dart::dynamics;
 namespace {
 
 constexpr int kMostVertices = 230;
-constexpr double kFloor = 2;             // m, its edge
+constexpr double kFloor = 2;             // m, edge length
 constexpr double kFloorThickness = 0.1;  // m
 constexpr double kHoldMoving = 1e5;      // N/m
 constexpr double kHoldTurning = 1e3;     // N m/rad
-/// The core's own: negligible, the vertices carry the mass.
+/// The core's own mass: negligible, the vertices carry the mass.
 constexpr double kCoreMass = 1e-6, kCoreMoment = 1e-9;
 
-/// The only one of DART's detectors that knows soft meshes, and only against other meshes. DART's
-/// own contact points are three times as many for the same force, and the step three times as long;
-/// FCL's are free of the fault of FCL 0.3 that DART still warns of.
+/// The only DART detector that supports soft meshes, and only against other meshes. DART's own
+/// detector generates three times as many contact points for the same force and makes the step
+/// three times as long; FCL's points are free of the FCL 0.3 defect that DART still warns about.
 std::shared_ptr<dart::collision::CollisionDetector> make_detector() {
   using Detector = dart::collision::FCLCollisionDetector;
   const auto detector = Detector::create();
@@ -79,8 +79,8 @@ struct DartSoftBody::Dynamics {
   std::vector<Eigen::Vector3d> pulls;  // on each vertex
   int contacts = 0;
 
-  /// DART takes a soft body on a weld for one that cannot react, so stiff springs (implicit ones)
-  /// hold the core in their stead.
+  /// DART treats a soft body on a weld joint as one that cannot react, so stiff springs (integrated
+  /// implicitly) hold the core instead.
   static void hold(dd::FreeJoint& joint) {
     for (std::size_t i = 0; i < 6; ++i) {  // rotations first
       joint.setSpringStiffness(i, i < 3 ? kHoldTurning : kHoldMoving);
@@ -88,7 +88,7 @@ struct DartSoftBody::Dynamics {
     }
   }
 
-  /// DART 6.12 makes a box without its edges' springs.
+  /// DART 6.12 creates a box without the springs along its edges.
   void join_edges() {
     std::set<std::pair<int, int>> edges;
     for (int t = 0; t < triangles.cols(); ++t)
@@ -97,7 +97,7 @@ struct DartSoftBody::Dynamics {
     for (const auto& [a, b] : edges) soft->connectPointMasses(a, b);
   }
 
-  /// DART 6.12 makes a few triangles of a box the wrong way about.
+  /// DART 6.12 orients a few triangles of a box the wrong way round.
   void turn_outward(const Eigen::Vector3d& middle) {
     for (int t = 0; t < triangles.cols(); ++t) {
       const Eigen::Vector3d a = positions.col(triangles(0, t));
@@ -176,7 +176,7 @@ struct DartSoftBody::Dynamics {
     }
   }
 
-  /// A contact's force acts on its first object, its opposite on the second.
+  /// A contact's force acts on its first object, the opposite force on the second.
   void sum_forces() {
     std::fill(touches.begin(), touches.end(), ProbeContact());
     std::vector<double> weights(touches.size(), 0.0);
@@ -240,7 +240,7 @@ void DartSoftBody::step(double dt) {
   Dynamics& d = *dynamics_;
   d.apply_pulls();
   d.world->setTimeStep(dt);
-  d.world->step(false);  // a probe's command stays
+  d.world->step(false);  // a probe's commanded velocity persists
   d.sum_forces();
   d.read_positions();
 }

@@ -17,27 +17,27 @@ struct HandOptions {
 };
 
 /// Position servos of a hand's joints. Targets are approached at the joints' speed limits; a spring
-/// and a damper pull each joint there, integrated implicitly (a phalanx is far too light for an
-/// explicit spring of this stiffness at 1 kHz; Tan, Liu and Turk 2011), the spring never with more
-/// than the torque limit. Weight is fed forward; what an object exerts is not, so that fingers
-/// yield to it. Until the first command the joints are rigid.
+/// and a damper pull each joint towards its target, integrated implicitly (a phalanx is far too
+/// light for an explicit spring of this stiffness at 1 kHz; Tan, Liu and Turk 2011). The spring
+/// torque never exceeds the torque limit. Gravity is compensated by feed-forward; an object's
+/// reaction is not, so that fingers comply with it. Joints are rigid until the first command.
 class HandDrive {
  public:
-  /// The joints belong to the caller's skeleton, which must outlive this.
+  /// The joints belong to the caller's skeleton, which must outlive this object.
   HandDrive(std::vector<dart::dynamics::DegreeOfFreedom*> joints, const HandOptions& options);
 
   int joint_count() const { return static_cast<int>(joints_.size()); }
   const std::vector<dart::dynamics::DegreeOfFreedom*>& joints() const { return joints_; }
   const JointLimits& limits() const { return limits_; }
 
-  /// At rest in `q` (rad), rigid again.
+  /// Resets to rest at `q` (rad), with rigid joints.
   void reset(const Eigen::VectorXd& q);
 
-  /// Joint targets, rad; cut to the limits.
+  /// Joint targets, rad; clamped to the limits.
   void command(const Eigen::VectorXd& target);
 
-  /// Sets the servos for one step. `load` (N m, of the whole skeleton) is what holds the fingers
-  /// still in the hand.
+  /// Sets the servos for one step. `load` (N m, of the whole skeleton) is the torque that holds the
+  /// fingers still relative to the hand.
   void step(double dt, const Eigen::VectorXd& load);
 
   /// Spring torque and load of the last step, N m; zero while rigid.

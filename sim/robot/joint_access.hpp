@@ -7,12 +7,12 @@
 
 #include "sim/robot/joint_limits.hpp"
 
-// For the few sources that speak to DART; no other header includes this one.
+// For the few source files that use DART directly; no other header includes this one.
 namespace palpate::robot {
 
 using Joints = std::vector<dart::dynamics::DegreeOfFreedom*>;
 
-/// One value of each joint.
+/// One value per joint.
 template <class Get>
 Eigen::VectorXd each(const Joints& joints, Get get) {
   Eigen::VectorXd values(joints.size());
@@ -35,8 +35,8 @@ inline JointLimits limits_of(const Joints& joints) {
           each(joints, [](const auto& joint) { return joint.getForceUpperLimit(); })};
 }
 
-/// Throws std::invalid_argument where `q` (rad) is not of these joints or beyond their limits;
-/// sets them otherwise, at rest.
+/// Sets joint positions `q` (rad) at rest. Throws std::invalid_argument if the number of joints
+/// differs or a value is outside the limits.
 void set_at_rest(const Joints& joints, const JointLimits& limits, const Eigen::VectorXd& q);
 
 }  // namespace palpate::robot

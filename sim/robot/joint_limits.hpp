@@ -4,7 +4,7 @@
 
 namespace palpate::robot {
 
-/// Limits of joints, one entry a joint.
+/// Limits of joints, one entry per joint.
 struct JointLimits {
   Eigen::VectorXd lower, upper;  // rad
   Eigen::VectorXd velocity;      // rad/s

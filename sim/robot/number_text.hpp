@@ -5,7 +5,7 @@
 
 namespace palpate::robot {
 
-/// A number for people to read, of four digits that count.
+/// Formats a number for a person to read, with four significant digits.
 inline std::string number(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", value);

@@ -8,8 +8,8 @@
 namespace palpate::robot {
 namespace {
 constexpr double kTouch = 1e-3;  // N
-/// Of a step without contact. Less than what two reversals take away while a finger that has
-/// bounced off finds the object again, or it would chatter for ever.
+/// Decay of the step without contact. Less than the reduction by two reversals while a finger that
+/// has bounced off finds the object again; otherwise the finger would chatter for ever.
 constexpr double kGrowth = 1.1;
 }  // namespace
 

@@ -7,10 +7,10 @@
 
 namespace palpate::robot {
 
-/// A finger as a grasp sees it.
+/// A finger as the grasp controller uses it.
 struct Finger {
-  std::vector<int> joints;  // those that close it, by their place among the hand's joints
-  double step = 0.05;       // rad in one control step, of each of them
+  std::vector<int> joints;  // closing joints, as indices into the hand's joints
+  double step = 0.05;       // rad per control step, for each closing joint
 };
 
 /// Contact force of one finger, N.
@@ -20,35 +20,37 @@ struct ForceBand {
 };
 
 struct GraspOptions {
-  /// Farthest that a target runs ahead of its joint, rad; with the servo's stiffness it bounds the
-  /// force where a sensor reads nothing.
+  /// Largest distance by which a target leads its joint, rad; with the servo stiffness it bounds
+  /// the force if a sensor reads zero.
   double lead = 0.3;
-  /// Smallest part of a step. A step halves wherever its finger turns round, so that a stiff object
-  /// does not make it chatter about the band, and grows again without contact.
+  /// Smallest fraction of a step. The step is halved at each reversal of the finger, so that a
+  /// stiff object does not cause chatter about the force band, and grows again without contact.
   double finest = 1.0 / 64;
 };
 
 /// The thesis' reactive grasp (Sanchez 2019, 4.5.1; its force band 0.1 to 1 N, joint step 0.05 rad,
-/// thumb 0.03 rad, 100 Hz): each finger by itself closes by joint steps while its force is below
-/// the band, opens by them while above, and stays within it. It knows joints and forces only.
+/// thumb 0.03 rad, 100 Hz): each finger independently closes by joint steps while its force is
+/// below the band, opens by them while above, and stays within it. It uses only joint positions and
+/// forces.
 class ReactiveGrasp {
  public:
-  /// `limits` of all the hand's joints. Throws std::invalid_argument.
+  /// `limits` of all joints of the hand. Throws std::invalid_argument.
   ReactiveGrasp(std::vector<Finger> fingers, JointLimits limits, const GraspOptions& options = {});
 
-  /// From these joint positions (rad), which are its targets until told what to do.
+  /// Starts from these joint positions (rad), which are the targets until the first command.
   void reset(const Eigen::VectorXd& q);
 
   void close(const ForceBand& band = {});
-  void open();  // to the lower limits
+  void open();  // opens to the lower limits
   void stay();
 
-  /// One control step: joint positions as measured (rad) and a contact force (N) a finger; a finger
-  /// whose force is not finite stays. Returns the targets of all joints, rad.
+  /// One control step: measured joint positions (rad) and one contact force (N) per finger; a
+  /// finger whose force is not finite does not move. Returns the targets of all joints, rad.
   const Eigen::VectorXd& step(const Eigen::VectorXd& q, const Eigen::VectorXd& force);
 
   int finger_count() const { return static_cast<int>(fingers_.size()); }
-  /// Fingers whose force was within the band in the last step; none but while closing.
+  /// Number of fingers whose force was within the band in the last step; counted only while
+  /// closing.
   int in_band() const { return in_band_; }
 
  private:

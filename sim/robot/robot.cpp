@@ -12,13 +12,13 @@
 #include "sim/robot/dart_options.hpp"
 #include "sim/robot/joint_access.hpp"
 
-// Never take a dynamic Eigen object from DART by value, nor give it one: the two sides allocate
+// Never take a dynamic Eigen object from DART by value or pass one to it: the two sides allocate
 // differently (see CMakeLists.txt).
 namespace palpate::robot {
 namespace dd = dart::dynamics;
 namespace {
 
-/// DART gives a link without inertia one kilogram; frames shall weigh nothing that could be felt.
+/// DART gives a link without inertia a mass of one kilogram; frame links get a negligible one.
 dd::Inertia weightless() {
   dd::Inertia inertia;
   inertia.setMass(1e-9);
@@ -31,7 +31,7 @@ dd::SkeletonPtr load_skeleton(const RobotModel& model) {
   Loader loader(Loader::Options(nullptr, Loader::RootJointType::FIXED, weightless()));
   dd::SkeletonPtr skeleton = loader.parseSkeletonString(model.text, dart::common::Uri("file:///"));
   if (!skeleton) throw std::invalid_argument("DART cannot build the robot of this URDF file");
-  // A root link named world stands for DART's own frame and becomes no body.
+  // A root link named world is DART's own frame and does not become a body.
   const int bodies = static_cast<int>(skeleton->getNumBodyNodes());
   if (bodies != model.link_count && bodies != model.link_count - 1)
     throw std::invalid_argument("DART built " + std::to_string(bodies) + " bodies from " +
@@ -39,11 +39,11 @@ dd::SkeletonPtr load_skeleton(const RobotModel& model) {
   return skeleton;
 }
 
-/// What acts on a body from outside, in W.
+/// External wrench on a body, in W.
 struct ExternalLoad {
   dd::BodyNode* body;
   math::Wrench wrench;
-  Eigen::Vector3d point;  // the wrench's reference
+  Eigen::Vector3d point;  // reference point of the wrench
 
   math::Wrench about(const Eigen::Vector3d& p_W) const {
     return math::move_reference(wrench, p_W - point);
@@ -65,7 +65,7 @@ struct Robot::Dynamics {
   std::unique_ptr<HandDrive> hand;
   Eigen::Vector3d gravity;
   double proportional = 0, derivative = 0;
-  std::vector<ExternalLoad> external;  // the first one is the hand's
+  std::vector<ExternalLoad> external;  // the first one belongs to the hand
   Eigen::VectorXd torque, inverse;
   bool torque_limited = false;
   std::int64_t torque_limited_steps = 0;
@@ -76,7 +76,7 @@ struct Robot::Dynamics {
     return found;
   }
 
-  /// The load of set_link_load, if there is one.
+  /// The load set by set_link_load, or none.
   ExternalLoad* load_on(const dd::BodyNode* link) {
     const auto known =
         std::find_if(external.begin() + 1, external.end(),
@@ -97,7 +97,7 @@ struct Robot::Dynamics {
       if (is_beyond(b, sensor)) load.push_back(b);
   }
 
-  /// Whether `ancestor` is `body` or lies between it and the root.
+  /// Whether `ancestor` is `body` itself or lies between it and the root.
   static bool is_beyond(const dd::BodyNode* body, const dd::BodyNode* ancestor) {
     while (body && body != ancestor) body = body->getParentBodyNode();
     return body;
@@ -139,7 +139,8 @@ struct Robot::Dynamics {
   }
 
   /// Torques (N m, of the whole skeleton) of the motion in which the arm's joints accelerate as
-  /// given and all others keep their velocity: M ddq + c + g, in O(n) by Newton and Euler.
+  /// given and all others keep their velocity: M ddq + c + g, in O(n) by the recursive Newton-Euler
+  /// algorithm.
   const Eigen::VectorXd& inverse_dynamics(const Eigen::VectorXd& ddq) {
     for (std::size_t i = 0; i < skeleton->getNumDofs(); ++i)
       skeleton->getDof(i)->setAcceleration(0);
@@ -151,9 +152,9 @@ struct Robot::Dynamics {
   }
 
   /// Computed torque: M (ddq_d + K_d (dq_d - dq) + K_p (q_d - q)) + c + g - J^T F. The object's
-  /// load is taken into account as an arm with joint torque sensors does.
+  /// load is compensated, as an arm with joint torque sensors does.
   void apply_torque(double dt, const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) {
-    // The errors of this instant: the follower's step leads to the end of the tick.
+    // Errors at the current instant: the follower's step leads to the end of the tick.
     const Eigen::VectorXd feedback = derivative * (follower->velocity() - velocities(arm)) +
                                      proportional * (follower->position() - positions(arm));
     follower->step(dt, jacobian, positions(arm));
@@ -257,8 +258,8 @@ math::Twist Robot::flange_twist() const {
 
 Eigen::Matrix<double, 6, Eigen::Dynamic> Robot::flange_jacobian() const {
   const Dynamics& d = *dynamics_;
-  // By reference. Its columns are the joints between the root and the
-  // flange, angular rows first.
+  // Returned by reference. The columns are the joints between the root and the flange, angular rows
+  // first.
   const dart::math::Jacobian& all = d.flange->getWorldJacobian();
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian(6, joint_count());
   jacobian << all.bottomRows<3>(), all.topRows<3>();

@@ -12,8 +12,8 @@
 
 namespace palpate::robot {
 
-/// Links of the URDF file that serve as frames. All are fixed to the arm's last moving link, and
-/// everything beyond `sensor` is the load that the force-torque sensor feels.
+/// Links of the URDF file that serve as frames. All are fixed to the arm's last moving link;
+/// everything beyond `sensor` is the load measured by the force-torque sensor.
 struct FrameNames {
   std::string flange = "flange";  // E
   std::string sensor = "sensor";  // S
@@ -33,26 +33,26 @@ struct ImuReading {
   Eigen::Vector3d angular_velocity;  // rad/s in I
 };
 
-/// An arm with a hand in a DART world, moved by commanded velocities through inverse dynamics. W is
-/// the frame of the URDF's root link, which is fixed. The arm's joints are those between the root
-/// and the flange. The hand's are those beyond it that have limits of speed and effort; they keep
-/// their place until they are commanded. All others keep it for good. Every quantity is that of the
-/// end of the last step.
+/// An arm with a hand in a DART world, driven by commanded velocities through inverse dynamics. W
+/// is the frame of the URDF's root link, which is fixed. The arm's joints are those between the
+/// root and the flange. The hand's joints are those beyond the flange that have speed and effort
+/// limits; they hold their position until commanded. All other joints hold their position
+/// throughout. Every quantity refers to the end of the last step.
 class Robot {
  public:
-  /// Throws std::invalid_argument where the model cannot be used.
+  /// Throws std::invalid_argument if the model cannot be used.
   Robot(const RobotModel& model, const RobotOptions& options);
   Robot(Robot&& other) noexcept;
   ~Robot();
 
   int joint_count() const;
-  /// Of its model, on masses and inertias.
+  /// Warnings about the model's masses and inertias.
   const std::vector<std::string>& remarks() const;
-  /// What DART itself uses for it, in a line.
+  /// The settings that DART itself reports for it, in one line.
   std::string effective_options() const;
   const JointLimits& limits() const;
 
-  /// At rest in `q` (rad). Throws where a joint is beyond its limits.
+  /// Resets to rest at `q` (rad). Throws if a joint is outside its limits.
   void set_joints(const Eigen::VectorXd& q);
 
   /// A command holds until the next one, at most for the follower's time-out.
@@ -63,10 +63,10 @@ class Robot {
   /// Wrench of the object on the hand about the point p_W, in W; acts in every step until replaced.
   void set_hand_load(const math::Wrench& F_W, const Eigen::Vector3d& p_W);
 
-  /// The same on one link, beside that on the hand; what touches a finger moves its joints. Throws
-  /// std::invalid_argument where there is no such link.
+  /// The same on one link, in addition to the wrench on the hand; a load on a finger moves its
+  /// joints. Throws std::invalid_argument if there is no such link.
   void set_link_load(const std::string& link, const math::Wrench& F_W, const Eigen::Vector3d& p_W);
-  /// The wrench set last, about its own reference point; none at first.
+  /// The wrench set last, about its own reference point; zero at first.
   math::Wrench link_load(const std::string& link) const;
 
   void step(double dt);
@@ -74,7 +74,8 @@ class Robot {
   Eigen::VectorXd joint_positions() const;   // rad
   Eigen::VectorXd joint_velocities() const;  // rad/s
   Eigen::VectorXd joint_torques() const;     // N m, of the last step
-  /// Whether a torque limit cut what the last step asked for, and in how many steps one did.
+  /// Whether a torque limit clipped the last step's request, and the number of steps in which one
+  /// did.
   bool torque_limited() const;
   std::int64_t torque_limited_steps() const;
   math::Pose flange_pose() const;    // X_WE
@@ -82,25 +83,26 @@ class Robot {
   /// 6 x n: flange twist by joint velocities, linear first.
   Eigen::Matrix<double, 6, Eigen::Dynamic> flange_jacobian() const;
 
-  /// What the sensor exerts on its load at the origin of S, in S: Newton and Euler's laws summed
-  /// over every body beyond S, from DART's accelerations, less the object's load.
+  /// Wrench of the sensor on its load at the origin of S, in S: Newton-Euler equations summed over
+  /// every body beyond S, from DART's accelerations, minus the object's load.
   math::Wrench sensor_wrench() const;
   ImuReading imu() const;
 
   bool has_link(const std::string& name) const;
-  /// Throw std::invalid_argument where there is no such link.
+  /// Throw std::invalid_argument if there is no such link.
   math::Pose link_pose(const std::string& name) const;
   math::Twist link_twist(const std::string& name) const;  // of the link's origin, in W
 
   /// The hand's joints, in the order of its targets.
   const std::vector<std::string>& hand_joint_names() const { return hand_joint_names_; }
-  /// Which of them lie between the flange and this link, from the flange on. Throws as link_pose.
+  /// Indices of the joints between the flange and this link, starting at the flange. Throws as
+  /// link_pose.
   std::vector<int> hand_joints_to(const std::string& link) const;
   const JointLimits& hand_limits() const;
-  /// At rest in `q` (rad). Throws where a joint is beyond its limits.
+  /// Resets to rest at `q` (rad). Throws if a joint is outside its limits.
   void set_hand(const Eigen::VectorXd& q);
-  /// Targets of all the hand's joints, rad, cut to their limits; they hold until replaced. Throws
-  /// std::invalid_argument where they are too few, too many or not finite.
+  /// Targets of all the hand's joints, rad, clamped to their limits; they hold until replaced.
+  /// Throws std::invalid_argument if their number is wrong or a value is not finite.
   void command_hand(const Eigen::VectorXd& targets);
   Eigen::VectorXd hand_positions() const;   // rad
   Eigen::VectorXd hand_velocities() const;  // rad/s

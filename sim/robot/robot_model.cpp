@@ -13,7 +13,7 @@
 namespace palpate::robot {
 namespace {
 
-/// How many children of this tag there are; throws where one has no name.
+/// Number of children with this tag; throws if one has no name.
 int count_named(const tinyxml2::XMLElement& root, const char* tag, const std::string& file) {
   int count = 0;
   for (auto* e = root.FirstChildElement(tag); e; e = e->NextSiblingElement(tag), ++count)
@@ -29,7 +29,7 @@ math::Pose to_pose(const urdf::Pose& pose) {
                          {pose.position.x, pose.position.y, pose.position.z});
 }
 
-/// False for shapes that are no primitives.
+/// Returns false for shapes that are not primitives.
 bool to_shape(const urdf::Geometry& geometry, VisualShape& shape) {
   switch (geometry.type) {
     case urdf::Geometry::BOX: {

@@ -8,11 +8,11 @@
 
 namespace palpate::robot {
 namespace {
-/// The desired trajectory never runs further than this ahead of the joints, so that an arm that its
-/// torque limits hold back does not wind up.
+/// Largest lead of the desired trajectory over the joints, which prevents wind-up of an arm at its
+/// torque limits.
 constexpr double kLead = 0.05;  // rad
 
-/// Speed at a distance from a joint's end: braking takes half the acceleration limit.
+/// Speed limit at a distance from a joint's end: braking uses half the acceleration limit.
 double fastest(double gap, double acceleration) {
   return gap > 0 ? std::min(10 * gap, std::sqrt(acceleration * gap)) : 0.0;
 }
@@ -97,7 +97,7 @@ void VelocityFollower::step(double dt, const Eigen::Matrix<double, 6, Eigen::Dyn
   Eigen::VectorXd change = target - velocity_;
   const double excess = change.cwiseAbs().maxCoeff() / most;
   if (excess > 1) change /= excess;
-  // A joint that has to brake before its end does not wait for the others.
+  // A joint that must brake before its limit does not wait for the others.
   for (Eigen::Index i = 0; i < change.size(); ++i)
     change(i) = std::clamp(
         std::clamp(change(i), -fastest_down(i) - velocity_(i), fastest_up(i) - velocity_(i)), -most,

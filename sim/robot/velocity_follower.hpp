@@ -8,23 +8,23 @@
 namespace palpate::robot {
 
 struct FollowerOptions {
-  double acceleration = 15;       // rad/s^2, limit of every joint
-  double limit_margin = 0.02;     // rad kept from each position limit
-  double posture_gain = 1;        // 1/s, pull towards the posture in the null space
-  double singularity = 0.05;      // smallest singular value below which rates are damped
+  double acceleration = 15;       // rad/s^2, acceleration limit of every joint
+  double limit_margin = 0.02;     // rad, margin to each position limit
+  double posture_gain = 1;        // 1/s, null-space gain towards the posture
+  double singularity = 0.05;      // smallest singular value below which the joint rates are damped
   double damping = 0.05;          // damping at a singularity
   double command_time_out = 0.1;  // s without a command until the arm stops
 };
 
 /// Turns commanded velocities into a joint trajectory within limits: a flange twist by damped least
-/// squares, the rest of the freedom pulled to a posture (Siciliano et al., Robotics, 3.5), then
-/// limits on speed, on nearness to the joints' ends and on acceleration. A command that is not
-/// renewed for command_time_out is replaced by zero, reached at the acceleration limit.
+/// squares, null-space motion towards a posture (Siciliano et al., Robotics, 3.5), then limits on
+/// speed, on proximity to the joints' ends and on acceleration. A command that is not renewed
+/// within command_time_out is replaced by zero, reached at the acceleration limit.
 class VelocityFollower {
  public:
   VelocityFollower(JointLimits limits, const FollowerOptions& options);
 
-  /// Joint positions at rest; they become the posture as well.
+  /// Joint positions at rest; they also become the posture.
   void reset(const Eigen::VectorXd& q);
 
   /// Twist of the flange in W, linear first.
@@ -45,7 +45,7 @@ class VelocityFollower {
  private:
   enum class Mode { kStop, kTwist, kJoint };
   Eigen::VectorXd resolved_rates(const Eigen::Matrix<double, 6, Eigen::Dynamic>& jacobian) const;
-  /// Fastest that joint i may move up or down with room to brake before its end.
+  /// Largest speed of joint i upwards or downwards that leaves room to brake before its limit.
   double fastest_up(Eigen::Index i) const;
   double fastest_down(Eigen::Index i) const;
   void limit(Eigen::VectorXd& target) const;

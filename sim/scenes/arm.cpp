@@ -7,10 +7,10 @@ namespace palpate::scenes {
 namespace {
 
 constexpr const char* kKeys[] = {"robot", "second_arm"};
-constexpr double kSlippingShare = 0.5;  // of the pads' area: not just its rim
-constexpr double kMotionGain = 10;      // 1/s, of the pose error onto the twist
+constexpr double kSlippingShare = 0.5;  // fraction of the pads' area: more than their rim
+constexpr double kMotionGain = 10;      // 1/s, gain from the pose error to the twist
 
-/// Of all the hand's joints, rad.
+/// Of all joints of the hand, rad.
 Eigen::VectorXd initial_hand(const robot::Robot& robot,
                              const std::map<std::string, double>& joints) {
   const std::vector<std::string>& names = robot.hand_joint_names();
@@ -43,8 +43,8 @@ FingertipCoupling make_fingertips(const config::Node& root, const ArmScene& scen
   }
 }
 
-/// Whether the hand holds the object, and whether it slips: by its pads where it has some, by at
-/// least two fingertips otherwise.
+/// Whether the hand holds the object, and whether it slips: judged by its pads if it has any,
+/// otherwise by at least two fingertips.
 void judge_hold(const object::Plant& plant, int hand, int tips, sensors::HandReading& reading) {
   if (plant.grasped(hand)) {
     reading.holding = true;

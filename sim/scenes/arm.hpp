@@ -20,29 +20,29 @@
 
 namespace palpate::scenes {
 
-/// What a scene file says of one arm and its hand. W is the frame of this arm's base.
+/// Settings of one arm and its hand in a scene file. W is the frame of this arm's base.
 struct ArmScene {
   std::string urdf;
   robot::RobotOptions robot;
-  math::Pose X_WO = math::Pose::Identity();    // where the object's frame stands
+  math::Pose X_WO = math::Pose::Identity();    // pose of the object's frame
   Eigen::VectorXd initial_joints;              // rad
   std::map<std::string, double> initial_hand;  // rad, by joint; the others are at zero
   math::Pose X_EG = math::Pose::Identity();
 
-  std::vector<Fingertip> fingertips;  // that touch the object; none: the fingers are air
-  std::vector<HandAction> hand;       // beside what HAND_COMMAND says
+  std::vector<Fingertip>
+      fingertips;                // in contact with the object; empty: the fingers do not touch it
+  std::vector<HandAction> hand;  // in addition to HAND_COMMAND
 
   sensors::SensorTable sensors;
-  std::optional<MotionPlan> motion;  // none: the arm obeys the daemon
-  std::optional<bus::Key> key;       // of commands; none: nothing is checked
+  std::optional<MotionPlan> motion;  // empty: the arm follows the daemon's commands
+  std::optional<bus::Key> key;  // for authentication of commands; empty: commands are not checked
 };
 
-/// One arm with its hand and sensors, which holds the object by the plant's grasp of the same
-/// number, or by fingertips. Arms know nothing of each other: they are coupled by the object alone,
-/// and do not collide.
+/// One arm with its hand and sensors, which holds the object through the plant's grasp of the same
+/// index, or by fingertips. Arms are coupled only through the object and do not collide.
 class Arm {
  public:
-  /// Arm 0 or 1; all that is random in its sensors comes from `seed`. Subscribes. Throws
+  /// Arm 0 or 1; all randomness of its sensors derives from `seed`. Subscribes. Throws
   /// config::Error at the keys of `root`.
   Arm(const config::Node& root, const ArmScene& scene, int index, std::uint64_t seed,
       bus::MessageBus& control, std::int64_t session, std::int64_t start_utime);
@@ -56,14 +56,14 @@ class Arm {
   void obey();
 
   /// One tick of `dt` s that begins at `time` s: follows the scene's motion or the last commands,
-  /// with the object's reaction of the tick before on palm and fingertips.
+  /// with the object's reaction of the previous tick on palm and fingertips.
   void step(std::int64_t tick, double time, double dt, const object::Plant& plant);
 
-  /// Sends the plant's hand and fingertips to where the arm is now.
+  /// Passes the current pose of the arm to the plant's hand and fingertips.
   void lead(object::Plant& plant) const;
 
   void sample(std::int64_t now_us, const object::Plant& plant);
-  /// Sends what the sensors have to tell by now.
+  /// Publishes the sensor readings that have arrived.
   void publish(std::int64_t now_us);
 
   const robot::Robot& robot() const { return *robot_; }
@@ -71,7 +71,7 @@ class Arm {
   const CommandReceiver& commands() const { return commands_; }
   const ArmScene& scene() const { return scene_; }
   math::Pose grasp_in_object() const;  // X_OG
-  /// What the scene's motion asks for; the first pose where there is none.
+  /// The target of the scene's motion; the first pose if the scene has none.
   math::Pose grasp_target(double time) const;
 
  private:
@@ -89,7 +89,7 @@ class Arm {
   sensors::SensorSuite sensors_;
   CommandReceiver commands_;
   SensorPublisher publisher_;
-  std::size_t next_action_ = 0;  // of the scene's plan for the hand
+  std::size_t next_action_ = 0;  // of the scene's schedule for the hand
 };
 
 }  // namespace palpate::scenes

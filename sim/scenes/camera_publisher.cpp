@@ -53,16 +53,16 @@ void CameraPublisher::step(std::int64_t now_us, const std::vector<Arm>& arms,
     ++pictures_;
     collect(!may_lag_);
     if (is_occluded(now_us)) {
-      // No picture.
+      // Marks an omitted image.
     } else if (camera_.busy()) {
       ++left_out_;
     } else {
-      // Noise of a picture depends on its number alone, not on what was left out before.
+      // The noise of an image depends only on its index, not on which images were omitted before.
       camera_.submit(scenery_.now(arms, plant), noise_.split(std::to_string(pictures_)));
       drawn_us_ = now_us;
     }
   }
-  // No reading can arrive before its delay is over: only then is there a need to wait for it.
+  // No reading arrives before its delay has passed: waiting is needed only then.
   collect(!may_lag_ && now_us >= drawn_us_ + delay_us_);
   Reading reading;
   while (channel_.take(now_us, reading)) publish(reading);

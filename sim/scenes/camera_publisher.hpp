@@ -11,23 +11,23 @@
 
 namespace palpate::scenes {
 
-/// A scene's camera: SHAPE_OBSERVATION on the control bus, at the camera's rate, late and lossy as
-/// the sensor table says; none while something stands before it. Pictures are drawn in a thread of
-/// their own. By default the simulation waits for a picture when it is due to arrive, so that the
-/// same scene gives the same messages to the bit; a simulation that must keep up with the real
-/// clock lets the camera lag.
+/// A scene's camera: publishes SHAPE_OBSERVATION on the control bus, at the camera's rate, with
+/// delay and losses of the sensor table; nothing during an occlusion. Images are rendered in a
+/// separate thread. By default the simulation waits for an image when it is due to arrive, so that
+/// the same scene gives bit-identical messages; a real-time simulation lets the camera lag.
 class CameraPublisher {
  public:
-  /// The scene has a camera. Throws std::runtime_error where nothing can be drawn.
+  /// Precondition: the scene has a camera. Throws std::runtime_error if rendering is unavailable.
   CameraPublisher(bus::MessageBus& control, const Scene& scene, const std::vector<Arm>& arms,
                   std::int64_t session, std::int64_t start_utime);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
-  /// Never waits from now on: a picture that is not ready comes late, and one that would begin
-  /// while another is drawn is left out.
+  /// Disables waiting: an image that is not ready is sent late, and one due while another is
+  /// rendered is omitted.
   void let_lag() { may_lag_ = true; }
 
-  /// Once a tick, with time rising: takes a picture where one is due, sends what has arrived.
+  /// Call once per tick, with increasing time: takes an image if one is due, publishes what has
+  /// arrived.
   void step(std::int64_t now_us, const std::vector<Arm>& arms, const object::Plant& plant);
 
   std::int64_t left_out() const { return left_out_; }
@@ -47,7 +47,7 @@ class CameraPublisher {
   math::Random noise_;
   CameraScenery scenery_;
   camera::BackgroundCamera camera_;
-  std::int64_t drawn_us_ = 0;  // time of the picture that is being drawn
+  std::int64_t drawn_us_ = 0;  // sampling time of the image being rendered
   std::int64_t pictures_ = 0;
   std::int64_t left_out_ = 0;
   bool may_lag_ = false;

@@ -6,7 +6,7 @@ namespace palpate::scenes {
 namespace {
 
 constexpr double kRigThickness = 0.03;  // m
-constexpr double kRigOverhang = 1.6;    // its side lengths by those of the face
+constexpr double kRigOverhang = 1.6;    // side lengths relative to those of the face
 const draw::Colour kRigColour{0.35F, 0.37F, 0.40F, 1};
 
 draw::TriangleMesh mesh_of(const robot::VisualShape& visual) {
@@ -26,7 +26,7 @@ camera::Body make_body(draw::TriangleMesh mesh, const math::Pose& X, const draw:
   return {std::make_shared<const draw::TriangleMesh>(std::move(mesh)), X, colour, is_object};
 }
 
-/// In O; none where the clamp is not one face of the box.
+/// In O; none if the clamp is not a face of the box.
 std::optional<camera::Body> rig(const object::PlantOptions& plant) {
   if (!plant.clamp) return std::nullopt;
   const Eigen::Vector3d lower = plant.origin, upper = plant.origin + plant.size;

@@ -10,13 +10,14 @@
 
 namespace palpate::scenes {
 
-/// What stands before a scene's camera: arms and hands by the primitive shapes of their URDF file,
-/// the object, and a block of the test rig behind the face that it clamps.
+/// Bodies in view of a scene's camera: arms and hands as the primitive shapes of their URDF file,
+/// the object, and a block of the test rig behind the clamped face.
 class CameraScenery {
  public:
   CameraScenery(const Scene& scene, const std::vector<Arm>& arms);
 
-  /// Everything where it is now, in W of the first arm. A copy, which another thread may draw.
+  /// All bodies at their current poses, in W of the first arm. A copy, which another thread may
+  /// render.
   std::vector<camera::Body> now(const std::vector<Arm>& arms, const object::Plant& plant) const;
 
  private:

@@ -6,14 +6,14 @@
 
 namespace palpate::scenes {
 
-/// A scene's key "camera": where it stands (`pose` X_WC, or `eye` and `target` in W, the middle of
-/// the object at rest where it is absent), how the object is told from the rest (`segmentation`:
-/// colour or truth; `box` in O; `colour`, which the object is painted with; `tolerance`; `margin`)
-/// and how far apart its points are (`voxel`). The scene's object and sensors are read before.
-/// Throws config::Error.
+/// A scene's key "camera": its pose (`pose` X_WC, or `eye` and `target` in W; default target is the
+/// centre of the object at rest), how the object is segmented (`segmentation`: colour or truth;
+/// `box` in O; `colour` of the object; `tolerance`; `margin`) and the spacing of its points
+/// (`voxel`). Requires the scene's object and sensors to be read already. Throws config::Error.
 camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene);
 
-/// `occlusions` of the same key: from `at` on the camera sees and sends nothing for `duration` s.
+/// `occlusions` of the same key: the camera observes and sends nothing from `at` on for `duration`
+/// s.
 std::vector<Occlusion> read_occlusions(const config::Node& node);
 
 }  // namespace palpate::scenes

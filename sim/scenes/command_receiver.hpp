@@ -13,27 +13,28 @@
 
 namespace palpate::scenes {
 
-/// Hands the daemon's commands to arm and hand as a robot's driver does: the newest counts, one
-/// that is not valid stops the arm, one that is broken is rejected and counted. With a key, so is
-/// one that was not sealed with it, or that came before: a stray program cannot steer the arm.
+/// Passes the daemon's commands to arm and hand as a robot's driver does: the newest counts, an
+/// invalid one stops the arm, a malformed one is rejected and counted. With a key, commands without
+/// a valid authentication code or with an old counter are rejected as well: a stray program cannot
+/// move the arm.
 class CommandReceiver {
  public:
-  /// Of arm 0 or 1. Before the bus starts.
+  /// Of arm 0 or 1. Construct before the bus starts.
   explicit CommandReceiver(bus::MessageBus& control, int arm = 0,
                            const std::optional<bus::Key>& key = {});
 
-  /// From now on rejects what was sealed before `start_us`, wall clock.
+  /// From now on rejects commands signed before `start_us`, wall clock.
   void begin(std::int64_t start_us);
 
-  /// What moves the arm.
+  /// Applies the commands that move the arm.
   void apply(robot::Robot& robot);
   void apply(HandControl& hand);
 
   std::int64_t accepted() const { return accepted_; }
   std::int64_t rejected() const { return rejected_; }
-  /// Of those rejected, the ones without a valid code or with an old counter.
+  /// Number of the rejected commands without a valid code or with an old counter.
   std::int64_t refused() const;
-  /// That never came: gaps in the sequences, and what a full queue dropped.
+  /// Number of lost commands: gaps in the sequences, and drops by a full queue.
   std::int64_t lost() const;
 
  private:

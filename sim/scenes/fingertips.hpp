@@ -9,36 +9,36 @@
 
 namespace palpate::scenes {
 
-/// A link of the hand that carries a BioTac which touches the object.
+/// A link of the hand with a BioTac that touches the object.
 struct Fingertip {
   std::string link;                                  // one of fingertips_of(robot)
   math::Pose X_LT = math::Pose::Identity();          // frame of core/sensing/biotac_geometry.hpp
   object::FingertipOptions sphere{7e-3, 0, 0, 0.8};  // about the origin of T
 };
 
-/// Links of the hand that carry a BioTac, in the order of HAND_STATE and BIOTAC_0 to BIOTAC_4;
-/// those that the robot lacks are left out.
+/// Links of the hand with a BioTac, in the order of HAND_STATE and BIOTAC_0 to BIOTAC_4; links that
+/// the robot lacks are omitted.
 std::vector<std::string> fingertips_of(const robot::Robot& robot);
 
-/// Carries motion from the robot's fingertips to the plant's and force from these back, both ways
-/// without loss: a wrench that the plant exerts on a tip is what its link feels. `tips` are the
-/// plant's, in its order; a finger is a place in fingertips_of(robot).
+/// Transfers motion from the robot's fingertips to the plant's and forces back, consistently in
+/// both directions: the wrench of the plant on a tip acts on its link. `tips` are the plant's, in
+/// its order; a finger is an index into fingertips_of(robot).
 class FingertipCoupling {
  public:
-  /// `X_WO`: where the object's frame stands. Throws std::invalid_argument where a link is no
-  /// fingertip of the robot or is named twice.
+  /// `X_WO`: pose of the object's frame. Throws std::invalid_argument if a link is not a fingertip
+  /// of the robot or is named twice.
   FingertipCoupling(std::vector<Fingertip> tips, const robot::Robot& robot, const math::Pose& X_WO);
 
-  /// Sends the plant's tips to where the links are now, at their speed.
+  /// Moves the plant's tips to the current poses of the links, with their velocities.
   void move(const robot::Robot& robot, object::Plant& plant) const;
 
-  /// Puts the mean wrenches of the plant's last step on the links.
+  /// Applies the mean wrenches of the plant's last step to the links.
   void load(const object::Plant& plant, robot::Robot& robot) const;
 
-  /// X_ET of every finger, with a tip in the plant or without.
+  /// X_ET of every finger, with or without a tip in the plant.
   std::vector<math::Pose> poses_in_flange(const robot::Robot& robot) const;
 
-  /// By finger, what its BioTac feels now; empty where the plant has no tips.
+  /// Contacts on each finger's BioTac now; empty if the plant has no tips.
   std::vector<std::vector<sensors::Touch>> touches(const robot::Robot& robot,
                                                    const object::Plant& plant) const;
 

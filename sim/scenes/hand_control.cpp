@@ -8,9 +8,10 @@ namespace {
 constexpr const char* kThumb = "th_tip";
 constexpr std::int64_t kTicks = 10;  // 100 Hz
 constexpr double kThumbStep = 0.03;  // rad
-constexpr double kBandRatio = 0.1;   // lower to upper end, as the thesis' 0.1 N to 1 N
+constexpr double kBandRatio =
+    0.1;  // lower relative to upper end of the band, as the thesis' 0.1 N to 1 N
 
-/// The first joint of a finger spreads it, or turns the thumb; the others close it.
+/// The first joint of a finger abducts it, or rotates the thumb; the others close it.
 std::vector<robot::Finger> fingers_of(const robot::Robot& robot) {
   std::vector<robot::Finger> fingers;
   for (const std::string& tip : fingertips_of(robot)) {

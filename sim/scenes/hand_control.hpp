@@ -10,26 +10,26 @@
 
 namespace palpate::scenes {
 
-/// Something that a scene tells the hand to do.
+/// A scheduled command of a scene to the hand.
 struct HandAction {
   double at = 0;  // s
   hand_command_t command{};
 };
 
 /// The hand's own controller: OPEN opens the fingers, CLOSE closes them reactively into the thesis'
-/// force band, HOLD into a band whose upper end is the force commanded. Contact forces are those
-/// that act on the fingertips' links (Robot::set_link_load). Until the first command the fingers
-/// keep their place.
+/// force band, HOLD into a band whose upper end is the commanded force. Contact forces are those
+/// acting on the fingertips' links (Robot::set_link_load). Until the first command the fingers hold
+/// their position.
 class HandControl {
  public:
-  static constexpr double kMostForce = 20;  // N, that HOLD may ask for
+  static constexpr double kMostForce = 20;  // N, largest force of HOLD
 
   explicit HandControl(const robot::Robot& robot);
 
-  /// False where the command asks for something that no hand can do.
+  /// False if the command is not feasible for a hand.
   bool accept(const hand_command_t& command);
 
-  /// Once a tick of 1 ms.
+  /// Call once per tick of 1 ms.
   void step(std::int64_t tick, robot::Robot& robot);
 
   const robot::ReactiveGrasp& grasp() const { return grasp_; }

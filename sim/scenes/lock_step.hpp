@@ -11,23 +11,24 @@
 
 namespace palpate::scenes {
 
-/// The simulator's side of the stepped clock: SIM_TICK after each tick, sent again every 5 ms until
-/// the daemon answers TICK_DONE, since UDP may lose either. What else is lost, sensors' messages or
-/// commands, is not sent again.
+/// The simulator's side of the stepped clock: sends SIM_TICK after each tick, and again every 5 ms
+/// until the daemon answers with TICK_DONE, since UDP may lose either. Other lost messages, of
+/// sensors or commands, are not resent.
 class LockStep {
  public:
   enum class Answer { kDone, kNone, kStopped };
 
-  /// Before the bus starts, without a thread. `patience`: s to wait for an answer, which a
-  /// busy machine may take long for.
+  /// Construct before the bus starts; uses no thread. `patience`: s to wait for an answer, which
+  /// may take long on a busy machine.
   LockStep(bus::MessageBus& control, std::int64_t session, double patience = kPatience);
   static constexpr int kPatience = 20;
 
-  /// Says that `tick` is over: all its messages are out.
+  /// Announces that all messages of `tick` have been sent.
   void send(std::int64_t tick, std::int64_t period_us, std::int64_t utime);
 
-  /// Waits for the answer to the tick sent last, or until `stop` is set. What the daemon published
-  /// before it has been received then, and nothing comes after it before the next tick is sent.
+  /// Waits for the answer to the last tick, or until `stop` is set. Everything that the daemon
+  /// published before the answer has then been received, and it publishes nothing more before the
+  /// next tick is sent.
   Answer wait(const std::atomic<bool>& stop);
 
   std::int64_t repeats() const { return repeats_; }

@@ -56,9 +56,10 @@ nlohmann::json run_real_time(Simulation& simulation, bus::MessageBus& control, s
           {"time_lost_ms", 1e-6 * pacer.lost_ns()}};
 }
 
-/// Computes a tick while the daemon works on the one before. Commands are taken between its answer
-/// and the next tick's messages, so that the answer to tick k acts in tick k + 2 whatever the
-/// machine does, and a tick's messages are sent once the daemon is through with those before.
+/// Computes a tick while the daemon processes the previous one. Commands are taken between its
+/// answer and the next tick's messages, so that the answer to tick k acts in tick k + 2 regardless
+/// of the machine's speed, and a tick's messages are sent after the daemon has finished with the
+/// previous ones.
 nlohmann::json run_fast(Simulation& simulation, LockStep& lock_step, std::int64_t ticks) {
   if (simulation.tick() < ticks) simulation.advance();
   while (!stop) {
@@ -106,7 +107,7 @@ int run(const Options& options) {
   const palpate::scenes::Origin origin{bus::random_session(), 0};
   Simulation simulation(node, *control, *housekeeping, origin);
   LockStep lock_step(*control, origin.session);
-  control->start_without_thread();  // nothing is read from the housekeeping bus
+  control->start_without_thread();  // the housekeeping bus is only written
   spdlog::info("palpate-sim {}: {} nodes, {}", PALPATE_VERSION,
                simulation.object().positions().cols(),
                simulation.scene().motion ? "moves by itself" : "obeys commands");
@@ -119,7 +120,7 @@ int run(const Options& options) {
     spdlog::info("its motion takes {:.1f} s", simulation.scene().motion->duration());
 
   const auto begin = Clock::now();
-  // What is made of time stamps depends on them to the bit, through rounding.
+  // Values derived from time stamps depend on them down to the last bit, through rounding.
   simulation.start_clock(options.fast ? 0 : bus::wall_clock_us());
   const std::int64_t ticks = options.duration > 0
                                  ? std::llround(options.duration / Simulation::kPeriod)

@@ -5,7 +5,7 @@
 namespace palpate::scenes {
 namespace {
 
-/// A message must tell a deviation; a perfect tracker's is this, m.
+/// A message must report a standard deviation; for a perfect tracker it is this, m.
 constexpr double kLeastDeviation = 1e-6;
 
 }  // namespace
@@ -50,7 +50,8 @@ void MarkerPublisher::step(std::int64_t now_us, const object::HyperelasticPlant&
       for (int k = 0; k < 3; ++k) error[k] = options_.noise * noise_.normal();
       reading.points_W.col(i) = X_WO_ * markers_[i].interpolate(plant.positions()) + error;
     }
-    // Noise is drawn in any case, so that an occlusion does not change that of later readings.
+    // Noise is drawn in every case, so that an occlusion does not change the noise of later
+    // readings.
     if (!is_occluded(now_us)) channel_.put(now_us, std::move(reading));
   }
   Reading reading;

@@ -13,19 +13,20 @@
 
 namespace palpate::scenes {
 
-/// A tracker of markers stuck to the object: SHAPE_OBSERVATION on the control bus with point i at
-/// marker i, at a rate, late, noisy and lossy as the scene says; none while something stands before
-/// it. Where a depth camera sees points that nobody can name, a tracker tells them apart: this is
-/// the perfect sight of the published shape controllers, made worse at will.
+/// A tracker of markers attached to the object: publishes SHAPE_OBSERVATION on the control bus with
+/// point i at marker i; rate, delay, noise and losses as given by the scene; nothing during an
+/// occlusion. Unlike the points of a depth camera, the markers are identified: this is the ideal
+/// vision assumed by the published shape controllers, degraded as configured.
 class MarkerPublisher {
  public:
-  /// The scene has markers. Throws std::invalid_argument where a marker is not on the object.
+  /// Precondition: the scene has markers. Throws std::invalid_argument if a marker is not on the
+  /// object.
   MarkerPublisher(bus::MessageBus& control, const Scene& scene,
                   const object::HyperelasticPlant& plant, std::int64_t session,
                   std::int64_t start_utime);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
-  /// Once a tick, with time rising: looks where that is due, sends what has arrived.
+  /// Call once per tick, with increasing time: samples if due, publishes what has arrived.
   void step(std::int64_t now_us, const object::HyperelasticPlant& plant);
 
  private:

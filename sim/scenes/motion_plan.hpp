@@ -8,7 +8,7 @@
 
 namespace palpate::scenes {
 
-/// One pose to go to and to stay at.
+/// A target pose, with the durations of move and hold.
 struct Leg {
   double move = 0;                                        // s
   double hold = 0;                                        // s
@@ -17,14 +17,14 @@ struct Leg {
 };
 
 /// A sequence of poses, joined by minimum-jerk motions along straight lines and about fixed axes;
-/// then, where there is one, a wander about the last of them.
+/// then, optionally, a random motion (wander) about the last of them.
 class MotionPlan {
  public:
   /// `start_delay`: s before the first leg.
   MotionPlan(std::vector<Leg> legs, double start_delay, std::optional<Wander> wander = {});
 
   MotionPoint at(double time) const;
-  double duration() const { return duration_; }  // s, with the last hold and the wander
+  double duration() const { return duration_; }  // s, including the last hold and the wander
   const std::vector<Leg>& legs() const { return legs_; }
   double start_delay() const { return start_delay_; }
 

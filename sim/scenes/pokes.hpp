@@ -8,30 +8,30 @@
 
 namespace palpate::scenes {
 
-/// A force on one point of the object by something that no sensor of the robot touches. It rises
-/// and falls along half a cosine, so that it does not ring.
+/// An external force on one point of the object that no sensor of the robot measures. It rises and
+/// falls along half a cosine, so that it excites no vibration.
 struct Poke {
-  static constexpr double kRamp = 0.1;  // s, or half the duration where that is shorter
+  static constexpr double kRamp = 0.1;  // s, or half the duration if that is shorter
 
-  double at = 0;                                    // s, when it begins
-  double duration = 0;                              // s, with rise and fall
+  double at = 0;                                    // s, start
+  double duration = 0;                              // s, including rise and fall
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, at rest, in O
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, in O
 
-  /// How much of the force acts at `time` (s), 0 to 1.
+  /// Fraction of the force that acts at `time` (s), 0 to 1.
   double share(double time) const;
 };
 
 /// The key `pokes` of a scene: a list of {at, duration, point, force}. Throws config::Error, also
-/// where a point lies outside the object of this size (m, from the origin of O).
+/// if a point lies outside the object of this size (m, from the origin of O).
 std::vector<Poke> read_pokes(const config::Node& scene, const Eigen::Vector3d& size);
 
-/// Puts the pokes on the plant, whose applied forces are theirs alone.
+/// Applies the pokes to the plant, whose applied forces come only from here.
 class Pokes {
  public:
   explicit Pokes(std::vector<Poke> pokes) : pokes_(std::move(pokes)) {}
 
-  /// Forces of this time (s), for the plant's next step.
+  /// Sets the forces at this time (s), for the plant's next step.
   void apply(double time, object::Plant& plant) noexcept;
 
  private:

@@ -48,9 +48,9 @@ object::GraspOptions read_grasp(const config::Node& node, const char* box) {
   return grasp;
 }
 
-/// What palpate-fit has found, as far as the plant can be made of it: Young's modulus and Poisson's
-/// ratio of small strain, one Maxwell branch, and damping, whose part by stiffness becomes the
-/// viscosity that is as strong in shear.
+/// The result of palpate-fit, as far as the plant can represent it: Young's modulus and Poisson's
+/// ratio at small strain, one Maxwell branch, and damping, whose stiffness-proportional part
+/// becomes the viscosity that is equally strong in shear.
 void take_fitted(const config::Node& object, const config::Node& material,
                  const config::MaterialFile& file, object::PlantOptions& plant) {
   const std::string model = file.model();
@@ -70,7 +70,7 @@ void take_fitted(const config::Node& object, const config::Node& material,
                              file.constant("relaxation_time", {1e-6, 1e6}, 0)});
 }
 
-/// Section `material`, and what `material_file` puts over it.
+/// Section `material`, overridden by `material_file`.
 void read_material(const config::Node& object, object::PlantOptions& plant) {
   const config::Node material = config::material_section(object);
   const auto file = config::MaterialFile::read(object);
@@ -160,7 +160,7 @@ void read_object(const config::Node& node, Scene& scene) {
     if (plant.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
     plant.grasps.push_back(read_grasp(node, "second_grasp_box"));
   }
-  // An object that two hands hold needs no rig.
+  // An object held by two hands needs no rig.
   if (node.has("clamp_box") || plant.grasps.size() < 2)
     plant.clamp = read_box(node.child({"clamp_box", "", "what a rig holds fast"}));
   scene.object_gravity = node.flag({"gravity", "", "whether gravity acts on the object"}, true);
@@ -222,8 +222,9 @@ std::vector<HandAction> read_hand(const config::Node& node) {
   return actions;
 }
 
-/// Motion that no list of poses says: `duration` and `rise` (s), `seed`, `periods` (s, shortest and
-/// longest of its waves), most of each axis of `translation` (m) and `rotation_deg`.
+/// Random motion without a list of poses: `duration` and `rise` (s), `seed`, `periods` (s, shortest
+/// and longest of its sine waves), largest amplitude per axis of `translation` (m) and
+/// `rotation_deg`.
 Wander read_wander(const config::Node& node) {
   WanderOptions options;
   options.duration = node.number({"duration", "s", "of the motion"}, {0.1, 3600});
@@ -266,8 +267,8 @@ MotionPlan read_motion(const config::Node& node) {
                     wander);
 }
 
-/// The keys of `robot`, the pose of its base in that of the first arm, and what is its own of
-/// motion and sensors.
+/// The keys of `robot`, the pose of its base relative to that of the first arm, and its own motion
+/// and sensors.
 ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   if (scene.plant.grasps.size() < 2)
     node.fail("", "needs object.second_grasp_box, which says where its hand holds the object");
@@ -289,7 +290,7 @@ ArmScene read_second_arm(const config::Node& node, const Scene& scene) {
   return arm;
 }
 
-/// {at, box}: from `at` on what lies in the box at rest bears nearly nothing.
+/// {at, box}: from `at` on the material within the box at rest has nearly no stiffness.
 std::vector<Cut> read_cuts(const config::Node& node) {
   std::vector<Cut> cuts;
   for (const config::Node& item :
@@ -302,7 +303,7 @@ std::vector<Cut> read_cuts(const config::Node& node) {
 }
 
 /// A tracker of markers at `rest_points`: `rate` (Hz), `delay` (s), `drop_out`, `noise` (m) and
-/// `occlusions` as of a camera.
+/// `occlusions` as for a camera.
 MarkerOptions read_markers(const config::Node& node, const Scene& scene) {
   constexpr std::size_t kMost = 256;
   const Eigen::Vector3d lower = scene.plant.origin, upper = lower + scene.plant.size;

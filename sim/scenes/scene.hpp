@@ -21,19 +21,19 @@ struct BusUrls {
   std::string pictures = "udpm://239.255.76.69:7669?ttl=0";
 };
 
-/// Something stands before the camera for a while, s.
+/// Occlusion of the camera for a while, s.
 struct Occlusion {
   double at = 0;
   double duration = 0;
 };
 
-/// A knife goes through the object.
+/// A cut through the object by a knife.
 struct Cut {
   double at = 0;    // s
   object::Box box;  // at rest, in O
 };
 
-/// Markers on the object that a tracker sees and tells apart.
+/// Markers on the object, which a tracker observes and identifies.
 struct MarkerOptions {
   std::vector<Eigen::Vector3d> rest_points;  // in O, m; 1 to 256
   sensors::Timing timing;
@@ -41,24 +41,24 @@ struct MarkerOptions {
   std::vector<Occlusion> occlusions;
 };
 
-/// A scene file as a struct: the first arm, and what else there is.
+/// A scene file as a struct: the first arm and all optional parts.
 struct Scene : ArmScene {
   std::uint64_t seed = 1;
   BusUrls bus;
 
   std::optional<robot::SoftBoxOptions> soft_box;  // none: the object is hyperelastic
-  object::PlantOptions plant;  // but for the hands' poses at rest and gravity: the arms decide
+  object::PlantOptions plant;  // except the hands' rest poses and gravity, which the arms determine
   bool object_gravity = true;
   std::vector<Poke> pokes;
 
   std::optional<ArmScene> second_arm;
-  std::optional<camera::ShapeCameraOptions> camera;  // none: no SHAPE_OBSERVATION
-  std::vector<Occlusion> occlusions;                 // in their order
-  std::vector<Cut> cuts;                             // in their order
-  std::optional<MarkerOptions> markers;              // in place of a camera
+  std::optional<camera::ShapeCameraOptions> camera;  // empty: no SHAPE_OBSERVATION
+  std::vector<Occlusion> occlusions;                 // in chronological order
+  std::vector<Cut> cuts;                             // in chronological order
+  std::optional<MarkerOptions> markers;              // instead of a camera
 };
 
-/// Throws config::Error, also for keys that nobody knows.
+/// Throws config::Error, also for unknown keys.
 Scene read_scene(const config::Node& node);
 
 }  // namespace palpate::scenes

@@ -13,7 +13,7 @@
 
 namespace palpate::scenes {
 
-/// What has arrived from the sensors, as messages on the control bus. utime is the time of
+/// Publishes sensor readings that have arrived as messages on the control bus. utime is the time of
 /// sampling: start_utime plus simulated time.
 class SensorPublisher {
  public:
@@ -22,7 +22,7 @@ class SensorPublisher {
                   int arm = 0);
   void start_clock(std::int64_t start_utime) { start_utime_ = start_utime; }
 
-  /// Sends all readings that have arrived by `now_us`.
+  /// Publishes all readings that have arrived by `now_us`.
   void publish(sensors::SensorSuite& suite, std::int64_t now_us);
 
  private:

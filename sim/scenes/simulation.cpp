@@ -17,7 +17,7 @@ std::vector<Arm> make_arms(const config::Node& node, const Scene& scene, bus::Me
   arms.reserve(2);
   arms.emplace_back(node, scene, 0, scene.seed, control, origin.session, origin.start_utime);
   if (scene.second_arm) {
-    // The same sensors, but errors of their own.
+    // The same sensors, but with independent errors.
     const std::uint64_t seed = math::Random(scene.seed, "second_arm").next();
     arms.emplace_back(node, *scene.second_arm, 1, seed, control, origin.session,
                       origin.start_utime);

@@ -16,7 +16,7 @@
 
 namespace palpate::scenes {
 
-/// What a message says of when and by whom it was sent. The default makes runs alike to the bit.
+/// Time base and sender of the messages. The default makes runs bit-identical.
 struct Origin {
   std::int64_t session = 1;
   std::int64_t start_utime = 0;  // us; utime of a message is this plus simulated time
@@ -26,20 +26,20 @@ struct Origin {
 /// ticks of 1 ms, and nothing depends on the real clock: the same scene and the same commands give
 /// the same messages.
 ///
-/// One tick: commands that have arrived (or the scene's own motion) -> arms and hands, with the
-/// object's reaction on palm and fingertips -> object, with their new poses -> sensors -> messages.
-/// The reaction is that of the tick before; the object is a hundredth of the hand's mass.
+/// One tick: arrived commands (or the scene's own motion) -> arms and hands, with the object's
+/// reaction on palm and fingertips -> object, with their new poses -> sensors -> messages. The
+/// reaction is that of the previous tick; the object has a hundredth of the hand's mass.
 class Simulation {
  public:
   static constexpr std::int64_t kPeriodUs = 1000;
   static constexpr double kPeriod = 1e-6 * kPeriodUs;  // s
 
-  /// Builds the scene and lets the object come to rest under gravity. Subscribes; the caller starts
-  /// the buses afterwards. Throws config::Error (also where the robot's file cannot be used).
+  /// Builds the scene and lets the object settle under gravity. Subscribes; the caller starts the
+  /// buses afterwards. Throws config::Error (also if the robot's file cannot be used).
   Simulation(const config::Node& scene, bus::MessageBus& control, bus::MessageBus& housekeeping,
              const Origin& origin = {});
 
-  /// utime of tick 0 from now on, us: the wall clock once the object has settled. Before step().
+  /// Sets utime of tick 0, us: the wall clock once the object has settled. Call before step().
   void start_clock(std::int64_t start_utime) {
     origin_.start_utime = start_utime;
     for (Arm& arm : arms_) arm.start_clock(start_utime);
@@ -47,19 +47,18 @@ class Simulation {
     if (markers_) markers_->start_clock(start_utime);
   }
 
-  /// For a run against the real clock: the camera's pictures may come late and are never waited
-  /// for.
+  /// For a real-time run: the camera's images may be late and are never waited for.
   void let_camera_lag() {
     if (camera_) camera_->let_lag();
   }
 
-  /// One tick as a whole: obey(), advance(), publish().
+  /// One complete tick: obey(), advance(), publish().
   void step();
 
-  /// Its parts, for a simulation that goes on while others still work on its last messages. obey():
-  /// takes the commands that have arrived, for the next tick. advance(): arm, object and sensors.
-  /// publish(): what sensors have to tell by now; publish_truth(): what scores need, on the
-  /// housekeeping bus.
+  /// Parts of a tick, for a simulation that continues while others still process its last messages.
+  /// obey(): takes the commands that have arrived, for the next tick. advance(): arm, object and
+  /// sensors. publish(): sensor readings that have arrived; publish_truth(): ground truth for
+  /// evaluation, on the housekeeping bus.
   void obey();
   void advance();
   void publish();
@@ -73,16 +72,16 @@ class Simulation {
   int arm_count() const { return static_cast<int>(arms_.size()); }
   const Arm& arm(int index) const { return arms_[index]; }
   const object::Plant& object() const { return *plant_; }
-  /// Throws std::logic_error where the scene's object is of another kind.
+  /// Throws std::logic_error if the scene's object is of another kind.
   const object::HyperelasticPlant& plant() const;
-  const CameraPublisher* camera() const { return camera_.get(); }  // nullptr: the scene has none
+  const CameraPublisher* camera() const { return camera_.get(); }  // nullptr if the scene has none
   std::int64_t mesh_hash() const { return truth_.mesh_hash(); }
 
   // Of the first arm.
   const robot::Robot& robot() const { return arms_[0].robot(); }
   const CommandReceiver& commands() const { return arms_[0].commands(); }
   math::Pose grasp_in_object() const { return arms_[0].grasp_in_object(); }  // X_OG
-  /// What the scene's motion asks for now; the first pose where there is none.
+  /// Current target of the scene's motion; the first pose if the scene has none.
   math::Pose grasp_target() const { return arms_[0].grasp_target(time()); }
 
  private:

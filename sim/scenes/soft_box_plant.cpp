@@ -29,7 +29,7 @@ SoftBoxPlant::SoftBoxPlant(const robot::SoftBoxOptions& options,
   const Eigen::Matrix3Xi& triangles = body_.surface_triangles();
   elements_.resize(4, triangles.cols());
   elements_.topRows<3>() = triangles;
-  // Positive: seen from the core the triangles of the skin run the other way about.
+  // Positive: seen from the core the skin triangles are oriented the other way round.
   elements_.row(0).swap(elements_.row(1));
   elements_.row(3).setConstant(vertices);
   clamped_ = {vertices};
@@ -83,7 +83,7 @@ void SoftBoxPlant::read_touch(int tip) {
   const double pressing = touch.force.dot(touch.normal);
   touch.friction = touch.force - pressing * touch.normal;
   touch.depth = contact.depth;
-  // Of the cap of the sphere that lies within.
+  // Rest area of the spherical cap within the object.
   touch.area = kPi * touch.depth * std::max(0.0, 2 * tips_[tip].radius - touch.depth);
   touch.sticking = touch.friction.norm() < kSticking * friction_ * pressing;
 }

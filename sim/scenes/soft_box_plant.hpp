@@ -7,22 +7,23 @@
 
 namespace palpate::scenes {
 
-/// DART's soft box as the object of a scene: its core stays where it is, fingertips dent its skin,
-/// no hand can hold it. The last node is the middle of the core; a tetrahedron joins each triangle
-/// of the skin with it.
+/// DART's soft box as the object of a scene: its core is fixed, fingertips dent its skin, no hand
+/// can hold it. The last node is the centre of the core; a tetrahedron joins each skin triangle
+/// with it.
 class SoftBoxPlant final : public object::Plant {
  public:
-  /// Of the tips only the radius counts; friction is that of the box. Throws std::invalid_argument.
+  /// Only the radius of the tips is used; friction is that of the box. Throws
+  /// std::invalid_argument.
   SoftBoxPlant(const robot::SoftBoxOptions& options, std::vector<object::FingertipOptions> tips);
 
-  /// Lets the box come to rest, its fingertips standing still; sent there before.
+  /// Lets the box settle with its fingertips standing still; place them before.
   void settle();
 
-  /// DART allocates, and may throw bad_alloc, which ends the program.
+  /// DART allocates and may throw bad_alloc, which terminates the program.
   void step(double dt) noexcept override;
   int substeps() const override { return 1; }
   std::string effective_options() const { return body_.effective_options(); }
-  /// Tips get there at an even speed, without turning. First calls must be in the order of tips.
+  /// Tips move at constant velocity, without rotation. First calls must be in the order of tips.
   void move_fingertip(int tip, const Eigen::Vector3d& centre,
                       const math::Twist& velocity) noexcept override;
   int fingertip_count() const override { return static_cast<int>(tips_.size()); }
@@ -30,7 +31,7 @@ class SoftBoxPlant final : public object::Plant {
   Eigen::Vector3d fingertip_centre(int tip) const override { return body_.probe_position(tip); }
   math::Wrench fingertip_wrench(int tip) const override;
 
-  /// On the nearest vertex.
+  /// Acts on the nearest vertex.
   void push(const Eigen::Vector3d& rest_point, const Eigen::Vector3d& force) noexcept override;
   void clear_forces() noexcept override;
 
@@ -47,7 +48,7 @@ class SoftBoxPlant final : public object::Plant {
   double friction_;
   robot::DartSoftBody body_;
   std::vector<object::FingertipOptions> tips_;
-  int placed_ = 0;  // tips that have been sent somewhere
+  int placed_ = 0;  // tips that have been placed
   std::vector<Eigen::Vector3d> goals_;
   std::vector<object::FingertipTouch> touches_;
   Eigen::Matrix3Xd rest_, positions_;

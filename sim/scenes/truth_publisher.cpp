@@ -18,7 +18,7 @@ std::int64_t hash(const object::Plant& plant) {
   return fnv.signed_value();
 }
 
-/// Deals `values` out over as many chunks as are needed, in groups that stay together; `add` gets
+/// Distributes `values` over as many chunks as needed, in groups that stay together; `add` receives
 /// chunk, first and last.
 template <class Add>
 void deal(std::size_t count, std::size_t group, std::vector<shape_mesh_t>& chunks,

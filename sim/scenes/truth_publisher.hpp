@@ -21,7 +21,7 @@ class TruthPublisher {
   TruthPublisher(bus::MessageBus& housekeeping, const object::Plant& plant, std::int64_t session);
 
   void publish_shape(const object::Plant& plant, std::int64_t utime);
-  /// `X_OG`: the hands now, one for each grasp of the plant.
+  /// `X_OG`: current poses of the hands, one for each grasp of the plant.
   void publish_contact(const object::Plant& plant, const std::vector<math::Pose>& X_OG,
                        std::int64_t utime);
   void publish_touch(const object::Plant& plant, const FingertipCoupling& fingertips,
@@ -37,10 +37,10 @@ class TruthPublisher {
   bus::TypedPublisher<shape_mesh_t> meshes_;
   bus::Stamp shape_stamp_, contact_stamp_, touch_stamp_, mesh_stamp_;
   shape_t shape_;
-  std::vector<shape_mesh_t> chunks_;  // of the mesh, which never changes
+  std::vector<shape_mesh_t> chunks_;  // of the mesh, which is constant
 };
 
-/// The plant's mesh in chunks that fit a datagram each.
+/// The plant's mesh in chunks that each fit a datagram.
 std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant);
 
 }  // namespace palpate::scenes

@@ -9,22 +9,22 @@
 namespace palpate::scenes {
 
 struct WanderOptions {
-  double duration = 10;  // s, with rise and fall
-  double rise = 2;       // s, over which it begins and ends, at most half the duration
+  double duration = 10;  // s, including rise and fall
+  double rise = 2;       // s, duration of fade-in and fade-out, at most half the duration
   std::uint64_t seed = 1;
   double shortest = 2, longest = 8;                       // s, periods of its waves
-  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // m, most of each axis
-  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     // rad, most of each component
+  Eigen::Vector3d translation = Eigen::Vector3d::Zero();  // m, largest amplitude per axis
+  Eigen::Vector3d rotation = Eigen::Vector3d::Zero();     // rad, largest amplitude per component
 };
 
-/// A smooth motion that nobody planned, as when an arm is led by hand: each axis of translation and
-/// rotation vector is a sum of waves of random period and phase, that swells at the start and dies
-/// down at the end like a minimum-jerk move. It begins and ends at rest in the same pose.
+/// A smooth random motion, as when an arm is guided by hand: each axis of translation and rotation
+/// vector is a sum of sine waves of random period and phase, faded in and out like a minimum-jerk
+/// move. It begins and ends at rest in the same pose.
 class Wander {
  public:
   explicit Wander(const WanderOptions& options);
 
-  /// `time`: s since it began; at rest before and after.
+  /// `time`: s since its start; at rest before and after.
   MotionPoint at(double time) const;
   double duration() const { return options_.duration; }
 

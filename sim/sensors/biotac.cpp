@@ -61,7 +61,7 @@ BiotacReading Biotac::read() {
                table_.warm_up_electrode * cold + noisy(table_.electrode, walk_[i]));
   reading.pdc = counts(rest_pressure_ + pressure_counts(pressure_) +
                        table_.warm_up_pressure * cold + noisy(table_.pressure, pressure_walk_));
-  // The steps since the last reading, as many times as the electronics sample them.
+  // Distributes the steps since the last reading over the electronics' samples.
   for (int k = 0; k < kVibrationSamples; ++k) {
     const auto steps = vibration_.size();
     const double value = steps == 0 ? 0 : vibration_[k * steps / kVibrationSamples];

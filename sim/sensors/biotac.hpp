@@ -15,14 +15,14 @@ namespace palpate::sensors {
 /// Radius (m) of a circle of this area (m^2).
 double radius_of(double area);
 
-/// Counts of an electrode that gives `rest` at rest while `resistance` is what it is over that at
-/// rest: across a divider, where they rise (polarity 1) or fall (-1) as the fluid thins.
+/// Counts of an electrode that reads `rest` at rest, for its `resistance` relative to rest: across
+/// a voltage divider, where counts rise (polarity 1) or fall (-1) as the fluid film thins.
 double electrode_counts(double rest, double resistance, double polarity);
 
-/// Counts of PDC that a pressure (Pa) adds.
+/// Counts that a pressure (Pa) adds to PDC.
 double pressure_counts(double pressure);
 
-inline constexpr int kVibrationSamples = 22;  // of one BioTac reading, at 2.2 kHz
+inline constexpr int kVibrationSamples = 22;  // per BioTac reading, at 2.2 kHz
 
 /// One reading in 12-bit counts.
 struct BiotacReading {
@@ -33,20 +33,20 @@ struct BiotacReading {
 };
 
 /// Emulated BioTac fingertip (Wettels et al. 2008; Lin, Fishel and Loeb 2013): a skin over a layer
-/// of conductive fluid over a core with 19 electrodes. What presses dents the skin (BiotacSkin);
-/// the resistance from an electrode to the excitation electrodes follows the depth of the fluid
-/// along the current's way (BiotacFilm) and is read across a divider. The fluid carries the sum of
-/// normal forces as a pressure; PAC is that above 10 Hz. While it warms up the sensor drifts. Sizes
-/// are those of the foam recording in reference/sensors.md.
+/// of conductive fluid over a core with 19 electrodes. Contacts dent the skin (BiotacSkin); the
+/// resistance from an electrode to the excitation electrodes follows the fluid depth along the
+/// current path (BiotacFilm) and is read across a divider. The fluid carries the sum of normal
+/// forces as a pressure; PAC is its part above 10 Hz. The sensor drifts while it warms up.
+/// Parameters are those of the foam recording in reference/sensors.md.
 class Biotac {
  public:
   /// `period`: s between readings.
   Biotac(const BiotacTable& table, double period, const math::Random& random);
 
-  /// `dt` s under these touches.
+  /// Advances by `dt` s under these contacts.
   void step(double dt, const std::vector<Touch>& touches);
 
-  /// What the electronics give now; takes the vibration since the last reading.
+  /// Current output of the electronics; consumes the vibration since the last reading.
   BiotacReading read();
 
  private:
@@ -62,7 +62,7 @@ class Biotac {
   double pressure_ = 0, slow_pressure_ = 0;                               // Pa
   double pressure_walk_ = 0, vibration_walk_ = 0, temperature_walk_ = 0;  // counts
   double time_ = 0;                                                       // s
-  std::vector<double> vibration_;  // Pa, one for each step since the last reading
+  std::vector<double> vibration_;  // Pa, one per step since the last reading
 };
 
 }  // namespace palpate::sensors

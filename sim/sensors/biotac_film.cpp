@@ -12,12 +12,12 @@ using sensing::kElectrodeCount;
 using sensing::kSkinRadius;
 
 using math::kPi;
-// Half a cylinder from its root to the tip's sphere, a quarter of that beyond.
+// Half a cylinder from its root to the sphere of the tip, then a quarter of that sphere.
 constexpr double kLength = 16e-3;
 constexpr int kAlong = 8, kRings = 5, kAround = 11;
 constexpr int kRows = kAlong + kRings, kPatches = kRows * kAround;
-constexpr double kElectrodeRadius = 1e-3;  // m, about which its current enters the fluid
-constexpr double kGround = 1e3;            // conductance of excitation electrodes over the film's
+constexpr double kElectrodeRadius = 1e-3;  // m, around the point where its current enters the fluid
+constexpr double kGround = 1e3;  // conductance of excitation electrodes relative to the film's
 
 // Lin, Fishel and Loeb 2013: X1 to X4, m.
 const Eigen::Matrix<double, 3, 4> kExcitation =
@@ -28,7 +28,7 @@ const Eigen::Matrix<double, 3, 4> kExcitation =
 
 int patch(int row, int column) { return row * kAround + column; }
 
-/// Patches about a point of the core, by nearness; sums to 1.
+/// Weights of the patches around a point of the core, by proximity; they sum to 1.
 Eigen::VectorXd spread(const BiotacFilm& film, const Eigen::Vector3d& p) {
   const Eigen::Vector3d at = sensing::project_on_skin(p);
   Eigen::VectorXd weights = (-(film.points.colwise() - at).colwise().squaredNorm() /
@@ -40,7 +40,7 @@ Eigen::VectorXd spread(const BiotacFilm& film, const Eigen::Vector3d& p) {
   return weights / weights.sum();
 }
 
-/// Ways from patch to patch and their conductance, in that of a square of film.
+/// Links between patches and their conductance, in units of that of a square of film.
 struct Links {
   struct Link {
     int a, b;
@@ -50,8 +50,8 @@ struct Links {
 };
 
 struct Grid {
-  double along[kRows];   // m, of a row in the direction of the axis
-  double around[kRows];  // m, of a patch across it
+  double along[kRows];   // m, extent of a row along the axis
+  double around[kRows];  // m, width of a patch across it
 };
 
 Grid place_patches(BiotacFilm& film) {

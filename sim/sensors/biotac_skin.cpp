@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 using math::kPi;
-// Parts of the depth at rest: folds of the skin keep it open, the nail holds what bulges.
+// Fractions of the rest depth: folds of the skin keep the film open, the nail limits bulges.
 constexpr double kLeastDepth = 0.05, kMostDepth = 1.5;
 
 ArrayXd bell(const Vector3d& centre, double variance) {
@@ -57,11 +57,11 @@ VectorXd BiotacSkin::equilibrium(const std::vector<Touch>& touches) const {
     const Vector3d centre = sensing::project_on_skin(at + shear / table_.shear_stiffness);
     const double variance = 0.5 * touch.radius * touch.radius + table_.spread * table_.spread;
     const double area = 2 * kPi * variance;
-    // Springs that cannot be pressed through.
+    // Progressive springs that cannot be compressed completely.
     const double depth =
         kFilmDepth * (1 - std::exp(-pressing / (table_.foundation * area * kFilmDepth)));
     dent.array() += depth * bell(centre, variance);
-    // Skin that shifts comes nearer to the core on one side of it and farther on the other.
+    // Shear of the skin brings it nearer to the core on one side and farther from it on the other.
     const ArrayXd shift = (film.normals.transpose() * (centre - at)).array();
     dent.array() -= bell(at, table_.shear_reach * table_.shear_reach) * shift;
   }

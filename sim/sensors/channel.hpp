@@ -11,14 +11,14 @@
 
 namespace palpate::sensors {
 
-/// Takes samples of type T at a rate and hands them on late, in order, some never.
+/// Samples values of type T at a fixed rate and delivers them late, in order, with losses.
 template <class T>
 class Channel {
  public:
   Channel(const Timing& timing, math::Random random) : timing_(timing), random_(random) {}
 
-  /// True once for each sample that is due at `now_us`, the simulated time. Where the rate is no
-  /// divisor of the tick's, samples fall on the first tick not before their time.
+  /// True once for each sample that is due at the simulated time `now_us`. If the rate does not
+  /// divide that of the tick, samples fall on the first tick at or after their time.
   bool due(std::int64_t now_us) {
     if (now_us < next_us_) return false;
     ++count_;
@@ -35,7 +35,7 @@ class Channel {
     queue_.emplace_back(last_arrival_us_, std::move(sample));
   }
 
-  /// The oldest sample that has arrived by `now_us`; false when there is none.
+  /// The oldest sample that has arrived by `now_us`; false if there is none.
   bool take(std::int64_t now_us, T& sample) {
     if (queue_.empty() || queue_.front().first > now_us) return false;
     sample = std::move(queue_.front().second);
@@ -54,12 +54,11 @@ class Channel {
   std::deque<std::pair<std::int64_t, T>> queue_;
 };
 
-/// Makes a signal as faulty as its sensor: value with hysteresis (a play, Prandtl's operator) +
-/// bias
-/// + drift + noise, then quantised.
+/// Applies a sensor's errors to a signal: value with hysteresis (play operator of Prandtl) + bias +
+/// drift + noise, then quantised.
 class Signal {
  public:
-  /// `period`: s between samples. `bias` sets the number of axes.
+  /// `period`: s between samples. The size of `bias` sets the number of axes.
   Signal(const Faults& faults, double period, const Eigen::VectorXd& bias, math::Random random)
       : faults_(faults), walk_(faults.drift * std::sqrt(period)), offset_(bias), random_(random) {}
 

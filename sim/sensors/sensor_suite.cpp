@@ -41,7 +41,7 @@ SensorSuite::SensorSuite(const SensorTable& table, std::uint64_t seed, const mat
 math::Vector6d SensorSuite::disturbed_wrench(std::int64_t now_us, const Truth& truth) {
   if (!X_WS_first_) X_WS_first_ = truth.X_WS;
   const Eigen::Matrix3d R_SW = truth.X_WS.linear().transpose();
-  // The sensor holds against the cables.
+  // The reading is the force of the sensor against the cables.
   const math::Wrench cables{
       disturbance_.cable_stiffness * R_SW * (truth.X_WS.translation() - X_WS_first_->translation()),
       disturbance_.cable_torsion * R_SW *
@@ -55,7 +55,7 @@ RobotReading SensorSuite::measure_robot(const Truth& truth) {
   r.q = joint_position_.measure(truth.robot.q);
   r.dq = joint_velocity_.measure(truth.robot.dq);
   r.tau = joint_torque_.measure(truth.robot.tau);
-  // The encoders' errors are so small that the flange moves by J (q_measured - q).
+  // The encoder errors are so small that the flange moves by J (q_measured - q).
   const math::Vector6d moved = truth.jacobian * (r.q - truth.robot.q);
   const math::Pose X_WE =
       math::make_pose(math::exp_rotation(moved.tail<3>()) * truth.robot.X_WE.linear(),

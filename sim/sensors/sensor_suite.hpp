@@ -9,7 +9,7 @@
 
 namespace palpate::sensors {
 
-/// Each reading carries the simulated time (us) at which it was sampled.
+/// Each reading carries the simulated time (us) of its sampling.
 struct ForceTorqueReading {
   std::int64_t time_us = 0;
   math::Vector6d wrench;  // N, N m: sensor on hand at the origin of S, in S
@@ -35,31 +35,31 @@ struct HandReading {
   Eigen::VectorXd q;             // rad
 };
 
-/// What is true at one instant, without faults; times are filled in by the suite.
+/// True values at one instant, without errors; the suite fills in the times.
 struct Truth {
   ForceTorqueReading force_torque;
   InertialReading imu;
   RobotReading robot;
   HandReading hand;
   math::Pose X_WS = math::Pose::Identity();           // the force-torque sensor
-  std::vector<std::vector<Touch>> touches;            // by fingertip; none: no BioTac is sampled
+  std::vector<std::vector<Touch>> touches;            // by fingertip; empty: no BioTac is sampled
   Eigen::Matrix<double, 6, Eigen::Dynamic> jacobian;  // of the flange, linear first
 };
 
 inline constexpr int kMostFingertips = 5;
 
-/// Every sensor of the arm and hand. All that is random comes from the one seed; each sensor has a
-/// stream of its own, so that changing one does not change what another measures.
+/// All sensors of arm and hand. All randomness derives from the one seed; each sensor has its own
+/// stream, so that changing one does not change the readings of another.
 class SensorSuite {
  public:
-  /// `X_EG`: where the kinematics error shows.
+  /// `X_EG`: the pose at which the kinematics error is defined.
   SensorSuite(const SensorTable& table, std::uint64_t seed, const math::Pose& X_EG,
               int joint_count);
 
-  /// Once a tick, with time rising.
+  /// Call once per tick, with increasing time.
   void sample(std::int64_t now_us, const Truth& truth);
 
-  /// Readings that have arrived by `now_us`, oldest first; false when there is none left.
+  /// Readings that have arrived by `now_us`, oldest first; false if there are none left.
   bool take(std::int64_t now_us, ForceTorqueReading& r) { return force_torque_.take(now_us, r); }
   bool take(std::int64_t now_us, InertialReading& r) { return imu_.take(now_us, r); }
   bool take(std::int64_t now_us, RobotReading& r) { return robot_.take(now_us, r); }
@@ -86,7 +86,7 @@ class SensorSuite {
   std::vector<Channel<BiotacReading>> biotac_channels_;
   std::vector<Biotac> biotacs_;
   std::int64_t last_us_ = 0;
-  math::Pose X_EE_reported_;  // reported flange in the true one
+  math::Pose X_EE_reported_;  // reported flange pose in the true one
 };
 
 }  // namespace palpate::sensors

@@ -6,57 +6,58 @@
 
 namespace palpate::sensors {
 
-/// When samples are taken and when they arrive.
+/// Sampling and arrival of samples.
 struct Timing {
   double rate = 0;      // Hz
   double delay = 0;     // s
-  double jitter = 0;    // s, scale of a half-normal delay on top
+  double jitter = 0;    // s, scale of a half-normal additional delay
   double drop_out = 0;  // probability that a sample is lost
 };
 
-/// Faults of one kind of signal, the same for each of its axes, in the signal's unit.
+/// Errors of one kind of signal, the same for each of its axes, in the signal's unit.
 struct Faults {
-  double step = 0;        // quantisation; 0: none
-  double noise = 0;       // standard deviation of a sample
-  double drift = 0;       // standard deviation of a random walk after 1 s
-  double hysteresis = 0;  // how far the true value must turn back before the reading follows, / 2
+  double step = 0;   // quantisation; 0: none
+  double noise = 0;  // standard deviation of a sample
+  double drift = 0;  // standard deviation of a random walk after 1 s
+  double hysteresis =
+      0;  // half the distance by which the true value must reverse before the reading follows
 };
 
-/// What a force-torque sensor reads beside its payload and its noise.
+/// Errors of a force-torque sensor in addition to payload and noise.
 struct ForceTorqueDisturbance {
-  /// Cables that run past the sensor: springs from the hand to where it was at first, N/m at the
-  /// origin of S and N m/rad.
+  /// Cables along the sensor: springs from the hand to its initial pose, N/m at the origin of S and
+  /// N m/rad.
   double cable_stiffness = 0, cable_torsion = 0;
-  /// Temperature: what the reading ends up beside the truth after switching on, N, N m, in S.
+  /// Temperature: final offset of the reading after switching on, N, N m, in S.
   math::Vector6d warm_up = math::Vector6d::Zero();
   double warm_up_time = 600;  // s, time constant
 };
 
 /// The skin of a BioTac (sim/sensors/biotac_skin.hpp).
 struct SkinTable {
-  double foundation = 3e7;       // N/m^3: pressure that a depth takes
-  double spread = 1.5e-3;        // m: how far the skin carries a point load
+  double foundation = 3e7;       // N/m^3: pressure per depth
+  double spread = 1.5e-3;        // m: spread of a point load by the skin
   double shear_stiffness = 1e3;  // N/m
-  double shear_reach = 10e-3;    // m about a touch, that the skin shifts with it
-  double bulge = 1;              // part of the displaced fluid that stays below the pad
-  double friction = 0;           // m: how far a dent stays behind what presses
-  // Parts of a dent that come late, and their time constants, s.
+  double shear_reach = 10e-3;    // m around a contact that shifts with it
+  double bulge = 1;              // fraction of the displaced fluid that stays below the pad
+  double friction = 0;           // m: hysteresis of a dent behind its load
+  // Delayed fractions of a dent and their time constants, s.
   double fast_share = 0, fast_time = 0.1;
   double slow_share = 0, slow_time = 3;
 };
 
-/// Of every BioTac; signals in counts.
+/// Parameters of every BioTac; signals in counts.
 struct BiotacTable {
   Timing timing;
   SkinTable skin;
-  double pressure_area = 1.8e-4;  // m^2: pressing force over the fluid's pressure
+  double pressure_area = 1.8e-4;  // m^2: pressing force per fluid pressure
   double polarity = 1;  // 1: electrodes rise under pressure, -1: they fall; both kinds exist
   Faults electrode, pressure, vibration, temperature;
   double warm_up = 300;  // s, time constant after switching on
   double warm_up_electrode = 0, warm_up_pressure = 0, warm_up_temperature = 0;  // counts in all
 };
 
-/// sensors.yaml as a struct, with what a scene changes.
+/// sensors.yaml as a struct, with the changes made by a scene.
 struct SensorTable {
   struct {
     Timing timing;
@@ -83,12 +84,12 @@ struct SensorTable {
     camera::DepthNoiseOptions noise;
     math::Pose calibration_error = math::Pose::Identity();  // as in ShapeCameraOptions
   } camera;
-  /// Error of the arm's kinematics as it shows at the grasp: the reported pose of the flange is
-  /// X_WE X_EG error inverse(X_EG).
+  /// Error of the arm's kinematics at the grasp: the reported flange pose is X_WE X_EG error
+  /// inverse(X_EG).
   math::Pose kinematics_error = math::Pose::Identity();
 };
 
-/// The normative table with the entries of `scene` (a scene's node "sensors") put over it. Throws
+/// The normative table, overridden by the entries of `scene` (a scene's node "sensors"). Throws
 /// config::Error.
 SensorTable read_sensors(const config::Node& scene);
 

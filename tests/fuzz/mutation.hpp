@@ -7,18 +7,18 @@
 
 namespace palpate::fuzz {
 
-/// A number of the environment, or `otherwise`.
+/// A number from the environment, or `otherwise`.
 inline long setting(const char* name, long otherwise) {
   const char* text = std::getenv(name);
   return text == nullptr ? otherwise : std::max(1L, std::atol(text));
 }
 
-/// Damage of one of the kinds that files suffer; the same for the same seed, never none.
+/// Typical damage of files; deterministic for a seed, never none.
 inline std::string damaged(std::string bytes, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   const std::string whole = bytes;
   const auto place = [&] { return random() % bytes.size(); };
-  // Half of the places are near an end, where archives keep their directory.
+  // Half of the positions are near an end, where archives keep their directory.
   const auto end_place = [&] {
     const std::size_t near = random() % std::min<std::size_t>(bytes.size(), 1500);
     return random() % 2 == 0 ? place() : bytes.size() - 1 - near;
@@ -36,7 +36,7 @@ inline std::string damaged(std::string bytes, std::uint64_t seed) {
     case 3:  // the last few bytes are missing
       bytes.resize(bytes.size() - std::min<std::size_t>(bytes.size(), 1 + random() % 100));
       break;
-    case 4: {  // noise
+    case 4: {  // random noise
       const std::size_t begin = end_place();
       const std::size_t end = std::min(bytes.size(), begin + 1 + random() % 200);
       for (std::size_t i = begin; i < end; ++i) bytes[i] = static_cast<char>(random());
@@ -48,12 +48,12 @@ inline std::string damaged(std::string bytes, std::uint64_t seed) {
                 bytes.begin() + static_cast<long>(std::min(bytes.size(), begin + 512)), '\0');
       break;
     }
-    case 6: {  // a part twice
+    case 6: {  // a duplicated part
       const std::size_t begin = place();
       bytes.insert(place(), bytes.substr(begin, 1 + random() % 300));
       break;
     }
-    default:  // sizes that are huge or below zero
+    default:  // sizes that are huge or negative
       for (int i = 0; i < 3; ++i) {
         const std::size_t begin = end_place();
         const char value = random() % 2 == 0 ? '\xff' : '\x7f';

@@ -1,4 +1,4 @@
-// Runs a fuzz target without libFuzzer: its seeds, the corpus, then both damaged by seed, so that
+// Runs a fuzz target without libFuzzer: its seeds, the corpus, then random damage of both, so that
 // every build and compiler runs the targets among its tests.
 //   PALPATE_FUZZ_ROUNDS=1000000 PALPATE_FUZZ_SEED=2 fuzz_meshes [CORPUS-FOLDER]
 
@@ -21,7 +21,7 @@ constexpr long kMostMemory = 1 << 20;   // kB
 
 volatile std::sig_atomic_t round_now = -1;  // -1: undamaged
 
-/// Says which input it was; only what a signal handler may call.
+/// Reports the input; uses only functions that a signal handler may call.
 void tell(int signal) {
   char text[] = "\nsignal 00 in round 0000000000\n";
   text[8] = static_cast<char>('0' + signal / 10);
@@ -35,7 +35,7 @@ void tell(int signal) {
 
 void run(const std::string& input) {
   alarm(kLongestInput);
-  // A copy of its own size, so that a sanitizer sees who reads beyond its end.
+  // A copy of exact size, so that a sanitizer detects a read beyond its end.
   const std::vector<std::uint8_t> bytes(input.begin(), input.end());
   LLVMFuzzerTestOneInput(bytes.data(), bytes.size());
 }
@@ -62,7 +62,7 @@ int main(int argc, char** argv) {
     round_now = static_cast<std::sig_atomic_t>(round);
     const std::uint64_t number = seed * 1000003 + static_cast<std::uint64_t>(round);
     std::string input = inputs[number % inputs.size()];
-    // Now and then damage upon damage.
+    // Sometimes repeated damage.
     for (std::uint64_t k = 0; k <= number % 3 && !input.empty(); ++k)
       input = palpate::fuzz::damaged(input, number * 3 + k);
     run(input);

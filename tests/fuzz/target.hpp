@@ -10,23 +10,23 @@
 #include <string>
 #include <vector>
 
-/// One input of a target, by libFuzzer's convention. Whatever it holds, the target may refuse it
-/// by the errors that its interface promises, and must not crash, hang, nor allocate without bound.
+/// One input of a target, by libFuzzer's convention. For any contents, the target may reject it
+/// with the errors specified in its interface, and must not crash, hang, or allocate without bound.
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size);
 
 namespace palpate::fuzz {
 
-/// Well-formed inputs from which a target's others are made by damage; each target has its own.
+/// Well-formed inputs, from which other inputs are made by damage; each target has its own.
 std::vector<std::string> seeds();
 
-/// Ends the program where a promise is broken, so that the driver keeps the input.
+/// Ends the program if a guarantee is violated, so that the driver keeps the input.
 inline void require(bool promise, const char* what) {
   if (promise) return;
   std::fprintf(stderr, "broken promise: %s\n", what);
   std::abort();
 }
 
-/// A file without a place, for readers that take a path.
+/// An unnamed file, for readers that need a path.
 class MemoryFile {
  public:
   explicit MemoryFile(const std::string& bytes) : descriptor_(memfd_create("input", MFD_CLOEXEC)) {

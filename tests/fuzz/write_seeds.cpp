@@ -1,5 +1,5 @@
-// Part of a target that libFuzzer drives: with PALPATE_FUZZ_SEEDS=FOLDER in the environment it
-// writes its seeds there as a corpus to begin with, and ends.
+// Part of a target driven by libFuzzer: with PALPATE_FUZZ_SEEDS=FOLDER in the environment it writes
+// its seeds there as an initial corpus, and ends.
 
 #include <filesystem>
 #include <fstream>

@@ -5,8 +5,8 @@
 
 namespace palpate::stress {
 
-/// Now runs, now pauses, at random, so that of two threads each comes to wait for the other; by
-/// seed, as far as scheduling allows.
+/// Alternates runs and pauses at random, so that each of two threads has to wait for the other;
+/// determined by the seed, as far as scheduling allows.
 class Rhythm {
  public:
   explicit Rhythm(unsigned seed) : random_(seed) {}

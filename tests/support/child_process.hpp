@@ -18,8 +18,8 @@ extern char** environ;
 
 namespace palpate::support {
 
-/// A program of ours in a process of its own, with its output in a file; killed at the latest by
-/// the destructor.
+/// A child program in a separate process, with its output in a file; killed at the latest by the
+/// destructor.
 class ChildProcess {
  public:
   explicit ChildProcess(std::vector<std::string> command) {
@@ -60,7 +60,7 @@ class ChildProcess {
     return !ended_;
   }
 
-  /// Exit code; 128 + signal where one ended it; -1 where it still runs after `limit`.
+  /// Exit code; 128 + signal if one ended it; -1 if it is still running after `limit`.
   int wait(std::chrono::milliseconds limit) {
     const auto end = std::chrono::steady_clock::now() + limit;
     while (running()) {
@@ -89,8 +89,8 @@ class ChildProcess {
   std::filesystem::path output_;
 };
 
-/// LCM URL of this test process alone, the same at each call: two test runs at once do not hear
-/// each other. Its port is below those that the system hands out.
+/// LCM URL of this test process only, the same at each call: concurrent test runs do not receive
+/// each other's messages. Its port is below those assigned by the system.
 inline std::string private_url(int which) {
   const int number = getpid() % 20000;
   return "udpm://239.255." + std::to_string(80 + number / 250) + "." +

@@ -8,7 +8,7 @@
 
 namespace palpate::support {
 
-/// A force transformer that goes wrong when it is told to; otherwise the one that it was made from.
+/// A force transformer with injectable faults; otherwise it forwards to the wrapped one.
 class FaultyTransformer final : public contact::ForceTransformer {
  public:
   explicit FaultyTransformer(const bool& broken) : broken_(broken) {}
@@ -25,7 +25,7 @@ class FaultyTransformer final : public contact::ForceTransformer {
   const bool& broken_;
 };
 
-/// A feature likewise.
+/// The same for a feature.
 class FaultyFeature final : public shape::Feature {
  public:
   explicit FaultyFeature(const bool& broken) : broken_(broken) {}

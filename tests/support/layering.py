@@ -35,8 +35,8 @@ ALLOWED = {
                    "rt/inference rt/plugin",
     "rt/pipeline": "core/mesh core/sensing core/estimation core/control rt/plugin rt/registry",
     "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/registry rt/pipeline",
-    # The plant must not share the estimator's model: no core/elasticity, no core/collision; of sensing only
-    # what the maker publishes of the sensor itself; of the loop its clock.
+    # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
+    # sensing only the manufacturer's data of the sensor; of the loop its clock.
     "sim/draw": "core/math rt/loop/sanitizer.hpp",
     "sim/camera": "core/math sim/draw",
     "sim/object": "core/math",
@@ -66,7 +66,7 @@ ALLOWED = {
     "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
-    # Any may include core, rt, sim and tools; what stands here are other folders of the laboratory.
+    # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/runs": "",
     "tools/lab/scores": "tools/lab/runs",
@@ -77,7 +77,7 @@ ALLOWED = {
     "tools/lab/endurance": "tools/lab/runs tools/lab/scores tools/lab/faults",
     "tools/lab/demo": "tools/lab/runs tools/lab/scores tools/lab/sensor_models",
     "tools/lab/fit_check": "",
-    # palpate-evaluate's main, which names every command.
+    # palpate-evaluate's main, which includes every command.
     "tools/lab": "tools/lab/cases tools/lab/demo tools/lab/endurance tools/lab/faults tools/lab/scores "
                  "tools/lab/sensor_models tools/lab/studies",
 }
@@ -135,7 +135,7 @@ def violations(root):
 
 
 def circles(allowed):
-    """Chains of arrows that come back to where they begin."""
+    """Include cycles, as chains of folders."""
     arrows = {folder: [folder_of(arrow + "/x") if not arrow.endswith(".hpp") else folder_of(arrow)
                        for arrow in entry.split()] for folder, entry in allowed.items()}
     done = set()

@@ -11,7 +11,7 @@
 
 namespace palpate::support {
 
-/// In the place of systemd: an abstract socket that takes what services tell.
+/// Stand-in for systemd: an abstract socket that receives the services' notifications.
 class NotifySocket {
  public:
   NotifySocket() {
@@ -28,10 +28,10 @@ class NotifySocket {
   NotifySocket(const NotifySocket&) = delete;
   NotifySocket& operator=(const NotifySocket&) = delete;
 
-  /// As in NOTIFY_SOCKET.
+  /// Value of NOTIFY_SOCKET.
   const std::string& name() const { return name_; }
 
-  /// All that has come, a text for each message.
+  /// All received notifications, one text per message.
   std::vector<std::string> take() {
     std::vector<std::string> texts;
     char buffer[1000];

@@ -4,7 +4,7 @@
 
 namespace palpate::support {
 
-/// What is heard of an arm whose hand holds the object where it rests, with no force at the wrist.
+/// Signals of an arm whose hand holds the object at its rest pose, with no force at the wrist.
 inline sensing::Signals at_rest(const pipeline::Pipeline& pipeline, int arm = 0) {
   const registry::Frames& frames = pipeline.frames(arm);
   sensing::Signals signals;
@@ -21,8 +21,8 @@ inline sensing::Signals at_rest(const pipeline::Pipeline& pipeline, int arm = 0)
   return signals;
 }
 
-/// Cycles of 1 ms as the daemon runs them, each new factor there at once. `second`: of the second
-/// arm.
+/// Cycles of 1 ms as run by the daemon, with each new factorisation available immediately.
+/// `second`: signals of the second arm.
 inline void run(pipeline::Pipeline& pipeline, const sensing::Signals& signals,
                 const sensing::Signals& second, int cycles) {
   constexpr double kPeriod = 1e-3;  // s

@@ -8,8 +8,7 @@
 
 namespace palpate::support {
 
-/// Folder of the recordings that others made: PALPATE_DATA, else ../shared/data beside the
-/// checkout.
+/// Folder of third-party recordings: PALPATE_DATA, otherwise ../shared/data next to the checkout.
 inline std::filesystem::path recordings() {
   if (const char* folder = std::getenv("PALPATE_DATA")) return folder;
   return std::filesystem::path(PALPATE_SOURCE_DIR) / ".." / "shared" / "data";
@@ -17,7 +16,7 @@ inline std::filesystem::path recordings() {
 
 }  // namespace palpate::support
 
-/// Skips the test, saying what is missing, where a recording is absent.
+/// Skips the test with a message if a recording is missing.
 #define PALPATE_REQUIRE_RECORDING(name)                                              \
   if (!std::filesystem::exists(palpate::support::recordings() / (name)))             \
   GTEST_SKIP() << "recording " << (palpate::support::recordings() / (name)).string() \

@@ -7,7 +7,7 @@
 
 namespace palpate::support {
 
-/// An empty folder of this test alone, removed with all that is in it.
+/// An empty folder for this test only, removed with its contents.
 class ScratchFolder {
  public:
   ScratchFolder() {

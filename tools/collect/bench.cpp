@@ -10,10 +10,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kTick = 1e-3;     // s
-constexpr double kMostLean = 0.1;  // of the force, across: no probe stands quite straight
+constexpr double kTick = 1e-3;  // s
+constexpr double kMostLean =
+    0.1;  // tangential fraction of the force: no probe stands exactly perpendicular
 
-/// Any unit vector across `normal`.
+/// Any unit vector perpendicular to `normal`.
 Vector3d across(const Vector3d& normal, math::Random& random) {
   Vector3d v(random.normal(), random.normal(), random.normal());
   v -= normal * normal.dot(v);

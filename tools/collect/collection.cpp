@@ -51,7 +51,7 @@ class CsvCollection : public CollectionFile {
   int trials() const override { return trials_; }
 
  private:
-  /// Cuts off a trial that was being written when the program ended.
+  /// Truncates a trial that was being written when the program ended.
   void count_trials() {
     std::ifstream in(path_);
     const std::string text(std::istreambuf_iterator<char>(in), {});

@@ -22,11 +22,12 @@ using Eigen::VectorXd;
 using sensing::kElectrodeCount;
 
 constexpr double kTare = 0.5;  // s
-constexpr int kSpots = 3;      // that a long touch is made of
+constexpr int kSpots = 3;      // number of long contacts
 constexpr int kSignals = kElectrodeCount + 1;
-constexpr double kPressureWeight = 0.3;  // of PDC beside the electrodes, whose changes are smaller
+constexpr double kPressureWeight =
+    0.3;  // weight of PDC relative to the electrodes, whose changes are smaller
 
-/// What the search turns, each of order one: what shows at rest, then what lags.
+/// Search variables, each of order one: those visible at rest, then those of the hysteresis.
 struct Unknowns {
   static constexpr int kPlace = 6, kStatic = 10, kCount = 15;
 
@@ -44,7 +45,7 @@ struct Unknowns {
     steps << 0.3, 0.3, 0.4, 0.3, 0.3, 0.3, 0.7, 0.7, 0.5, -0.7, 0.1, 0.2, 0.5, 0.2, 0.5;
     return steps;
   }
-  /// False where it is none that can be.
+  /// False if the values are not feasible.
   static bool to(const VectorXd& x, TouchPlace& place, sensors::BiotacTable& table) {
     sensors::SkinTable& skin = table.skin;
     place = {0.01 * x[0], x[1], std::exp(x[2]), 0.01 * x[3], x[4], x[5]};
@@ -74,7 +75,7 @@ Vector3d point_at(double x, double angle) {
   return sensing::project_on_skin({x, std::sin(angle), -std::cos(angle)});
 }
 
-/// Rotation from the force-torque sensor to T: its mean force presses at `place`, but for the tilt.
+/// Rotation from the force-torque sensor to T: its mean force presses at `place`, up to the tilt.
 Eigen::Matrix3d orient(const PressRecording& recording, const TouchPlace& place) {
   const Vector3d mean = recording.forces.colwise().sum().transpose().normalized();
   const Vector3d normal = sensing::skin_normal(point_at(place.x, place.angle));
@@ -94,8 +95,8 @@ double correlation_of(const VectorXd& a, const VectorXd& b) {
   return size > 0 ? x.dot(y) / size : 0;
 }
 
-/// Area between the ways up and down, of what a straight line through the origin leaves: a
-/// recording need not come back to where it began.
+/// Area between loading and unloading curves relative to a straight line through the origin, since
+/// a recording need not return to its start.
 double loop_of(const VectorXd& signal, const VectorXd& force) {
   const VectorXd left = signal - gain_of(signal, force) * force;
   double sum = 0;
@@ -113,8 +114,8 @@ PressRecording first_rows(const PressRecording& recording, Index count, Index st
           recording.changes(rows, Eigen::all), recording.rest};
 }
 
-/// Mean squared error of the changes, with the pressure area that serves PDC best, which `table`
-/// then holds: PDC is linear in it.
+/// Mean squared error of the changes, with the pressure area that fits PDC best, which `table` then
+/// holds: PDC is linear in it.
 double misfit(const PressRecording& recording, const TouchPlace& place,
               sensors::BiotacTable& table) {
   MatrixXd emulated = emulate(recording, table, place);
@@ -129,8 +130,8 @@ double misfit(const PressRecording& recording, const TouchPlace& place,
          static_cast<double>(recording.time.size());
 }
 
-/// The search is local: from several places of the pad for what shows at rest, on few rows; then
-/// for all of it from the best.
+/// The search is local: first the variables visible at rest from several points of the pad, on few
+/// rows; then all of them from the best.
 Comparison calibrate(const PressRecording& recording, Index rows, const sensors::BiotacTable& table,
                      bool fit_skin, int evaluations) {
   const PressRecording sparse = first_rows(recording, rows, 10);
@@ -161,7 +162,7 @@ Comparison calibrate(const PressRecording& recording, Index rows, const sensors:
         return cost(sparse, x);
       };
       VectorXd head = x.head(at_rest_count);
-      for (int repeat = 0; repeat < 2; ++repeat)  // a new simplex where one has collapsed
+      for (int repeat = 0; repeat < 2; ++repeat)  // restart with a new simplex if one has collapsed
         head = minimise(at_rest, head, Unknowns::steps().head(at_rest_count), each / 2);
       const double value = at_rest(head);
       if (value >= least && best.size() > 0) continue;
@@ -268,7 +269,7 @@ void run_compare(const std::filesystem::path& data, bool fit_skin, double part, 
       sensors::read_sensors(config::Node::from_text("{}", "sensors")).biotac;
   const Comparison found = compare_press(recording, table, fit_skin, part, evaluations);
   common::Table rows({"never seen", "correlation", "counts/N", "emulated", "RMS counts",
-                        "with own gain", "loop counts N", "emulated "});
+                      "with own gain", "loop counts N", "emulated "});
   VectorXd measured(kElectrodeCount), emulated(kElectrodeCount);
   double sum = 0, sum_own = 0;
   for (int i = 0; i < kSignals; ++i) {

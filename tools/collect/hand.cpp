@@ -8,14 +8,14 @@
 #include <stdexcept>
 
 #include "rt/bus/session.hpp"
-#include "tools/log/event_log.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::collect {
 namespace {
 
-constexpr double kRepeat = 0.5;                       // s, between commands: one may be lost
+constexpr double kRepeat = 0.5;  // s, repetition period of commands: one may be lost
 constexpr std::int64_t kPatience = 10 * 1000 * 1000;  // ns, for messages
 
 template <class Clock>
@@ -47,7 +47,7 @@ class Hand {
     log_.write("COMPONENT_EVENT", event.utime, event);
   }
 
-  /// Asks for an action for so long, recording.
+  /// Requests an action for this long, while recording.
   void keep(int action, double force, double seconds) {
     const std::int64_t begin = now_us<std::chrono::steady_clock>();
     std::int64_t next = begin;

@@ -5,9 +5,8 @@
 
 namespace palpate::collect {
 
-/// Where `cost` is least, looked for from `start` with a simplex of these `steps` (Nelder and Mead
-/// 1965) in at most `evaluations` of it. Needs no derivatives; finds a local minimum. The cost may
-/// be infinite.
+/// Minimum of `cost`, searched from `start` with a simplex of these `steps` (Nelder and Mead 1965)
+/// in at most `evaluations`. Needs no derivatives; finds a local minimum. The cost may be infinite.
 Eigen::VectorXd minimise(const std::function<double(const Eigen::VectorXd&)>& cost,
                          const Eigen::VectorXd& start, const Eigen::VectorXd& steps,
                          int evaluations);

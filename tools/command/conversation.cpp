@@ -11,7 +11,7 @@ namespace palpate::command {
 namespace {
 using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kRepeat{200};
-constexpr std::int64_t kPatience = 20'000'000;  // ns, of one look at the bus
+constexpr std::int64_t kPatience = 20'000'000;  // ns, polling interval of the bus
 }  // namespace
 
 Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping,
@@ -29,8 +29,8 @@ Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeepi
   housekeeping_.start_without_thread();
 }
 
-/// `send`: sends, and returns the counter of what it sent; counters do not fall. `renew` is called
-/// where that was sent before the daemon started, which will never obey it.
+/// `send`: sends, and returns the counter of the message; counters do not decrease. `renew` is
+/// called if it was signed before the daemon started, which would never accept it.
 template <class Send, class Renew>
 Answer Conversation::wait(Send send, Renew renew, double timeout) {
   const auto end = Clock::now() + std::chrono::duration<double>(timeout);
@@ -70,7 +70,7 @@ Answer Conversation::ask(component_command_t command, double timeout) {
     command_sealer_.put(command, now);
   };
   seal();
-  // The same each time, so that the daemon knows it again.
+  // Identical in each repetition, so that the daemon recognises it.
   const auto send = [&] {
     commands_.publish(command);
     return command.counter;
@@ -79,8 +79,8 @@ Answer Conversation::ask(component_command_t command, double timeout) {
 }
 
 Answer Conversation::ask(std::vector<shape_target_t> target, double timeout) {
-  // A daemon is silent where a target comes again: a new revision of it is answered, by the counter
-  // of the chunk that made it whole.
+  // The daemon does not answer a repeated target: a new revision of it is answered, with the
+  // counter of the chunk that completed it.
   int revision = target.at(0).revision - 1;
   const auto send = [&] {
     ++revision;

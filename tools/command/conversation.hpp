@@ -14,27 +14,27 @@
 
 namespace palpate::command {
 
-/// What the daemon said to a command.
+/// The daemon's answer to a command.
 struct Answer {
-  std::string event;   // empty: nothing
-  std::string reason;  // also where nothing was answered, as far as it is known
+  std::string event;   // empty: no answer
+  std::string reason;  // as far as known, also without an answer
   bool done() const { return !event.empty() && event != "refused"; }
 };
 
-/// Commands to a daemon, each sent again until it is answered; the daemon carries it out once.
+/// Sends commands to a daemon and repeats each until it is answered; the daemon executes it once.
 class Conversation {
  public:
   /// Subscribes to both buses and starts `housekeeping`; neither must have been started.
   Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping, const bus::Access& access);
 
-  /// Waits for the last word, at most `timeout` s: for a replacement that is how it ended.
+  /// Waits for the final answer, at most `timeout` s: for a replacement, its result.
   Answer ask(component_command_t command, double timeout);
   /// The chunks of one target.
   Answer ask(std::vector<shape_target_t> target, double timeout);
 
-  /// After a target that was taken, once: waits until the length of the feature's error is at most
-  /// `within` (m, rad or 1/m, as the feature's), at most `timeout` s. The last error that was heard
-  /// of; nothing where none was.
+  /// After an accepted target, once: waits until the norm of the feature error is at most `within`
+  /// (m, rad or 1/m, as the feature's), at most `timeout` s. Returns the last received error; empty
+  /// if there was none.
   std::optional<double> follow(double within, double timeout);
 
  private:

@@ -1,4 +1,4 @@
-// palpate-command: tells a running palpated what to do. See --help.
+// palpate-command: sends commands to a running palpated. See --help.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -65,7 +65,7 @@ void add_events(CLI::App& app, Options& options) {
   for (CLI::App* sub : app.get_subcommands({})) sub->fallthrough();
 }
 
-/// Waits until the feature is where the target wants it, and says how near it came.
+/// Waits until the feature reaches its target, and prints the remaining error.
 int follow(command::Conversation& conversation, const Options& options) {
   const std::optional<double> error = conversation.follow(options.reach, options.timeout);
   if (!error) {

@@ -18,7 +18,7 @@ void put(std::uint8_t (&field)[kSize], const char* name, const std::string& text
   bus::put_text(field, text);
 }
 
-/// `node` with `value` at `path` below it.
+/// Sets `value` at `path` in `node`.
 YAML::Node with(const YAML::Node& node, const std::string& path, const YAML::Node& value) {
   const std::size_t dot = path.find('.');
   const std::string key = path.substr(0, dot);

@@ -7,7 +7,7 @@
 
 namespace palpate::command {
 
-/// What a user asks of the components of the daemon.
+/// A user's request to components of the daemon.
 struct Request {
   std::string event;  // start, stop, reset, zero, calibrate, replace
   std::string slot = "all";
@@ -16,11 +16,11 @@ struct Request {
   std::string parameters;  // YAML mapping
 };
 
-/// Throws std::invalid_argument where a text is too long for the message.
+/// Throws std::invalid_argument if a text is too long for the message.
 component_command_t make_command(const Request& request);
 
-/// `points`: x, y, z of rest points in O, m; none: those that the feature was configured with.
-/// The chunks of the target, of revision 1. Throws std::invalid_argument for texts and lists that
+/// `points`: x, y, z of rest points in O, m; none: those configured for the feature. Returns the
+/// chunks of the target, of revision 1. Throws std::invalid_argument for texts and lists that
 /// messages cannot hold.
 std::vector<shape_target_t> make_target(const std::string& kind, const std::vector<double>& points,
                                         const std::vector<double>& values);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kResamples = 2000;
 constexpr double kTail = 0.025;
-constexpr double kDeviations = 1.959964;  // of a normal distribution, about 95 % of it
+constexpr double kDeviations = 1.959964;  // of a normal distribution, about 95 % coverage
 
 double middle(std::vector<double>& values) {
   const std::size_t half = values.size() / 2;

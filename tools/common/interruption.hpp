@@ -10,15 +10,15 @@ class Interrupted : public std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };
 
-/// From now on SIGINT, SIGTERM and SIGHUP only raise a flag.
+/// From now on SIGINT, SIGTERM and SIGHUP only set a flag.
 void catch_interruptions();
 
 bool is_interrupted();
 
-/// Throws Interrupted once the flag is up.
+/// Throws Interrupted once the flag is set.
 void throw_if_interrupted();
 
-/// Sleeps in short naps; throws Interrupted.
+/// Sleeps in short intervals; throws Interrupted.
 void sleep_for(double seconds);
 
 }  // namespace palpate::common

@@ -6,15 +6,14 @@
 
 namespace palpate::common {
 
-/// A field of a line of comma-separated values, quoted where it has to be (RFC 4180).
+/// A field of a line of comma-separated values, quoted if necessary (RFC 4180).
 std::string csv_cell(const std::string& text);
 std::string csv_cell(const nlohmann::json& value);
 
 /// Name with everything but letters and digits as '_', for files.
 std::string file_name(const std::string& title);
 
-/// Writes to the file, or to standard output where it is "-". Throws std::runtime_error where the
-/// file cannot be written.
+/// Throws std::runtime_error if the file cannot be written.
 void write_json(const nlohmann::json& json, const std::filesystem::path& file);
 
 }  // namespace palpate::common

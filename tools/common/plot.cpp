@@ -13,8 +13,8 @@
 namespace palpate::common {
 namespace {
 
-constexpr int kMostPoints = 2000;       // a curve; more cannot be seen
-constexpr std::size_t kFewPoints = 12;  // are marked one by one
+constexpr int kMostPoints = 2000;       // per curve; more are not visible
+constexpr std::size_t kFewPoints = 12;  // are marked individually
 constexpr int kWidth = 1100, kHeight = 420;
 
 bool is_installed(const std::string& program) {
@@ -58,7 +58,7 @@ void write_plot(std::ostream& out, const Plot& plot, int& block) {
   block += static_cast<int>(plot.curves.size());
 }
 
-/// A label on an axis, where % begins a format.
+/// A label on an axis, where % introduces a format.
 std::string tic_label(const std::string& text) {
   std::string escaped;
   for (const char c : text) escaped += c == '%' ? std::string("%%") : std::string(1, c);
@@ -66,7 +66,7 @@ std::string tic_label(const std::string& text) {
   return quoted(label);
 }
 
-/// A field is white where its share is nil; what is there at all can be told from that.
+/// A field is white if its fraction is zero; any other fraction is distinguishable from that.
 void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int column, int object) {
   const double share = matrix.shares[row][column];
   const double strength = share > 0 ? 0.2 + 0.8 * share : 0;
@@ -85,7 +85,7 @@ void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int col
         << row + 0.5 << " center front\n";
 }
 
-/// Lets gnuplot draw what `write` says, `height` pixels high.
+/// Runs gnuplot on the output of `write`, `height` pixels high.
 bool run_gnuplot(const std::filesystem::path& picture, int height,
                  const std::function<void(std::ostream&)>& write) {
   if (!is_installed("gnuplot")) return false;
@@ -113,7 +113,7 @@ bool run_gnuplot(const std::filesystem::path& picture, int height,
 bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture) {
   return run_gnuplot(picture, kHeight * static_cast<int>(plots.size()), [&](std::ostream& out) {
     out << "set grid\nset key outside right top\n"
-        // All as wide, whatever their legends: times stand above each other.
+        // Equal widths regardless of legends, so that the time axes are aligned.
         << "set lmargin at screen 0.08\nset rmargin at screen 0.66\nset multiplot layout "
         << plots.size() << ",1\n";
     int block = 0;

@@ -25,13 +25,13 @@ struct Plot {
   bool logarithmic_x = false;  // x axis
 };
 
-/// Draws plots, one below the other, to a PNG, or an SVG where the name ends so, with the
-/// program gnuplot. False, having drawn nothing, where gnuplot is not installed; throws
-/// std::runtime_error where it fails.
+/// Draws plots, one below the other, to a PNG, or an SVG if the name has that extension, with the
+/// program gnuplot. Returns false without drawing if gnuplot is not installed; throws
+/// std::runtime_error if it fails.
 bool draw(const std::vector<Plot>& plots, const std::filesystem::path& picture);
 
-/// Fields by row and column; each column has its colour, which a field takes on as far as its share
-/// goes.
+/// Fields by row and column; each column has its colour, whose intensity in a field follows its
+/// fraction.
 struct ColourMatrix {
   std::string title;
   std::vector<std::string> columns;

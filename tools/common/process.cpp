@@ -68,7 +68,7 @@ Process::Process(std::string name, const std::vector<std::string>& command,
   close(file);
   close(error_pipe[1]);
   int reason = pid_ < 0 ? fork_error : 0;
-  // An empty pipe means that exec closed it: the program runs.
+  // End of file without data means that exec closed the pipe: the program runs.
   if (pid_ > 0 && read(error_pipe[0], &reason, sizeof reason) != sizeof reason) reason = 0;
   close(error_pipe[0]);
   if (reason != 0) {
@@ -112,14 +112,14 @@ int Process::stop(double grace) {
   if (pid_ < 0) return 0;
   if (running()) {
     kill(-pid_, SIGTERM);
-    kill(pid_, SIGTERM);  // in case that it has not made its group yet
+    kill(pid_, SIGTERM);  // in case it has not created its group yet
     if (!wait(grace)) {
       kill(-pid_, SIGKILL);
       kill(pid_, SIGKILL);
       wait(2.0);
     }
   }
-  kill(-pid_, SIGKILL);  // what the child has started and left behind
+  kill(-pid_, SIGKILL);  // processes that the child has started and left behind
   return exit_code_.value_or(128 + SIGKILL);
 }
 

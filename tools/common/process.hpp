@@ -9,12 +9,13 @@
 
 namespace palpate::common {
 
-/// A child program in a process group of its own. It dies with this object, with whatever it has
-/// started itself, and with this process (PR_SET_PDEATHSIG): start it from a thread that lives on.
+/// A child program in a separate process group. It is killed with this object, including everything
+/// it has started, and with this process (PR_SET_PDEATHSIG): start it from a thread that keeps
+/// running.
 class Process {
  public:
   /// Starts `command` (its first word a path, or a name in PATH); standard output and error go to
-  /// the file `output`. Throws std::runtime_error where it cannot be run.
+  /// the file `output`. Throws std::runtime_error if it cannot be run.
   Process(std::string name, const std::vector<std::string>& command,
           const std::filesystem::path& output);
   ~Process();
@@ -26,7 +27,7 @@ class Process {
   pid_t pid() const { return pid_; }
   bool running();
 
-  /// Waits for its end; nothing after `seconds`. 128 + n where signal n ended it.
+  /// Waits for its end; empty after `seconds`. 128 + n if signal n ended it.
   std::optional<int> wait(double seconds);
 
   /// SIGTERM to the group, SIGKILL after `grace` seconds; the exit code.
@@ -44,7 +45,7 @@ class Process {
 int run_to_end(const std::vector<std::string>& command, const std::filesystem::path& output,
                double timeout);
 
-/// The last `lines` lines of a text file; empty where there is none.
+/// The last `lines` lines of a text file; empty if there is none.
 std::string tail(const std::filesystem::path& file, int lines);
 
 /// Folder of this process' executable, where its sibling programs are.

@@ -5,13 +5,13 @@
 
 namespace palpate::common {
 
-/// One line a stage on standard error: a bar that moves on a terminal, one line at the end
-/// elsewhere.
+/// One line per stage on standard error: a progress bar on a terminal, otherwise one line at the
+/// end.
 class Progress {
  public:
   /// `position` of `count` stages, counted from 1.
   Progress(int position, int count, std::string title);
-  /// Ends the line as failed where finish() was not called.
+  /// Ends the line as failed unless finish() was called.
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;

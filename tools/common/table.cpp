@@ -6,7 +6,7 @@
 namespace palpate::common {
 namespace {
 
-/// Characters on the screen: UTF-8 continuation bytes take no place.
+/// Characters on the screen: UTF-8 continuation bytes take no space.
 std::size_t width_of(const std::string& text) {
   return static_cast<std::size_t>(std::count_if(text.begin(), text.end(), [](char c) {
     return (static_cast<unsigned char>(c) & 0xc0) != 0x80;

@@ -6,13 +6,13 @@
 
 namespace palpate::common {
 
-/// Rows of text in aligned columns; numbers to the right, the first column to the left.
+/// Rows of text in aligned columns; numbers right-aligned, the first column left-aligned.
 class Table {
  public:
   explicit Table(std::vector<std::string> header);
   /// Missing cells stay empty.
   void add(std::vector<std::string> row);
-  /// A line across, with a title.
+  /// A line that spans all columns, with a title.
   void section(const std::string& title);
   void print(std::ostream& out) const;
 
@@ -25,7 +25,7 @@ class Table {
   std::vector<Row> rows_;
 };
 
-/// What a value is called that nobody could read, or that a run did not give.
+/// Placeholder for a value that could not be read, or that a run did not provide.
 inline constexpr const char* kNotAvailable = "not available";
 
 /// Fixed-point text.

@@ -13,11 +13,11 @@
 namespace palpate::doctor {
 namespace {
 
-// Of virtual time: the start, which events belong to, and what is counted; the slowest channel
-// speaks once a second.
+// In virtual time: the start, to which events belong, and the measured interval; the slowest
+// channel publishes once a second.
 constexpr double kBeginning = 1, kCounted = 2;
 
-/// What a bus carried, by channel.
+/// Messages on a bus, by channel.
 class Listener final : public bus::MessageTap {
  public:
   struct Heard {
@@ -53,7 +53,7 @@ Channel described(const std::string& name, const log::TypeInfo* type, const std:
   return channel;
 }
 
-/// One of the daemon's two buses, in memory, and all that passes it.
+/// One of the daemon's two buses, in memory, with a tap on all messages.
 struct Line {
   std::string url;
   std::shared_ptr<bus::MemoryHub> hub = bus::make_memory_hub();
@@ -75,7 +75,7 @@ std::vector<Channel> channels_of(const std::string& path,
                                  const std::vector<std::string>& overrides) {
   const config::Node root = config::Node::load_file(path, overrides);
   const daemon::Settings told = daemon::read_settings(root);
-  // Whoever only looks needs no key, and leaves no record.
+  // A check needs no key, and leaves no record.
   std::vector<std::string> open = overrides;
   for (const std::string key : {"access", "record"})
     if (root.has(key)) open.push_back(key + "=~");
@@ -112,7 +112,7 @@ std::vector<Channel> channels_of(const std::string& path,
       channels.back().is_heard = true;
     }
     for (const auto& [name, heard] : line.listener.heard()) {
-      if (subscribed.count(name) != 0) continue;  // what the tap saw was taken, not spoken
+      if (subscribed.count(name) != 0) continue;  // messages that were received, not published
       spoken.push_back(described(name, heard.type, line.url));
       spoken.back().rate = heard.messages / kCounted;
     }

@@ -13,21 +13,21 @@ namespace palpate::doctor {
 /// states, isolation, clock source, instructions.
 Findings check_real_time(const Machine& machine, const Needs& needs);
 
-/// Sockets and routes: buffer, multicast, ttl, URLs, who else listens, other daemons.
+/// Sockets and routes: buffer, multicast, ttl, URLs, other receivers, other daemons.
 Findings check_network(const Machine& machine, const Needs& needs);
 
 /// LCM, Java and the spy. `spy_jar`: from the machine's root.
 Findings check_programs(const Machine& machine, const std::string& spy_jar);
 
-/// Room for logs, by `free_space`.
+/// Disk space for logs, by `free_space`.
 Findings check_disk(const Needs& needs, const record::FreeSpace& free_space);
 
-/// Whether palpated would take the configuration: it is built as the daemon builds it, with every
+/// Whether palpated would accept the configuration: it is built as the daemon builds it, with every
 /// mesh, material and model that it names.
 Findings check_configuration(const std::string& path, const std::vector<std::string>& overrides);
 
-/// Whether a datagram sent to a group of this machine's comes back; of HEALTH, how many daemons
-/// speak. Listens for `seconds`.
+/// Whether a datagram sent to a group of this machine is received; from HEALTH, the number of
+/// publishing daemons. Listens for `seconds`.
 Findings check_live(const Needs& needs, double seconds);
 
 }  // namespace palpate::doctor

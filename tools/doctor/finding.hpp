@@ -8,13 +8,13 @@ namespace palpate::doctor {
 enum class Verdict { kOk, kWarn, kFail };
 const char* name(Verdict verdict) noexcept;
 
-/// What one check has found.
+/// Result of one check.
 struct Finding {
   std::string check;  // its name, one word
   Verdict verdict = Verdict::kOk;
-  std::string found;   // in a line
-  std::string why;     // it matters; empty where all is well
-  std::string remedy;  // commands that mend it, one a line; empty where there are none
+  std::string found;   // one line
+  std::string why;     // reason why it matters; empty if all is well
+  std::string remedy;  // commands that fix it, one per line; empty if there are none
 };
 
 using Findings = std::vector<Finding>;

@@ -9,14 +9,14 @@
 namespace palpate::doctor {
 namespace {
 
-/// Receives until `done` says so, for at most `seconds`.
+/// Receives until `done` returns true, for at most `seconds`.
 template <class Done>
 void receive_until(record::Listener& listener, double seconds, Done done) {
   const std::int64_t end = loop::monotonic_ns() + static_cast<std::int64_t>(seconds * 1e9);
   while (!done() && loop::monotonic_ns() < end) listener.receive(50);
 }
 
-/// Sends to a group beside the control URL's, so that nobody is disturbed.
+/// Sends to a different group than the control URL's, so that nothing is disturbed.
 Finding check_loopback(const Needs& needs, double seconds) {
   bus::UdpmUrl url = needs.control;
   url.port = bus::private_url().port;

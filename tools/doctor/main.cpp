@@ -1,4 +1,5 @@
-// palpate-doctor: what on this machine would hurt palpated, and how to mend it. See --help.
+// palpate-doctor: finds settings of this machine that would impair palpated, and how to fix them.
+// See --help.
 
 #include <unistd.h>
 
@@ -38,7 +39,7 @@ constexpr char kExamples[] =
     "  palpate-doctor --config my.yaml --strict --json -\n"
     "  palpate-doctor --config my.yaml --channels";
 
-/// Beside this program, as it is built and as it is installed; from the root.
+/// Relative to this program, both in the build tree and installed; from the root.
 std::string spy_jar() {
   std::error_code error;
   const std::filesystem::path program = std::filesystem::read_symlink("/proc/self/exe", error);
@@ -60,7 +61,7 @@ doctor::Findings examine(const Options& options) {
       needs = doctor::needs_of(
           palpate::config::Node::load_file(options.configuration, options.overrides));
     } catch (const std::exception&) {
-      // Told already; the rest is examined for what palpated wants by default.
+      // Reported already; the other checks use palpated's default needs.
     }
   }
   add(doctor::check_real_time(machine, needs));

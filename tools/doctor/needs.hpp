@@ -7,7 +7,7 @@
 
 namespace palpate::doctor {
 
-/// What a configuration of palpated asks of its machine; the defaults without one.
+/// Requirements of a configuration of palpated on its machine; the defaults without one.
 struct Needs {
   bus::UdpmUrl control = bus::parse_udpm_url("udpm://239.255.76.67:7667?ttl=0");
   bus::UdpmUrl housekeeping = bus::parse_udpm_url("udpm://239.255.76.68:7668?ttl=0");

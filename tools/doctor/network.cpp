@@ -6,8 +6,9 @@
 namespace palpate::doctor {
 namespace {
 
-constexpr std::int64_t kWantedBuffer = 4 << 20;  // bytes; with less a flood beside loses messages
-constexpr std::int64_t kBuffer = 16'777'216;     // that palpated asks for
+constexpr std::int64_t kWantedBuffer =
+    4 << 20;  // bytes; with less, messages are lost during a concurrent flood
+constexpr std::int64_t kBuffer = 16'777'216;  // that palpated requests
 constexpr int kMulticastFlag = 0x1000, kUpFlag = 0x1;
 constexpr char kRoute[] = "sudo ip link set lo multicast on\nsudo ip route add 224.0.0.0/4 dev lo";
 
@@ -72,7 +73,7 @@ Finding check_urls(const Needs& needs) {
   return ok("urls", needs.control.group() + " and " + needs.housekeeping.group());
 }
 
-/// Who listens to a URL's port, and whether that does harm.
+/// The sockets that receive on a URL's port, and whether that is harmful.
 Finding check_listeners(const Machine& machine, const std::string& check, const bus::UdpmUrl& url) {
   std::string who, stopped, losing;
   int unseen = 0;
@@ -102,7 +103,7 @@ Finding check_listeners(const Machine& machine, const std::string& check, const 
   return ok(check, text);
 }
 
-/// Daemons of this machine hold an abstract socket for each URL.
+/// Daemons on this machine hold an abstract socket for each URL.
 Finding check_lock(const Machine& machine, const Needs& needs) {
   const std::string name = "@palpate/palpated/" + needs.control.group();
   for (const std::string& line : machine.lines("proc/net/unix")) {

@@ -1,5 +1,5 @@
-// Runs before all else, and is compiled for the oldest processor: on one that lacks what this build
-// needs, the program could not even begin to look.
+// Runs first, and is compiled for the oldest processor: on one that lacks the instructions of this
+// build, the program could not even start its checks.
 
 #include <unistd.h>
 

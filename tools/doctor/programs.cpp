@@ -6,7 +6,7 @@
 namespace palpate::doctor {
 namespace {
 
-/// Of a Debian package; empty where it is not installed.
+/// Version of a Debian package; empty if it is not installed.
 std::string package_version(const Machine& machine, const std::string& package) {
   bool within = false, installed = false;
   for (const std::string& line : machine.lines("var/lib/dpkg/status")) {

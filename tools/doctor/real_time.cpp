@@ -8,8 +8,8 @@ namespace {
 
 constexpr char kCpu[] = "sys/devices/system/cpu";
 constexpr int kIpcLock = 14, kSysNice = 23;  // capabilities
-constexpr std::int64_t kMemory = 512
-                                 << 20;    // bytes that palpated locks at most, with room to spare
+constexpr std::int64_t kMemory =
+    512 << 20;  // bytes, upper bound of palpated's locked memory, with a margin
 constexpr std::int64_t kIdleLatency = 60;  // us
 constexpr char kLimits[] =
     "printf '@realtime - rtprio 99\\n@realtime - memlock unlimited\\n' | sudo tee "
@@ -37,7 +37,7 @@ bool has_capability(const Machine& machine, int bit) {
   return false;
 }
 
-/// The soft limit; -1: unlimited; nothing where it is not told.
+/// The soft limit; -1: unlimited; empty if it is not given.
 std::optional<std::int64_t> limit(const Machine& machine, const std::string& label) {
   for (const std::string& line : machine.lines("proc/self/limits")) {
     if (line.rfind(label, 0) != 0) continue;

@@ -7,8 +7,8 @@
 
 namespace palpate::doctor {
 
-/// A line each; below those that are not well why it matters and what mends it. `only_bad` leaves
-/// out the rest.
+/// One line each; failed checks are followed by the reason and the fix. `only_bad` omits the
+/// others.
 void print(const Findings& findings, bool colours, bool only_bad, std::ostream& out);
 
 nlohmann::json to_json(const Findings& findings);

@@ -9,7 +9,7 @@
 namespace palpate::drawing {
 namespace {
 
-/// False for shapes that are no primitives.
+/// Returns false for shapes that are not primitives.
 bool read_shape(const urdf::Visual& visual, LinkShape& shape) {
   if (!visual.geometry) return false;
   switch (visual.geometry->type) {

@@ -7,7 +7,7 @@
 
 namespace palpate::drawing {
 
-/// A primitive shape of a link.
+/// Primitive shape of a link.
 struct LinkShape {
   int link = 0;          // in the order of RobotDrawing::place
   std::string kind;      // box, cylinder, sphere
@@ -16,12 +16,13 @@ struct LinkShape {
   Eigen::Vector3d colour;  // red, green, blue, 0 to 1
 };
 
-/// What of a URDF file can be drawn, and where its links are by the positions of its joints.
+/// The drawable part of a URDF file, and the poses of its links as a function of its joint
+/// positions.
 class RobotDrawing {
  public:
-  /// Reads an expanded URDF file; meshes in it are left out. Joints from the root to the link
-  /// `flange` are the arm's, those beyond it the hand's, in the file's order along each. Throws
-  /// std::invalid_argument that names the file and what is wrong.
+  /// Reads an expanded URDF file; meshes in it are omitted. Joints from the root to the link
+  /// `flange` are the arm's, those beyond it the hand's, in the file's order along each chain.
+  /// Throws std::invalid_argument naming the file and the defect.
   RobotDrawing(const std::string& path, const std::string& flange);
 
   const std::vector<LinkShape>& shapes() const { return shapes_; }
@@ -29,8 +30,8 @@ class RobotDrawing {
   int arm_joint_count() const { return arm_joints_; }
   int hand_joint_count() const { return hand_joints_; }
 
-  /// Appends position and quaternion x, y, z, w of each link that has shapes, in the frame A where
-  /// the root has the pose `X_AW`. Joints beyond the counts given stay at zero.
+  /// Appends position and quaternion x, y, z, w of each link that has shapes, in the frame A in
+  /// which the root has the pose `X_AW`. Joints beyond the given counts stay at zero.
   void place(const math::Pose& X_AW, const double* arm_q, int arm_count, const double* hand_q,
              int hand_count, std::vector<float>& out) const;
 
@@ -43,7 +44,7 @@ class RobotDrawing {
     Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
     bool of_arm = false;
     int joint = -1;  // among those of arm or hand
-    int drawn = -1;  // number among the links that have shapes
+    int drawn = -1;  // index among the links that have shapes
   };
 
   std::vector<Link> links_;  // parents first

@@ -14,7 +14,7 @@ void CommandInput::drain(Channel<Message>& channel, Take take) {
   Message message;
   std::int64_t arrival_ns = 0;
   while (channel.commands.take(message, arrival_ns)) {
-    // The code first: what is forged must not even touch the sequence.
+    // The authentication code first: a forged message must not even affect the sequence.
     if (channel.admission.judge(message) != bus::Admitted::kFresh) continue;
     if (!channel.order.accept(message.session, message.seq) || message.grasp != 0 ||
         !take(message)) {

@@ -10,7 +10,7 @@
 
 namespace palpate::driver {
 
-/// What the daemon wants now.
+/// Current command of the daemon.
 struct Command {
   enum class Kind { kStop, kTwist, kJoints };
   Kind kind = Kind::kStop;
@@ -20,24 +20,24 @@ struct Command {
 
 struct Counts {
   std::int64_t obeyed = 0;
-  std::int64_t refused = 0;   // without a valid code, or sent before
-  std::int64_t rejected = 0;  // late, of another arm, or not numbers
-  std::int64_t silences = 0;  // stops because commands had ceased to come
+  std::int64_t refused = 0;   // without a valid code, or signed before the start
+  std::int64_t rejected = 0;  // late, for another arm, or not finite
+  std::int64_t silences = 0;  // watchdog stops: no further commands arrived
 };
 
-/// Takes TWIST_COMMAND and JOINT_VELOCITY_COMMAND, and decides what of them to obey: what has a
-/// valid code where there is a key, is newer than all before, is for the first arm and finite. What
-/// is not valid (1) is a stop, and so is silence. Keep this as it is.
+/// Receives TWIST_COMMAND and JOINT_VELOCITY_COMMAND, and selects the command to follow: it must
+/// have a valid code if there is a key, be newer than all before, be for the first arm and finite.
+/// A command whose `valid` is not 1 is a stop, and so is silence. Keep this class unchanged.
 class CommandInput {
  public:
-  static constexpr std::int64_t kSilence = 100'000'000;  // ns without a command: a stop
+  static constexpr std::int64_t kSilence = 100'000'000;  // ns without a command until a stop
 
   CommandInput(bus::MessageBus& control, int joint_count, const bus::Access& access);
 
-  /// At `now_ns` of CLOCK_MONOTONIC, after the bus has received.
+  /// State at `now_ns` of CLOCK_MONOTONIC, after the bus has received.
   const Command& read(std::int64_t now_ns);
   Counts counts() const;
-  /// How often the daemon has said that nothing shall move.
+  /// Number of zero commands received from the daemon.
   std::int64_t told_to_rest() const { return told_to_rest_; }
 
  private:

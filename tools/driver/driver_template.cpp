@@ -1,6 +1,5 @@
-// driver_template: what stands between palpate and an arm, to be copied. Put a class of your own in
-// the place of SimulatedArm (arm.hpp tells what it must do); everything else stays. See
-// docs/own_robot.md.
+// driver_template: a driver between palpate and an arm, to be copied. Replace SimulatedArm by your
+// own class (arm.hpp specifies it); everything else stays. See docs/own_robot.md.
 
 #include <CLI/CLI.hpp>
 #include <chrono>
@@ -32,7 +31,7 @@ struct Options {
   std::string flange = "flange";
   driver::JointGuard::Options guard;
   driver::SimulatedArm::Options arm;
-  // Where the simulated arm holds the bar of rt/config/examples/bar_long_soft.yaml.
+  // Initial pose in which the simulated arm holds the bar of rt/config/examples/bar_long_soft.yaml.
   std::vector<double> joints = {0.850909334647,   -1.5784872221,  -1.57624131756, 1.73160305961,
                                 0.00126629161428, 0.880668603759, 1.57936265436};
 };
@@ -78,8 +77,8 @@ class Telemetry {
   int tick_ = 0;
 };
 
-/// After an emergency stop nothing moves until the daemon has said itself that nothing shall
-/// (palpate-command stop, then start): whoever releases the button is no one who wants motion.
+/// After an emergency stop the arm stays at rest until the daemon itself has commanded zero
+/// (palpate-command stop, then start): releasing the button does not request motion.
 class StopLatch {
  public:
   /// Whether the arm must rest. `told_to_rest`: see CommandInput.
@@ -101,11 +100,11 @@ class StopLatch {
 };
 
 volatile std::sig_atomic_t ended = 0;
-driver::SimulatedArm* simulated = nullptr;  // for the signals that stand for its stop button
+driver::SimulatedArm* simulated = nullptr;  // for the signals that emulate its stop button
 
 int run(Options options) {
   bus::Access access;
-  access.start_us = bus::wall_clock_us();  // what was sent before now is refused
+  access.start_us = bus::wall_clock_us();  // commands sent before now are rejected
   if (!options.key_file.empty()) access.key = bus::read_key_file(options.key_file);
   if (options.urdf.empty())
     options.urdf = (palpate::config::data_folder() / "sim/robot/lwr_hand.urdf").string();
@@ -115,7 +114,7 @@ int run(Options options) {
                                 " numbers; allowed: " + std::to_string(chain.joint_count()));
   options.arm.q = Eigen::Map<const Eigen::VectorXd>(options.joints.data(), chain.joint_count());
 
-  driver::SimulatedArm arm(chain, options.arm);  // yours
+  driver::SimulatedArm arm(chain, options.arm);  // your class
   simulated = &arm;
   driver::JointGuard guard(chain, options.guard);
   StopLatch latch;
@@ -141,7 +140,7 @@ int run(Options options) {
       arm.command(still);
     }
     next += kPeriod;
-    if (next < Clock::now()) next = Clock::now();  // late: nothing is caught up
+    if (next < Clock::now()) next = Clock::now();  // late: missed cycles are not made up
     std::this_thread::sleep_until(next);
   }
   arm.command(still);

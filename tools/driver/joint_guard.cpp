@@ -6,8 +6,9 @@
 namespace palpate::driver {
 namespace {
 
-constexpr double kDamper = 5;  // 1/s: an end is approached no faster than by this share of the way,
-constexpr double kBraking = 0.9;  // nor so that braking would take more than this of what there is
+constexpr double kDamper = 5;  // 1/s: the speed towards a limit is at most this times the distance,
+constexpr double kBraking =
+    0.9;  // nor so high that braking would take more than this fraction of it
 
 Eigen::Vector3d limited(const Eigen::Vector3d& velocity, double limit) {
   const double speed = velocity.stableNorm();
@@ -32,7 +33,7 @@ void JointGuard::follow(const math::Twist& V_W_E, const Joints& q) {
   wanted_.noalias() = state_.J_W_E.transpose() * A.ldlt().solve(twist);
 }
 
-/// Every joint slows down as the one that nears its end must.
+/// Every joint slows down by the same factor as the one near its limit.
 void JointGuard::slow_down_near_ends(const Joints& q) {
   double share = 1;
   for (int i = 0; i < wanted_.size(); ++i) {
@@ -62,7 +63,7 @@ const Joints& JointGuard::limit(const Command& command, const Joints& q) {
   }
   slow_down_near_ends(q);
   const double step = options_.acceleration * options_.period;
-  // Each by itself: a joint that brakes before its end must not wait for the others.
+  // Individually: a joint that brakes before its limit must not wait for the others.
   sent_ += (wanted_ - sent_).cwiseMax(-step).cwiseMin(step);
   return sent_;
 }

@@ -4,9 +4,9 @@
 
 namespace palpate::driver {
 
-/// Turns what is wanted into velocities of joints that keep every limit. Speeds of all
-/// joints are scaled alike, so that the hand keeps its direction. Keep this too, beside your arm's
-/// own safety.
+/// Turns the requested motion into joint velocities within all limits. Speeds of all joints are
+/// scaled equally, so that the hand keeps its direction. Keep this class too, in addition to your
+/// arm's own safety functions.
 class JointGuard {
  public:
   struct Options {
@@ -14,9 +14,9 @@ class JointGuard {
     double angular_speed = 1;    // rad/s
     double speed_share = 0.5;    // of each joint's largest speed
     double acceleration = 5;     // rad/s^2, of each joint
-    double margin = 0.02;        // rad, kept from both ends of a joint
-    double damping = 0.02;       // of the inverse near singular poses: they slow the hand down
-    double period = 1e-3;        // s
+    double margin = 0.02;        // rad, margin to both limits of a joint
+    double damping = 0.02;  // damping of the inverse near singular poses, which slows the hand down
+    double period = 1e-3;   // s
   };
 
   JointGuard(const kinematics::SerialChain& chain, const Options& options);

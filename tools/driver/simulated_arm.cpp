@@ -7,7 +7,7 @@ namespace palpate::driver {
 namespace {
 
 constexpr double kFollows = 0.01;  // s, time constant of its drives
-constexpr double kRest = 1e-6;     // rad/s, below which its brakes hold
+constexpr double kRest = 1e-6;     // rad/s, below which its brakes engage
 
 }  // namespace
 
@@ -32,8 +32,7 @@ bool SimulatedArm::read(ArmState& state) {
   state.stopped = stopped_;
   kinematics::SerialChain::State pose;
   chain_.evaluate(q_, pose);
-  // It holds the hand up, slowly moved as it is. A sensor without noise would be taken for one that
-  // has stopped.
+  // It carries the slowly moving hand. A sensor without noise would be treated as frozen.
   const Eigen::Vector3d force =
       pose.X_WE.linear().transpose() * Eigen::Vector3d(0, 0, 9.81 * options_.mass);
   state.wrench_S = {force, options_.center_of_mass.cross(force)};

@@ -7,13 +7,13 @@
 
 namespace palpate::driver {
 
-/// In the place of an arm: joints that follow every command within 10 ms, and a sensor that weighs
-/// a hand. An example of the seam, and enough to try a driver with.
+/// Stand-in for an arm: joints that follow every command within 10 ms, and a sensor that carries a
+/// hand. An example of the interface, sufficient for testing a driver.
 class SimulatedArm : public Arm {
  public:
   struct Options {
     Joints q;                                                  // rad, at the start
-    double mass = 4.8;                                         // kg, behind the sensor
+    double mass = 4.8;                                         // kg, mounted on the sensor
     Eigen::Vector3d center_of_mass{0.0015, -0.00065, 0.1137};  // m, in S
     double sensor_z = 0.04;                                    // m, of S along z of E; no rotation
     double period = 1e-3;                                      // s
@@ -25,7 +25,7 @@ class SimulatedArm : public Arm {
   bool read(ArmState& state) override;
   void command(const Joints& dq) override;
 
-  /// As by its button; from any thread, also from a signal.
+  /// Emulates the stop button; from any thread, also from a signal handler.
   void press_stop(bool pressed) noexcept { stopped_ = pressed; }
 
  private:

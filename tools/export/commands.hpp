@@ -5,8 +5,8 @@
 
 namespace palpate::exporting {
 
-/// The commands of palpate-export. Each puts what it does into `chosen` when it is the one that was
-/// typed; that throws std::runtime_error or config::Error.
+/// The commands of palpate-export. Each assigns its action to `chosen` if it was given; the action
+/// throws std::runtime_error or config::Error.
 void add_info(CLI::App& app, std::function<void()>& chosen);
 void add_csv(CLI::App& app, std::function<void()>& chosen);
 void add_plot(CLI::App& app, std::function<void()>& chosen);

@@ -7,16 +7,16 @@
 
 namespace palpate::exporting {
 
-/// How the elements of a mesh are deformed: tetrahedra by their corners, straight-sided ones of ten
-/// nodes in four points, or 27-node hexahedra whose rest shape is a box, in 2 x 2 x 2 Gauss points.
+/// Deformation of the elements of a mesh: tetrahedra by their corners, straight-sided ones of ten
+/// nodes at four points, or 27-node hexahedra whose rest shape is a box, at 2 x 2 x 2 Gauss points.
 class ElementGradients {
  public:
-  /// Throws std::runtime_error where the mesh has other elements, or one without volume.
+  /// Throws std::runtime_error if the mesh has other elements, or one without volume.
   explicit ElementGradients(const log::MeshMessage& mesh);
 
   int element_count() const { return static_cast<int>(elements_.cols()); }
   int points_per_element() const { return points_; }
-  /// Rest volume that a point stands for, m^3.
+  /// Rest volume associated with a point, m^3.
   double volume(int element, int point) const { return volumes_[index(element, point)]; }
   /// Deformation gradient at a point, for node positions x, 3 x n.
   Eigen::Matrix3d at(int element, int point, const Eigen::Matrix3Xd& x) const;
@@ -41,7 +41,7 @@ class ElementGradients {
   std::vector<Eigen::MatrixX3d> gradients_;
 };
 
-/// Place of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
+/// Position of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
 Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes);
 
 }  // namespace palpate::exporting

@@ -38,7 +38,7 @@ Json colour_of(const draw::Colour& c) {
   return {{"r", rounded(c.red)}, {"g", rounded(c.green)}, {"b", rounded(c.blue)}, {"a", c.alpha}};
 }
 
-/// To a micrometre: more digits would be most of the file.
+/// Rounded to a micrometre: further digits would make up most of the file.
 Json points_of(const Eigen::Matrix3Xd& points) {
   Json list = Json::array();
   for (Eigen::Index i = 0; i < points.cols(); ++i)
@@ -46,7 +46,7 @@ Json points_of(const Eigen::Matrix3Xd& points) {
   return list;
 }
 
-/// Every list has to be there, Foxglove looks at the length of each.
+/// Every list must be present, since Foxglove reads the length of each.
 Json empty_entity(const std::string& id, std::int64_t utime) {
   Json entity = {{"timestamp", time_of(utime)},
                  {"frame_id", "O"},

@@ -8,7 +8,7 @@
 
 namespace palpate::exporting {
 
-/// JSON schemas of the messages below, by the names that Foxglove knows them by: foxglove.X.
+/// JSON schemas of the messages below, by their Foxglove names: foxglove.X.
 nlohmann::ordered_json foxglove_schema(const std::string& name);
 
 /// foxglove.SceneUpdate of an instant, in frame O: the estimate as a surface coloured by its
@@ -16,7 +16,7 @@ nlohmann::ordered_json foxglove_schema(const std::string& name);
 /// balls.
 std::string estimate_scene(const Instant& instant, double largest);
 
-/// foxglove.SceneUpdate of the true shape, as a wire, in frame O.
+/// foxglove.SceneUpdate of the true shape, as a wireframe, in frame O.
 std::string truth_scene(const Instant& instant);
 
 /// foxglove.PoseInFrame and foxglove.FrameTransform of the flange E in W.

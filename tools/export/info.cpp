@@ -46,7 +46,7 @@ void print_sessions(std::ostream& out, const ChannelSurvey& channel) {
   }
 }
 
-/// Array sizes as [n][m], with those that differ from message to message as the longest.
+/// Array sizes as [n][m]; sizes that vary between messages are given as the largest.
 std::string shape_text(const log::FieldInfo& field, int width) {
   if (field.is_scalar()) return "";
   const int rows = field.row_size() > 0 ? width / field.row_size() : 0;

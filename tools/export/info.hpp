@@ -7,13 +7,13 @@
 
 namespace palpate::exporting {
 
-/// What a log holds, as a table for people: channels, types, rates, losses, times, strangers.
+/// Contents of a log as a readable table: channels, types, rates, losses, times, unknown messages.
 void print_info(const Survey& survey, std::ostream& out);
 
-/// The same for programs; times in us, rates in Hz.
+/// The same as data for programs; times in us, rates in Hz.
 nlohmann::json info_json(const Survey& survey);
 
-/// Every field of every channel of our types: what --field and --channel can name, with units.
+/// Every field of every channel with a known type: the names for --field and --channel, with units.
 void print_fields(const Survey& survey, std::ostream& out);
 
 }  // namespace palpate::exporting

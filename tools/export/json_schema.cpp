@@ -82,7 +82,7 @@ void append_field(const log::Record& record, int field, std::string& text) {
   }
 }
 
-/// Bytes of the UTF-8 character that begins at `at`; 0 where none does.
+/// Number of bytes of the UTF-8 character that begins at `at`; 0 if it is invalid.
 int utf8_length(const std::string& value, std::size_t at) {
   const auto byte = static_cast<unsigned char>(value[at]);
   const int length = byte < 0x80   ? 1

@@ -10,9 +10,9 @@ namespace palpate::exporting {
 /// JSON schema of a type as append_json() writes it; units and comments in the descriptions.
 nlohmann::ordered_json json_schema(const log::TypeInfo& type);
 
-/// Appends a message as JSON: numbers as such (null where not finite), texts as strings, hashes as
-/// hexadecimal strings, bytes in base64, arrays as long as what of them is in use. Each entry of an
-/// array of two dimensions is an object {"values": [...]}, since Foxglove takes no arrays of
+/// Appends a message as JSON: numbers as such (null if not finite), texts as strings, hashes as
+/// hexadecimal strings, bytes in base64, arrays up to their length in use. Each entry of a
+/// two-dimensional array is an object {"values": [...]}, since Foxglove does not support arrays of
 /// arrays.
 void append_json(const log::Record& record, std::string& text);
 

@@ -14,10 +14,10 @@
 namespace palpate::exporting {
 namespace {
 
-/// Of the object's largest side: the displacement that gets the lightest colour.
+/// Displacement with the lightest colour, relative to the object's largest side.
 constexpr double kLightest = 0.2;
 
-/// MCAP counts ns without sign; a sender's clock may be anything.
+/// MCAP counts unsigned ns; a sender's clock may have any value.
 std::uint64_t nanoseconds(std::int64_t utime) {
   return 1000 *
          static_cast<std::uint64_t>(std::clamp<std::int64_t>(utime, 0, bus::kLatestEventTime));
@@ -150,7 +150,7 @@ class Exporter {
   std::optional<ShapeFollower> follower_;
   std::map<std::string, std::uint16_t> schemas_;  // by name
   std::map<Key, std::uint16_t> channels_;
-  std::map<std::string, Topic> topics_;  // of what is added
+  std::map<std::string, Topic> topics_;  // of the added channels
   double next_flange_ = -1e300, next_scene_ = -1e300;
   std::string text_;
 };

@@ -12,16 +12,15 @@ namespace palpate::exporting {
 
 struct McapOptions {
   Compression compression = Compression::kZstd;
-  double scene_rate = 20;          // Hz, of what is added for 3-D views; 0: none
-  std::optional<math::Pose> X_WO;  // where the object is, if it is known
+  double scene_rate = 20;          // Hz, of the added channels for 3-D views; 0: none
+  std::optional<math::Pose> X_WO;  // pose of the object, if known
 };
 
 /// Writes the selected channels to one MCAP file as JSON messages with their schemas
-/// (palpate.TYPE). log_time is that of the clock chosen, publish_time the sender's utime. For
+/// (palpate.TYPE). log_time is that of the selected clock, publish_time the sender's utime. For
 /// Foxglove's 3-D view it adds /shape/estimate and /shape/truth (SceneUpdate, in frame O), /flange
 /// (PoseInFrame) and /tf (FrameTransform), and a PointCloud for each channel of
-/// shape_observation_t, from those of the selected channels that tell them. Throws
-/// std::runtime_error.
+/// shape_observation_t, as far as the selected channels provide them. Throws std::runtime_error.
 std::vector<Written> export_mcap(Source& source, const McapOptions& options,
                                  const std::filesystem::path& file);
 

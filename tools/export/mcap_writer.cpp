@@ -27,7 +27,7 @@ enum Opcode : std::uint8_t {
   kDataEnd = 15
 };
 
-/// Numbers in little-endian order, texts with their length in front.
+/// Numbers in little-endian order, texts with a length prefix.
 class Bytes {
  public:
   template <class Number>
@@ -65,7 +65,7 @@ std::string record(Opcode opcode, std::string_view content) {
 std::string record(Opcode opcode, const Bytes& content) { return record(opcode, content.get()); }
 
 std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
-  // crc32() takes 32 bits of length at a time.
+  // crc32() takes at most 32 bits of length at a time.
   while (!bytes.empty()) {
     const std::size_t part = std::min<std::size_t>(bytes.size(), 1U << 30);
     before = static_cast<std::uint32_t>(
@@ -231,7 +231,7 @@ void McapWriter::write_summary() {
     put(record(kSummaryOffset,
                Bytes().number(entry.opcode).number(entry.start).number(entry.length)));
 
-  // The footer's own CRC reaches up to itself: opcode, length and the two places count.
+  // The footer's own CRC covers everything before it: opcode, length and the two offsets included.
   constexpr std::uint64_t kFooterLength = 20;
   put(Bytes()
           .number(static_cast<std::uint8_t>(kFooter))

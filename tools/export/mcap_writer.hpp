@@ -12,9 +12,9 @@
 
 namespace palpate::exporting {
 
-/// Writes an MCAP file (version 0 of its specification): chunks with an index of messages behind
-/// each, then a summary with schemas, channels, chunk index, metadata index and statistics, each
-/// part guarded by its CRC. Holds one chunk, and a few numbers for each written.
+/// Writes an MCAP file (version 0 of its specification): chunks, each followed by an index of
+/// messages, then a summary with schemas, channels, chunk index, metadata index and statistics,
+/// each part protected by its CRC. Holds one chunk in memory, and a few numbers for each written.
 class McapWriter {
  public:
   /// Chunks are closed once they hold `chunk_size` bytes. Throws std::runtime_error.
@@ -26,7 +26,7 @@ class McapWriter {
   /// A channel of JSON messages. Throws std::runtime_error beyond 65,535 of them.
   std::uint16_t add_channel(const std::string& topic, std::uint16_t schema,
                             const std::vector<std::pair<std::string, std::string>>& metadata = {});
-  /// Texts about the file as a whole. Before the first message.
+  /// Metadata about the file as a whole. Call before the first message.
   void add_metadata(const std::string& name,
                     const std::vector<std::pair<std::string, std::string>>& texts);
 
@@ -38,7 +38,7 @@ class McapWriter {
   std::uint64_t message_count() const { return message_count_; }
   std::int64_t written() const { return out_.written(); }
 
-  /// Writes the summary and gives the file its name. Nothing can be added afterwards.
+  /// Writes the summary and gives the file its final name. Nothing can be added afterwards.
   void finish();
 
  private:
@@ -56,7 +56,7 @@ class McapWriter {
     std::uint64_t start = 0, length = 0;
     std::string name;
   };
-  /// Where a group of equal records of the summary stands.
+  /// Position of a group of equal records of the summary.
   struct Group {
     std::uint8_t opcode = 0;
     std::uint64_t start = 0, length = 0;
@@ -71,11 +71,11 @@ class McapWriter {
   OutputFile out_;
   Compression compression_;
   std::int64_t chunk_size_;
-  std::uint32_t crc_ = 0;  // of all bytes so far; begins anew with the summary
-  std::string chunk_;      // records that are not yet written
+  std::uint32_t crc_ = 0;  // of all bytes so far; restarts with the summary
+  std::string chunk_;      // records that are not written yet
   Span chunk_span_, span_;
   std::map<std::uint16_t, std::vector<std::pair<std::uint64_t, std::uint64_t>>> chunk_messages_;
-  std::vector<std::string> schemas_, channels_;  // whole records
+  std::vector<std::string> schemas_, channels_;  // complete records
   std::vector<ChunkIndex> chunks_;
   std::vector<MetadataIndex> metadata_;
   std::vector<std::uint64_t> channel_messages_;  // by channel

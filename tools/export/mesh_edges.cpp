@@ -11,7 +11,7 @@
 namespace palpate::exporting {
 namespace {
 
-/// Nodes amid the faces and amid the whole of 27-node hexahedra.
+/// Nodes at the centres of faces and of 27-node hexahedra.
 std::vector<char> inner_nodes(const log::MeshMessage& mesh) {
   std::vector<char> inner(static_cast<std::size_t>(mesh.nodes.cols()), 0);
   if (mesh.elements.rows() != 27) return inner;
@@ -44,7 +44,8 @@ Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which) {
     if (inner[static_cast<std::size_t>(edge.first)] || inner[static_cast<std::size_t>(edge.second)])
       continue;
     const bool is_sharp = sides.size() != 2 || sides[0].dot(sides[1]) < crease;
-    // Diagonals of a face from one middle of its edges to the next run along no axis of its box.
+    // Diagonals of a face between the midpoints of its edges are not parallel to any axis of its
+    // box.
     const Eigen::Vector3d along =
         (mesh.nodes.col(edge.first) - mesh.nodes.col(edge.second)).cwiseAbs();
     const bool is_diagonal = mesh.elements.rows() == 27 && along.maxCoeff() < 0.999 * along.norm();

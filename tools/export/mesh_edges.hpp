@@ -6,8 +6,9 @@
 
 namespace palpate::exporting {
 
-/// Edges of the elements on the surface of a mesh, as columns of two nodes; of hexahedra without
-/// the lines through their faces. kSharp: those where the rest surface turns by more than 40 deg.
+/// Edges of the elements on the surface of a mesh, as columns of two nodes; for hexahedra without
+/// the lines through their faces. kSharp: edges at which the rest surface turns by more than 40
+/// deg.
 enum class Edges { kAll, kSharp };
 Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which);
 

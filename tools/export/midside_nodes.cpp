@@ -11,7 +11,7 @@ namespace palpate::exporting {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kEnough = 1e-9;  // of what is out of balance halfway, where one stops
+constexpr double kEnough = 1e-9;  // of the residual halfway, at which the iteration stops
 
 mesh::TetrahedralMesh tetrahedra_of(const log::MeshMessage& corners) {
   mesh::TetrahedralMesh mesh;

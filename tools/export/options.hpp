@@ -17,7 +17,7 @@ void add_source(CLI::App& command, SourceOptions& options);
 /// Adds --channel.
 void add_channels(CLI::App& command, SourceOptions& options);
 
-/// A line for each file, and one of what was left out of the log.
+/// Prints one line for each file, and one for the omitted part of the log.
 void report(const std::vector<Written>& written, const Source& source);
 
 }  // namespace palpate::exporting

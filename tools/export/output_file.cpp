@@ -14,7 +14,7 @@ namespace {
 }  // namespace
 
 OutputFile::OutputFile(std::filesystem::path path) : path_(std::move(path)), buffer_(1 << 18) {
-  std::error_code ignored;  // opening tells what is wrong
+  std::error_code ignored;  // errors are reported when opening
   if (path_.has_parent_path()) std::filesystem::create_directories(path_.parent_path(), ignored);
   out_.rdbuf()->pubsetbuf(buffer_.data(), static_cast<std::streamsize>(buffer_.size()));
   out_.open(part(), std::ios::binary | std::ios::trunc);

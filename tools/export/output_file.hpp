@@ -6,13 +6,13 @@
 #include <string_view>
 #include <vector>
 
-namespace palpate::exporting {  // "export" is a word of the language
+namespace palpate::exporting {  // "export" is a keyword of C++
 
-/// A file that has its name only once it is whole: until finish() it is called NAME.part, and what
-/// was never finished is removed.
+/// A file that gets its name only when complete: until finish() it is called NAME.part, and an
+/// unfinished file is removed.
 class OutputFile {
  public:
-  /// Makes the folders on the way. Throws std::runtime_error, naming the file and why.
+  /// Creates the parent folders. Throws std::runtime_error naming the file and the reason.
   explicit OutputFile(std::filesystem::path path);
   OutputFile(OutputFile&&) = default;
   OutputFile& operator=(OutputFile&&) = delete;
@@ -22,7 +22,7 @@ class OutputFile {
   std::int64_t written() const { return written_; }  // bytes
   const std::filesystem::path& path() const { return path_; }
 
-  /// Throws std::runtime_error where not all could be written.
+  /// Throws std::runtime_error if not everything could be written.
   void finish();
 
  private:

@@ -30,7 +30,7 @@ std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& o
   std::optional<Instant> held;
   bool is_told = false;
   follower.each("looking for shapes", [&](const Instant& instant) {
-    // Recordings often end with shapes that there is no truth to: the last that can be coloured.
+    // Recordings often end with shapes without ground truth: the last one that can be coloured.
     const bool tells_it = tells(instant, options.quantity);
     if (times.empty() && is_told && !tells_it) return;
     is_told = tells_it;

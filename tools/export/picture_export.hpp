@@ -8,18 +8,18 @@
 
 namespace palpate::exporting {
 
-/// Draws the shapes at these times (s since the beginning of the logs), or the last one that tells
-/// the quantity where none is given, to `file`; several to names with the time before the ending.
+/// Renders the shapes at these times (s since the start of the logs), or, if none is given, the
+/// last one with the quantity, to `file`; several get the time in their names before the extension.
 /// Throws std::runtime_error.
 std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& options,
                                 std::vector<double> times, const std::filesystem::path& file);
 
 struct FilmOptions {
-  double rate = 25;  // pictures a second of the film
-  double speed = 1;  // seconds of the log in a second of the film
+  double rate = 25;  // frames per second of the video
+  double speed = 1;  // seconds of the log per second of the video
 };
 
-/// Draws the shapes over time to an .mp4 file. Throws std::runtime_error.
+/// Renders the shapes over time to an .mp4 file. Throws std::runtime_error.
 std::vector<Written> export_mp4(ShapeFollower& follower, const DrawingOptions& options,
                                 const FilmOptions& film, const std::filesystem::path& file);
 

@@ -12,10 +12,10 @@
 namespace palpate::exporting {
 namespace {
 
-constexpr int kPieces = 900;  // of time, each drawn by its least and greatest value
+constexpr int kPieces = 900;  // of time, each drawn by its minimum and maximum
 
-/// A curve that never holds more than two points for each piece of time, and is broken where more
-/// than `silence` seconds pass without a message.
+/// A curve that keeps at most two points for each time interval, and is broken where more than
+/// `silence` seconds pass without a message.
 class Envelope {
  public:
   Envelope(double begin, double end, double silence)
@@ -63,7 +63,7 @@ class Envelope {
   std::int64_t count_ = 0;
 };
 
-/// What one path names in one channel.
+/// The numbers that one path selects in one channel.
 struct Selected {
   std::string channel;
   const log::TypeInfo* type = nullptr;
@@ -144,7 +144,7 @@ Selected select(const Survey& survey, const std::string& text, double begin, dou
     for (const int index : selected.indices)
       if (unit_text(field, index) != selected.unit) selected.unit += ", " + unit_text(field, index);
   }
-  constexpr double kSilence = 10;  // times the mean distance of two messages
+  constexpr double kSilence = 10;  // times the mean interval between two messages
   const double silence = kSilence * (end - begin) / static_cast<double>(channel.messages);
   selected.curves.assign(selected.titles.size(), Envelope(begin, end, silence));
   return selected;
@@ -167,7 +167,7 @@ void take(Selected& selected, const Message& message) {
   if (selected.is_norm) selected.curves.front().add(message.time, std::sqrt(square));
 }
 
-/// Paths of one panel; commas inside of brackets do not part them.
+/// Paths of one panel; commas inside brackets do not separate them.
 std::vector<std::string> paths_of(const std::string& panel) {
   std::vector<std::string> paths{""};
   int depth = 0;
@@ -182,7 +182,7 @@ std::vector<std::string> paths_of(const std::string& panel) {
   return paths;
 }
 
-/// Without the channel where that is clear enough.
+/// Without the channel if that is unambiguous.
 void shorten(std::vector<common::Curve>& curves) {
   std::map<std::string, int> short_names;
   const auto without_channel = [](const std::string& title) {
@@ -193,7 +193,7 @@ void shorten(std::vector<common::Curve>& curves) {
   for (common::Curve& curve : curves) curve.title = without_channel(curve.title);
 }
 
-/// gnuplot's colours without the yellow one, which cannot be seen on white.
+/// gnuplot's colours without yellow, which is hardly visible on white.
 void colour(std::vector<common::Curve>& curves) {
   constexpr int kColours[] = {1, 2, 4, 6, 7, 3, 8};
   for (std::size_t i = 0; i < curves.size(); ++i) {

@@ -18,7 +18,7 @@ using draw::Colour;
 constexpr int kSupersampling = 2;
 constexpr double kFieldOfView = 0.45;    // rad
 constexpr double kArrow = 0.35;          // of the object's size, for the largest force
-constexpr double kSmallestForce = 0.02;  // N; less is noise and gets no arrow
+constexpr double kSmallestForce = 0.02;  // N; smaller forces are noise and get no arrow
 
 const Colour kPlain{0.36F, 0.56F, 0.82F, 1};
 const Colour kEdge{0.05F, 0.07F, 0.12F, 0.35F};
@@ -36,7 +36,7 @@ const Colour kFloor{0.62F, 0.66F, 0.71F, 0.55F};
 
 double radians(double degrees) { return degrees * M_PI / 180; }
 
-/// A round number of 1, 2 or 5 times a power of ten, not above `value`.
+/// The largest number of 1, 2 or 5 times a power of ten that is not above `value`.
 double round_down(double value) {
   const double power = std::pow(10, std::floor(std::log10(value)));
   for (const double digit : {5.0, 2.0})
@@ -44,7 +44,7 @@ double round_down(double value) {
   return power;
 }
 
-/// The next number of two digits.
+/// The next larger number with two digits.
 double round_up(double value) {
   const double step = std::pow(10, std::floor(std::log10(value)) - 1);
   return step * std::ceil(value / step - 1e-9);
@@ -72,7 +72,7 @@ Eigen::Matrix3Xd SceneDrawing::in_world(const Eigen::Matrix3Xd& points_O) const 
 
 void SceneDrawing::measure(const Instant& instant) {
   const auto add = [this](const Eigen::Matrix3Xd& points_O) {
-    if (!points_O.allFinite()) return;  // such a shape is drawn nowhere
+    if (!points_O.allFinite()) return;  // such a shape is not drawn
     const Eigen::Matrix3Xd points = in_world(points_O);
     for (Eigen::Index i = 0; i < points.cols(); ++i) bounds_W_.extend(points.col(i));
   };
@@ -95,7 +95,7 @@ void SceneDrawing::measure(const Instant& instant) {
     const Eigen::Map<const Eigen::Vector3d> force(instant.contacts->wrench[i]);
     if (!(force.norm() > kSmallestForce)) continue;
     largest_force_ = std::max(largest_force_, force.norm());
-    // Room for the arrow, which leads away from the middle.
+    // Room for the arrow, which points away from the centre.
     const Eigen::Vector3d at = X_WO_ * Eigen::Vector3d::Map(instant.contacts->location[i]);
     const Eigen::Vector3d along = kArrow * size_ * (X_WO_.linear() * force.normalized());
     bounds_W_.extend((at + along - middle).norm() > (at - along - middle).norm()
@@ -132,7 +132,7 @@ draw::View SceneDrawing::view() const {
   const double azimuth = radians(options_.azimuth), elevation = radians(options_.elevation);
   const Eigen::Vector3d towards(std::cos(elevation) * std::cos(azimuth),
                                 std::cos(elevation) * std::sin(azimuth), std::sin(elevation));
-  // The bounds' corners have to lie in the picture: half of its width and height at their depth.
+  // The corners of the bounds must lie in the image: half of its width and height at their depth.
   const math::Pose X_WC = draw::look_at(
       middle + towards, middle,
       std::abs(towards.z()) > 0.999 ? Eigen::Vector3d::UnitY() : Eigen::Vector3d::UnitZ());
@@ -210,7 +210,7 @@ void SceneDrawing::draw_rest(const log::MeshMessage& mesh) {
   draw_edges(x, surface_edges(mesh, Edges::kSharp), 1.5, kRestEdge);
 }
 
-/// A plate behind the nodes that are held, where they lie in a plane of the rest shape.
+/// A plate behind the fixed nodes, if they lie in a plane of the rest shape.
 void SceneDrawing::draw_clamp(const log::MeshMessage& mesh) {
   if (mesh.constrained.empty()) return;
   Eigen::AlignedBox3d held, all;
@@ -236,7 +236,8 @@ void SceneDrawing::draw_arrow(const Eigen::Vector3d& at_O, const Eigen::Vector3d
   const double scale = kArrow * size_ / std::max(largest_force_, 10 * kSmallestForce);
   const double length = std::min(scale * force_O.norm(), 2 * kArrow * size_);
   const Eigen::Vector3d at = X_WO_ * at_O, along = length * (X_WO_.linear() * force_O.normalized());
-  // It pulls from its place or pushes at it: the way that leads out of the body can be seen.
+  // The arrow starts or ends at its point of application: the variant that lies outside the body is
+  // visible.
   const bool pulls = (at + along - middle_W_).norm() > (at - along - middle_W_).norm();
   const Eigen::Vector3d from = pulls ? at : Eigen::Vector3d(at - along);
   renderer_.draw_arrow(from, from + along, 0.010 * size_, colour);
@@ -286,7 +287,7 @@ void SceneDrawing::draw_target(const Instant& instant) {
   }
 }
 
-/// A grid below everything, by which the eye tells distances.
+/// A grid below everything, for depth perception.
 void SceneDrawing::draw_floor() {
   const double cell = round_down(0.35 * size_);
   const double z = bounds_W_.min().z() - 0.15 * size_;

@@ -16,29 +16,30 @@ namespace palpate::exporting {
 
 struct DrawingOptions {
   Quantity quantity = Quantity::kDisplacement;
-  double low = 0, high = 0;  // ends of the colour scale, SI; the same: of what is drawn
-  double azimuth = -60;      // deg, from +x about z, where the camera stands
+  double low = 0, high = 0;  // ends of the colour scale, SI; if equal: range of the drawn shapes
+  double azimuth = -60;      // deg, azimuth of the camera, from +x about z
   double elevation = 20;     // deg above the horizon
-  double zoom = 1;           // 2: everything twice as large
+  double zoom = 1;           // 2: everything at twice the size
   int width = 1280, height = 800;
-  std::string title;          // empty: made from the time
-  std::string configuration;  // of palpated, YAML; says where the object is in W. Empty: drawn in O
-  std::string urdf;           // of the arm, drawn where there is a configuration
+  std::string title;  // empty: generated from the time
+  std::string
+      configuration;  // of palpated, YAML; gives the pose of the object in W. Empty: drawn in O
+  std::string urdf;   // of the arm, drawn if there is a configuration
 };
 
-/// Draws instants of a log without a display: the shape coloured by a quantity, the truth as a wire
-/// over it, forces as arrows, feature and target, clamp, and the arm where a configuration tells
-/// where it stands. Everything keeps its place in the picture from instant to instant.
+/// Draws instants of a log off-screen: the shape coloured by a quantity, the truth as a wireframe
+/// over it, forces as arrows, feature and target, clamp, and the arm if a configuration gives its
+/// pose. All elements keep their position in the image from instant to instant.
 class SceneDrawing {
  public:
   /// Throws std::runtime_error without OSMesa, config::Error for a wrong configuration.
   explicit SceneDrawing(const DrawingOptions& options);
 
-  /// All instants that will be drawn have to be shown to it first: they set the camera and, where
-  /// it is not given, the colour scale.
+  /// Must be called first with all instants that will be drawn: they determine the camera and, if
+  /// not given, the colour scale.
   void measure(const Instant& instant);
 
-  /// Throws std::runtime_error where no instant that was measured tells the quantity.
+  /// Throws std::runtime_error if none of the measured instants provides the quantity.
   void check() const;
 
   const draw::Image& draw(const Instant& instant);

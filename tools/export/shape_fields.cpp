@@ -15,11 +15,11 @@ Eigen::Matrix<double, 6, 1> six(const Eigen::Matrix3d& m) {
 }
 
 double equivalent(const Eigen::Matrix<double, 6, 1>& strain) {
-  // von_mises is sqrt(3/2 |dev|^2); of strains one takes sqrt(2/3 |dev|^2).
+  // von_mises is sqrt(3/2 |dev|^2); for strains the factor is sqrt(2/3 |dev|^2).
   return elasticity::von_mises(strain) * 2 / 3;
 }
 
-/// Half of the force on each midside node goes to either end of its side.
+/// Half of the force on each midside node is assigned to either end of its side.
 void spread_to_corners(const Eigen::MatrixXi& elements, Eigen::Index corners,
                        Eigen::Matrix3Xd& force) {
   for (Eigen::Index e = 0; e < elements.cols(); ++e)
@@ -28,7 +28,7 @@ void spread_to_corners(const Eigen::MatrixXi& elements, Eigen::Index corners,
       if (middle < corners) continue;
       for (const int end : mesh::kTetrahedronEdges[m])
         force.col(elements(end, e)) += 0.5 * force.col(middle);
-      force.col(middle).setZero();  // its other elements find nothing left
+      force.col(middle).setZero();  // the other elements at this node then find nothing left
     }
 }
 
@@ -98,8 +98,8 @@ void ShapeEvaluator::add_stress(const Eigen::Matrix3Xd& x, const Stiffness& stif
       const double volume = elements.volume(e, p) * J;
       deformed += volume;
       fields.stress.col(e) += volume * six(stress);
-      if (F.determinant() < kSmallestVolumeShare) continue;  // has no inverse to speak of
-      // Gradients in the shape as it is: those at rest times F^-1.
+      if (F.determinant() < kSmallestVolumeShare) continue;  // numerically singular
+      // Gradients in the current shape: those at rest times F^-1.
       const Eigen::MatrixX3d gradient = elements.gradients(e, p) * F.inverse();
       for (int i = 0; i < elements.elements().rows(); ++i)
         fields.force.col(elements.elements()(i, e)) +=

@@ -12,20 +12,20 @@ namespace palpate::exporting {
 
 using Tensors = Eigen::Matrix<double, 6, Eigen::Dynamic>;  // xx yy zz xy xz yz
 
-/// What a shape says beyond its positions. By node, 3 x n, and by element.
+/// Fields derived from the positions of a shape. By node, 3 x n, and by element.
 struct ShapeFields {
   Eigen::Matrix3Xd displacement;      // m, from rest
   Tensors strain;                     // Green-Lagrange, mean of the element, in the axes at rest
   Eigen::VectorXd equivalent_strain;  // sqrt(2/3 |dev E|^2)
-  // Where the stiffness is known, otherwise empty:
+  // If the stiffness is known, otherwise empty:
   Tensors stress;             // Cauchy, Pa, mean of the element
   Eigen::VectorXd von_mises;  // Pa
-  Eigen::Matrix3Xd force;     // N, what acts on each node from outside while it is in equilibrium
+  Eigen::Matrix3Xd force;     // N, external force on each node in equilibrium
 };
 
-/// Evaluates the fields of one mesh. Of quadratic tetrahedra only the corners are published; where
-/// their midside nodes stand is found again (MidsideNodes), so that stress and forces are those
-/// that palpated itself reckons with, but for what the weight of single elements does to them.
+/// Evaluates the fields of one mesh. Of quadratic tetrahedra only the corners are published; their
+/// midside nodes are recomputed (MidsideNodes), so that stress and forces are those that palpated
+/// itself computes, except for the effect of the elements' weight.
 class ShapeEvaluator {
  public:
   /// Throws as ElementGradients.
@@ -34,8 +34,7 @@ class ShapeEvaluator {
   ShapeFields at(const Eigen::Matrix3Xd& positions,
                  const std::optional<Stiffness>& stiffness) const;
 
-  /// A field of the elements at the nodes: the mean over the elements that meet there, weighted by
-  /// their volume.
+  /// An element field at the nodes: the mean over the adjacent elements, weighted by their volume.
   Eigen::VectorXd at_nodes(const Eigen::VectorXd& by_element) const;
 
   const log::MeshMessage& mesh() const { return mesh_; }

@@ -10,7 +10,7 @@
 namespace palpate::exporting {
 namespace {
 
-/// How long a shape waits for the truth of its time.
+/// How long a shape waits for the ground truth of its time.
 constexpr std::int64_t kPatience = 200'000;  // us
 constexpr double kSilence = 1;               // s
 
@@ -33,7 +33,7 @@ bool has(const Source& source, const std::string& channel, const std::string& ty
   return false;
 }
 
-/// Whether all that a mesh names is there; logs may come from anywhere.
+/// Whether everything that a mesh refers to is available; logs may come from any source.
 bool is_sound(const log::MeshMessage& mesh) {
   const auto count = static_cast<int>(mesh.nodes.cols());
   const auto is_node = [count](int node) { return node >= 0 && node < count; };
@@ -43,7 +43,7 @@ bool is_sound(const log::MeshMessage& mesh) {
          std::all_of(mesh.constrained.begin(), mesh.constrained.end(), is_node);
 }
 
-/// nullptr, with a warning, where the chunks make no mesh.
+/// nullptr, with a warning, if the chunks do not form a mesh.
 std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& chunks,
                                              const std::string& channel, Law law) {
   constexpr int kMostNodes = 10'000'000;
@@ -212,7 +212,7 @@ void ShapeFollower::add_truth(const shape_t& shape, const Message& message, cons
   last_truth_ = std::move(truth);
 }
 
-/// Shapes that have waited long enough go without a truth.
+/// Shapes whose waiting time has passed are output without truth.
 void ShapeFollower::settle(std::int64_t now, const Take& take) {
   while (!waiting_.empty() && (!has_truth_ || waiting_.front().utime < now - kPatience)) {
     give(waiting_.front(), take);
@@ -228,7 +228,7 @@ void ShapeFollower::put_truth(Instant& instant, const Truth& before, const Truth
   auto& places = places_[{instant.estimate_mesh->mesh().hash, after.mesh}];
   if (!places)
     places = std::make_unique<log::PlantPoints>(instant.truth_mesh->mesh(),
-                                                     instant.estimate_mesh->mesh().nodes);
+                                                instant.estimate_mesh->mesh().nodes);
   instant.deviation = instant.estimate - places->at(instant.truth);
 }
 
@@ -250,7 +250,7 @@ void ShapeFollower::sample(const std::string& title, double rate, const Take& ta
   std::optional<Instant> held;
   double begin = 0;
   std::int64_t number = 0;
-  // Hands out what is held for the times before `end`.
+  // Outputs the pending shapes for times before `end`.
   const auto hand_out = [&](double end) {
     while (held && begin + static_cast<double>(number) / rate < end) {
       const double time = begin + static_cast<double>(number++) / rate;

@@ -18,23 +18,24 @@
 
 namespace palpate::exporting {
 
-/// One instant of a log: a shape, and what else was known of that time. All in O, m and N.
+/// One instant of a log: a shape, and other data at that time. All in O, m and N.
 struct Instant {
   double time = 0;         // s
-  std::int64_t utime = 0;  // us, by the clock chosen
+  std::int64_t utime = 0;  // us, by the selected clock
   std::int64_t received_utime = 0;
 
   const ShapeEvaluator* estimate_mesh = nullptr;  // nullptr: the log has no estimate
   Eigen::Matrix3Xd estimate;                      // positions of its nodes
-  Eigen::VectorXd node_deviation;                 // m, by node; empty where none is estimated
+  Eigen::VectorXd node_deviation;                 // m, by node; empty if none is estimated
   int status = 0;                                 // of shape_t
 
-  const ShapeEvaluator* truth_mesh = nullptr;  // nullptr: no truth of this time
+  const ShapeEvaluator* truth_mesh = nullptr;  // nullptr: no truth at this time
   Eigen::Matrix3Xd truth;
-  Eigen::Matrix3Xd deviation;  // estimate minus truth at the estimate's nodes, m; empty without
+  Eigen::Matrix3Xd
+      deviation;  // estimate minus truth at the estimate's nodes, m; empty without truth
 
   std::optional<Stiffness> stiffness;        // of the estimate
-  std::optional<Stiffness> truth_stiffness;  // told by the user
+  std::optional<Stiffness> truth_stiffness;  // given by the user
   std::optional<contacts_t> contacts;
   std::optional<estimate_t> estimated;
   std::optional<truth_contact_t> truth_contact;
@@ -44,15 +45,15 @@ struct Instant {
 };
 
 struct FollowerOptions {
-  std::optional<Stiffness> stiffness;        // in place of what ESTIMATE says
-  std::optional<Stiffness> truth_stiffness;  // of the simulator's object, which no log tells
+  std::optional<Stiffness> stiffness;        // instead of that of ESTIMATE
+  std::optional<Stiffness> truth_stiffness;  // of the simulator's object, which no log contains
 };
 
 /// Plays a log's shapes: each SHAPE, with the truth of the same time (linear between two
-/// TRUTH_SHAPE) where the log holds it; each TRUTH_SHAPE where there is no SHAPE.
+/// TRUTH_SHAPE) if the log holds it; each TRUTH_SHAPE if there is no SHAPE.
 class ShapeFollower {
  public:
-  /// Reads the meshes. Throws std::runtime_error where the log has no shape, or no mesh for it.
+  /// Reads the meshes. Throws std::runtime_error if the log has no shape, or no mesh for it.
   ShapeFollower(Source& source, const FollowerOptions& options);
 
   bool has_estimate() const { return has_estimate_; }
@@ -62,20 +63,21 @@ class ShapeFollower {
 
   /// Whether a log holds any shape at all.
   static bool is_possible(const Source& source);
-  /// Channels that it listens to.
+  /// Channels that it reads.
   static const std::vector<std::string>& channels();
 
   using Take = std::function<void(const Instant&)>;
-  /// For who reads the log itself: begin(), follow() for each message of channels(), end().
+  /// For callers that read the log themselves: begin(), follow() for each message of channels(),
+  /// end().
   void begin();
   void follow(const Message& message, const Take& take);
   void end(const Take& take);
 
-  /// Calls `take` for each shape in the times that the source's options ask for, in their order.
+  /// Calls `take` for each shape within the times of the source's options, in their order.
   void each(const std::string& title, const Take& take);
 
-  /// At `rate` Hz from the first shape on (every shape where 0): the last shape at or before each
-  /// of these times, `time` being that of the picture. Shapes are not repeated beyond one second of
+  /// At `rate` Hz from the first shape on (every shape if 0): the last shape at or before each of
+  /// these times, with `time` that of the frame. Shapes are not repeated beyond one second of
   /// silence.
   void sample(const std::string& title, double rate, const Take& take);
 
@@ -99,8 +101,8 @@ class ShapeFollower {
   bool has_estimate_ = false, has_truth_ = false, has_deviation_ = false;
   std::map<std::int64_t, std::unique_ptr<ShapeEvaluator>> estimates_, truths_;  // by hash
   std::map<std::pair<std::int64_t, std::int64_t>, std::unique_ptr<log::PlantPoints>> places_;
-  Instant latest_;               // what is known beside shapes
-  std::deque<Instant> waiting_;  // for the truth of their time
+  Instant latest_;               // other known data
+  std::deque<Instant> waiting_;  // pending, for the truth of their time
   std::optional<Truth> last_truth_;
 };
 

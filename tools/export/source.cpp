@@ -27,12 +27,12 @@ std::string size_text(std::int64_t bytes) {
   return text;
 }
 
-/// What every message of ours begins with, after the fingerprint.
+/// Header of every message of our types, after the fingerprint.
 struct Head {
   std::int64_t utime = 0, session = 0;
 };
 
-/// Nothing of a stranger, or of what is too short.
+/// Empty for an unknown type or a message that is too short.
 std::optional<Head> head_of(const bus::LoggedEvent& event) {
   constexpr int kUtimeAt = 8, kSessionAt = 20, kEnd = 28;
   const auto number = [&event](int at) {
@@ -44,7 +44,7 @@ std::optional<Head> head_of(const bus::LoggedEvent& event) {
   return Head{number(kUtimeAt), number(kSessionAt)};
 }
 
-/// A stage on standard error, or none.
+/// A progress stage on standard error, or none.
 class Stage {
  public:
   Stage(bool quiet, const std::string& title, std::int64_t bytes) : bytes_(bytes) {

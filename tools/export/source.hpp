@@ -10,15 +10,16 @@
 
 namespace palpate::exporting {
 
-/// Which clock `time` goes by.
+/// Clock of `time`.
 enum class Clock {
-  kReceived,  // when the log received a message: one clock for all channels
-  // The sender's utime: in lock-step, where all follow the simulator. Whoever has a strange clock
-  // (Survey), as a user, sent when the last of the others before it in the log did.
+  kReceived,  // time of reception by the log: one clock for all channels
+  // The sender's utime: in lock-step, where all senders use the simulator's clock. For a sender
+  // with an unrelated clock (Survey), such as a user, that of the preceding message of the others
+  // in the log.
   kSent
 };
 
-/// What of which logs is read.
+/// Selection of logs and of their contents.
 struct SourceOptions {
   std::vector<std::filesystem::path> logs;
   std::vector<std::string> channels;  // names or patterns with * and ?; empty: all
@@ -28,38 +29,38 @@ struct SourceOptions {
   bool quiet = false;                                      // no progress on standard error
 };
 
-/// A message of one of our types.
+/// A message of a known type.
 struct Message {
   const bus::LoggedEvent& event;
   const log::Record& record;
-  double time;         // s, since the beginning of the logs by the clock chosen
-  std::int64_t utime;  // us, the same as the clock reads
+  double time;         // s, since the start of the logs by the selected clock
+  std::int64_t utime;  // us, the same as an absolute time
 };
 
-/// Logs read twice: once when made, to know what they hold, and once for each().
+/// Logs that are read twice: once at construction, to survey their contents, and once for each().
 class Source {
  public:
-  /// Surveys the logs; complaints about damage go to standard error. Throws std::runtime_error
-  /// where a log cannot be read, or a pattern of channels fits nothing in them.
+  /// Surveys the logs; damage is reported on standard error. Throws std::runtime_error if a log
+  /// cannot be read, or a pattern of channels matches nothing.
   explicit Source(const SourceOptions& options);
 
   const Survey& found() const { return survey_; }
   const SourceOptions& options() const { return options_; }
-  /// Whether the options ask for it; strangers are never selected.
+  /// Whether the options select it; unknown types are never selected.
   bool is_selected(const ChannelSurvey& channel) const;
-  /// us, where `time` is 0: of all messages the earliest by the clock chosen.
+  /// us, at which `time` is 0: the earliest of all messages by the selected clock.
   std::int64_t origin() const;
-  /// Whether a time (s) is one that the options ask for.
+  /// Whether a time (s) is within the selected range.
   bool is_in_time(double time) const { return time >= options_.from && time <= options_.to; }
   double time(std::int64_t utime) const { return 1e-6 * static_cast<double>(utime - origin()); }
 
-  /// Calls `take` for each whole message that is selected, in the order of reception; `title`
-  /// stands before the progress. May be called again.
+  /// Calls `take` for each complete selected message, in the order of reception; `title` precedes
+  /// the progress. May be called repeatedly.
   void each(const std::string& title, const std::function<void(const Message&)>& take);
-  /// The same of these channels alone, whatever the options say of channels and times.
+  /// The same for these channels, regardless of the options' channels and times.
   void each_of(const std::string& title, const std::vector<std::string>& channels,
                const std::function<void(const Message&)>& take);
-  /// The same of the channels that are `wanted`, whatever their time.
+  /// The same for the channels in `wanted`, regardless of their time.
   void read(const std::string& title, const std::function<bool(const ChannelSurvey&)>& wanted,
             const std::function<void(const Message&)>& take);
 
@@ -69,7 +70,7 @@ class Source {
   Survey survey_;
 };
 
-/// Whether a name fits a pattern with * and ?.
+/// Whether a name matches a pattern with * and ?.
 bool fits(const std::string& pattern, const std::string& name);
 
 }  // namespace palpate::exporting

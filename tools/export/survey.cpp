@@ -58,7 +58,7 @@ void compare_clocks(Survey& survey) {
         return a.second.messages < b.second.messages;
       })->second.sent;
   for (const auto& [session, sender] : senders) {
-    // Halves, since a clock may say anything that 64 bits hold.
+    // Halved to avoid overflow, since a clock may have any 64-bit value.
     const bool is_near = sender.sent.last / 2 >= reference.first / 2 - kStrangeClock / 2 &&
                          sender.sent.first / 2 <= reference.last / 2 + kStrangeClock / 2;
     if (!is_near) {

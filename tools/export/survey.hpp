@@ -13,7 +13,7 @@
 
 namespace palpate::exporting {
 
-/// First and last of times, us.
+/// First and last of the times, us.
 struct TimeSpan {
   std::int64_t first = 0, last = 0;
   bool empty = true;
@@ -22,50 +22,50 @@ struct TimeSpan {
   double seconds() const { return 1e-6 * static_cast<double>(last - first); }
 };
 
-/// What one start of a sender sent on one channel.
+/// Messages sent on one channel between a start of a sender and the next.
 struct SessionSurvey {
   log::Sequence sequence;
   TimeSpan sent;  // by its clock
 };
 
-/// What a log holds of one type on one channel.
+/// Messages of one type on one channel of a log.
 struct ChannelSurvey {
   std::string channel;
-  const log::TypeInfo* type = nullptr;  // nullptr: none of lcmtypes/
-  std::uint64_t fingerprint = 0;        // 0 for less than one
+  const log::TypeInfo* type = nullptr;  // nullptr: not in lcmtypes/
+  std::uint64_t fingerprint = 0;        // 0 for less than one full message
   std::int64_t messages = 0;
   std::int64_t bytes = 0;
-  std::int64_t broken = 0;       // of the messages, those whose length is not what their type says
+  std::int64_t broken = 0;       // number of messages whose length does not match their type
   TimeSpan received, sent;       // by the log's clock and by the sender's
   std::int64_t longest_gap = 0;  // us, between receptions
   std::map<std::int64_t, SessionSurvey> sessions;  // by the sender's session
-  std::vector<int> widths;                         // by field: most numbers that were in use
+  std::vector<int> widths;                         // by field: largest number of values in use
 
-  double rate() const;  // Hz, mean; 0 where fewer than two
+  double rate() const;  // Hz, mean; 0 if there are fewer than two
   std::int64_t lost() const;
 };
 
-/// What a log holds, by channel and type.
+/// Contents of a log, by channel and type.
 struct Survey {
-  std::vector<ChannelSurvey> channels;  // by name; strangers too
+  std::vector<ChannelSurvey> channels;  // by name; including unknown types
   std::int64_t events = 0;
   std::int64_t bytes = 0;                 // of the files
-  TimeSpan received, sent;                // sent: without strange clocks
+  TimeSpan received, sent;                // sent: without unrelated clocks
   std::set<std::int64_t> strange_clocks;  // sessions; see below
   std::vector<std::string> complaints;    // a line for each damaged log
 
-  /// nullptr where the log has none.
+  /// nullptr if the log has none.
   const ChannelSurvey* find(const std::string& channel, const log::TypeInfo* type) const;
-  std::int64_t unknown() const;  // messages of no type of ours
+  std::int64_t unknown() const;  // messages of unknown types
   std::int64_t broken() const;
 };
 
-/// Senders need not share a clock: in lock-step most go by the simulator's, while a user's commands
-/// go by the wall's. A session is strange where its clock is more than an hour away from all that
-/// the session with the most messages sent.
+/// Senders may have different clocks: in lock-step most use the simulator's, while a user's
+/// commands use the wall clock. A session's clock counts as unrelated if it is more than an hour
+/// away from all times of the session with the most messages.
 inline constexpr std::int64_t kStrangeClock = 3'600'000'000;  // us
 
-/// Reads all of `log`. `progress` gets the part that is done, 0 to 1, now and then.
+/// Reads all of `log`. `progress` is called from time to time with the completed fraction, 0 to 1.
 Survey survey(log::MergedLog& log, const std::function<void(double)>& progress = {});
 
 }  // namespace palpate::exporting

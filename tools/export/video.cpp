@@ -65,7 +65,7 @@ Video::Video(const std::filesystem::path& file, int width, int height, double ra
     throw std::runtime_error(std::string("ffmpeg cannot be run (apt-get install ffmpeg): ") +
                              std::strerror(error));
   }
-  signal(SIGPIPE, SIG_IGN);  // that ffmpeg has ended is told by the write
+  signal(SIGPIPE, SIG_IGN);  // if ffmpeg has ended, the write fails
   pipe_ = fdopen(ends[1], "wb");
 }
 

@@ -7,19 +7,19 @@
 
 namespace palpate::exporting {
 
-/// A film that Debian's ffmpeg makes (H.264, yuv420p, which every player knows) of pictures that
-/// are piped to it.
+/// A video encoded by Debian's ffmpeg (H.264, yuv420p, for the widest compatibility) from images
+/// piped to it.
 class Video {
  public:
-  /// Throws std::runtime_error where ffmpeg is not installed or does not start, or the name does
-  /// not end in .mp4; std::invalid_argument where width or height is odd, which H.264 cannot hold.
+  /// Throws std::runtime_error if ffmpeg is not installed or does not start, or the name does not
+  /// end in .mp4; std::invalid_argument if width or height is odd, which H.264 does not support.
   Video(const std::filesystem::path& file, int width, int height, double rate);
   ~Video();
   Video(const Video&) = delete;
   Video& operator=(const Video&) = delete;
 
   void add(const draw::Image& image);
-  /// Waits for ffmpeg; throws std::runtime_error with its last words where it failed.
+  /// Waits for ffmpeg; throws std::runtime_error with its last output if it failed.
   void finish();
 
  private:

@@ -8,7 +8,7 @@
 namespace palpate::exporting {
 namespace {
 
-/// Places on the grid of 3 x 3 x 3 nodes by VTK's number: corners, edges, faces, middle.
+/// Positions on the grid of 3 x 3 x 3 nodes in VTK's order: corners, edges, faces, centre.
 constexpr std::array<std::array<int, 3>, 27> kVtkPlaces{
     {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {0, 2, 0}, {0, 0, 2}, {2, 0, 2}, {2, 2, 2},
      {0, 2, 2}, {1, 0, 0}, {2, 1, 0}, {1, 2, 0}, {0, 1, 0}, {1, 0, 2}, {2, 1, 2},
@@ -54,7 +54,7 @@ Eigen::MatrixXi vtk_cells(const log::MeshMessage& mesh) {
   return cells;
 }
 
-/// Shape and what follows from it alone.
+/// Shape and derived fields.
 Grid shape_grid(const ShapeEvaluator& evaluator, const Eigen::Matrix3Xd& positions,
                 const ShapeFields& fields, const Eigen::MatrixXi& cells) {
   Grid grid;
@@ -123,7 +123,7 @@ Grid force_grid(const Instant& instant) {
   return forces.grid();
 }
 
-/// A row of NaN for what a series tells elsewhere, but not of this instant.
+/// A row of NaN for a field that a series contains, but not at this instant.
 Eigen::MatrixXd or_nothing(const Eigen::MatrixXd& values, Eigen::Index rows, Eigen::Index columns) {
   if (values.size() > 0) return values;
   return Eigen::MatrixXd::Constant(rows, columns, std::numeric_limits<double>::quiet_NaN());

@@ -13,7 +13,7 @@ namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "files are written as little-endian");
 
-/// Bytes with their count in front, in base64.
+/// Bytes with a size prefix, in base64.
 template <class Number>
 std::string encoded(const Number* numbers, std::size_t count) {
   const std::uint64_t size = count * sizeof(Number);

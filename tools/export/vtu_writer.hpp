@@ -10,7 +10,7 @@ namespace palpate::exporting {
 /// Kinds of cells, by VTK's numbers.
 enum class CellKind { kVertex = 1, kTriangle = 5, kTetrahedron = 10, kHexahedron27 = 29 };
 
-/// A field of a grid: one column a point or cell.
+/// A field of a grid: one column per point or cell.
 struct GridField {
   std::string name;
   Eigen::MatrixXd values;
@@ -25,7 +25,7 @@ struct Grid {
 };
 
 /// Writes a VTK XML file (.vtu): binary in base64, little-endian, positions and fields as 64-bit
-/// floats. Throws std::runtime_error, and std::invalid_argument where a field has another length.
+/// floats. Throws std::runtime_error, and std::invalid_argument if a field has the wrong length.
 void write_vtu(const std::filesystem::path& file, const Grid& grid);
 
 /// An entry of a series.

@@ -10,30 +10,30 @@
 
 namespace palpate::fit {
 
-/// The best parameters so far of every fit of a plan, in a JSON file that is replaced in one go
-/// whenever it is written, so that a fit that was ended can go on. Threads may share it.
+/// The best parameters so far of every fit of a plan, in a JSON file that is replaced atomically,
+/// so that an interrupted fit can be resumed. Thread-safe.
 class Checkpoint {
  public:
-  /// No file where `path` is empty. Reads what is there where `resumes`: throws std::runtime_error
-  /// where it is damaged or of another plan, by the hash.
+  /// No file if `path` is empty. Reads an existing file if `resumes`: throws std::runtime_error if
+  /// it is damaged or belongs to another plan, by its hash.
   Checkpoint(std::filesystem::path path, std::string hash, bool resumes);
 
-  /// Where to start the fit: what was kept, else the problem's own.
+  /// Start of the fit: the stored coordinates, otherwise the problem's own.
   Eigen::VectorXd start(const std::string& fit, const Problem& problem) const;
 
-  /// Keeps the coordinates where their cost is the least so far, and writes at most once a second;
-  /// `is_last` writes in any case.
+  /// Stores the coordinates if their cost is the lowest so far, and writes at most once a second;
+  /// `is_last` always writes.
   void keep(const std::string& fit, const Problem& problem, const Eigen::VectorXd& coordinates,
             double cost, bool is_last);
 
-  /// Everything is done: the file is no longer needed.
+  /// Deletes the file once all fits are done.
   void remove() const;
 
  private:
   struct Best {
     double cost = 0;
     std::map<std::string, double> values;  // of free parameters
-    bool is_old = false;                   // from before: any new cost replaces it
+    bool is_old = false;                   // from an earlier call: any new cost replaces it
   };
   void write();
 

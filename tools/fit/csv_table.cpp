@@ -12,7 +12,7 @@
 namespace palpate::fit {
 namespace {
 
-/// NaN where the cell is no finite number.
+/// NaN if the cell is not a finite number.
 double parsed(const std::string& cell) {
   const char* const begin = cell.data() + (!cell.empty() && cell.front() == '+' ? 1 : 0);
   const char* const end = cell.data() + cell.size();
@@ -58,9 +58,9 @@ std::size_t CsvTable::column(const std::string& name) const {
 double CsvTable::number(std::size_t row, std::size_t column) const {
   const double value = columns[column][row];
   if (!std::isnan(value)) return value;
-  throw recordings::CsvError(path + ":" + std::to_string(lines[row]) + ":" + header[column] + ": '" +
-                         bad_cells.at({row, column}) +
-                         "' is not a finite number; remove the row, or leave it out by `rows`");
+  throw recordings::CsvError(path + ":" + std::to_string(lines[row]) + ":" + header[column] +
+                             ": '" + bad_cells.at({row, column}) +
+                             "' is not a finite number; remove the row, or leave it out by `rows`");
 }
 
 std::shared_ptr<const CsvTable> read_csv(const std::string& path) {

@@ -7,41 +7,41 @@
 
 namespace palpate::fit {
 
-/// What is sought. Experiments that name the same parameter share it; one of a recording's own
-/// carries the recording's name in front ("compression_1.contact_offset").
+/// A parameter to identify. Experiments that name the same parameter share it; a recording's own
+/// parameter has the recording's name as prefix ("compression_1.contact_offset").
 struct Parameter {
   std::string name;
   std::string unit;  // SI, "" for a ratio
-  double start = 0;  // where the search begins
-  double lower = 0;  // allowed, ends included; lower == upper: known, not sought
+  double start = 0;  // start of the search
+  double lower = 0;  // bounds, inclusive; lower == upper: known, not identified
   double upper = 0;
-  bool is_logarithmic = false;  // sought as its logarithm: needs lower > 0
+  bool is_logarithmic = false;  // identified as its logarithm: needs lower > 0
 };
 
 /// One measured quantity along a recording, SI units.
 struct Series {
   std::string quantity;           // "force"
   std::string unit;               // "N"
-  std::string abscissa;           // "displacement", what the plot has on its x axis
+  std::string abscissa;           // "displacement", abscissa of the plot
   std::string abscissa_unit;      // "m"
   Eigen::VectorXd x;              // abscissa by sample
   Eigen::VectorXd measured;       // by sample
-  double deviation = 1;           // of one sample: residuals are divided by it
+  double deviation = 1;           // standard deviation of one sample: residuals are divided by it
   std::vector<bool> is_held_out;  // by sample: predicted, not fitted; empty: none
 };
 
-/// A quantity that a recording and its prediction are compared by beside their residuals: a period,
-/// an error of a prediction that others make as well.
+/// A quantity by which recording and prediction are compared in addition to the residuals: a
+/// period, or the error of a prediction that other models make as well.
 struct Finding {
   std::string what;     // "period"
   std::string unit;     // SI
-  double measured = 0;  // or what it has to be compared with
+  double measured = 0;  // or the value for comparison
   double predicted = 0;
-  double allowed = 0;     // greatest |predicted - measured|; 0: nothing is asked for
-  bool is_bound = false;  // `measured` is what others reach: less is asked for
+  double allowed = 0;     // upper bound of |predicted - measured|; 0: none
+  bool is_bound = false;  // `measured` is the error of another model: lower is better
 };
 
-/// A recording together with the mechanics that predicts it from parameters. Constant after
+/// A recording together with the mechanical model that predicts it from parameters. Constant after
 /// construction, so that threads may share it.
 class Experiment {
  public:
@@ -51,21 +51,21 @@ class Experiment {
   virtual const std::vector<Series>& series() const = 0;
   virtual const std::vector<Parameter>& parameters() const = 0;
 
-  /// What the series would be, behind each other, and where `jacobian` is given its derivatives by
-  /// the parameters (rows as `prediction`, columns as parameters(); by the parameter itself, not by
-  /// its logarithm). False where there is no equilibrium with these parameters.
+  /// Prediction of the concatenated series and, if `jacobian` is given, its derivatives by the
+  /// parameters (rows as `prediction`, columns as parameters(); by the parameter itself, not by its
+  /// logarithm). False if there is no equilibrium with these parameters.
   virtual bool predict(const Eigen::VectorXd& parameters, Eigen::VectorXd& prediction,
                        Eigen::MatrixXd* jacobian) const = 0;
 
-  /// What else the parameters come to; empty where there is nothing to say or no equilibrium.
+  /// Further results of the parameters; empty if there are none or there is no equilibrium.
   virtual std::vector<Finding> findings(const Eigen::VectorXd& /*parameters*/) const { return {}; }
 
-  /// The material's name among core/solid/strain_energy.hpp's; "linear" is the co-rotational
-  /// one of `young_modulus` and `poisson_ratio`. Another name where no solid is fitted.
+  /// The material's name in core/solid/strain_energy.hpp; "linear" is the co-rotational one of
+  /// `young_modulus` and `poisson_ratio`. Another name if no solid is fitted.
   virtual std::string material() const { return "linear"; }
 
-  /// Least and greatest strain of what is fitted (compression negative), which the result holds
-  /// for; both 0 where nobody knows.
+  /// Smallest and largest strain of the fitted samples (compression negative), the range of
+  /// validity of the result; both 0 if unknown.
   virtual std::array<double, 2> strain_range() const { return {0, 0}; }
 };
 

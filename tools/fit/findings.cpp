@@ -10,13 +10,13 @@
 namespace palpate::fit {
 namespace {
 
-/// The member's own parameters out of the problem's, by the names they have there.
+/// The member's own parameters, extracted from the problem's by their names there.
 Eigen::VectorXd values_of(const Member& member, const std::map<std::string, double>& values) {
   const std::vector<Parameter>& wanted = member.experiment->parameters();
   const std::string prefix = member.experiment->name() + ".";
   Eigen::VectorXd result(static_cast<Eigen::Index>(wanted.size()));
   for (std::size_t k = 0; k < wanted.size(); ++k) {
-    auto found = values.find(prefix + wanted[k].name);  // shared elsewhere, here its own
+    auto found = values.find(prefix + wanted[k].name);  // shared elsewhere, own parameter here
     if (found == values.end()) found = values.find(wanted[k].name);
     if (found == values.end()) found = values.find(wanted[k].name.substr(prefix.size()));
     result[static_cast<Eigen::Index>(k)] = found->second;
@@ -34,8 +34,7 @@ void print_findings(const Job& job, const JobResult& result, std::ostream& out) 
   for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
     values[problem.parameters()[p].name] = all[static_cast<Eigen::Index>(p)];
   }
-  common::Table table(
-      {job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
+  common::Table table({job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
   bool is_empty = true;
   for (const Member& member : problem.members()) {
     for (const Finding& f : member.experiment->findings(values_of(member, values))) {

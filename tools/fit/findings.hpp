@@ -7,8 +7,8 @@
 
 namespace palpate::fit {
 
-/// What the experiments of a fit find beside their residuals (Experiment::findings), as a table by
-/// recording; nothing where they find nothing.
+/// Results of a fit's experiments in addition to their residuals (Experiment::findings), as a table
+/// by recording; nothing if there are none.
 void print_findings(const Job& job, const JobResult& result, std::ostream& out);
 
 }  // namespace palpate::fit

@@ -58,8 +58,8 @@ std::vector<SeriesFit> score(const Problem& problem, const VectorXd& coordinates
   return result;
 }
 
-/// Deviations as the residuals show them, none below a millionth of its range; true where one has
-/// moved by more than 5 %.
+/// Standard deviations estimated from the residuals, none below a millionth of its range; true if
+/// one has changed by more than 5 %.
 bool reweigh(Problem& problem, const std::vector<SeriesFit>& series) {
   std::vector<double> deviations = problem.deviations();
   bool has_moved = false;

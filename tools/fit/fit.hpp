@@ -13,7 +13,7 @@ namespace palpate::fit {
 struct FitOptions {
   SolverOptions solver;
   Profile profile = Profile::kAuto;
-  /// Series are weighed anew by the noise that their residuals show, until it settles.
+  /// Series are reweighted by the noise estimated from their residuals, until it converges.
   bool is_reweighed = true;
 };
 
@@ -34,15 +34,15 @@ struct SeriesFit {
   Errors held_out;
 };
 
-/// A problem solved.
+/// Solution of a problem.
 struct Fit {
   Solution solution;
   Uncertainty uncertainty;
   std::vector<SeriesFit> series;  // as Problem::series()
-  Problem::Count count;           // of all that was asked, searching and for intervals
+  Problem::Count count;           // of all evaluations, for search and for intervals
   double seconds = 0;
 
-  /// Of a parameter; null where there is none of the name.
+  /// Estimate of a parameter; null if there is none of the name.
   const Estimate* find(const std::string& name) const;
 };
 

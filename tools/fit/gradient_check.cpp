@@ -12,10 +12,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// On which side of the parameters differences are taken.
+/// Side of the parameters on which differences are taken.
 enum class Side { kBelow = -1, kBoth = 0, kAbove = 1 };
 
-/// Difference quotient of a member's prediction by one coordinate.
+/// Difference quotient of a member's prediction with respect to one coordinate.
 VectorXd difference(const Problem& problem, int member, VectorXd x, Index i, double h, Side side) {
   const double middle = x[i];
   VectorXd above, below;
@@ -28,13 +28,13 @@ VectorXd difference(const Problem& problem, int member, VectorXd x, Index i, dou
   return (above - below) / (upper - x[i]);
 }
 
-/// Ridders: steps shrink while Neville's scheme takes them to zero; by sample, the entry of the
-/// table with the least estimated error.
+/// Ridders' method: steps shrink while Neville's scheme extrapolates to zero; by sample, the entry
+/// of the table with the smallest estimated error.
 VectorXd extrapolated(const Problem& problem, int member, const VectorXd& x, Index i, double h,
                       Side side, VectorXd& error) {
   constexpr int kRows = 10;
   constexpr double kShrink = 1.6;
-  // Errors of central differences go with even powers of the step, of one-sided ones with all.
+  // Errors of central differences are even in the step, those of one-sided ones contain all powers.
   const double power = side == Side::kBoth ? kShrink * kShrink : kShrink;
   std::array<std::array<VectorXd, kRows>, kRows> table;
   VectorXd best;
@@ -57,9 +57,9 @@ VectorXd extrapolated(const Problem& problem, int member, const VectorXd& x, Ind
   return best;
 }
 
-/// By sample, how far the derivatives are from differences, less twice Ridders' own error. Beside a
-/// kink only short steps say something, elsewhere long ones say more; and on a kink, where a fit of
-/// contact likes to end, there are two derivatives, one to each side: the nearest counts.
+/// By sample, the deviation of the derivatives from differences, minus twice Ridders' own error.
+/// Near a kink only short steps are valid, elsewhere long ones are more accurate; at a kink, where
+/// a contact fit often ends, there are two one-sided derivatives: the closer one counts.
 VectorXd distance(const Problem& problem, int member, const VectorXd& x, Index i, double step,
                   const VectorXd& derivative, double enough) {
   VectorXd nearest;

@@ -7,20 +7,20 @@
 
 namespace palpate::fit {
 
-/// Largest allowed difference of an experiment's derivatives from differences.
+/// Largest allowed deviation of an experiment's derivatives from differences.
 inline constexpr double kGradientTolerance = 1e-6;
 
-/// Of one kind of residual, the derivative that is furthest off.
+/// The derivative with the largest deviation, for one kind of residual.
 struct GradientCheck {
   std::string quantity;   // of the series
-  std::string parameter;  // where it is furthest off
+  std::string parameter;  // where the deviation is largest
   double difference = 0;  // largest over samples, relative
 };
 
 /// Compares derivatives by free coordinates with Ridders' extrapolated central differences (Press
 /// et al., Numerical Recipes, section 5.7) at `coordinates`, by quantity; relative to the column's
-/// largest derivative, or to 1e-4 of what is predicted where that is more, and less twice what
-/// Ridders' scheme says of its own error. Throws std::runtime_error without equilibrium.
+/// largest derivative, or to 1e-4 of the prediction if that is larger, and minus twice the error
+/// estimate of Ridders' scheme. Throws std::runtime_error without equilibrium.
 std::vector<GradientCheck> check_gradients(const Problem& problem,
                                            const Eigen::VectorXd& coordinates);
 

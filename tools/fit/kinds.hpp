@@ -10,8 +10,8 @@
 
 namespace palpate::fit {
 
-/// Reads a recording's YAML; files lie below the folder. Throws config::Error for wrong keys and
-/// import::CsvError for what a file holds.
+/// Reads a recording's YAML; files are below the folder. Throws config::Error for wrong keys and
+/// import::CsvError for wrong file contents.
 using MakeExperiment = std::unique_ptr<Experiment> (*)(const config::Node& node,
                                                        const std::filesystem::path& folder);
 
@@ -22,11 +22,11 @@ struct Kind {
   MakeExperiment make;
 };
 
-/// Every kind there is.
+/// All kinds.
 const std::vector<Kind>& kinds();
 
-/// The experiment of the recording's `kind`. Keys that nobody asked for are left to the caller's
-/// check_all_used(). Throws as MakeExperiment does.
+/// The experiment of the recording's `kind`. Unused keys are left to the caller's check_all_used().
+/// Throws as MakeExperiment does.
 std::unique_ptr<Experiment> make_experiment(const config::Node& node,
                                             const std::filesystem::path& folder);
 

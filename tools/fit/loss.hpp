@@ -13,7 +13,7 @@ struct Loss {
   Kind kind = Kind::kNone;
   double scale = 2;
 
-  /// Replaces the residual by rho(r), and gives its slope.
+  /// Replaces the residual by rho(r), and returns its slope.
   double apply(double& r) const {
     const double a = scale, size = std::abs(r);
     if (kind == Kind::kNone || size == 0) return 1;

@@ -36,7 +36,7 @@ struct Options {
 
 std::filesystem::path presets() { return config::data_folder() / "tools/fit/presets"; }
 
-/// A file, or the name of a plan that comes with palpate.
+/// A file, or the name of a plan supplied with palpate.
 std::string plan_path(const std::string& text) {
   if (std::filesystem::is_regular_file(text)) return text;
   const std::filesystem::path preset = presets() / (text + ".yaml");
@@ -44,7 +44,7 @@ std::string plan_path(const std::string& text) {
   throw config::Error(text + ": is neither a file nor a preset");
 }
 
-/// For --help: what a recording may be, and which plans come along.
+/// For --help: the kinds of recordings, and the supplied plans.
 std::string footer() {
   std::string text =
       "A plan names recordings (CSV or CSV.gz with units) and what is free:\n"
@@ -94,7 +94,7 @@ int run(const Options& options) {
   const fit::Plan plan = fit::read_plan(
       config::Node::load_file(plan_path(options.plan), options.overrides), options.data);
   const std::vector<fit::JobResult> results = run_with_progress(plan, options);
-  // With JSON on the standard output nothing else may be there.
+  // With JSON, nothing else may be written to the standard output.
   std::ostream& out = options.json == "-" ? std::cerr : std::cout;
   if (!plan.about.empty()) out << plan.about << "\n";
   if (results.size() > 1) fit::print_summary(plan, results, out);

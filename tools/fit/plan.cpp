@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// `upper` laid over `lower`, mappings both as text.
+/// `upper` merged over `lower`, both mappings as text.
 config::Node laid_over(const config::Node& lower, const std::string& upper,
                        const std::string& name) {
   return upper.empty() ? lower : lower.changed("", upper, false, name);
 }
 
-/// A document whose `key` the mapping is, so that what is wrong with it is named in full.
+/// A document with the mapping under `key`, so that error messages name the full path.
 config::Node under(const std::string& key, const config::Node& mapping, const std::string& plan,
                    const std::string& place) {
   return config::Node::from_text(key + ": {}", plan).changed(key, mapping.dump(), false, place);
@@ -76,7 +76,7 @@ FitOptions read_solver(const config::Node& node, FitOptions options) {
   return options;
 }
 
-/// What a plan lays over its fits, or nothing.
+/// Settings that a plan applies to its fits, or none.
 struct Variant {
   std::string name;
   std::string recording;  // YAML, as the next two

@@ -10,16 +10,17 @@
 
 namespace palpate::fit {
 
-/// One fit of a plan: recordings that tell parameters together.
+/// One fit of a plan: recordings that identify parameters jointly.
 struct Job {
-  std::string group;            // the plan's name of it
-  std::string name;             // likewise, with the value of `each` behind it
+  std::string group;            // name in the plan
+  std::string name;             // likewise, followed by the value of `each`
   std::string variant;          // empty: the plan has none
-  bool is_one_of_many = false;  // by `each`: one that fails does not spoil the rest
+  bool is_one_of_many = false;  // by `each`: a failed one does not affect the others
   std::vector<config::Node> recordings;
   std::map<std::string, ParameterChange> parameters;
   FitOptions options;
-  double effective_strain = 0;  // greatest of the co-rotational material; 0: all that is fitted
+  double effective_strain =
+      0;  // largest strain of the co-rotational material; 0: all that is fitted
 
   /// "name, variant".
   std::string title() const;

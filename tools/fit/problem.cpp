@@ -11,7 +11,7 @@ bool holds(const std::vector<std::string>& names, const std::string& name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// What a member's parameter is called in the problem.
+/// Name of a member's parameter in the problem.
 std::string name_in_problem(const Member& member, const std::string& name) {
   const std::string prefix = member.experiment->name() + ".";
   if (holds(member.own, name)) return prefix + name;

@@ -13,39 +13,39 @@
 
 namespace palpate::fit {
 
-/// What a plan says of a parameter over what the experiments do.
+/// A plan's settings of a parameter, which override those of the experiments.
 struct ParameterChange {
   std::optional<double> start, lower, upper, known;
 };
 
-/// An experiment in a problem, and which of its parameters go by another name there.
+/// An experiment in a problem, and its parameters with a different name there.
 struct Member {
   std::shared_ptr<const Experiment> experiment;
-  std::vector<std::string> own;     // shared by the experiment, here this recording's own
-  std::vector<std::string> shared;  // "contact_offset": the recording's own, here everyone's
+  std::vector<std::string> own;  // shared by the experiment, own parameter of this recording here
+  std::vector<std::string> shared;  // "contact_offset": the recording's own, shared here
 };
 
 /// A series of a problem's.
 struct SeriesPlace {
   int member = 0;
   int series = 0;        // of the experiment
-  Eigen::Index row = 0;  // where it begins in the experiment's prediction
+  Eigen::Index row = 0;  // start in the experiment's prediction
 };
 
 /// Samples of all members that are fitted, as residuals of free parameters.
 ///
-/// The free parameters are sought as coordinates: the logarithm of logarithmic ones, the value of
-/// the others divided by half of what is allowed, so that 1 is a great change of any.
+/// The free parameters are represented by coordinates: the logarithm of logarithmic ones, the value
+/// of the others divided by half of the allowed range, so that 1 is a large change of any.
 class Problem {
  public:
-  /// Throws std::invalid_argument where parameters of one name contradict each other, a change
-  /// names no parameter, or nothing is left to seek or to fit.
+  /// Throws std::invalid_argument if parameters of one name contradict each other, a change names
+  /// no parameter, or nothing is left to identify or to fit.
   Problem(std::vector<Member> members, const std::map<std::string, ParameterChange>& changes);
 
   const std::vector<Member>& members() const { return members_; }
-  /// Of all members, each name once; `start` as the plan has it.
+  /// Of all members, each name once; `start` as in the plan.
   const std::vector<Parameter>& parameters() const { return parameters_; }
-  /// Those that are sought, by index in parameters().
+  /// The free parameters, by index in parameters().
   const std::vector<int>& free() const { return free_; }
   const std::vector<SeriesPlace>& series() const { return series_; }
   const Series& series_at(std::size_t place) const;
@@ -53,7 +53,7 @@ class Problem {
   Eigen::Index fitted_count(std::size_t place) const { return fitted_[place]; }
   Eigen::Index fitted_count() const;
 
-  /// Standard deviation of a sample by series(): first what the experiment says.
+  /// Standard deviation of a sample by series(): initially as given by the experiment.
   const std::vector<double>& deviations() const { return deviations_; }
   void set_deviations(std::vector<double> deviations) { deviations_ = std::move(deviations); }
 
@@ -77,10 +77,10 @@ class Problem {
                  Eigen::MatrixXd* jacobian) const;
   Eigen::Index residual_count(int member) const;
 
-  /// Derivatives by central differences in place of the experiments' own.
+  /// Derivatives by central differences instead of the experiments' own.
   bool is_numeric = false;
 
-  /// How often experiments were asked: for predictions alone, and with derivatives.
+  /// Number of evaluations of experiments: for predictions alone, and with derivatives.
   struct Count {
     long predictions = 0;
     long jacobians = 0;

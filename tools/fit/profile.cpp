@@ -16,10 +16,10 @@ VectorXd moved(const ProfileQuestion& q, double step) {
   return x.cwiseMax(q.problem.lower()).cwiseMin(q.problem.upper());
 }
 
-/// Rise of the sum of squares with the coordinate `step` away and the others at their best.
+/// Increase of the sum of squares with the coordinate `step` away and the others optimised.
 double rise_at(const ProfileQuestion& q, double step) {
   SolverOptions options = q.options;
-  // Enough for an interval of three digits.
+  // Sufficient for an interval of three digits.
   options.tolerance = std::max(options.tolerance, 1e-6);
   options.iterations = std::min(options.iterations, 30);
   std::vector<bool> held(static_cast<std::size_t>(q.direction.size()), false);
@@ -31,7 +31,7 @@ double rise_at(const ProfileQuestion& q, double step) {
   }
 }
 
-/// The end on the side of `sign`; Illinois' variant of the false position on sqrt(rise), nearly
+/// The end on the side of `sign`; Illinois variant of false position on sqrt(rise), which is nearly
 /// linear.
 double end_on_side(const ProfileQuestion& q, double sign) {
   constexpr int kWider = 8, kSteps = 10;

@@ -19,7 +19,7 @@ std::string joined(const std::vector<std::string>& texts) {
   return result;
 }
 
-/// Throws config::Error at `key` where the unit is not one of the dimension's.
+/// Throws config::Error at `key` if the unit is not one of the dimension's.
 double factor_of(const config::Node& node, const std::string& key, Dimension dimension,
                  const std::string& unit) {
   const double factor = si_factor(dimension, unit);
@@ -29,7 +29,7 @@ double factor_of(const config::Node& node, const std::string& key, Dimension dim
   return factor;
 }
 
-/// A column of the file and how it becomes a quantity.
+/// A column of the file and its conversion to a quantity.
 struct Source {
   std::string quantity;
   std::size_t column = 0;
@@ -101,7 +101,7 @@ Selection read_selection(const config::Node& node, const config::Key& key, bool 
 
 namespace {
 
-/// The quantity, which is there and has been declared.
+/// The quantity, which must exist and be declared.
 double to_quantity(const config::Node& node, const std::string& key, Dimension dimension,
                    config::Range range) {
   const std::string text = node.text(key);
@@ -212,11 +212,13 @@ void Recording::require_rising(const std::string& quantity) const {
 
 void Recording::fail(Eigen::Index row, const std::string& what) const {
   const auto index = static_cast<std::size_t>(row);
-  throw recordings::CsvError(path_ + ":" + std::to_string(index < lines_.size() ? lines_[index] : 1) +
-                         ": " + what);
+  throw recordings::CsvError(
+      path_ + ":" + std::to_string(index < lines_.size() ? lines_[index] : 1) + ": " + what);
 }
 
-void Recording::fail(const std::string& what) const { throw recordings::CsvError(path_ + ": " + what); }
+void Recording::fail(const std::string& what) const {
+  throw recordings::CsvError(path_ + ": " + what);
+}
 
 std::vector<double> distinct_values(const std::filesystem::path& file, const std::string& column) {
   const std::shared_ptr<const CsvTable> table = read_csv(file.string());

@@ -18,11 +18,11 @@ struct WantedColumn {
   Dimension dimension;
   const char* meaning;
   bool is_required = true;
-  const char* kind = nullptr;  // stands in the reference for a quantity that the user named
+  const char* kind = nullptr;  // represents a user-named quantity in the reference
 };
 
-/// Samples by what a quantity of theirs is. In YAML: true (all), false, or
-/// {quantity: strain, from: 0.5, to: 1} (SI, ends included; either may be absent).
+/// Samples selected by one of their quantities. In YAML: true (all), false, or {quantity: strain,
+/// from: 0.5, to: 1} (SI, ends included; either may be absent).
 struct Selection {
   bool is_all = false;
   std::string quantity;  // empty: all or none
@@ -32,16 +32,16 @@ struct Selection {
   bool holds(double value) const { return is_all || (value >= from && value <= to); }
 };
 
-/// Reads entry `key`; `otherwise` where it is absent. Throws config::Error.
+/// Reads entry `key`; `otherwise` if it is absent. Throws config::Error.
 Selection read_selection(const config::Node& node, const config::Key& key, bool otherwise);
 
-/// A number with its unit ("10.65 mm") or in SI (0.01065), as SI; the key's unit is the
-/// dimension's. Throws config::Error naming the units that are allowed, or the range.
+/// A number with its unit ("10.65 mm") or in SI (0.01065), returned in SI; the key's unit is the
+/// dimension's. Throws config::Error naming the allowed units, or the range.
 double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
                      config::Range range);
 double read_quantity(const config::Node& node, const config::Key& key, Dimension dimension,
                      config::Range range, double otherwise);
-/// Where it is absent, nothing: what it is then is told by the recording.
+/// Empty if the entry is absent: the value is then taken from the recording.
 std::optional<double> optional_quantity(const config::Node& node, const config::Key& key,
                                         Dimension dimension, config::Range range);
 
@@ -55,9 +55,9 @@ std::optional<double> optional_quantity(const config::Node& node, const config::
 ///   rows: {first: 100, last: 900, step: 4}        # of what is left, from 0; may be absent
 class Recording {
  public:
-  /// Reads the wanted columns, each as long. Throws config::Error for wrong keys and units and
-  /// import::CsvError naming file and row where the file is missing or lacks a column, or a cell is
-  /// not a finite number.
+  /// Reads the requested columns, all of the same length. Throws config::Error for wrong keys and
+  /// units and import::CsvError naming file and row if the file is missing or lacks a column, or a
+  /// cell is not a finite number.
   Recording(const config::Node& node, const std::filesystem::path& folder,
             const std::vector<WantedColumn>& wanted);
 
@@ -65,15 +65,15 @@ class Recording {
   const std::string& path() const { return path_; }
   Eigen::Index rows() const { return static_cast<Eigen::Index>(lines_.size()); }
   bool has(const std::string& quantity) const { return columns_.count(quantity) > 0; }
-  /// Throws std::out_of_range where the quantity was not wanted or is not there.
+  /// Throws std::out_of_range if the quantity was not requested or is not available.
   const Eigen::VectorXd& column(const std::string& quantity) const { return columns_.at(quantity); }
 
-  /// Throw import::CsvError, which names file, row and remedy, where there are fewer rows, the
-  /// quantity is the same in all, or it does not rise from row to row.
+  /// Throw import::CsvError, naming file, row and remedy, if there are fewer rows, the quantity is
+  /// constant, or it does not increase from row to row.
   void require_rows(Eigen::Index least) const;
   void require_varying(const std::string& quantity) const;
   void require_rising(const std::string& quantity) const;
-  /// Throw import::CsvError: "file:line: what", of one row or of all.
+  /// Throw import::CsvError: "file:line: what", for one row or all.
   [[noreturn]] void fail(Eigen::Index row, const std::string& what) const;
   [[noreturn]] void fail(const std::string& what) const;
 
@@ -84,11 +84,11 @@ class Recording {
   std::vector<int> lines_;  // of the file, by row
 };
 
-/// The numbers that a column holds, each once, as they come; for recordings that lie behind each
-/// other in one file. Throws import::CsvError.
+/// The distinct numbers in a column, in order of occurrence; for several recordings in one file.
+/// Throws import::CsvError.
 std::vector<double> distinct_values(const std::filesystem::path& file, const std::string& column);
 
-/// Where a recording lies: `file` is taken below `folder` unless it is absolute.
+/// Path of a recording: `file` is relative to `folder` unless it is absolute.
 std::filesystem::path recording_path(const std::filesystem::path& folder, const std::string& file);
 
 }  // namespace palpate::fit

@@ -88,7 +88,8 @@ void print_series(const JobResult& result, std::ostream& out) {
 std::string readable(double value, const std::string& unit) {
   if (unit.empty()) return formatted("%.4g", value);
   const double size = std::abs(value);
-  // Compound units such as "m/s2" keep to SI: a prefix would belong to their first letter alone.
+  // Compound units such as "m/s2" are printed without prefix: it would belong to their first letter
+  // alone.
   const bool may_have_prefix =
       unit == "Pa" || unit == "N" || unit == "m" || unit == "s" || unit == "Pa s";
   if (may_have_prefix && size > 0) {

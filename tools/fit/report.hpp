@@ -17,26 +17,26 @@ std::string readable(double value, const std::string& unit);
 /// "79.1 kPa to 84.3 kPa".
 std::string interval_text(const std::array<double, 2>& interval, const std::string& unit);
 
-/// How an estimate's interval came about, or why it has none.
+/// How an estimate's interval was obtained, or why there is none.
 std::string derivation(const Estimate& estimate);
 
-/// Parameters, series, what the data cannot tell, and the co-rotational material, of one fit.
+/// Parameters, series, undetermined combinations, and the co-rotational material, of one fit.
 void print_details(const Job& job, const JobResult& result, std::ostream& out);
 
-/// One line a fit by variant, and by group of several: medians and the spread between them.
+/// One line per fit and variant, and per group of several: medians and their spread.
 void print_summary(const Plan& plan, const std::vector<JobResult>& results, std::ostream& out);
 
-/// Fits that failed and why; of those by `each`, how many and the first. False where one failed
-/// that stands alone, or more than a tenth of those by `each`.
+/// Failed fits and the reasons; of those by `each`, the number and the first. False if a single fit
+/// failed, or more than a tenth of those by `each`.
 bool print_failures(const Plan& plan, const std::vector<JobResult>& results, std::ostream& out);
 
-/// Largest difference by quantity over all fits; false where one is above kGradientTolerance.
+/// Largest deviation by quantity over all fits; false if one is above kGradientTolerance.
 bool print_gradients(const std::vector<JobResult>& results, std::ostream& out);
 
-/// Search by derivatives against search by differences, over all fits.
+/// Search with derivatives compared with search by differences, over all fits.
 void print_comparison(const std::vector<JobResult>& results, std::ostream& out);
 
-/// Everything that is printed, in SI units.
+/// All printed results, in SI units.
 nlohmann::json to_json(const Plan& plan, const std::vector<JobResult>& results);
 
 }  // namespace palpate::fit

@@ -30,7 +30,7 @@ std::string pair_text(const std::array<double, 2>& pair) {
   return "[" + exact(pair[0]) + ", " + exact(pair[1]) + "]";
 }
 
-/// A name that is a folder's.
+/// A name that is valid for a folder.
 std::string folder_name(const std::string& text) {
   std::string name;
   for (const char c : text)
@@ -38,10 +38,10 @@ std::string folder_name(const std::string& text) {
   return name;
 }
 
-/// Whether it is the material's, not a recording's own.
+/// Whether it is a parameter of the material, not a recording's own.
 bool is_material(const Estimate& e) { return e.parameter.name.find('.') == std::string::npos; }
 
-/// Curves through what was measured and predicted, by the abscissa's order as recorded.
+/// Curves through measured and predicted values, in the recorded order.
 common::Plot value_plot(const JobResult& result, std::size_t s) {
   const Series& series = result.problem->series_at(s);
   const SeriesFit& fit = result.fit.series[s];
@@ -80,7 +80,7 @@ common::Plot residual_plot(const JobResult& result, std::size_t s) {
   return plot;
 }
 
-/// Opens, lets `write` fill it, and throws std::runtime_error where that failed.
+/// Opens the file, lets `write` fill it, and throws std::runtime_error on failure.
 template <class Write>
 void write_file(const std::filesystem::path& path, const Write& write) {
   std::ofstream out(path);

@@ -11,7 +11,7 @@ namespace {
 using common::number;
 using common::Table;
 
-constexpr std::size_t kMostRows = 60;  // more fits are told by their medians alone
+constexpr std::size_t kMostRows = 60;  // more fits are reported by their medians alone
 
 double median_of(std::vector<double> values) {
   if (values.empty()) return std::nan("");
@@ -20,7 +20,7 @@ double median_of(std::vector<double> values) {
   return n % 2 == 1 ? values[n / 2] : (values[n / 2 - 1] + values[n / 2]) / 2;
 }
 
-/// What the summary says of a fit; empty where there is nothing.
+/// Summary of a fit; empty if there is nothing to report.
 struct Figures {
   std::vector<double> modulus, poisson, percent, rmse, held_percent, held_errors;
   std::string unit;  // of rmse and held_errors

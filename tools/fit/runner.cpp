@@ -22,7 +22,7 @@ std::vector<std::string> names_of(const config::Node& node, const std::string& k
   return node.has(key) ? node.texts(key) : std::vector<std::string>();
 }
 
-/// Both searches; the problem is left as it was.
+/// Both searches; leaves the problem unchanged.
 NumericComparison compare_numeric(Problem& problem, const SolverOptions& options,
                                   const VectorXd& start) {
   NumericComparison result;
@@ -43,7 +43,7 @@ NumericComparison compare_numeric(Problem& problem, const SolverOptions& options
   return result;
 }
 
-/// Least and greatest of all members.
+/// Minimum and maximum over all members.
 std::array<double, 2> strain_range_of(const Problem& problem) {
   std::array<double, 2> range{};
   for (const Member& member : problem.members()) {
@@ -53,7 +53,7 @@ std::array<double, 2> strain_range_of(const Problem& problem) {
   return range;
 }
 
-/// Where a fit stands, for the line of progress.
+/// Progress of a fit, for the progress line.
 std::string note_of(int iteration, double cost) {
   char text[64];
   std::snprintf(text, sizeof text, "iteration %d, cost %.5g", iteration, cost);

@@ -20,22 +20,23 @@ struct RunOptions {
   std::filesystem::path checkpoint;  // empty: none
   bool resumes = false;
   bool checks_gradients = false;
-  bool compares_numeric = false;  // solves each fit by differences too
+  bool compares_numeric = false;  // also solves each fit with differences
   int threads = 1;
-  /// Share of the work done, and a word on it; from any thread, one at a time.
+  /// Completed fraction of the work, and a short description; called from any thread, one at a
+  /// time.
   std::function<void(double fraction, const std::string& note)> progress;
 };
 
-/// The search by differences against that by derivatives, from the same start.
+/// The search by differences compared with that by derivatives, from the same start.
 struct NumericComparison {
   double seconds = 0, seconds_numeric = 0;
   long evaluations = 0, evaluations_numeric = 0;  // of experiments, with derivatives or without
   double difference = 0;                          // largest of a coordinate at the end
 };
 
-/// What came of a job: a fit, or why there is none.
+/// Result of a job: a fit, or the reason why there is none.
 struct JobResult {
-  std::string error;  // empty: good
+  std::string error;  // empty: success
   std::unique_ptr<Problem> problem;
   Fit fit;
   std::string material;
@@ -49,8 +50,8 @@ struct JobResult {
 /// std::invalid_argument.
 std::unique_ptr<Problem> make_problem(const Job& job, const std::filesystem::path& data);
 
-/// Every job of the plan, over `threads` (of one job, over its recordings). Errors of single jobs
-/// are in their results; where there is one job they are thrown.
+/// Every job of the plan, over `threads` (for one job, over its recordings). Errors of individual
+/// jobs are in their results; if there is only one job they are thrown.
 std::vector<JobResult> run(const Plan& plan, const RunOptions& options);
 
 }  // namespace palpate::fit

@@ -13,7 +13,7 @@
 namespace palpate::fit {
 namespace {
 
-/// Residuals of one member by those coordinates that are not held.
+/// Residuals of one member as a function of the coordinates that are not held.
 class MemberCost final : public ceres::CostFunction {
  public:
   MemberCost(const Problem& problem, const Loss& loss, int member, const Eigen::VectorXd& base,
@@ -93,8 +93,8 @@ double cost_at(const Problem& problem, const Loss& loss, const Eigen::VectorXd& 
 
 Solution solve(const Problem& problem, const SolverOptions& options, const Eigen::VectorXd& start,
                const std::vector<bool>& held) {
-  // A start without equilibrium is told by an exception, not on standard error. Fits run side by
-  // side.
+  // A start without equilibrium is reported by an exception, not on standard error. Fits run in
+  // parallel.
   static std::once_flag silenced;
   std::call_once(silenced, [] { FLAGS_minloglevel = google::GLOG_FATAL; });
   const Eigen::VectorXd lower = problem.lower(), upper = problem.upper();

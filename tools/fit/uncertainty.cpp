@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Residuals of every series where the search ended, as they are and as the loss counts them.
+/// Residuals of every series at the end of the search, raw and weighted by the loss.
 struct Linearised {
   std::vector<VectorXd> residuals;  // in deviations
   std::vector<VectorXd> counted;
@@ -48,7 +48,7 @@ Linearised linearise(const Problem& problem, const Loss& loss, const VectorXd& x
   return result;
 }
 
-/// Freedom is taken from the series alike, by their samples.
+/// Degrees of freedom are subtracted from the series in proportion to their samples.
 std::vector<SeriesNoise> find_noise(const Problem& problem, const Linearised& at) {
   const auto all = static_cast<double>(problem.fitted_count());
   const double left = std::max(1.0, all - static_cast<double>(problem.free().size()));
@@ -66,9 +66,9 @@ std::vector<SeriesNoise> find_noise(const Problem& problem, const Linearised& at
   return noise;
 }
 
-/// The covariance of the coordinates `moving` and what the data leave open.
+/// Covariance of the coordinates `moving` and the open directions of the data.
 struct Spread {
-  MatrixXd covariance;        // of the coordinates, open directions left out
+  MatrixXd covariance;        // of the coordinates, without open directions
   MatrixXd inverse;           // (J'J)^-1, likewise
   MatrixXd bounded;           // covariance, open directions with a deviation of 1 at most
   std::vector<bool> is_open;  // by moving coordinate
@@ -90,7 +90,8 @@ Spread find_spread(const Problem& problem, const Linearised& at,
     B += variance * JJ;
     white += JJ / std::max(variance, 1e-300);
   }
-  // Singular values of the whitened Jacobian: one over the deviation along each direction.
+  // Singular values of the whitened Jacobian: the inverse of the standard deviation along each
+  // direction.
   const Eigen::JacobiSVD<MatrixXd> svd(white, Eigen::ComputeFullV);
   const VectorXd singular = svd.singularValues().cwiseMax(0).cwiseSqrt();
   std::vector<Index> kept;

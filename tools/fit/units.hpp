@@ -5,7 +5,7 @@
 
 namespace palpate::fit {
 
-/// What a number measures, which says the units that it may have.
+/// Dimension of a number, which determines the units that it may have.
 enum class Dimension {
   kForce,
   kTorque,
@@ -23,17 +23,16 @@ enum class Dimension {
   kRatio,
 };
 
-/// How the dimension is called ("force").
+/// Name of the dimension ("force").
 std::string name_of(Dimension dimension);
 
-/// The unit in which a dimension's numbers are kept ("N"; "" for a ratio).
+/// The unit in which a dimension's numbers are stored ("N"; "" for a ratio).
 const char* si_unit(Dimension dimension);
 
 /// Every unit that the dimension may have, the SI one first.
 std::vector<std::string> units_of(Dimension dimension);
 
-/// What a number in `unit` has to be multiplied with to be in SI; 0 where the dimension knows no
-/// such unit.
+/// Factor from `unit` to SI; 0 if the dimension has no such unit.
 double si_factor(Dimension dimension, const std::string& unit);
 
 }  // namespace palpate::fit

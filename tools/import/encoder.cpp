@@ -52,7 +52,7 @@ std::int16_t counts(const recordings::CsvReader& csv, const FieldMapping& mappin
   return static_cast<std::int16_t>(value);
 }
 
-// Places in the lists of fields.cpp.
+// Indices into the lists of fields.cpp.
 constexpr int kQuaternion = 3, kTwist = 7, kJoints = 13, kSpeeds = 29, kEfforts = 45;
 constexpr int kMaxJoints = 16;
 constexpr int kPac = 19, kPdc = 41, kTac = 42, kTdc = 43;

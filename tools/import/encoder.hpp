@@ -19,14 +19,14 @@ struct MessageHead {
 class Encoder {
  public:
   virtual ~Encoder() = default;
-  /// Throws CsvError where a value does not fit the message.
+  /// Throws CsvError if a value does not fit the message.
   virtual std::vector<std::uint8_t> encode(const recordings::CsvReader& csv,
                                            const MessageHead& head) const = 0;
   virtual const FieldMapping& mapping() const = 0;
 };
 
-/// Throws as FieldMapping, and std::invalid_argument where a biotac has some of its electrodes
-/// only, or nothing at all.
+/// Throws as FieldMapping, and std::invalid_argument if a biotac has only some of its electrodes,
+/// or no fields at all.
 std::unique_ptr<Encoder> make_encoder(const std::string& format,
                                       const std::map<std::string, std::string>& described,
                                       const recordings::CsvReader& csv);

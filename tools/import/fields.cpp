@@ -172,7 +172,7 @@ FieldMapping::FieldMapping(const std::string& format,
       if (csv.has_column(field.name)) {
         source = {true, csv.column(field.name), 1, 0};
       } else if (field.required) {
-        csv.column(field.name);  // throws, with the columns that there are
+        csv.column(field.name);  // throws, listing the existing columns
       }
       sources_.push_back(source);
       continue;

@@ -8,7 +8,7 @@
 
 namespace palpate::import {
 
-/// Kinds of number that a field holds; each has units that a column may come in.
+/// Dimension of a field; determines the units that a column may have.
 enum class Dimension {
   kForce,
   kTorque,
@@ -20,7 +20,7 @@ enum class Dimension {
   kNone
 };
 
-/// Factor from `unit` to SI; throws std::invalid_argument with the units that exist.
+/// Factor from `unit` to SI; throws std::invalid_argument listing the units.
 double unit_factor(Dimension dimension, const std::string& unit);
 
 /// The units of a dimension, SI first: "N (mN, kN)"; "-" where it has none.
@@ -36,7 +36,7 @@ struct Field {
 
 /// Message types that can be imported: force_torque, imu, robot_state, biotac.
 const std::vector<std::string>& format_names();
-/// Fields of a format; throws std::invalid_argument with the formats that exist.
+/// Fields of a format; throws std::invalid_argument listing the formats.
 const std::vector<Field>& fields_of(const std::string& format);
 
 /// The columns that a file must have for a format described so: see FieldMapping.
@@ -53,10 +53,10 @@ class FieldMapping {
   FieldMapping(const std::string& format, const std::map<std::string, std::string>& described,
                const recordings::CsvReader& csv);
 
-  /// Whether field `i` of fields_of(format) is there.
+  /// Whether field `i` of fields_of(format) is available.
   bool has(int i) const { return sources_[i].known; }
   bool has_any(int first, int count) const;
-  /// Value of the current row in SI; 0 where the field is absent.
+  /// Value of the current row in SI; 0 if the field is absent.
   double value(const recordings::CsvReader& csv, int i) const;
   /// Column of field `i`, -1 for a constant or an absent field.
   int column(int i) const { return sources_[i].column; }

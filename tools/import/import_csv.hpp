@@ -18,15 +18,15 @@ struct Stream {
 
 struct ImportOptions {
   std::string input;   // .csv, or the same compressed by gzip
-  std::string output;  // LCM log; written whole or not at all
+  std::string output;  // LCM log; written completely or not at all
   std::vector<Stream> streams;
   std::string time_column = "t";
   std::string time_unit = "s";  // s, ms, us or ns
-  double rate = 0;              // Hz: above 0, rows are this far apart and time_column is not read
+  double rate = 0;              // Hz: if > 0, rows are equidistant and time_column is not read
   double start = 0;             // s, added to every time
   char delimiter = 0;           // ',', ';' or '\t'; 0: found from the header line
   std::int64_t session = 0;
-  /// Only rows whose text in a column equals this; empty: all.
+  /// Only rows with this text in a column; empty: all.
   std::map<std::string, std::string> where;
 };
 
@@ -37,12 +37,12 @@ struct ImportSummary {
   std::map<std::string, std::int64_t> messages;  // by channel
 };
 
-/// One message a row and stream, with the row's time as utime and as time of the log's event.
+/// One message per row and stream, with the row's time as utime and as time of the log's event.
 /// Throws CsvError, std::invalid_argument or std::runtime_error, and then leaves no file behind.
 ImportSummary import_csv(const ImportOptions& options);
 
-/// Streams of a recording whose columns are known: biotac_foam_bar (BIOTAC_0, and the force-torque
-/// truth as recorded on FT_TRUTH). Throws std::invalid_argument with the presets that exist.
+/// Streams of a recording with known columns: biotac_foam_bar (BIOTAC_0, and the recorded
+/// force-torque ground truth on FT_TRUTH). Throws std::invalid_argument listing the presets.
 std::vector<Stream> preset_streams(const std::string& name);
 const std::vector<std::string>& preset_names();
 

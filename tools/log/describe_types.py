@@ -41,7 +41,7 @@ def read_units(path):
 
 
 def read_type(path):
-    """Name, comment, constants and members of the one struct of a file."""
+    """Name, comment, constants and members of the single struct of a file."""
     name, about, constants, members = None, [], [], []
     for number, line in enumerate(path.read_text().splitlines(), 1):
         where = f"{path}:{number}"
@@ -73,7 +73,7 @@ def read_type(path):
 
 
 def describe(kind, units, used):
-    """Adds to each member its place of a length or count, and its units."""
+    """Adds to each member the index of its length or count field, and its units."""
     places = {member["name"]: i for i, member in enumerate(kind["members"])}
     for member in kind["members"]:
         where = f"{kind['name']}.{member['name']}"

@@ -13,7 +13,7 @@
 
 namespace palpate::log {
 
-/// An LCM event log that is being written.
+/// Writer of an LCM event log.
 class EventLog {
  public:
   explicit EventLog(const std::filesystem::path& path) : path_(path.string()), file_(path_, "w") {
@@ -39,7 +39,7 @@ class EventLog {
   std::vector<std::uint8_t> buffer_;
 };
 
-/// The message that says that trial `number` begins.
+/// The message that marks the start of trial `number`.
 inline component_event_t trial_event(int number, const std::string& name) {
   component_event_t mark{};
   const auto put = [](auto& field, const std::string& text) {

@@ -28,7 +28,7 @@ void take_times_from_features(std::vector<shape_target_t>& targets,
     }
 }
 
-/// Datagrams overtake each other on a busy machine; what was sent first has the lower number.
+/// Datagrams overtake each other on a busy machine; the sequence number gives the order of sending.
 template <class... Messages>
 void order_as_sent(std::vector<Messages>&... messages) {
   const auto earlier = [](const auto& a, const auto& b) {

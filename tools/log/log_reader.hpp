@@ -26,14 +26,15 @@
 
 namespace palpate::log {
 
-/// Which time a message of a log has.
+/// Clock of a log's messages.
 enum class LogClock {
-  kReceived,  // when the log received it: the clocks of the senders need not agree
-  kSent       // what its sender says: in lock-step, where all follow the simulator's clock
+  kReceived,  // time of reception by the log: independent of the senders' clocks
+  kSent       // the sender's time: in lock-step, where all use the simulator's clock
 };
 
-/// Reads an LCM log once and hands each message to whom asked for its channel. Messages of another
-/// type or length than expected are counted and skipped. utime becomes that of the clock (us).
+/// Reads an LCM log once and passes each message to the handler of its channel. Messages of
+/// unexpected type or length are counted and skipped. utime is converted to the selected clock
+/// (us).
 class LogReader {
  public:
   explicit LogReader(LogClock clock = LogClock::kReceived) : clock_(clock) {}
@@ -49,8 +50,8 @@ class LogReader {
     };
   }
 
-  /// Says on stderr what of the file is no event, and goes on behind it. Throws std::runtime_error
-  /// where the file cannot be read or is no log.
+  /// Reports damaged parts of the file on stderr, and continues after them. Throws
+  /// std::runtime_error if the file cannot be read or is not a log.
   void read(const std::filesystem::path& log);
 
   long events() const { return events_; }
@@ -63,7 +64,7 @@ class LogReader {
   long undecodable_ = 0;
 };
 
-/// What scoring needs of one run, in the order of the clock that it was read by.
+/// The data of one run required for scoring, ordered by the selected clock.
 struct RunLog {
   std::vector<shape_t> shapes;  // the estimate
   std::vector<shape_mesh_t> shape_chunks;
@@ -76,15 +77,14 @@ struct RunLog {
   std::vector<twist_command_t> commands;
   std::vector<feature_t> features;
   std::vector<estimate_t> estimates;
-  std::vector<unknown_contact_t> unknown_contacts;  // while felt, and where each ends
+  std::vector<unknown_contact_t> unknown_contacts;  // while detected, and the end of each
   std::vector<shape_target_t> targets;
   std::vector<robot_state_t> robot;
   std::vector<contacts_t> contacts;
   std::vector<shape_observation_t> observations;
 };
 
-/// The last of messages in the order of their times that is not after `utime`; nullptr where none
-/// is.
+/// The last of time-ordered messages that is not after `utime`; nullptr if there is none.
 template <class Message>
 const Message* latest(const std::vector<Message>& messages, std::int64_t utime) {
   const auto after = std::upper_bound(
@@ -93,7 +93,7 @@ const Message* latest(const std::vector<Message>& messages, std::int64_t utime) 
   return after == messages.begin() ? nullptr : &*(after - 1);
 }
 
-/// By the senders' clock a target, whose sender is no part of the lock-step, counts from the first
+/// With the senders' clock a target, whose sender does not run in lock-step, counts from the first
 /// FEATURE that follows it.
 RunLog read_run(const std::filesystem::path& control, const std::filesystem::path& housekeeping,
                 LogClock clock = LogClock::kReceived);

@@ -10,24 +10,24 @@
 
 namespace palpate::log {
 
-/// Several LCM logs read as one: of all next events the earliest, of equally early ones that of the
-/// log named first. So the logs of the three URLs of one run, or pieces of one after rotation, come
-/// in the order of their times, as far as each log itself does. Holds one event a log.
+/// Several LCM logs read as one, ordered by time; of simultaneous events that of the log named
+/// first. The logs of the three URLs of a run, or the pieces of a log after rotation, are thus
+/// merged in the order of their times, provided that each log is ordered. Holds one event per log.
 class MergedLog {
  public:
-  /// Throws std::runtime_error where one of them cannot be read, or there is none.
+  /// Throws std::runtime_error if one of them cannot be read, or there is none.
   explicit MergedLog(const std::vector<std::filesystem::path>& logs);
 
-  /// The next event, valid until the next call; nullptr at the end of all. Throws as
+  /// The next event, valid until the next call; nullptr at the end of all logs. Throws as
   /// bus::EventLogReader::next.
   const bus::LoggedEvent* next();
   void rewind();
 
   std::int64_t size() const { return size_; }    // of all files, bytes
-  std::int64_t place() const { return place_; }  // what of them has been read, bytes, about
+  std::int64_t place() const { return place_; }  // bytes read so far, approximately
 
-  /// A line for each log that is damaged or cut short: what, where, and how far it could be read.
-  /// Of what has been read.
+  /// One line for each log that is damaged or truncated: what, where, and how far it could be read.
+  /// Covers the part read so far.
   std::vector<std::string> complaints() const;
 
  private:
@@ -36,7 +36,7 @@ class MergedLog {
     std::unique_ptr<bus::EventLogReader> reader;
     const bus::LoggedEvent* head = nullptr;
     std::int64_t size = 0;
-    std::int64_t last = -1;  // byte where the last whole event ends
+    std::int64_t last = -1;  // byte offset of the end of the last complete event
     std::int64_t events = 0;
   };
   void advance(Source& source);

@@ -10,7 +10,7 @@
 
 namespace palpate::log {
 
-/// A mesh put together from the chunks of SHAPE_MESH or TRUTH_MESH.
+/// A mesh assembled from the chunks of SHAPE_MESH or TRUTH_MESH.
 struct MeshMessage {
   std::int64_t hash = 0;
   int element_kind = 0;
@@ -22,7 +22,7 @@ struct MeshMessage {
   double longest_side() const;  // of the bounding box at rest, m
 };
 
-/// From the chunks of the first mesh that is complete. Throws std::runtime_error where none is.
+/// From the chunks of the first complete mesh. Throws std::runtime_error if there is none.
 MeshMessage assemble(const std::vector<shape_mesh_t>& chunks);
 
 /// Positions of a shape message, 3 x n, m.
@@ -32,15 +32,15 @@ Eigen::Matrix3Xd positions(const shape_t& shape);
 Eigen::Matrix3Xd transformed(const math::Pose& X_AB, const Eigen::Matrix3Xd& points);
 
 /// Material points of the plant as weighted sums of its nodes. The elements are linear tetrahedra
-/// or 27-node hexahedra whose rest shape is a box; the order of the nodes in an element does not
-/// matter, since each node's rest position says which shape function is its own.
+/// or 27-node hexahedra whose rest shape is a box; the order of the nodes in an element is
+/// arbitrary, since each node's rest position determines its shape function.
 class PlantPoints {
  public:
-  /// rest_points: 3 x n in O, m. A point outside takes the nearest element. Throws
-  /// std::runtime_error where the mesh has other elements.
+  /// rest_points: 3 x n in O, m. A point outside uses the nearest element. Throws
+  /// std::runtime_error if the mesh has other elements.
   PlantPoints(const MeshMessage& plant, const Eigen::Matrix3Xd& rest_points);
 
-  /// Where the plant's nodes, 3 x n, put the points.
+  /// Positions of the points for the plant's nodes, 3 x n.
   Eigen::Matrix3Xd at(const Eigen::Matrix3Xd& plant_positions) const;
 
  private:
@@ -51,11 +51,11 @@ class PlantPoints {
   Eigen::MatrixXd weights_;  // alike
 };
 
-/// The plant's nodes over time, linear between two messages.
+/// Node positions of the plant over time, linearly interpolated between two messages.
 class PlantMotion {
  public:
   explicit PlantMotion(const std::vector<shape_t>& truths);
-  /// False where `utime` lies outside of the recording.
+  /// False if `utime` lies outside the recording.
   bool at(std::int64_t utime, Eigen::Matrix3Xd& plant_positions) const;
   bool empty() const { return truths_->empty(); }
 

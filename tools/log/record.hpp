@@ -7,33 +7,33 @@
 
 namespace palpate::log {
 
-/// One message of any type, taken apart by the table. Reused from message to message, so that a
-/// log of many GB needs no memory for each.
+/// One message of any type, decoded with the type table. Reused from message to message, so that a
+/// log of many GB needs no allocation for each.
 class Record {
  public:
   explicit Record(const TypeInfo& type);
 
-  /// Takes an encoded message apart. False where it is not whole, or of another type; what is held
-  /// then means nothing.
+  /// Decodes an encoded message. False if it is incomplete, or of another type; the contents are
+  /// then undefined.
   bool decode(const std::uint8_t* data, int size);
 
   const TypeInfo& type() const { return *type_; }
 
-  /// Numbers of a field as they were sent, and how many of them are in use: fewer where another
-  /// field of the message is their count.
+  /// Number of values of a field as sent, and how many of them are in use: fewer if another field
+  /// of the message is their count.
   int size(int field) const { return static_cast<int>(values_[field].size()); }
   int used(int field) const { return used_[field]; }
 
-  /// The number at `index`, counted through all dimensions. No conversion loses anything of types
-  /// up to 32 bits; 64-bit integers are whole in integer() alone.
+  /// The number at `index`, counted through all dimensions. Exact for types up to 32 bits; for
+  /// 64-bit integers use integer().
   double number(int field, int index) const;
   std::int64_t integer(int field, int index) const { return values_[field][index].integer; }
-  /// A number as it is written to a file: the shortest text that reads back the same.
+  /// A number as written to a file: the shortest text that reads back as the same value.
   void append_number(int field, int index, std::string& text) const;
 
-  /// Bytes of row `row` up to the first zero, where the field is text.
+  /// Bytes of row `row` up to the first zero, if the field is text.
   std::string text(int field, int row) const;
-  /// How many texts a field has in use.
+  /// Number of texts of a field in use.
   int texts(int field) const;
   /// A hash, or bytes from `first` on, in hexadecimal.
   std::string hexadecimal(int field, int first, int count) const;

@@ -5,16 +5,16 @@
 
 namespace palpate::log {
 
-/// What the numbers of one sender's messages on one channel tell of losses.
+/// Loss statistics from the sequence numbers of one sender's messages on one channel.
 class Sequence {
  public:
   void add(std::int64_t seq);
 
   std::int64_t received() const { return received_; }
-  std::int64_t repeated() const { return repeated_; }  // numbers that had come already
-  std::int64_t late() const { return late_; }          // that came after a higher one
-  /// Numbers between the first and the last that never came. What came later than kWindow numbers
-  /// behind the highest counts as repeated.
+  std::int64_t repeated() const { return repeated_; }  // numbers received before
+  std::int64_t late() const { return late_; }          // received after a higher number
+  /// Numbers between the first and the last that were never received. A message more than kWindow
+  /// numbers behind the highest counts as repeated.
   std::int64_t lost() const;
 
  private:

@@ -9,7 +9,7 @@ namespace palpate::mesh_tool {
 // Exit codes.
 inline constexpr int kGood = 0, kFailed = 1, kBroken = config::kExitData;
 
-/// box, cylinder, ellipsoid, surface: `code` becomes the exit code of the one that is run.
+/// box, cylinder, ellipsoid, surface: `code` becomes the exit code of the one that runs.
 void add_make_commands(CLI::App& app, int& code);
 
 /// check, convert, repair, optimise.

@@ -23,15 +23,15 @@ constexpr std::size_t kMostBalls = 30, kMostSingleBalls = 400;               // 
 
 const Colour kBody{0.62F, 0.68F, 0.76F, 0.16F}, kWire{0.35F, 0.42F, 0.50F, 0.55F};
 const Colour kDark{0.25F, 0.02F, 0.02F, 1};
-// The first kinds of faults; red is worst.
+// The first kinds of faults; red is the most severe.
 const Colour kColours[] = {{0.86F, 0.08F, 0.10F, 1}, {0.95F, 0.55F, 0.05F, 1},
                            {0.55F, 0.15F, 0.75F, 1}, {0.05F, 0.50F, 0.30F, 1},
                            {0.05F, 0.35F, 0.80F, 1}, {0.55F, 0.40F, 0.10F, 1}};
 
 Colour colour_of(std::size_t kind) { return kColours[std::min(kind, std::size(kColours) - 1)]; }
 
-/// The body and its faults moved and scaled to a diagonal of 1 about the origin, for which the
-/// camera is made.
+/// The body and its faults, scaled to a diagonal of 1 and centred at the origin, for which the
+/// camera is set up.
 class Scene {
  public:
   Scene(const mesh::TriangleSurface& body, const std::vector<Fault>& faults)
@@ -40,7 +40,7 @@ class Scene {
     for (int n = 0; n < body.point_count(); ++n) {
       if (body.points.col(n).allFinite()) box.extend(Vector3d(body.points.col(n)));
     }
-    // Faults without a body round them, or far away from it.
+    // Faults without a body around them, or far away from it.
     for (const Fault& fault : faults) {
       for (const Vector3d& p : fault.points) {
         if (p.allFinite()) box.extend(p);
@@ -62,7 +62,7 @@ class Scene {
     return draw(Vector3d::Zero(), direction, 2.25, 0.008, "");
   }
 
-  /// From outside, on the first place of the first fault that has one.
+  /// View from outside on the first location of the first fault that has one.
   draw::Image close_up() const {
     for (std::size_t kind = 0; kind < faults_.size(); ++kind) {
       const Fault& fault = faults_[kind];
@@ -112,7 +112,7 @@ class Scene {
   void draw(draw::Renderer& renderer, std::size_t kind, double ball) const {
     const Fault& fault = faults_[kind];
     draw::MeshStyle style;
-    // What is less bad does not hide the worst.
+    // Less severe faults must not hide the most severe one.
     const Colour colour = colour_of(kind);
     style.colour = colour;
     style.colour.alpha = kind == 0 ? 1.0F : 0.45F;
@@ -124,12 +124,12 @@ class Scene {
       for (int f = 0; f < static_cast<int>(fault.faces.size()); ++f) {
         points.middleCols<3>(3 * f) = scaled(fault.faces[f]);
         triangles.col(2 * f) << 3 * f, 3 * f + 1, 3 * f + 2;
-        triangles.col(2 * f + 1) << 3 * f, 3 * f + 2, 3 * f + 1;  // seen from either side
+        triangles.col(2 * f + 1) << 3 * f, 3 * f + 2, 3 * f + 1;  // visible from either side
       }
       renderer.draw_mesh(points, triangles, style);
     }
     for (const auto& [a, b] : fault.lines) renderer.draw_line(place_of(a), place_of(b), 5, colour);
-    // Where there are many they can be seen without.
+    // If there are many they are visible without a mark.
     if (fault.points.size() > kMostBalls && !fault.faces.empty()) return;
     for (std::size_t i = 0; i < std::min(kMostSingleBalls, fault.points.size()); ++i) {
       if (!fault.points[i].allFinite()) continue;
@@ -139,7 +139,7 @@ class Scene {
     }
   }
 
-  /// A square round each place of a few, whatever hides it.
+  /// A square around each location if there are few, regardless of what occludes it.
   void frame(draw::Image& image, std::size_t kind, const draw::View& view) const {
     constexpr int kHalf = 11, kLine = 3;  // px
     if (faults_[kind].points.size() > kMostBalls) return;
@@ -202,7 +202,7 @@ mesh::TriangleSurface background(const mesh::TriangleSurface& surface) {
   }
   sound.triangles = surface.triangles(Eigen::all, kept);
   for (double& coordinate : sound.points.reshaped()) {
-    if (!std::isfinite(coordinate)) coordinate = 0;  // of points that no triangle is drawn by
+    if (!std::isfinite(coordinate)) coordinate = 0;  // of points that belong to no drawn triangle
   }
   return sound;
 }

@@ -10,7 +10,7 @@
 namespace palpate::mesh_tool {
 
 void add_size_fault(const Eigen::Matrix3Xd& points, std::vector<Fault>& faults) {
-  // What a hand can hold, with a wide margin.
+  // Sizes that a hand can hold, with a wide margin.
   constexpr double kLargest = 3, kSmallest = 3e-3;  // m
   const double size = mesh::diagonal(points);
   if (!(size > kLargest) && !(size < kSmallest)) return;

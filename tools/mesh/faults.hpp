@@ -12,14 +12,14 @@
 namespace palpate::mesh_tool {
 
 enum class Severity {
-  kError,    // mechanics cannot be computed on it
-  kWarning,  // looks wrong, but can be used
+  kError,    // the mechanics cannot be computed
+  kWarning,  // suspicious, but usable
 };
 
-/// One class of fault with every place where it is, for a message and for a picture.
+/// One class of fault with all its locations, for a message and for an image.
 struct Fault {
-  std::string kind;  // a word for programs: "inverted"
-  std::string text;  // for people: "tetrahedra turned inside out"
+  std::string kind;  // identifier for programs: "inverted"
+  std::string text;  // readable: "tetrahedra turned inside out"
   Severity severity = Severity::kError;
   std::vector<long> numbers;            // in the file, of elements, nodes or triangles
   std::vector<Eigen::Matrix3Xd> faces;  // 3 x 3 each: triangles to be shown, m
@@ -27,17 +27,17 @@ struct Fault {
   std::vector<std::pair<Eigen::Vector3d, Eigen::Vector3d>> lines;
 };
 
-/// All that is wrong with a mesh of tetrahedra. Beside what mesh::check() finds: parts that hang on
-/// a hinge, cells that are no tetrahedra, slivers (radius ratio below 0.02), sizes that look like
-/// wrong units.
+/// All faults of a mesh of tetrahedra. In addition to mesh::check(): parts joined only by a hinge,
+/// cells that are not tetrahedra, slivers (radius ratio below 0.02), sizes that suggest wrong
+/// units.
 std::vector<Fault> find_faults(const mesh::MeshWithGroups& mesh);
 
-/// The same of a surface that is to bound a body.
+/// The same for a surface that is to bound a body.
 std::vector<Fault> find_faults(const mesh::TriangleSurface& surface);
 
 bool has_errors(const std::vector<Fault>& faults);
 
-/// "error: tetrahedra turned inside out: 2 (17, 18)", a line each; the first 20 numbers.
+/// "error: tetrahedra turned inside out: 2 (17, 18)", one line each; the first 20 indices.
 std::string text(const std::vector<Fault>& faults);
 
 nlohmann::json to_json(const std::vector<Fault>& faults);

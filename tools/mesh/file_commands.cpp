@@ -16,7 +16,7 @@ struct FileOptions {
   double scale = 1;
   OutputOptions output;
   ReportOptions report;
-  double merge_tolerance = 0;  // 0: the default of what it is
+  double merge_tolerance = 0;  // 0: the default of the format
   int largest_hole = 32;
   bool largest_part = false;
   int sweeps = 20;
@@ -31,7 +31,7 @@ int check_file(const FileOptions& options) {
   return report(read, {options.input, {}, find_faults(read)}, options.report);
 }
 
-/// Where only the order of corners is another convention, that is no fault.
+/// A different convention for the order of corners alone is not a fault.
 std::vector<mesh::RepairStep> orient_all(mesh::MeshWithGroups& read) {
   const mesh::MeshReport found = mesh::check(read.mesh);
   if (read.mesh.tetrahedron_count() == 0 ||
@@ -58,7 +58,7 @@ int convert_file(const FileOptions& options) {
       throw std::runtime_error(options.input +
                                ": a surface has no tetrahedra; palpate-mesh surface makes them");
     }
-    // What is not there cannot be written; anything else that is wrong stays as it is.
+    // Nonexistent items cannot be written; all other faults are kept.
     for (const Fault& fault : outcome.faults) {
       if (fault.kind == "out_of_range" || fault.kind == "not_finite" || fault.kind == "empty")
         return give_up(surface, outcome, options);

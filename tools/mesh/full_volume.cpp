@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The point of a triangle nearest to p (Ericson 2005, 5.1.5).
+/// The closest point of a triangle to p (Ericson 2005, 5.1.5).
 Vector3d nearest_on(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& p) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp),
@@ -42,7 +42,7 @@ class Lookup {
     }
   }
 
-  /// The nearest point within `reach` of p; false where there is none.
+  /// The closest point within `reach` of p; false if there is none.
   bool find(const Vector3d& p, double reach, Vector3d& nearest) const {
     const Vector3d around = Vector3d::Constant(reach);
     double best = reach;
@@ -85,8 +85,9 @@ class Lookup {
 }  // namespace
 
 int follow_surface(const mesh::TriangleSurface& surface, mesh::MeshWithGroups& mesh) {
-  // Less is rounding; more is another part of the surface, and too much for keep_curved_volume.
-  constexpr double kLeast = 1e-5, kMost = 0.15;  // of an edge's length
+  // Below this it is rounding; above, another part of the surface, and too much for
+  // keep_curved_volume.
+  constexpr double kLeast = 1e-5, kMost = 0.15;  // relative to an edge's length
   const mesh::Surface outside =
       mesh::extract_surface(make_element_mesh(mesh.mesh, mesh::ElementOrder::kLinear));
   double longest = 0;

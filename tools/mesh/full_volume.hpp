@@ -5,9 +5,9 @@
 
 namespace palpate::mesh_tool {
 
-/// Finds where the middles of a mesh's boundary edges lie on the surface that it was made of, and
-/// stores those that lie off the straight edge, so that elements of order 2 follow the surface and
-/// straight ones can be given its volume (mesh::keep_curved_volume). Returns how many there are.
+/// Finds the positions of the midpoints of a mesh's boundary edges on the surface it was made of,
+/// and stores those that lie off the straight edge, so that quadratic elements follow the surface
+/// and straight ones can be given its volume (mesh::keep_curved_volume). Returns their number.
 int follow_surface(const mesh::TriangleSurface& surface, mesh::MeshWithGroups& mesh);
 
 }  // namespace palpate::mesh_tool

@@ -50,8 +50,8 @@ bool is_installed(const std::string& program) {
   return false;
 }
 
-/// What gmsh is told. It works in units of the wanted edge, so that its absolute tolerances fit
-/// bodies of any size.
+/// Options of gmsh. It works in units of the requested edge length, so that its absolute tolerances
+/// suit bodies of any size.
 std::string script(const MeshingOptions& options) {
   std::ostringstream out;
   out << "Merge \"surface.stl\";\n";
@@ -67,7 +67,7 @@ std::string script(const MeshingOptions& options) {
   return out.str();
 }
 
-/// Where gmsh is, from what it has written: it tells percents of each dimension.
+/// Progress of gmsh from its output: it prints the percentage of each dimension.
 void tell(const fs::path& log, const MeshingProgress& progress) {
   static const std::regex kPercent("\\[ *([0-9]+)%\\] Meshing (curve|surface)");
   std::ifstream in(log);
@@ -90,7 +90,7 @@ void tell(const fs::path& log, const MeshingProgress& progress) {
   progress(share, note);
 }
 
-/// gmsh's errors, or its last lines where it told of none.
+/// gmsh's errors, or its last lines if it printed none.
 std::string messages(const fs::path& log) {
   std::ifstream in(log);
   std::string errors;
@@ -117,9 +117,9 @@ mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
   write_surface(scaled, folder.path() / "surface.stl");
   write_file(folder.path() / "mesh.geo", script(options));
   common::Process gmsh("gmsh",
-                         {options.program, (folder.path() / "mesh.geo").string(), "-3", "-format",
-                          "msh41", "-nt", "1", "-o", output.string()},
-                         log);
+                       {options.program, (folder.path() / "mesh.geo").string(), "-3", "-format",
+                        "msh41", "-nt", "1", "-o", output.string()},
+                       log);
   const auto start = std::chrono::steady_clock::now();
   std::optional<int> code;
   while (!code) {

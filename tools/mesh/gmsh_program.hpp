@@ -8,26 +8,26 @@
 
 namespace palpate::mesh_tool {
 
-/// What becomes of the triangles of a surface that is filled.
+/// Treatment of the triangles of a surface that is filled.
 enum class SurfaceTriangles {
-  kRemesh,  // new ones of the wanted size, with the surface's edges kept
-  kKeep,    // they are the boundary, as they are
+  kRemesh,  // new ones of the requested size, with the surface's edges preserved
+  kKeep,    // they remain the boundary unchanged
 };
 
 struct MeshingOptions {
-  double edge = 0.01;         // m, that edges should have
-  double feature_angle = 40;  // degrees between triangles from which their edge is kept
+  double edge = 0.01;         // m, target edge length
+  double feature_angle = 40;  // degrees between triangles above which their edge is preserved
   double time_limit = 600;    // s
   SurfaceTriangles triangles = SurfaceTriangles::kRemesh;
   std::string program = "gmsh";
 };
 
-/// Told the share of the work that is done, 0 to 1, and what is being done.
+/// Called with the completed fraction, 0 to 1, and a description of the current stage.
 using MeshingProgress = std::function<void(double, const std::string&)>;
 
-/// Fills a closed surface (cavities among it) with tetrahedra by the program gmsh, with its own
-/// optimiser. Throws std::runtime_error: where the program is not installed, with the package's
-/// name; where it fails, with the end of its messages; where time runs out.
+/// Fills a closed surface (including cavities) with tetrahedra by the program gmsh, with its own
+/// optimiser. Throws std::runtime_error: with the package's name if the program is not installed;
+/// with the end of its messages if it fails; or on time-out.
 mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
                                   const MeshingOptions& options, const MeshingProgress& progress);
 

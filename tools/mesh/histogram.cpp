@@ -43,7 +43,7 @@ void draw_one(draw::Image& image, int x, int y, const Distribution& d, double lo
   for (int b = 0; b < kBins; ++b) {
     const int from = left + width * b / kBins, to = left + width * (b + 1) / kBins;
     int tall = static_cast<int>(std::lround(double(height) * counts[b] / most));
-    if (counts[b] > 0) tall = std::max(tall, 2);  // a single bad element shall be seen
+    if (counts[b] > 0) tall = std::max(tall, 2);  // a single bad element must be visible
     draw::draw_rectangle(image, from, base - tall, to - from - 1, tall, kBar);
   }
   draw::draw_rectangle(image, left, base, width, 2, kInk);

@@ -42,7 +42,7 @@ struct MakeOptions {
 
 constexpr double kMostNodes = 5e6;
 
-/// How many edges of the wanted length fit best, at least one.
+/// The number of edges closest to the requested length, at least one.
 int count_of(double length, double edge) {
   return std::max(1, static_cast<int>(std::lround(length / edge)));
 }
@@ -89,7 +89,7 @@ int make_box(const MakeOptions& options) {
   return finish(made, options);
 }
 
-/// Fills a sound surface; where new triangles of the wanted size cannot be made, with its own.
+/// Fills a valid surface; if new triangles of the requested size are not possible, with its own.
 mesh::MeshWithGroups fill(const mesh::TriangleSurface& surface, const MakeOptions& options) {
   common::Progress progress(1, 1, "gmsh fills the surface");
   const auto show = [&progress](double share, const std::string& note) {
@@ -121,7 +121,7 @@ mesh::MeshWithGroups fill(const mesh::TriangleSurface& surface, const MakeOption
   return filled;
 }
 
-/// What follows on gmsh: sides that follow the surface, better places for nodes.
+/// Post-processing of gmsh's result: edges that follow the surface, smoothing of nodes.
 void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
             mesh::MeshWithGroups& filled) {
   const Quality before = measure_quality(filled.mesh);
@@ -148,7 +148,8 @@ void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
   out << line;
 }
 
-/// Round bodies: own layers and shells where they are good, else gmsh on a fine surface of theirs.
+/// Round bodies: by layers and shells if these give good elements, otherwise by gmsh on a fine
+/// surface of them.
 int make_round(const MakeOptions& options,
                const std::function<mesh::MeshWithGroups(double, mesh::RoundSides)>& make) {
   constexpr double kGoodEnough = 0.2;  // radius ratio

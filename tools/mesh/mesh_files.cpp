@@ -22,7 +22,7 @@ constexpr char kVolumes[] = ".msh, .node, .ele, .veg, .vtu";
 
 std::ifstream open(const path& file) {
   std::ifstream stream(file, std::ios::binary);
-  // Neither a folder nor a device that never ends.
+  // Neither a folder nor a device of unlimited length.
   if (!stream || !std::filesystem::is_regular_file(file)) {
     throw std::runtime_error(file.string() + ": cannot be read");
   }
@@ -36,7 +36,7 @@ mesh::MeshWithGroups read_pair(const path& file) {
   mesh::MeshWithGroups result;
   result.mesh =
       mesh::read_tetgen(nodes, node.string(), elements, ele.string(), mesh::OnFault::kKeep);
-  // Where numbers begin is said by the first node.
+  // The first node determines whether indices start at 0 or 1.
   std::ifstream again = open(node);
   mesh::LineReader reader(again, node.string(), '#');
   const long first = reader.next() && reader.next() ? reader.integer(0) : 0;

@@ -41,7 +41,7 @@ void picture(const Mesh& mesh, const Outcome& outcome, const ReportOptions& opti
     draw_faults(background(mesh), outcome.faults, title, options.picture);
     out << "picture: " << options.picture << '\n';
   } catch (const std::exception& error) {
-    // What is wrong has been told in words.
+    // Faults have been reported as text.
     std::cerr << "palpate-mesh: no picture: " << error.what() << '\n';
   }
 }
@@ -109,7 +109,7 @@ std::string text(const std::vector<mesh::RepairStep>& steps) {
 }
 
 int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const ReportOptions& options) {
-  // With JSON on the standard output nothing else may be there.
+  // With JSON, nothing else may be written to the standard output.
   std::ostream& out = options.json == "-" ? std::cerr : std::cout;
   const bool is_broken = has_errors(outcome.faults);
   out << heading(outcome) << text(outcome.steps) << text(outcome.faults);

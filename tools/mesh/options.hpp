@@ -10,7 +10,7 @@
 
 namespace palpate::mesh_tool {
 
-/// What commands that write a mesh have in common.
+/// Options shared by the commands that write a mesh.
 struct OutputOptions {
   std::string file;
   int order = 1;
@@ -21,10 +21,10 @@ struct OutputOptions {
   FileFormat format() const;
 };
 
-/// What every command can tell beside.
+/// Outputs that every command can produce in addition.
 struct ReportOptions {
   std::string json;
-  std::string picture;  // of faults, or of the mesh where there are none
+  std::string picture;  // of faults, or of the mesh if there are none
   std::string histograms;
   bool cost = false;
 };
@@ -35,20 +35,20 @@ void add_report_options(CLI::App& command, ReportOptions& options);
 /// --scale: a factor, or the file's unit (m, dm, cm, mm, um, inch).
 void add_scale_option(CLI::App& command, double& scale);
 
-/// What was done to a mesh, and how it is now.
+/// Repairs of a mesh, and its resulting state.
 struct Outcome {
-  std::string file;  // that is spoken of
+  std::string file;  // named in messages
   std::vector<mesh::RepairStep> steps;
   std::vector<Fault> faults;
 };
 
-/// Prints what was mended and what is wrong, then the quality of a mesh that has no errors (with
-/// what the options ask for) and writes JSON and pictures. Returns the exit code.
+/// Prints repairs and faults, then the quality of a mesh that has no errors (with the outputs
+/// requested by the options) and writes JSON and images. Returns the exit code.
 int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const ReportOptions& options);
 int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
            const ReportOptions& options);
 
-/// The same, where a mesh is refused: always with a picture, by default `picture`.
+/// The same for a rejected mesh: always with an image, by default `picture`.
 template <typename Mesh>
 int refuse(const Mesh& mesh, const Outcome& outcome, ReportOptions options,
            const std::string& picture) {
@@ -57,7 +57,7 @@ int refuse(const Mesh& mesh, const Outcome& outcome, ReportOptions options,
   return report(mesh, outcome, options);
 }
 
-/// "repaired: nodes merged ...: 2 (4, 7)", a line each.
+/// "repaired: nodes merged ...: 2 (4, 7)", one line each.
 std::string text(const std::vector<mesh::RepairStep>& steps);
 
 }  // namespace palpate::mesh_tool

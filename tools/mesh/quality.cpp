@@ -139,7 +139,7 @@ nlohmann::json to_json(const Quality& quality) {
                       {"lower_m", {quality.lower.x(), quality.lower.y(), quality.lower.z()}},
                       {"upper_m", {quality.upper.x(), quality.upper.y(), quality.upper.z()}}};
   for (const Distribution& d : quality.distributions) {
-    // Infinity, of flat elements, becomes null.
+    // Infinity, for flat elements, becomes null.
     json[d.key] = {{"least", d.least()}, {"mean", d.mean()}, {"most", d.most()}};
   }
   return json;

@@ -10,10 +10,10 @@
 
 namespace palpate::mesh_tool {
 
-/// One number of each element.
+/// A quality measure with one value per element.
 struct Distribution {
   std::string name;  // "radius ratio"
-  std::string key;   // of JSON, with the unit
+  std::string key;   // of JSON, including the unit
   std::vector<double> values;
 
   double least() const;
@@ -24,7 +24,7 @@ struct Distribution {
 struct Quality {
   int nodes = 0;
   int elements = 0;
-  int quadratic_nodes = 0;  // that order 2 has
+  int quadratic_nodes = 0;  // with quadratic elements
   int surface_nodes = 0;
   int surface_triangles = 0;
   int parts = 0;        // that share no node
@@ -33,20 +33,21 @@ struct Quality {
   double volume = 0;                                                                 // m^3
   double area = 0;                                                                   // m^2
   Eigen::Vector3d lower = Eigen::Vector3d::Zero(), upper = Eigen::Vector3d::Zero();  // m
-  // Volumes of elements, lengths of edges (each once), then one a tetrahedron: smallest and largest
-  // dihedral angle in degrees, radius ratio, scaled Jacobian, stiffness by that of a regular one.
+  // Volumes of elements, lengths of edges (each once), then per tetrahedron: smallest and largest
+  // dihedral angle in degrees, radius ratio, scaled Jacobian, stiffness relative to that of a
+  // regular one.
   std::vector<Distribution> distributions;
 
   const Distribution& of(const std::string& key) const;
 };
 
-/// Of a mesh whose indices are in range and whose coordinates are finite.
+/// Precondition: indices are in range and coordinates are finite.
 Quality measure_quality(const mesh::TetrahedralMesh& mesh);
 
 std::string text(const Quality& quality);
 nlohmann::json to_json(const Quality& quality);
 
-/// Radius ratio before and after in one line, as a measure taken for quality prints it.
+/// Radius ratio before and after in one line, printed after a quality improvement.
 std::string compare(const Quality& before, const Quality& after);
 
 /// Histograms of angles, radius ratio, edges and stiffness as a PNG.

@@ -7,18 +7,18 @@
 
 namespace palpate::mesh_tool {
 
-/// What a step of the daemon's mechanics costs on this mesh and machine, measured.
+/// Measured cost of a step of the daemon's mechanics on this mesh and machine.
 struct StepCost {
   bool measured = false;
   std::string why_not;
   int nodes = 0;       // of the order
-  double median = 0;   // s, of one step on one core
+  double median = 0;   // s, per step on one core
   double slowest = 0;  // s, 99th percentile
-  double factor = 0;   // s, of a new factorisation, which runs beside the loop
+  double factor = 0;   // s, of a new factorisation, which runs in the background of the loop
 };
 
-/// Clamps the nodes at the lower end of the longest axis, holds those at the upper end (a tenth of
-/// the length each) and moves them for some hundred steps of 1 ms, as a hand would.
+/// Clamps the nodes at the lower end of the longest axis, constrains those at the upper end (a
+/// tenth of the length each) and moves them for some hundred steps of 1 ms, as a hand would.
 StepCost measure_step_cost(const mesh::TetrahedralMesh& mesh, mesh::ElementOrder order);
 
 std::string text(const StepCost& cost);

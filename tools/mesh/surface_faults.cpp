@@ -80,7 +80,7 @@ class SurfaceFaults {
     }
   }
 
-  /// A point that is nowhere is told and shown by the triangles that name it.
+  /// A nonexistent point is reported and shown by the triangles that reference it.
   void add_not_finite() {
     const std::vector<int>& bad = report_.not_finite;
     std::vector<int> triangles;
@@ -91,7 +91,7 @@ class SurfaceFaults {
         triangles.push_back(t);
     }
     add_triangles("not_finite", "triangles with a coordinate that is not finite", triangles);
-    // One that no triangle names.
+    // A point that no triangle references.
     if (triangles.empty()) add_points("not_finite", "points that are not finite", bad);
   }
 
@@ -142,7 +142,7 @@ class SurfaceFaults {
   }
 
   void add_bodies() {
-    // Of an open surface it cannot be told which part lies within which.
+    // For an open surface, nesting of its parts is undefined.
     if (report_.bodies < 2 && (report_.is_closed() || report_.parts() < 2)) return;
     std::vector<double> area(report_.parts(), 0);
     for (int t = 0; t < surface_.triangle_count(); ++t) area[report_.part[t]] += 1;

@@ -67,7 +67,7 @@ class VolumeFaults {
     show(corners, fault);
   }
 
-  /// What is left of a cell: four corners are a tetrahedron, three a triangle.
+  /// Remainder of a degenerate cell: four corners are a tetrahedron, three a triangle.
   static void show(const std::vector<Eigen::Vector3d>& corners, Fault& fault) {
     if (corners.empty()) return;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -112,7 +112,7 @@ class VolumeFaults {
     faults_.push_back(std::move(fault));
   }
 
-  /// A node that is nowhere can only be shown by the elements that name it.
+  /// A nonexistent node can only be shown by the elements that reference it.
   void show_neighbours_of_bad_nodes() {
     if (report_.not_finite.empty()) return;
     Fault& fault = faults_.back();
@@ -167,7 +167,7 @@ class VolumeFaults {
     if (count > 0) fault.points.push_back(centre / count);
   }
 
-  /// Those that are there twice are told apart from others that overlap.
+  /// Duplicates are distinguished from other overlapping elements.
   void add_repeated() {
     std::map<std::array<int, 4>, std::vector<int>> known;
     for (int t = 0; t < mesh_.mesh.tetrahedron_count(); ++t) {
@@ -185,7 +185,7 @@ class VolumeFaults {
     }
     std::sort(again.begin(), again.end());
     add_elements("repeated", "tetrahedra that are there twice", again);
-    // Neighbours of a repeated one overlap its copy: no other news where all is explained so.
+    // Neighbours of a duplicate overlap its copy: not reported if this explains all overlaps.
     mesh::TetrahedralMesh once = mesh_.mesh;
     std::vector<int> index;
     for (int t = 0; t < mesh_.mesh.tetrahedron_count(); ++t) {
@@ -197,7 +197,7 @@ class VolumeFaults {
     } else {
       for (const int t : mesh::check(once).overlapping) overlapping_.push_back(index[t]);
     }
-    // What is flat lies on its neighbours, which is told already.
+    // A flat element lies on its neighbours, which is reported already.
     const auto is_flat = [this](int t) {
       return std::binary_search(report_.zero_volume.begin(), report_.zero_volume.end(), t);
     };
@@ -254,7 +254,7 @@ class VolumeFaults {
     faults_.push_back(std::move(fault));
   }
 
-  /// Nodes whose triangles are more than one fan: those fans' edges do not join up.
+  /// Nodes whose triangles form more than one fan: the edges of the fans are not connected.
   void mark_pinched(const mesh::Surface& surface, Fault& fault) const {
     std::map<int, std::map<int, int>> parents;
     const auto root = [](std::map<int, int>& parent, int n) {

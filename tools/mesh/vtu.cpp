@@ -22,7 +22,7 @@ using mesh::ElementOrder;
 
 constexpr char kGroup[] = "group:";
 
-// VTK's numbers of cells.
+// Numbers of VTK's cell types.
 constexpr int kTetrahedron = 10, kQuadraticTetrahedron = 24;
 int corners_of_other(int type) {
   return type == 12 || type == 25   ? 8
@@ -73,7 +73,7 @@ class VtuReader {
     return *found;
   }
 
-  /// Raw bytes are no XML: they are taken out before it is read.
+  /// Raw bytes are not XML: they are removed before parsing.
   void cut_appended(std::string& text) {
     const std::size_t open = text.find("<AppendedData");
     if (open == std::string::npos) return;
@@ -165,7 +165,7 @@ class VtuReader {
     }
   }
 
-  /// Corners, and nodes of no cell where faults are to be kept; others are left out.
+  /// Corners, and, if faults are to be kept, nodes of no cell; others are omitted.
   void keep_nodes() {
     std::vector<bool> keep(points_.cols(), on_fault_ == mesh::OnFault::kKeep);
     for (const int n : middle_nodes_) keep[n] = false;

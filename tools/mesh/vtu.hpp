@@ -9,17 +9,17 @@
 
 namespace palpate::mesh_tool {
 
-/// Reads VTK's unstructured grid in XML (.vtu): tetrahedra of 4 and 10 nodes, other solids as
-/// OnFault says, triangles, lines and points passed over. Data as ASCII, base64 in place or
-/// appended, or raw appended; zlib or none; little-endian. Cell data of whole numbers whose names
-/// begin with "group:" become groups. Throws mesh::ParseError.
+/// Reads VTK's unstructured grid in XML (.vtu): tetrahedra of 4 and 10 nodes; other solids as
+/// OnFault specifies; triangles, lines and points are ignored. Data as ASCII, base64 inline or
+/// appended, or raw appended; zlib or none; little-endian. Integer cell data whose names begin with
+/// "group:" become groups. Throws mesh::ParseError.
 mesh::MeshWithGroups read_vtu(std::istream& stream, const std::string& name,
                               mesh::OnFault on_fault);
 
 enum class VtuEncoding { kAscii, kBase64 };
 
 /// Writes the same, with the elements' radius ratio as cell data "quality", and one array of 0 and
-/// 1 for each group of tetrahedra. Numbers survive to the bit in either form.
+/// 1 for each group of tetrahedra. Numbers are preserved bit-exactly in either form.
 void write_vtu(const mesh::MeshWithGroups& mesh, mesh::ElementOrder order, VtuEncoding encoding,
                std::ostream& out);
 

@@ -15,7 +15,7 @@
 namespace palpate::mesh_tool {
 namespace {
 
-// Of one array; more is taken for damage.
+// Of one array; more is treated as damage.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 33;
 
 std::vector<double> parse_ascii(const std::string& text) {
@@ -55,12 +55,13 @@ std::vector<double> convert(const std::string& bytes, const std::string& type) {
   return found->second(bytes);
 }
 
-/// Bytes of one array, header first, out of base64 or raw storage that may hold more behind it.
+/// Bytes of one array, header first, from base64 or raw storage that may be followed by other data.
 class Block {
  public:
   Block(const std::string& storage, std::size_t from, bool is_raw) : storage_(storage), at_(from) {
     if (!is_raw) {
-      // Header and data are encoded one by one, or as one: decoding what is there gives both.
+      // Header and data are encoded separately, or together: decoding whatever is present handles
+      // both.
       const std::size_t end = storage.find_first_not_of(
           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/= \t\r\n", from);
       decoded_ =
@@ -102,7 +103,8 @@ std::string unpack(Block& block, const VtuStorage& storage) {
   for (std::uint64_t b = 0; b < blocks; ++b) {
     const std::string packed = block.take(lengths[b]);
     std::string plain(b + 1 == blocks && last > 0 ? last : size, '\0');
-    // zlib packs a thousand times at most: more is damage, not to be given room.
+    // zlib compresses by a factor of at most a thousand: a larger size is damage, for which no
+    // memory is allocated.
     if (plain.size() > 2000 * packed.size() + 1000) throw std::runtime_error("a length that lies");
     uLongf count = plain.size();
     if (uncompress(reinterpret_cast<Bytef*>(plain.data()), &count,
@@ -126,7 +128,8 @@ std::vector<double> read_vtu_array(const boost::property_tree::ptree& array,
     const std::string text = array.data();
     const std::size_t first = text.find_first_not_of(" \t\r\n");
     if (first == std::string::npos) return {};
-    // Compressed data begin anew behind the header's padding, which the decoder knows to follow.
+    // Compressed data begin as a new block after the header's padding, which the decoder continues
+    // with.
     Block block(text, first, false);
     return convert(unpack(block, storage), type);
   }

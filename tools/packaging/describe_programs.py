@@ -14,12 +14,12 @@ import re
 import subprocess
 import sys
 
-COLUMN = 30  # where CLI11 begins the text of an option
+COLUMN = 30  # column at which CLI11 starts the text of an option
 GROUPS = ("Positionals:", "Options:", "Subcommands:")
 
 
 class Item:
-    """A positional, option or subcommand: how it is written, and what it means."""
+    """A positional, option or subcommand: its notation and meaning."""
 
     def __init__(self, spec):
         self.spec = spec
@@ -32,7 +32,7 @@ class Item:
 
     @property
     def takes(self):
-        """What follows the name: a type, its default, conditions."""
+        """The text after the name: a type, its default, conditions."""
         parts = self.spec.split(" ", 1)
         return parts[1] if len(parts) > 1 else ""
 
@@ -117,7 +117,7 @@ def roff(text):
 
 
 def paragraphs(lines):
-    """Indented lines are kept as they are, the others are filled."""
+    """Indented lines are kept, the others are filled."""
     out, literal = [], False
     for line in lines:
         indented = line.startswith("  ")
@@ -131,7 +131,7 @@ def paragraphs(lines):
 
 
 def sections(command):
-    """Of what stands before and after the options: description, examples, exit codes."""
+    """The text before and after the options: description, examples, exit codes."""
     found = {"DESCRIPTION": [], "EXAMPLES": [], "EXIT STATUS": []}
     where = "DESCRIPTION"
     for line in command.head + [""] + command.tail:

@@ -1,5 +1,5 @@
 # Runs within cmake --install, after the programs: writes their manual pages and completion.
-string(RANDOM LENGTH 8 palpate_run)  # two installations at once do not meet
+string(RANDOM LENGTH 8 palpate_run)  # separates concurrent installations
 set(palpate_here "${palpate_made}/${palpate_run}")
 execute_process(
   COMMAND "${palpate_python}" "${palpate_describe}" --programs "$ENV{DESTDIR}${CMAKE_INSTALL_PREFIX}/bin"

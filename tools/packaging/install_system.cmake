@@ -1,11 +1,11 @@
 # Runs within cmake --install; palpate_system holds the files, palpate_made is a folder to write to.
-string(RANDOM LENGTH 8 run)  # two installations at once do not meet
+string(RANDOM LENGTH 8 run)  # separates concurrent installations
 set(palpate_made "${palpate_made}/${run}")
 set(settings "${CMAKE_INSTALL_PREFIX}/etc")
 set(library "${CMAKE_INSTALL_PREFIX}/lib")
 if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   set(settings "/etc")
-  set(library "/lib")  # where Debian 12 wants the units of its packages
+  set(library "/lib")  # where Debian 12 expects the units of packages
 endif()
 
 file(READ "${palpate_system}/palpated.service" text)
@@ -17,7 +17,7 @@ file(WRITE "${palpate_made}/palpated.service" "${text}")
 file(INSTALL "${palpate_made}/palpated.service" DESTINATION "${library}/systemd/system")
 file(INSTALL "${palpate_system}/60-palpate.conf" DESTINATION "${CMAKE_INSTALL_PREFIX}/lib/sysctl.d")
 file(INSTALL "${palpate_system}/palpate.conf" DESTINATION "${settings}/security/limits.d")
-# An example to start from; one that is there already has been edited.
+# An example to start from; an existing file is kept, since it has been edited.
 if(NOT EXISTS "$ENV{DESTDIR}${settings}/palpate/palpated.yaml")
   file(READ "${palpate_system}/palpated.yaml" text)
   if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")

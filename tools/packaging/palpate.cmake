@@ -14,9 +14,11 @@ target_compile_options(palpate_flags INTERFACE
 target_compile_options(palpate_flags INTERFACE
   $<BUILD_INTERFACE:$<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized;-Wno-array-bounds;-Wno-stringop-overflow>>)
 target_include_directories(palpate_flags INTERFACE $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>)
-# One visibility for all, so that all can share precompiled headers; see sim/robot/CMakeLists.txt.
+# One visibility for all targets, so that all can share precompiled headers; see
+# sim/robot/CMakeLists.txt.
 target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fvisibility=hidden;-fvisibility-inlines-hidden>)
-# DART is built for SSE2: with wider vectors Eigen would want stronger alignment than it gives.
+# DART is built for SSE2: with wider vectors Eigen would require stronger alignment than DART
+# provides.
 target_compile_definitions(palpate_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 if(PALPATE_MARCH)
@@ -29,7 +31,7 @@ if(PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE -fsanitize=${PALPATE_SANITIZE})
 endif()
 if(PALPATE_FUZZ)
-  # The programs' own main, that of libFuzzer, comes with the targets.
+  # The programs' own main and libFuzzer's are defined by their targets.
   target_compile_options(palpate_flags INTERFACE -fsanitize=fuzzer-no-link)
   target_link_options(palpate_flags INTERFACE -fsanitize=fuzzer-no-link)
 endif()
@@ -37,7 +39,7 @@ if(PALPATE_COVERAGE)
   target_compile_options(palpate_flags INTERFACE --coverage -fprofile-abs-path -fprofile-update=atomic)
   target_link_options(palpate_flags INTERFACE --coverage)
 endif()
-# How much longer than in a release build a test may take.
+# Factor on a test's time-out relative to a release build.
 set(PALPATE_SLOWNESS 1)
 if(PALPATE_SANITIZE OR PALPATE_COVERAGE)
   set(PALPATE_SLOWNESS 8)
@@ -77,8 +79,9 @@ if(PALPATE_PCH)
   endforeach()
 endif()
 
-# Several sources of a tool or test as one, to read and instantiate what they share once. Never core, rt and
-# sim, which are compiled a source at a time in every build.
+# Compiles several sources of a tool or test as one, so that shared headers are read and
+# instantiated once. Never for core, rt and sim, which are compiled one source at a time in every
+# build.
 option(PALPATE_UNITY "Compile tools and tests several sources at a time" OFF)
 
 # By the folder of its sources; `kind` is "" or "_TEST".

@@ -23,7 +23,7 @@ FIELD = re.compile(r"(\w+)\s+(\w+)\s*((?:\[\s*\w+\s*\])*)$")
 
 
 def hint_of(kind: str, dimensions: int) -> str:
-    """The hint of a field that lcm-gen's Python holds so: bytes come as one string of them."""
+    """The type hint of a field as represented by lcm-gen's Python: bytes are one string."""
     if kind == "byte":
         kind, dimensions = "bytes", dimensions - 1
     hint = PYTHON_TYPES.get(kind, kind)
@@ -62,7 +62,9 @@ def stub_of(text: str, name: str) -> str:
 
 
 def generate(types: Path, output: Path, lcm_gen: str = "lcm-gen") -> None:
-    """Writes the package `output` anew. Raises OSError or ValueError with what is wrong."""
+    """Writes the package `output`, replacing it. Raises OSError or ValueError with the
+    reason.
+    """
     files = sorted(types.glob("*.lcm"))
     if not files:
         raise ValueError(f"{types}: holds no .lcm files")
@@ -76,7 +78,7 @@ def generate(types: Path, output: Path, lcm_gen: str = "lcm-gen") -> None:
             raise ValueError(f"{' '.join(command)}: {made.stderr.strip() or made.stdout.strip()}")
         if output.exists():
             shutil.rmtree(output)
-        # All types are of the package palpate, and none of them names another: they may move.
+        # All types are in the package palpate, and none refers to another: they can be moved.
         shutil.copytree(Path(scratch) / "palpate", output)
     for file in files:
         stub = "from typing import Sequence\n\n" + stub_of(file.read_text(), file.stem)

@@ -5,7 +5,7 @@
 namespace palpate::record {
 namespace {
 
-constexpr std::size_t kMostKnown = 4096;  // names; whoever draws them shall not fill the memory
+constexpr std::size_t kMostKnown = 4096;  // names; a sender of random names must not exhaust memory
 
 std::regex compiled(const std::string& pattern) {
   try {

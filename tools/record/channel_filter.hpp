@@ -7,10 +7,10 @@
 
 namespace palpate::record {
 
-/// Which channels are wanted: those whose whole name a regular expression matches, or all others.
+/// Selection of channels: those whose whole name matches a regular expression, or all others.
 class ChannelFilter {
  public:
-  /// Throws std::invalid_argument where `pattern` is no regular expression (ECMAScript).
+  /// Throws std::invalid_argument if `pattern` is not a regular expression (ECMAScript).
   explicit ChannelFilter(const std::string& pattern = ".*", bool invert = false);
 
   bool wants(std::string_view channel);
@@ -18,7 +18,7 @@ class ChannelFilter {
  private:
   std::regex pattern_;
   bool all_, invert_;
-  std::unordered_map<std::string, bool> known_;  // answers given before
+  std::unordered_map<std::string, bool> known_;  // cached answers
 };
 
 }  // namespace palpate::record

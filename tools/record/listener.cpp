@@ -19,7 +19,7 @@
 namespace palpate::record {
 namespace {
 
-constexpr int kDatagramsAtOnce = 64;                 // of one URL while others wait
+constexpr int kDatagramsAtOnce = 64;                 // of one URL before the others are served
 constexpr std::int64_t kLongestEnd = 2'000'000'000;  // ns
 
 std::int64_t wall_us() {
@@ -94,7 +94,7 @@ Listener::~Listener() {
 void Listener::start() {
   thread_ = loop::start_helper_thread("palpate-listen", [this] {
     while (!stop_.load(std::memory_order_relaxed)) receive(-1);
-    // What came before; a flood does not hold up the end.
+    // Messages received before the stop; a flood does not delay the end.
     const std::int64_t end = loop::monotonic_ns() + kLongestEnd;
     while (receive(0) && loop::monotonic_ns() < end) {
     }
@@ -116,7 +116,7 @@ bool Listener::receive(int timeout_ms) {
   watched.push_back({wake_, POLLIN, 0});
   if (poll(watched.data(), watched.size(), timeout_ms) <= 0) return false;
   bool any = false;
-  // In turns, so that a flood on one URL does not silence the others.
+  // Round-robin, so that a flood on one URL does not block the others.
   for (int source = 0; source < static_cast<int>(groups_.size()); ++source) {
     for (int i = 0; i < kDatagramsAtOnce && receive_one(source); ++i) any = true;
   }

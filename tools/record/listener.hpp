@@ -14,7 +14,7 @@
 
 namespace palpate::record {
 
-/// An LCM URL with the name that users know it by.
+/// An LCM URL with its label for the user.
 struct Source {
   std::string label;  // control, housekeeping, pictures
   bus::UdpmUrl url;
@@ -23,47 +23,46 @@ struct Source {
 /// The daemon's defaults: control, housekeeping and pictures.
 std::vector<Source> default_sources();
 
-/// Puts each "[LABEL=]URL", without a label that of control, in the place of the default of its
-/// label, or behind all. Throws std::invalid_argument for a label that is not [a-z0-9_]+ or a URL
-/// that is wrong.
+/// Replaces the default of each label in "LABEL=URL", or appends it. Throws std::invalid_argument
+/// for a label that is not [a-z0-9_]+ or an invalid URL.
 void put_urls(const std::vector<std::string>& texts, std::vector<Source>& sources);
 
-/// A message as it came; valid within the handler.
+/// A received message; valid within the handler.
 struct Heard {
-  int source = 0;               // index of its URL
-  std::int64_t utime = 0;       // us of the wall clock at the start plus what has passed since: one
-                                // axis for all URLs, without jumps
+  int source = 0;          // index of its URL
+  std::int64_t utime = 0;  // us of the wall clock at the start plus the elapsed time: one axis for
+                           // all URLs, without jumps
   std::int64_t arrival_ns = 0;  // CLOCK_MONOTONIC
   std::string_view channel;     // 1 to 63 printable characters
   const std::uint8_t* data = nullptr;
   int size = 0;  // of the data, bytes
 };
 
-/// Hears every channel of several LCM URLs. Takes whole short messages alone, by the same framing
-/// as the daemon's receiver, and counts all else: no datagram can make it allocate, throw, or read
-/// outside of what was received.
+/// Receives every channel of several LCM URLs. Accepts complete short messages only, with the same
+/// framing as the daemon's receiver, and counts everything else: no datagram can make it allocate,
+/// throw, or read outside the received data.
 class Listener {
  public:
   using Handler = std::function<void(const Heard&)>;
 
-  /// Joins the groups. Throws std::runtime_error with the remedy where that fails. The handler is
-  /// called by whoever receives.
+  /// Joins the groups. Throws std::runtime_error with the remedy on failure. The handler is called
+  /// in the receiving thread.
   Listener(std::vector<Source> sources, Handler handler);
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
 
-  /// From now on a thread receives.
+  /// Starts a receiving thread.
   void start();
-  /// Ends the thread; what lies in the sockets by then is handed on first.
+  /// Ends the thread; data in the sockets at that time are passed on first.
   void stop() noexcept;
-  /// In place of start(): hands on some of what has come, after waiting at most `timeout_ms` (-1:
-  /// for ever). False where nothing has.
+  /// Alternative to start(): passes on some of the received messages, after waiting at most
+  /// `timeout_ms` (-1: for ever). False if there are none.
   bool receive(int timeout_ms);
 
   const std::vector<Source>& sources() const noexcept { return sources_; }
   const bus::DatagramCounters& datagrams(int source) const noexcept;
-  /// Bytes that the system gave the socket for its queue.
+  /// Size in bytes of the socket's queue as granted by the system.
   int receive_buffer_size(int source) const noexcept;
 
  private:

@@ -27,7 +27,7 @@ std::string numbered(const std::string& name, int number, bool two_digits) {
   return name + "." + (two_digits && digits.size() < 2 ? "0" : "") + digits;
 }
 
-/// Makes the file; false where it is there already.
+/// Creates the file; false if it already exists.
 bool make(const std::string& path) {
   const int fd = ::open(path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0644);
   if (fd >= 0) {

@@ -118,7 +118,7 @@ void show_progress(const record::Recorder& recorder, double seconds) {
                static_cast<long long>(totals.lost), static_cast<long long>(totals.unwritten));
 }
 
-/// Writes until a signal, the time, or the space ends it. Returns the exit code.
+/// Writes until a signal, the time, or lack of space ends it. Returns the exit code.
 int write_until_end(record::Recorder& recorder, const Options& options, const sigset_t& signals,
                     std::int64_t begin_ns) {
   const bool shows = !options.quiet && isatty(STDERR_FILENO) != 0;
@@ -157,7 +157,7 @@ int run(Options& options, const sigset_t& signals) {
     settings.name = record::by_time(settings.name, std::time(nullptr));
   }
   std::unique_ptr<record::Recorder> recorder;
-  // Joined first: where that fails no empty file is left behind.
+  // Groups are joined first: on failure no empty file is left behind.
   record::Listener listener(sources, [&](const record::Heard& heard) { recorder->take(heard); });
   recorder = std::make_unique<record::Recorder>(settings);
   listener.start();
@@ -196,7 +196,7 @@ int main(int argc, char** argv) {
           app, argc, argv,
           {{{0, "ended by a signal or after --seconds"}, {kNoSpace, "the disk is nearly full"}}}))
     return *code;
-  // Blocked for all threads; the writer takes them when it is ready to.
+  // Blocked for all threads; the writer handles them when it is ready.
   sigset_t signals;
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);

@@ -6,11 +6,11 @@
 
 namespace palpate::record {
 
-/// One of palpate's types, which all begin with utime, seq and session.
+/// One of palpate's types, all of which begin with utime, seq and session.
 struct MessageType {
   std::string name;
   std::int64_t fingerprint = 0;
-  int smallest = 0;  // encoded bytes with its fingerprint; all that it has where its size is fixed
+  int smallest = 0;  // encoded bytes with its fingerprint; the complete size if it is fixed
   /// Whether `size` bytes, the fingerprint among them, can be decoded as this type; safe for any.
   bool (*fits)(const void* data, int size) = nullptr;
 };
@@ -18,10 +18,10 @@ struct MessageType {
 /// All of lcmtypes/, in alphabetical order.
 const std::vector<MessageType>& message_types();
 
-/// Of an encoded message; nullptr where it is none of ours.
+/// Type of an encoded message; nullptr if it is unknown.
 const MessageType* type_of(const void* data, int size) noexcept;
 
-/// What every type begins with.
+/// Header of every type.
 struct MessageHeader {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -29,7 +29,7 @@ struct MessageHeader {
 };
 inline constexpr int kMessageHeaderSize = 28;  // with the fingerprint in front
 
-/// Of a message of one of our types; `data` holds kMessageHeaderSize bytes at least.
+/// Header of a message of a known type; `data` holds at least kMessageHeaderSize bytes.
 MessageHeader header_of(const void* data) noexcept;
 
 }  // namespace palpate::record

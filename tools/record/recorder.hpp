@@ -17,57 +17,57 @@ namespace palpate::record {
 
 struct RecorderOptions {
   std::vector<std::string> labels;  // of the URLs, in the order of Heard::source
-  std::string name;                 // of the log; with several URLs each has its own, labelled
-  bool merge = false;               // all URLs in one log
+  std::string name;    // of the log; with several URLs each has its own, with its label
+  bool merge = false;  // all URLs in one log
   LogFileOptions files;
   std::string channels = ".*";
   bool invert_channels = false;
-  bool known_only = false;        // leave out what none of palpate's types fits
+  bool known_only = false;        // omit messages of unknown types
   double flush_interval = 0.1;    // s
   double max_unwritten_mb = 100;  // received but not written; beyond it messages are dropped
   double min_free_mb = 200;       // on the disk; below it the recording ends
 };
 
-/// Of one channel of one URL.
+/// Statistics of one channel of one URL.
 struct ChannelSummary {
   int source = 0;
   std::string channel;
-  std::string type;  // empty: none of ours
+  std::string type;  // empty: unknown
   std::int64_t messages = 0;
   std::int64_t bytes = 0;    // of their data
-  std::int64_t lost = 0;     // by the gaps in their numbers
-  std::int64_t misfits = 0;  // that say to be of one of our types and cannot be decoded as such
-  int senders = 0;           // that were heard, each start of one counted
+  std::int64_t lost = 0;     // by the gaps in their sequence numbers
+  std::int64_t misfits = 0;  // with a known fingerprint that cannot be decoded as its type
+  int senders = 0;           // received from, each start of one counted
   std::int64_t first_utime = 0, last_utime = 0;
 };
 
-/// Bytes free for an ordinary user where `folder` lies.
+/// Bytes available to an ordinary user on the disk of `folder`.
 using FreeSpace = std::function<std::int64_t(const std::string& folder)>;
 std::int64_t free_space_of_system(const std::string& folder);
 
-/// Takes messages in one thread and writes them in another. Messages of which the second cannot
-/// keep up are dropped and counted; the first never waits for the disk.
+/// Receives messages in one thread and writes them in another. Messages that the writer cannot keep
+/// up with are dropped and counted; the receiver never waits for the disk.
 class Recorder {
  public:
   /// Opens the logs. Throws as LogFiles does, std::invalid_argument for a wrong pattern, and
-  /// std::runtime_error where there is too little space to begin with.
+  /// std::runtime_error if there is too little space to begin with.
   explicit Recorder(RecorderOptions options, FreeSpace free_space = free_space_of_system);
 
   /// The receiver's side.
   void take(const Heard& heard);
 
-  /// The writer's side: writes what was taken, flushes when it is time, looks at the space once a
-  /// second. False where too little of that is left: finish() then. `now_ns`: CLOCK_MONOTONIC.
-  /// Throws std::runtime_error where the disk does not take it.
+  /// The writer's side: writes what was received, flushes periodically, checks the space once a
+  /// second. False if too little of it is left: call finish() then. `now_ns`: CLOCK_MONOTONIC.
+  /// Throws std::runtime_error if a disk write fails.
   bool write(std::int64_t now_ns);
-  /// The writer's side: begins the next files.
+  /// The writer's side: starts the next files.
   void split();
   /// Writes the rest and ends the files; throws as write() does.
   void finish();
 
   struct Totals {
     std::int64_t messages = 0, bytes = 0, lost = 0, misfits = 0;
-    std::int64_t unwritten = 0;  // dropped since too much waited for the disk
+    std::int64_t unwritten = 0;  // dropped because too much was queued for the disk
   };
   Totals totals() const;
   std::vector<ChannelSummary> channels() const;  // by source, then name

@@ -3,16 +3,16 @@
 namespace palpate::record {
 namespace {
 
-// A jump beyond this is a sender that began anew with the same session (a log played once more).
+// A jump beyond this is a sender that restarted with the same session (a log played again).
 constexpr std::int32_t kLargestGap = 1'000'000;
-constexpr std::int32_t kLatest = 1000;  // a message that comes so many behind is a late one
+constexpr std::int32_t kLatest = 1000;  // a message this far behind is a late one
 
 }  // namespace
 
 void SequenceGaps::take(const MessageHeader& header) {
   const auto found = last_.find(header.session);
   if (found == last_.end()) {
-    // Beyond any number of true senders; who draws sessions at random shall not fill the memory.
+    // Above any number of real senders; random sessions must not exhaust memory.
     if (last_.size() < kMostSessions) last_[header.session].seq = header.seq;
     return;
   }

@@ -7,14 +7,14 @@
 
 namespace palpate::record {
 
-/// Counts the messages of one channel that were sent and did not come, by the gaps in each
-/// sender's sequence. One that comes late after all is taken off again.
+/// Counts the lost messages of one channel, by the gaps in each sender's sequence. A message that
+/// arrives late is subtracted again.
 class SequenceGaps {
  public:
   void take(const MessageHeader& header);
 
   std::int64_t lost() const noexcept { return lost_; }
-  /// Starts of senders that were heard, at most kMostSessions.
+  /// Number of senders' starts, at most kMostSessions.
   int sessions() const noexcept { return static_cast<int>(last_.size()); }
 
  private:

@@ -15,7 +15,7 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-/// Messages a second, between the first and the last.
+/// Message rate, between the first and the last.
 double rate(const ChannelSummary& channel) {
   const auto span = static_cast<double>(channel.last_utime - channel.first_utime) * 1e-6;
   return span > 0 ? static_cast<double>(channel.messages - 1) / span : 0;

@@ -7,12 +7,12 @@
 
 namespace palpate::record {
 
-/// What was recorded, refused and lost: a table of the channels, and a line each for URLs and
-/// files. `seconds`: that it took.
+/// Recorded, rejected and lost messages: a table of the channels, and one line each for URLs and
+/// files. `seconds`: duration.
 void print_summary(const Recorder& recorder, const Listener& listener, double seconds,
                    std::ostream& out);
 
-/// The same to be read by programs.
+/// The same as data for programs.
 nlohmann::json summary_json(const Recorder& recorder, const Listener& listener, double seconds);
 
 }  // namespace palpate::record

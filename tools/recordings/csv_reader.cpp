@@ -77,7 +77,7 @@ bool CsvReader::read_line(std::string& line) {
   }
   int code = Z_OK;
   const char* const message = gzerror(input_->file, &code);
-  // A directory opens and then fails to read, with errno as the only trace.
+  // A directory can be opened, but reading fails, indicated only by errno.
   if (code != Z_OK && code != Z_STREAM_END)
     throw CsvError(path_ + ": " + (code == Z_ERRNO ? std::strerror(errno) : message));
   if (line.empty()) return false;

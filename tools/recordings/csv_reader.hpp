@@ -7,7 +7,7 @@
 
 namespace palpate::recordings {
 
-/// What is wrong with a recording; what() reads "file:line: ..." or "file:line:column: ...".
+/// An error in a recording; what() reads "file:line: ..." or "file:line:column: ...".
 class CsvError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
@@ -23,8 +23,7 @@ struct CsvOptions {
 /// around a cell do not count.
 class CsvReader {
  public:
-  /// Throws CsvError where the file cannot be read, has no header or names a column twice, and
-  /// std::invalid_argument for another delimiter.
+  /// Throws CsvError if the file cannot be read, has no header or names a column twice.
   explicit CsvReader(const std::string& path, const CsvOptions& options = {});
   ~CsvReader();
   CsvReader(const CsvReader&) = delete;
@@ -33,17 +32,17 @@ class CsvReader {
   const std::vector<std::string>& header() const { return header_; }
   char delimiter() const { return delimiter_; }
   bool has_column(const std::string& name) const;
-  /// 0-based; throws CsvError with the columns that exist.
+  /// 0-based; throws CsvError listing the existing columns.
   int column(const std::string& name) const;
   /// Throws CsvError with all of the names that are no columns, and with the columns that exist.
   void require_columns(const std::vector<std::string>& names) const;
 
-  /// Goes to the next row that is not empty; false at the end of the file. Throws CsvError where it
-  /// has more or fewer cells than the header, or the file is damaged.
+  /// Advances to the next row that is not empty; false at the end of the file. Throws CsvError if
+  /// it has more or fewer cells than the header, or the file is damaged.
   bool next();
 
   const std::string& text(int column) const { return cells_[column]; }
-  /// Throws CsvError where the cell is not a finite number.
+  /// Throws CsvError if the cell is not a finite number.
   double number(int column) const;
   /// Where the current row begins, 1-based.
   int line() const { return line_; }

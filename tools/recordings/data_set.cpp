@@ -40,7 +40,7 @@ std::string find_file(const std::vector<std::string>& folders, const std::string
   throw std::runtime_error(file + ": not found below" + where);
 }
 
-/// Parts by time, or by the recording's `number` in its file; every row counts.
+/// Split by time, or by the recording's `number` in its file; every row counts.
 Recording begin_recording(const Table& table, const RecordingPlan& plan, int number) {
   const bool validates =
       plan.validate_every > 0 && number % plan.validate_every == plan.validate_every - 1;
@@ -55,7 +55,8 @@ Recording begin_recording(const Table& table, const RecordingPlan& plan, int num
   return recording;
 }
 
-/// Means of the first `tare` seconds go out of all columns, but for the outputs where not wanted.
+/// Means of the first `tare` seconds are subtracted from all columns, except from the outputs if
+/// disabled.
 void load_columns(const DataPlan& plan, const RecordingPlan& entry, const std::string& path,
                   DataSet& data) {
   std::vector<std::string> columns = columns_of(plan.inputs);

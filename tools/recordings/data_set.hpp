@@ -13,19 +13,19 @@ namespace palpate::recordings {
 
 enum class Part { kTraining, kValidation, kTest };
 
-/// One recording as the network sees it, a row a step.
+/// One recording in the form used by the network, one row per step.
 struct Recording {
   std::string name;
   Eigen::VectorXd time;      // s
   Eigen::MatrixXd inputs;    // n x inputs
-  Eigen::MatrixXd outputs;   // n x outputs: what is to be learned
-  Eigen::MatrixXd analytic;  // n x outputs: what a rigid payload says of them; else empty
+  Eigen::MatrixXd outputs;   // n x outputs: training targets
+  Eigen::MatrixXd analytic;  // n x outputs: prediction of a rigid payload; otherwise empty
   std::vector<Part> parts;   // n
-  std::vector<bool> counts;  // n: whether the row is learned and scored
+  std::vector<bool> counts;  // n: whether the row is used for training and scoring
 };
 
 struct DataFile {
-  std::string file;  // as the plan names it
+  std::string file;  // as named by the plan
   std::string sha256;
 };
 
@@ -43,7 +43,7 @@ struct DataSet {
 /// that has it. Throws import::CsvError or std::runtime_error naming the file.
 DataSet load_data(const DataPlan& plan, const std::vector<std::string>& folders);
 
-/// Rows of one part that count, of all recordings, one below the other.
+/// Rows of one part that count, of all recordings, concatenated.
 Eigen::MatrixXd gather(const DataSet& data, const std::vector<Eigen::MatrixXd>& of_recordings,
                        Part part);
 std::vector<Eigen::MatrixXd> inputs_of(const DataSet& data);

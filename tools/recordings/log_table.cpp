@@ -17,7 +17,7 @@
 namespace palpate::recordings {
 namespace {
 
-constexpr double kGap = 1;  // s, between messages, that begins a new recording
+constexpr double kGap = 1;  // s, gap between messages that starts a new recording
 
 /// A number or an array of a message.
 template <class Message>
@@ -75,7 +75,7 @@ class Source {
   virtual void collect(log::LogReader& log, const std::string& channel) = 0;
   virtual std::size_t size() const = 0;
   virtual std::int64_t utime(std::size_t message) const = 0;
-  /// Place and length of a field; -1 where there is none of that name.
+  /// Index and length of a field; -1 if there is none of that name.
   virtual int field(const std::string& name, int& count) const = 0;
   virtual double value(std::size_t message, int field, int index) const = 0;
 };
@@ -114,7 +114,7 @@ std::unique_ptr<Source> source_of(const std::string& channel) {
   return nullptr;
 }
 
-/// Where a column comes from.
+/// Source of a column.
 struct Column {
   std::string name;
   std::string channel;
@@ -223,7 +223,7 @@ std::vector<Table> read_log_tables(const std::string& path, const std::string& t
     const std::int64_t now = leader.utime(k);
     if (k > 0 && now < before)
       throw std::runtime_error(path + ": time of " + columns.front().channel + " runs backwards");
-    if (k > 0 && now == before) continue;  // the same moment twice: the first stands
+    if (k > 0 && now == before) continue;  // the same time twice: the first counts
     before = now;
     bool complete = true;
     for (const auto& [channel, source] : sources) {

@@ -50,7 +50,7 @@ std::vector<Table> read_tables(const std::string& path, const std::string& time,
     const double t = csv.number(time_column);
     if (!times.empty() && t <= times.back()) {
       if (t < times.back()) csv.fail(time_column, "time runs backwards");
-      continue;  // the same moment twice: the first stands
+      continue;  // the same time twice: the first counts
     }
     times.push_back(t);
     for (const int index : indices) cells.push_back(csv.number(index));
@@ -61,7 +61,7 @@ std::vector<Table> read_tables(const std::string& path, const std::string& time,
 
 Table resample(const Table& table, double rate, double average) {
   const Eigen::Index n = table.time.size();
-  const double tolerance = 1e-6;  // s, of times written with some decimals
+  const double tolerance = 1e-6;  // s, tolerance for times written with a few decimals
   const auto count =
       static_cast<Eigen::Index>(std::floor((table.time[n - 1] + tolerance) * rate)) + 1;
   Table result;

@@ -10,23 +10,23 @@ namespace palpate::recordings {
 struct Table {
   std::string name;      // of the recording
   Eigen::VectorXd time;  // s, from 0
-  Eigen::MatrixXd rows;  // a row a sample, a column for each that was asked for
+  Eigen::MatrixXd rows;  // one row per sample, one column for each requested one
 };
 
-/// Reads `columns` of a CSV, plain or .gz, or of an LCM event log (log_table.hpp). Where
-/// `separator` names a column, a new recording begins whenever its text changes. Throws
-/// import::CsvError naming file, line and column where a cell is not a finite number, time does not
-/// rise, or a recording has fewer than two rows.
+/// Reads `columns` of a CSV, plain or .gz, or of an LCM event log (log_table.hpp). If `separator`
+/// names a column, a new recording starts whenever its text changes. Throws import::CsvError naming
+/// file, line and column if a cell is not a finite number, time does not increase, or a recording
+/// has fewer than two rows.
 std::vector<Table> read_tables(const std::string& path, const std::string& time,
                                const std::vector<std::string>& columns,
                                const std::string& separator);
 
-/// On the grid 0, 1 / rate, ...: the mean over the last `average` seconds, or the latest sample
-/// where it is zero or nothing lies in them.
+/// Resampled on the grid 0, 1 / rate, ...: the mean over the last `average` seconds, or the latest
+/// sample if it is zero or the interval is empty.
 Table resample(const Table& table, double rate, double average);
 
-/// The same columns, `seconds` later: column k at t is what it was at t - seconds, on the table's
-/// own (uniform) grid; the ends hold the first and last value.
+/// The columns delayed by `seconds`: column k at t is its value at t - seconds, on the table's own
+/// (uniform) grid; constant beyond the ends.
 void delay_columns(Table& table, int first, int count, double seconds);
 
 }  // namespace palpate::recordings

@@ -7,7 +7,7 @@
 namespace palpate::recordings {
 namespace {
 
-/// Sums over rows from which a ridge of any penalty follows.
+/// Sums over rows that suffice for a ridge regression with any penalty.
 struct Moments {
   double count = 0;
   Eigen::VectorXd x, y;    // sums

@@ -11,7 +11,7 @@
 namespace palpate::recordings {
 namespace {
 
-// Places in the rows of wrist_columns().
+// Indices in the rows of wrist_columns().
 constexpr int kQuaternion = 0, kVelocity = 4, kRate = 7, kAcceleration = 10, kForce = 13;
 constexpr int kPosition = 19;  // where there is one
 constexpr int kPoseColumns = 7, kInertialColumns = 6, kWrenchColumns = 6;
@@ -23,7 +23,7 @@ Eigen::Matrix3d rotation(const Eigen::RowVectorXd& row) {
   return q.normalized().toRotationMatrix();
 }
 
-/// Rate of turn in S from neighbouring orientations, rad/s.
+/// Angular velocity in S from neighbouring orientations, rad/s.
 Eigen::MatrixXd rate_of_orientation(const Table& table, double rate) {
   const Eigen::Index n = table.rows.rows();
   Eigen::MatrixXd result = Eigen::MatrixXd::Zero(n, 3);
@@ -35,8 +35,8 @@ Eigen::MatrixXd rate_of_orientation(const Table& table, double rate) {
   return result;
 }
 
-/// Without what is slower than a second (drift, creep, hysteresis) or quicker than a few
-/// hundredths (noise): both signals of a comparison pass through it alike.
+/// Band-pass that removes everything slower than a second (drift, creep, hysteresis) or faster than
+/// a few hundredths (noise): both signals of a comparison are filtered equally.
 Eigen::MatrixXd quick_part(const Eigen::MatrixXd& rows, double rate) {
   Table table;
   table.rows = rows;
@@ -54,7 +54,7 @@ std::vector<inference::StreamDelay> align(Table& table, const WristColumns& colu
       identify_delay(quick_part(rate_of_orientation(table, rate), rate),
                      quick_part(table.rows.middleCols(kRate, 3), rate), rate, largest)
           .seconds;
-  // A payload of a kilogram that moves as the inertial unit says and hangs as the pose says.
+  // A payload of one kilogram with the motion of the inertial unit and the orientation of the pose.
   Table motion = table;
   delay_columns(motion, kAcceleration, 3, -inertial);
   Eigen::MatrixXd load = motion.rows.middleCols(kAcceleration, 3);
@@ -82,7 +82,7 @@ std::vector<std::size_t> training_rows(const Recording& recording) {
   return rows;
 }
 
-/// What a sensor reads without load along one recording, N and N m.
+/// Unloaded reading of a sensor along one recording, N and N m.
 struct Bias {
   math::Vector6d mean = math::Vector6d::Zero();
   math::Vector6d slope = math::Vector6d::Zero();  // per s
@@ -91,10 +91,10 @@ struct Bias {
   math::Vector6d at(double t) const { return mean + (t - centre) * slope; }
 };
 
-/// Of each recording with training rows: the mean that a payload leaves there and, where the plan
-/// says that an output drifts, its slope. What depends on the inputs is told from the drift by a
-/// linear map that all recordings share (Frisch, Waugh and Lovell: both sides without their means
-/// and slopes, recording by recording).
+/// For each recording with training rows: the mean residual of a payload and, if the plan lets an
+/// output drift, its slope. Input dependence is separated from the drift by a linear map shared by
+/// all recordings (Frisch, Waugh and Lovell: both sides without their means and slopes, recording
+/// by recording).
 std::vector<Bias> fit_biases(const DataPlan& plan, const std::vector<WristRecording>& wrists,
                              const DataSet& data, const sensing::PayloadParameters& payload) {
   constexpr double kPenalty = 1e-2;  // of the shared map, per row of standardised inputs
@@ -165,7 +165,7 @@ WristRecording load_wrist(const DataPlan& plan, const Table& raw) {
   const double raw_rate = static_cast<double>(raw.time.size() - 1) / raw.time[raw.time.size() - 1];
   WristRecording recording;
   Table table = raw;
-  // On a uniform grid, quaternions without jumps of sign, so that they may be averaged.
+  // On a uniform grid, quaternions with continuous sign, so that they may be averaged.
   table = resample(table, raw_rate, 0);
   for (Eigen::Index k = 1; k < table.rows.rows(); ++k)
     if (table.rows.row(k).head<4>().dot(table.rows.row(k - 1).head<4>()) < 0)
@@ -219,8 +219,8 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
       sum += sample.F_S.vector() - sensing::load_wrench(payload, sample.motion).vector();
     return math::Vector6d(sum / std::max<double>(1, static_cast<double>(wrists[r].samples.size())));
   };
-  // One payload, and a bias for each recording: identification and biases by turns, which ends in
-  // the least squares of both.
+  // One payload, and a bias for each recording: alternating identification of both, which converges
+  // to the joint least squares.
   std::vector<Bias> biases(wrists.size());
   sensing::PayloadParameters payload;
   constexpr int kTurns = 30;
@@ -247,7 +247,7 @@ void finish_wrists(const DataPlan& plan, const std::vector<WristRecording>& wris
     recording.outputs.resize(n, 6);
     recording.analytic.setZero(n, 6);
     for (std::size_t k = 0; k < samples.size(); ++k) {
-      // Where errors are scored a drift stays in: nobody could take it out.
+      // In scored rows the drift is kept: it could not be removed in operation.
       const math::Vector6d bias = recording.parts[k] == Part::kTraining
                                       ? biases[r].at(wrists[r].time[row(k)])
                                       : biases[r].mean;

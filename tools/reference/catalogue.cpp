@@ -6,18 +6,18 @@
 namespace palpate::reference {
 namespace {
 
-/// Choices that decide what else of their section is read.
+/// Keys whose value decides which other keys of their section are read.
 const std::set<std::string> kDeciding = {"component", "law", "kind", "integrator", "action"};
 
 using Choices = std::map<std::string, std::string>;
 
-/// One mapping of one document: what was chosen in it, and what was asked for.
+/// One mapping of one document: its choices, and the keys that were read.
 struct Visit {
   Choices choices;
   std::vector<config::Declaration> declarations;
 };
 
-/// "sensing.0.payload" is a "sensing[].payload".
+/// "sensing.0.payload" is an instance of "sensing[].payload".
 std::string pattern_of(const std::string& path) {
   std::string pattern;
   std::size_t begin = 0;
@@ -50,9 +50,9 @@ std::vector<Visit> visits_of(const std::vector<Declarations>& readings,
   return visits;
 }
 
-/// The same parameter, and not merely one of the same name.
+/// The same parameter, not only one of the same name.
 bool is_same(const config::Declaration& a, const config::Declaration& b) {
-  // A range may depend on what was read before; the words of a choice do not.
+  // A range may depend on keys read before; the words of a choice do not.
   return a.name == b.name && a.meaning == b.meaning &&
          (a.type != "one of" || a.allowed == b.allowed);
 }
@@ -104,7 +104,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   for (const Visit& visit : visits) {
     const config::Declaration* declaration = find(visit, first);
     if (declaration == nullptr) {
-      // Not asked for although it might have been: a reader that looks first whether it is there.
+      // Not read although it might have been: a reader that first checks whether the key is
+      // present.
       if (holds(parameter, visit)) parameter.required = false;
       continue;
     }
@@ -134,7 +135,7 @@ void sort_by_tree(std::vector<Section>& sections) {
   sections = std::move(sorted);
 }
 
-/// What an arm or a fallback has as the first of its kind has it is told once.
+/// Keys that an arm or a fallback shares with the first of its kind are documented once.
 bool is_told_elsewhere(const Section& section, const std::vector<Section>& sections) {
   if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
     return true;

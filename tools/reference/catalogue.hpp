@@ -9,16 +9,16 @@
 
 namespace palpate::reference {
 
-/// A parameter as all readings together tell it.
+/// A parameter, merged from all readings.
 struct Parameter {
   std::string name;
   std::string type;
   std::string unit;
   std::string allowed;
   std::string meaning;
-  std::vector<std::string> defaults;  // more than one where another choice changes it
-  bool required = false;              // wherever it is asked for
-  /// It is asked for only where the choices beside it are among these.
+  std::vector<std::string> defaults;  // more than one if another choice changes it
+  bool required = false;              // wherever it is read
+  /// It is read only if the other choices have one of these values.
   std::map<std::string, std::set<std::string>> only_with;
 };
 
@@ -28,11 +28,11 @@ struct Section {
   std::vector<Parameter> parameters;
 };
 
-/// Sections as a tree, each level in the order in which it is first read. Those of a second arm
-/// that are as the first arm's, and those of fallbacks, are left out.
+/// Sections as a tree, each level in the order in which it is first read. Sections of a second arm
+/// that equal the first arm's, and those of fallbacks, are omitted.
 std::vector<Section> merge(const std::vector<Declarations>& readings);
 
-/// "path.name" of every parameter that no declaration tells the meaning of.
+/// "path.name" of every parameter without a description in its declaration.
 std::vector<std::string> untold(const std::vector<Section>& sections);
 
 }  // namespace palpate::reference

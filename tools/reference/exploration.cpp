@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// As its parameters are, a network that says nothing at all.
+/// A network that outputs zero, with the given parameters.
 [[maybe_unused]] void write_network(const fs::path& folder, const std::string& name,
                                     const std::vector<inference::Channel>& inputs,
                                     const std::vector<inference::Channel>& outputs) {
@@ -37,7 +37,7 @@ namespace fs = std::filesystem;
   inference::write_model_file((folder / (name + ".pt")).string(), weights, card);
 }
 
-/// Recordings of a bar that is pulled and let go four times, and of skin between two pads.
+/// Recordings of a bar that is pulled and released four times, and of skin between two pads.
 void write_recordings(const fs::path& folder) {
   std::ofstream bar(folder / "bar.csv");
   bar << "time,strain,stretch,gap,length,stress,force,width,height,unit,probe\n";
@@ -57,7 +57,7 @@ void write_recordings(const fs::path& folder) {
   }
 }
 
-/// The files that explorations name below MODELS, where they are not there yet.
+/// The files that explorations name below MODELS, unless they exist already.
 void write_models(const fs::path& folder) {
   if (fs::exists(folder / "key")) return;
   bus::make_key_file((folder / "key").string());
@@ -91,8 +91,7 @@ void read_daemon(const config::Node& root) {
   root.check_all_used();
 }
 
-/// Sections whose keys are names that the document gives: a fit's parameters, and a study's
-/// methods.
+/// Sections whose keys are names given by the document: a fit's parameters, and a study's methods.
 bool has_names_for_keys(const std::string& path) {
   return path == "parameters" ||
          (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
@@ -138,7 +137,8 @@ void read_scene(const config::Node&, const std::string& file) {
 }
 #endif
 
-/// What was asked of the recording itself; the configuration that one may name is another's.
+/// Keys read from the recording itself; those of a configuration that it names belong to the
+/// latter.
 Declarations read_recording(const config::Node& root, const config::DeclarationList& list) {
   try {
     fit::make_experiment(root, "");
@@ -146,7 +146,7 @@ Declarations read_recording(const config::Node& root, const config::DeclarationL
   } catch (const config::Error&) {
     throw;
   } catch (const std::exception&) {
-    if (!root.has("log")) throw;  // a log need not be there: by then every key has been asked for
+    if (!root.has("log")) throw;  // a log need not exist: by then every key has been read
   }
   Declarations own;
   for (const config::Declaration& declaration : list.all())
@@ -166,7 +166,7 @@ Declarations read(Reader reader, const Exploration& exploration) {
   } else if (reader == Reader::kTrain) {
     recordings::read_plan(root);
   } else if (reader == Reader::kFit) {
-    // Its parts are laid over each other in documents of their own.
+    // Its parts are merged in separate documents.
     fit::read_plan(root, "");
     return without_names(list.all());
   } else if (reader == Reader::kRecording) {

@@ -71,7 +71,7 @@ class Scratch {
   std::filesystem::path path_;
 };
 
-/// A table for each kind of recording: they have little in common.
+/// One table per kind of recording: they have little in common.
 bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
   const std::vector<Exploration> all = explorations(Reader::kRecording, models);
   bool told = true;

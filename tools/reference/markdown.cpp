@@ -7,7 +7,7 @@
 namespace palpate::reference {
 namespace {
 
-/// What would end a cell of a table.
+/// Escapes characters that would end a table cell.
 std::string cell(const std::string& text) {
   std::string safe;
   for (const char c : text) safe += c == '|' ? std::string("\\|") : std::string(1, c);

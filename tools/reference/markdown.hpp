@@ -7,11 +7,11 @@
 
 namespace palpate::reference {
 
-/// One table a section, its heading at `level`.
+/// One table per section, its heading at `level`.
 void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level);
 
-/// One table a section of all readings together. False, and named on standard error, where a
-/// declaration has no description.
+/// One table per section of all readings together. Returns false, and names the key on standard
+/// error, if a declaration has no description.
 bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level);
 
 }  // namespace palpate::reference

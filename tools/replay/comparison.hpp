@@ -8,19 +8,20 @@
 
 namespace palpate::replay {
 
-/// What of one channel the daemon said when the log was made, and says now.
+/// Messages of the daemon on one channel, recorded in the log and in the replay.
 struct ChannelComparison {
   std::int64_t recorded = 0, replayed = 0;  // times of messages
   std::int64_t common = 0;                  // of them in both
-  std::int64_t equal = 0;                   // of these, bit for bit alike
-  std::int64_t first_difference = -1;       // utime, us; below zero: there is none
+  std::int64_t equal = 0;                   // of these, bit-identical
+  std::int64_t first_difference = -1;       // utime, us; negative: none
 };
 
-/// Compares what a daemon said with what it says of the same log, message by message of the same
-/// utime, but for what is drawn anew at each start: number, session, counter and authentication.
+/// Compares the daemon's recorded messages with those of a replay of the same log, message by
+/// message of the same utime, except for fields that are regenerated at each start: number,
+/// session, counter and authentication.
 class Comparison {
  public:
-  /// Channels that are compared: what follows from inputs alone.
+  /// Channels that are compared: those determined by the inputs alone.
   static bool concerns(const std::string& channel);
 
   void take_recorded(const std::string& channel, const std::uint8_t* data, int size);

@@ -56,7 +56,7 @@ nlohmann::json to_json(const replay::ReplayResult& result) {
   return json;
 }
 
-/// True where every message that is in both is the same, and there are some.
+/// True if all messages that are in both are equal, and there are some.
 bool print_comparison(const replay::ReplayResult& result) {
   long long common = 0, equal = 0;
   for (const auto& [channel, one] : result.comparison) {

@@ -25,7 +25,7 @@ bool matches(const std::string& channel, const char* pattern) {
   return std::regex_match(channel, std::regex(pattern));
 }
 
-/// Where the messages of each log go.
+/// Destination of the messages of each log.
 class Outlets {
  public:
   explicit Outlets(const PlayCommand& command)

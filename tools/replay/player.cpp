@@ -80,7 +80,7 @@ void Player::play(Log& log, const Sink& sink) {
 }
 
 std::int64_t Player::advance(std::int64_t now_ns, const Sink& sink) {
-  constexpr std::int64_t kLongest = 1'000'000'000;  // ns: whoever waits looks again
+  constexpr std::int64_t kLongest = 1'000'000'000;  // ns: upper bound of the wait
   if (base_ns_ < 0) base_ns_ = now_ns;
   if (paused_) return kLongest;
   const std::int64_t until = position_us(now_ns);

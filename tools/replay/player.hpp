@@ -10,27 +10,26 @@
 
 namespace palpate::replay {
 
-/// Takes a message of log number `log`.
+/// Receives a message of log number `log`.
 using Sink = std::function<void(int log, const bus::LoggedEvent& event)>;
 
 struct PlayerOptions {
   double start = 0;   // s of the logs, where to begin
-  double end = -1;    // s, where to stop; below zero: at their end
-  double rate = 1;    // times as fast as they were recorded
-  bool loop = false;  // from start again
+  double end = -1;    // s, where to stop; negative: at their end
+  double rate = 1;    // factor on the recorded speed
+  bool loop = false;  // restart from start
 };
 
-/// Plays logs that were recorded together, message by message in the order of their times, as a
-/// clock goes on. Times are s since the first message of all. The clock is whoever calls.
+/// Plays logs that were recorded together, message by message in the order of their times, paced by
+/// a clock. Times are s since the first message of all. The caller provides the clock.
 class Player {
  public:
-  /// Reads the logs once through for their length. Throws std::runtime_error, naming the file, for
-  /// one that cannot be read or where none holds a message, and std::invalid_argument for options
-  /// out of range.
+  /// Reads the logs once for their length. Throws std::runtime_error naming the file for one that
+  /// cannot be read or if none holds a message, and std::invalid_argument for options out of range.
   Player(const std::vector<std::string>& logs, const PlayerOptions& options);
 
-  /// Hands on what is due at `now_ns`, and returns how long it is until the next message, in ns;
-  /// below zero at the end (never where it loops).
+  /// Passes on all messages due at `now_ns`, and returns the time until the next message, in ns;
+  /// negative at the end (never with looping).
   std::int64_t advance(std::int64_t now_ns, const Sink& sink);
 
   double position(std::int64_t now_ns) const;
@@ -41,12 +40,12 @@ class Player {
 
   void set_rate(double rate, std::int64_t now_ns);  // clamped to 1/1000 and 1000
   void pause(bool paused, std::int64_t now_ns);
-  /// To so many s, within start and end; what lies between is not played.
+  /// Seeks by this many s, within start and end; messages in between are not played.
   void seek(double seconds, std::int64_t now_ns);
-  /// While paused: plays the next message alone.
+  /// While paused: plays only the next message.
   void step(std::int64_t now_ns, const Sink& sink);
 
-  /// What of the logs was no message, a line each.
+  /// Damaged parts of the logs, one line each.
   std::vector<std::string> complaints() const;
 
  private:
@@ -67,7 +66,7 @@ class Player {
   std::int64_t first_us_ = 0, last_us_ = 0;  // of all messages
   std::int64_t start_us_ = 0, end_us_ = 0;   // that are played
   std::int64_t base_us_ = 0,
-               base_ns_ = -1;  // where the logs were when the clock was; -1: not begun
+               base_ns_ = -1;  // time of the logs at the start of the clock; -1: not started
   std::int64_t played_ = 0;
 };
 

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::int64_t kSession = 1;  // of a deterministic run
 
-/// What the daemon listens to on a bus; all else in a log others said, or it itself.
+/// Inputs of the daemon on a bus; everything else in a log was published by others, or by itself.
 std::set<std::string> inputs_of(const bus::MessageBus& bus) {
   std::set<std::string> channels;
   for (const bus::Subscription* one : bus.subscriptions()) channels.insert(one->channel());
@@ -38,7 +38,7 @@ bool is_start(const bus::LoggedEvent& event) {
          bus::get_text(command.event) == std::string("start");
 }
 
-/// A log that is damaged may say any time; a replay would be busy for years.
+/// A damaged log may contain any time; a replay would take years.
 void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int64_t now_ns) {
   constexpr std::int64_t kLongest = 3600 * std::int64_t{1'000'000};  // us
   const std::int64_t pause = next.utime - now_ns / 1000;
@@ -47,7 +47,7 @@ void check_pause(const std::string& log, const bus::LoggedEvent& next, std::int6
                            std::to_string(pause / 1'000'000) + " s later, an hour is most");
 }
 
-/// A daemon on a bus in memory, with a log before it and what it says behind it.
+/// A daemon on a bus in memory, fed by a log, and a record of its output.
 class Run {
  public:
   Run(const config::Node& configuration, const ReplayOptions& options)
@@ -55,7 +55,7 @@ class Run {
         hub_(bus::make_memory_hub()),
         input_(bus::make_memory_bus(hub_)),
         control_(bus::make_memory_bus(hub_)),
-        // The daemon's housekeeping goes to the same hub: nobody subscribes to it there.
+        // The daemon's housekeeping uses the same hub, where nothing subscribes to it.
         daemon_(configuration, *control_, *control_, daemon::Mode::kDeterministic, kSession),
         clock_(*control_, kSession),
         inputs_(inputs_of(*control_)) {
@@ -66,7 +66,7 @@ class Run {
     }
   }
 
-  /// By the log's own time; returns the time of its end, ns.
+  /// Paced by the log's own time; returns the time of its end, ns.
   std::int64_t by_time(bus::EventLogReader& log, const bus::LoggedEvent* event) {
     const std::int64_t period_ns = std::llround(daemon_.settings().loop.period * 1e9);
     std::int64_t now_ns = event->utime * 1000;
@@ -84,7 +84,7 @@ class Run {
     return now_ns;
   }
 
-  /// A cycle for each tick that the simulator sent; returns the time of the last event, ns.
+  /// One cycle for each tick of the simulator; returns the time of the last event, ns.
   std::int64_t by_ticks(bus::EventLogReader& log, const bus::LoggedEvent* event) {
     std::int64_t now_ns = event->utime * 1000;
     begin(now_ns);
@@ -93,7 +93,7 @@ class Run {
       offer(*event);
       if (event->channel != "SIM_TICK") continue;
       bus::record(*hub_, &published_);
-      clock_.run_pending(daemon_);  // a tick that was repeated is answered, not run again
+      clock_.run_pending(daemon_);  // a repeated tick is answered, not executed again
       collect();
     }
     result_.cycles = daemon_.counters().cycles;
@@ -132,7 +132,7 @@ class Run {
     ++result_.messages;
   }
 
-  /// Takes what was published since the last cycle into hash, comparison and output log.
+  /// Passes everything published since the last cycle to hash, comparison and output log.
   void collect() {
     for (bus::Published& message : published_) {
       const int size = static_cast<int>(message.data.size());

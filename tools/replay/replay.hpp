@@ -15,9 +15,10 @@ struct ReplayOptions {
   std::string log;     // recorded on the control URL
   std::string output;  // log of everything that the daemon publishes; empty: none
   bool start = false;  // send the event start before the first message
-  // A cycle for each SIM_TICK of the log, as palpated --stepped ran it, in place of the log's time.
+  // One cycle for each SIM_TICK of the log, as palpated --stepped ran it, instead of the log's
+  // time.
   bool stepped = false;
-  bool compare = false;      // with what the daemon said when the log was made
+  bool compare = false;      // with the daemon's messages recorded in the log
   std::string housekeeping;  // log of the housekeeping URL, for SHAPE to compare; empty: none
 };
 
@@ -27,18 +28,17 @@ struct ReplayResult {
   std::int64_t left_out = 0;  // of channels that the daemon does not listen to
   std::int64_t starts = 0;    // of them, commands with the event start
   std::int64_t shapes = 0;
-  std::uint64_t shape_hash = 0;  // FNV-1a over every SHAPE as published, byte by byte
+  std::uint64_t shape_hash = 0;  // FNV-1a over every published SHAPE, byte by byte
   double duration = 0;           // s of the log
-  std::map<std::string, ChannelComparison> comparison;  // by channel, where asked for
-  std::string complaint;  // what of the log was no message, in a line; mostly empty
+  std::map<std::string, ChannelComparison> comparison;  // by channel, if requested
+  std::string complaint;  // damaged parts of the log, in one line; usually empty
 };
 
-/// Runs a daemon over a log in deterministic mode: a cycle each period of the log's own time, each
-/// message arriving at its recorded time. Nothing depends on the machine: two runs are
-/// bit-identical. What the daemon itself and others said lies in the log as well and is left out:
-/// only what it listens to is offered. Throws std::runtime_error, with file and byte, where the log
-/// cannot be read, its time jumps by more than an hour, or it holds no SIM_TICK where they are to
-/// make the cycles.
+/// Runs a daemon over a log in deterministic mode: one cycle per period of the log's own time, each
+/// message arriving at its recorded time. Independent of the machine: two runs are bit-identical.
+/// The log also contains messages of the daemon itself and of others; only its inputs are passed
+/// on. Throws std::runtime_error, with file and byte offset, if the log cannot be read, its time
+/// jumps by more than an hour, or it holds no SIM_TICK although these are to pace the cycles.
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options);
 
 }  // namespace palpate::replay

@@ -7,10 +7,11 @@
 namespace palpate::top {
 namespace {
 
-constexpr std::int64_t kWindow = 2'000'000'000;   // ns that figures speak of, where enough came
-constexpr std::size_t kLeastKept = 5;             // messages, of slow channels
-constexpr std::size_t kMostKept = 8192;           // of fast ones
-constexpr std::size_t kMostChannels = 1024;       // whoever draws names shall not fill the memory
+constexpr std::int64_t kWindow =
+    2'000'000'000;                           // ns, averaging interval if there are enough messages
+constexpr std::size_t kLeastKept = 5;        // messages, of slow channels
+constexpr std::size_t kMostKept = 8192;      // of fast ones
+constexpr std::size_t kMostChannels = 1024;  // a sender of random names must not exhaust memory
 constexpr std::int64_t kOtherClock = 10'000'000;  // us
 
 }  // namespace
@@ -47,7 +48,7 @@ void ChannelTable::take(const record::Heard& heard) {
     channel.type = type->name;
     const record::MessageHeader header = record::header_of(heard.data);
     channel.gaps.take(header);
-    // A difference that does not overflow, whatever the message says.
+    // A difference that does not overflow for any value in a message.
     const double apart = static_cast<double>(heard.utime) - static_cast<double>(header.utime);
     arrival.has_latency = std::abs(apart) < static_cast<double>(kOtherClock);
     if (arrival.has_latency) arrival.latency_us = heard.utime - header.utime;
@@ -95,7 +96,7 @@ ChannelRow ChannelTable::row_of(const Channel& channel, std::int64_t now_ns) {
   }
   row.jitter_ms = 1e3 * std::sqrt(squares / intervals);
   row.longest_ms = 1e3 * longest;
-  // One that has been silent for longer than ever before has stopped.
+  // A channel that is silent for longer than ever before counts as stopped.
   if (row.age > std::max(static_cast<double>(kWindow) * 1e-9, 3 * longest)) return row;
   row.rate = intervals / span;
   row.bandwidth = bytes / span;

@@ -12,16 +12,16 @@
 
 namespace palpate::top {
 
-/// One channel as seen at a moment. What needs more messages than came is negative.
+/// State of one channel at a time. Values that need more messages than received are negative.
 struct ChannelRow {
   int source = 0;
   std::string channel;
-  std::string type;  // empty: the fingerprint is none of ours, or the message is broken
+  std::string type;  // empty: the fingerprint is unknown, or the message is malformed
   std::int64_t messages = 0;
-  std::int64_t lost = 0;     // by the gaps in their numbers
-  std::int64_t misfits = 0;  // that cannot be decoded as the type that they say
+  std::int64_t lost = 0;     // by the gaps in their sequence numbers
+  std::int64_t misfits = 0;  // that cannot be decoded as their type
   int senders = 0;           // each start of one
-  double rate = 0;           // Hz, over the last seconds; 0 where it has stopped
+  double rate = 0;           // Hz, over the last seconds; 0 if it has stopped
   double jitter_ms = -1;     // standard deviation of the intervals
   double longest_ms = -1;    // interval
   double age = 0;            // s, since the last one
@@ -34,7 +34,7 @@ enum class Order { kName, kRate, kBandwidth, kLost, kAge };
 const char* name(Order order) noexcept;
 Order next(Order order) noexcept;
 
-/// Rates, gaps and ages of every channel that is heard.
+/// Rates, gaps and ages of every received channel.
 class ChannelTable {
  public:
   void take(const record::Heard& heard);

@@ -7,7 +7,8 @@
 namespace palpate::top {
 namespace {
 
-constexpr std::int64_t kSilent = 2'000'000'000;  // ns, after which a daemon counts no more
+constexpr std::int64_t kSilent =
+    2'000'000'000;  // ns without messages, after which a daemon is no longer counted
 constexpr std::size_t kMostSessions = 64;
 
 template <class Message>

@@ -19,19 +19,19 @@ extern const std::array<const char*, kPhases> kPhaseNames;
 /// unconfigured, inactive, active, degraded, faulted, finalized; "unknown" for any other number.
 const char* state_name(int state) noexcept;
 
-/// Text of a char array of a message, as far as it can be printed.
+/// Text of a char array of a message, as far as it is printable.
 std::string printable(const std::uint8_t* field, int size);
 
-/// The last that was heard of palpated: HEALTH and COMPONENT_EVENT.
+/// The last HEALTH and COMPONENT_EVENT of palpated.
 class DaemonWatch {
  public:
   void take(const record::Heard& heard);
 
   const std::optional<health_t>& health() const noexcept { return health_; }
   double health_age(std::int64_t now_ns) const noexcept;  // s
-  /// Daemons that said something within the last two seconds.
+  /// Number of daemons that published within the last two seconds.
   int daemons(std::int64_t now_ns) const noexcept;
-  /// The last thing that happened, in a line; empty where nothing was heard.
+  /// The last event, in one line; empty if there was none.
   const std::string& event() const noexcept { return event_; }
 
  private:

@@ -1,4 +1,4 @@
-// palpate-top: what goes over palpate's LCM URLs, in a terminal. See --help.
+// palpate-top: shows traffic on palpate's LCM URLs, in a terminal. See --help.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -44,7 +44,7 @@ constexpr char kExamples[] =
     "  palpate-top --url control=udpm://239.255.76.67:7700?ttl=0\n"
     "Colours are left out with --plain, NO_COLOR set, or TERM=dumb.";
 
-/// All that was heard, shared by the receiver and who draws.
+/// Data shared by the receiver and the display.
 class Everything {
  public:
   void take(const record::Heard& heard) {
@@ -56,7 +56,7 @@ class Everything {
     const std::lock_guard<std::mutex> lock(mutex_);
     channels_.clear();
   }
-  /// Calls `use` with all as it is now.
+  /// Calls `use` with the current data.
   template <class Use>
   auto look(const record::Listener& listener, top::Order order, Use use) {
     const std::lock_guard<std::mutex> lock(mutex_);

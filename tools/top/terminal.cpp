@@ -20,7 +20,7 @@ Terminal::Terminal() {
   if (isatty(STDOUT_FILENO) == 0 || !keyboard_.is_there())
     throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
   draw(kOpen);
-  // Only to end the wait: the size is asked for at each drawing.
+  // Only to end the wait: the size is queried at each drawing.
   struct sigaction action {};
   action.sa_handler = [](int) {};
   sigaction(SIGWINCH, &action, nullptr);

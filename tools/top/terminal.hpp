@@ -9,11 +9,11 @@ namespace palpate::top {
 /// Keys that a terminal sends.
 enum class Key { kNone, kQuit, kSort, kReset, kUp, kDown, kPageUp, kPageDown, kHome };
 
-/// The terminal as a screen to draw upon: keys come at once and unseen, the cursor is hidden, and
-/// what was there before comes back at the end.
+/// The terminal in full-screen mode: keys arrive immediately without echo, the cursor is hidden,
+/// and the previous contents are restored at the end.
 class Terminal {
  public:
-  /// Throws std::runtime_error where standard input or output is none.
+  /// Throws std::runtime_error if standard input or output is not a terminal.
   Terminal();
   ~Terminal();
   Terminal(const Terminal&) = delete;
@@ -24,15 +24,15 @@ class Terminal {
   };
   Size size() const noexcept;
   void draw(const std::string& bytes) const noexcept;
-  /// Waits for a key, at most so long; kNone where none came or the size has changed, kQuit at the
-  /// end of the input as well.
+  /// Waits for a key, up to a time-out; kNone if there was none or the size has changed, kQuit also
+  /// at the end of the input.
   Key wait(int timeout_ms);
 
  private:
   common::Keyboard keyboard_{false};  // a suspended program would leave the screen as it is
 };
 
-/// Whether the terminal has colours and the user wants them (NO_COLOR, TERM).
+/// Whether the terminal has colours and the user enables them (NO_COLOR, TERM).
 bool wants_colours();
 
 }  // namespace palpate::top

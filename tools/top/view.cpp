@@ -17,7 +17,7 @@ std::string formatted(const char* format, Values... values) {
   return text.data();
 }
 
-/// "12.3", or "-" where it is not known.
+/// "12.3", or "-" if unknown.
 std::string figure(double value, bool known) {
   return known && std::isfinite(value) ? formatted("%.*f", std::abs(value) < 100 ? 2 : 0, value)
                                        : "-";
@@ -278,7 +278,7 @@ std::string frame(const std::vector<Line>& lines, int columns, int rows, int fir
     text += "\r\n";
   }
   text += "\x1b[J";
-  // In the last row, without an end of line, which would move all up.
+  // In the last row, without an end of line, which would scroll the screen.
   text += "\x1b[" + std::to_string(std::max(1, rows)) + ";1H";
   put({keys, Tone::kTitle});
   return text;

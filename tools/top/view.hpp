@@ -11,7 +11,7 @@
 
 namespace palpate::top {
 
-/// How a line is to stand out where there are colours; without them bad ones begin with "!".
+/// Emphasis of a line on terminals with colours; without them bad lines begin with "!".
 enum class Tone { kPlain, kTitle, kGood, kWarning, kBad };
 
 struct Line {
@@ -19,7 +19,7 @@ struct Line {
   Tone tone = Tone::kPlain;
 };
 
-/// All that is shown at a moment.
+/// All data shown at one time.
 struct View {
   const record::Listener* listener = nullptr;  // its counters; nullptr: none are shown
   std::vector<record::Source> sources;
@@ -28,14 +28,14 @@ struct View {
   std::int64_t now_ns = 0;
 };
 
-/// The daemon's state with cycle times by phase and inputs, then the channels, a line each.
+/// The daemon's state with cycle times by phase and inputs, then the channels, one line each.
 std::vector<Line> lines_of(const View& view);
 
-/// The same to be read by programs.
+/// The same as data for programs.
 nlohmann::json json_of(const View& view);
 
-/// What of `lines` a screen of so many columns and rows shows from line `first` on, as bytes for
-/// the terminal: never more rows, none wider, the last one with the keys.
+/// The part of `lines` that a screen of this size shows from line `first` on, as bytes for the
+/// terminal: never more rows, none wider, the last one with the keys.
 std::string frame(const std::vector<Line>& lines, int columns, int rows, int first, bool colours,
                   const std::string& keys);
 

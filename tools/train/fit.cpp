@@ -45,7 +45,7 @@ Eigen::MatrixXd ones_times(const Eigen::VectorXd& row, const Eigen::MatrixXd& li
   return row.transpose().replicate(like.rows(), 1);
 }
 
-/// Throws where a network to go on from is not of the plan's shape.
+/// Throws if the initial network does not have the plan's shape.
 void check_start(const RecurrentWeights& start, const RecurrentWeights& plan) {
   bool same = start.inputs() == plan.inputs() && start.outputs() == plan.outputs() &&
               start.layers.size() == plan.layers.size() && start.unit_mask == plan.unit_mask &&
@@ -57,7 +57,8 @@ void check_start(const RecurrentWeights& start, const RecurrentWeights& plan) {
         "start_from: the network has other inputs, outputs, layers or unit_length than the plan");
 }
 
-void set_unit_length(const std::vector<recordings::ColumnGroup>& inputs, RecurrentWeights& weights) {
+void set_unit_length(const std::vector<recordings::ColumnGroup>& inputs,
+                     RecurrentWeights& weights) {
   Eigen::Index first = 0;
   for (const recordings::ColumnGroup& group : inputs) {
     const auto count = static_cast<Eigen::Index>(group.columns.size());
@@ -69,7 +70,7 @@ void set_unit_length(const std::vector<recordings::ColumnGroup>& inputs, Recurre
   }
 }
 
-/// Rows as the network's first formula turns them.
+/// Rows transformed by the network's input map.
 Eigen::MatrixXd with_unit_length(const Eigen::MatrixXd& rows, const RecurrentWeights& weights) {
   const Eigen::ArrayXd mask = weights.unit_mask.cast<double>().array();
   const double floor = weights.unit_floor;
@@ -86,8 +87,8 @@ bool is_used(const recordings::Recording& recording, std::size_t k, bool all_par
   return all_parts || recording.parts[k] == recordings::Part::kTraining;
 }
 
-Eigen::MatrixXd gather_used(const recordings::DataSet& data, const std::vector<Eigen::MatrixXd>& list,
-                            bool all_parts) {
+Eigen::MatrixXd gather_used(const recordings::DataSet& data,
+                            const std::vector<Eigen::MatrixXd>& list, bool all_parts) {
   if (!all_parts) return recordings::gather(data, list, recordings::Part::kTraining);
   const Eigen::MatrixXd parts[] = {recordings::gather(data, list, recordings::Part::kTraining),
                                    recordings::gather(data, list, recordings::Part::kValidation),
@@ -97,8 +98,9 @@ Eigen::MatrixXd gather_used(const recordings::DataSet& data, const std::vector<E
   return all;
 }
 
-/// Stretches of rows that may be learned from, without a gap.
-std::vector<Sequence> stretches(const recordings::DataSet& data, const std::vector<Eigen::MatrixXd>& inputs,
+/// Ranges of rows without a gap that may be used for training.
+std::vector<Sequence> stretches(const recordings::DataSet& data,
+                                const std::vector<Eigen::MatrixXd>& inputs,
                                 const std::vector<Eigen::MatrixXd>& targets, bool all_parts) {
   std::vector<Sequence> list;
   for (std::size_t r = 0; r < data.recordings.size(); ++r) {
@@ -124,7 +126,7 @@ std::vector<Sequence> stretches(const recordings::DataSet& data, const std::vect
   return list;
 }
 
-/// Puts cells that answer in units of `target_deviation` behind the linear path of `base`.
+/// Puts cells whose output is in units of `target_deviation` after the linear path of `base`.
 RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
                           const Eigen::VectorXd& target_deviation) {
   RecurrentWeights weights = base;
@@ -135,22 +137,29 @@ RecurrentWeights assemble(const RecurrentWeights& base, const Cells& cells,
   return weights;
 }
 
-double validation_error(const RecurrentWeights& weights, const recordings::DataSet& data, int window) {
+double validation_error(const RecurrentWeights& weights, const recordings::DataSet& data,
+                        int window) {
   const Eigen::MatrixXd predicted =
-      recordings::gather(data, predict(weights, data, window, {}, recordings::Part::kValidation), recordings::Part::kValidation);
-  const Eigen::MatrixXd truth = recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation);
+      recordings::gather(data, predict(weights, data, window, {}, recordings::Part::kValidation),
+                         recordings::Part::kValidation);
+  const Eigen::MatrixXd truth =
+      recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation);
   const Eigen::VectorXd scale = weights.output_deviation.cast<double>().cwiseInverse();
   return ((predicted - truth) * scale.asDiagonal()).squaredNorm() /
          static_cast<double>(truth.size());
 }
 
-/// Per output, the part of what the cells say that serves the validation rows best, 0 to 1.
+/// Per output, the fraction of the cells' output that minimises the validation error, 0 to 1.
 Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeights& network,
                              const recordings::DataSet& data, int window) {
-  const Eigen::MatrixXd without = recordings::gather(data, predict(base, data), recordings::Part::kValidation);
+  const Eigen::MatrixXd without =
+      recordings::gather(data, predict(base, data), recordings::Part::kValidation);
   const Eigen::MatrixXd cells =
-      recordings::gather(data, predict(network, data, window), recordings::Part::kValidation) - without;
-  const Eigen::MatrixXd wanted = recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation) - without;
+      recordings::gather(data, predict(network, data, window), recordings::Part::kValidation) -
+      without;
+  const Eigen::MatrixXd wanted =
+      recordings::gather(data, recordings::outputs_of(data), recordings::Part::kValidation) -
+      without;
   Eigen::VectorXd part = Eigen::VectorXd::Zero(cells.cols());
   for (Eigen::Index k = 0; k < cells.cols(); ++k)
     if (cells.col(k).squaredNorm() > 0)
@@ -160,7 +169,8 @@ Eigen::VectorXd trusted_part(const RecurrentWeights& base, const RecurrentWeight
 
 }  // namespace
 
-Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, const FitOptions& options) {
+Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data,
+              const FitOptions& options) {
   const int inputs = static_cast<int>(data.inputs.size());
   const int outputs = static_cast<int>(data.outputs.size());
   RecurrentWeights base = RecurrentWeights::zero(inputs, outputs, plan.network.layers);
@@ -191,7 +201,7 @@ Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, con
     base.offset = options.start->offset;
   }
 
-  // What the ridge is to answer: what the start, if there is one, leaves.
+  // Target of the ridge: the residual of the initial network, if there is one.
   for (Eigen::MatrixXd& rows : x) rows = in.apply(rows);
   std::vector<Eigen::MatrixXd> left = y;
   if (options.start) {
@@ -201,8 +211,9 @@ Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, con
   }
   for (Eigen::MatrixXd& rows : left) rows = out.apply(rows);
   Fit fit;
-  const recordings::Ridge ridge = recordings::fit_ridge(gather_used(data, x, options.all_parts),
-                                gather_used(data, left, options.all_parts), plan.network.penalties);
+  const recordings::Ridge ridge =
+      recordings::fit_ridge(gather_used(data, x, options.all_parts),
+                            gather_used(data, left, options.all_parts), plan.network.penalties);
   fit.penalty = ridge.penalty;
   fit.linear = options.start ? *options.start : base;
   fit.linear.linear += ridge.matrix.cast<float>();
@@ -212,8 +223,8 @@ Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, con
     base.offset += ridge.offset.cast<float>();
   }
 
-  // What the cells are to answer: what the linear path leaves, brought to unit size; a start has
-  // its own size.
+  // Target of the cells: the residual of the linear path, scaled to unit size; an initial network
+  // has its own scale.
   for (std::size_t r = 0; r < y.size(); ++r) {
     y[r] = out.apply(y[r]);
     y[r] -= x[r] * base.linear.cast<double>().transpose();
@@ -255,16 +266,17 @@ Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, con
     fit.network.offset = base.offset + trust.cwiseProduct(fit.network.offset - base.offset);
   }
   if (plan.network.domain_points > 0)
-    fit.domain = sensing::cover(gather_used(data, recordings::inputs_of(data), options.all_parts), in.deviation,
-                                plan.network.domain_points, plan.network.domain_near,
+    fit.domain = sensing::cover(gather_used(data, recordings::inputs_of(data), options.all_parts),
+                                in.deviation, plan.network.domain_points, plan.network.domain_near,
                                 plan.network.domain_far);
   fit.best_iteration = result.best_iteration;
   fit.curve = result.curve;
   return fit;
 }
 
-std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights, const recordings::DataSet& data,
-                                     int window, const sensing::InputDomain& domain,
+std::vector<Eigen::MatrixXd> predict(const RecurrentWeights& weights,
+                                     const recordings::DataSet& data, int window,
+                                     const sensing::InputDomain& domain,
                                      std::optional<recordings::Part> only) {
   sensing::RecurrentNetwork network(weights);
   std::vector<float> state(network.states());

@@ -11,37 +11,39 @@
 
 namespace palpate::train {
 
-/// A network that was trained, and what it is compared with.
+/// A trained network, and its baseline.
 struct Fit {
   sensing::RecurrentWeights network;
-  sensing::RecurrentWeights linear;  // the ridge regression of the same inputs alone
+  sensing::RecurrentWeights linear;  // baseline: the ridge regression of the same inputs alone
   Eigen::VectorXd penalty;           // of the ridge, per output
-  sensing::InputDomain domain;       // of the network; without points where the plan has none
-  Eigen::VectorXd trust;             // per output: by what the cells' part was multiplied
+  sensing::InputDomain domain;       // of the network; without points if the plan has none
+  Eigen::VectorXd trust;             // per output: factor on the cells' part
   int best_iteration = 0;
   std::vector<CurvePoint> curve;
 };
 
 struct FitOptions {
-  bool all_parts = false;  // learn from validation and test parts too, to the last iteration
+  bool all_parts = false;  // train on validation and test parts too, to the last iteration
   Eigen::VectorXd trust;   // with it: that of the fit before
-  std::function<bool(const CurvePoint&)> progress;  // false ends the training
+  std::function<bool(const CurvePoint&)> progress;  // returning false ends the training
   std::string checkpoint;
   bool resume = false;
-  /// Network to go on from: its scales stay; the ridge and the cells learn what it leaves.
+  /// Initial network: its scales are kept; the ridge and the cells learn its residual.
   const sensing::RecurrentWeights* start = nullptr;
 };
 
-/// Normalises on the training rows that count, fits the ridge and trains the cells: on what it
-/// leaves where the plan has a linear path. Throws std::runtime_error where there is too little.
-Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data, const FitOptions& options);
+/// Normalises on the training rows that count, fits the ridge and trains the cells: on its residual
+/// if the plan has a linear path. Throws std::runtime_error if there are too few data.
+Fit fit_model(const recordings::Plan& plan, const recordings::DataSet& data,
+              const FitOptions& options);
 
-/// Answers for every row of every recording, streamed from its start; where `window` is above 0,
-/// from a state of zero over the last `window` rows each (before the start: copies of the first).
-/// They fade to zero outside of `domain`. With `only`, recordings without a row of that part are
-/// not run; their answers are zero.
-std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights, const recordings::DataSet& data,
-                                     int window = 0, const sensing::InputDomain& domain = {},
+/// Predictions for every row of every recording, streamed from its start; if `window` is above 0,
+/// from a zero state over the last `window` rows each (padded before the start with copies of the
+/// first). They fade to zero outside of `domain`. With `only`, recordings without a row of that
+/// part are skipped; their predictions are zero.
+std::vector<Eigen::MatrixXd> predict(const sensing::RecurrentWeights& weights,
+                                     const recordings::DataSet& data, int window = 0,
+                                     const sensing::InputDomain& domain = {},
                                      std::optional<recordings::Part> only = {});
 
 }  // namespace palpate::train

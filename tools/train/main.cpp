@@ -26,7 +26,7 @@ struct Options {
   bool resume = false;
 };
 
-/// A file, or the name of a plan that comes with palpate.
+/// A file, or the name of a plan supplied with palpate.
 std::string plan_path(const std::string& text) {
   if (std::filesystem::exists(text)) return text;
   const std::filesystem::path preset =
@@ -65,7 +65,7 @@ train::Fit fit_with_progress(const recordings::Plan& plan, const recordings::Dat
   return fit;
 }
 
-/// Throws where the module is damaged or takes or gives other columns than the plan.
+/// Throws if the module is damaged or its inputs or outputs differ from the plan.
 sensing::RecurrentWeights read_start(const recordings::Plan& plan) {
   const inference::ModelFile file = inference::read_model_file(plan.start_from);
   const auto same = [](const std::vector<inference::Channel>& channels,
@@ -107,7 +107,7 @@ int run(const Options& options) {
     const recordings::DataSet all = recordings::load_data(again.data, options.data);
     const train::Fit last = fit_with_progress(again, all, options, from, &fit);
     weights = last.network;
-    // What goes with these weights; errors stay those of the parts left out.
+    // Metadata of these weights; errors stay those of the held-out parts.
     card.domain = last.domain;
     if (card.payload) card.payload = all.payload;
   }

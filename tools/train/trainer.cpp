@@ -39,7 +39,7 @@ struct Network : torch::nn::Module {
       lstms.push_back(register_module("lstm" + std::to_string(k),
                                       torch::nn::LSTM(torch::nn::LSTMOptions(below, sizes[k]))));
       below = sizes[k];
-      // A forget gate that starts open remembers from the first step on.
+      // A forget gate that starts open retains the state from the first step on.
       torch::NoGradGuard no_grad;
       lstms.back()->named_parameters()["bias_ih_l0"].slice(0, below, 2 * below).fill_(1);
     }
@@ -101,7 +101,7 @@ struct Network : torch::nn::Module {
   torch::nn::Linear dense{nullptr};
 };
 
-/// Gives each lane its next piece of a sequence.
+/// Assigns the next piece of a sequence to each lane.
 class Feeder {
  public:
   Feeder(const std::vector<Sequence>& sequences, const recordings::TrainingPlan& plan)
@@ -118,14 +118,14 @@ class Feeder {
                                std::to_string(plan.steps) + ")");
   }
 
-  /// All lanes begin anew, in an order that depends on the numbers given alone.
+  /// All lanes restart, in an order that depends only on the given numbers.
   void restart(int seed, int iteration) {
     std::seed_seq numbers{seed, iteration};
     random_.seed(numbers);
     for (Lane& lane : lanes_) lane.sequence = nullptr;
   }
 
-  /// Fills steps x lanes x ... tensors; state of lanes that begin anew is zeroed.
+  /// Fills steps x lanes x ... tensors; the state of restarting lanes is zeroed.
   void next(at::Tensor& x, at::Tensor& y, at::Tensor& w, Network::State& state) {
     const Eigen::Index inputs = sequences_.front().inputs.cols();
     const Eigen::Index outputs = sequences_.front().targets.cols();
@@ -176,7 +176,7 @@ class Feeder {
   std::mt19937_64 random_;
 };
 
-/// Where a training stands; restored from a checkpoint.
+/// State of a training; restored from a checkpoint.
 struct Standing {
   int iteration = 0;
   int best_iteration = 0;
@@ -184,7 +184,7 @@ struct Standing {
   std::vector<CurvePoint> curve;
 };
 
-/// What must be the same for a training to be resumed.
+/// Settings that must be equal for a training to be resumed.
 std::string signature(const std::vector<Sequence>& sequences, const std::vector<int>& layers,
                       const recordings::TrainingPlan& plan) {
   std::ostringstream text;
@@ -226,7 +226,7 @@ void save(const std::string& path, const std::string& sign, Network& network, Ne
   archive.write("best_network", best_archive);
   archive.write("adam", adam_archive);
   archive.save_to(path + ".part");
-  std::filesystem::rename(path + ".part", path);  // never half a checkpoint
+  std::filesystem::rename(path + ".part", path);  // never a partial checkpoint
 }
 
 void restore(const std::string& path, const std::string& sign, Network& network, Network& best,
@@ -274,7 +274,7 @@ void copy_parameters(const Network& from, Network& to) {
 TrainerResult train_cells(const std::vector<Sequence>& sequences, const std::vector<int>& layers,
                           const recordings::TrainingPlan& plan, const TrainerHooks& hooks) {
   if (sequences.empty()) throw std::runtime_error("there is no training data");
-  at::set_num_threads(1);  // sums in the same order each time
+  at::set_num_threads(1);  // sums in the same order each time, for reproducibility
   torch::manual_seed(plan.seed);
   const int inputs = static_cast<int>(sequences.front().inputs.cols());
   const int outputs = static_cast<int>(sequences.front().targets.cols());

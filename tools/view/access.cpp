@@ -31,7 +31,7 @@ bool Doorman::knows_host(std::string_view host) const {
 }
 
 bool Doorman::knows_origin(std::string_view origin, std::string_view host) const {
-  // Behind a proxy that adds TLS the page is https.
+  // Behind a proxy that adds TLS, the page's scheme is https.
   const std::string given = lower(origin), ours = lower(host);
   return knows_host(host) && (given == "http://" + ours || given == "https://" + ours);
 }

@@ -9,21 +9,21 @@
 
 namespace palpate::view {
 
-/// An arm that can be drawn: its shapes, and where its base is.
+/// An arm that can be drawn: its shapes, and the pose of its base.
 struct PlacedRobot {
   drawing::RobotDrawing drawing;
   math::Pose X_OW;
 };
 
-/// What no message tells of the cell: where arm and object are, how the arm looks, which components
-/// the daemon began with.
+/// Properties of the cell that no message contains: poses of arm and object, appearance of the arm,
+/// initial components of the daemon.
 struct Cell {
   std::vector<std::optional<PlacedRobot>> robots;  // of arm 0 and 1
   std::vector<Configured> configured;
   std::optional<math::Pose> X_WO;
 
-  /// From the daemon's configuration and a URDF file; an empty URDF: that of the configuration's
-  /// section `robot`, else none. Throws config::Error and std::invalid_argument.
+  /// From the daemon's configuration and a URDF file; if the URDF is empty, that of the
+  /// configuration's section `robot`, or none. Throws config::Error and std::invalid_argument.
   static Cell read(const std::string& configuration, const std::vector<std::string>& overrides,
                    const std::string& urdf, const std::string& flange);
 };

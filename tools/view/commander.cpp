@@ -36,7 +36,7 @@ void Commander::ask(component_command_t command, std::int64_t now_us, Heard hear
 }
 
 void Commander::ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard) {
-  // Of several targets that wait for an answer only the last one is meant.
+  // Of several targets waiting for an answer only the last one counts.
   for (auto old = asked_.begin(); old != asked_.end();) {
     if (!old->is_target()) {
       ++old;
@@ -57,12 +57,12 @@ void Commander::ask(std::vector<shape_target_t> target, std::int64_t now_us, Hea
 void Commander::send(Asked& asked, std::int64_t now_us) {
   asked.sent_us = now_us;
   if (!asked.is_target()) {
-    // The same each time, so that the daemon knows it again.
+    // Identical in each repetition, so that the daemon recognises it.
     asked.last_counter = asked.command.counter;
     commands_.publish(asked.command);
     return;
   }
-  // A daemon is silent where a target comes again: a new revision of it is answered.
+  // The daemon does not answer a repeated target: a new revision of it is answered.
   ++revision_;
   for (shape_target_t& chunk : asked.target) {
     chunk.revision = revision_;
@@ -91,14 +91,14 @@ void Commander::hear(const component_event_t& event) {
     if (event.command_counter < asked->first_counter || event.command_counter > asked->last_counter)
       continue;
     if (name == "no_access") {
-      // Of before the daemon's start, which will never obey it: the next sending is a new one.
+      // Signed before the daemon's start, so that the daemon would never accept it: send a new one.
       if (asked->is_target() || event.command_counter != asked->last_counter) continue;
       const std::int64_t now = bus::wall_clock_us();
       command_stamp_.put(asked->command, now);
       command_sealer_.put(asked->command, now);
       return;
     }
-    // Counters of targets and of commands may be the same numbers.
+    // Counters of targets and of commands may coincide.
     if (asked->is_target() && !of_target) continue;
     if (!asked->is_target() && name == "target") continue;
     if (name == "replacing") {
@@ -109,7 +109,7 @@ void Commander::hear(const component_event_t& event) {
       }
       return;
     }
-    // Sent once more after another command: it was heard, and its answer is on its way or lost.
+    // Repeated after another command: it was received, and its answer is in transit or lost.
     if (name == "repeated" && asked->replacing) return;
     const Heard heard = std::move(asked->heard);
     asked_.erase(asked);

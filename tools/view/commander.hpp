@@ -16,18 +16,18 @@
 
 namespace palpate::view {
 
-/// Gives commands to a daemon without waiting for it: each is sent again until it is answered, and
-/// what becomes of it is told by a call. Several may be under way. All from one thread.
+/// Sends commands to a daemon asynchronously: each is repeated until it is answered, and the result
+/// is reported by a callback. Several may be pending. To be used from one thread.
 class Commander {
  public:
   struct Answer {
-    std::string event;  // as the daemon says; empty: nothing came in time
+    std::string event;  // reported by the daemon; empty: time-out
     std::string reason;
-    bool last = true;  // false: "replacing", whose end is yet to come
+    bool last = true;  // false: "replacing", still in progress
   };
   using Heard = std::function<void(const Answer&)>;
 
-  /// Publishes on `control`, which outlives this.
+  /// Publishes on `control`, which must outlive this object.
   Commander(bus::MessageBus& control, const bus::Access& access);
 
   /// `now_us`: wall clock, here and below.
@@ -35,13 +35,13 @@ class Commander {
   /// The chunks of one target.
   void ask(std::vector<shape_target_t> target, std::int64_t now_us, Heard heard);
 
-  /// Sends one MANUAL_FORCE, which the daemon forgets after 100 ms: to push on, renew it.
+  /// Sends one MANUAL_FORCE, which expires in the daemon after 100 ms: to keep pushing, repeat it.
   /// `rest_point`: in O, m; `force`: in O, N.
   void push(const double (&rest_point)[3], const double (&force)[3], std::int64_t now_us);
 
-  /// An event that the daemon published.
+  /// Handles an event published by the daemon.
   void hear(const component_event_t& event);
-  /// Repeats and gives up, several times a second.
+  /// Repeats commands and handles time-outs; call several times per second.
   void service(std::int64_t now_us);
 
   std::size_t under_way() const { return asked_.size(); }
@@ -49,7 +49,7 @@ class Commander {
  private:
   struct Asked {
     component_command_t command{};
-    std::vector<shape_target_t> target;  // its chunks; none: it is a command
+    std::vector<shape_target_t> target;  // chunks of a target; empty: it is a command
     bool is_target() const { return !target.empty(); }
     std::int64_t first_counter = 0, last_counter = 0;
     std::int64_t sent_us = 0, until_us = 0;

@@ -15,7 +15,7 @@ std::vector<std::string> with(std::vector<std::string> names,
 }  // namespace
 
 const std::vector<SlotChoices>& slot_choices() {
-  // A test asks the registries whether these are all.
+  // A test compares this list with the registries.
   static const std::vector<SlotChoices> all = {
       {"sensing",
        true,

@@ -8,13 +8,13 @@
 
 namespace palpate::view {
 
-/// One choice within a slot: the key that names it in a configuration, and what it may be.
+/// One choice within a slot: its key in a configuration, and its allowed values.
 struct Choice {
   std::string key;  // component; provider and law of the controller
   std::vector<std::string> names;
 };
 
-/// A slot of the pipeline as rt/registry knows it.
+/// A slot of the pipeline as defined in rt/registry.
 struct SlotChoices {
   std::string slot;
   bool has_instances = false;  // a list of named ones
@@ -24,7 +24,7 @@ struct SlotChoices {
 /// All slots whose components can be replaced.
 const std::vector<SlotChoices>& slot_choices();
 
-/// What a configuration puts into a slot.
+/// Contents of a slot in a configuration.
 struct Configured {
   std::string slot, instance;
   std::vector<std::pair<std::string, std::string>> chosen;  // key and name

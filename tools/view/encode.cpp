@@ -11,7 +11,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Micrometres and micronewtons are more than a picture shows; what lies below makes texts long.
+/// Micrometres and micronewtons are finer than the image; more digits make the text long.
 json number(double x) { return std::isfinite(x) ? json(std::round(x * 1e6) / 1e6) : json(); }
 
 json numbers(const double* x, int count) {
@@ -46,7 +46,7 @@ std::string Parcel::finish() {
   text.resize((text.size() + 3) / 4 * 4, ' ');
   const auto length = static_cast<std::uint32_t>(text.size());
   std::string whole(4, '\0');
-  // x86-64 and every browser's machine are little-endian.
+  // x86-64 and all browsers' machines are little-endian.
   std::memcpy(whole.data(), &length, 4);
   whole.reserve(4 + text.size() + body_.size());
   whole += text;

@@ -11,9 +11,9 @@
 
 namespace palpate::view {
 
-/// A binary message of the WebSocket: the length of a JSON text (u32), that text filled up with
-/// blanks to a multiple of four bytes, and behind it arrays of 4-byte numbers, all little-endian.
-/// The text's entry "arrays" lists them in their order: name, "f32" or "i32", and how many.
+/// A binary WebSocket message: the length of a JSON text (u32), that text padded with blanks to a
+/// multiple of four bytes, and then arrays of 4-byte numbers, all little-endian. The text's entry
+/// "arrays" lists them in order: name, "f32" or "i32", and length.
 class Parcel {
  public:
   explicit Parcel(nlohmann::json head) : head_(std::move(head)) {
@@ -29,15 +29,15 @@ class Parcel {
   std::string body_;
 };
 
-/// Any text of a message, which may hold anything, as JSON.
+/// Any text of a message, with arbitrary bytes, as JSON.
 std::string dump(const nlohmann::json& json);
-/// A mesh's name in JSON, whose numbers do not hold 64 bits.
+/// A mesh's hash in JSON, whose numbers do not hold 64 bits.
 std::string hash_text(std::int64_t hash);
 
 /// `role`: "estimate" or "truth".
 std::string encode_mesh(const char* role, const ViewMesh& mesh);
 
-/// Messages as the page reads them. Numbers that are not finite become null.
+/// Messages in the form that the page reads. Numbers that are not finite become null.
 nlohmann::json to_json(const contacts_t& contacts);
 nlohmann::json to_json(const estimate_t& estimate);
 nlohmann::json to_json(const feature_t& feature);

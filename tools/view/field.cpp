@@ -25,7 +25,7 @@ bool field_from(const std::string& name, Field& field) {
   return false;
 }
 
-/// Stress of E = 1 Pa, to which it is proportional, for one Poisson's ratio.
+/// Stress for E = 1 Pa, to which it is proportional, at a given Poisson's ratio.
 struct FieldEvaluator::Mechanics {
   double poisson_ratio;
   elasticity::Body body;
@@ -42,7 +42,7 @@ FieldEvaluator::FieldEvaluator(std::shared_ptr<const ViewMesh> mesh) : mesh_(std
 FieldEvaluator::~FieldEvaluator() = default;
 
 void FieldEvaluator::read_elements() {
-  // Of a tetrahedron along each of the six ways from corner 000 to corner 111 of a cube.
+  // Tetrahedra along each of the six paths from corner 000 to corner 111 of a cube.
   constexpr int kWays[6][2] = {{1, 3}, {1, 5}, {2, 3}, {2, 6}, {4, 5}, {4, 6}};
   const std::vector<std::int32_t>& e = mesh_->elements;
   const auto size = static_cast<std::size_t>(mesh_->element_size);

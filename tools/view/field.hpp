@@ -10,24 +10,24 @@
 
 namespace palpate::view {
 
-/// What a shape is coloured by.
+/// Quantity shown by the colour of a shape.
 enum class Field { kDisplacement, kStrain, kStress, kUncertainty };
 
 /// "displacement", "strain", "stress", "uncertainty".
 const char* name(Field field);
-/// False for a name that is none.
+/// False for an unknown name.
 bool field_from(const std::string& name, Field& field);
 
-/// Computes one number a node from where the nodes are. Elements are tetrahedra of the mesh's
-/// corners, constant strain in each (the simulator's hexahedra of 27 nodes are cut into 48 each);
-/// nodes get the mean of the elements around them, weighted by volume at rest.
+/// Computes one number per node from the node positions. Elements are tetrahedra of the mesh's
+/// corners with constant strain (the simulator's hexahedra of 27 nodes are divided into 48 each);
+/// nodes get the mean of the adjacent elements, weighted by rest volume.
 class FieldEvaluator {
  public:
   explicit FieldEvaluator(std::shared_ptr<const ViewMesh> mesh);
   ~FieldEvaluator();
 
   const ViewMesh& mesh() const { return *mesh_; }
-  /// Whether strain and stress can be told: there are elements, none of them inside out at rest.
+  /// Whether strain and stress can be computed: there are elements, none of them inverted at rest.
   bool has_elements() const { return !tetrahedra_.empty(); }
 
   /// |x - x_rest|, m.

@@ -8,12 +8,12 @@
 
 namespace palpate::view {
 
-/// The last two minutes of what the page plots, so that a page that comes later begins with it.
+/// The last two minutes of the plotted values, which a newly connected page receives first.
 class History {
  public:
   static constexpr std::int64_t kKept = 120'000'000;  // us
 
-  /// Takes a sample where the last one is 0.1 s old.
+  /// Takes a sample if the last one is at least 0.1 s old.
   void sample(const Scene& scene, std::int64_t now_us);
   /// Lists "time" (s before `now_us`, negative), "error", "cycle", "wake_up" (us), "view" (ms).
   nlohmann::json to_json(std::int64_t now_us) const;

@@ -15,7 +15,7 @@ constexpr std::size_t kMostPages = 16;
 
 using Response = http::response<http::string_body>;
 
-/// One connection that speaks HTTP.
+/// One HTTP connection.
 class Session : public std::enable_shared_from_this<Session> {
  public:
   Session(Room& room, boost::asio::ip::tcp::socket socket)
@@ -68,7 +68,7 @@ class Session : public std::enable_shared_from_this<Session> {
               const std::string& body) {
     response_ = Response(status, request.version());
     response_.set(http::field::content_type, type);
-    // Of another version of the program the page is another one.
+    // Another version of the program has another page.
     response_.set(http::field::cache_control, "no-cache");
     response_.set("X-Content-Type-Options", "nosniff");
     response_.set("Referrer-Policy", "no-referrer");

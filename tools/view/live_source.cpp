@@ -22,7 +22,7 @@ struct LiveSource::Sockets {
 namespace {
 
 constexpr std::size_t kLargestDatagram = 65536;
-constexpr int kReceiveBuffer = 16 << 20;  // bytes; the system gives what it allows
+constexpr int kReceiveBuffer = 16 << 20;  // bytes; the system grants what it allows
 
 udp::socket join(asio::io_context& context, const bus::UdpmUrl& url) {
   udp::socket socket(context);
@@ -34,7 +34,7 @@ udp::socket join(asio::io_context& context, const bus::UdpmUrl& url) {
     boost::system::error_code ignored;
     const int wanted = url.receive_buffer_size > 0 ? url.receive_buffer_size : kReceiveBuffer;
     socket.set_option(asio::socket_base::receive_buffer_size(wanted), ignored);
-    // Bound to the group, not to any address, the socket sees this group alone.
+    // Bound to the group, not to any address, the socket receives this group only.
     socket.bind(endpoint);
     socket.set_option(asio::ip::multicast::join_group(group));
     socket.non_blocking(true);

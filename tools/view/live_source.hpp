@@ -8,15 +8,15 @@
 
 namespace palpate::view {
 
-/// What a receiver saw, for the log.
+/// Statistics of a receiver, for the log.
 struct ReceiverCounters {
   std::int64_t datagrams = 0, malformed = 0, of_no_interest = 0;
 };
 
-/// Takes the daemon's and the simulator's messages from LCM's multicast groups into a scene. Never
-/// through liblcm, which a malformed packet kills: framing, channel and size are checked by
-/// rt/bus before anything is decoded. Takes messages of any size, which the daemon's own receiver
-/// does not, for shapes and meshes have none of their own.
+/// Receives the daemon's and the simulator's messages from LCM's multicast groups into a scene.
+/// Does not use liblcm, which a malformed packet can crash: rt/bus checks framing, channel and size
+/// before anything is decoded. Unlike the daemon's own receiver it accepts messages of any size,
+/// since shapes and meshes have no fixed size.
 class LiveSource {
  public:
   /// Joins the group of each URL. Throws std::invalid_argument or std::runtime_error with the
@@ -24,11 +24,11 @@ class LiveSource {
   explicit LiveSource(const std::vector<std::string>& urls);
   ~LiveSource();
 
-  /// All that has come since the last call, without waiting; a flood is cut off after `most`
-  /// datagrams of each group.
+  /// Handles everything received since the last call, without waiting; a flood is cut off after
+  /// `most` datagrams per group.
   void receive(Scene& scene, int most = 20'000);
 
-  /// One datagram, as receive() handles it.
+  /// Handles one datagram, as receive() does.
   void handle(Scene& scene, const std::uint8_t* data, int size, std::int64_t time_us);
 
   const ReceiverCounters& counters() const { return counters_; }

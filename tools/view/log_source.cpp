@@ -15,16 +15,16 @@
 namespace palpate::view {
 namespace {
 
-// Between two messages of one channel that are worth finding again; events and meshes all are.
+// Interval between indexed messages of one channel; events and meshes are all indexed.
 constexpr std::int64_t kClosest = 4'000;  // us
 constexpr std::size_t kSeriesPoints = 1'500;
-constexpr int kPhases = 10;  // of HEALTH: the whole cycle first, the wake-up last
+constexpr int kPhases = 10;  // of HEALTH: total cycle first, wake-up last
 
 bool keeps_all(const std::string& channel) {
   return channel == "COMPONENT_EVENT" || channel == "SHAPE_MESH" || channel == "TRUTH_MESH";
 }
 
-/// At most kSeriesPoints, each the largest of its stretch, so that no peak is lost.
+/// At most kSeriesPoints, each the maximum of its interval, so that no peak is lost.
 void thin(Series& series) {
   const std::size_t n = series.value.size();
   if (n <= kSeriesPoints) return;
@@ -179,7 +179,7 @@ void LogSource::go_to(double time, Scene& scene) {
       for (std::size_t i = std::max(shown, count > most ? count - most : 0); i < count; ++i)
         offer(channel, list[i], scene);
     } else if (keeps_all(channel)) {
-      // A mesh counts for the whole log, though its chunks may come after the first shape.
+      // A mesh applies to the whole log, though its chunks may come after the first shape.
       if (all_meshes)
         for (const Entry& entry : list) offer(channel, entry, scene);
     } else if (count > shown) {

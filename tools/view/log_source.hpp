@@ -11,34 +11,34 @@
 
 namespace palpate::view {
 
-/// One number over a log's time, thinned so that a plot of it stays quick.
+/// A value over a log's time, decimated so that a plot of it stays fast.
 struct Series {
   std::string name, unit;
   std::vector<float> time_s, value;
 };
 
-/// Plays LCM logs of one run (one file a URL) into a scene: any time of them at once, forwards at
-/// any rate, and back. Files are read once for an index and then piece by piece.
+/// Plays LCM logs of one run (one file per URL) into a scene: seeks to any time, plays forwards at
+/// any rate, and backwards. Files are read once for an index and then piece by piece.
 class LogSource {
  public:
   using Progress = std::function<void(const std::string& file, double share)>;
 
-  /// Throws std::runtime_error, naming the file, where one cannot be read, is no log, or where none
-  /// holds a message to be shown. `complaints`: a line for each file with damage.
+  /// Throws std::runtime_error naming the file if one cannot be read, is not a log, or if none
+  /// holds a message to show. `complaints`: one line for each damaged file.
   LogSource(const std::vector<std::string>& files, const Progress& progress,
             std::vector<std::string>& complaints);
   ~LogSource();
 
   double duration() const { return duration_; }  // s
-  double time() const { return time_; }          // s since the log's beginning
+  double time() const { return time_; }          // s since the log's start
   std::int64_t begin_us() const { return begin_us_; }
 
-  /// Brings the scene to `time`, s, kept within the log.
+  /// Sets the scene to `time`, s, limited to the log.
   void go_to(double time, Scene& scene);
 
-  /// Feature's error, latency and lateness of the whole log.
+  /// Feature error, latency and lateness of the whole log.
   const std::vector<Series>& series() const { return series_; }
-  /// When something happened: s, and what. For marks on the timeline.
+  /// Time, s, and description of each event. For marks on the timeline.
   const std::vector<std::pair<double, std::string>>& marks() const { return marks_; }
 
  private:
@@ -63,7 +63,8 @@ class LogSource {
 
   std::vector<std::unique_ptr<File>> files_;
   std::map<std::string, std::vector<Entry>> entries_;  // by channel, in order of time
-  std::map<std::string, std::size_t> shown_;  // how many of each channel's the scene was offered
+  std::map<std::string, std::size_t>
+      shown_;  // number of each channel's messages passed to the scene
   std::vector<std::uint8_t> buffer_;
   std::array<std::vector<Noted>, 3> noted_;  // until all files are read
   std::vector<std::pair<std::int64_t, std::string>> happened_;

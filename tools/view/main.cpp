@@ -135,7 +135,7 @@ void say_what_was_done(const view::ServerCounters& c) {
 }
 
 int run(Options& options) {
-  // Before any thread, so that all of them leave the signals to this one.
+  // Before any thread is created, so that all of them leave the signals to this one.
   boost::asio::io_context signals;
   boost::asio::signal_set ending(signals, SIGINT, SIGTERM);
 

@@ -33,7 +33,7 @@ void append(std::vector<T>& whole, const std::vector<T>& part) {
   whole.insert(whole.end(), part.begin(), part.end());
 }
 
-/// nullptr where nodes are missing or indices point outside.
+/// nullptr if nodes are missing or indices are out of range.
 std::shared_ptr<const ViewMesh> assemble(
     const std::vector<std::shared_ptr<const shape_mesh_t>>& chunks) {
   const shape_mesh_t& first = *chunks.front();
@@ -84,7 +84,7 @@ bool MeshBook::add(const shape_mesh_t& chunk) {
   if (--entry.missing > 0) return false;
   entry.mesh = assemble(entry.chunks);
   if (!entry.mesh) {
-    entries_.erase(chunk.mesh_hash);  // to be collected anew
+    entries_.erase(chunk.mesh_hash);  // to be collected again
     return ++refused_, false;
   }
   entry.chunks.clear();

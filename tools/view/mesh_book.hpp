@@ -8,7 +8,7 @@
 
 namespace palpate::view {
 
-/// A whole mesh as SHAPE_MESH or TRUTH_MESH describe it; every index lies within it.
+/// A complete mesh as described by SHAPE_MESH or TRUTH_MESH; every index is in range.
 struct ViewMesh {
   std::int64_t hash = 0;
   int element_kind = 0;  // of shape_mesh_t
@@ -18,18 +18,18 @@ struct ViewMesh {
   std::vector<std::int32_t> elements, triangles, constrained;
 };
 
-/// Puts meshes together from their chunks, which come in any order, more than once, or not at all,
-/// and may hold anything.
+/// Assembles meshes from their chunks, which may arrive in any order, repeatedly, or not at all,
+/// with arbitrary contents.
 class MeshBook {
  public:
   /// Nodes and chunks that a mesh may have.
   static constexpr int kMostNodes = 200'000, kMostChunks = 1'000;
 
-  /// True where this chunk was the last one that its mesh lacked. A chunk that does not fit those
-  /// before, or itself, is refused and counted.
+  /// True if this chunk completed its mesh. A chunk that is inconsistent in itself or with those
+  /// before is rejected and counted.
   bool add(const shape_mesh_t& chunk);
 
-  /// nullptr where the mesh is not (wholly) known.
+  /// nullptr if the mesh is unknown or incomplete.
   std::shared_ptr<const ViewMesh> find(std::int64_t hash) const;
 
   std::int64_t refused() const { return refused_; }

@@ -7,8 +7,8 @@ namespace websocket = beast::websocket;
 
 namespace {
 
-constexpr std::size_t kLargestRequest = 16 * 1024;  // bytes of what a page says
-constexpr std::size_t kMostWaiting = 1'000;         // messages to a page that does not listen
+constexpr std::size_t kLargestRequest = 16 * 1024;  // bytes of a page's request
+constexpr std::size_t kMostWaiting = 1'000;         // messages queued for a page that does not read
 constexpr std::size_t kMostUndrawn = 2;             // frames
 
 }  // namespace
@@ -23,7 +23,7 @@ void Page::begin(const Request& request) {
   timeout.keep_alive_pings = true;
   socket_.set_option(timeout);
   socket_.read_message_max(kLargestRequest);
-  // On one machine compressing costs more than it saves.
+  // On one machine compression costs more than it saves.
   socket_.async_accept(request, [self = shared_from_this()](beast::error_code error) {
     if (error) return;
     boost::system::error_code ignored;
@@ -59,7 +59,7 @@ bool Page::is_behind() {
   return undrawn_.size() >= kMostUndrawn;
 }
 
-/// A page that drew a little late does not wait for the next period: it would lose a frame each
+/// A page that drew slightly late does not wait for the next period: it would lose a frame each
 /// time.
 void Page::catch_up() {
   if (!owed_ || is_behind()) return;
@@ -118,7 +118,7 @@ void Page::leave() {
 void deliver_to_pages(Room& room) {
   const std::int64_t now_us = bus::wall_clock_us();
   room.viewer.prepare(now_us);
-  const auto pages = room.pages;  // one may leave meanwhile
+  const auto pages = room.pages;  // one may disconnect meanwhile
   for (const auto& page : pages) page->deliver(now_us);
 }
 

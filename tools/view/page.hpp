@@ -9,16 +9,16 @@
 
 namespace palpate::view {
 
-/// The WebSocket of one page.
+/// WebSocket connection of one page.
 class Page : public std::enable_shared_from_this<Page> {
  public:
   using Request = boost::beast::http::request<boost::beast::http::empty_body>;
 
   Page(Room& room, boost::beast::tcp_stream stream);
 
-  /// Answers the request to upgrade, then talks.
+  /// Answers the upgrade request, then serves the page.
   void begin(const Request& request);
-  /// What is new, unless frames that were sent before have not been drawn yet.
+  /// Sends new data, unless earlier frames have not been drawn yet.
   void deliver(std::int64_t now_us);
 
  private:
@@ -39,8 +39,8 @@ class Page : public std::enable_shared_from_this<Page> {
   std::deque<Message> waiting_;
   bool writing_ = false;
   bool left_ = false;
-  bool owed_ = false;                 // a frame was due while the page was behind
-  std::deque<std::int64_t> undrawn_;  // frames that were sent and not acknowledged
+  bool owed_ = false;                 // a frame was due while the page lagged
+  std::deque<std::int64_t> undrawn_;  // frames sent and not acknowledged
   std::shared_ptr<Client> client_ = std::make_shared<Client>();
 };
 

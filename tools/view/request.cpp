@@ -115,7 +115,7 @@ bool moves_something(const Request& request) {
 }
 
 Request parse_request(const std::string& message, double max_force) {
-  // Nothing here nests deeper than a list in an object; the library's parser does not recurse.
+  // Valid requests nest no deeper than a list in an object; the library's parser does not recurse.
   const json object = json::parse(message, nullptr, /*allow_exceptions=*/false);
   if (!object.is_object()) throw RequestError("not a JSON object");
   try {

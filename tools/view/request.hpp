@@ -12,7 +12,7 @@
 
 namespace palpate::view {
 
-// What a page may ask for.
+// Kinds of requests of a page.
 struct Acknowledge {
   std::int64_t frame;  // that it has drawn
 };
@@ -23,7 +23,7 @@ struct TakeControl {
   std::string token;
 };
 struct Command {
-  std::int64_t id;  // the page's own, to know the answer by
+  std::int64_t id;  // the page's own, to identify the answer
   component_command_t message;
 };
 struct SetTarget {
@@ -40,17 +40,17 @@ struct Play {
 };
 using Request = std::variant<Acknowledge, ColourBy, TakeControl, Command, SetTarget, Push, Play>;
 
-/// Whether only a page that has shown the token may ask for it.
+/// Whether only a page that has presented the token may send it.
 bool moves_something(const Request& request);
 
-/// A request that is wrong; what() says how, with the allowed range.
+/// An invalid request; what() gives the reason, with the allowed range.
 class RequestError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Reads what a page sent, a JSON object with the entry "type". Throws RequestError. A force beyond
-/// `max_force` N is shortened to it.
+/// Parses a page's message, a JSON object with the entry "type". Throws RequestError. A force
+/// beyond `max_force` N is limited to it.
 Request parse_request(const std::string& text, double max_force);
 
 }  // namespace palpate::view

@@ -25,7 +25,7 @@
 
 namespace palpate::view {
 
-/// The last message of a channel: kept as it came, decoded when somebody looks.
+/// The last message of a channel: stored as received, decoded on demand.
 template <class Message>
 struct Latest {
   using Type = Message;
@@ -33,26 +33,25 @@ struct Latest {
 
   const char* channel;
   std::vector<std::uint8_t> data;
-  std::int64_t time_us = 0;  // when it came: wall clock, or the log's
+  std::int64_t time_us = 0;  // time of arrival: wall clock, or the log's
   std::int64_t count = 0;    // decoded so far
   bool fresh = false;        // not decoded yet
   bool there = false;
   Message message{};
 
-  /// nullptr where there is none.
+  /// nullptr if there is none.
   const Message* get() const { return there ? &message : nullptr; }
 };
 
-/// An event with a number of its own, so that a reader knows which ones it has had.
+/// An event with a sequence number, so that a reader knows which ones it has received.
 struct NumberedEvent {
   std::int64_t number = 0;
   std::int64_t time_us = 0;
   component_event_t event;
 };
 
-/// What is known of the cell at one time: the last message of each channel, meshes, and the last
-/// events. It trusts no message: what is of another type, size or content than it should be is
-/// counted and forgotten. For one thread.
+/// State of the cell at one time: the last message of each channel, meshes, and the last events. No
+/// message is trusted: one of wrong type, size or content is counted and dropped. For one thread.
 class Scene {
  public:
   static constexpr std::size_t kMostEvents = 500;
@@ -60,13 +59,13 @@ class Scene {
   /// All channels that accept() takes.
   static const std::vector<std::string_view>& channels();
 
-  /// One message; cheap, for it may be one of thousands in a second.
+  /// Passes one message; cheap, as there may be thousands per second.
   void accept(std::string_view channel, const void* data, int size, std::int64_t time_us);
 
-  /// Decodes what came since the last call.
+  /// Decodes the messages that have arrived since the last call.
   void refresh();
 
-  /// As at the start, but meshes stay known: after a jump in a log.
+  /// Resets to the initial state, except for known meshes: after a jump in a log.
   void forget_messages();
 
   Latest<shape_t> shape{"SHAPE"}, truth{"TRUTH_SHAPE"};
@@ -84,7 +83,7 @@ class Scene {
 
   const MeshBook& meshes() const { return meshes_; }
   const std::deque<NumberedEvent>& events() const { return events_; }
-  /// Counts up with forget_messages().
+  /// Incremented by forget_messages().
   std::int64_t generation() const { return generation_; }
   std::int64_t refused() const { return refused_ + meshes_.refused(); }
 

@@ -50,14 +50,14 @@ struct Server::Impl {
         });
   }
 
-  /// Messages are taken from the sockets in gulps: a wake-up for each of thousands costs more than
-  /// all that is done with them.
+  /// Messages are read from the sockets in batches: a wake-up for each of thousands costs more than
+  /// their processing.
   void receive() {
     constexpr std::chrono::milliseconds kEvery{5};
     receive_timer.expires_after(kEvery);
     receive_timer.async_wait([this](boost::system::error_code error) {
       if (error) return;
-      receive();  // first: whatever happens, it goes on
+      receive();  // first: the timer continues in any case
       viewer.advance(bus::wall_clock_us());
     });
   }
@@ -78,7 +78,7 @@ struct Server::Impl {
     });
   }
 
-  /// What goes wrong with one message or page does not end it for the others.
+  /// An error with one message or page must not affect the others.
   void serve() {
     while (!context.stopped()) {
       try {

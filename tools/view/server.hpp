@@ -11,34 +11,34 @@
 
 namespace palpate::view {
 
-/// What the server did.
+/// Statistics of the server.
 struct ServerCounters {
   std::int64_t requests = 0;        // of HTTP
   std::int64_t refused = 0;         // for their Host or Origin
   std::int64_t frames = 0;          // sent to pages
-  std::int64_t frames_skipped = 0;  // since a page had not drawn the ones before
+  std::int64_t frames_skipped = 0;  // because a page had not drawn the ones before
   std::int64_t bytes = 0;           // of parcels
-  double work = 0;                  // s of processor time in the thread that serves
+  double work = 0;                  // s of processor time of the serving thread
 };
 
-/// HTTP for the page and a WebSocket for what it shows, in one thread. A page that is slow gets
-/// fewer frames, never old ones: the next is made when it has drawn all but one of those before.
+/// HTTP for the page and a WebSocket for its data, in one thread. A slow page gets fewer frames,
+/// never old ones: the next is made when it has drawn all but one of those before.
 class Server {
  public:
   struct Options {
     std::string address = "127.0.0.1";
-    int port = 8765;                 // 0: any that is free
-    std::vector<std::string> names;  // by which it may be called beside its address
-    double rate = 30;                // frames a second, at most
+    int port = 8765;                 // 0: any free port
+    std::vector<std::string> names;  // names of the host in addition to its address
+    double rate = 30;                // frames per second, at most
   };
-  /// Listens from here on. Throws std::runtime_error with the remedy where it cannot.
+  /// Listens from here on. Throws std::runtime_error with the remedy on failure.
   Server(const Options& options, const Assets& assets, Viewer& viewer);
   ~Server();
 
   int port() const;
   /// Serves until stop(). `viewer` and `assets` must outlive it.
   void run();
-  /// From a signal handler's thread or any other.
+  /// May be called from a signal handler's thread or any other.
   void stop();
   const ServerCounters& counters() const;
 

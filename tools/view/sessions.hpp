@@ -12,7 +12,7 @@ namespace palpate::view {
 
 class Page;
 
-/// What all connections of one server share.
+/// State shared by all connections of a server.
 struct Room {
   const Assets& assets;
   Viewer& viewer;
@@ -21,10 +21,10 @@ struct Room {
   ServerCounters counters;
 };
 
-/// Answers requests of HTTP on a connection until it ends, or becomes a page's WebSocket.
+/// Answers HTTP requests on a connection until it ends, or becomes a page's WebSocket.
 void serve_http(Room& room, boost::asio::ip::tcp::socket socket);
 
-/// Sends every page that has kept up what is new.
+/// Sends new data to every page that has kept up.
 void deliver_to_pages(Room& room);
 
 }  // namespace palpate::view

@@ -82,7 +82,7 @@ void Viewer::advance(std::int64_t now_us) {
   if (log_) {
     const double passed = played_us_ == 0 ? 0 : static_cast<double>(now_us - played_us_) * 1e-6;
     played_us_ = now_us;
-    // A machine that slept does not skip what it slept through.
+    // A machine that was suspended does not skip the time in between.
     constexpr double kLongestStep = 0.5;
     if (playing_) log_->go_to(log_->time() + rate_ * std::clamp(passed, 0.0, kLongestStep), scene_);
     if (log_->time() >= log_->duration()) playing_ = false;
@@ -102,13 +102,13 @@ void Viewer::prepare(std::int64_t now_us) {
   if (scene_.truth.count != painted_truth_count_) repaint(truth_, scene_.truth.get());
   painted_count_ = scene_.shape.count;
   painted_truth_count_ = scene_.truth.count;
-  // The mesh may be known only after shapes of it.
+  // The mesh may become known only after shapes of it.
   for (auto [painted, shape] :
        {std::pair{&estimate_, scene_.shape.get()}, std::pair{&truth_, scene_.truth.get()}})
     if (shape && !painted->evaluator) repaint(*painted, shape);
 }
 
-/// Another shape is there: all values are old, and of another mesh all is.
+/// The shape has changed: all values are outdated, and with another mesh everything is.
 void Viewer::repaint(Painted& painted, const shape_t* shape) {
   painted.done.clear();
   if (!shape) return;
@@ -120,7 +120,7 @@ void Viewer::repaint(Painted& painted, const shape_t* shape) {
   painted.evaluator = std::make_unique<FieldEvaluator>(mesh);
 }
 
-/// nullptr where the field cannot be told of this shape.
+/// nullptr if the field cannot be computed for this shape.
 const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, Field field) {
   std::vector<float>& values = painted.values[static_cast<std::size_t>(field)];
   if (painted.done.count(field) > 0) return values.empty() ? nullptr : &values;
@@ -136,7 +136,7 @@ const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, 
       if (has_elements) painted.evaluator->strain(shape.xyz, values);
       break;
     case Field::kStress: {
-      // What the true object is made of nobody tells.
+      // Ground-truth material is not published.
       const estimate_t* estimate = scene_.estimate.get();
       if (is_truth || !has_elements || !estimate) break;
       const double E = std::exp(estimate->log_young_modulus), nu = estimate->poisson_ratio;
@@ -144,7 +144,7 @@ const std::vector<float>* Viewer::paint(Painted& painted, const shape_t& shape, 
       try {
         painted.evaluator->stress(shape.xyz, E, nu, values);
       } catch (const std::invalid_argument&) {
-        values.clear();  // a mesh that is no body
+        values.clear();  // a mesh without a valid body
       }
       break;
     }
@@ -215,7 +215,7 @@ json Viewer::state(Client& client, std::int64_t now_us) {
                      {"count", scene_.shape.count},
                      {"deviations", shape->deviation_count > 0},
                      {"delay_ms", static_cast<double>(scene_.shape.time_us - shape->utime) * 1e-3}};
-  constexpr double kShown = 300;  // ms, of what passes by
+  constexpr double kShown = 300;  // ms, low-pass filtered
   if (const auto* m = scene_.contacts.get(); m && age(scene_.contacts) < kShown)
     head["contacts"] = to_json(*m);
   if (const auto* m = scene_.estimate.get()) head["estimate"] = to_json(*m);

@@ -18,33 +18,33 @@
 
 namespace palpate::view {
 
-/// One page that is connected, as the viewer knows it.
+/// A connected page, as the viewer knows it.
 struct Client {
   std::function<void(std::string)> send_text;
   bool may_control = false;
   int wrong_tokens = 0;
   Field field = Field::kDisplacement;
-  std::int64_t mesh = 0, truth_mesh = 0;  // hashes that it has, 0: none
-  std::int64_t events = 0;                // number of the last one that it has
-  std::int64_t generation = 0;            // of the scene that they are of
-  std::int64_t health = -1;               // count of HEALTH that it has
+  std::int64_t mesh = 0, truth_mesh = 0;  // hashes of the meshes that it has, 0: none
+  std::int64_t events = 0;                // number of its last event
+  std::int64_t generation = 0;            // of the scene to which they belong
+  std::int64_t health = -1;               // number of HEALTH messages that it has
   std::int64_t acknowledged = 0;          // frame
 };
 
-/// What a page may be sent in one go.
+/// Data that may be sent to a page at once.
 struct Delivery {
   std::vector<std::string> texts;
   std::vector<std::string> parcels;  // meshes first, then the frame
   std::int64_t frame = 0;            // its number
 };
 
-/// Holds what there is to see, and turns it into messages for pages and their requests into
-/// commands. Knows no sockets of browsers. For one thread.
+/// Holds the data to be shown, and turns it into messages for pages and their requests into
+/// commands. Independent of sockets. For one thread.
 class Viewer {
  public:
   struct Options {
     bool control = false;  // whether a page with the token may give commands
-    double max_force = 5;  // N, of a push
+    double max_force = 5;  // N, of a manual force
     double rate = 1;       // of a log, at the start
     Cell cell;
   };
@@ -53,19 +53,19 @@ class Viewer {
   // One of the two.
   void show_live(std::unique_ptr<LiveSource> source);
   void show_log(std::unique_ptr<LogSource> source);
-  /// Live and with `control`: where commands go to.
+  /// Live and with `control`: the destination of commands.
   void command_by(std::unique_ptr<Commander> commander) { commander_ = std::move(commander); }
 
   /// Receives, or plays on. `now_us`: wall clock, here and below.
   void advance(std::int64_t now_us);
-  /// To be called before deliver() for all clients.
+  /// Call before deliver() for all clients.
   void prepare(std::int64_t now_us);
 
-  /// What a new page needs to know before all else.
+  /// First message to a new page.
   std::string greeting(std::int64_t now_us) const;
-  /// What is new for the client.
+  /// New data for the client.
   Delivery deliver(Client& client, std::int64_t now_us);
-  /// What a page sent. False: it shall be sent away.
+  /// Handles a page's message. False: disconnect the page.
   bool receive(const std::shared_ptr<Client>& client, const std::string& text, std::int64_t now_us);
 
   const Scene& scene() const { return scene_; }

@@ -61,7 +61,7 @@ void Viewer::grant(Client& client, const TakeControl& request) {
 }
 
 Commander::Heard Viewer::answer_to(const std::shared_ptr<Client>& client, std::int64_t id) const {
-  // The page may be gone by then.
+  // The page may have disconnected by then.
   return [weak = std::weak_ptr<Client>(client), id](const Commander::Answer& answer) {
     const auto to = weak.lock();
     if (!to || !to->send_text) return;

@@ -5,15 +5,15 @@
 namespace palpate::faults {
 namespace {
 
-constexpr int kTicks = 700, kMoves = 400;  // ms; by then the hand moves
+constexpr int kTicks = 700, kMoves = 400;  // ms; the hand moves at that time
 
 const Recording& recording() {
   static const Recording kRecording = record_loop(kTicks);
   return kRecording;
 }
 
-/// At kMoves something stops the loop; `pause` ms later, while the hand still brakes, the user does
-/// what makes it go on.
+/// At kMoves a fault stops the loop; `pause` ms later, while the hand still brakes, the user
+/// restarts it.
 Trace hurried(const char* stops, const std::vector<const char*>& goes_on, int pause) {
   Replay replay(recording());
   return replay.run(recording().stream, kTicks, [&](int tick, daemon::Now&) {

@@ -8,7 +8,7 @@
 namespace palpate::faults {
 namespace {
 
-/// So many that each row takes seconds; PALPATE_FAULT_SEEDS asks for more.
+/// Few enough that each row takes seconds; set PALPATE_FAULT_SEEDS for more.
 int seeds() {
   const char* text = std::getenv("PALPATE_FAULT_SEEDS");
   return text == nullptr ? 20 : std::atoi(text);

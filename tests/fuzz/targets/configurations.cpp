@@ -1,4 +1,4 @@
-// Configurations as the daemon reads them whole: every component is built, or the text is refused.
+// Complete configurations as read by the daemon: every component is built, or the text is rejected.
 
 #include <filesystem>
 #include <fstream>

@@ -1,5 +1,5 @@
-// YAML texts as configurations: the text, then, by '\1', an override and a change as they come
-// with a command that replaces a component.
+// YAML texts as configurations: the text, then, separated by '\1', an override and a change as they
+// arrive with a command that replaces a component.
 
 #include "rt/config/node.hpp"
 #include "tests/fuzz/target.hpp"
@@ -14,7 +14,7 @@ std::string take_part(std::string& text) {
   return part;
 }
 
-/// Asks for every key by every kind of getter, each of which may only throw config::Error.
+/// Reads every key with every kind of getter, each of which may only throw config::Error.
 void ask(const config::Node& node, int depth) {
   const auto get = [](auto getter) {
     try {

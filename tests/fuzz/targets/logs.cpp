@@ -1,4 +1,4 @@
-// Recordings of LCM: every event of one, and as the programs that score runs read them.
+// LCM recordings: every event of one, as read by the scoring programs.
 
 #include <iostream>
 
@@ -40,7 +40,8 @@ std::vector<std::string> seeds() {
   return {bytes_of(control), bytes_of(strange), bytes_of(housekeeping)};
 }
 
-/// Each byte of the file belongs to one event, or is counted as damage or as the last event's.
+/// Each byte of the file belongs to one event, or is counted as damage or as the truncated last
+/// event.
 void check_events(const std::string& path, std::int64_t size) {
   bus::EventLogReader log(path);
   std::int64_t read = 0, end = 0;

@@ -1,5 +1,5 @@
-// Mesh files: the first byte is the format, '%' separates the two files of TetGen and what a .veg
-// includes. A capital letter reads faults and all, and repairs.
+// Mesh files: the first byte is the format, '%' separates the two files of TetGen and the includes
+// of a .veg. A capital letter reads faulty meshes too, and repairs them.
 
 #include <cctype>
 #include <cmath>
@@ -60,7 +60,7 @@ const char* kMixed =
     "5 0 0 1\n6 1 0 1\n7 1 1 1\n8 0 1 1\n9 .5 .5 2\n$EndNodes\n$Elements\n3\n"
     "9 5 0 1 2 3 4 5 6 7 8\n10 7 0 5 6 7 8 9\n11 4 0 1 2 3 77\n$EndElements\n";
 
-/// What a reader promises of a mesh that it returns.
+/// Guarantees of a reader for the mesh that it returns.
 void check(const mesh::MeshWithGroups& read) {
   const mesh::TetrahedralMesh& mesh = read.mesh;
   const mesh::MeshReport report = mesh::check(mesh);
@@ -81,7 +81,7 @@ void check(const mesh::MeshWithGroups& read) {
   }
 }
 
-/// What a repair promises, whatever it was given.
+/// Guarantees of a repair, for any input.
 void check_repaired(const mesh::MeshWithGroups& repaired) {
   const mesh::MeshReport report = mesh::check(repaired.mesh);
   require(report.unused_nodes.empty() || !repaired.others.empty(), "no stray nodes");
@@ -139,7 +139,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::check(read);
   } catch (const mesh::ParseError& error) {
     const std::string what = error.what();
-    // What a .veg includes may have a name of any bytes, a zero among them.
+    // The name of a file included by a .veg may contain any bytes, including zero.
     fuzz::require(std::tolower(data[0]) == 'v' || what.find("a.") == 0, "an error names its file");
   }
   return 0;

@@ -1,5 +1,5 @@
-// Messages of all channels that the daemon listens to, their numbers any bytes: each is one byte
-// for the channel, one of flags, and the content behind the fingerprint.
+// Messages of all input channels of the daemon, with arbitrary bytes as values: each is one byte
+// for the channel, one of flags, and the content after the fingerprint.
 
 #include <algorithm>
 #include <cmath>
@@ -54,7 +54,7 @@ std::string seed(int index, Message message, int flags = kTick) {
          std::string(bytes.begin() + 8, bytes.end());
 }
 
-/// Whether the generated code gives back the bytes that it was given.
+/// Whether the generated code reproduces the given bytes.
 template <class Message>
 struct Echo {
   Echo(bus::MessageBus& bus, const char* channel) : queue(bus, channel, 4) {}

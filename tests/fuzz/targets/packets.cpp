@@ -1,5 +1,5 @@
-// Datagrams, each a length of two bytes and as many bytes, to the receiver as its socket gives
-// them.
+// Datagrams, each a length of two bytes and that many bytes, passed to the receiver as from its
+// socket.
 
 #include <cstring>
 #include <palpate/component_command_t.hpp>
@@ -13,7 +13,7 @@
 namespace palpate::fuzz {
 namespace {
 
-/// The length in front of a datagram.
+/// The length prefix of a datagram.
 std::string length_of(const std::string& bytes) {
   return {static_cast<char>(bytes.size() & 0xff), static_cast<char>(bytes.size() >> 8)};
 }

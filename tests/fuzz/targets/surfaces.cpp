@@ -1,4 +1,4 @@
-// Files of surfaces (the first byte is the format), what is said of them, and their repair.
+// Surface files (the first byte is the format), the faults reported for them, and their repair.
 
 #include <cmath>
 #include <sstream>
@@ -11,7 +11,7 @@
 namespace palpate::fuzz {
 namespace {
 
-constexpr int kMostTriangles = 300;  // intersections are looked for pair by pair
+constexpr int kMostTriangles = 300;  // intersections are tested pairwise
 
 mesh::TriangleSurface read(char format, const std::string& text) {
   std::istringstream stream(text);

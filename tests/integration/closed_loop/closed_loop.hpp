@@ -17,7 +17,7 @@
 
 namespace palpate {
 
-/// Passes everything on, but for what is published on channels whose name ends in `muted`.
+/// Forwards everything, except messages on channels whose name ends in `muted`.
 class MutableBus : public bus::MessageBus {
  public:
   explicit MutableBus(std::unique_ptr<bus::MessageBus> bus) : bus_(std::move(bus)) {}
@@ -75,7 +75,7 @@ class ClosedLoop {
     run(seconds, [] {});
   }
 
-  /// From now on nobody hears the simulator on channels whose name ends so.
+  /// From now on messages of the simulator on channels whose name ends so are dropped.
   void mute(std::string_view ending) { sim_bus_->muted = ending; }
 
   void send_event(const char* event) {
@@ -87,7 +87,7 @@ class ClosedLoop {
     commands_.publish(message);
   }
 
-  /// Asks for a replacement; parameters are YAML.
+  /// Requests a replacement; parameters are YAML.
   void send_replace(const char* slot, const char* component, const std::string& parameters,
                     const char* instance = "") {
     component_command_t message{};
@@ -100,7 +100,7 @@ class ClosedLoop {
     bus::put_text(message.parameters, parameters);
     commands_.publish(message);
   }
-  /// Events that the daemon told since the last call, as "event: reason".
+  /// Events published by the daemon since the last call, as "event: reason".
   std::vector<std::string> take_events() {
     std::vector<std::string> texts;
     component_event_t event;

@@ -69,8 +69,8 @@ TEST(ClosedLoop, NonCollocatedPointReachesItsTargetAndStays) {
   EXPECT_TRUE(pipeline.is_running());
 }
 
-// The thesis' control: pose feature at the grasp, dual-quaternion law, hand taken to carry the
-// feature rigidly, gain 0.25 1/s, dead band 5 mm and 1 degree.
+// The thesis' control: pose feature at the grasp, dual-quaternion law, assumption that the hand
+// moves the feature rigidly, gain 0.25 1/s, dead band 5 mm and 1 degree.
 TEST(ClosedLoop, ThesisPresetBringsTheGraspPoseIntoItsDeadBand) {
   ClosedLoop loop(
       kControlScene, kConfiguration, {},
@@ -87,7 +87,8 @@ TEST(ClosedLoop, ThesisPresetBringsTheGraspPoseIntoItsDeadBand) {
   loop.run(0.1);
   const double before = pipeline.feature_state().error.head<3>().norm();
   loop.run(4.0);
-  // An exponential of 0.25 1/s, bent a little by the shape, which a rigid Jacobian does not know.
+  // An exponential of 0.25 1/s, slightly distorted by the deformation, which a rigid Jacobian
+  // neglects.
   EXPECT_NEAR(pipeline.feature_state().error.head<3>().norm() / before, std::exp(-1), 0.1);
   loop.run(12.0);
   EXPECT_LT(pipeline.feature_state().error.head<3>().norm(), 6e-3);
@@ -120,7 +121,7 @@ TEST(ClosedLoop, RobotFallingSilentStopsTheCommand) {
     before = Eigen::Map<const Eigen::Vector3d>(twist.twist).norm();
   }
   EXPECT_GT(before, 0);
-  // The daemon's clock goes on, the robot says nothing any more.
+  // The daemon's clock continues, the robot is silent.
   const std::int64_t start_ns = loop.simulation().tick() * 1'000'000;
   for (int i = 0; i < 400; ++i) {
     const std::int64_t now_ns = start_ns + i * 1'000'000;

@@ -1,4 +1,4 @@
-// Numbers of the shape, neither places nor poses, steered on the plant.
+// Scalar features of the shape, neither positions nor poses, controlled on the plant.
 
 #include <cmath>
 #include <functional>
@@ -8,11 +8,12 @@
 namespace palpate {
 namespace {
 
-/// How far the plant, on another mesh, may be off a shape that nobody looks at; a part of the way.
+/// Tolerance of the plant, with a different mesh, for an unobserved shape; relative to the
+/// commanded change.
 constexpr double kBlind = 0.1;
 
-/// Steers the feature by `change` from where it hangs and returns what is left of that on the
-/// plant, as a part of it; `truth` is the feature's value from the plant's positions.
+/// Controls the feature by `change` from its hanging shape and returns the remaining error on the
+/// plant, as a fraction of it; `truth` is the feature's value from the plant's positions.
 double rest_on_the_plant(const std::string& configuration, std::vector<std::string> overrides,
                          double change, const std::function<double(ClosedLoop&)>& truth) {
   overrides.insert(overrides.end(), {"control.dead_band_mm=0.05", "control.dead_band_deg=0.05"});

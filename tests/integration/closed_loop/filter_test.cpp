@@ -1,4 +1,5 @@
-// The filter of pose and wrench beside the pose alone, in the simulator, whose plant neither knows.
+// The pose-and-wrench filter compared with pose-driven estimation, in the simulator, whose plant is
+// unknown to both.
 #include "tests/integration/closed_loop/closed_loop.hpp"
 
 namespace palpate {
@@ -11,7 +12,7 @@ constexpr const char* kFilter = "estimation.component=pose_wrench_filter";
 const double kTrueLogYoung = std::log(30e3);
 
 struct Result {
-  double mean = 0;  // m, of the shape's error over all nodes and looks
+  double mean = 0;  // m, shape error over all nodes and samples
   double largest = 0;
   estimation::Estimate estimate;
 };
@@ -63,7 +64,7 @@ TEST(Filter, FeelsAPushThatNothingMeasures) {
   loop.run(0.1);
   loop.send_event("start");
   double time = 0.1, found_at = -1, lost_at = -1;
-  // Of its last second: what is felt while it goes says nothing of it.
+  // Of its last second: detections during the rise do not count.
   constexpr double kFrom = kReleased - 1.1, kTo = kReleased - 0.1;
   double distance = 0;
   Eigen::Vector3d force = Eigen::Vector3d::Zero();
@@ -94,7 +95,7 @@ TEST(Filter, FeelsAPushThatNothingMeasures) {
   EXPECT_LT((force - Eigen::Vector3d(0, 0, -0.5)).norm(), 0.1) << "of 0.5 N";
 }
 
-/// Object of the examples, and of which the daemon is told another stiffness.
+/// Object of the examples, with a different stiffness in the daemon's configuration.
 class NoPush : public ::testing::TestWithParam<std::pair<const char*, const char*>> {};
 
 TEST_P(NoPush, IsFoundWhereTheHandMovesAndRests) {

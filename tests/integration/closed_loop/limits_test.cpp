@@ -1,5 +1,5 @@
-// The law quadratic_program on the plant: how fast and how well without a limit in the way, and
-// what happens where there is one.
+// The law quadratic_program on the plant: speed and accuracy without active limits, and behaviour
+// at a limit.
 
 #include <cmath>
 #include <functional>
@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 
 const char* const kLimitsScene = "sim/scenes/bar_long_soft_control.yaml";
 const char* const kLimitsConfiguration = "rt/config/examples/bar_long_soft_limits.yaml";
-/// The bar's middle on its way to a target, scored on the plant.
+/// The bar's middle moving to a target, scored on the plant.
 class Way {
  public:
   explicit Way(const std::vector<std::string>& overrides, const char* scene = kLimitsScene,
@@ -54,7 +54,7 @@ class Way {
   Vector3d truth() { return loop.simulation().plant().position_at(rest_point_); }
   double error() { return (truth() - target).norm(); }
   const pipeline::FeatureState& feature() { return loop.daemon().pipeline().feature_state(); }
-  /// Of the plant's shape, under the law of a foam as stiff as the plant's.
+  /// Of the plant's shape, under the constitutive law of a foam as stiff as the plant's.
   double peak_stress() {
     elasticity::Body body = loop.daemon().pipeline().object().body;
     body.material = {30e3, 0.3, 26};
@@ -67,7 +67,7 @@ class Way {
   ClosedLoop loop;
   Vector3d target = Vector3d::Zero();
   double outside = 0;    // s: last time farther than 2 mm from the target
-  double overshoot = 0;  // share of the way
+  double overshoot = 0;  // fraction of the distance
   std::set<std::string> remarks;
 
  private:
@@ -80,7 +80,7 @@ const char* const kWrongRatio = "object.material.poisson_ratio=0.15";
 
 class BlindWay : public testing::TestWithParam<Vector3d> {};
 
-// The example's controller as it is.
+// The example's controller, unchanged.
 TEST_P(BlindWay, ReachesTwoMillimetresInThreeSecondsWithoutOvershoot) {
   Way way({kWrongModulus, kWrongRatio});
   way.go(GetParam(), 4);
@@ -92,8 +92,8 @@ INSTANTIATE_TEST_SUITE_P(Targets, BlindWay,
                          testing::Values(Vector3d(0, 0, 0.02), Vector3d(0.015, 0, 0),
                                          Vector3d(0, 0.03, 0)));
 
-// At 60 % of what the free solution comes to, with the example's margin for what the blind estimate
-// does not know.
+// At 60 % of the unconstrained solution, with the example's margin for uncertainty of the blind
+// estimate.
 TEST(LimitsLoop, StressStaysUnderItsCap) {
   const Vector3d displacement(0, 0, 0.03);
   double freely = 0, capped = 0, estimated = 0;
@@ -120,7 +120,7 @@ TEST(LimitsLoop, StressStaysUnderItsCap) {
   EXPECT_EQ(way.remarks.count("the target lies beyond the limit of stress"), 1u);
 }
 
-/// By which estimator, and whether the gate's workspace ends on the way to the target.
+/// With which estimator, and whether the gate's workspace ends on the way to the target.
 class ObstacleWay : public testing::TestWithParam<std::tuple<std::string, bool>> {};
 
 /// From a point above the bar to the plant's own upper side, wherever between nodes it is nearest.
@@ -135,9 +135,9 @@ double distance_to_plant(Way& way, const Vector3d& from) {
 }
 
 // A ball above the bar, between the middle and the hand. With the example's workspace the hand
-// comes to its wall on the way, which must not turn it aside into the ball. The bar wraps the ball,
-// so that it is nearest between nodes, and its estimate errs by some 1 mm there, for which the
-// filter's own deviations are kept free, or what another's are taken to be: without either the
+// meets its boundary on the way, which must not divert it into the ball. The bar bends around the
+// ball, so that it is closest between nodes, where the estimate errs by about 1 mm; the margin is
+// the filter's own standard deviation, or a configured one for other estimators: without either the
 // clearance is 1.2 and 4.0 mm.
 TEST_P(ObstacleWay, TheBarKeepsAwayFromTheBall) {
   const Vector3d center(0.32, 0.03, 0.115);
@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(Workspaces, ObstacleWay,
                          testing::Combine(testing::Values("pose_wrench_filter", "pose_driven"),
                                           testing::Bool()));
 
-/// What of the pads' area has slipped since the start, and whether any did beyond the rim over
+/// Slipped fraction of the pads' area since the start, and whether any slipped beyond the rim over
 /// which the bar enters them: their outermost line of nodes, 4.3 % of the area.
 struct Slipped {
   explicit Slipped(const object::HyperelasticPlant& plant) {
@@ -182,11 +182,11 @@ struct Slipped {
   bool beyond_rim = false;
 };
 
-// Pads that pinch the end of the bar across Y. Without the limit the bar turns and slides out of
-// them. With it, told that four fifths of the patch shall stick, only its rim slips: that does so
-// under 0.25 N, which is the bar's weight on the hand before it moves, of the 8 N that friction
-// bears, so that no limit of the wrench could keep it. A target that takes more is told to lie
-// beyond; one to which the bar's length suffices is reached.
+// Pads that pinch the end of the bar across Y. Without the limit the bar rotates and slides out of
+// them. With it, requiring four fifths of the patch to stick, only its rim slips: that happens
+// under 0.25 N, the bar's weight on the hand before it moves, of the 8 N of friction, so that no
+// wrench limit could prevent it. A target that requires more is reported as out of reach; one
+// within reach of the bar's length is reached.
 TEST(LimitsLoop, TheBarDoesNotSlipOutOfThePinch) {
   const std::vector<std::string> pads{"object.pads.pinch_axis=y", "object.pads.grip=16",
                                       "object.pads.friction=0.5"};
@@ -221,7 +221,7 @@ TEST(LimitsLoop, TheBarDoesNotSlipOutOfThePinch) {
   }
 }
 
-/// Limits that hold the arm's joints within `degrees` of where they start.
+/// Limits that keep the arm's joints within `degrees` of their initial positions.
 std::vector<std::string> joints_within(double degrees) {
   const double start[7] = {48.7535, -90.4407, -90.3120, 99.2143, 0.0726, 50.4586, 90.4908};
   std::string lower = "robot.joint_lower_deg=[", upper = "robot.joint_upper_deg=[";
@@ -238,7 +238,7 @@ std::vector<std::string> joints_within(double degrees) {
           upper + "]"};
 }
 
-// One joint after another comes to its end, and what the hand cannot reach is told.
+// One joint after another reaches its limit, and an unreachable target is reported.
 TEST(LimitsLoop, JointsStayWithinTheirLimitsAndTheRestIsUnreachable) {
   constexpr double kDegrees = 2;
   Way way(joints_within(kDegrees));
@@ -260,7 +260,8 @@ TEST(LimitsLoop, JointsStayWithinTheirLimitsAndTheRestIsUnreachable) {
   EXPECT_TRUE(pipeline.is_running());
 }
 
-// The chain that the daemon reads of the URDF file, against the simulator's own library.
+// The kinematic chain that the daemon reads from the URDF file, compared with the simulator's own
+// library.
 TEST(LimitsLoop, KinematicsOfTheArmAreThoseOfTheSimulator) {
   const std::string path = PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf";
   const kinematics::SerialChain chain = registry::read_urdf(path, "flange");
@@ -286,7 +287,7 @@ TEST(LimitsLoop, KinematicsOfTheArmAreThoseOfTheSimulator) {
   EXPECT_THROW(registry::read_urdf(path + ".not", "flange"), std::invalid_argument);
 }
 
-// With room, joints bring the point to its target as the hand's twist does.
+// Away from the limits, joint commands bring the point to its target as twist commands do.
 TEST(LimitsLoop, JointVelocitiesReachTheTarget) {
   Way way(joints_within(40));
   way.go({0, 0, 0.03}, 4);

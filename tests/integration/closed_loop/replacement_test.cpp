@@ -15,7 +15,7 @@ struct Replace {
   const char* parameters;
 };
 
-/// One way and back, while the loop steers a point of the bar.
+/// There and back, while the loop controls a point of the bar.
 struct Pair {
   const char* name;
   Replace there, back;
@@ -43,8 +43,8 @@ class ReplacementPair : public testing::TestWithParam<Pair> {
     std::int64_t arrival_ns = 0;
     while (loop_->twists().take(twist, arrival_ns)) last_ = twist;
   }
-  /// Runs on and looks at every command: finite, valid, and no more than the gate's acceleration
-  /// away from the one before.
+  /// Continues and checks every command: finite, valid, and within the gate's acceleration of the
+  /// previous one.
   double largest_step(double seconds) {
     double largest = 0;
     loop_->run(seconds, [&] {
@@ -83,14 +83,14 @@ TEST_P(ReplacementPair, ThereAndBackWithoutAJump) {
   EXPECT_EQ(loop_->daemon().pipeline().model().positions().cols(), before.cols());
   EXPECT_LE(largest_, 1.02e-3 * kGateAcceleration) << "m/s in a tick";
   EXPECT_GE(loop_->daemon().pipeline().target().revision, 1) << "the target was lost";
-  // What came back goes on as if nothing had been.
+  // The restored component continues as if nothing had happened.
   loop_->run(4.0);
   const Eigen::Vector3d rest_point = loop_->daemon().pipeline().feature().rest_points()[0];
   const Eigen::Vector3d truth = loop_->simulation().plant().position_at(rest_point);
   EXPECT_LT((truth - rest_point - Eigen::Vector3d(0, 0, 0.03)).norm(), 5e-3);
 }
 
-// Nor is its memory, which is gone by then, looked at.
+// Its memory, freed by then, is not accessed either.
 TEST(ReplacementLoop, WhatOnlyTheLastEstimatorKnewIsNotTold) {
   ClosedLoop loop(kReplacementScene, kReplacementConfiguration, {},
                   {"estimation={component: pose_wrench_filter}"});

@@ -1,4 +1,4 @@
-// Every scene with the configuration that is made for it.
+// Every scene with its configuration.
 
 #include <cmath>
 
@@ -63,7 +63,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, SceneAndConfiguration,
                                            ScenesPair{"block_soft_six_poses", "block_soft"}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
-// The thesis' third control run: its pose of three nodes beside the hand, within the block's plane.
+// The thesis' third control run: its pose of three nodes near the hand, within the block's plane.
 TEST(BlockControl, PoseBesideTheHandReachesItsTargetAlongZ) {
   const std::vector<Eigen::Vector3d> nodes = {
       {0.3653, 0.06, 0.3012}, {0.4, 0.06, 0.2}, {0.3653, 0.06, 0.2606}};

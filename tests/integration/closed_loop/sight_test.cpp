@@ -1,6 +1,6 @@
-// The filter while a camera looks at the object, in the simulator, under every model error at once
-// (tools/lab/studies/mismatch.yaml): the daemon's E, Poisson's ratio and mesh are wrong, its force
-// sensor and hand pose are off, the pads give.
+// The filter with a camera that observes the object, in the simulator, under every model error at
+// once (tools/lab/studies/mismatch.yaml): the daemon's E, Poisson's ratio and mesh are wrong, its
+// force sensor and hand pose have errors, the pads are compliant.
 #include "tests/integration/closed_loop/closed_loop.hpp"
 
 namespace palpate {
@@ -23,7 +23,7 @@ std::vector<std::string> scene_errors(std::vector<std::string> more = {}) {
   return more;
 }
 
-/// Steers the middle of the bar, and looks at the truth of it.
+/// Controls the middle of the bar, and checks its ground truth.
 class Steered {
  public:
   Steered(const std::string& scene, std::vector<std::string> overrides)
@@ -54,7 +54,7 @@ class Steered {
     return (loop_.simulation().plant().position_at(rest_point_) - target_).norm();
   }
   Eigen::VectorXd shape_errors() { return loop_.shape_error(); }            // m, of each node
-  double take_largest_step() { return std::exchange(largest_step_, 0.0); }  // m/s in a tick
+  double take_largest_step() { return std::exchange(largest_step_, 0.0); }  // m/s per tick
   ClosedLoop& loop() { return loop_; }
   int inactive_ticks() const { return inactive_ticks_; }
 
@@ -79,8 +79,8 @@ TEST(Sight, BringsAPointWithinAMillimetreOfItsTarget) {
       "point: blind %.2f mm, seen %.2f mm; shape, mean / max: %.2f / %.2f mm, %.2f / %.2f mm\n",
       1e3 * blind.point_error(), 1e3 * seen.point_error(), 1e3 * unseen.mean(),
       1e3 * unseen.maxCoeff(), 1e3 * errors.mean(), 1e3 * errors.maxCoeff());
-  // A rigid patch cannot be right at each of its nodes, so that the worst of them says little of
-  // the shape: its bound is the one asked of blind shapes, 1.5 % of the length.
+  // A rigid patch cannot be correct at each of its nodes, so that the worst of them says little
+  // about the shape: its bound is the one for blind shapes, 1.5 % of the length.
   EXPECT_LT(errors.maxCoeff(), 0.015 * 0.5);
   EXPECT_LT(errors.mean(), unseen.mean());
   EXPECT_LT(seen.point_error(), 1e-3);
@@ -89,10 +89,10 @@ TEST(Sight, BringsAPointWithinAMillimetreOfItsTarget) {
 }
 
 TEST(Sight, GoesAndComesWithoutAStepOfTheCommand) {
-  // Seen until 4 s, hidden until 9 s, seen again.
+  // Visible until 4 s, occluded until 9 s, visible again.
   Steered hand(kScene, scene_errors({"camera.occlusions=[{at: 4, duration: 5}]"}));
   hand.aim({0, 0, 0.03});
-  hand.run(2.9);  // until just before it is hidden
+  hand.run(2.9);  // until just before the occlusion
   hand.take_largest_step();
   hand.run(5.0);
   const double hidden = hand.take_largest_step(), error_hidden = hand.point_error();
@@ -104,7 +104,7 @@ TEST(Sight, GoesAndComesWithoutAStepOfTheCommand) {
       "point %.2f mm, then %.2f mm\n",
       1e3 * hidden, 1e3 * again, limits.linear_acceleration, 1e3 * error_hidden,
       1e3 * hand.point_error());
-  const double limit = 1e-3 * limits.linear_acceleration;  // m/s in a tick
+  const double limit = 1e-3 * limits.linear_acceleration;  // m/s per tick
   EXPECT_LT(hidden, 0.5 * limit);
   EXPECT_LT(again, 0.5 * limit);
   EXPECT_LT(hand.point_error(), 1e-3);

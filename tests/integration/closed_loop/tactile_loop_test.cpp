@@ -10,7 +10,7 @@ const char* const kTactileLoopScene = "sim/scenes/bar_soft_tactile.yaml";
 const char* const kTactileLoopConfiguration = "rt/config/examples/bar_soft_tactile.yaml";
 
 // Fingertips of robot and plant, BioTac messages, linear force map, fingertip poses of HAND_STATE:
-// what the daemon takes the fingers to do is what they do.
+// the daemon's estimate of the fingers' contacts agrees with the truth.
 TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
   ClosedLoop loop(kTactileLoopScene, kTactileLoopConfiguration);
   loop.run(0.9);
@@ -32,7 +32,7 @@ TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
     std::printf("finger %d: force error %.3f N of %.3f N, place error %.2f mm\n", finger,
                 (contact.wrench.force - force).norm(), force.norm(),
                 1e3 * (contact.location - touch.point).norm());
-    // Twice and a half what the map is wrong by on random presses all over the skin, RMS.
+    // Two and a half times the RMS error of the map on random presses all over the skin.
     EXPECT_LT((contact.wrench.force - force).norm(), 0.21) << finger;
     EXPECT_LT((contact.location - touch.point).norm(), 2e-3) << finger;
   }

@@ -43,7 +43,7 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
   EXPECT_LT(error.mean(), 0.01 * kLength);
   EXPECT_LT(error.maxCoeff(), 0.02 * kLength);
 
-  // What the wrist sensors feel, less their noise.
+  // Readings of the wrist sensors without their noise.
   Eigen::Vector3d felt[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   constexpr int kTicks = 500;
   loop.run(1e-3 * kTicks, [&] {
@@ -87,13 +87,13 @@ TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
     way[i] = now.translation() - before[i].translation();
     EXPECT_GT(way[i].norm(), 0.01) << "both do their part";
   }
-  // The point lies in the middle: neither does more than the other.
+  // The point lies in the middle: both arms contribute equally.
   EXPECT_NEAR(way[0].norm() / way[1].norm(), 1, 0.25);
   EXPECT_TRUE(loop.daemon().pipeline().is_running());
 }
 
-// One side of the middle up, the other down, within limits of the hands, of what they may exert and
-// of what the object may bear.
+// One side of the middle up, the other down, within limits of the hands, their wrenches and the
+// object's load.
 TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
   constexpr double kForce = 1.2, kStretch = 1.03, kSpeed = 0.05;
   ClosedLoop loop(
@@ -122,7 +122,7 @@ TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
     ++tick;
     for (int i = 0; i < 2; ++i) {
       const math::Twist& now = pipeline.gate_output(i).V_W_E;
-      // Of G, which the limits speak of, where the flange turns as well.
+      // At G, to which the limits refer, also when the flange rotates.
       const math::Pose& X_WE = loop.daemon().inputs().signals(i).robot.latest.X_WE;
       const math::Twist V_G = math::move_reference(
           now, Eigen::Vector3d(X_WE.linear() * pipeline.frames(i).X_EG.translation()));
@@ -150,7 +150,7 @@ TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
   EXPECT_TRUE(pipeline.is_running()) << pipeline.condition().reason;
 }
 
-// Limits of joints are those of one arm.
+// Joint limits are those of one arm.
 TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
   const auto error_of = [](const std::vector<std::string>& overrides) -> std::string {
     try {

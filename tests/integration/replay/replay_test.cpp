@@ -18,8 +18,7 @@ namespace {
 const std::string kExample =
     std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
 
-/// A log in which the hand moves sideways for `seconds`; `gap`: every how many messages one is
-/// lost.
+/// A log in which the hand moves sideways for `seconds`; `gap`: one message in this many is lost.
 class Recording {
  public:
   explicit Recording(double seconds, double amplitude = 0.03)

@@ -1,4 +1,4 @@
-// Programs of ours with a key, and others that have none, on one multicast group.
+// Programs with a key, and others without one, on one multicast group.
 
 #include <gtest/gtest.h>
 
@@ -24,7 +24,7 @@ using support::ChildProcess;
 const std::string kBin = std::string(PALPATE_BIN_DIR) + "/";
 const std::string kSource = PALPATE_SOURCE_DIR;
 
-/// Both buses, as anybody on the network has them, and a key that not everybody has.
+/// Both buses, as any host on the network has them, and a key that only some have.
 class AccessProcess : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -84,11 +84,11 @@ class AccessProcess : public ::testing::Test {
     return code;
   }
 
-  /// Where the flange is, by a state that was sent after the call; waits at most 20 s for it.
+  /// Flange pose from a state that was sent after the call; waits at most 20 s for it.
   bool flange(Eigen::Vector3d& position) { return rests(position, 1e9, milliseconds(0)); }
-  /// Where it rests: for so long, by the clock of its own states, it has moved by less than
-  /// `within` (m; 0: not by a bit). Waits at most 20 s for it: a driver that had no processor stops
-  /// late.
+  /// Rest pose of the flange: for this long, by the clock of its own states, it has moved by less
+  /// than `within` (m; 0: bit-identical). Waits at most 20 s for it: a driver without a processor
+  /// stops late.
   bool rests(Eigen::Vector3d& position, double within = 0,
              milliseconds so_long = milliseconds(400)) {
     const std::int64_t called_us = bus::wall_clock_us();
@@ -97,7 +97,7 @@ class AccessProcess : public ::testing::Test {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
     while (std::chrono::steady_clock::now() < end) {
       while (states_->take(state, arrival_ns)) {
-        if (state.utime <= called_us) continue;  // of before, and only late to arrive
+        if (state.utime <= called_us) continue;  // sent before, but arriving late
         const Eigen::Map<const Eigen::Vector3d> now(state.position);
         if (since_us == 0 || (now - position).norm() > within) {
           position = now;
@@ -121,7 +121,7 @@ class AccessProcess : public ::testing::Test {
     }
     return false;
   }
-  /// Twists upwards for `count` ms, sealed or not.
+  /// Twists upwards for `count` ms, signed or not.
   void steer(int count, bus::Sealer* sealer, std::int64_t session) {
     bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
     twist_command_t message{};
@@ -206,7 +206,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
                           "bus.control=" + control_url_, "--set",
                           "bus.housekeeping=" + housekeeping_url_, "--set",
                           "access.key_file=" + key_file_});
-  constexpr double kAtRest = 1e-3;  // m: noise, and what the arm gives way
+  constexpr double kAtRest = 1e-3;  // m: noise, and compliance of the arm
   Eigen::Vector3d start, now;
   ASSERT_TRUE(flange(start)) << simulator.output();
   steer(300, nullptr, 11);
@@ -296,7 +296,7 @@ TEST_F(AccessProcess, ACommandThatWasThereBeforeTheDaemonIsObeyed) {
   EXPECT_GT(health.commands_refused, 0) << "it was not there before the daemon";
 }
 
-/// The whole chain: command -> daemon -> driver -> daemon, each link sealed.
+/// The whole chain: command -> daemon -> driver -> daemon, each link signed.
 TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
   ChildProcess palpated(palpated_with());
   ChildProcess arm(driver());
@@ -332,7 +332,7 @@ TEST_F(AccessProcess, DaemonSteersTheDriverToATarget) {
                         &refused, &rejected),
             3)
       << arm.output();
-  // What was sealed just before the driver's start may arrive just after it.
+  // A message signed just before the driver's start may arrive just after it.
   EXPECT_LT(10 * refused, obeyed) << arm.output();
   EXPECT_EQ(rejected, 0);
 }

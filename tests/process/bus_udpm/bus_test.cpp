@@ -23,7 +23,7 @@ namespace {
 
 using support::Injector;
 
-/// Waits for something that another thread or process does; false when it takes absurdly long.
+/// Waits for an action of another thread or process; false on time-out.
 bool eventually(const std::function<bool()>& condition) {
   for (int i = 0; i < 20'000; ++i) {
     if (condition()) return true;
@@ -40,7 +40,7 @@ ft_wrench_t wrench_number(int number) {
   return message;
 }
 
-/// Sends, slowly enough for any buffer, `count` wrenches over `bus`.
+/// Publishes, slowly enough for any buffer, `count` wrenches over `bus`.
 void send_wrenches(MessageBus& bus, int count) {
   TypedPublisher<ft_wrench_t> publisher(bus, "FT_WRENCH");
   for (int i = 0; i < count; ++i) {
@@ -85,7 +85,7 @@ TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
     sender->start_publisher(kMessages, 200);
     TypedPublisher<ft_wrench_t> publisher(*sender, "FT_WRENCH", Urgency::kLater);
     TypedPublisher<imu_t> now(*sender, "IMU");
-    ASSERT_TRUE(now.publish(imu_t{}));  // liblcm makes its lock with the first
+    ASSERT_TRUE(now.publish(imu_t{}));  // liblcm creates its lock with the first
     const loop::NoAllocationScope scope;
     for (int i = 0; i < kMessages; ++i) {
       EXPECT_TRUE(publisher.publish(wrench_number(i)));
@@ -95,7 +95,7 @@ TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
     const std::vector<char> large(201);
     EXPECT_FALSE(sender->publish_later("FT_WRENCH", large.data(), 201));
     EXPECT_EQ(sender->unpublished(), 1);
-  }  // ends only when all that was handed over is on its way
+  }  // ends only after everything handed over has been sent
   ASSERT_TRUE(eventually([&] { return subscription.counters().received == kMessages; }));
   ft_wrench_t message{};
   std::int64_t arrival_ns = 0;
@@ -210,7 +210,7 @@ TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
     if (round % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const DatagramCounters& seen = bus->datagrams();
-  // UDP may lose some at this rate; what was lost is counted by the kernel.
+  // UDP may lose some at this rate; losses are counted by the kernel.
   ASSERT_TRUE(eventually([&] {
     send(support::datagram("FT_WRENCH", good));
     return seen.received + seen.overflowed >= 7 * kRounds;
@@ -262,7 +262,7 @@ TEST(UdpmReceiver, CountsWhatItsSocketCouldNotHold) {
   Injector injector(url);
   const std::vector<std::uint8_t> large(20'000);
   std::int64_t sent = 0;
-  // A burst outruns the receiver sooner or later.
+  // A burst overruns the receiver eventually.
   ASSERT_TRUE(eventually([&] {
     for (int i = 0; i < 200; ++i, ++sent) injector.send(large.data(), large.size());
     return counters.overflowed > 0;
@@ -283,7 +283,7 @@ TEST(LcmBus, PublishingDoesNotAllocate) {
 }
 
 TEST(LcmBus, WithoutARouteItSaysHowToAddOne) {
-  // A child with a network of its own, in which there is no route at all.
+  // A child in a separate network without any route.
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {

@@ -13,7 +13,7 @@
 
 namespace palpate::bus::support {
 
-/// Sends raw datagrams to a group, as anybody on the network could.
+/// Sends raw datagrams to a group, as any host on the network could.
 class Injector {
  public:
   explicit Injector(const UdpmUrl& url)
@@ -35,7 +35,7 @@ class Injector {
   sockaddr_in address_;
 };
 
-/// Whether a datagram to the group comes back to a plain socket on this machine.
+/// Whether a datagram to the group is received by a plain socket on this machine.
 inline bool multicast_works(const UdpmUrl& url) {
   const sockaddr_in address = url.socket_address();
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -55,7 +55,7 @@ inline bool multicast_works(const UdpmUrl& url) {
 
 }  // namespace palpate::bus::support
 
-/// Skips the test where this machine has no multicast.
+/// Skips the test if this machine has no multicast.
 #define PALPATE_REQUIRE_MULTICAST(url)                             \
   if (!palpate::bus::support::multicast_works(url))                \
   GTEST_SKIP() << "multicast does not work here: " << (url).text() \

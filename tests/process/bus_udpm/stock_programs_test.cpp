@@ -20,7 +20,7 @@
 namespace palpate::bus {
 namespace {
 
-/// A program that runs until it ends by itself or this object does.
+/// A program that runs until it ends or this object is destroyed.
 class Program {
  public:
   explicit Program(std::vector<std::string> command) {
@@ -128,7 +128,7 @@ void write_log(const std::string& file, int count) {
 
 TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
   UdpmUrl url = private_url();
-  url.receive_buffer_size = 2 << 20;  // the logger may be held up while all are sent
+  url.receive_buffer_size = 2 << 20;  // the logger may be delayed while all are sent
   PALPATE_REQUIRE_MULTICAST(url);
   if (!installed("lcm-logger")) GTEST_SKIP() << "lcm-logger is absent; install liblcm-bin";
   const Folder folder;
@@ -137,7 +137,7 @@ TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
   const auto bus = make_lcm_bus(url.text());
   TypedPublisher<ft_wrench_t> publisher(*bus, "FT_WRENCH");
   TypedPublisher<ft_wrench_t> marker(*bus, "MARKER");
-  // The logger writes its self-test when it hears the network; from then on it records.
+  // The logger writes its self-test when it receives from the network; from then on it records.
   ASSERT_TRUE(eventually([&] {
     marker.publish(wrench_number(0));
     return std::filesystem::exists(file) && std::filesystem::file_size(file) > 0;
@@ -147,7 +147,7 @@ TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
     ASSERT_TRUE(publisher.publish(wrench_number(i)));
     std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
-  // It writes to the disk only when something more arrives.
+  // It writes to the disk only when further messages arrive.
   EXPECT_TRUE(eventually([&] {
     marker.publish(wrench_number(0));
     return wrenches_of(file).size() >= kCount;

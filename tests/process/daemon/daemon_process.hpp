@@ -18,8 +18,8 @@ inline const std::string kDaemon = std::string(PALPATE_BIN_DIR) + "/palpated";
 inline const std::string kExample =
     std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml";
 
-/// Resident memory of a process; 0 in builds with a sanitizer, which keeps what is freed for long
-/// and finds leaks by itself.
+/// Resident memory of a process; 0 in builds with a sanitizer, which delays the release of freed
+/// memory and detects leaks itself.
 inline double resident_megabytes(int pid) {
   if (loop::kSanitized) return 0;
   std::ifstream file("/proc/" + std::to_string(pid) + "/statm");
@@ -62,7 +62,7 @@ class DaemonProcess : public ::testing::Test {
     if (housekeeping_) housekeeping_->stop();
   }
 
-  /// The newest HEALTH that fulfils `condition`, waited for at most 20 s.
+  /// The newest HEALTH that satisfies `condition`, waiting at most 20 s.
   template <class Condition>
   bool wait_health(Condition condition, health_t& health) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -76,7 +76,7 @@ class DaemonProcess : public ::testing::Test {
     return false;
   }
 
-  /// The next health that is told from now on.
+  /// The next HEALTH published from now on.
   bool next_health(health_t& health) {
     std::int64_t arrival_ns = 0;
     while (health_->take(health, arrival_ns)) {

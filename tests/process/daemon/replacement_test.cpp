@@ -19,7 +19,7 @@ struct Request {
   bool good;
 };
 
-// After one round everything is as it was.
+// After one round everything is as before.
 constexpr Request kRound[] = {
     {"object", "", "order: linear", true},
     {"deformation", "corotational_dynamic", "", true},
@@ -69,8 +69,8 @@ class ReplacementProcess : public DaemonProcess {
     bus::put_text(message.parameters, request.parameters);
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
   }
-  /// Sends, as whoever wants an answer does, again while there is none (a datagram may be lost);
-  /// the last word on it, or empty where none came in 20 s.
+  /// Sends, as any client does, repeatedly until answered (a datagram may be lost); returns the
+  /// final answer, or empty if there was none within 20 s.
   std::string outcome(const Request& request, std::int64_t counter) {
     const auto begin = std::chrono::steady_clock::now();
     auto next = begin;
@@ -91,7 +91,8 @@ class ReplacementProcess : public DaemonProcess {
     }
     return "";
   }
-  /// Commands must be finite and, one after the other, keep the gate's acceleration.
+  /// Commands must be finite and the change between consecutive ones must respect the gate's
+  /// acceleration limit.
   void watch_commands() {
     twist_command_t twist;
     std::int64_t arrival_ns = 0;
@@ -114,7 +115,7 @@ class ReplacementProcess : public DaemonProcess {
   double last_twist_[3] = {};
   std::int32_t last_seq_ = 0;
   int not_finite_ = 0, commands_ = 0;
-  double largest_change_ = 0;  // m/s a tick
+  double largest_change_ = 0;  // m/s per tick
 };
 
 /// Overruns of cycles, in some of them.
@@ -127,8 +128,9 @@ struct Overruns {
   }
 };
 
-/// PALPATE_REPLACEMENTS=10000 for the long run. After every round of requests the daemon is left
-/// alone for as long, so that what the machine does to it can be told from what replacing does.
+/// PALPATE_REPLACEMENTS=10000 for the long run. After every round of requests the daemon runs
+/// undisturbed for the same time, so that effects of the machine can be distinguished from those of
+/// the replacement.
 TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
   const char* wanted = std::getenv("PALPATE_REPLACEMENTS");
   int count = wanted != nullptr ? std::max(22, std::atoi(wanted)) : 44;
@@ -180,7 +182,8 @@ TEST_F(ReplacementProcess, ManyUnderLoadLeaveNoTrace) {
     resting.add(replaced_all, health);
     if (i + 1 < count) continue;
     growth = resident_megabytes(daemon.pid()) - resident;
-    // A leak grows as much once more; what an allocator keeps for its threads does not.
+    // A leak grows by the same amount again; memory cached by an allocator for its threads does
+    // not.
     if (growth < kMostGrowth || again++ == 2) continue;
     resident += growth;
     count += 2 * kRoundLength;

@@ -14,9 +14,9 @@
 
 namespace palpate {
 
-/// A robot that holds the bar of the example, with its sensors, from a thread and over a bus of its
-/// own. It sways up and down a little; where it obeys, it follows TWIST_COMMAND exactly besides, as
-/// long as commands come.
+/// A robot that holds the bar of the example, with its sensors, in a separate thread and with its
+/// own bus. It moves up and down slightly; if it accepts commands, it also follows TWIST_COMMAND
+/// exactly, as long as commands arrive.
 class Robot {
  public:
   explicit Robot(const std::string& control_url, bool obeys = false)
@@ -26,7 +26,7 @@ class Robot {
         wrench_(*bus_, "FT_WRENCH"),
         inertial_(*bus_, "IMU"),
         obeys_(obeys) {
-    // The flange that holds the grasp where it is at rest: frames of the example.
+    // The flange pose that holds the grasp at its rest pose: frames of the example.
     X_WE_.translation() = Eigen::Vector3d(1.36 - 0.47 - 0.30, 0, 0.31);
     X_WE_.linear() = Eigen::Quaterniond(std::sqrt(0.5), 0, std::sqrt(0.5), 0).toRotationMatrix();
     bus_->start();
@@ -76,7 +76,7 @@ class Robot {
     message.session = 5;
   }
   void publish(int tick) {
-    // What the wrist bears of the hand, and its specific force.
+    // Load of the hand on the wrist, and its specific force.
     const Eigen::Vector3d up_E = X_WE_.linear().transpose() * Eigen::Vector3d(0, 0, 9.81);
     const Eigen::Vector3d force = 4.8 * up_E;
     const Eigen::Vector3d torque = Eigen::Vector3d(0.0015, -0.00065, 0.1137).cross(force);

@@ -17,7 +17,7 @@ import subprocess
 import sys
 import tempfile
 
-PATIENCE = 800  # s, for a machine that is very busy; a quiet one takes 40
+PATIENCE = 800  # s, sufficient for a very busy machine; an unloaded one takes 40
 READERS = ("rt/daemon/*.cpp", "rt/registry/*.cpp", "rt/pipeline/*.cpp", "rt/plugin/*.cpp", "rt/config/*.cpp", "sim/scenes/*.cpp", "sim/sensors/*.cpp",
            "tools/recordings/plan.cpp", "tools/fit/**/*.cpp", "tools/lab/studies/study_plan.cpp")
 GETTER = re.compile(
@@ -27,17 +27,17 @@ GETTER = re.compile(
     r"\s*\{?\s*\"([A-Za-z0-9_]+)\"")
 # Keys of files that programs write for each other, not of configurations.
 OF_OTHER_FILES = {"model", "corotational", "position", "quaternion", "rpy_deg", "units", "hidden"}
-# Asked for by hand: they name a library that the user has built (tools/examples).
+# Requested manually: they name a library built by the user (tools/examples).
 OF_LIBRARIES = {"plugins", "library"}
 
 
-# Of README.md: what is not run here, and why.
+# Blocks of README.md that are not run here, and why.
 NOT_RUN = {"tools/demo": "installs packages and runs for half an hour",
            "tools/test": "installs packages and runs all tests, this one among them"}
 
 
 def is_printed(page, words, root):
-    """Whether a page is what a command prints."""
+    """Whether a page equals a command's output."""
     printed = subprocess.run(words, capture_output=True, text=True, timeout=300)
     if printed.returncode != 0:
         print(printed.stderr)
@@ -79,7 +79,7 @@ def keys(root):
 
 
 def blocks(text):
-    """Fenced blocks of shell commands, with the line each begins at."""
+    """Fenced blocks of shell commands, with the line at which each begins."""
     found, lines, start = [], None, 0
     for number, line in enumerate(text.splitlines(), 1):
         if lines is None and re.match(r"```sh\s*$", line):
@@ -93,15 +93,15 @@ def blocks(text):
 
 
 def private_urls():
-    """For control and housekeeping, of this process alone."""
+    """For control and housekeeping, of this process only."""
     port = 10000 + os.getpid() % 11000 * 2
     group = f"239.255.{90 + os.getpid() % 100}.{1 + os.getpid() // 100 % 250}"
     return f"udpm://{group}:{port}?ttl=0", f"udpm://{group}:{port + 1}?ttl=0"
 
 
 def say_and_run(body, folder, environment):
-    """What a shell said, and its exit code; nothing that it began outlives it."""
-    # Where this test is killed, the shell ends and with it, by its trap, what runs behind it.
+    """Output of a shell, and its exit code; nothing that it started outlives it."""
+    # If this test is killed, the shell ends and, by its trap, its background processes.
     process = subprocess.Popen(["setpriv", "--pdeathsig", "TERM", "bash", "-c", body], cwd=folder, env=environment,
                                text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True)
     try:
@@ -114,7 +114,7 @@ def say_and_run(body, folder, environment):
 
 
 def readme(root, programs):
-    """Blocks of README.md, on LCM URLs of their own, by a machine that may be busy."""
+    """Blocks of README.md, on separate LCM URLs, with tolerance for a busy machine."""
     control, housekeeping = private_urls()
     urls = f"--set 'bus.control={control}' --set 'bus.housekeeping={housekeeping}'"
     script = ["set -euo pipefail", "trap 'kill $(jobs -p) 2>/dev/null || true; wait' EXIT",
@@ -140,8 +140,8 @@ def readme(root, programs):
 
 
 def commands(root, programs, guide):
-    """One shell runs all blocks in their order, in an empty folder, with palpate installed for it
-    alone and on LCM URLs of its own."""
+    """One shell runs all blocks in order, in an empty folder, with palpate installed
+    separately and on separate LCM URLs."""
     text = guide.read_text()
     control, housekeeping = private_urls()
     folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_docs_"))

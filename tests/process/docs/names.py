@@ -1,5 +1,5 @@
-"""What pages of the documentation name, and what there is: programs with their commands and options,
-configuration keys, files, identifiers."""
+"""Names used in pages of the documentation, and those that exist: programs with their
+commands and options, configuration keys, files, identifiers."""
 import functools
 import pathlib
 import re
@@ -8,11 +8,11 @@ import subprocess
 
 import yaml
 
-PATIENCE = 120  # s, for a machine that is very busy
+PATIENCE = 120  # s, sufficient for a very busy machine
 TOP = ("core", "rt", "sim", "tools", "tests", "lcmtypes", "docs")
 SOURCES = {".cpp", ".hpp", ".py", ".yaml", ".lcm", ".cmake", ".txt", ".js", ".html", ".json", ".in", ".service", ".conf", ""}
 PROGRAM = re.compile(r"(?:palpated|palpate-[a-z-]+|(?:bench|fuzz|process|integration|unit)_\w+|driver_template)$")
-# Words of a shell that may stand before a program.
+# Shell words that may precede a program.
 BEFORE = {"sudo", "nice", "time", "exec", "until", "while", "if", "!", "then", "do", "else", "{", "("}
 OPTION = re.compile(r"(?<![\w-])(--[A-Za-z][\w-]*|-[A-Za-z])\b")
 IDENTIFIER = re.compile(r"\b[A-Za-z][A-Za-z0-9]*(?:_[A-Za-z0-9]+)+\b")
@@ -37,7 +37,7 @@ def blocks(text):
 
 
 def spans(text):
-    """(line, code) of what stands between single back-ticks outside of fenced blocks."""
+    """(line, code) of the text between single back-ticks outside fenced blocks."""
     inside = False
     for number, line in enumerate(text.splitlines(), 1):
         if re.match(r"\s*```", line):
@@ -48,7 +48,7 @@ def spans(text):
 
 
 def without_documents(lines):
-    """Lines of a shell without what goes to files by << END, and that, as (name, text)."""
+    """Lines of a shell without here-documents (<< END), and these, as (name, text)."""
     commands, documents, end, name = [], [], None, ""
     for line in lines:
         if end is None:
@@ -67,7 +67,7 @@ def without_documents(lines):
 
 
 def simple_commands(line):
-    """The commands of a line of shell, each as its words."""
+    """The commands in a shell line, each as its words."""
     line = re.sub(r"(^|\s)#.*", "", line)
     line = re.sub(r"\\\s*$", "", line)
     for part in re.split(r"&&|\|\||[;|&]|\$\(|\{ |\)\s*$", line):
@@ -82,7 +82,7 @@ def simple_commands(line):
 
 
 class Tree:
-    """The sources and the programs that were built of them."""
+    """The sources and the programs built from them."""
 
     def __init__(self, root, programs):
         self.root, self.programs = pathlib.Path(root), pathlib.Path(programs)
@@ -94,7 +94,7 @@ class Tree:
         self.words = {path.stem for path in self.files} | {path.name for path in self.programs.iterdir()}
         for path in self.files:
             if "process/docs" in path.parent.as_posix():
-                continue  # wrong names, to see that they are found
+                continue  # wrong names, to verify that they are found
             if path.suffix in SOURCES and path.stat().st_size < 1 << 20:
                 text = path.read_text(errors="replace")
                 self.words.update(re.findall(r"[A-Za-z_][A-Za-z0-9_]*", text))
@@ -103,7 +103,7 @@ class Tree:
         self.keys, self.paths = self._configuration()
 
     def _configuration(self):
-        """Names of keys, and where they stand: control.limits.slip."""
+        """Names of keys, and their location: control.limits.slip."""
         keys, paths, section = set(), set(), ""
         for line in (self.root / "docs/configuration.md").read_text().splitlines():
             heading = re.match(r"###+ (?:`(.*)`|Top level)", line)
@@ -129,7 +129,7 @@ class Tree:
 
     @functools.lru_cache(maxsize=None)
     def ctests(self):
-        """Names of ctest, without the instance and the number of tests with parameters."""
+        """Names of ctest, without the instance and number of parametrised tests."""
         names = set()
         for label in ("unit", "property", "integration", "fault", "process"):
             for path in (self.root / "tests" / label).rglob("*"):
@@ -158,14 +158,14 @@ class Tree:
 
 
 class Page:
-    """One page held against the tree; `wrong` lists what does not exist."""
+    """Checks one page against the tree; `wrong` lists nonexistent names."""
 
     def __init__(self, tree, path, text):
         self.tree, self.path, self.text, self.wrong = tree, path, text, []
         self.checked = 0
         self.aliases = dict(re.findall(r"(\w+)\(\) \{ ([\w-]+)", text))
         fenced = "\n".join("\n".join(lines) for _, _, lines in blocks(text))
-        self.made = set(re.findall(r"[\w-]+\.\w+", fenced))  # files that the page itself makes
+        self.made = set(re.findall(r"[\w-]+\.\w+", fenced))  # files that the page itself creates
         for language, start, lines in blocks(text):
             if language in ("", "sh"):
                 self.shell(start, lines, language == "sh")
@@ -236,7 +236,7 @@ class Page:
                 self.need(line, word, any(regex.fullmatch(test) for test in self.tree.tests(name)), "no such test")
 
     def file(self, line, word):
-        """A path of the tree, perhaps with * and {a,b}."""
+        """A path of the tree, possibly with * and {a,b}."""
         word = re.sub(r":[\w.*:]*$", "", word).rstrip(".,")
         match = re.match(rf"(?:{'|'.join(TOP)})/[\w./*{{}},-]*$", word)
         if not match or re.search(r"(?:^|/)[A-Z]+(?:/|$)", word):

@@ -20,7 +20,7 @@ class Pages(unittest.TestCase):
         for path in TREE.pages:
             name = path.relative_to(TREE.root)
             if str(name) == "docs/configuration.md":
-                continue  # which is made, and held against the code by another test
+                continue  # which is generated, and checked against the code by another test
             page = Page(TREE, name, path.read_text())
             wrong += page.wrong
             checked += page.checked
@@ -64,7 +64,7 @@ class Licences(unittest.TestCase):
 
 
 class Wrong(unittest.TestCase):
-    """What is not there is found."""
+    """Nonexistent names are found."""
 
     def complaints(self, text):
         return Page(TREE, "README.md", text).wrong

@@ -23,7 +23,7 @@ ROOT, BIN = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resol
 PATIENCE = 300  # s, for a machine that is very busy
 SCENE, CONFIGURATION = "sim/scenes/bar_long_soft_control.yaml", "rt/config/examples/bar_long_soft.yaml"
 WHOLE = {"README.md", "docs/tutorial.md", "docs/own_robot.md"}  # docs_test.py
-# What is not run, by how its line begins, and why.
+# Lines that are not run, by their beginning, and why.
 NOT_RUN = {
     "tools/lab/report/report_baselines": "takes hours; process.published.studies runs it on a small plan",
     "tools/lab/report/tune_baselines": "takes hours; process.published.tuning runs it on a small plan",
@@ -33,12 +33,12 @@ NOT_RUN = {
     "palpate-evaluate published-sensing": "takes hours; process.published.studies runs it on a small plan",
     "PYTHONPATH=build/release/python python3": "is a dialogue; tests of palpate's package use that folder",
 }
-# Programs that stay, and what each says when it is ready.
+# Programs that keep running, and their output when ready.
 READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://"}
 
 
 class Beside:
-    """A folder, LCM URLs and programs of one block alone."""
+    """Folder, LCM URLs and programs of a single block."""
 
     def __init__(self):
         self.urls = private_urls()
@@ -61,7 +61,9 @@ class Beside:
         shutil.rmtree(self.folder, ignore_errors=True)
 
     def words_more(self, program, line):
-        """What makes the program one of this block alone, and patient with a busy machine."""
+        """Settings that separate the program of this block, and make it tolerant of a busy
+        machine.
+        """
         control, housekeeping = self.urls
         if program in ("palpated", "palpate-sim"):
             more = f" --set bus.control={control} --set bus.housekeeping={housekeeping}"
@@ -79,7 +81,7 @@ class Beside:
         return " --no-live" if program == "palpate-doctor" else ""
 
     def run(self, line):
-        """Raises where it goes wrong; a program that stays is left running."""
+        """Raises on failure; a program that keeps running is left running."""
         line = line.split(" #")[0].rstrip().rstrip("&").rstrip()
         program = line.split()[0]
         shell = line.replace("/tmp/plugin", str(self.folder / "plugin")) + self.words_more(program, line)
@@ -97,7 +99,7 @@ class Beside:
             return
         said = subprocess.run(["bash", "-c", shell], cwd=self.folder, text=True, timeout=PATIENCE, check=False,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, env=self.environment())
-        # What ails this machine is not the page's fault.
+        # Deficiencies of this machine are not the page's fault.
         if said.returncode not in ((0, 1) if program == "palpate-doctor" else (0,)):
             raise RuntimeError(f"exit code {said.returncode}:\n{said.stdout}")
         for process, log in self.staying:
@@ -109,7 +111,7 @@ class Beside:
 
 
 def prepare(beside, text):
-    """What the block takes to be there."""
+    """Preconditions of the block."""
     if "palpate-sim " not in text:
         beside.run(f"palpate-sim {SCENE}")
     if "palpated " not in text:
@@ -121,7 +123,7 @@ def prepare(beside, text):
 
 
 def wrong_lines(page):
-    """Runs a page's blocks; how many lines did not do what they say, and how many did."""
+    """Runs a page's blocks; returns the numbers of failed and of successful lines."""
     wrong, right = 0, 0
     for language, start, lines in blocks((ROOT / page).read_text()):
         numbered = [(start + i, line) for i, line in enumerate(lines) if line.strip()]

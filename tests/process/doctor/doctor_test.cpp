@@ -1,4 +1,4 @@
-// palpate-doctor as a process: what goes over the network, exit codes, JSON.
+// palpate-doctor as a process: network traffic, exit codes, JSON.
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// What is exported, opened by the programs it is for; skipped where they are not installed.
+// Exported files opened by their target programs; skipped if these are not installed.
 
 #include <gtest/gtest.h>
 
@@ -27,7 +27,7 @@ std::string path_of(const std::string& program) {
   return "";
 }
 
-/// Exit code, and all that a program said.
+/// Exit code, and all output of a program.
 std::pair<int, std::string> run(const std::vector<std::string>& words) {
   support::ChildProcess program(words);
   const int code = program.wait(milliseconds(240000));
@@ -121,16 +121,16 @@ TEST(Opened, ByTheLibrariesOfFoxglove) {
   }
 }
 
-/// What PlotJuggler's reader of CSV asks for, by its source (3.9): names in the first line, none of
-/// which is a number and none twice, commas, as many cells in every line, and a column of time that
-/// rises. PlotJuggler itself is not in Debian 12 and was not run.
+/// Requirements of PlotJuggler's CSV reader, by its source (3.9): names in the first line, none of
+/// them a number and all unique, commas, the same number of cells in every line, and an increasing
+/// time column. PlotJuggler itself is not in Debian 12 and was not run.
 TEST(Opened, HasWhatPlotJugglersReaderOfCsvAsksFor) {
   const SmallRun made;
   const std::string folder = (made.folder() / "csv").string();
   expect_exported({"csv", made.control(), made.housekeeping(), "--quiet", "-o", folder});
   int tables = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-    if (entry.path().stem().extension() == ".columns") continue;  // tells units, for people
+    if (entry.path().stem().extension() == ".columns") continue;  // contains units, for people
     std::ifstream in(entry.path());
     std::string line;
     const auto cells = [&line] {

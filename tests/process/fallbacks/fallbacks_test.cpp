@@ -1,5 +1,5 @@
-// A component that errs in a running daemon, and its fallback, seen from outside. The daemon is the
-// one that palpated runs, in a process of its own whose components can be told to fail.
+// A failing component in a running daemon, and its fallback, observed from outside. The daemon is
+// the one of palpated, in a separate process whose components have injectable faults.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -25,12 +25,12 @@ constexpr int kGoesOn = 300;       // cycles after it
 struct Case {
   const char* name;
   const char* override;
-  const char* event;  // that it begins with
-  /// Puts in a component that errs once `broken` is true.
+  const char* event;  // the initial component
+  /// Installs a component that fails once `broken` is true.
   void (*put_in)(pipeline::Slots& slots, const bool& broken);
 };
 
-/// Errs when it is told to from outside.
+/// Fails on request from outside.
 class ToldSensor final : public faults::FaultySensor {
  public:
   ToldSensor(std::unique_ptr<sensing::SensorModel> good, const bool& broken)
@@ -80,7 +80,7 @@ config::Node configuration(const Case& of) {
                                 "loop.overrun_window_ms=5000", "loop.safe_stop_after_ms=5000"});
 }
 
-/// Runs until some time after the fault. 0: in the cycle of the fault the fallback commanded.
+/// Runs until some time after the fault. 0: the fallback commanded in the cycle of the fault.
 int run_daemon(const Case& of, const runs::Urls& urls) {
   const config::Node root = configuration(of);
   const auto control = bus::make_lcm_bus(urls.control);
@@ -139,7 +139,7 @@ TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
                    [](const faults::EventNote& note) { return note.event == "fallback"; });
   ASSERT_NE(event, trace.events.end());
   EXPECT_EQ(event->reason.rfind(of.event, 0), 0u) << event->reason;
-  // The state is told once the fallback runs, and commands go on.
+  // The state is reported once the fallback runs, and commands continue.
   int degraded = 0, still = 0;
   for (const faults::HealthNote& note : trace.health) {
     if (note.time_ns < event->time_ns - 20'000'000) continue;

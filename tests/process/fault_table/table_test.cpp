@@ -1,5 +1,5 @@
-// Each row of the table of faults once in real processes; palpate-evaluate faults --process runs as
-// many seeds as it is told, with the times.
+// Each row of the table of faults once in real processes; palpate-evaluate faults --process runs
+// any number of seeds, with the times.
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@
 namespace palpate::evaluate {
 namespace {
 
-/// By how much a busy machine may miss a figure in time.
+/// Tolerance of timing bounds on a busy machine.
 constexpr double kGenerous = 5;
 
 class ProcessFaultTable : public testing::TestWithParam<int> {};

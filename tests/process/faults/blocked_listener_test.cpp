@@ -1,4 +1,4 @@
-// Whoever listens may stop doing so: full sockets, full disks, a log that nobody reads.
+// Receivers may stop reading: full sockets, full disks, a log that is not read.
 
 #include <fcntl.h>
 
@@ -23,7 +23,7 @@ class BlockedListener : public FaultProcess {
   std::unique_ptr<Robot> robot_;
 };
 
-/// A stopped logger's sockets fill up: that is its loss alone.
+/// A stopped logger's sockets fill up: only the logger loses messages.
 TEST_F(BlockedListener, StoppedLoggerIsNotWaitedFor) {
   ChildProcess daemon(patient_command());
   ASSERT_NO_FATAL_FAILURE(begin(daemon));
@@ -69,7 +69,7 @@ TEST_F(BlockedListener, FullDiskUnderTheLogIsNoFault) {
   EXPECT_EQ(daemon.wait(milliseconds(10000)), 0);
 }
 
-/// A pipe under the log that is full, as that of a journal that hangs.
+/// A full pipe as the log's destination, like that of a hung journal.
 TEST_F(BlockedListener, BlockedLogHoldsUpNeitherLoopNorEnd) {
   int ends[2];
   ASSERT_EQ(pipe2(ends, O_CLOEXEC), 0);

@@ -1,4 +1,4 @@
-// How a daemon ends, and what keeps it from beginning.
+// Termination of a daemon, and conditions under which it does not start.
 
 #include <arpa/inet.h>
 #include <sys/socket.h>
@@ -19,7 +19,7 @@ TEST_P(End, OnASignalBrakesAndIsClean) {
   Robot robot(control_url_, true);
   ASSERT_TRUE(activate()) << daemon.output();
   send_target(0.12);
-  // In full motion.
+  // While moving at full speed.
   twist_command_t twist{};
   std::int64_t arrival_ns = 0;
   const auto patience = Clock::now() + std::chrono::seconds(20);

@@ -17,7 +17,7 @@ using Clock = std::chrono::steady_clock;
 
 inline const std::string kInjector = std::string(PALPATE_BIN_DIR) + "/palpate-inject";
 
-/// How much of something: a number from the environment where it is set, else `usual`.
+/// A count: from the environment if set, otherwise `usual`.
 inline int amount(const char* variable, int usual) {
   const char* text = std::getenv(variable);
   return text != nullptr ? std::max(1, std::atoi(text)) : usual;
@@ -27,7 +27,7 @@ inline double seconds_since(Clock::time_point begin) {
   return std::chrono::duration<double>(Clock::now() - begin).count();
 }
 
-/// What a daemon said during a while.
+/// Messages of a daemon during an interval.
 struct Seen {
   double seconds = 0;
   int commands = 0;
@@ -56,7 +56,7 @@ inline void print(const char* name, const Seen& seen) {
       static_cast<long long>(seen.heard + seen.lost), 100 * seen.loss());
 }
 
-/// A daemon in the middle of its work, an obedient robot, and somebody who listens.
+/// An active daemon, a robot that follows it, and a listener.
 class FaultProcess : public DaemonProcess {
  protected:
   void SetUp() override {
@@ -78,7 +78,7 @@ class FaultProcess : public DaemonProcess {
     DaemonProcess::TearDown();
   }
 
-  /// A shared machine may take a core away for long: the test is of faults, not of the machine.
+  /// A shared machine may withdraw a core for long: the fault is under test, not the machine.
   std::vector<std::string> patient_command(const std::vector<std::string>& more = {}) const {
     std::vector<std::string> words =
         command({"--set", "loop.safe_stop_after_ms=5000", "--set", "loop.degraded_after_ms=5000"});
@@ -88,7 +88,7 @@ class FaultProcess : public DaemonProcess {
 
   ::testing::AssertionResult activate() {
     health_t health{};
-    // Whatever was said before a restart of the daemon is of no interest.
+    // Messages before a restart of the daemon are ignored.
     const auto end = Clock::now() + std::chrono::seconds(20);
     while (Clock::now() < end) {
       send_event("start", ++counter_);
@@ -115,7 +115,7 @@ class FaultProcess : public DaemonProcess {
     bus::TypedPublisher<shape_target_t>(*control_, "SHAPE_TARGET").publish(target);
   }
 
-  /// Daemon's health now: the newest, waited for.
+  /// Current health of the daemon: the newest message, awaited.
   health_t health_now() {
     health_t health{};
     std::int64_t arrival_ns = 0;
@@ -180,7 +180,7 @@ class FaultProcess : public DaemonProcess {
     seen.largest_speed = std::max(seen.largest_speed, std::sqrt(square));
   }
 
-  /// The last event of that name within `seconds`; false where none came.
+  /// The last event of that name within `seconds`; false if there was none.
   bool wait_event(const std::string& name, double seconds, component_event_t& event) {
     const auto begin = Clock::now();
     std::int64_t arrival_ns = 0;
@@ -198,7 +198,7 @@ class FaultProcess : public DaemonProcess {
   std::unique_ptr<bus::TypedSubscription<feature_t>> feature_;
   std::unique_ptr<bus::TypedSubscription<twist_command_t>> command_;
   std::unique_ptr<bus::TypedSubscription<component_event_t>> events_;
-  // A daemon's peers: every test process is another one.
+  // A daemon's participants: every test process is a different one.
   std::int64_t counter_ = 0;
   std::int32_t revision_ = 0;
 };

@@ -1,4 +1,4 @@
-// Far too many messages, on another port, another channel of the same, and the same channel.
+// Message floods, on another port, on another channel of the same port, and on the same channel.
 
 #include "tests/process/faults/fault_process.hpp"
 
@@ -47,7 +47,7 @@ class Flood : public FaultProcess {
     EXPECT_TRUE(daemon_->running()) << daemon_->output();
     EXPECT_EQ(flooded.not_finite, 0);
     EXPECT_LE(flooded.largest_speed, 1.001 * kSpeedLimit);
-    // The loop goes on, whatever its rate on a machine that is short of processors.
+    // The loop continues, at whatever rate a machine short of processors allows.
     EXPECT_GT(flooded.commands, quiet.commands / 4);
     return {quiet, flooded};
   }

@@ -1,4 +1,4 @@
-// Packets that nobody may accept, at a daemon that holds its closed loop.
+// Invalid packets sent to a daemon in closed loop.
 
 #include "tests/process/faults/fault_process.hpp"
 #include "tools/lab/inject/packets.hpp"
@@ -18,7 +18,7 @@ class Malformed : public FaultProcess {
   }
 };
 
-/// PALPATE_PACKETS=1000000 for the long run, PALPATE_PACKET_RATE of them a second.
+/// PALPATE_PACKETS=1000000 for the long run, PALPATE_PACKET_RATE of them per second.
 TEST_F(Malformed, PacketsLeaveTheLoopAlone) {
   const int count = amount("PALPATE_PACKETS", 20000);
   const int rate = amount("PALPATE_PACKET_RATE", 10000);
@@ -55,7 +55,7 @@ TEST_F(Malformed, PacketsLeaveTheLoopAlone) {
       static_cast<long long>(after.overflowed - before.overflowed), growth);
 
   EXPECT_TRUE(after.state == 2 || after.state == 3) << bus::get_text(after.reason);
-  // Every kind was seen and counted; what the socket lost was never seen.
+  // Every kind was received and counted; datagrams lost by the socket were never received.
   EXPECT_GT(after.malformed - before.malformed, 0);
   EXPECT_GT(after.fragmented - before.fragmented, 0);
   EXPECT_GT(after.unsubscribed - before.unsubscribed, 0);
@@ -113,7 +113,7 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
   EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
   EXPECT_NE(reason.find(hexadecimal(imu_t::getHash())), std::string::npos) << reason;
   EXPECT_NE(reason.find(hexadecimal(ft_wrench_t::getHash())), std::string::npos) << reason;
-  // Many more in half a second: at most once a second is told.
+  // Many more in half a second: reported at most once a second.
   for (int i = 0; i < 500; ++i) {
     publisher.publish(wrong);
     std::this_thread::sleep_for(milliseconds(1));
@@ -127,7 +127,8 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
   EXPECT_LE(told, static_cast<int>(seconds_since(began)));
 }
 
-/// The same packets at a program that receives through liblcm, kind by kind: how it ends.
+/// The same packets sent to a program that receives through liblcm, kind by kind: how it
+/// terminates.
 TEST_F(Malformed, StockReceiverForComparison) {
   if (loop::kSanitized) GTEST_SKIP() << "a sanitizer reports what liblcm does";
   const std::string receiver = std::string(PALPATE_BIN_DIR) + "/stock_lcm_receiver";

@@ -1,4 +1,4 @@
-// A daemon that is killed, or that crashes, and the one that follows.
+// A daemon that is killed or crashes, and its successor.
 
 #include <algorithm>
 #include <filesystem>
@@ -22,8 +22,8 @@ std::set<std::string> remains() {
 
 class Restart : public FaultProcess {
  protected:
-  /// s from now until the daemon that has just been started is heard; it must be inactive, and
-  /// what it commands until then and some time after must be nothing.
+  /// s from now until the daemon just started publishes; it must be inactive, and command zero
+  /// until then and for some time after.
   double ready(Clock::time_point begin, ChildProcess& daemon) {
     health_t health{};
     std::int64_t arrival_ns = 0;

@@ -1,4 +1,4 @@
-// Who of the daemon's threads may push others aside.
+// Which of the daemon's threads may preempt others.
 
 #include <sched.h>
 

@@ -1,4 +1,4 @@
-// palpated itself with a user's module that hangs: it goes on, and it ends when it is told to.
+// palpated with a user's module that hangs: it continues, and it terminates on request.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -79,7 +79,8 @@ class LearnedModelProcess : public ::testing::Test {
     bus::TypedPublisher<component_command_t>(*control_, "COMPONENT_COMMAND").publish(message);
   }
 
-  /// Touches the fingertip with so many counts until HEALTH is as wished, for at most 30 s.
+  /// Contact of the fingertip with this many counts until HEALTH satisfies the condition, for at
+  /// most 30 s.
   template <class Wish>
   bool touch_until(int counts, Wish wish) {
     bus::TypedPublisher<biotac_t> fingertip(*control_, "BIOTAC_0");
@@ -93,7 +94,7 @@ class LearnedModelProcess : public ::testing::Test {
       sample.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC;
       sample.pac_count = 1;
       for (std::int16_t& count : sample.electrodes) count = static_cast<std::int16_t>(counts);
-      sample.tac = static_cast<std::int16_t>(seq_ % 2);  // one that never changes does not count
+      sample.tac = static_cast<std::int16_t>(seq_ % 2);  // identical samples do not count
       fingertip.publish(sample);
       std::this_thread::sleep_for(milliseconds(10));
       while (health_->take(last_, arrival_ns))

@@ -1,4 +1,4 @@
-// What cmake --install leaves is what the unit for systemd starts.
+// The unit for systemd starts the installed programs.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -21,7 +21,7 @@ std::string text_of(const fs::path& file) {
   return text.str();
 }
 
-/// The word behind `key` in a unit.
+/// Value of `key` in a unit.
 std::string word_behind(const std::string& key, const std::string& text) {
   const std::size_t at = text.find(key);
   if (at == std::string::npos) return "";
@@ -42,7 +42,7 @@ TEST(Install, TheUnitStartsTheDaemonThatIsInstalled) {
   support::ChildProcess version({program, "--version"});
   EXPECT_EQ(version.wait(std::chrono::seconds(20)), 0) << version.output();
   EXPECT_NE(version.output().find(PALPATE_VERSION), std::string::npos) << version.output();
-  // It takes its examples for what they are: a wrong key is its only complaint.
+  // Examples are read correctly: the wrong key is the only complaint.
   support::ChildProcess wrong(
       {program, "--config",
        (folder.path() / "share/palpate/rt/config/examples/bar_long_soft.yaml").string(), "--set",

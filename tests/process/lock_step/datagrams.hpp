@@ -14,11 +14,11 @@
 
 namespace palpate::support {
 
-/// One datagram of LCM as it was on the network.
+/// One LCM datagram as sent on the network.
 struct Datagram {
   std::vector<std::uint8_t> data;
 
-  /// Empty where it is no short message.
+  /// Empty if it is not a short message.
   std::string channel() const { return std::string(frame().channel); }
   std::vector<std::uint8_t> payload() const {
     const bus::UdpmFrame f = frame();
@@ -33,7 +33,7 @@ struct Datagram {
   }
 };
 
-/// A multicast group seen from outside the bus: every datagram as it is, but for one's own.
+/// A multicast group observed from outside the bus: every raw datagram, except one's own.
 class Datagrams {
  public:
   explicit Datagrams(const std::string& url) : address_(bus::parse_udpm_url(url).socket_address()) {
@@ -65,7 +65,7 @@ class Datagrams {
 
   int descriptor() const { return in_; }
 
-  /// The oldest datagram that is waiting; false where there is none.
+  /// The oldest datagram that is waiting; false if there is none.
   bool take(Datagram& datagram) {
     sockaddr_in from{};
     for (;;) {

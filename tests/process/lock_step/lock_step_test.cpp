@@ -1,4 +1,4 @@
-// palpate-sim --fast and palpated --stepped as two processes, with everything they say recorded.
+// palpate-sim --fast and palpated --stepped as two processes, with all their messages recorded.
 
 #include <gtest/gtest.h>
 
@@ -29,11 +29,11 @@ using support::Datagrams;
 const std::string kBin = PALPATE_BIN_DIR;
 const std::string kSource = PALPATE_SOURCE_DIR;
 
-/// Payloads of a run by channel, without the session, which is drawn anew each time.
+/// Payloads of a run by channel, without the session, which is regenerated at each start.
 using Record = std::map<std::string, std::vector<std::vector<std::uint8_t>>>;
 
-/// Carries the control bus between the simulator's URL and the daemon's, and loses some of the
-/// messages that lock-step repeats; keeps what both say, and what they say for the record.
+/// Forwards the control bus between the simulator's URL and the daemon's, and drops some of the
+/// messages that lock-step repeats; records the messages of both.
 class Relay {
  public:
   Relay(const std::string& sim_url, const std::string& daemon_url, const std::string& housekeeping,
@@ -147,7 +147,7 @@ class LockStepProcess : public ::testing::Test {
     EXPECT_EQ(sim.wait(milliseconds(60000)), 0) << sim.output();
     daemon.send(SIGTERM);
     EXPECT_EQ(daemon.wait(milliseconds(10000)), 0) << daemon.output();
-    std::this_thread::sleep_for(milliseconds(50));  // what is still under way to the record
+    std::this_thread::sleep_for(milliseconds(50));  // messages in transit to the recorder
     result.record = relay.stop();
     result.lost = relay.lost();
     result.daemon = daemon.output();

@@ -1,5 +1,5 @@
 // The chain of palpate-evaluate observer with real programs: recording, palpate-train, the daemon
-// in palpate-replay, scores; and the same contacts by either executor.
+// in palpate-replay, scores; and the same contacts with either executor.
 
 #include <gtest/gtest.h>
 #include <sys/wait.h>
@@ -27,7 +27,7 @@ class ObserverProcess : public ::testing::Test {
   }
   void TearDown() override { fs::remove_all(folder_); }
 
-  /// Runs a program of palpate; what it prints when it fails is shown.
+  /// Runs a program of palpate; its output is shown if it fails.
   int run(const std::string& command) const {
     const fs::path output = folder_ / "output.txt";
     const int code = WEXITSTATUS(
@@ -54,7 +54,7 @@ class ObserverProcess : public ::testing::Test {
 
 TEST_F(ObserverProcess, LearnsAndIsNoWorseThanNewtonAndEuler) {
   const fs::path json = folder_ / "result.json";
-  // Exit code 1 would say that a bar is missed, as may be after so little training.
+  // Exit code 1 would mean a missed bound, which is possible after so little training.
   const int code =
       run("palpate-evaluate observer --output '" + folder_.string() + "' --json '" + json.string() +
           "' --iterations 20 --recordings 1 --longest 12 --motions rotation_y --models "
@@ -72,7 +72,7 @@ TEST_F(ObserverProcess, LearnsAndIsNoWorseThanNewtonAndEuler) {
   EXPECT_LT(rms(2), 0.02 * result["payload_weight_n"].get<double>());
   EXPECT_TRUE(fs::exists(folder_ / "observer.csv"));
 
-  // The daemon says the same with libtorch's kernel and with palpate's own.
+  // The daemon's output is the same with libtorch's kernel and with palpate's own.
   const sensor_models::ForceSeries compiled = contacts("compiled"), torch = contacts("torch");
   ASSERT_EQ(compiled.time, torch.time);
   ASSERT_GT(compiled.time.size(), 5000u);

@@ -1,4 +1,4 @@
-"""An installation of palpate in a folder of its own, and shells that complete what is typed."""
+"""An installation of palpate in a separate folder, and shells with completion."""
 import os
 import pathlib
 import pty
@@ -10,7 +10,7 @@ import subprocess
 import tempfile
 import time
 
-PATIENCE = 120  # s, for a machine that is very busy
+PATIENCE = 120  # s, sufficient for a very busy machine
 
 
 def run(words, **more):
@@ -19,7 +19,7 @@ def run(words, **more):
 
 
 class Installation:
-    """cmake --install into a folder of its own, removed at the end."""
+    """cmake --install into a temporary folder."""
 
     def __init__(self, build, prefix=None, destination=None):
         self.folder = pathlib.Path(tempfile.mkdtemp(prefix="palpate_installed_"))
@@ -34,7 +34,7 @@ class Installation:
 
     @property
     def here(self):
-        """Where its files are now."""
+        """Current paths of its files."""
         return self.root / str(self.prefix).lstrip("/") if self.root else self.prefix
 
     def programs(self):
@@ -68,7 +68,7 @@ class Shell:
                     return
 
     def until(self, pattern):
-        """What has come since the last call, up to the pattern; fails after a while."""
+        """Output since the last call, up to the pattern; fails on time-out."""
         end = time.monotonic() + PATIENCE
         while time.monotonic() < end:
             self.read(0.05)

@@ -117,7 +117,7 @@ class Prefix(unittest.TestCase):
                 self.assertIn("no_such_key", done.stdout + done.stderr)
             self.assertIn("elastomer_tensile", run([moved / "bin/palpate-fit", "--help"]).stdout)
             self.assertIn("bar", run([moved / "bin/palpate-evaluate", "thesis", "--list"]).stdout)
-            # It reads every example, and runs networks by the library beside the programs.
+            # It reads every example, and runs networks by the library installed with the programs.
             done = run([moved / "bin/palpate-reference"])
             self.assertEqual(done.returncode, 0, done.stderr)
             self.closed_loop(moved)
@@ -125,7 +125,7 @@ class Prefix(unittest.TestCase):
             moved.rename(self.prefix)
 
     def closed_loop(self, prefix):
-        """Simulator and daemon in lock-step, which depends on no clock."""
+        """Simulator and daemon in lock-step, which is independent of any clock."""
         number = os.getpid()
         group = f"239.255.{90 + number % 100}.{1 + number // 100 % 250}"
         control, housekeeping = (f"udpm://{group}:{10000 + number % 11000 * 2 + k}?ttl=0" for k in (0, 1))
@@ -168,7 +168,7 @@ class Prefix(unittest.TestCase):
 
 
 class Debian(unittest.TestCase):
-    """As the packages are made: below /usr, but in a folder of its own."""
+    """As the packages are built: below /usr, but in a separate folder."""
 
     def test_files_stand_where_debian_has_them(self):
         installed = Installation(BUILD, prefix="/usr", destination=True)
@@ -185,7 +185,7 @@ class Debian(unittest.TestCase):
             conffiles = (SOURCE / "tools/packaging/debian/conffiles").read_text().split()
             self.assertEqual(sorted(conffiles), sorted("/" + str(path.relative_to(root))
                                                        for path in (root / "etc").rglob("*") if path.is_file()))
-            # The configuration finds what it is based on.
+            # The configuration finds its base.
             done = run([root / "usr/bin/palpated", "--config", root / "etc/palpate/palpated.yaml", "--set", "no_such_key=1"])
             self.assertEqual(done.returncode, 78)
             self.assertIn("no_such_key", done.stdout + done.stderr)

@@ -1,5 +1,5 @@
 // palpate-evaluate's commands for published sensing methods with real programs: what is recorded,
-// what is run again and what is not, what a failure counts for, and what training leaves.
+// what is rerun and what is reused, the score of a failure, and the results of training.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ applications:
     seeds: [1]
 )");
   }
-  /// Two levels of sight on a short motion.
+  /// Two levels of vision on a short motion.
   static std::string levels(double noise) {
     const auto level = [](const std::string& name, double share) {
       return name + ":\n  about: sight\n  scene:\n    - \"camera={eye: [1.1, -0.7, 0.8]}\"\n" +

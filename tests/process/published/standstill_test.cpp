@@ -1,4 +1,4 @@
-// A run in lock-step may be slow, but not stand still for ever.
+// A run in lock-step may be slow, but must not stall for ever.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

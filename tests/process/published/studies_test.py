@@ -49,8 +49,9 @@ motion:
   poses: [{{name: up, move: 0.5, hold: 0.6, translation: [0, 0, 0.03], rotation_deg: [0, 0, 0]}}]
 """
 
-# A host as GNU parallel's --sshlogin takes it: a command that is given a name and what to run there.
-# What runs there expects the SHELL that sshd sets: without it GNU parallel runs nothing, and is silent.
+# A host for GNU parallel's --sshlogin: a command that receives a name and the command to run there.
+# That command expects the variable SHELL as set by sshd: without it GNU parallel runs nothing,
+# without a message.
 SSH = """#!/bin/sh
 host=$1
 shift
@@ -67,7 +68,7 @@ def run(command, **variables):
 
 
 def make_hosts():
-    """Two namespaces with a loopback that multicast goes over. False where that is not permitted."""
+    """Two namespaces with a multicast-capable loopback. False if that is not permitted."""
     for host in HOSTS:
         for command in (["ip", "netns", "add", host],
                         ["ip", "-n", host, "link", "set", "lo", "up", "multicast", "on"],
@@ -122,7 +123,7 @@ class Studies(unittest.TestCase):
         for text in ("Table 2.2", "Table 2.1", "<h2>kinematic only</h2>",
                      "<h2>[31] spline fit, Jordt</h2>", "data:image/png"):
             self.assertIn(text, page)
-        # Interrupted, as it were: what is missing is run, and nothing else.
+        # As after an interruption: only the missing jobs are run.
         shutil.rmtree(self.path / "out/control" / self.results()[0]["job"]["name"])
         again = run(command)
         self.assertEqual(again.returncode, 0, again.stdout)
@@ -131,7 +132,7 @@ class Studies(unittest.TestCase):
         self.check_report()
 
     def test_slurm_array(self):
-        """As sbatch runs the script: with its own variables, one task after the other."""
+        """As sbatch runs the script: with its variables, one task after the other."""
         for task in (1, 2, 3):
             said = run(["sh", ROOT / "tools/lab/report/shards.sbatch", *self.study],
                        SLURM_ARRAY_TASK_ID=str(task), SLURM_ARRAY_TASK_COUNT="3",

@@ -132,7 +132,7 @@ class Tuning(unittest.TestCase):
         self.check_scores_are_of_the_feature(three)
 
     def check_scores_are_of_the_feature(self, rows):
-        """The shape at the end, which a result has too, is no score of a controller."""
+        """The shape at the end, which a result contains too, is not a controller's score."""
         expected = {}
         for file in (self.path / "out/task1").glob("*/result.json"):
             result = json.loads(file.read_text(encoding="utf-8"))
@@ -148,7 +148,7 @@ class Tuning(unittest.TestCase):
         self.write("methods.yaml", SENSING_METHODS)
         code, said = self.tune()
         self.assertEqual(code, 0, said)
-        # Who has nothing to tune has one trial.
+        # A method without parameters to tune has one trial.
         self.assertEqual([(row["method"], row["trial"]) for row in self.rows()],
                          [("spline", "0"), ("spline", "1"), ("pose", "0")])
         self.check_best("spline", yaml.safe_load(SENSING_METHODS)["spline"])

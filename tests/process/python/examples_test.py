@@ -1,4 +1,4 @@
-"""The examples against real processes: what they find, not only that they end well."""
+"""The examples against real processes: their results, not only their exit codes."""
 
 import concurrent.futures
 import json
@@ -27,7 +27,7 @@ class Examples(ProcessTest):
             simulator.end()
         self.assertRegex(steered.stdout, r"1\.[0-4]\d mm to go\n$|0\.\d\d mm to go\n$|1\.50 mm")
 
-        # On the plant's truth the point came to where it should, from 20 mm away.
+        # On the plant's ground truth the point reached its target, from 20 mm away.
         log = palpate.read_log(path, clock="sent")
         feature = palpate.feature_error(log)
         self.assertGreater(feature.distance[0], 0.018)

@@ -1,4 +1,4 @@
-"""What cmake --install leaves is what a user builds and imports."""
+"""A user can build and import what cmake --install installs."""
 
 import os
 import shutil

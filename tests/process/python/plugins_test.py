@@ -1,5 +1,5 @@
-"""Plug-ins in the daemon itself: found by name, put in while the loop runs, closing the loop, and
-what the daemon does with those that err."""
+"""Plug-ins in the daemon itself: found by name, installed while the loop runs, closing the
+loop, and the daemon's handling of failing ones."""
 
 import os
 import re
@@ -27,20 +27,20 @@ class OwnComponents(ProcessTest):
             simulator = self.start_simulator("--fast")
             daemon = self.connect()
             daemon.start()
-            # Both take their place by name while the loop runs.
+            # Both are installed by name while the loop runs.
             daemon.replace("sensing", "ft_median", {"samples": 9})
             daemon.replace("control", "", {"provider": "fem", "law": "integral_twist"})
             daemon.target("point", TARGET, [REST])
             features = daemon.control.subscribe("FEATURE", queue=1)
 
-            since: list[int] = []  # us, when the feature came there to stay
+            since: list[int] = []  # us, settling time of the feature
 
             def settled(feature: Any) -> bool:
                 there = feature.revision >= 0 and np.linalg.norm(feature.error[:3]) < 2e-4
                 since[:] = (since or [feature.utime]) if there else []
                 return bool(since and feature.utime - since[0] > 500_000)
 
-            # Where the proportional law rests, 1 mm off, this one goes on.
+            # Where the proportional law has a steady-state error of 1 mm, this one converges.
             features.wait_for(settled, PATIENCE)
             health = daemon.health()
             self.assertEqual(palpate.STATES[health.state], "active", palpate.text_of(health.reason))
@@ -55,7 +55,7 @@ class OwnComponents(ProcessTest):
         error = palpate.feature_error(palpate.read_log(path, clock="sent"))
         self.assertGreater(error.distance[0], 0.018)
         self.assertLess(error.at_rest, 0.002)
-        # A replay has them as well, and is the same to the bit each time.
+        # A replay uses them as well, and is bit-identical each time.
         words = [BIN / "palpate-replay", path, "--config", MY_BAR, "--set", f"plugins={MINE}"]
         said = [
             subprocess.run([str(w) for w in words], capture_output=True, text=True).stdout
@@ -75,7 +75,7 @@ class OwnComponents(ProcessTest):
         )
         self.start_simulator()
         daemon = self.connect()
-        # What a thread does for the first time is none of the components' doing.
+        # First-time work of a thread is not caused by the components.
         daemon.wait_for(lambda told: told.cycles > 300, PATIENCE)
         daemon.start()
         daemon.target("point", TARGET, [REST])
@@ -104,7 +104,7 @@ class Unruly(ProcessTest):
 
     @unittest.skipIf(SANITIZED, "allocations are not counted in such a build")
     def test_one_that_allocates_is_counted(self) -> None:
-        # In real time: in lock-step nobody counts.
+        # In real time: in lock-step overruns are not counted.
         self.start_daemon(
             plugins=UNRULY, sensing="[{component: unruly_sensor, does: allocate, after: 100}]"
         )
@@ -118,7 +118,7 @@ class Unruly(ProcessTest):
         self.assertIn("the plug-in threw an exception", palpate.text_of(health.reason))
         twists = daemon.control.subscribe("TWIST_COMMAND", queue=1)
         twists.wait_for(lambda message: not any(message.twist), PATIENCE)
-        # Another law instead, and it goes on.
+        # With another law instead, the loop continues.
         daemon.replace("control", "", {"law": "unruly_law", "does": "nothing"})
         daemon.reset()
         daemon.start()

@@ -1,4 +1,4 @@
-"""palpated and palpate-sim as processes on private URLs, for the tests beside."""
+"""palpated and palpate-sim as processes on private URLs, for the tests in this folder."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ SCENE = SOURCE / "sim/scenes/bar_long_soft_control.yaml"
 COARSE = "object.elements=[10, 1, 1]"
 
 
-# A test that is killed takes what it has started with it.
+# If a test is killed, the processes it has started end with it.
 WITH_THE_TEST = ("setpriv", "--pdeathsig", "KILL")
 
 
@@ -48,7 +48,7 @@ class Program:
         return self._output.read()
 
     def wait_for(self, text: str) -> None:
-        """Raises AssertionError where it does not say so."""
+        """Raises AssertionError if it does not print this."""
         end = time.monotonic() + PATIENCE
         while text not in self.output():
             if self.process.poll() is not None or time.monotonic() > end:
@@ -67,7 +67,7 @@ class Program:
 
 
 class ProcessTest(unittest.TestCase):
-    """URLs and a folder of its own for each test."""
+    """Separate URLs and a separate folder for each test."""
 
     def setUp(self) -> None:
         generator = random.SystemRandom()

@@ -1,4 +1,4 @@
-"""What the tests beside start ends with them, even where they are killed."""
+"""Processes started by the tests here end with them, even if the tests are killed."""
 
 import os
 import signal
@@ -45,7 +45,7 @@ class Processes(unittest.TestCase):
         ) as test:
             assert test.stdout is not None
             child = int(test.stdout.readline())
-            # Begun: only then the kernel knows with whom it is to end.
+            # Started: only from then on does the kernel tie its end to the parent.
             name = Path(f"/proc/{child}/comm")
             self.assertTrue(wait_for(lambda: name.read_text() == "sleep\n"))
             test.send_signal(signal.SIGKILL)

@@ -1,5 +1,6 @@
-"""Upstream's LCM 1.5, as its PyPI wheel brings it, beside palpated, which publishes by Debian's 1.3.1
-and receives by a receiver of its own: each understands the other. Skipped without the wheel."""
+"""Upstream's LCM 1.5, as its PyPI wheel provides it, together with palpated, which publishes
+by Debian's 1.3.1 and receives with its own receiver: both are compatible. Skipped without the
+wheel."""
 
 import time
 import unittest

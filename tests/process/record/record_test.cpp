@@ -1,5 +1,5 @@
-// palpate-record as a process: what it writes stock programs play, and what ends lcm-logger does
-// not end it.
+// palpate-record as a process: stock programs play its logs, and input that terminates lcm-logger
+// does not terminate it.
 
 #include <gtest/gtest.h>
 
@@ -56,7 +56,7 @@ class Record : public testing::Test {
   static bool listens(const ChildProcess& recorder) {
     return eventually([&] { return recorder.output().find("pictures udpm") != std::string::npos; });
   }
-  /// By channel. Of a log that is still written, the last event may be cut short.
+  /// By channel. In a log that is still written, the last event may be truncated.
   static std::map<std::string, int> content_of(const std::string& file, bool is_whole = true) {
     std::map<std::string, int> content;
     bus::EventLogReader log(file);
@@ -97,7 +97,7 @@ TEST_F(Record, ThreeUrlsAtOnceAmongPacketsThatEndOthers) {
     if (i % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   publish(*control, "GOOD", 0, 400);
-  publish(*control, "GOOD", 410, 500);  // ten that never were sent
+  publish(*control, "GOOD", 410, 500);  // ten that were never sent
   publish(*housekeeping, "SHAPE", 0, 200);
   publish(*pictures, "PICTURE", 0, 100);
   publish(*pictures, "END", 0, 1);

@@ -1,4 +1,4 @@
-// palpate-replay as a process: logs over LCM again, and a run in lock-step again bit by bit.
+// palpate-replay as a process: plays logs over LCM, and reproduces a lock-step run bit by bit.
 
 #include <gtest/gtest.h>
 #include <pty.h>
@@ -41,7 +41,7 @@ class Play : public testing::Test {
     PALPATE_REQUIRE_MULTICAST(urls_[0]);
   }
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
-  /// A message each 10 ms on each of the channels.
+  /// A message every 10 ms on each of the channels.
   std::string log(const std::string& name, int count,
                   const std::vector<std::string>& channels) const {
     lcm::LogFile file(path(name), "w");
@@ -123,7 +123,7 @@ TEST_F(Play, KeysPauseAndQuit) {
   const auto received = [&] { return wrench.counters().received.load(); };
   ASSERT_TRUE(eventually([&] { return received() > 60; })) << "it begins again at the end";
   ASSERT_EQ(write(terminal, " ", 1), 1);
-  // It has paused once a whole second passes without a message.
+  // It has paused if a whole second passes without a message.
   EXPECT_TRUE(eventually([&] {
     const std::int64_t before = received();
     std::this_thread::sleep_for(seconds(1));
@@ -210,7 +210,7 @@ TEST_F(Play, ARunInLockStepIsRepeatedBitByBit) {
   EXPECT_EQ(shapes["equal"], shapes["recorded"]);
   EXPECT_GT(shapes["recorded"], 0);
 
-  // With another configuration it is another run.
+  // With another configuration the run differs.
   ChildProcess other({kBin + "/palpate-replay", path("run.control.lcmlog"), "--config",
                       configuration, "--stepped", "--compare", "--housekeeping",
                       path("run.housekeeping.lcmlog"), "--set",

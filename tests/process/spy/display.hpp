@@ -12,7 +12,7 @@
 
 namespace palpate {
 
-/// True as soon as the condition is, within a time that no busy machine takes.
+/// Returns true as soon as the condition is met, within a time-out sufficient for busy machines.
 inline bool eventually(const std::function<bool()>& condition,
                        std::chrono::seconds limit = std::chrono::seconds(60)) {
   const auto end = std::chrono::steady_clock::now() + limit;
@@ -23,7 +23,7 @@ inline bool eventually(const std::function<bool()>& condition,
   return true;
 }
 
-/// What a command prints; empty where it fails.
+/// Output of a command; empty if it fails.
 inline std::string output_of(const std::string& command) {
   const std::unique_ptr<FILE, int (*)(FILE*)> pipe(popen((command + " 2>/dev/null").c_str(), "r"),
                                                    pclose);
@@ -34,13 +34,13 @@ inline std::string output_of(const std::string& command) {
   return text;
 }
 
-/// A screen in memory that this process and its children draw upon while it lives.
+/// A virtual screen for this process and its children.
 class Display {
  public:
   static bool is_installed() { return std::filesystem::exists(kServer); }
 
-  /// The server takes the first number that is free, and says which. It would begin anew whenever
-  /// its last client goes, and end the one that is just coming, but for -noreset.
+  /// The server selects the first free number, and reports it. Without -noreset it would restart
+  /// whenever its last client disconnects, and terminate one that is just connecting.
   Display()
       : server_({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
                  "-noreset"}) {
@@ -59,12 +59,12 @@ class Display {
   bool works() const { return works_; }
   std::string complaint() const { return server_.output(); }
 
-  /// Number of the window whose title begins so; empty where there is none.
+  /// Number of the window whose title has this prefix; empty if there is none.
   static std::string window(const std::string& title) {
     std::string number = output_of("xdotool search --name '^" + title + "'");
     return number.substr(0, number.find('\n'));
   }
-  /// Presses a button of the mouse within a window, which is raised first.
+  /// Clicks within a window, which is raised first.
   static void click(const std::string& window, int x, int y, const std::string& what) {
     output_of("xdotool windowraise " + window + " mousemove --window " + window + " " +
               std::to_string(x) + " " + std::to_string(y) + " click " + what);
@@ -73,7 +73,7 @@ class Display {
  private:
   static constexpr char kServer[] = "/usr/bin/Xvfb";
 
-  /// The line of digits alone: among others the server complains of numbers that are taken.
+  /// The line with digits only: the server also complains about numbers that are taken.
   static std::string number_in(const std::string& output) {
     std::istringstream lines(output);
     for (std::string line; std::getline(lines, line) && !lines.eof();) {

@@ -14,8 +14,8 @@
 
 namespace palpate {
 
-/// Publishes a box of five tetrahedra whose true shape lies 1 and 3 mm beside the estimate, at
-/// every other node, a fingertip that is touched at E10, and HEALTH, until it is destroyed.
+/// Publishes a box of five tetrahedra whose true shape is offset by 1 and 3 mm from the estimate at
+/// alternate nodes, a fingertip with contact at E10, and HEALTH, until it is destroyed.
 class Scene {
  public:
   static constexpr double kSide = 0.1;  // m
@@ -92,7 +92,7 @@ class Scene {
         stamp.put(message, bus::wall_clock_us());
         publisher.publish(message);
       };
-      // Touched in seconds that are odd, so that whoever tares while it is not sees it.
+      // Contact during odd seconds, so that taring between them makes it visible.
       for (auto& counts : fingertip.electrodes) counts = static_cast<std::int16_t>(2000 + i % 3);
       if (i / 100 % 2 == 1) fingertip.electrodes[kTouched - 1] += kTouch;
       fingertip.valid = 15;

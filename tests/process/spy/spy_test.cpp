@@ -1,4 +1,4 @@
-// palpate-spy on a screen in memory, with messages sent to it.
+// palpate-spy on a virtual screen, with messages sent to it.
 
 #include <gtest/gtest.h>
 #include <png.h>
@@ -122,7 +122,7 @@ TEST_F(Spy, OpensWindowsByTheMouse) {
   const std::string table = Display::window("LCM Spy");
   // Rows in alphabetical order: BIOTAC_2, CONTACTS, HEALTH, SHAPE, ...
   constexpr int kX = 60, kFirstRow = 28, kRow = 16;
-  // What comes of a click is seen only where the row is there and drawn already: try again.
+  // The effect of a click is visible only once the row exists and is drawn: retry.
   const auto opens = [&](const std::string& title, const auto& act) {
     for (int attempt = 0; attempt < 20; ++attempt) {
       act();

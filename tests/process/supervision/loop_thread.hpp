@@ -10,7 +10,7 @@
 
 namespace palpate {
 
-/// Holds one thread of another process still, as if it hung, while the others go on.
+/// Stops one thread of another process, as if it hung, while the others continue.
 class HeldThread {
  public:
   HeldThread(int process, const std::string& name) {

@@ -1,4 +1,4 @@
-// What the daemon leaves behind when it faults or crashes, and what it tells the service manager.
+// Records left by the daemon after a fault or crash, and its reports to the service manager.
 
 #include <algorithm>
 #include <cstdlib>
@@ -29,7 +29,7 @@ bool wait_until(Condition condition) {
   return true;
 }
 
-/// What a log holds, by liblcm's own reader.
+/// Contents of a log, by liblcm's own reader.
 struct LogContent {
   std::map<std::string, int> messages;  // by channel
   double duration = 0;                  // s
@@ -81,7 +81,7 @@ class Supervision : public DaemonProcess {
     EXPECT_GT(count("ROBOT_STATE"), 10);
     // Of 500 cycles in half a second, where the machine is kept busy.
     EXPECT_GT(count("TWIST_COMMAND"), 100 / PALPATE_SLOWNESS);
-    // A crash may come within a cycle.
+    // A crash may occur within a cycle.
     EXPECT_NEAR(count("TWIST_COMMAND"), count("ESTIMATE"), 1);
     EXPECT_LE(content.duration, 0.5);
     EXPECT_NE(log.find(path.string()), std::string::npos) << "the log names the record\n" << log;
@@ -185,7 +185,7 @@ TEST_F(Supervision, PingsStopWhenTheLoopHangsAndGoOnWithIt) {
   HeldThread loop(daemon.pid(), "palpated-loop");
   ASSERT_TRUE(loop.found());
   if (!loop.held()) GTEST_SKIP() << "this system does not let a test hold a thread";
-  // The supervising thread still lives and sees it.
+  // The supervising thread is still alive and detects it.
   ASSERT_TRUE(wait_until(
       [&] { return daemon.output().find("the loop does not move") != std::string::npos; }));
   socket.take();

@@ -1,4 +1,4 @@
-// palpate-evaluate thesis with real programs, on ports of its own.
+// palpate-evaluate thesis with real programs, on separate ports.
 
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
@@ -47,14 +47,14 @@ class StudyProcess : public testing::Test {
   nlohmann::json json_of(const std::string& output, const std::string& name) const {
     return nlohmann::json::parse(std::ifstream(job(output) / name));
   }
-  /// Of messages from one program to the other: without them it is another run.
+  /// Lost messages between the programs: the run is then a different one.
   std::int64_t lost_between_programs(const std::string& output) const {
     std::int64_t lost = json_of(output, "simulator.json")["commands_lost"];
     const nlohmann::json daemon = json_of(output, "palpated.json");
     for (const auto& input : daemon["inputs"]) lost += input["lost"].get<std::int64_t>();
     return lost;
   }
-  /// The job, with its logs; once more where a busy machine has lost a message between programs.
+  /// The job, with its logs; repeated if a busy machine has lost a message between programs.
   nlohmann::json run_whole(const std::string& output) const {
     for (int i = 0; i < 10; ++i) {
       std::filesystem::remove_all(folder_.file(output));
@@ -65,7 +65,7 @@ class StudyProcess : public testing::Test {
     return result(output);
   }
 
-  /// What stands behind the header of each message of a channel, by its number.
+  /// The content after the header of each message of a channel, by its sequence number.
   static std::map<std::int32_t, std::string> messages(const std::filesystem::path& log,
                                                       const std::string& channel) {
     constexpr int kSeq = 16, kHeader = 28;
@@ -80,7 +80,7 @@ class StudyProcess : public testing::Test {
     }
     return found;
   }
-  /// Bit for bit, of all that both logs have, which must be nearly all.
+  /// Bit by bit, of everything that both logs contain, which must be nearly everything.
   void expect_same(const std::string& log, const std::string& channel, std::size_t sent) const {
     const auto a = messages(job("a") / log, channel), b = messages(job("b") / log, channel);
     std::size_t both = 0, different = 0;

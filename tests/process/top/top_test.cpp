@@ -1,4 +1,4 @@
-// palpate-top in a terminal of its own, and as plain text and JSON.
+// palpate-top in a separate terminal, and as plain text and JSON.
 
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -21,7 +21,7 @@ namespace {
 
 const std::string kTop = std::string(PALPATE_BIN_DIR) + "/palpate-top";
 
-/// Publishes wrenches at some 100 Hz and HEALTH at 10 Hz until it is destroyed.
+/// Publishes wrenches at about 100 Hz and HEALTH at 10 Hz until it is destroyed.
 class Traffic {
  public:
   Traffic(const bus::UdpmUrl& control, const bus::UdpmUrl& housekeeping)
@@ -87,7 +87,7 @@ class InTerminal {
   void type(const std::string& keys) const {
     ASSERT_EQ(write(terminal_, keys.data(), keys.size()), static_cast<ssize_t>(keys.size()));
   }
-  /// Reads until a whole frame fulfils the condition; the frame, or nothing in time.
+  /// Reads until a complete frame satisfies the condition; returns the frame, or empty on time-out.
   template <class Condition>
   std::string frame_where(Condition condition) {
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(30);
@@ -105,7 +105,7 @@ class InTerminal {
     return frame_where(
         [&](const std::string& frame) { return frame.find(words) != std::string::npos; });
   }
-  /// Exit code; reads what is left.
+  /// Exit code; reads the remaining output.
   int wait() {
     while (read_some()) {
     }
@@ -117,7 +117,7 @@ class InTerminal {
   const std::string& text() const { return text_; }
 
  private:
-  /// False at the end, or after a long time without anything.
+  /// False at the end, or after a long time without output.
   bool read_some() {
     pollfd watched{terminal_, POLLIN, 0};
     if (poll(&watched, 1, 20'000) <= 0) return false;

@@ -1,4 +1,4 @@
-"""Simulator, daemon, palpate-view and a browser, each in a process of its own."""
+"""Simulator, daemon, palpate-view and a browser, each in a separate process."""
 import io
 import os
 import random
@@ -16,7 +16,7 @@ SENSING = ("sensing=[{name: wrist, component: ft_newton_euler, payload: {mass: 4
            "center_of_mass: [0.0015, -0.00065, 0.1137]}}, {name: user, component: manual}]")
 CONTACT = ("contact=[{name: grasp, component: wrench_patch, sources: wrist, on_grasp: true}, "
            "{name: push, component: area_coordinates, sources: manual}]")
-# Busy machines are late: no figure of this test depends on how soon something happens.
+# Busy machines are late: no result of this test depends on timing.
 PATIENCE = 60  # s
 
 
@@ -37,7 +37,7 @@ def read(path):
 
 
 class Cell:
-    """Of one example of the daemon, with what is set otherwise, and the robot that the page draws."""
+    """Of one example of the daemon, with overrides, and the robot that the page draws."""
 
     def __init__(self, binaries, source, example="bar_long_soft.yaml", sets=(SENSING, CONTACT),
                  robot="sim/robot/lwr_hand.urdf"):
@@ -63,7 +63,7 @@ class Cell:
     def start(self, name, *words):
         self.logs[name] = os.path.join(self.folder.name, f"{name}.txt")
         with open(self.logs[name], "a") as log:
-            # A test that is killed takes what it has started with it.
+            # If a test is killed, the processes it has started end with it.
             self.processes[name] = subprocess.Popen(
                 ["setpriv", "--pdeathsig", "KILL", f"{self.binaries}/{name}", *words],
                 stdout=log, stderr=subprocess.STDOUT)
@@ -77,13 +77,13 @@ class Cell:
 
     def start_daemon(self, priority=0):
         """`priority`: of SCHED_FIFO; 0: as any other program."""
-        # A machine that is busy with other tests is late without meaning a fault.
+        # A machine busy with other tests is late without a fault.
         self.start("palpated", "--config", self.configuration, *self.buses(), *self.sets, "--set",
                    "loop.degraded_after_ms=9000", "--set", "loop.overrun_window_ms=10000",
                    "--set", "loop.safe_stop_after_ms=10000", "--set", f"loop.fifo_priority={priority}")
 
     def start_view(self, *source):
-        """Live, so that the page with the token may command; or what `source` says."""
+        """Live, so that the page with the token may command; or as `source` specifies."""
         live = ["--control", "--token-file", self.token_file]
         printed = len(read(self.logs["palpate-view"])) if "palpate-view" in self.logs else 0
         self.start("palpate-view", "--url", self.url(0), "--url", "housekeeping=" + self.url(1),
@@ -148,7 +148,7 @@ class Cell:
         return self.js("palpate.frames")
 
     def next_frames(self, count=3):
-        """Waits until so many more frames were drawn."""
+        """Waits until this many more frames were drawn."""
         before = self.frames()
         wait_for(lambda: self.frames() >= before + count, "frames are drawn")
 

@@ -1,4 +1,4 @@
-"""What a picture of a mesh must show: which triangles are seen, and the colours of its nodes."""
+"""Expected content of an image of a mesh: visible triangles, and the colours of its nodes."""
 import numpy as np
 
 VIRIDIS = np.array([[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
@@ -11,7 +11,7 @@ def viridis(share):
 
 
 def visible(pixels, triangles):
-    """Triangles that no other one hides at their middle, and which are not too small."""
+    """Triangles that are not occluded at their centre, and which are not too small."""
     corners = pixels[triangles]
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
 

@@ -17,12 +17,12 @@ import numpy as np
 
 from cell import Cell, wait_for
 
-# Fingerprints of shape_t and shape_mesh_t, which a test keeps.
+# Fingerprints of shape_t and shape_mesh_t, which a test checks.
 FINGERPRINTS = {}
 
 
 def fingerprints(source):
-    """As lcm-gen computes them, from what it generated."""
+    """As computed by lcm-gen, from its generated code."""
     import re
     for name in ("shape_t", "shape_mesh_t", "estimate_t"):
         with open(f"{source}/{name}.hpp") as file:
@@ -33,7 +33,7 @@ def fingerprints(source):
 
 
 def bar(nodes):
-    """A grid of about so many nodes: positions, tetrahedra, surface triangles."""
+    """A grid of about this many nodes: positions, tetrahedra, surface triangles."""
     side = max(2, round((nodes / 12) ** (1 / 3)))
     length = max(2, nodes // (side * side))
     count = (length, side, side)
@@ -50,7 +50,7 @@ def bar(nodes):
                 corner = [index(i + (c & 1), j + (c >> 1 & 1), k + (c >> 2)) for c in range(8)]
                 tetrahedra += [(corner[0], corner[a], corner[b], corner[7]) for a, b in ways]
     tetrahedra = np.array(tetrahedra)
-    # Positive, as palpated's are, so that all triangles look outwards.
+    # Positive orientation, as palpated's, so that all triangles point outwards.
     edges = xyz[tetrahedra[:, 1:]] - xyz[tetrahedra[:, :1]]
     mirrored = np.linalg.det(edges) < 0
     tetrahedra[mirrored, 2:] = tetrahedra[mirrored, :1:-1]
@@ -92,7 +92,7 @@ class Publisher:
             self.send(self.mesh_channel, payload)
 
     def send_estimate(self):
-        """E and nu, without which nobody tells a stress."""
+        """E and nu, without which no stress is reported."""
         numbers = [0.0] * 74 + [math.log(30e3), -1, 0.3, -1, -1] + [0.0] * 6 + [-1]
         self.send("ESTIMATE", self.head("estimate_t")[:-8] + struct.pack(">ii86d", 0, 0, *numbers))
 
@@ -164,7 +164,8 @@ def main():
         cell.open_browser(1280, 800)
         wait_for(lambda: cell.js("!!window.palpate && palpate.estimate.mesh !== null"), "the mesh")
         process = cell.processes["palpate-view"]
-        # The page sleeps meanwhile: what is measured is the server, the socket and taking parcels apart.
+        # The page is suspended meanwhile: the measurement covers the server, the socket and the
+        # decoding.
         for field in ("displacement", "strain", "stress"):
             cell.browser.execute_script("palpate.link.socket.onclose = null; palpate.link.socket.close()")
             before = processor_time(process)
@@ -182,7 +183,7 @@ def main():
             time.sleep(options.seconds)
             fps = (cell.frames() - before) / (time.monotonic() - begin)
             timing = cell.js("palpate.timing")
-            # Commands to a software renderer only wait in line: read a pixel back to wait for them.
+            # Commands to a software renderer are only queued: read a pixel back to wait for them.
             drawn = cell.browser.execute_script(
                 "const s = palpate.stage, gl = s.renderer.getContext(), p = new Uint8Array(4);"
                 "s.render(); gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, p);"

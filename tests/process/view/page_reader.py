@@ -1,4 +1,6 @@
-"""Takes what palpate-view sends to a page, as a browser on another machine would, and draws nothing."""
+"""Receives what palpate-view sends to a page, as a browser on another machine would, and
+draws nothing.
+"""
 import base64
 import json
 import os
@@ -8,7 +10,9 @@ import threading
 
 
 class PageReader:
-    """`bytes` and `pictures` rise while palpate-view sends. Raises ConnectionError where it does not let in."""
+    """`bytes` and `pictures` increase while palpate-view sends. Raises ConnectionError if it
+    rejects the connection.
+    """
 
     def __init__(self, port):
         self.socket = socket.create_connection(("127.0.0.1", port), timeout=20)
@@ -36,14 +40,16 @@ class PageReader:
                     continue
                 (length,) = struct.unpack_from("<I", payload)
                 head = json.loads(payload[4:4 + length])
-                if "frame" in head:  # the next picture comes once this one is answered
+                if "frame" in head:  # the next image is sent once this one is acknowledged
                     self.pictures += 1
                     self._send({"type": "ack", "frame": head["frame"]})
         except (OSError, ValueError, struct.error):
             pass  # closed
 
     def _message(self):
-        """Opcode and payload of a frame (RFC 6455, 5.2); those of a server are whole and not masked."""
+        """Opcode and payload of a frame (RFC 6455, 5.2); frames of a server are complete and
+        not masked.
+        """
         kind, length = self.stream.read(2)
         if length == 126:
             (length,) = struct.unpack(">H", self.stream.read(2))

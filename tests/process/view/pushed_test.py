@@ -18,7 +18,7 @@ SIDE, MODULUS, NU = 0.06, 300e3, 0.3  # as in bar_pushed.yaml
 
 
 def deflection(force, at):
-    """Of a clamped beam (Timoshenko) under a force across it, where it acts, `at` m from the clamp."""
+    """Deflection of a clamped beam (Timoshenko) at a transverse force, `at` m from the clamp."""
     bending = force * at**3 / (3 * MODULUS * SIDE**4 / 12)
     return bending + force * at / (MODULUS / (2 * (1 + NU)) * SIDE**2 * 5 / 6)
 
@@ -48,7 +48,7 @@ class PushedTest(unittest.TestCase):
         cell.browser.execute_script("palpate.frameObject()")
         cell.next_frames()
         rest, _ = udpm.mesh(wait_for(lambda: housekeeping.last.get("SHAPE_MESH"), "the mesh"))
-        # Not at the end: its corners are where lines of sight graze two sides.
+        # Not at the end: lines of sight graze two sides at its corners.
         node = int(np.argmin(np.linalg.norm(rest - [0.4, SIDE / 2, SIDE], axis=1)))
         place = cell.project(rest[node][None])[0, :2]
         there = cell.project((rest[node] + [0, 0, 0.06])[None])[0, :2]
@@ -59,7 +59,7 @@ class PushedTest(unittest.TestCase):
         forces = control.history["MANUAL_FORCE"]
 
         def agrees():
-            """Force and place are of the same moment only once both rest."""
+            """Force and position refer to the same time only once both rest."""
             if not forces:
                 return False
             point, force = udpm.manual_force(forces[-1][1])

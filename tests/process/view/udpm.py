@@ -1,4 +1,4 @@
-"""What comes over LCM, heard and decoded without palpate's or LCM's code."""
+"""LCM messages, received and decoded without palpate's or LCM's code."""
 import collections
 import socket
 import struct
@@ -12,7 +12,7 @@ COMMON = ">qqiq"  # fingerprint, utime, seq, session
 
 
 class Listener:
-    """The last message of each channel of a multicast group, and how many came."""
+    """The last message of each channel of a multicast group, and their number."""
 
     def __init__(self, address, port):
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
@@ -34,7 +34,7 @@ class Listener:
                 data = self.socket.recv(65536)
             except socket.timeout:
                 continue
-            # Thousands come in a second; most are of no interest here.
+            # Thousands arrive per second; most are not needed here.
             end = data.find(b"\0", 8)
             if data[:4] != b"LC02" or data[8:end] not in INTERESTING:
                 continue
@@ -53,7 +53,7 @@ class Listener:
 
 
 def numbers(data, at, kind):
-    """A count and so many numbers of 4 bytes; they, and where they end."""
+    """A count and that many numbers of 4 bytes; returns them, and their end."""
     (count,) = struct.unpack_from(">i", data, at)
     return np.frombuffer(data, kind, count, at + 4), at + 4 + 4 * count
 
@@ -67,7 +67,7 @@ def shape(data):
 
 
 def mesh(chunks):
-    """Rest positions and triangles of one whole SHAPE_MESH in its only chunk."""
+    """Rest positions and triangles of one complete SHAPE_MESH in a single chunk."""
     at = struct.calcsize(COMMON)
     _, _, _, count, _, _ = struct.unpack_from(">qihhii", chunks, at)
     assert count == 1, "the test's mesh fits one chunk"

@@ -21,7 +21,7 @@ BINARIES, SOURCE, PICTURES = None, None, None
 
 
 class ViewTest(unittest.TestCase):
-    """In the order of their names: each goes on where the one before ended."""
+    """In alphabetical order: each continues where the previous one ended."""
 
     @classmethod
     def setUpClass(cls):
@@ -67,7 +67,7 @@ class ViewTest(unittest.TestCase):
         return shape
 
     def shown(self):
-        """Positions that the page shows: those of a message that was heard, to the bit."""
+        """Positions shown by the page: bit-identical to those of a received message."""
         x = np.array(self.cell.js("Array.from(palpate.estimate.position.array)"))
         heard = np.float32(x).astype(">f4").tobytes()
         self.assertTrue(any(heard in data for data in list(self.housekeeping.shapes)),
@@ -75,14 +75,14 @@ class ViewTest(unittest.TestCase):
         return x.reshape(-1, 3)
 
     def picture(self, path=None):
-        """What the page shows and its pixels, while nothing moves by a third of a millimetre."""
+        """The page's data and its pixels, while nothing moves by a third of a millimetre."""
         def take():
             before, pixels = self.shown(), self.cell.picture(path)
             return (before, pixels) if np.abs(self.shown() - before).max() < 3e-4 else None
         return wait_for(take, "a picture of something still")
 
     def command(self, event):
-        """By the button of the page, until the daemon has said that it did it."""
+        """By the page's button, until the daemon has confirmed it."""
         seen = len(self.housekeeping.history["COMPONENT_EVENT"])
         self.cell.click(f'#commands [data-event="{event}"]')
         wait_for(lambda: any(udpm.event(data)[2] == event for _, data in
@@ -114,7 +114,7 @@ class ViewTest(unittest.TestCase):
     def test_2_moves_with_the_data(self):
         cell = self.cell
         before = self.shown()
-        # By hand: from where the feature is, 50 mm upwards in O.
+        # Manual target: 50 mm upwards in O from the current feature.
         cell.click('#pointer [data-mode="target"]')
         value = np.array(wait_for(lambda: cell.js("palpate.frame?.feature?.value"), "a feature")[:3])
         here, there = cell.project(np.array([value, value + [0, 0, 0.05]]))[:, :2]
@@ -155,7 +155,7 @@ class ViewTest(unittest.TestCase):
         self.assertGreater((off < 16).mean(), 0.9, f"{off.round()}")
         spread = np.abs(expected.max(axis=0) - expected.min(axis=0)).max()
         self.assertGreater(spread, 80, "the picture tells large from small")
-        # Beside the object there is nothing.
+        # Next to the object there is nothing.
         low, high = pixels[:, :2].min(axis=0) - 25, pixels[:, :2].max(axis=0) + 25
         for p in ([low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]):
             self.assertLess(picture[int(p[1]), int(p[0])].max(), 100)
@@ -182,7 +182,7 @@ class ViewTest(unittest.TestCase):
         rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
         pixels = cell.project(shape)
         found, middle = visible(pixels, triangles)
-        # Amid the bar, where nothing holds it.
+        # At the middle of the bar, where nothing holds it.
         t = min(found, key=lambda k: abs(rest[triangles[k], 0].mean() - 0.22))
         node = min(triangles[t], key=lambda n: abs(rest[n, 0] - 0.22))
         place = pixels[node, :2] + 0.2 * (middle[t, :2] - pixels[node, :2])
@@ -215,7 +215,7 @@ class ViewTest(unittest.TestCase):
         wait_for(lambda: not udpm.manual_force(forces[-1][1])[1].any(), "the last one is zero")
         wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the shape comes back")
 
-        # A page that no longer renews its push, whatever the reason, pushes no longer.
+        # A page that no longer renews its force, for whatever reason, stops pushing.
         cell.mouse("mousePressed", *place)
         cell.mouse("mouseMoved", place[0], place[1] - 110)
         wait_for(moved, "it gives way once more")
@@ -319,7 +319,8 @@ class ViewTest(unittest.TestCase):
         paused = cell.js("palpate.frame?.player?.time")
         cell.next_frames()
         self.assertEqual(cell.js("palpate.frame?.player?.time"), paused)
-        # What rests is drawn once, and sharp: but for the scale of colours, which may shrink once.
+        # A shape at rest is drawn once, and sharp: except for the colour scale, which may shrink
+        # once.
         wait_for(lambda: cell.js("palpate.stage.sharpness") == 1, "a sharp picture")
         before = cell.js("palpate.pictures")
         cell.next_frames(10)
@@ -349,7 +350,7 @@ class ViewTest(unittest.TestCase):
         return len(events)
 
     def test_9_draws_as_sharp_as_is_fluent(self):
-        # By a clock of the test's own: [ms from one frame to the next, by sharpness] for so many s.
+        # By the test's own clock: [ms between frames, by sharpness] for this many s.
         script = """
             const [full, half, seconds, moves] = arguments, done = arguments[arguments.length - 1];
             import('./pace.js').then(({Pace}) => {
@@ -372,7 +373,7 @@ class ViewTest(unittest.TestCase):
         self.assertEqual(paced(60, 58, 12, 12)[1:], [1, 1], "where it does not help it stays sharp")
 
     def test_9_says_nothing_on_the_console(self):
-        # But that it was left alone while the server was away.
+        # Without the test's intervention while the server was down.
         errors = [e for e in self.cell.errors() if "ERR_CONNECTION_REFUSED" not in e]
         self.assertEqual(errors, [])
 

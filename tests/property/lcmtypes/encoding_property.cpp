@@ -30,7 +30,7 @@ Bytes random_bytes(std::size_t size) {
   return *rc::gen::container<Bytes>(size, rc::gen::arbitrary<std::uint8_t>());
 }
 
-/// A message whose memory is random: every field holds any value, NaN and infinity too.
+/// A message with random memory: every field holds any value, including NaN and infinity.
 template <typename Message>
 Message random_message() {
   Message message;
@@ -73,8 +73,8 @@ RC_GTEST_PROP(LcmTypes, DecodeAfterEncodeIsIdentity, ()) {
   for_each_fixed_size_type([](auto type) {
     using Message = decltype(type);
     const Message sent = random_message<Message>();
-    // The receiver's memory starts as the complement, so a byte that is neither equal nor
-    // complementary was decoded wrongly, and one that stayed complementary was not decoded at all.
+    // The receiver's memory is initialised with the complement, so a byte that is neither equal nor
+    // complementary was decoded wrongly, and one that is still complementary was not decoded.
     Bytes memory(sizeof(Message));
     std::memcpy(memory.data(), &sent, sizeof(Message));
     for (std::uint8_t& byte : memory) byte = static_cast<std::uint8_t>(~byte);
@@ -87,7 +87,7 @@ RC_GTEST_PROP(LcmTypes, DecodeAfterEncodeIsIdentity, ()) {
     const auto* a = reinterpret_cast<const std::uint8_t*>(&sent);
     const auto* b = reinterpret_cast<const std::uint8_t*>(&received);
     for (std::size_t i = 0; i < sizeof(Message); ++i) equal += a[i] == b[i];
-    RC_ASSERT(equal == bytes.size() - 8);  // all but padding; the fingerprint is no field
+    RC_ASSERT(equal == bytes.size() - 8);  // all but padding; the fingerprint is not a field
     RC_ASSERT(encode(received) == bytes);
   });
 }

@@ -74,7 +74,7 @@ OptimalityError optimality_error(const QuadraticProgram& program,
 
     const double multiplier = solver.multipliers()[i];
     const double price = scales.price[i];
-    // Beyond the bound it presses at, or short of it.
+    // The bound is violated, or has a multiplier without being active.
     const double beyond = multiplier > 0 ? high : low;
     const bool pays_all = std::abs(multiplier) > price * (1 - 1e-9);
     double wrong = 0;

@@ -4,29 +4,31 @@
 
 namespace palpate::support {
 
-/// What the header of QuadraticProgram promises about a row, computed from the program alone.
+/// Quantities of a row to which the guarantees of QuadraticProgram's header refer, computed from
+/// the program alone.
 struct Scales {
   explicit Scales(const math::QuadraticProgram& program);
 
-  double program = 0;     // distance from the unconstrained optimum to 0 and to the worst row
-  Eigen::VectorXd norm;   // (a^T H^-1 a)^1/2
-  Eigen::VectorXd price;  // of a unit of violation, in the row's units; infinite for hard rows
+  double program = 0;    // distance from the unconstrained optimum to 0 and to the worst row
+  Eigen::VectorXd norm;  // (a^T H^-1 a)^1/2
+  Eigen::VectorXd
+      price;  // price of a unit of violation, in the row's units; infinite for hard rows
 };
 
-/// How far (u, multipliers) is from the Karush-Kuhn-Tucker conditions, which a strictly convex
-/// program has one solution of. Computed in long double; all relative.
+/// Residual of (u, multipliers) in the Karush-Kuhn-Tucker conditions, which have a unique solution
+/// for a strictly convex program. Computed in long double; all relative.
 struct OptimalityError {
-  double stationarity = 0;     // of H u + g + A lambda, by the size of its terms
-  double feasibility = 0;      // violation of hard rows, by norm and scale
-  double complementarity = 0;  // a row that presses and is not at its bound, or gives way for less
-                               // than its price
+  double stationarity = 0;     // of H u + g + A lambda, relative to its terms
+  double feasibility = 0;      // violation of hard rows, relative to norm and scale
+  double complementarity = 0;  // complementarity: a row with a multiplier that is not at its bound,
+                               // or relaxed below its price
   double largest() const { return std::max({stationarity, feasibility, complementarity}); }
 };
 OptimalityError optimality_error(const math::QuadraticProgram& program,
                                  const math::QuadraticProgramSolver& solver);
 
-/// True where the multipliers prove that no u meets the hard rows (Farkas): their sum of normals
-/// vanishes to rounding while that of the bounds is below zero, and by more than rounding could be.
+/// True if the multipliers prove that no u satisfies the hard rows (Farkas): their sum of normals
+/// vanishes to rounding while that of the bounds is negative, by more than rounding.
 bool proves_infeasibility(const math::QuadraticProgram& program,
                           const math::QuadraticProgramSolver& solver);
 

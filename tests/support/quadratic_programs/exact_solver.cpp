@@ -26,12 +26,12 @@ std::optional<Eigen::VectorXd> exact_answer(const math::QuadraticProgram& progra
     const double lower = std::min(given_lower, given_upper);
     const double upper = std::max(given_lower, given_upper);
     const bool soft = priority.level > 0;
-    if (soft && scales.norm[i] == 0) continue;  // says nothing of u
+    if (soft && scales.norm[i] == 0) continue;  // independent of u
     const auto add = [&](double bound, CGAL::Comparison_result relation) {
       for (int k = 0; k < n; ++k) exact.set_a(k, rows, program.A(k, i));
       exact.set_b(rows, bound);
       exact.set_r(rows, relation);
-      // What the value exceeds the bound by, then what it falls short of it by.
+      // Violation of the upper bound, then of the lower one.
       for (const auto useless : {CGAL::LARGER, CGAL::SMALLER}) {
         if (!soft || relation == useless) continue;
         exact.set_a(variables, rows, useless == CGAL::LARGER ? -1 : 1);

@@ -6,8 +6,8 @@
 
 namespace palpate::support {
 
-/// The answer in exact arithmetic, by CGAL's solver (another method, another code): soft rows get
-/// slack variables at their prices. Nothing where the hard rows contradict each other.
+/// Solution in exact arithmetic, by CGAL's solver (another method, another code): soft rows get
+/// slack variables at their prices. Empty if the hard rows are infeasible.
 std::optional<Eigen::VectorXd> exact_answer(const math::QuadraticProgram& program);
 
 }  // namespace palpate::support

@@ -12,8 +12,8 @@ using math::QuadraticProgram;
 using math::Random;
 constexpr double kNoBound = QuadraticProgram::kNoBound;
 
-/// On a grid of 2^-8, so that products and sums of a few are exact, and with them what is said of
-/// rows that coincide or contradict each other.
+/// On a grid of 2^-8, so that products and sums of a few are exact, and therefore the statements
+/// about coincident or contradictory rows.
 double on_grid(double value) { return std::round(256 * value) / 256; }
 
 VectorXd normal(int size, Random& random) {
@@ -24,7 +24,7 @@ int between(int least, int most, Random& random) {
   return least + static_cast<int>(random.below(static_cast<std::uint64_t>(most - least + 1)));
 }
 
-/// Convex, with an unconstrained optimum some ten units from the origin.
+/// Convex, with an unconstrained optimum about ten units from the origin.
 QuadraticProgram free_program(int n, Random& random) {
   QuadraticProgram program(n);
   MatrixXd M(n, n);
@@ -54,7 +54,7 @@ void add_combination(QuadraticProgram& program, const VectorXd& inside, Random& 
   add_around(program, a, inside, random);
 }
 
-/// Weighted rows whose normals add up to nothing while their bounds do not allow it.
+/// Rows whose weighted normals sum to zero while their bounds are contradictory.
 void add_contradiction(QuadraticProgram& program, const VectorXd& inside, double gap,
                        Random& random) {
   const int n = program.variables();
@@ -91,7 +91,7 @@ void scale_badly(QuadraticProgram& program, Random& random) {
   }
 }
 
-/// Half of the rows press at the optimum, all pass through it.
+/// Half of the rows are active at the optimum, all pass through it.
 void make_vertex(QuadraticProgram& program, int rows, Random& random) {
   const VectorXd optimum = normal(program.variables(), random);
   program.g = -program.H * optimum;

@@ -15,8 +15,8 @@
 namespace palpate {
 namespace {
 
-// A type never changes: recorded logs and other people's programs hold it. Whoever wants another
-// field makes a type of a new name and adds it here.
+// A type must never change: recorded logs and other programs depend on it. To add a field, define a
+// type of a new name and add it here.
 const std::map<std::string, std::uint64_t> kFingerprints = {
     {"biotac_t", 0x899d567d1460611d},
     {"component_command_t", 0xfed930ff6db67de2},
@@ -81,7 +81,7 @@ TEST(LcmTypes, EveryDefinitionIsListed) {
   EXPECT_EQ(defined, listed);
 }
 
-// Whatever holds a vector or a string is not trivially copyable.
+// Types with a vector or a string are not trivially copyable.
 template <typename... Types>
 constexpr bool kFixedSize = (std::is_trivially_copyable_v<Types> && ...);
 

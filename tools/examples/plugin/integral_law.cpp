@@ -41,7 +41,7 @@ void IntegralLaw::compute(const palpate::control::LawInputs& inputs,
     output.remark = "integral_twist moves one hand only";
     return;
   }
-  // Another target: what was gathered for the last one is worth nothing.
+  // Another target: the integral of the previous one is discarded.
   if (inputs.target->size() <= 6 &&
       (target_.size() != inputs.target->size() || target_ != *inputs.target)) {
     target_ = *inputs.target;
@@ -51,7 +51,7 @@ void IntegralLaw::compute(const palpate::control::LawInputs& inputs,
   const double most = options_.integral_zone / std::max(options_.integral_gain, 1e-9);
   if (integral_.norm() > most) integral_ *= most / integral_.norm();
 
-  // Rotations as metres at `length`, so that both count alike.
+  // Rotations as metres at `length`, so that both have equal weight.
   Jacobian J = *inputs.jacobian;
   J.rightCols<3>() /= options_.length;
   Square normal = J * J.transpose();

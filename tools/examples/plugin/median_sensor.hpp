@@ -7,9 +7,9 @@
 
 namespace example {
 
-/// A sensor model of one's own for a wrist whose readings have spikes: the median of the last
-/// samples of each axis, less what was read at zero(). As of ft_tare_only it is right only while
-/// the hand keeps its orientation.
+/// Example of a user's sensor model for a wrist whose readings have spikes: the median of the last
+/// samples of each axis, minus the reading at zero(). Like ft_tare_only it is valid only while the
+/// hand keeps its orientation.
 class MedianSensor : public palpate::plugin::PluginSensorModel {
  public:
   static constexpr int kMostSamples = 63;
@@ -29,7 +29,7 @@ class MedianSensor : public palpate::plugin::PluginSensorModel {
                                         palpate::sensing::ContactSet& contacts) override;
   void zero() override { tare_.start(); }
   void reset() override;
-  // So that it can take the place of another wrist model while the loop runs, and give it away.
+  // Allows the transfer of the wrist's state to and from another model while the loop runs.
   palpate::sensing::SensorState save() const override {
     return palpate::sensing::save(tare_, palpate::sensing::SensorState::Offset::kReading);
   }

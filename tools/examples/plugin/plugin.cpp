@@ -1,4 +1,5 @@
-// A library of a user's own components for palpated. README.md says how it is built and loaded.
+// A library of a user's own components for palpated. README.md describes how it is built and
+// loaded.
 
 #include "rt/plugin/plugin.hpp"
 

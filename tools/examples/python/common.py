@@ -1,4 +1,4 @@
-"""What the examples have in common: options that say where the daemon is."""
+"""Common parts of the examples: options that locate the daemon."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import palpate
 
 
 def parser_for(text: str) -> argparse.ArgumentParser:
-    """A parser with the options of a daemon's place, described by `text`."""
+    """A parser with the options that locate a daemon, described by `text`."""
     parser = argparse.ArgumentParser(
         description=text, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -23,5 +23,5 @@ def parser_for(text: str) -> argparse.ArgumentParser:
 
 
 def daemon_of(options: argparse.Namespace) -> palpate.Daemon:
-    """The daemon that the options name."""
+    """The daemon given by the options."""
     return palpate.Daemon(options.url, options.housekeeping, options.key, options.timeout)

@@ -18,7 +18,7 @@ import palpate
 
 
 def scores(log: palpate.Log) -> dict[str, Any]:
-    """All that can be said of the log, in mm and s."""
+    """All errors of the log, in mm and s."""
     error = palpate.shape_error(log)
     result: dict[str, Any] = {
         "shapes": len(error.time),
@@ -38,7 +38,7 @@ def scores(log: palpate.Log) -> dict[str, Any]:
     try:
         result["within_95_percent_interval"] = palpate.shape_coverage(log)
     except ValueError:
-        pass  # the estimator tells no deviations
+        pass  # the estimator reports no standard deviations
     return result
 
 
@@ -54,7 +54,7 @@ def plot(log: palpate.Log, path: str) -> None:
     draw.shape_error(palpate.shape_error(log), figure.add_subplot(1, 2, 1))
     shapes = figure.add_subplot(1, 2, 2, projection="3d")
     draw.mesh(log.mesh, log["SHAPE"].of_mesh(log.mesh.hash).positions[-1], shapes, color="tab:blue")
-    # Of the plant's finer surface the edges are too many.
+    # The plant's finer surface has too many edges.
     truth = log["TRUTH_SHAPE"].positions[-1]
     draw.mesh(log.truth_mesh, truth, shapes, color="tab:orange", edgecolor="none")
     draw.save(shapes, path)

@@ -7,15 +7,15 @@
 
 #include "core/solid/solid_indentation.hpp"
 #include "tools/fit/experiments/hertz.hpp"
-#include "tools/fit/recording.hpp"
 #include "tools/fit/experiments/spline.hpp"
+#include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
 namespace {
 
-/// What the dimensionless curve depends on.
+/// Parameters of the dimensionless curve.
 struct Layer {
-  double thickness = 0;  // over the ball's radius
+  double thickness = 0;  // relative to the ball's radius
   double poisson_ratio = 0;
   double mooney = 0;
   double stiffening = 0;
@@ -26,7 +26,7 @@ struct Layer {
   }
 };
 
-/// Force over Hertz', by the square root of the depth over R.
+/// Force relative to Hertz', by the square root of the depth over R.
 Spline compute(const Layer& layer) {
   const solid::SolidCoefficients c =
       solid::make_solid_material(1, layer.poisson_ratio, layer.mooney, layer.stiffening)
@@ -37,7 +37,7 @@ Spline compute(const Layer& layer) {
                              " radii thick: no equilibrium at small depth");
   }
   const double plane = 1 - layer.poisson_ratio * layer.poisson_ratio;
-  // The first depths, of few elements in contact, tell less than Hertz.
+  // The first depths, with few elements in contact, are less accurate than Hertz.
   const Eigen::Index skipped = 1, count = curve.depth.size() - skipped;
   Eigen::VectorXd roots(count + 1), ratios(count + 1);
   roots[0] = 0;
@@ -59,7 +59,7 @@ std::shared_ptr<const Spline> curve_of(const Layer& layer) {
 
 class Indentation final : public Experiment {
  public:
-  /// `half_space` has read everything but the layer.
+  /// `half_space` has read everything except the layer.
   Indentation(std::unique_ptr<Experiment> half_space, const config::Node& node)
       : half_space_(std::move(half_space)), parameters_(half_space_->parameters()) {
     const config::Node geometry = node.child({"geometry", "", "of ball and layer"});

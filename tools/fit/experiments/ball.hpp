@@ -9,14 +9,14 @@
 namespace palpate::fit {
 
 /// Kind `indentation`: a rigid ball pressed into a layer, frictionless, at large strain, by finite
-/// elements (core/solid/solid_indentation.hpp). By likeness
-///   F = E R^2 f((d - d0) / R; thickness / R, nu, model),
-/// so that f is computed once for all recordings that agree in what stands behind the semicolon.
-/// Between the computed depths f / (Hertz' half space) is a natural cubic spline of sqrt(d / R),
-/// which begins at 1; behind the last one it goes on straight.
+/// elements (core/solid/solid_indentation.hpp). By similarity
+///    F = E R^2 f((d - d0) / R; thickness / R, nu, model),
+/// so that f is computed once for all recordings with equal parameters after the semicolon. Between
+/// the computed depths f / (Hertz' half space) is a natural cubic spline of sqrt(d / R), which
+/// begins at 1; beyond the last one it is continued linearly.
 ///
-/// Columns, geometry.radius, contact_offset and deviation as kind `hertz`, which reads them; beside
-/// them geometry.thickness, poisson_ratio (0.49, at most 0.4999), material: neo_hookean |
+/// Columns, geometry.radius, contact_offset and deviation as for kind `hertz`, which reads them; in
+/// addition geometry.thickness, poisson_ratio (0.49, at most 0.4999), material: neo_hookean |
 /// mooney_rivlin (half of the shear modulus each) and stiffening (0: Yeoh's second constant over
 /// the shear modulus), all known. Parameters: young_modulus, poisson_ratio (known),
 /// NAME.contact_offset (m).

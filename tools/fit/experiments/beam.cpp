@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "tools/fit/experiments/beam_model.hpp"
-#include "tools/fit/recording.hpp"
 #include "tools/fit/experiments/swing.hpp"
+#include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -36,7 +36,7 @@ std::vector<WantedColumn> wanted_columns(const std::vector<Marker>& markers) {
   return wanted;
 }
 
-/// A time that was recorded; `otherwise` where it is absent. Throws config::Error.
+/// A recorded time; `otherwise` if it is absent. Throws config::Error.
 double read_time(const config::Node& node, const config::Key& key, double least, double most,
                  double otherwise) {
   const double time = optional_quantity(node, key, Dimension::kTime, {}).value_or(otherwise);
@@ -115,7 +115,7 @@ class Beam final : public Experiment {
     return true;
   }
 
-  /// Greatest strain of the clamped section at rest, by the curvature that a weight makes there.
+  /// Largest strain of the clamped section at rest, by the curvature that a weight causes there.
   std::array<double, 2> strain_range() const override { return {-strain_, strain_}; }
 
   std::vector<Finding> findings(const Eigen::VectorXd& parameters) const override {

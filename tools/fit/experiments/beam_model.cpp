@@ -17,8 +17,8 @@ using Slope3 = Eigen::Matrix<double, 3, kBeamParameters>;
 
 constexpr double kBeamModelGravity = 9.81;  // m/s^2
 constexpr solid::SolidOptions kExact{60, 1e-12, 32};
-// What finite elements are differentiated by: material, inertia and damping, gravity's direction by
-// tilt, and the shape while held.
+// Variables by which the finite elements are differentiated: material, inertia and damping,
+// gravity's direction by tilt, and the initial shape.
 constexpr int kSolved[] = {kYoung,    kPoisson,  kDensity,  kMassDamping, kStiffnessDamping,
                            kTilt + 0, kTilt + 1, kTilt + 2, kHeldSag};
 
@@ -35,7 +35,7 @@ mesh::GridPlanes planes(const BeamShape& shape) {
   return result;
 }
 
-/// Nodal shares of what is spread evenly along the upper edge of the free end.
+/// Nodal shares of a load distributed uniformly along the upper edge of the free end.
 Eigen::VectorXd edge_shares(const BeamShape& shape, const mesh::ElementMesh& mesh,
                             const mesh::PointLocator& locator) {
   constexpr int kPoints = 64;
@@ -63,7 +63,7 @@ Eigen::Vector4d cubic(double s, bool derivative) {
 
 }  // namespace
 
-/// How the clamp stands, and with it gravity in the beam's own frame.
+/// Orientation of the clamp, and the resulting gravity in the beam's own frame.
 struct BeamModel::Clamp {
   Clamp(const BeamVector& p, const Vector3d& face) : centre(face) {
     const Vector3d tilt = p.segment<3>(kTilt);
@@ -175,7 +175,7 @@ bool BeamModel::swing(const BeamVector& p, const Eigen::VectorXd& times, double 
   }
   solid::SolidMotion motion(solver, problem, held, step, by);
 
-  // Heights and their derivatives step by step; before the release nothing moves.
+  // Heights and their derivatives step by step; at rest before the release.
   const double last = times.size() > 0 ? times.tail<1>()[0] - p[kRelease] : 0;
   const int steps = std::max(0, static_cast<int>(std::floor(last / step))) + 2;
   Eigen::VectorXd heights(steps + 1);
@@ -211,7 +211,7 @@ bool BeamModel::swing(const BeamVector& p, const Eigen::VectorXd& times, double 
     prediction.values[i] = 0;
     prediction.slopes.row(i).setZero();
     for (int k = 0; k < 4; ++k) {
-      const int at = std::abs(cell + k - 1);  // let go at rest, motion is even in time
+      const int at = std::abs(cell + k - 1);  // released at rest, motion is even in time
       prediction.values[i] += w[k] * heights[at];
       prediction.slopes.row(i) += w[k] * heights_by.row(at);
       prediction.slopes(i, kRelease) -= d[k] * heights[at] / step;

@@ -8,17 +8,17 @@
 
 namespace palpate::fit {
 
-/// What a beam is and carries. Frame O of the recording: x along the beam, z up, weight along -z.
+/// Geometry and load of a beam. Frame O of the recording: x along the beam, z up, weight along -z.
 struct BeamShape {
-  Eigen::Vector3d corner;                // m, least coordinates; the face x = corner.x is clamped
-  Eigen::Vector3d size;                  // m
-  std::array<int, 3> cells;              // of the mesh
-  double tip_mass = 0;                   // kg, spread along the upper edge of the free end
-  std::vector<Eigen::Vector3d> markers;  // m, on or off the beam's surface
+  Eigen::Vector3d corner;    // m, smallest coordinates; the face x = corner.x is clamped
+  Eigen::Vector3d size;      // m
+  std::array<int, 3> cells;  // of the mesh
+  double tip_mass = 0;       // kg, distributed along the upper edge of the free end
+  std::vector<Eigen::Vector3d> markers;        // m, on or off the beam's surface
   std::vector<Eigen::Vector3d> clamp_markers;  // m, fixed to the clamp
 };
 
-/// What a beam's behaviour depends on, by index of a parameter vector.
+/// Parameters of a beam, by index of a parameter vector.
 enum BeamParameter {
   kYoung,                  // Pa
   kPoisson,                //
@@ -27,8 +27,8 @@ enum BeamParameter {
   kStiffnessDamping,       // s, Rayleigh
   kTilt,                   // rad, 3: rotation vector of the clamp about the centre of its face
   kOffset = kTilt + 3,     // m, 3: of the clamp
-  kRelease = kOffset + 3,  // s, when the beam is let go
-  kHeldSag,                // share of its loads that bends it while it is held
+  kRelease = kOffset + 3,  // s, time of the release
+  kHeldSag,                // fraction of its loads that bends it while it is held
   kBeamParameters,
 };
 using BeamVector = Eigen::Matrix<double, kBeamParameters, 1>;
@@ -39,8 +39,8 @@ struct BeamPrediction {
   Eigen::Matrix<double, Eigen::Dynamic, kBeamParameters> slopes;
 };
 
-/// Large deflection of a clamped Neo-Hookean beam by finite elements (core/elasticity/solid_*),
-/// at rest and after it is let go. A tilt of the clamp is computed as one of gravity's direction.
+/// Large deflection of a clamped Neo-Hookean beam by finite elements (core/elasticity/solid_*), at
+/// rest and after its release. A tilt of the clamp is computed as one of gravity's direction.
 /// Constant after construction: threads may share it.
 class BeamModel {
  public:
@@ -49,13 +49,13 @@ class BeamModel {
 
   int node_count() const { return body_->mesh().node_count(); }
 
-  /// Displacements at rest (m, x y z by marker, the beam's first), from where the markers are while
-  /// the beam is straight and the clamp neither tilted nor offset. False without equilibrium.
+  /// Displacements at rest (m, x y z by marker, the beam's first), relative to the marker positions
+  /// on the straight beam with the clamp neither tilted nor shifted. False without equilibrium.
   bool at_rest(const BeamVector& parameters, BeamPrediction& prediction) const;
 
-  /// Mean height (m) of the beam's markers over that of the straight beam at `times` (s, rising),
-  /// let go at rest at time kRelease, from the shape that a share kHeldSag of its loads bends it to
-  /// (0: straight). Steps of `step` s. False where a step fails.
+  /// Mean height (m) of the beam's markers above that of the straight beam at `times` (s,
+  /// ascending), released at rest at time kRelease, from the shape bent by the fraction kHeldSag of
+  /// its loads (0: straight). Steps of `step` s. False if a step fails.
   bool swing(const BeamVector& parameters, const Eigen::VectorXd& times, double step,
              BeamPrediction& prediction) const;
 

@@ -9,7 +9,8 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// The value where the half cycle first crosses the strain, between its samples; its end's beyond.
+/// The value where the half cycle first crosses the strain, interpolated between samples; constant
+/// beyond its end.
 double value_at(const VectorXd& strain, const VectorXd& value, const HalfCycle& half, double at) {
   const double sign = half.is_loading ? 1 : -1;
   for (Index i = half.first + 1; i <= half.last; ++i) {
@@ -27,7 +28,8 @@ std::vector<HalfCycle> half_cycles(const VectorXd& strain) {
   std::vector<HalfCycle> halves;
   if (strain.size() < 2) return halves;
   const double threshold = 0.3 * (strain.maxCoeff() - strain.minCoeff());
-  // The furthest sample of the present direction becomes a turn once the strain comes back enough.
+  // The farthest sample in the current direction becomes a turning point once the strain reverses
+  // far enough.
   Index turn = 0, low = 0, high = 0;
   int direction = 0;
   for (Index i = 1; i < strain.size(); ++i) {

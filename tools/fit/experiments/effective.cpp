@@ -11,7 +11,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// A material's constants as a fit found them.
+/// A material's fitted constants.
 struct Constants {
   VectorXd values;
   std::vector<int> parameters;  // of the problem
@@ -29,7 +29,7 @@ std::optional<Constants> find_constants(const Fit& fit, const solid::StrainEnerg
   return result;
 }
 
-/// Standard deviation of what has the derivatives `by_constant`.
+/// Standard deviation of a quantity with the derivatives `by_constant`.
 double deviation(const Problem& problem, const Fit& fit, const Constants& constants,
                  const VectorXd& by_constant) {
   VectorXd g = VectorXd::Zero(static_cast<Index>(problem.free().size()));
@@ -92,7 +92,7 @@ std::optional<EffectiveMaterial> effective_material(const Problem& problem, cons
       return std::nullopt;
     if (constants->values[1] < 0.5) poisson = lateral;
   }
-  // 1.96 deviations; of E in its logarithm, so that both ends are positive.
+  // 1.96 standard deviations; for E in its logarithm, so that both ends are positive.
   const double relative = deviation(problem, fit, *constants, modulus.by_constant) / modulus.value;
   if (!(modulus.value > 0) || !(relative < std::log(2.0))) return std::nullopt;
   const double wide = 1.96 * deviation(problem, fit, *constants, poisson.by_constant);
@@ -104,7 +104,7 @@ std::optional<EffectiveMaterial> effective_material(const Problem& problem, cons
                              modulus.value * std::exp(1.96 * relative)};
   result.poisson_ratio = allowed(poisson.value);
   result.poisson_interval = {allowed(poisson.value - wide), allowed(poisson.value + wide)};
-  // What has an interval of its own keeps it, which may be by profile.
+  // A quantity with its own interval keeps it, which may be by profile.
   const Estimate& own = *fit.find("young_modulus");
   if (material == "linear" && own.standing == Standing::kEstimated)
     result.modulus_interval = own.interval;

@@ -25,7 +25,7 @@ std::vector<double> grid_lines(const std::vector<double>& stops, double cell, do
     }
   }
   lines.push_back(stops.back());
-  // Three sizes of cells, each twice the last, fill the margin.
+  // Three sizes of cells, each twice the previous, fill the margin.
   for (double share : {1. / 7, 3. / 7, 1.}) {
     lines.push_back(stops.back() + share * margin);
     lines.insert(lines.begin(), stops.front() - share * margin);
@@ -134,7 +134,8 @@ class Membrane final : public Experiment {
   }
 
  private:
-  /// Takes the mean off the y components: the whole limb drifts across, which no pad makes.
+  /// Subtracts the mean of the y components: lateral drift of the whole limb, which is not caused
+  /// by the pads.
   static void remove_drift(Eigen::Ref<Eigen::VectorXd> field) {
     double mean = 0;
     const Eigen::Index count = field.size() / 2;

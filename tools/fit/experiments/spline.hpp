@@ -4,7 +4,7 @@
 
 namespace palpate::fit {
 
-/// Natural cubic spline, straight outside its ends.
+/// Natural cubic spline, linear outside its ends.
 class Spline {
  public:
   /// x rising, at least two.

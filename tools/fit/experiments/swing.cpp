@@ -12,7 +12,7 @@ struct Peak {
   double size = 0;
 };
 
-/// Top of the parabola through sample i and its neighbours, evenly spaced.
+/// Maximum of the parabola through sample i and its neighbours, uniformly spaced.
 Peak top(const Eigen::VectorXd& times, const Eigen::VectorXd& deviation, Eigen::Index i) {
   const double a = deviation[i - 1], b = deviation[i], c = deviation[i + 1];
   const double bend = a - 2 * b + c;
@@ -26,7 +26,7 @@ Swing measure_swing(const Eigen::VectorXd& times, const Eigen::VectorXd& values,
                     double least) {
   const Eigen::VectorXd deviation = values.array() - rest;
   std::vector<double> passages;
-  std::vector<Peak> peaks;  // between passages
+  std::vector<Peak> peaks;  // between zero crossings
   Eigen::Index greatest = -1;
   for (Eigen::Index i = 1; i < times.size(); ++i) {
     if (deviation[i - 1] * deviation[i] <= 0 && deviation[i - 1] != deviation[i]) {

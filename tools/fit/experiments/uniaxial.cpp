@@ -161,7 +161,7 @@ class Uniaxial final : public Experiment {
     if (!is_poisson_free)
       parameters_[1].start = parameters_[1].lower = parameters_[1].upper =
           poisson == "by_width" ? 0 : node.number("poisson_ratio", {-0.5, 0.5}, 0.5);
-    // Strains and lengths alike: offsets are kept within a third of what was reached.
+    // For strains and lengths alike: offsets are bounded by a third of the range reached.
     const double reach = most * data_.length / 3;
     const bool has_offset = has_contact_ || is_free(node, "clamp_offset");
     offset_ = add_own(data_.is_compression ? "contact_offset" : "clamp_offset",
@@ -238,7 +238,7 @@ class Uniaxial final : public Experiment {
   std::vector<Series> series_;
   std::vector<Parameter> parameters_;
   std::array<double, 2> strain_range_{};
-  // Places in parameters_; -1: not there. Without a width any column does: nobody looks.
+  // Indices in parameters_; -1: absent. Without a width the column is arbitrary, as it is not used.
   Index offset_ = 0, bias_ = 0, width_ = 0, viscosity_ = -1, ratio_ = -1, relaxation_time_ = -1;
 };
 

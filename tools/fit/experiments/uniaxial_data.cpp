@@ -20,7 +20,7 @@ constexpr Index kLeastRows = 4;
 
 const config::Key kGeometry("geometry", "", "of the specimen");
 
-/// Rest area from what the geometry gives.
+/// Rest area from the geometry.
 double read_area(const config::Node& geometry) {
   const config::Range size{1e-6, 100};
   const auto area =
@@ -102,7 +102,7 @@ Values taken(const Values& values, const std::vector<Index>& rows) {
   return result;
 }
 
-/// Leaves these rows.
+/// Keeps these rows.
 void keep(const std::vector<Index>& rows, UniaxialData& data) {
   data.strain = taken(data.strain, rows);
   data.load = taken(data.load, rows);
@@ -127,7 +127,7 @@ void cut(const config::Node& node, const Recording& recording, UniaxialData& dat
   keep(rows, data);
 }
 
-/// Leaves every n-th row, of what was recorded faster than it changes.
+/// Keeps every n-th row of data sampled faster than they change.
 void thin(const config::Node& node, UniaxialData& data) {
   const int every = node.integer({"every", "", "each so-and-so-many-th row"}, {1, 1000}, 1);
   if (every == 1) return;
@@ -143,7 +143,7 @@ double greatest_width(const UniaxialData& data) {
   return greatest;
 }
 
-/// Cycles to their mean curve, or the first of them marked as not used.
+/// Replaces cycles by their mean curve, or marks the first of them as not used.
 void treat_cycles(const config::Node& node, const Recording& recording, UniaxialData& data) {
   data.is_used.assign(static_cast<std::size_t>(data.strain.size()), true);
   if (!node.has("cycles")) return;

@@ -11,14 +11,14 @@
 namespace palpate::fit {
 namespace {
 
-/// Of regular cycles any pairing fits: spreads that differ by less than this share of a period are
-/// the same, and the pairing of most peaks counts.
+/// With regular cycles several pairings fit: spreads that differ by less than this fraction of a
+/// period count as equal, and the pairing of most peaks wins.
 constexpr double kSameSpread = 0.1;
 
 using Eigen::Index;
 using Eigen::VectorXd;
 
-/// Times of the greatest strains.
+/// Times of the largest strains.
 std::vector<double> peaks(const VectorXd& time, const VectorXd& strain) {
   std::vector<double> times;
   for (const HalfCycle& half : half_cycles(strain))

@@ -8,16 +8,16 @@
 
 namespace palpate::fit {
 
-/// What a configuration of palpated says of an object in one hand: where things are, the mesh, its
-/// grasp and what holds it, and what the hand weighs behind the force-torque sensor.
+/// The part of palpated's configuration that concerns an object in one hand: poses, mesh, grasp and
+/// support, and the load of the hand on the force-torque sensor.
 struct HeldCell {
   registry::Frames frames;
   registry::Object object;
-  sensing::PayloadParameters hand;  // none where the configuration names none
-  int polarity = 1;                 // -1: the sensor tells what the load exerts on it
+  sensing::PayloadParameters hand;  // empty if the configuration names none
+  int polarity = 1;                 // -1: the sensor reports what the load exerts on it
 };
 
-/// Throws config::Error: also where the object is in two hands, or in none.
+/// Throws config::Error: also if the object is held by two hands, or by none.
 HeldCell read_held_cell(const std::string& configuration,
                         const std::vector<std::string>& overrides = {});
 

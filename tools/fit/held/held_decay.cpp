@@ -12,10 +12,10 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr const char* kWrench[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
-constexpr double kArm = 0.1;  // m, at which torques count as much as forces
+constexpr double kArm = 0.1;  // m, at which torques are weighted like forces
 constexpr double kFinestForce = 1e-3, kFinestTorque = 1e-4;
 
-/// One mode at one moment: its two waves, and their derivatives by d and by omega at constant d.
+/// One mode at one time: its two waves, and their derivatives by d and by omega at constant d.
 struct Waves {
   double c, s, c_d, s_d, c_omega, s_omega;
 
@@ -122,7 +122,7 @@ void HeldDecay::list_parameters(const HeldCell& cell) {
   }
 }
 
-/// Amplitudes and rests are linear: the best ones; the sum of squares that they leave.
+/// Amplitudes and rest values are linear: their optimum, and the remaining sum of squares.
 double HeldDecay::fit_amplitudes(VectorXd& parameters) const {
   VectorXd prediction;
   MatrixXd jacobian;
@@ -138,7 +138,7 @@ double HeldDecay::fit_amplitudes(VectorXd& parameters) const {
       A.middleRows(k * n, n) /= series.deviation;
       b.segment(k * n, n) = series.measured / series.deviation;
     }
-    // Modes that the wrench cannot tell apart share what there is.
+    // Modes that the wrench cannot distinguish share the amplitude.
     MatrixXd normal = A.transpose() * A;
     normal.diagonal().array() += 1e-10 * normal.diagonal().maxCoeff();
     const VectorXd best = normal.ldlt().solve(A.transpose() * b);
@@ -148,8 +148,8 @@ double HeldDecay::fit_amplitudes(VectorXd& parameters) const {
   return left;
 }
 
-/// Between one frequency and another a wave a cycle off fits better than what lies between, so that
-/// a search must begin near the right one.
+/// Between two frequencies a wave that is off by one cycle fits better than those in between, so
+/// that a search must start near the correct one.
 void HeldDecay::scan() {
   const auto is_silent = [](const HeldRinging& ringing) { return ringing.readings.isZero(0); };
   if (std::all_of(ringings_.begin(), ringings_.end(), is_silent)) return;

@@ -23,7 +23,7 @@ CalmRule read_calm_rule(const config::Node& node) {
   return rule;
 }
 
-/// Entry `sought`: each of its words sets a flag; absent: as the flags are.
+/// Entry `sought`: each of its words sets a flag; if absent, the flags are unchanged.
 void read_sought(const config::Node& node, const std::map<std::string, bool*>& flags) {
   if (!node.has("sought")) return;
   for (const auto& [word, flag] : flags) *flag = false;
@@ -39,7 +39,7 @@ void read_sought(const config::Node& node, const std::map<std::string, bool*>& f
   }
 }
 
-/// What both kinds say of their log and of what is in the hand.
+/// Keys of both kinds for their log and the object in the hand.
 struct HeldSource {
   std::string log, name, time;
   CalmRule rule;

@@ -10,29 +10,30 @@
 
 namespace palpate::fit {
 
-/// Which moments of a recording count as equilibria. The log is cut into blocks of 0.1 s; a block
-/// is calm where the mean pose of the hand moves by less than the two speeds to both of its
-/// neighbours. A sample is the mean over `window` of calm blocks that follow `settle` of them.
-/// Without `settle` and with higher speeds, slow motion counts as a row of equilibria.
+/// Selection of the moments of a recording that count as equilibria. The log is divided into blocks
+/// of 0.1 s; a block is calm if the mean pose of the hand moves by less than the two speeds
+/// relative to both of its neighbours. A sample is the mean over `window` of calm blocks that
+/// follow `settle` of them. Without `settle` and with higher speeds, slow motion counts as a
+/// sequence of equilibria.
 struct CalmRule {
   double linear_speed = 2e-3;   // m/s
   double angular_speed = 1e-2;  // rad/s
-  double settle = 0.5;          // s, for vibrations to die
+  double settle = 0.5;          // s, for vibrations to decay
   double window = 0.5;          // s
-  double every = 1.0;           // s between the beginnings of samples, at least
+  double every = 1.0;           // s between the starts of samples, at least
 };
 
 /// A mean over kBlock s of a hand's log.
 struct HeldBlock {
   math::Pose X_WE = math::Pose::Identity();
   math::Vector6d wrench = math::Vector6d::Zero();
-  bool whole = false;  // pose and wrench have been told
+  bool whole = false;  // pose and wrench have been received
   bool calm = false;
 };
 
 inline constexpr double kBlock = 0.1;  // s
 
-/// Mean of poses that hardly differ.
+/// Mean of poses that differ only slightly.
 class PoseMean {
  public:
   void add(const math::Pose& X);
@@ -45,7 +46,7 @@ class PoseMean {
   int count_ = 0;
 };
 
-/// Everything of a log that a held object is fitted to.
+/// Data of a log for the fit of a held object.
 struct HeldLog {
   std::vector<robot_state_t> robot;
   std::vector<ft_wrench_t> wrenches;
@@ -54,9 +55,9 @@ struct HeldLog {
   std::vector<HeldBlock> blocks;  // marked by the rule
 };
 
-/// Reads ROBOT_STATE, FT_WRENCH and SHAPE_OBSERVATION. `time`: "sent" or "received", whose clock
-/// counts. Throws std::runtime_error naming file and remedy: a channel that is absent, numbers that
-/// are not finite.
+/// Reads ROBOT_STATE, FT_WRENCH and SHAPE_OBSERVATION. `time`: "sent" or "received", the clock to
+/// use. Throws std::runtime_error naming file and remedy: a missing channel, numbers that are not
+/// finite.
 HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time);
 
 /// Angle from one pose to another, rad.

@@ -18,10 +18,11 @@ using factor::BlockPattern;
 using factor::NodalColumns;
 
 constexpr factor::Held kHand{true, false};
-constexpr int kGuard = 4;  // columns beside those that are wanted: what is left outside slows down
+constexpr int kGuard =
+    4;  // columns in addition to the requested ones: the first mode outside limits the convergence
 constexpr int kPasses = 400;
 
-/// Rows of what is given become zero.
+/// Rows of the given degrees of freedom become zero.
 void clear_given(const BlockPattern& pattern, NodalColumns& columns) {
   for (int node = 0; node < pattern.node_count(); ++node) {
     const int unknown = pattern.unknown(node);
@@ -42,7 +43,7 @@ NodalColumns solve(const factor::SupernodalFactor& factor, const BlockPattern& p
   return solution;
 }
 
-/// Leaves modes of unit mass in the columns of `shapes`; their omega^2.
+/// Leaves modes of unit mass in the columns of `shapes`; returns their omega^2.
 Eigen::VectorXd iterate(const BlockMatrix& K, const BlockMatrix& M,
                         const factor::SupernodalFactor& factor, int count, NodalColumns& shapes) {
   NodalColumns product(shapes.rows(), shapes.cols());

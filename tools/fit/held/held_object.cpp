@@ -14,7 +14,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using elasticity::Sensitivity;
 
-// A sensor resolves no better than this, whatever its scatter says: N, N m and m.
+// Lower bounds of a sensor's standard deviation, regardless of its scatter: N, N m and m.
 constexpr double kFinestForce = 1e-3, kFinestTorque = 1e-4, kFinestPoint = 1e-5;
 
 constexpr int kFootSteps = 40;  // of the perpendicular on a curved face, exact to rounding
@@ -22,7 +22,7 @@ constexpr int kFootSteps = 40;  // of the perpendicular on a curved face, exact 
 constexpr const char* kAxes[6] = {"x", "y", "z", "rx", "ry", "rz"};
 constexpr const char* kWrench[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
-/// Every so many-th column, so that at most `most` are left.
+/// Every k-th column, so that at most `most` remain.
 Matrix3Xd thinned(const Matrix3Xd& points, int most) {
   const int step = std::max(1, static_cast<int>((points.cols() + most - 1) / most));
   Matrix3Xd few(3, (points.cols() + step - 1) / step);
@@ -30,14 +30,14 @@ Matrix3Xd thinned(const Matrix3Xd& points, int most) {
   return few;
 }
 
-/// What turns derivatives by logarithms of E and density into those by themselves.
+/// Chain rule from derivatives by logarithms of E and density to those by the values.
 Vector3d by_parameter(const elasticity::Material& material) {
   return {1 / material.young_modulus, 1, 1 / material.density};
 }
 
 }  // namespace
 
-/// Parameters by what they mean.
+/// Parameters by meaning.
 struct HeldObject::State {
   elasticity::Body body;
   math::Pose offset = math::Pose::Identity();  // of the true G in the measured one
@@ -303,7 +303,7 @@ void HeldObject::predict_markers(const State& state, int sample, const Equilibri
   }
 }
 
-/// Distances change as the nearest point of the surface moves towards the seen one.
+/// Distances change as the closest surface point moves towards the observed one.
 void HeldObject::predict_cloud(const State& state, int sample, const Equilibrium& found,
                                Eigen::VectorXd& prediction, Eigen::MatrixXd* jacobian) const {
   contact::SurfaceMatcher matcher(cell_.object.surface, kFootSteps);

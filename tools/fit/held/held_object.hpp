@@ -11,38 +11,38 @@
 
 namespace palpate::fit {
 
-/// What is sought beside Young's modulus, which always is. Poisson's ratio and density that are not
-/// sought are known: as the configuration says.
+/// Parameters to identify in addition to Young's modulus, which is always identified. Otherwise
+/// Poisson's ratio and density are known: as configured.
 struct HeldSought {
   bool poisson_ratio = true;
   bool density = false;
   bool grasp = false;  // six: the hand's pose in its measured frame G, m and rotation vector, rad
-  bool bias = true;    // six: what the sensor adds, N and N m in S
+  bool bias = true;    // six: bias of the sensor, N and N m in S
   bool hand = false;   // four: mass of the hand, kg, and mass times its centre in S, kg m
 };
 
 struct HeldOptions {
   HeldSought sought;
-  std::vector<Eigen::Vector3d> markers;  // rest points, O, in the order in which they are seen
-  int points = 60;                       // of a cloud, spread over it; the others are left out
-  /// Of the greatest force and torque between hand and object, at the start: what the mechanics is
-  /// wrong by, however well the sensor reads. Counts as noise.
+  std::vector<Eigen::Vector3d> markers;  // rest points, O, in the order of observation
+  int points = 60;                       // of a cloud, spread over it; the others are not used
+  /// Relative to the largest force and torque between hand and object, at the start: model error,
+  /// independent of the sensor. Counts as noise.
   double model_error = 0.01;
   std::vector<bool> is_held_out;  // by sample; empty: none
 };
 
 /// An object in a hand that moves it and rests: at each rest the co-rotational statics of the
-/// daemon's own mesh (quadratic or linear elements, exact tangent) under the pose of the hand say
-/// what the wrist reads,
-///   F_S = [R_SO f, R_SO tau + p_SG x R_SO f] + weight of the hand + bias,
-/// with (f, tau) of the hand on the object at the origin of G, and where markers stand, or how far
-/// a seen point is from the surface (positive outside, measured as 0). The Jacobian is that of
-/// StaticResponse (control.md 6.2), chained to the grasp's offset; the own parameters carry the
-/// name in front, "NAME.bias_fx".
+/// daemon's own mesh (quadratic or linear elements, exact tangent) under the pose of the hand
+/// predict the wrist reading,
+///    F_S = [R_SO f, R_SO tau + p_SG x R_SO f] + weight of the hand + bias,
+/// with (f, tau) of the hand on the object at the origin of G, and the positions of markers, or the
+/// distance of an observed point from the surface (positive outside, measured as 0). The Jacobian
+/// is that of StaticResponse (control.md 6.2), chained to the grasp's offset; own parameters have
+/// the recording's name as prefix, "NAME.bias_fx".
 class HeldObject final : public Experiment {
  public:
-  /// Follows the hand from rest to each sample, whose shapes are then where every prediction
-  /// begins. Throws std::invalid_argument where a sample has no equilibrium, or other points than
+  /// Follows the hand from rest to each sample; the resulting shapes are the starts of all
+  /// predictions. Throws std::invalid_argument if a sample has no equilibrium, or points other than
   /// markers are named.
   HeldObject(std::string name, HeldCell cell, HeldRecording recording, HeldOptions options = {});
 
@@ -81,11 +81,11 @@ class HeldObject final : public Experiment {
   HeldOptions options_;
   std::vector<Parameter> parameters_;
   std::vector<Series> series_;
-  int grasp_ = -1, bias_ = -1, mass_ = -1;  // first columns, -1: not sought
+  int grasp_ = -1, bias_ = -1, mass_ = -1;  // first columns, -1: not identified
   std::vector<mesh::PointWeights> markers_;
   std::vector<Eigen::Matrix3Xd> seen_;    // by sample, in O
-  std::vector<int> first_row_;            // of what a sample's points tell
-  std::vector<Eigen::Matrix3Xd> shapes_;  // by sample, where Newton begins
+  std::vector<int> first_row_;            // from a sample's points
+  std::vector<Eigen::Matrix3Xd> shapes_;  // by sample, start of Newton's method
 };
 
 /// Kind `held_object`: a grasp-and-move recording from an LCM log. Keys: log (below the folder of
@@ -93,8 +93,8 @@ class HeldObject final : public Experiment {
 /// (overrides of it), time (received, sent), calm (linear_speed, angular_speed, settle, window,
 /// every: see CalmRule), sought (list of poisson_ratio, density, grasp, bias, hand; absent:
 /// poisson_ratio, bias), model_error (0.01), markers (rest points), points (of a cloud, 60),
-/// held_out (by `time` or `sample`). A few rests do not tell how large noise is: with them fit by
-/// `solver: {reweigh: false}`. Throws config::Error and std::runtime_error.
+/// held_out (by `time` or `sample`). A few rests are not enough to estimate the noise: with them
+/// fit by `solver: {reweigh: false}`. Throws config::Error and std::runtime_error.
 std::unique_ptr<Experiment> make_held_object(const config::Node& node,
                                              const std::filesystem::path& folder);
 

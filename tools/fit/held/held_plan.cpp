@@ -14,27 +14,28 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-// Of all parameters of a plan: what may be sought, then the bias, then the grasp's offset.
+// Of all parameters of a plan: those that may be identified, then the bias, then the grasp's
+// offset.
 enum { kYoung, kPoisson, kDensity, kMass, kStiffness, kMaterial };
 constexpr int kBias = kMaterial, kGrasp = kBias + 6, kCount = kGrasp + 6;
 constexpr const char* kNames[kMaterial] = {"young_modulus", "poisson_ratio", "density",
                                            "mass_damping", "stiffness_damping"};
 constexpr double kNormal95 = 1.959964;
-constexpr double kKnown = 1e-9;   // deviation of what is not sought
-constexpr double kBinRate = 200;  // Hz, of means while it rings
+constexpr double kKnown = 1e-9;   // standard deviation of parameters that are not identified
+constexpr double kBinRate = 200;  // Hz, of means during a vibration
 constexpr int kModes = 4;
-constexpr double kLeastGain = 0.2;  // of a motion: one interval a tenth narrower
+constexpr double kLeastGain = 0.2;  // benefit of a motion: one interval a tenth narrower
 
 using Information = Eigen::Matrix<double, kCount, kCount>;
 
-/// Values, and what a unit of the coordinate is: 1 of a logarithm, or of the value.
+/// Values, and the unit of each coordinate: 1 of a logarithm, or of the value.
 struct Scale {
   std::array<double, kMaterial> values;
   Eigen::Matrix<double, kCount, 1> prior;  // standard deviations
 
   Scale(const HeldCell& cell, const HeldPlanOptions& options) {
     const elasticity::Body& body = cell.object.body;
-    // Damping that the configuration does not have could still be found out: say of this size.
+    // Damping that is absent in the configuration may still be identified: assume this size.
     const double mass = body.damping.mass_factor, stiffness = body.damping.stiffness_factor;
     values = {body.material.young_modulus, body.material.poisson_ratio, body.material.density,
               mass > 0 ? mass : 1, stiffness > 0 ? stiffness : 1e-3};
@@ -67,14 +68,14 @@ HeldSample sample_at(const HeldCell& cell, const HandMotion& motion, std::size_t
                                             rest.translation() + share * m.head<3>());
     return math::Pose(cell.frames.X_WO * X_OG * cell.frames.X_EG.inverse());
   };
-  // From one candidate to the next by way of the rest pose.
+  // From one candidate to the next via the rest pose.
   for (double share = 0; share < 1; share += 0.2) sample.way.push_back(pose(share));
   sample.X_WE = pose(1);
   sample.points_W = unseen(markers);
   return sample;
 }
 
-/// What a motion tells, or why it cannot be made.
+/// Information gained by a motion, or the reason why it is infeasible.
 struct Candidate {
   HandMotion motion;
   Information information = Information::Zero();
@@ -87,7 +88,7 @@ bool is_within(const control::GateLimits& limits, const math::Pose& X_WE) {
          (p.array() <= limits.workspace_upper.array()).all();
 }
 
-/// A rest: wrench and, where something sees them, markers.
+/// A rest: wrench and, if observed, markers.
 void look_at_rest(const HeldCell& cell, const control::GateLimits& limits,
                   const HeldPlanOptions& options, const Scale& scale, Candidate& candidate) {
   HeldRecording recording;
@@ -101,7 +102,7 @@ void look_at_rest(const HeldCell& cell, const control::GateLimits& limits,
   held.markers = options.markers;
   VectorXd reading;
   MatrixXd J;
-  HeldCell free_hand = cell;  // what the object alone does
+  HeldCell free_hand = cell;  // contribution of the object alone
   free_hand.hand = {};
   try {
     const HeldObject object("plan", free_hand, recording, held);
@@ -134,7 +135,7 @@ void look_at_rest(const HeldCell& cell, const control::GateLimits& limits,
   candidate.information = rows.transpose() * rows;
 }
 
-/// A ringing: amplitudes and rest are unknown, and nothing else knows of them.
+/// A vibration: its amplitudes and rest values are unknown and independent of everything else.
 void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const Scale& scale,
                      Candidate& candidate) {
   if (!options.reads_wrench) {
@@ -175,7 +176,8 @@ void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const
   normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff();
   const MatrixXd cross = own.transpose() * shared;
   MatrixXd told = shared.transpose() * shared - cross.transpose() * normal.ldlt().solve(cross);
-  // The model's own error, of each: (told^-1 + error^2)^-1, where told may be singular.
+  // Total information with the model's own error: (measured^-1 + error^2)^-1, where `measured` may
+  // be singular.
   const Eigen::Matrix4d error =
       Eigen::Matrix4d::Identity() / (options.model_error * options.model_error);
   told -= told * (told + error).ldlt().solve(told);
@@ -184,9 +186,9 @@ void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const
     for (int b = 0; b < 4; ++b) candidate.information(kPlaces[a], kPlaces[b]) = told(a, b);
 }
 
-/// Covariance of what the material is, all else unknown too.
+/// Covariance of the material parameters, with all others unknown too.
 Eigen::Matrix<double, kMaterial, kMaterial> material_covariance(const Information& information) {
-  // Units are as unlike as 1 and 1e-9: inverted with a diagonal of ones.
+  // Units differ by as much as 1 and 1e-9: inverted after scaling to a diagonal of ones.
   const Eigen::Matrix<double, kCount, 1> size = information.diagonal().cwiseSqrt().cwiseInverse();
   const Information scaled = size.asDiagonal() * information * size.asDiagonal();
   const Information inverse = scaled.ldlt().solve(Information::Identity());
@@ -201,7 +203,7 @@ std::vector<int> sought(const Scale& scale) {
   return all;
 }
 
-/// -log of the determinant of the covariance of what is sought.
+/// -log of the determinant of the covariance of the parameters to identify.
 double merit(const Information& information, const std::vector<int>& places) {
   const auto covariance = material_covariance(information);
   MatrixXd block(places.size(), places.size());
@@ -261,7 +263,7 @@ HeldPlan plan_motions(const HeldCell& cell, const control::GateLimits& limits,
     plan.steps.push_back(
         {candidate.motion, now - before, knowledge_of(information, scale, places)});
   };
-  // What the sensor reads in front of everything else is what all else is compared with.
+  // The first sensor reading is the reference for all others.
   if (!candidates.empty() && candidates[0].motion.from_rest.isZero()) take(candidates[0]);
   while (static_cast<int>(plan.steps.size()) < options.steps) {
     const Candidate* best = nullptr;

@@ -23,7 +23,7 @@ struct Arguments {
   HeldPlanOptions options;
 };
 
-/// The box of nodes that would be held, over the configuration's.
+/// The bounding box of the held nodes, overriding the configuration's.
 std::string grasp_override(const std::vector<double>& box) {
   const auto corner = [&](std::size_t k) {
     return "[" + std::to_string(box[k]) + ", " + std::to_string(box[k + 1]) + ", " +

@@ -8,9 +8,9 @@
 namespace palpate::fit {
 namespace {
 
-constexpr double kHalfTold = 2;  // a factor from which on percent say nothing
+constexpr double kHalfTold = 2;  // factor from which on percentages are not used
 
-/// "+- 3.1 %", "x or / 4.2", "+- 0.021"; in brackets what is not told.
+/// "+- 3.1 %", "x or / 4.2", "+- 0.021"; in brackets if undetermined.
 std::string interval(const Knowledge& known) {
   char text[40];
   if (!known.is_logarithmic) {

@@ -7,7 +7,7 @@
 
 namespace palpate::fit {
 
-/// The motions in their order, with what is expected to be known after each, and what stays open.
+/// The motions in order, with the expected knowledge after each, and what remains undetermined.
 void print(const HeldPlan& plan, std::ostream& out);
 
 /// The same, SI units; motions as poses of G from rest, in O.

@@ -7,7 +7,7 @@
 namespace palpate::fit {
 namespace {
 
-constexpr double kWayStep = 0.01;  // m between poses of a way
+constexpr double kWayStep = 0.01;  // m between poses of a path
 constexpr double kWayTurn = 0.08;  // rad
 
 Eigen::Matrix3Xd points_of(const shape_observation_t& seen) {
@@ -16,7 +16,8 @@ Eigen::Matrix3Xd points_of(const shape_observation_t& seen) {
       .cast<double>();
 }
 
-/// Points of the messages from `from` to `to`; their deviation grows `deviation`.
+/// Points of the messages from `from` to `to`; their standard deviation is accumulated in
+/// `deviation`.
 Eigen::Matrix3Xd points_between(const std::vector<shape_observation_t>& seen, std::int64_t from,
                                 std::int64_t to, bool average, double& deviation) {
   std::vector<const shape_observation_t*> inside;

@@ -9,11 +9,11 @@ namespace palpate::fit {
 
 /// The hand at rest, or nearly so.
 struct HeldSample {
-  double time = 0;  // s since the recording began
+  double time = 0;  // s since the start of the recording
   math::Pose X_WE = math::Pose::Identity();
-  math::Wrench F_S;             // as the sensor reads it
-  Eigen::Matrix3Xd points_W;    // m, seen on the surface; none where nothing looked
-  std::vector<math::Pose> way;  // X_WE on the way from the sample before
+  math::Wrench F_S;             // as reported by the sensor
+  Eigen::Matrix3Xd points_W;    // m, observed on the surface; none without an observation
+  std::vector<math::Pose> way;  // X_WE on the path from the previous sample
 };
 
 struct HeldRecording {
@@ -22,9 +22,9 @@ struct HeldRecording {
   double point_deviation = 0;  // m, of each coordinate
 };
 
-/// The samples of a log by the rule. `average_points`: all messages of a window see the same points
-/// in the same order (markers), else the one in its middle is taken. Throws as read_held_log()
-/// does, and where there is no sample at all.
+/// The samples of a log by the rule. `average_points`: all messages of a window contain the same
+/// points in the same order (markers); otherwise the message in its middle is used. Throws as
+/// read_held_log() does, and if there is no sample at all.
 HeldRecording read_held_recording(const std::string& log, const CalmRule& rule,
                                   const std::string& time, bool average_points);
 

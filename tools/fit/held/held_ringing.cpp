@@ -7,7 +7,7 @@
 namespace palpate::fit {
 namespace {
 
-/// Noise of one message: second differences hardly know of what swings slowly.
+/// Noise of one message: second differences are insensitive to slow oscillations.
 math::Vector6d message_deviation(const std::vector<ft_wrench_t>& wrenches, std::size_t begin,
                                  std::size_t end) {
   math::Vector6d squares = math::Vector6d::Zero();

@@ -4,16 +4,16 @@
 
 namespace palpate::fit {
 
-/// A marker on a stalk that keeps upright on the surface of a box of quadratic elements.
+/// A marker on a stalk that stays perpendicular to the surface of a box of quadratic elements.
 class SurfaceMarker {
  public:
-  /// Stands at `place` off the box from `corner` to `corner` + `size` that the locator's mesh
-  /// fills, on the point of the surface nearest to it (or on the face of which it is furthest off).
+  /// Located at `place` off the box from `corner` to `corner` + `size` that the locator's mesh
+  /// fills, on the closest point of the surface (or on the face from which it is farthest).
   SurfaceMarker(const mesh::PointLocator& locator, const Eigen::Vector3d& corner,
                 const Eigen::Vector3d& size, const Eigen::Vector3d& place);
 
   Eigen::Vector3d position(const Eigen::Matrix3Xd& x) const;
-  /// Derivative of position() where the nodes at x move by dx.
+  /// Derivative of position() for displacements dx of the nodes at x.
   Eigen::Vector3d slope(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& dx) const;
 
  private:

@@ -23,7 +23,8 @@ constexpr double kMm = 1e-3;
 constexpr double kGoal = 1e-3;    // m, of the tip
 constexpr double kBudget = 1000;  // us, of a tick
 const Vector3d kSize(0.1, 0.03, 0.03);
-// Nominal places in the beam's frame, whose x = 0 is the tip: here the clamp is there.
+// Nominal marker positions in the beam's frame, whose x = 0 is the tip; in the model the clamp is
+// at x = 0.
 const MarkerMotion kMarkers =
     (MarkerMotion() << 0.1, 0.1, 0.1, 0.015, -0.006, 0.036, 0.036, 0.024, 0.006).finished();
 
@@ -37,7 +38,7 @@ CaseFile beam_case() {
   return c;
 }
 
-/// Nodal shares of a load spread evenly along the straight edge x, z of the body.
+/// Nodal shares of a load distributed uniformly along the straight edge x, z of the body.
 Eigen::VectorXd edge_shares(const mesh::ElementMesh& mesh, double x, double z) {
   const auto on_edge = [&](int node) {
     return std::abs(mesh.nodes(0, node) - x) < 1e-9 && std::abs(mesh.nodes(2, node) - z) < 1e-9;
@@ -67,7 +68,7 @@ std::map<double, MarkerMotion> predictions(const BeamModel& model, double young_
   return all;
 }
 
-/// Minimum of a function with one minimum between `lower` and `upper`, by golden section.
+/// Minimum of a unimodal function between `lower` and `upper`, by golden section.
 template <class Function>
 double minimise(double lower, double upper, double tolerance, const Function& f) {
   const double golden = (std::sqrt(5.0) - 1) / 2;

@@ -78,7 +78,7 @@ struct CaseCommands::Options {
       for (const auto& [title, order] : kElements)
         if (all || title == element) scores.push_back(score_case(c, name, read, order, score));
     }
-    if (scores.empty()) read_case_mesh(c, mesh);  // says what is there
+    if (scores.empty()) read_case_mesh(c, mesh);  // lists the available items
     return scores;
   }
 

@@ -8,14 +8,14 @@
 
 namespace palpate::cases {
 
-/// The commands about the deformation model alone: static, dynamic and beam.
+/// The commands for the deformation model alone: static, dynamic and beam.
 class CaseCommands {
  public:
   explicit CaseCommands(CLI::App& app);
   ~CaseCommands();
 
-  /// Runs the one that was given and returns its exit code; nothing where it is another command.
-  /// `data`: folder of recordings. Throws config::Error for a bad case.
+  /// Runs the given command and returns its exit code; empty for any other command. `data`: folder
+  /// of recordings. Throws config::Error for an invalid case.
   std::optional<int> run(const std::filesystem::path& data, std::ostream& out);
 
  private:

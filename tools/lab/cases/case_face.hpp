@@ -6,28 +6,27 @@
 
 namespace palpate::cases {
 
-/// A part of a mesh's surface as faces of its elements: integrals over it, at rest.
+/// Part of a mesh's surface as faces of its elements: integrals over it, at rest.
 class SurfacePatch {
  public:
-  /// triangles: corner nodes, each three of one tetrahedron's; std::invalid_argument where the mesh
-  /// has no such edge. The mesh must outlive the patch.
+  /// triangles: corner nodes, three of one tetrahedron each. Throws std::invalid_argument if the
+  /// mesh has no such edge. The mesh must outlive the patch.
   SurfacePatch(const mesh::ElementMesh& mesh, const Eigen::Matrix3Xi& triangles);
   SurfacePatch(mesh::ElementMesh&&, const Eigen::Matrix3Xi&) = delete;
 
   bool empty() const { return faces_.cols() == 0; }
-  std::vector<int> nodes() const;  // sorted; midside ones too
+  std::vector<int> nodes() const;  // sorted; including midside nodes
   double area() const;             // m^2
 
-  /// Consistent nodal forces (3 x n, N) of a traction (Pa) given by rest position.
+  /// Consistent nodal forces (3 x n, N) of a traction (Pa) given as a function of rest position.
   Eigen::Matrix3Xd nodal_forces(
       const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& traction) const;
 
-  /// Mean over the area of the displacements u (3 x n).
+  /// Area-weighted mean of the displacements u (3 x n).
   Eigen::Vector3d mean(const Eigen::Matrix3Xd& u) const;
 
-  /// Angle (rad, about the coordinate axis nearest to the normal) by which the patch turns in its
-  /// plane: the rotation that carries its nodes, weighted by their areas, nearest to where they
-  /// are.
+  /// In-plane rotation of the patch (rad, about the coordinate axis nearest to the normal): the
+  /// best fit of its nodes, weighted by their areas.
   double twist(const Eigen::Matrix3Xd& positions) const;
 
  private:

@@ -29,7 +29,7 @@ CaseRegion read_region(const Node& node, const std::string& group) {
   return region;
 }
 
-/// Keys that are absent are those of `otherwise`.
+/// Absent keys are taken from `otherwise`.
 elasticity::Material read_material(const Node& node, const elasticity::Material& otherwise) {
   constexpr double kTiny = 1e-12;
   return {node.number("E", {kTiny, kMost}, otherwise.young_modulus),
@@ -95,8 +95,8 @@ CaseGrasp read_grasp(const Node& node) {
   return grasp;
 }
 
-/// Where only a part has a density the rest is as good as weightless; where nothing has one there
-/// is no weight and any mass will do.
+/// If only a part has a density the rest is given a negligible one; if nothing has one, weight is
+/// off and any mass serves.
 void replace_missing_density(CaseFile& c) {
   constexpr double kAnyDensity = 1000;  // kg/m^3
   double largest = c.material.density;

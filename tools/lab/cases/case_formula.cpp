@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using Field = std::function<Vector3d(const Vector3d&)>;
 
-/// A scalar is kept as a vector of three equal components, so that all operators are one.
+/// A scalar is stored as a vector of three equal components, so that all operators act on vectors.
 struct Expression {
   bool is_vector = false;
   Field at;

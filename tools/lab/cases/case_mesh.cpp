@@ -17,7 +17,7 @@ using Eigen::Vector3d;
 
 constexpr double kTolerance = 1e-9;  // m
 
-/// Planes along an axis that the mesh has to respect, ascending.
+/// Planes along an axis that must be cell borders, ascending.
 std::vector<double> forced_planes(const CaseFile& c, int axis) {
   AlignedBox3d body;
   for (const AlignedBox3d& box : c.boxes) body.extend(box);
@@ -38,8 +38,8 @@ std::vector<double> forced_planes(const CaseFile& c, int axis) {
   return planes;
 }
 
-/// Spreads `cells` over the intervals between the planes so that the widest cell is as narrow as
-/// can be.
+/// Distributes `cells` over the intervals between the planes so that the widest cell is as narrow
+/// as possible.
 std::vector<double> divide(const std::vector<double>& planes, int cells) {
   const int intervals = static_cast<int>(planes.size()) - 1;
   std::vector<int> counts(intervals, 1);
@@ -58,7 +58,7 @@ std::vector<double> divide(const std::vector<double>& planes, int cells) {
   return divided;
 }
 
-/// The same with cells that are even in s, where a plane's distance from the clamp goes by
+/// The same with cells uniform in s, where a plane's distance from the clamp is proportional to
 /// s^grading.
 std::vector<double> divide_graded(std::vector<double> planes, int cells, double clamp,
                                   double grading) {
@@ -124,7 +124,7 @@ mesh::MeshWithGroups make_case_mesh(const CaseFile& c, const CaseGrid& grid) {
   mesh::GridPlanes planes;
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<double> forced = forced_planes(c, axis);
-    // A clamped face is flat along the axis that leads away from it.
+    // A clamped face is flat along the axis that points away from it.
     const bool away = grid.grading != 1 && c.fixed && !c.fixed->box.isEmpty() &&
                       c.fixed->box.sizes()[axis] < kTolerance;
     planes[axis] =

@@ -17,7 +17,7 @@ double thread_time_us() {
   return 1e6 * static_cast<double>(t.tv_sec) + 1e-3 * static_cast<double>(t.tv_nsec);
 }
 
-/// Steps a model and takes the times.
+/// Steps a model and measures the times.
 class Stepper {
  public:
   Stepper(elasticity::DeformationModel& model, const CaseProblem& problem)
@@ -68,7 +68,7 @@ double farthest(const Matrix3Xd& a, const Matrix3Xd& b) {
   return (a - b).colwise().norm().maxCoeff();
 }
 
-/// Nodal masses, kg: those of the corners, enough for an estimate.
+/// Nodal masses, kg: those of the corners, sufficient for an estimate.
 Eigen::VectorXd lumped_mass(const elasticity::Body& body) {
   Eigen::VectorXd mass = Eigen::VectorXd::Zero(body.mesh.node_count());
   for (int e = 0; e < body.mesh.element_count(); ++e) {
@@ -80,8 +80,8 @@ Eigen::VectorXd lumped_mass(const elasticity::Body& body) {
   return mass;
 }
 
-/// Circular frequency (rad/s) of the body moving in the shape of its static displacement:
-/// Rayleigh's quotient with the work of all outer forces, reactions included.
+/// Angular frequency (rad/s) of the body moving in the shape of its static displacement: Rayleigh
+/// quotient with the work of all external forces, including reactions.
 double frequency(const CaseProblem& problem, const elasticity::StaticSolution& equilibrium) {
   const Eigen::VectorXd mass = lumped_mass(problem.body);
   const Matrix3Xd u = equilibrium.positions - problem.body.mesh.nodes;
@@ -99,7 +99,7 @@ elasticity::StaticSolution solve(const CaseProblem& problem) {
   const double size =
       (body.mesh.nodes.rowwise().maxCoeff() - body.mesh.nodes.rowwise().minCoeff()).norm();
   elasticity::StaticOptions options;
-  // Rounding leaves some 1e-16 of the largest force that the material could give.
+  // Rounding leaves about 1e-16 of the largest force that the material could exert.
   options.tolerance = std::max(1e-10, 1e-13 * body.material.young_modulus * size * size);
   return elasticity::solve_static(body, problem.loads, problem.held, options);
 }
@@ -107,7 +107,7 @@ elasticity::StaticSolution solve(const CaseProblem& problem) {
 IncrementalRun run_incremental(const CaseProblem& problem, const Matrix3Xd& equilibrium, int ticks,
                                const elasticity::SolverOptions& options) {
   elasticity::SolverOptions exact = options;
-  exact.accuracy = std::min(options.accuracy, 1e-9);  // where it comes to rest is compared
+  exact.accuracy = std::min(options.accuracy, 1e-9);  // only the final equilibrium is compared
   elasticity::CorotationalQuasistatic model(problem.body, exact);
   Stepper stepper(model, problem);
   for (int i = 1; i <= ticks; ++i) stepper.step(static_cast<double>(i) / ticks);
@@ -126,7 +126,7 @@ DynamicRun run_dynamic(const CaseProblem& problem, const elasticity::StaticSolut
   elasticity::Body body = problem.body;
   body.damping = {run.mass_damping, options.stiffness_damping};
   elasticity::SolverOptions solver;
-  solver.tolerance = 1e-9;  // what is left over in each step adds up until rest
+  solver.tolerance = 1e-9;  // residuals of each step accumulate until rest
   solver.accuracy = 0;
   elasticity::CorotationalDynamic model(body, solver);
   Stepper stepper(model, problem);
@@ -139,7 +139,7 @@ DynamicRun run_dynamic(const CaseProblem& problem, const elasticity::StaticSolut
     run.deviation = farthest(model.positions(), equilibrium.positions);
     if (run.deviation > 0.01 * largest) run.settling_time = run.seconds;
     constexpr double kRest = 1e-5;   // 1/s, speed over largest displacement
-    constexpr int kQuietTicks = 20;  // a body that swings is never slow for so long
+    constexpr int kQuietTicks = 20;  // an oscillating body is never slow for that long
     const bool slow = share == 1 && report.status != elasticity::StepStatus::kFailed &&
                       model.velocities().colwise().norm().maxCoeff() < kRest * largest;
     quiet = slow ? quiet + 1 : 0;

@@ -12,7 +12,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using nlohmann::json;
 
-/// Twist is what a case is about where its reference is one, or its load turns by place.
+/// The case is about twist if its reference is one, or if its load varies with position.
 bool monitors_twist(const CaseFile& c) {
   const json reference = c.summary.value("reference", json::object());
   const json monitored = reference.is_object() ? reference.value("monitored", json()) : json();

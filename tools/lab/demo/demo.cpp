@@ -58,7 +58,7 @@ int run_demo(const DemoOptions& options) {
   common::catch_interruptions();
   Demo demo;
   demo.options = options;
-  // Programs that read what others wrote there take paths relative to their own files.
+  // Programs that read these files resolve paths relative to the files.
   demo.options.output = std::filesystem::absolute(options.output);
   std::filesystem::create_directories(options.output);
   std::filesystem::remove_all(options.output / "logs");

@@ -10,24 +10,25 @@
 namespace palpate::demo {
 
 struct DemoOptions {
-  std::filesystem::path output;  // folder of logs, pictures, plots and summary.json
+  std::filesystem::path output;  // folder of logs, images, plots and summary.json
   std::filesystem::path root;    // source tree: scenes, configurations, tools/lab/studies/*.yaml
   std::filesystem::path data;    // recordings; may be absent
   std::vector<std::string> stages{"sensing", "control", "recording"};
-  std::vector<std::string> scene_overrides;   // of every scene, before those of a model error
-  std::vector<std::string> daemon_overrides;  // of palpated beside the simulator, likewise
-  std::filesystem::path json;                 // a copy of summary.json; empty: none
+  std::vector<std::string>
+      scene_overrides;  // of every scene, applied before those of a model error
+  std::vector<std::string> daemon_overrides;  // of palpated, likewise
+  std::filesystem::path json;                 // copy of summary.json; empty: none
 };
 
-/// The applications of the thesis, one after the other, each as simulator (or player) and daemon
-/// over LCM; prints the table and writes summary.json, plots and pictures. Returns the exit code:
-/// 0, or 1 where a run failed or missed a figure that it has to meet.
+/// Runs the applications of the thesis one after the other, each as simulator (or player) and
+/// daemon over LCM; prints the table and writes summary.json, plots and images. Returns the exit
+/// code: 0, or 1 if a run failed or missed a bound.
 int run_demo(const DemoOptions& options);
 
-/// What the stages share.
+/// State shared by the stages.
 struct Demo {
   DemoOptions options;
-  int runs = 0;  // live ones to come and done, for the progress line
+  int runs = 0;  // number of live runs, total and done, for the progress line
   int begun = 0;
   std::vector<scores::ScoredRun> scored;
 
@@ -35,18 +36,18 @@ struct Demo {
     return options.root / in_source_tree;
   }
   std::filesystem::path log_folder(const std::string& run) const;
-  /// A level of mismatch.yaml, for these files of the source tree, on top of the overrides that the
-  /// user gave.
+  /// A level of mismatch.yaml, for these files of the source tree, in addition to the overrides
+  /// given by the user.
   runs::Mismatch mismatch(const std::string& level, const std::string& scene,
                           const std::string& configuration) const;
 };
 
-/// Each stage appends one ScoredRun a run; a failure is kept in it, Interrupted passes through.
+/// Each stage appends one ScoredRun per run; a failure is stored in it, Interrupted propagates.
 void run_sensing(Demo& demo);
 void run_control(Demo& demo);
 void run_recording(Demo& demo);
 
-/// Live runs that a stage starts.
+/// Number of live runs of a stage.
 int count_sensing(const Demo& demo);
 int count_control(const Demo& demo);
 int count_recording(const Demo& demo);

@@ -1,4 +1,4 @@
-// Shape control of the long soft bar: one live run a target and level of model error.
+// Shape control of the long soft bar: one live run per target and level of model error.
 
 #include "tools/common/interruption.hpp"
 #include "tools/lab/demo/demo.hpp"
@@ -12,7 +12,7 @@ namespace {
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
 constexpr const char* kLevels[] = {"none", "all"};
-constexpr double kLongest = 20;  // s, in which a target has to be reached
+constexpr double kLongest = 20;  // s, in which a target must be reached
 
 scores::ScoredRun run_target(Demo& demo, const runs::ControlTarget& target,
                              const runs::Mismatch& mismatch) {

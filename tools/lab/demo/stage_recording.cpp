@@ -20,7 +20,7 @@ constexpr const char* kStageRecordingConfiguration = "rt/config/examples/foam_ba
 constexpr std::int64_t kTare = 500000;  // us at the start in which nothing touches
 constexpr double kForceBar = 0.03;      // N RMS, linear model fitted on the first half
 
-/// Fits the sensor's force map and writes it for palpated; what the fit prints goes to a file.
+/// Fits the sensor's force regression and writes it for palpated; the fit's output goes to a file.
 std::filesystem::path fit_sensor(const Demo& demo, const std::filesystem::path& folder) {
   sensor_models::TactileOptions options;
   options.data = demo.options.data;
@@ -87,7 +87,7 @@ FeltContact felt_at(const std::vector<contacts_t>& contacts, std::int64_t utime,
 
 scores::RecordingScore score_recording(const log::RunLog& log, const TrueForce& truth,
                                        const Eigen::Matrix3d& R_OT) {
-  // The daemon answers a sample within two cycles; one sample of the recording is 10 ms.
+  // The daemon processes a sample within two cycles; one sample of the recording is 10 ms.
   constexpr std::int64_t kAnswer = 5000;  // us
   scores::RecordingScore score;
   double squares = 0, sizes = 0, truths = 0, most = 0;

@@ -18,7 +18,8 @@ constexpr const char* kStageSensingConfiguration = "rt/config/examples/bar_long_
 constexpr const char* kStageSensingLevels[] = {"none", "all"};
 constexpr double kSlack = 10;            // s; the scene ends the run
 constexpr double kReplayPatience = 240;  // s
-// Whole-shape error of pose-driven sensing under "all", of the object's length.
+// Bound of the whole-shape error of pose-driven sensing under "all", relative to the object's
+// length.
 constexpr double kMean = 0.01, kMaximum = 0.02;
 
 double motion_duration(const std::filesystem::path& scene) {
@@ -152,7 +153,7 @@ void run_sensing(Demo& demo) {
   for (const runs::Mismatch& level : levels)
     live.push_back(run_live_method(demo, methods[0], level));
 
-  // The rest is arithmetic on logs: as many at a time as there are cores.
+  // The rest is computation on logs: as many at a time as there are cores.
   std::vector<Replay> replays;
   for (std::size_t m = 1; m < methods.size(); ++m)
     for (std::size_t l = 0; l < levels.size(); ++l)

@@ -15,17 +15,17 @@ namespace palpate::endurance {
 namespace {
 
 constexpr double kPeriod = 1e-3;       // s, of a cycle
-constexpr int kToAndFro = 1500;        // cycles until the other target
+constexpr int kToAndFro = 1500;        // cycles until the target changes
 constexpr int kWarmUp = 500;           // cycles that are not measured
 constexpr double kForceNoise = 25e-3;  // N, as of a wrist sensor
 constexpr double kTorqueNoise = 1e-3;  // N m
 constexpr double kWay = 0.02;          // m, of the feature's first number, between the targets
 constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft_limits.yaml";
 
-/// Nearly 150, 300, 500 and 700 nodes of the long bar.
+/// About 150, 300, 500 and 700 nodes of the long bar.
 constexpr const char* kMeshes[] = {"[8, 1, 1]", "[16, 1, 1]", "[16, 2, 1]", "[13, 2, 2]"};
 
-/// All that there are, near enough to be looked at and mostly in the way of nothing.
+/// All available obstacles, close enough to be evaluated and mostly not restricting the motion.
 constexpr const char* kLimits =
     "control.limits={stress: 6000, stretch: 1.3, force: 20, torque: 5, slip: {pinch: 30, friction: "
     "0.5, lever: 0.02, width: 0.06, normal: [0, 1, 0]}, workspace: {lower: [0, -0.5, -0.5], upper: "

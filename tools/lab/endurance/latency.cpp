@@ -21,22 +21,22 @@ namespace {
 
 constexpr double kLatencyPeriod = 1000;   // us
 constexpr double kAllowed = 1e-3;         // of all cycles, beyond what cyclictest misses
-constexpr double kTargetPeriod = 10;      // s until the other target is given
+constexpr double kTargetPeriod = 10;      // s until the target changes
 constexpr int kPriority = 50;             // of the loop by default
 constexpr int kLargestLatency = 100'000;  // us, of cyclictest's histogram
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kLatencyConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
-/// Of a cycle, what takes longest.
+/// The slowest parts of a cycle.
 constexpr const char* kPhases[] = {"estimation", "feature", "control", "publish"};
 
-/// One measurement: the machine as it is, or under stress.
+/// One measurement: the machine unloaded, or under stress.
 struct Measured {
   std::string name;
   LatencyTail cyclictest, wake_up, cycle;
   std::vector<LatencyTail> phases;
-  double missed = 0;  // share of the loop's cycles that were overruns of either kind
-  double stolen = 0;  // share of all processors' time that the hypervisor took
+  double missed = 0;  // fraction of the loop's cycles that were overruns of either kind
+  double stolen = 0;  // fraction of all processors' time stolen by the hypervisor
   std::int64_t page_faults = 0, allocations = 0;
 };
 
@@ -86,7 +86,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   plan.source.scene = options.root / kScene;
   plan.configuration = options.root / kLatencyConfiguration;
   plan.overrides = targets[0].daemon_overrides();
-  // What is measured shall not end the measurement.
+  // The time limits must not end the measurement early.
   plan.overrides.push_back("loop.safe_stop_after_ms=5000");
   plan.overrides.insert(plan.overrides.end(), options.overrides.begin(), options.overrides.end());
   plan.recorded = false;

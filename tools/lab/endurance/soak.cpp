@@ -41,7 +41,7 @@ void print_line(const MemorySample& sample, const health_t& health) {
   std::cout << text << std::flush;
 }
 
-/// Two targets of the same feature, to go to and fro between.
+/// Two targets of the same feature, to alternate between.
 std::vector<runs::ControlTarget> pair_of_targets(const std::filesystem::path& file) {
   std::vector<runs::ControlTarget> targets = runs::read_targets(file);
   const std::string kind = targets.at(0).kind;

@@ -11,7 +11,7 @@ namespace palpate::endurance {
 struct SoakOptions {
   double minutes = 10;
   std::filesystem::path root;    // source tree
-  std::filesystem::path output;  // folder of what the programs print
+  std::filesystem::path output;  // folder for the programs' output
   std::filesystem::path json;    // empty: none
   std::uint64_t seed = 1;        // of the faults in virtual time
 };
@@ -22,8 +22,8 @@ struct MemorySample {
   double megabytes = 0;
 };
 
-/// Growth between the second and the last tenth of a run (the first is warm-up) and the slope of a
-/// straight line through what follows the warm-up.
+/// Growth between the second and the last tenth of a run (the first is warm-up), and the slope of a
+/// straight line fitted after the warm-up.
 struct MemoryTrend {
   double first = 0;  // MB, mean of the second tenth
   double last = 0;   // MB, mean of the last tenth
@@ -34,11 +34,11 @@ struct MemoryTrend {
 /// Throws std::invalid_argument for fewer than 20 samples.
 MemoryTrend memory_trend(const std::vector<MemorySample>& samples);
 
-/// Of a process, MB. Throws RunFailed where it has ended.
+/// Resident memory of a process, MB. Throws RunFailed if it has ended.
 double resident_megabytes(pid_t pid);
 
-/// Daemon and simulator in real time under changing targets; prints resident memory, overruns and
-/// latency. Exit code 1 where memory grows by more than 1 MB after warm-up.
+/// Daemon and simulator in real time with changing targets; prints resident memory, overruns and
+/// latency. Exit code 1 if memory grows by more than 1 MB after warm-up.
 int run_soak(const SoakOptions& options);
 
 }  // namespace palpate::endurance

@@ -8,7 +8,7 @@
 
 namespace palpate::faults {
 
-/// What became of all seeds of a row.
+/// Outcomes of all seeds of a row.
 struct RowReport {
   Row row;
   int seeds = 0;
@@ -16,8 +16,8 @@ struct RowReport {
   int crashes = 0;
   double detected = -1, visible = -1, recovered = -1;  // s, the longest
   double measured = -1;                                // the largest, or the mean
-  int below_figure = 0;                                // seeds that missed something of the row's
-  std::string miss;                                    // of the first that did, with its seed
+  int below_figure = 0;                                // seeds that missed one of the row's bounds
+  std::string miss;                                    // of the first seed that did, with the seed
 
   int survived() const { return seeds - outcomes[static_cast<int>(Outcome::kFailed)]; }
   Outcome worst() const;
@@ -26,16 +26,16 @@ struct RowReport {
 
 RowReport summarise(const Row& row, const std::vector<RunResult>& results);
 
-/// Lower end of Wilson's 95 % interval for a share of which `good` of `count` were seen.
+/// Lower bound of Wilson's 95 % confidence interval of a proportion, `good` of `count`.
 double wilson_lower(int good, int count);
 
-/// Rows whose numbers are in `numbers` ("1", "12"); all where it is empty. Throws
-/// std::invalid_argument for a number that no row has.
+/// Rows whose numbers are in `numbers` ("1", "12"); all if it is empty. Throws
+/// std::invalid_argument for an unknown number.
 std::vector<Row> choose_rows(const std::vector<std::string>& numbers);
-/// The same of other rows.
+/// The same for other rows.
 std::vector<Row> choose_rows(const std::vector<Row>& all, const std::vector<std::string>& numbers);
 
-/// Runs seeds `first_seed` onwards of a row in `jobs` processes.
+/// Runs a row with seeds from `first_seed` on, in `jobs` processes.
 RowReport run_row(const Bench& bench, const Row& row, int seeds, int jobs,
                   const std::function<void(int)>& done = {}, std::uint64_t first_seed = 1);
 

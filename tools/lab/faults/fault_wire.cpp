@@ -139,8 +139,9 @@ void FaultWire::play(const faults::Recording& recording, const faults::Scenario&
 faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, double period) {
   stop_ = true;
   listener_.join();
-  // What it did when goes by its own stamps: on a busy machine HEALTH comes long after the commands
-  // of its cycle, and datagrams overtake each other. When something was told is when it came.
+  // Times of the daemon's actions are taken from its own stamps: on a busy machine HEALTH arrives
+  // long after the commands of its cycle, and datagrams overtake each other. The time of a report
+  // is its arrival.
   const auto said_ns = [this](const bus::Published& message) {
     return 1000 * (faults::header_of(message).utime - origin_us_);
   };

@@ -13,35 +13,35 @@
 
 namespace palpate::faults {
 
-/// Everything around a daemon's process: sends what a scenario says when it says so, and hears
-/// whatever the daemon says, from a thread, by the daemon's own framing: what is no message is
-/// counted and forgotten. Times in ns since the scenario's beginning.
+/// Simulates everything around a daemon's process: sends a scenario's messages at their times and
+/// records everything that the daemon publishes, from a separate thread. Times in ns since the
+/// scenario's start.
 class FaultWire {
  public:
-  /// Throws std::runtime_error with the remedy where a URL cannot be opened.
+  /// Throws std::runtime_error if a URL cannot be opened.
   explicit FaultWire(const runs::Urls& urls);
   ~FaultWire();
   FaultWire(const FaultWire&) = delete;
   FaultWire& operator=(const FaultWire&) = delete;
 
-  /// Whether the daemon has said anything by now.
+  /// Whether the daemon has published anything yet.
   bool heard() const { return heard_any_; }
 
-  /// From now on what is heard is kept, with times since now. play() does so itself.
+  /// From now on received messages are kept, with times since now. play() calls it itself.
   void begin();
   /// s since then.
   double now() const;
 
-  /// Sends all of it, with start and target as in virtual time. `each`: once a millisecond. Throws
-  /// Interrupted.
+  /// Sends the whole scenario, with start and target as in virtual time. `each`: called every
+  /// millisecond. Throws Interrupted.
   void play(const faults::Recording& recording, const faults::Scenario& scenario,
             const std::function<void(int tick)>& each);
-  /// s by which the latest message left later than it was to, for this machine's own reasons.
+  /// s, largest delay of a sent message that this machine caused.
   double latest() const { return latest_; }
 
-  /// What was heard by now, as a run in virtual time would show it; ends the listening. `limits`:
-  /// of the gate; commands every `period` s. Where the flange is remains unknown, so that the
-  /// workspace is not judged.
+  /// The received messages as a run in virtual time would give them; ends the recording. `limits`:
+  /// of the gate; commands every `period` s. The flange pose is unknown, so that the workspace is
+  /// not checked.
   faults::Trace trace(int ticks, const control::GateLimits& limits, double period);
 
  private:

@@ -8,14 +8,14 @@
 
 namespace palpate::faults {
 
-/// The command faults: faults injected in virtual time, seed by seed, against what each must come
-/// to.
+/// The command faults: faults injected in virtual time, seed by seed, each compared with its
+/// required outcome.
 class FaultsCommand {
  public:
   explicit FaultsCommand(CLI::App& app);
   ~FaultsCommand();
 
-  /// Runs it where it was given and returns the exit code: 0, or 1 where a run failed or a figure
+  /// Runs the command if it was given and returns the exit code: 0, or 1 if a run failed or a bound
   /// was missed. Throws config::Error and std::runtime_error.
   std::optional<int> run(std::ostream& out);
 

@@ -21,8 +21,8 @@ using faults::Row;
 using faults::RunResult;
 using faults::Scenario;
 
-constexpr double kPatience = 20;  // s, until a process says something
-constexpr double kLatest = 0.1;   // s, of a message on its way out
+constexpr double kPatience = 20;  // s, until a process publishes its first message
+constexpr double kLatest = 0.1;   // s, of a message being sent
 constexpr double kRunsBy = 0.2;   // s of a scenario
 constexpr int kConfigurationErrors = 5;
 constexpr int kExitConfiguration = 78;
@@ -33,8 +33,8 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
-/// Nothing where the daemon did not run before the fault, or this machine stood still so long that
-/// the scenario was another one.
+/// Empty if the daemon was not active before the fault, or if this machine stalled so long that the
+/// scenario was a different one.
 std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario, bool& late) {
   const FaultFolder folder;
   const runs::Urls urls = runs::private_urls();
@@ -68,7 +68,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
   return judge_process(trace, play(bench, scenario), bench, scenario);
 }
 
-/// A machine that stands still while the daemon is started shows nothing: once more.
+/// If the machine stalls while the daemon starts, the run is inconclusive: repeat it.
 RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
   bool late = false;
   for (int attempt = 0; attempt < 5; ++attempt)
@@ -78,12 +78,13 @@ RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
   return result;
 }
 
-/// One of them: refused with 78 and its place, or taken where it is right after all.
+/// A single configuration: rejected with exit code 78 and the location, or accepted if it is valid
+/// after all.
 void refuse_one(math::Random& random, RunResult& result) {
   const FaultFolder folder;
   const runs::Urls urls = runs::private_urls();
   faults::Mutation mutation;
-  do {  // without its ports the daemon would be among strangers
+  do {  // without its own ports the daemon would receive other programs' messages
     mutation = faults::mutate_configuration(
         random, {"bus.control=" + urls.control, "bus.housekeeping=" + urls.housekeeping});
   } while (mutation.key == "control" || mutation.key == "housekeeping" || mutation.key == "bus");

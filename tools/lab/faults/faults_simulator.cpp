@@ -34,7 +34,7 @@ common::Process start_simulator(const runs::Urls& urls, const std::filesystem::p
           folder / words};
 }
 
-/// False where it does not come true in time.
+/// False if the condition is not met in time.
 bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
   for (double waited = 0; waited < kFaultsSimulatorPatience; waited += 0.02) {
     if (condition()) return true;

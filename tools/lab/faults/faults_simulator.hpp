@@ -9,7 +9,7 @@
 
 namespace palpate::faults {
 
-/// A folder of its own for one run, which goes with this object.
+/// Temporary folder of one run, deleted with this object.
 class FaultFolder {
  public:
   FaultFolder();
@@ -22,14 +22,15 @@ class FaultFolder {
   std::filesystem::path path_;
 };
 
-/// `overrides` and what keeps a busy machine's delays apart from the fault.
+/// `overrides` plus settings that separate a busy machine's delays from the fault.
 std::vector<std::string> patient(std::vector<std::string> overrides);
 
-/// palpated with that configuration and these ports; its words go to palpated.txt in `folder`.
+/// Starts palpated with that configuration and these ports; its output goes to palpated.txt in
+/// `folder`.
 common::Process start_palpated(const config::Node& configuration, const runs::Urls& urls,
                                const std::filesystem::path& folder);
 
-/// palpate-sim beside palpated is killed while the loop is closed, and started anew.
+/// palpate-sim, running with palpated, is killed while the loop is closed, and restarted.
 faults::Row killed_simulator_row();
 
 }  // namespace palpate::faults

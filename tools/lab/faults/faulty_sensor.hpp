@@ -6,7 +6,7 @@
 
 namespace palpate::faults {
 
-/// A sensor model that goes wrong when it is told to; otherwise the one that it was made from.
+/// A sensor model with injectable faults; otherwise it forwards to the wrapped model.
 class FaultySensor : public sensing::SensorModel {
  public:
   enum class Trouble { kNone, kError, kBadNumbers };
@@ -30,11 +30,11 @@ class FaultySensor : public sensing::SensorModel {
     return good_->restore(state);
   }
 
-  /// Gives back what it was made from; nothing may be asked of it afterwards.
+  /// Releases the wrapped model; do not use the object afterwards.
   std::unique_ptr<sensing::SensorModel> release() { return std::move(good_); }
 
   Trouble trouble = Trouble::kNone;
-  int number = 0;  // of the wrench, 0 to 5, that becomes `value`
+  int number = 0;  // of the wrench, 0 to 5, that is replaced by `value`
   double value = 0;
 
  private:

@@ -8,11 +8,12 @@
 namespace palpate::faults {
 namespace {
 
-constexpr double kLongest = 0.8, kLatest = 0.021;  // s: of a fault, and that it makes messages late
+constexpr double kLongest = 0.8,
+                 kLatest = 0.021;  // s: duration of a fault, and delay that it causes
 constexpr std::int64_t kMillisecond = 1'000'000;
 constexpr const char* kChannels[] = {"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"};
 
-/// Each of those is up to `most` ms late, so that they overtake each other.
+/// Each selected message is up to `most` ms late, so that they overtake each other.
 Stream delay(Stream stream, const Which& which, int most, math::Random& random) {
   for (bus::Published& message : stream)
     if (which(message)) message.time_ns += kMillisecond * static_cast<int>(random.below(most + 1));
@@ -33,7 +34,7 @@ std::string FaultyWire::put_any(double begin, math::Random& random) {
   const Which all = sensors_in(window);
   const Which one = sensors_in(window, kChannels[random.below(std::size(kChannels))]);
   const Which wrench = sensors_in(window, "FT_WRENCH");
-  // The faults outlive this call, and draw when messages pass.
+  // The faults outlive this call, and draw random numbers as messages pass.
   const auto draws = std::make_shared<math::Random>(random.next());
   const double share = random.uniform(0.02, 1);
   const auto number = static_cast<int>(random.below(64));

@@ -7,16 +7,16 @@
 
 namespace palpate::faults {
 
-/// What lies between senders and a daemon in a loop that goes on for hours: hands each message on
-/// late, changed, several times or not at all, as the faults say that are on it.
+/// The network between senders and a daemon in a loop that runs for hours: delivers each message
+/// late, changed, several times or not at all, according to the active faults.
 class FaultyWire {
  public:
-  /// Puts one of the faults on, from `begin` s on for up to 0.8 s; returns its name.
+  /// Activates one of the faults, from `begin` s on for up to 0.8 s; returns its name.
   std::string put_any(double begin, math::Random& random);
-  /// When the last of them ends, s, with what is still under way then.
+  /// End of the last fault, s, including messages still in transit then.
   double end() const { return end_; }
 
-  /// Takes what was sent and gives what arrives by `now_ns`.
+  /// Takes the sent messages and returns those that arrive by `now_ns`.
   Stream pass(Stream sent, std::int64_t now_ns);
 
  private:

@@ -21,11 +21,11 @@ struct Record {
   RunResult result;
 };
 
-/// A process that works off every `stride`th task from `next` on.
+/// A process that processes every `stride`th task from `next` on.
 struct Worker {
   pid_t process = -1;
   int pipe = -1;
-  int next = 0;  // the task whose result is still to come
+  int next = 0;  // the task whose result is pending
 };
 
 [[noreturn]] void work(int first, int count, int stride, int pipe,
@@ -38,7 +38,7 @@ struct Worker {
     } catch (const std::exception& error) {
       record.result.fail(std::string("exception: ") + error.what());
     }
-    // Below PIPE_BUF: all or nothing.
+    // Below PIPE_BUF: the write is atomic.
     if (write(pipe, &record, sizeof record) != sizeof record) break;
   }
   _exit(0);
@@ -57,7 +57,7 @@ void start(Worker& worker, int count, int stride, const std::function<RunResult(
   worker.pipe = ends[0];
 }
 
-/// What a process that has ended left undone: its present task has crashed.
+/// Handles the remaining tasks of a process that has ended: its current task has crashed.
 RunResult crashed(int status) {
   RunResult result;
   result.crashed = true;

@@ -8,9 +8,9 @@
 namespace palpate::faults {
 
 /// Runs task(0) to task(count - 1) in `jobs` processes, so that a crash or a hang (a minute) of one
-/// is an outcome like any other and the rest goes on. `done` is called with the number that is
-/// there. Results in order. For a program without other threads. Throws std::runtime_error where no
-/// process can be made.
+/// is an outcome like any other and the rest continues. `done` is called with the number of results
+/// so far. Results are in order. For single-threaded programs. Throws std::runtime_error if no
+/// process can be created.
 std::vector<RunResult> run_isolated(int count, int jobs, const std::function<RunResult(int)>& task,
                                     const std::function<void(int)>& done = {});
 

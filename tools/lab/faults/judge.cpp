@@ -54,7 +54,7 @@ double visible_after(const Trace& trace, const Trace& reference, double from) {
   for (const HealthNote& note : trace.health) {
     while (same_time != reference.health.end() && same_time->time_ns < note.time_ns) ++same_time;
     if (same_time == reference.health.end()) break;
-    // What is told out of turn has a cause.
+    // An output outside the schedule has a cause, such as the fault.
     if (same_time->time_ns != note.time_ns || differs(note, *same_time)) seen(note.time_ns);
   }
   for (const EventNote& event : trace.events) {
@@ -133,7 +133,7 @@ RunResult outcome_of(const Trace& trace, const Window& window) {
   const auto refused = [](const Trace& t) {
     return t.health.empty() ? 0 : t.health.back().gate_refused;
   };
-  // The gate holds the command back though every component is content.
+  // The gate restrains the command although every component reports ok.
   if (refused(trace) > 0 && result.outcome == Outcome::kUnaffected)
     result.outcome = Outcome::kDegraded;
   if (!trace.sound()) result.fail(trace.complaint);

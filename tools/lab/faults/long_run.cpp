@@ -43,7 +43,7 @@ void LongRun::start_simulation() {
   truth_bus_ = bus::make_memory_bus(truth_hub_);
   const std::string scene =
       (config::data_folder() / "sim/scenes/bar_long_soft_control.yaml").string();
-  // A plant of fewer elements will do, as in record_loop().
+  // A plant with fewer elements is sufficient, as in record_loop().
   simulation_ = std::make_unique<scenes::Simulation>(
       config::Node::load_file(scene, {"object.elements=[8, 1, 1]"}), *robot_bus_, *truth_bus_,
       scenes::Origin{++session_, static_cast<std::int64_t>(1e6 * time())});
@@ -82,7 +82,7 @@ void LongRun::tick() {
   listen();
 }
 
-/// The monitor looks at all, and the robot gets its command.
+/// The monitor checks all messages, and the robot receives its command.
 void LongRun::listen() {
   look_at(said_, *daemon_, *monitor_);
   for (const bus::Published& message : said_) {
@@ -209,7 +209,7 @@ void LongRun::end_fault() {
   next_ = time();
 }
 
-/// As somebody does who looks at HEALTH now and then.
+/// Like a user who reads HEALTH from time to time.
 void LongRun::recover() {
   const double since = time() - next_;
   if (std::llround(1e3 * since) % kUserLooksEvery != 0) return;

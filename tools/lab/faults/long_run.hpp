@@ -14,31 +14,31 @@
 
 namespace palpate::faults {
 
-/// What a long run has seen so far.
+/// Statistics of a long run so far.
 struct LongRunReport {
   double time = 0;                    // s, virtual
-  std::map<std::string, int> faults;  // how often which
+  std::map<std::string, int> faults;  // count of each fault
   int replaced = 0, refused = 0;      // answers to commands and targets
-  int stops = 0;                      // faults after which it had to be reset or started
+  int stops = 0;                      // faults after which a reset or restart was needed
   double slowest_recovery = 0;        // s from a fault's end until active
   std::vector<double> errors;         // m, of the plant's own point, before each fault
-  std::int64_t messages = 0;          // of the daemon, each of them looked at
+  std::int64_t messages = 0;          // published by the daemon, all of them checked
   int failures = 0;
   std::vector<std::string> complaints;  // the first failures
 };
 
-/// Simulator and daemon in a closed loop in virtual time, for hours, with one fault after another
-/// at random: on the wire, of components, clocks and cycles, of the robot's side, and of the user.
-/// In between the user sets it going again and gives another target. Every number that the daemon
-/// says must be finite, every command within the gate's limits and zero where it does not run,
-/// every request answered, and each fault got over.
+/// Simulator and daemon in a closed loop in virtual time, for hours, with one random fault after
+/// another: of the network, of components, clocks and cycles, of the robot, and of the user. In
+/// between the user restarts the loop and sets another target. Every number that the daemon
+/// publishes must be finite, every command within the gate's limits and zero unless active, every
+/// request answered, and the daemon must recover from each fault.
 class LongRun {
  public:
   /// Throws config::Error.
   explicit LongRun(std::uint64_t seed);
   ~LongRun();
 
-  /// Goes on for so many s.
+  /// Continues for this many s.
   void run(double seconds);
   const LongRunReport& report() const { return report_; }
 
@@ -69,7 +69,7 @@ class LongRun {
                                    to_daemon_ = bus::make_memory_bus(daemon_hub_),
                                    to_robot_ = bus::make_memory_bus(robot_hub_), robot_bus_,
                                    truth_bus_;
-  std::unique_ptr<scenes::Simulation> simulation_;  // nullptr: it has ended
+  std::unique_ptr<scenes::Simulation> simulation_;  // nullptr: not running
   std::unique_ptr<daemon::Daemon> daemon_;
   std::unique_ptr<User> user_;
   std::unique_ptr<Monitor> monitor_;
@@ -79,12 +79,12 @@ class LongRun {
 
   Phase phase_ = Phase::kRecovery;
   std::string fault_ = "none";
-  double next_ = 0;  // s, when the phase ends
+  double next_ = 0;  // s, end of the phase
   std::int64_t session_ = 0;
-  FaultySensor* sensor_ = nullptr;  // in the daemon, while a component's fault lasts
+  FaultySensor* sensor_ = nullptr;  // in the daemon, during a component fault
   std::int64_t missed_ = 0, wakes_at_ = 0, silent_until_ = 0;  // ticks
   std::int64_t clock_offset_us_ = 0, stopped_ticks_ = 0;
-  int due_answer_ = 0;  // so many must have been given when the fault ends
+  int due_answer_ = 0;  // number that must have been given when the fault ends
   bool had_to_act_ = false;
 };
 

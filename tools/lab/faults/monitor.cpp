@@ -122,8 +122,9 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
   }
 }
 
-/// Speed always. Where the gate follows a request: the limit of acceleration, and no way out of the
-/// workspace. Where it brakes: from full speed to zero in 100 ms, and never faster than before.
+/// Speed is always checked. While the gate follows a request: the acceleration limit, and that the
+/// flange does not leave the workspace. While it brakes: from full speed to zero in 100 ms, and
+/// never accelerating.
 void Monitor::look_at_command(const bus::Published& message,
                               const std::optional<Eigen::Vector3d>& p_W_E,
                               std::optional<bool> known_restrained) {
@@ -133,14 +134,14 @@ void Monitor::look_at_command(const bus::Published& message,
   const bool shrinks =
       linear.norm() <= last_linear_.norm() && angular.norm() <= last_angular_.norm();
   const bool restrained = known_restrained.value_or(shrinks);
-  // What went between was not heard.
+  // Messages in between were lost.
   const double cycles = std::max(1, command.seq - std::exchange(last_seq_, command.seq));
   if (linear.norm() > kRounding * limits_.linear_speed ||
       angular.norm() > kRounding * limits_.angular_speed)
     complain(beyond_limits_, "command above the limit of speed");
   const Eigen::Vector3d step = linear - last_linear_, turn = angular - last_angular_;
   constexpr double kStopTime = 0.1;  // s, of the gate
-  // Braking ramps each axis on its own.
+  // Braking ramps each axis separately.
   const auto allowed = [&](double acceleration, double speed) {
     return kRounding * period_ * cycles *
            (restrained ? std::max(acceleration, std::sqrt(3.0) * speed / kStopTime) : acceleration);
@@ -165,7 +166,7 @@ void Monitor::look_at_command(const bus::Published& message,
     const double next = (*p_W_E)[axis] + period_ * linear[axis];
     const bool out = (next > limits_.workspace_upper[axis] && linear[axis] > 0) ||
                      (next < limits_.workspace_lower[axis] && linear[axis] < 0);
-    // On its way to rest within the limit of acceleration, where the wall was not to be seen.
+    // Decelerating within the acceleration limit, when the workspace limit was not visible.
     const bool braking = linear.norm() < last_linear_.norm();
     if (out && !braking) complain(beyond_limits_, "command leads out of the workspace");
   }

@@ -11,7 +11,7 @@
 
 namespace palpate::faults {
 
-/// What HEALTH says that a fault may show in; sums over all inputs.
+/// The counters of HEALTH in which a fault may show; sums over all inputs.
 struct HealthNote {
   std::int64_t time_ns = 0;
   int state = 0;
@@ -32,30 +32,31 @@ class Monitor {
  public:
   Monitor(const control::GateLimits& limits, double period) : limits_(limits), period_(period) {}
 
-  /// `pose_E`: where the flange is by the last good state; nothing where unknown. `restrained`: the
-  /// gate brakes, since it is inactive or refuses; nothing: unknown from outside, any command that
-  /// does not grow may be its.
+  /// `pose_E`: flange pose in the last valid robot state; empty if unknown. `restrained`: the gate
+  /// brakes, since it is inactive or rejects requests; empty: unknown from outside, so that any
+  /// command that does not increase is accepted as braking.
   void look(const bus::Published& message, const std::optional<Eigen::Vector3d>& p_W_E,
             std::optional<bool> restrained);
 
   int messages() const { return messages_; }
-  int undecoded() const { return undecoded_; }  // or of a channel that nobody expects
+  int undecoded() const { return undecoded_; }  // or on an unexpected channel
   int not_finite() const { return not_finite_; }
   int beyond_limits() const { return beyond_limits_; }
   const std::string& complaint() const { return complaint_; }  // the first
   double speed() const { return last_linear_.norm(); }         // of the last command, m/s
   bool command_valid() const { return command_valid_; }
-  /// Change of the last command in units of what the gate allows while it follows a request.
+  /// Change of the last command relative to the change that the gate allows while following a
+  /// request.
   double largest_step() const { return largest_step_; }
 
-  /// Hash of what the loop said since the last call, without headers: shape, estimate, feature,
+  /// Hash of the loop's output since the last call, without headers: shape, estimate, feature,
   /// commands; and with the contacts.
   std::uint64_t take_hash();
   std::uint64_t take_contact_hash();
 
   const std::vector<HealthNote>& health() const { return health_; }
   const std::vector<EventNote>& events() const { return events_; }
-  /// Of a run without an end: what was noted and complained of so far is dropped.
+  /// For an endless run: discards the notes and complaints so far.
   void forget() {
     health_.clear();
     events_.clear();

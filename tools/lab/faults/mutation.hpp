@@ -7,15 +7,14 @@
 
 namespace palpate::faults {
 
-/// The configuration of recording.hpp with one error in it.
+/// The configuration of recording.hpp with one injected error.
 struct Mutation {
   std::string what, key, text;
-  bool must_fail = true;  // false: it may turn out to be right
+  bool must_fail = true;  // false: it may turn out to be valid
 };
 Mutation mutate_configuration(math::Random& random, const std::vector<std::string>& overrides);
 
-/// Whether a complaint of the file mutated.yaml names its line, and the key where that is what is
-/// wrong.
+/// Whether a complaint about the file mutated.yaml names the line, and the key if the key is wrong.
 bool names_its_place(const Mutation& mutation, const std::string& complaint);
 
 }  // namespace palpate::faults

@@ -9,7 +9,7 @@ namespace {
 using pipeline::LifeCycle;
 
 bool is_news(const HealthNote& note, const HealthNote& before) {
-  constexpr double kOlder = 50;  // ms, beyond what a busy machine delays
+  constexpr double kOlder = 50;  // ms, in addition to the delays of a busy machine
   constexpr int kSteps = 10;
   return note.state != before.state || note.lost != before.lost ||
          note.rejected != before.rejected || note.frozen != before.frozen ||
@@ -31,8 +31,8 @@ bool any_state(const Trace& trace, double from, double until, LifeCycle state) {
   return false;
 }
 
-/// Cycles came late in the second before `end`: then palpated may rightly say that it is degraded,
-/// whatever the fault has done.
+/// Cycles were late in the second before `end`: then palpated may correctly report that it is
+/// degraded, regardless of the fault.
 bool runs_late(const Trace& trace, double end) {
   std::int64_t before = -1, last = -1;
   for (const HealthNote& note : trace.health) {
@@ -42,8 +42,8 @@ bool runs_late(const Trace& trace, double end) {
   return last > before;
 }
 
-/// The state is known from HEALTH, which the commands of the same cycle precede: only what lasts
-/// counts.
+/// The state is known from HEALTH, which the commands of the same cycle precede: only lasting
+/// violations count.
 int longest_command_while_inactive(const Trace& trace) {
   int inactive = 0, commands = 0, longest = 0;
   for (const Cycle& cycle : trace.cycles) {

@@ -20,7 +20,7 @@ config::Node configuration(const std::vector<std::string>& overrides) {
       "loop.overrun_window_ms=20",
       "loop.safe_stop_after_ms=20",
       "loop.replace_delay=20",
-      // The simulator's encoders have noise, so that a state that repeats itself is none.
+      // The simulator's encoders have noise, so identical consecutive states are a fault.
       "inputs={frozen_after_ms: {robot: 500}}",
   };
   all.insert(all.end(), overrides.begin(), overrides.end());
@@ -35,7 +35,7 @@ Recording record_loop(int ticks) {
   const auto hub = bus::make_memory_hub();
   const auto sim_bus = bus::make_memory_bus(hub), daemon_bus = bus::make_memory_bus(hub),
              user_bus = bus::make_memory_bus(hub);
-  // A plant of fewer elements will do: what counts is that the sensors' messages belong together.
+  // A plant with fewer elements is sufficient: only consistency of the sensors' messages matters.
   scenes::Simulation simulation(
       config::Node::load_file(source("sim/scenes/bar_long_soft_control.yaml"),
                               {"object.elements=[8, 1, 1]"}),

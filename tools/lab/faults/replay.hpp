@@ -11,17 +11,17 @@
 
 namespace palpate::faults {
 
-/// What a daemon did in one cycle of 1 ms.
+/// Output of a daemon in one cycle of 1 ms.
 struct Cycle {
   pipeline::LifeCycle state = pipeline::LifeCycle::kInactive;
   bool command_valid = false;
   double speed = 0;                // of the command, m/s
-  std::uint64_t hash = 0;          // of what it said, but for contacts, HEALTH and events
+  std::uint64_t hash = 0;          // of its output, except contacts, HEALTH and events
   std::uint64_t contact_hash = 0;  // of CONTACTS
   math::Vector6d wrench = math::Vector6d::Zero();  // of the first contact, N and N m
 };
 
-/// What a daemon did over a stream, by cycle: index 0 is 1 ms.
+/// Output of a daemon over a stream, by cycle: index 0 is 1 ms.
 struct Trace {
   std::vector<Cycle> cycles;
   std::vector<double> shape_error;  // m, RMS over nodes, every kTruthEvery ms; empty: another mesh
@@ -34,20 +34,20 @@ struct Trace {
   bool sound() const { return not_finite + beyond_limits + undecoded == 0; }
 };
 
-/// Shows what a daemon has said in a cycle to the monitor.
+/// Passes the messages that a daemon has published in a cycle to the monitor.
 void look_at(const std::vector<bus::Published>& said, daemon::Daemon& daemon, Monitor& monitor);
 
-/// A daemon that hears a stream of messages in virtual time, with a user who starts it and sets a
-/// target, and everything that it says.
+/// A daemon that receives a stream of messages in virtual time, with a user who starts it and sets
+/// a target, and a record of everything that it publishes.
 class Replay {
  public:
   /// Throws config::Error.
   explicit Replay(const Recording& recording, const std::vector<std::string>& overrides = {},
                   daemon::Mode mode = daemon::Mode::kDeterministic);
 
-  /// Before each cycle, whose time it may change; false: the loop misses this one.
+  /// Called before each cycle, whose time it may change; false: the loop skips this one.
   using Each = std::function<bool(int tick, daemon::Now& now)>;
-  /// Once an object.
+  /// Call once per object.
   Trace run(const Stream& stream, int ticks, const Each& each = {});
 
   daemon::Daemon& daemon() { return *daemon_; }

@@ -1,4 +1,4 @@
-// Components that fail, cycles that come late, replacement under load.
+// Failing components, late cycles, replacement under load.
 
 #include <cmath>
 
@@ -113,8 +113,8 @@ RunResult run_overruns(const Bench& bench, std::uint64_t seed) {
   return result;
 }
 
-/// A target so far away that the law's command overflows: an error of the controller. Its fallback,
-/// where it has one, steers in the same cycle; without one all stops.
+/// A target so far away that the controller's command overflows: an error of the controller. Its
+/// fallback, if it has one, takes over in the same cycle; without one the loop stops.
 Scenario overflow(const Bench& bench, std::uint64_t seed, bool with_fallback) {
   math::Random random(seed, "overflow");
   Scenario scenario;
@@ -166,7 +166,7 @@ Row overflow_row(bool with_fallback) {
       });
 }
 
-/// The whole process is held still, far longer than a busy machine does it by itself.
+/// The whole process is stopped, much longer than on a busy machine.
 Scenario held_still(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "held still");
   Scenario scenario;
@@ -179,7 +179,7 @@ Scenario held_still(const Bench& bench, std::uint64_t seed) {
   scenario.held = {tick, stops ? 700 + static_cast<int>(random.below(100))
                                : 250 + static_cast<int>(random.below(100))};
   scenario.window = {1e-3 * tick, 1e-3 * (tick + scenario.held.length)};
-  scenario.must_show = false;  // before it goes on: nobody is there to tell
+  scenario.must_show = false;  // before it continues: no thread can report it
   return scenario;
 }
 

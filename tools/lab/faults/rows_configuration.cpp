@@ -10,7 +10,7 @@
 namespace palpate::faults {
 namespace {
 
-/// Paths to every value that is no mapping, and to every mapping.
+/// Paths to every value that is not a mapping, and to every mapping.
 struct Places {
   std::vector<std::vector<std::string>> values, mappings;
 };
@@ -69,7 +69,7 @@ Mutation mutate_configuration(math::Random& random, const std::vector<std::strin
       constexpr const char* kWrong[] = {".nan", "1e300", "-1e300", "twelve", "''"};
       mutation.what = "value out of range";
       mutation.key = path.back();
-      // A text may be any word, and a number may be large where it has no bound.
+      // A text may be any word, and a number may be large if it has no bound.
       mutation.must_fail = false;
       at(root, path) = YAML::Load(kWrong[random.below(5)]);
       break;
@@ -96,7 +96,8 @@ bool names_its_place(const Mutation& mutation, const std::string& complaint) {
 
 namespace {
 
-/// Refused with file, line and key, or taken where it is right after all; never anything else.
+/// Rejected with file, line and key, or accepted if it is valid after all; nothing else is
+/// permitted.
 RunResult run_mutated(const Bench&, std::uint64_t seed) {
   math::Random random(seed, "configuration");
   RunResult result;

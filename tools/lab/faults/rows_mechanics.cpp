@@ -1,4 +1,4 @@
-// Elements turned inside out, solvers that do not get there.
+// Inverted elements, solvers that do not converge.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kRefactorDelay = 5;
 
-/// A step, with the factor that it asks for some steps later, as in the loop.
+/// A step, with the factorisation that it requests delivered a few steps later, as in the loop.
 class Stepper {
  public:
   explicit Stepper(elasticity::DeformationModel& model) : model_(model) {}
@@ -30,11 +30,11 @@ class Stepper {
   int due_ = 0;
 };
 
-/// How the mechanics come into a state that no object has.
+/// Ways to put the mechanics into a state that no real object has.
 enum class Disturbance {
-  kNodes,    // each node thrown up to three times the object's size away
+  kNodes,    // each node displaced by up to three times the object's size
   kContact,  // a contact force of 1 N, a hundred times too large, on some node
-  kLoads,    // so much on every node
+  kLoads,    // of the same order on every node
 };
 
 void load(elasticity::DeformationModel& model, Disturbance disturbance, math::Random& random) {
@@ -49,7 +49,7 @@ void load(elasticity::DeformationModel& model, Disturbance disturbance, math::Ra
   }
 }
 
-/// Longest side of the box about it, m.
+/// Longest side of the bounding box, m.
 double extent(const Eigen::Matrix3Xd& positions) {
   return (positions.rowwise().maxCoeff() - positions.rowwise().minCoeff()).maxCoeff();
 }
@@ -60,7 +60,7 @@ bool is_jump(const Eigen::Matrix3Xd& before, const Eigen::Matrix3Xd& now) {
          !((now - before).cwiseAbs().maxCoeff() <= 0.02 * extent(before));
 }
 
-/// The model in one such state, and back: false where 500 steps without it do not lead to rest.
+/// Puts the model into one such state, and back: false if 500 steps after it do not lead to rest.
 bool comes_back(elasticity::DeformationModel& model, Stepper& stepper, const Eigen::Matrix3Xd& rest,
                 Disturbance disturbance, math::Random& random, RunResult& result) {
   Eigen::Matrix3Xd x = rest;
@@ -84,7 +84,7 @@ bool comes_back(elasticity::DeformationModel& model, Stepper& stepper, const Eig
   const auto away = [&rest](const Eigen::Matrix3Xd& now) {
     return (now - rest).colwise().norm().maxCoeff();
   };
-  constexpr double kAccuracy = 1e-6;  // m; a force on a node that is held moves nothing
+  constexpr double kAccuracy = 1e-6;  // m; a force on a constrained node has no effect
   const double allowed = std::max(kAccuracy, 0.01 * away(x));
   for (int i = 0; i < 500 && !(away(model.positions()) <= allowed); ++i) step();
   return away(model.positions()) <= allowed;
@@ -125,7 +125,8 @@ Scenario thrown(const Bench& bench, std::uint64_t seed) {
   return scenario;
 }
 
-/// `each`: before every cycle. `harms`: whether it must show where the shape does not jump.
+/// `each`: before every cycle. `harms`: whether the fault must be reported even if the shape does
+/// not jump.
 RunResult run_and_look_for_jumps(const Bench& bench, const Scenario& scenario, bool harms,
                                  const std::function<void(int, pipeline::Pipeline&)>& each) {
   Replay replay(bench.recording, scenario.overrides);
@@ -154,8 +155,8 @@ RunResult run_thrown(const Bench& bench, std::uint64_t seed) {
   return run_and_look_for_jumps(bench, thrown(bench, seed), true, [](int, pipeline::Pipeline&) {});
 }
 
-/// Each node up to three times the object's size away, while palpated controls it. A throw so small
-/// that the cycle's own step mends it leaves nothing to tell.
+/// Each node is displaced by up to three times the object's size while palpated controls it. A
+/// displacement so small that the cycle's own step corrects it leaves nothing to report.
 RunResult run_thrown_shape(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "thrown shape");
   Scenario scenario;
@@ -172,7 +173,7 @@ RunResult run_thrown_shape(const Bench& bench, std::uint64_t seed) {
   });
 }
 
-/// One iteration a cycle and a tolerance that nobody can meet, while the hand is shaken.
+/// One iteration per cycle and an unattainable tolerance, while the hand is shaken.
 Scenario one_iteration(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "iterations");
   Scenario scenario;

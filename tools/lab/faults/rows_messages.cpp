@@ -1,4 +1,4 @@
-// Messages lost, late, doubled, of another type.
+// Messages that are lost, late, duplicated or of another type.
 
 #include <palpate/ft_wrench_t.hpp>
 
@@ -10,7 +10,7 @@ namespace {
 
 constexpr double kNone = std::numeric_limits<double>::infinity();
 
-/// Fault from 0.25 s on, half a second or as said, and time to recover.
+/// Fault from 0.25 s on, for half a second or as given, and time to recover.
 constexpr Window kWindow{0.25, 0.75};
 constexpr int kTicks = 900;
 
@@ -90,7 +90,7 @@ std::string hexadecimal(std::int64_t number) {
   return text;
 }
 
-/// One channel's messages, all or some, have a type that a seed draws.
+/// All or some of one channel's messages have a type drawn from the seed.
 struct WrongType {
   std::string channel;
   std::int64_t fingerprint;

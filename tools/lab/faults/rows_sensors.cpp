@@ -1,4 +1,4 @@
-// Sensors that lie, stop, repeat themselves or start anew, and clocks that jump.
+// Sensors that send wrong values, stop, repeat themselves or restart, and clocks that jump.
 
 #include <algorithm>
 #include <cmath>
@@ -9,7 +9,8 @@
 namespace palpate::faults {
 namespace {
 
-/// ms, within which a silent sensor must be seen: by default what sensor models take, and a cycle.
+/// ms, within which a silent sensor must be detected: by default the sensor model's time-out plus
+/// one cycle.
 double seen_within(const std::string& channel) { return (channel == "IMU" ? 27 : 25) + 1 + 1e-6; }
 
 double period_of(const std::string& channel) {
@@ -18,7 +19,7 @@ double period_of(const std::string& channel) {
   return channel == "IMU" ? 1.0 / 300 : 1e-2;
 }
 
-/// When the channel's last message before `time` came, s.
+/// Arrival of the channel's last message before `time`, s.
 double last_before(const Stream& stream, const std::string& channel, double time) {
   double last = 0;
   for (const bus::Published& message : stream) {
@@ -43,7 +44,7 @@ Scenario denormal(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "denormal");
   Scenario scenario;
   scenario.window = {0.25, 0.65};
-  // A quaternion stays one: of force-torque and inertial unit alone.
+  // A unit quaternion remains one: only for the force-torque and inertial sensors.
   scenario.channel = random.below(2) == 0 ? "FT_WRENCH" : "IMU";
   scenario.stream = mutate(
       bench.recording.stream, sensors_in(scenario.window, scenario.channel),
@@ -61,7 +62,7 @@ RunResult judge_numbers(const Bench& bench, const Scenario& scenario) {
   return result;
 }
 
-/// Full scale of one number after another, as an overloaded converter gives it.
+/// Full scale on one value after another, as an overloaded converter outputs it.
 Scenario saturated(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "saturated");
   Scenario scenario;
@@ -92,7 +93,7 @@ RunResult judge_saturated(const Bench& bench, const Scenario& scenario) {
   return result;
 }
 
-/// Detection, zero command and recovery of a sensor that says nothing of use within `window`.
+/// Detection, zero command and recovery for a sensor without usable output within `window`.
 RunResult judge_stop(const Bench& bench, const Scenario& scenario) {
   const Window& window = scenario.window;
   const Trace trace = play(bench, scenario);
@@ -122,7 +123,7 @@ Scenario only_bad(const Bench& bench, std::uint64_t seed) {
   return scenario;
 }
 
-/// `channel` says nothing for `shortest` to `longest` s.
+/// `channel` is silent for `shortest` to `longest` s.
 Scenario silence(const Bench& bench, const std::string& channel, double shortest, double longest,
                  math::Random random) {
   const double begin = 0.25 + random.uniform(0, 0.1);
@@ -149,7 +150,7 @@ Row stop_row(const std::string& channel, const std::string& name) {
       judge_stop);
 }
 
-/// The hand says at 100 Hz whether it holds; a last word holds.
+/// The hand reports its grasp at 100 Hz; the last report remains valid.
 Scenario hand_stops(const Bench& bench, std::uint64_t seed) {
   Scenario scenario = silence(bench, "HAND_STATE", 0.2, 0.4, math::Random(seed, "hand stops"));
   scenario.must_show = false;
@@ -197,7 +198,7 @@ Row frozen_row(const std::string& channel, const std::string& name) {
         scenario.window = {begin, begin + 1.0};
         scenario.stream = freeze(bench.recording.stream, sensors_in(scenario.window, channel));
         scenario.ticks = 1500;
-        scenario.must_show = false;  // at once: it takes some time to know
+        scenario.must_show = false;  // at once: it needs some time to take effect
         return scenario;
       },
       [](const Bench& bench, const Scenario& scenario) {
@@ -209,7 +210,7 @@ Row frozen_row(const std::string& channel, const std::string& name) {
       });
 }
 
-/// Samples of the inertial unit until the contact wrench is again what it was without the jump.
+/// Samples of the inertial unit until the contact wrench equals that of the run without the jump.
 double samples_to_lock(const Trace& trace, const Trace& reference, double jump, double next) {
   constexpr double kNoise = 0.025;  // N, N m
   double locked = jump;
@@ -251,7 +252,7 @@ Scenario clock_scenario(const Bench& bench, const ClockJumps& jumps, bool ours, 
   return scenario;
 }
 
-/// Of the senders: nobody may set the clock of a machine on which others work.
+/// Of the senders: the clock of a machine shared with others must not be set.
 Scenario senders_clocks(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "clock");
   return clock_scenario(bench, draw_jumps(random), false, true);
@@ -277,8 +278,8 @@ RunResult run_clock(const Bench& bench, std::uint64_t seed) {
   return result;
 }
 
-/// All senders end and begin anew: their clocks from zero, another session. Later they are started
-/// again, where the window ends.
+/// All senders stop and restart: their clocks from zero, a new session. Later they restart again,
+/// at the end of the window.
 Scenario restarted(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "restart");
   const double at = 0.25 + 1e-3 * static_cast<double>(random.below(100));

@@ -9,42 +9,43 @@
 
 namespace palpate::faults {
 
-/// A fault as it looks from outside of a daemon: what arrives, and what its user does. Plays in
-/// virtual time as well as to a process.
+/// A fault as seen from outside of a daemon: the messages that arrive, and the actions of its user.
+/// Plays in virtual time as well as to a process.
 struct Scenario {
   Stream stream;
   Window window;        // of the fault
-  std::string channel;  // that it is of, where it is of one
-  int ticks = 0;        // ms until the end, with time to recover
+  std::string channel;  // the fault concerns, if it is a single one
+  int ticks = 0;        // ms until the end, including time to recover
   bool must_show = true;
   std::vector<std::string> overrides;  // of the daemon's configuration
 
-  /// Of the user, beside the start and the target that every run has.
+  /// User actions in addition to the start and the target of every run.
   struct Act {
     int tick;
     std::function<void(User&)> act;
   };
   std::vector<Act> acts;
 
-  /// The daemon's process is held still from `tick` for so many ms; 0: it is not.
+  /// The daemon's process is stopped from `tick` for this many ms; 0: never.
   struct Held {
     int tick = 0;
     int length = 0;
   };
   Held held;
 
-  /// Of virtual time alone: by how much, in us, the daemon's wall clock is off.
+  /// In virtual time only: offset, in us, of the daemon's wall clock.
   std::function<std::int64_t(std::int64_t)> clock_offset;
 };
 
 /// In virtual time.
 Trace play(const Bench& bench, const Scenario& scenario);
 
-/// `row` with what `make` gives for a seed, played and judged by `judge` in virtual time.
+/// `row` with the scenario that `make` returns for a seed, played in virtual time and judged by
+/// `judge`.
 Row scenario_row(Row row, std::function<Scenario(const Bench&, std::uint64_t seed)> make,
                  std::function<RunResult(const Bench&, const Scenario&)> judge);
 
-/// The window from where the scenario's stream first differs from the good one.
+/// The window from where the scenario's stream first differs from the fault-free one.
 Window from_first(const Stream& faulted, const Bench& bench, const Window& window);
 
 }  // namespace palpate::faults

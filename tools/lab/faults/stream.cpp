@@ -9,7 +9,7 @@ namespace {
 
 constexpr int kUtime = 8, kSeq = 16, kSession = 20;
 
-/// LCM's numbers are in network order.
+/// LCM encodes numbers in network byte order.
 template <class T>
 T get(const bus::Published& message, int offset) {
   std::array<std::uint8_t, sizeof(T)> bytes;

@@ -11,7 +11,7 @@ namespace palpate::faults {
 /// Messages in the order in which they arrive, each with the time of its arrival.
 using Stream = std::vector<bus::Published>;
 
-/// What every message begins with behind its fingerprint.
+/// Header of every message, after its fingerprint.
 struct Header {
   std::int64_t utime = 0;
   std::int32_t seq = 0;
@@ -26,13 +26,12 @@ void put_header(bus::Published& message, const Header& header);
 /// Whether a sensor or the robot sent it.
 bool is_sensor(const std::string& channel);
 
-/// Where the numbers that the daemon reads of a sensor's message stand in it, in bytes; all are
-/// doubles.
+/// Byte offsets of the values that the daemon reads from a sensor's message; all are doubles.
 std::vector<int> number_offsets(const bus::Published& message);
 double number_at(const bus::Published& message, int offset);
 void put_number(bus::Published& message, int offset, double value);
 
-/// While a fault lasts, s; the end does not belong to it.
+/// Duration of a fault, s; half-open at the end.
 struct Window {
   double begin = 0;
   double end = 0;

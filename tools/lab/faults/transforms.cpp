@@ -35,7 +35,7 @@ Stream lose_bursts(const Stream& stream, const Window& window, double longest,
                    math::Random& random) {
   Stream result = stream;
   for (double t = window.begin + random.uniform(0, 0.03); t < window.end;) {
-    // Loss is seen where something came before: whole milliseconds.
+    // Loss is visible where something arrived before: in whole milliseconds.
     const Window burst{t, std::min(window.end, t + random.uniform(1e-3, longest))};
     result = lose(result, sensors_in(burst), 1.0, random);
     t = burst.end + random.uniform(0.06, 0.12);

@@ -16,7 +16,7 @@ class User {
   explicit User(bus::MessageBus& bus)
       : commands_(bus, "COMPONENT_COMMAND"), targets_(bus, "SHAPE_TARGET") {}
 
-  /// `slot` to `instance`: of the event replace; parameters are YAML.
+  /// Sets `slot` to `instance`: the event replace; parameters are YAML.
   void send(const char* event, const char* slot = "all", const char* component = "",
             const std::string& parameters = "", const char* instance = "") {
     component_command_t message{};
@@ -30,7 +30,7 @@ class User {
     commands_.publish(message);
   }
 
-  /// `again`: the last one once more, as it is repeated on the wire.
+  /// `again`: repeats the last one, as a retransmission does.
   void send_target(const char* kind, const Eigen::VectorXd& value, bool again = false) {
     shape_target_t message{};
     message.session = 1;

@@ -2,7 +2,7 @@
 
 namespace palpate::faults {
 
-/// What a user may ask for while the loop runs: of the event replace.
+/// Requests that a user may make while the loop runs: the event replace.
 struct Wish {
   const char* slot;
   const char* component;
@@ -23,7 +23,7 @@ inline constexpr Wish kWishes[] = {
     {"control", "", "gain: 0.7"},
     {"sensing", "ft_newton_euler", "payload: {mass: 4.8, center_of_mass: [0, 0, 0.11]}"},
     {"all", "", "{object: {order: quadratic}, control: {provider: kinematic}}"},
-    // These must be refused.
+    // Requests that must be rejected.
     {"slot", "", "a: 1"},
     {"gate", "", "force: 100"},
     {"deformation", "corotational_dynamic", "iterations: 1000"},

@@ -30,7 +30,7 @@ std::vector<Coverage> measure_coverage(std::shared_ptr<const fit::Experiment> me
       rows.push_back({mechanics->name(), p.name});
   for (int seed = 1; seed <= seeds; ++seed) {
     fit::Problem problem({{std::make_shared<Synthetic>(mechanics, truth, seed), {}, {}}}, {});
-    // The noise is as the series say: eight rests cannot tell it better.
+    // The noise is as given for the series: eight rests are too few to estimate it.
     fit::FitOptions options;
     options.is_reweighed = false;
     const fit::Fit found = fit::fit_problem(problem, options, problem.start());

@@ -10,11 +10,11 @@
 
 namespace palpate::fit_check {
 
-/// An experiment whose recording is what it would predict at `truth`, plus white noise of each
-/// series' deviation.
+/// An experiment whose recording is the model's prediction at `truth`, plus white noise with each
+/// series' standard deviation.
 class Synthetic final : public fit::Experiment {
  public:
-  /// Throws std::invalid_argument where `truth` has no equilibrium.
+  /// Throws std::invalid_argument if `truth` has no equilibrium.
   Synthetic(std::shared_ptr<const fit::Experiment> mechanics, const Eigen::VectorXd& truth,
             int seed);
 
@@ -34,31 +34,32 @@ class Synthetic final : public fit::Experiment {
   std::vector<fit::Series> series_;
 };
 
-/// How often the 95 % interval of a parameter held the truth.
+/// Coverage of the 95 % interval of a parameter.
 struct Coverage {
   std::string experiment;
   std::string parameter;
-  int seeds = 0;          // fits that told the parameter
-  int covered = 0;        // of them
-  double mean_width = 0;  // of the interval, over the truth's absolute value where that is not 0
+  int seeds = 0;    // fits that identified the parameter
+  int covered = 0;  // of them
+  double mean_width =
+      0;  // of the interval, relative to the truth's absolute value unless that is 0
 
   double share() const { return seeds > 0 ? static_cast<double>(covered) / seeds : 0; }
 };
 
-/// Fits `seeds` synthetic recordings; one row for each free parameter of the material, that is
-/// without a recording's name. `progress`: share done; false ends it.
+/// Fits `seeds` synthetic recordings; one row for each free parameter of the material, i.e. one
+/// without a recording's name. `progress`: fraction done; returning false stops.
 std::vector<Coverage> measure_coverage(std::shared_ptr<const fit::Experiment> mechanics,
                                        const Eigen::VectorXd& truth, int seeds,
                                        const std::function<void(double)>& progress = {});
 
-/// An experiment with the truth that its recordings are to be made of.
+/// An experiment with the true parameters of its synthetic recordings.
 struct OwnModel {
   std::shared_ptr<const fit::Experiment> mechanics;
   Eigen::VectorXd truth;
 };
 
-/// Recordings that core's own models can make: a bar in tension with its width, a bar that a hand
-/// bends, pulls and twists, and one that rings after a stop. Files go to `folder`.
+/// Recordings that core's own models can generate: a bar in tension with its width, a bar that a
+/// hand bends, pulls and twists, and one that oscillates after a stop. Files go to `folder`.
 std::vector<OwnModel> own_models(const std::string& folder);
 
 }  // namespace palpate::fit_check

@@ -19,7 +19,7 @@ using common::number;
 
 constexpr double kLeastCoverage = 0.90, kMostCoverage = 0.99;
 
-/// Below where the system keeps what is temporary; here, where it has no such place.
+/// Below the system's folder for temporary files; here if it has none.
 std::string default_folder() {
   std::error_code error;
   const std::filesystem::path temporary = std::filesystem::temp_directory_path(error);

@@ -22,7 +22,7 @@ struct Seen {
   std::vector<Eigen::Matrix3Xd> points_W;  // m
 };
 
-/// Of each coordinate over all messages, the greatest.
+/// Maximum over all messages, per coordinate.
 double greatest_way(const std::vector<Eigen::Matrix3Xd>& points) {
   Eigen::Matrix3Xd least = points.front(), most = least;
   for (const Eigen::Matrix3Xd& p : points) {

@@ -31,7 +31,7 @@ std::string text_of(const std::vector<Eigen::Vector3d>& points) {
   return "[" + text.str() + "]";
 }
 
-/// The configuration's object on the fitted mesh, believing in another material.
+/// The configuration's object on the fitted mesh, with a different assumed material.
 std::string believed(const scenes::Scene& scene, const std::string& cells) {
   std::ostringstream text;
   text << "    configuration: " << data("rt/config/examples/bar_long_soft.yaml")

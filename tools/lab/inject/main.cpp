@@ -1,4 +1,4 @@
-// palpate-inject: sends malformed packets, or far too many, to an LCM URL. See --help.
+// palpate-inject: sends malformed packets, or a flood of packets, to an LCM URL. See --help.
 
 #include <CLI/CLI.hpp>
 #include <csignal>
@@ -34,7 +34,7 @@ struct Options {
   bool as_type = false;
 };
 
-/// One line on stderr, a few times a second.
+/// One line on stderr, a few times per second.
 void show(const Sender& sender, double part) {
   static double next = 0;
   if (sender.elapsed() < next) return;

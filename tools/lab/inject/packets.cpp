@@ -95,7 +95,7 @@ PacketSource::PacketSource(std::uint64_t seed, std::vector<Kind> kinds, std::vec
     throw std::invalid_argument("packets want at least one kind and one channel");
 }
 
-// The remainder's bias is of no matter here; distributions differ between libraries.
+// The bias of the remainder does not matter here; standard distributions differ between libraries.
 int PacketSource::draw(int least, int most) {
   return least + static_cast<int>(random_() % static_cast<std::uint64_t>(most - least + 1));
 }
@@ -117,7 +117,7 @@ PacketSource::Bytes PacketSource::good_message(const Target& target) {
   return short_message(draw_word(), target.channel, payload);
 }
 
-/// A shape_t of `count` nodes that are not there.
+/// A shape_t that announces `count` nodes but holds none.
 PacketSource::Bytes PacketSource::arrays(std::int32_t count) {
   Bytes payload;
   append_fingerprint(payload, shape_t::getHash());

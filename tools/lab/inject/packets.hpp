@@ -7,51 +7,52 @@
 
 namespace palpate::inject {
 
-/// What is wrong with a datagram.
+/// Defect of a datagram.
 enum class Kind {
-  kRandomBytes,         // any length, anything
-  kBadMagic,            // a good message but for its first four bytes
-  kTruncated,           // cut anywhere, also within the header
+  kRandomBytes,         // random bytes of random length
+  kBadMagic,            // a valid message except for its first four bytes
+  kTruncated,           // truncated anywhere, also within the header
   kLongChannel,         // a name of 64 to 2000 characters
-  kUnendedChannel,      // a name without its zero
+  kUnendedChannel,      // a name without its terminating zero
   kWrongFingerprint,    // of the right size and of another type
   kWrongSize,           // of the right type, shorter or longer
   kNegativeCount,       // an array of a negative number of elements
-  kHugeCount,           // an array whose size in bytes wraps to nothing in 32 bits
-  kOversize,            // the largest datagram there is
-  kFragmentWrapped,     // an offset that wraps in 32 bits when the fragment's size is added
+  kHugeCount,           // an array whose size in bytes overflows to zero in 32 bits
+  kOversize,            // the largest possible datagram
+  kFragmentWrapped,     // an offset that overflows 32 bits when the fragment's size is added
   kFragmentHuge,        // a message of 2^31 bytes or more, declared
-  kFragmentDuplicated,  // the same fragment twice, another one never
-  kFragmentMixed,       // fragments of two messages among each other, the last before the first
-  kRandomPayload,       // right type and size; every number in it is drawn
+  kFragmentDuplicated,  // one fragment twice, another missing
+  kFragmentMixed,       // interleaved fragments of two messages, the last before the first
+  kRandomPayload,       // right type and size; every value in it is random
 };
 inline constexpr int kKinds = 15;
 
-/// As the command line names it.
+/// Name on the command line.
 const char* name(Kind kind) noexcept;
 /// Throws std::invalid_argument that lists the names.
 Kind kind_from(const std::string& text);
-/// All that no receiver may accept: every kind but kRandomPayload, whose messages are well formed.
+/// All kinds that a receiver must reject: every kind except kRandomPayload, whose messages are well
+/// formed.
 std::vector<Kind> malformed_kinds();
 
-/// A channel and the type that belongs on it.
+/// A channel and the message type of it.
 struct Target {
   std::string channel;
   std::int64_t fingerprint;
   int encoded_size;
 };
-/// What palpated listens to, and SHAPE, whose arrays are of variable length.
+/// The inputs of palpated, and SHAPE, whose arrays have variable length.
 std::vector<Target> usual_targets();
 
-/// An endless row of datagrams, the same for the same seed, kinds and targets.
+/// An endless sequence of datagrams, the same for the same seed, kinds and targets.
 class PacketSource {
  public:
-  /// Throws std::invalid_argument where there are no kinds or no targets.
+  /// Throws std::invalid_argument if there are no kinds or no targets.
   PacketSource(std::uint64_t seed, std::vector<Kind> kinds, std::vector<Target> targets);
 
   /// The next one; valid until the next call.
   const std::vector<std::uint8_t>& next();
-  /// What the last one is.
+  /// Kind of the last one.
   Kind kind() const noexcept { return kind_; }
 
  private:

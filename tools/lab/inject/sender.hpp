@@ -8,19 +8,19 @@
 
 namespace palpate::inject {
 
-/// Sends datagrams to a multicast group as anybody on the network could: no LCM, no checks. At most
-/// `rate` of them a second, in bursts of at most a millisecond's worth.
+/// Sends datagrams to a multicast group as any host on the network could: no LCM, no checks. At
+/// most `rate` of them per second, in bursts of at most a millisecond's worth.
 class Sender {
  public:
-  /// `rate` 0: as fast as the system takes them. Throws std::runtime_error with the remedy.
+  /// `rate` 0: as fast as the system accepts them. Throws std::runtime_error with the remedy.
   Sender(const bus::UdpmUrl& url, double rate);
   ~Sender();
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// Waits until it is this one's turn. The system may refuse it, which is counted.
+  /// Waits until the datagram is due. The system may refuse it, which is counted.
   void send(const std::vector<std::uint8_t>& datagram);
-  /// What has not gone out yet goes.
+  /// Sends what is still queued.
   void flush();
 
   std::int64_t sent() const noexcept { return sent_; }

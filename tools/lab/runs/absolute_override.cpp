@@ -47,7 +47,7 @@ std::string absolute_override(const std::string& item, const std::filesystem::pa
     key = next;
   }
   if (sign == '+') return path + "=" + text_of(node.number(key, {}) + change);
-  // A number is the commoner; what is neither is told of as a list.
+  // A number is the common case; a value that is neither is reported as a list.
   try {
     return path + "=" + text_of(node.number(key, {}) * change);
   } catch (const config::Error&) {

@@ -44,7 +44,7 @@ std::string text_of(const Eigen::Vector3d& p) {
   return text.str();
 }
 
-/// A level as the file has it: what it takes over from other levels, then its own.
+/// A level as in the file: its inherited overrides, then its own.
 Mismatch raw_level(const std::filesystem::path& file, const YAML::Node& root,
                    const std::string& level) {
   std::string known;

@@ -15,10 +15,11 @@
 namespace palpate::runs {
 namespace {
 
-/// m; less than what two points of a set are apart
+/// m; less than the distance of two points of a set
 constexpr double kSmallEdge = 0.1 * shape::kNearestPair;
 
-/// A small tetrahedron at each point, the points first: the feature then reads nothing but them.
+/// A small tetrahedron at each point, with the points as first corners: the feature then depends
+/// only on them.
 mesh::ElementMesh tetrahedra_at(const Eigen::Matrix3Xd& points) {
   const int n = static_cast<int>(points.cols());
   mesh::TetrahedralMesh mesh;
@@ -116,7 +117,7 @@ double FeatureOnPoints::distance(const Eigen::VectorXd& error) const {
   if (!is_distance()) return 0;
   if (is("points")) return std::sqrt(3 * error.squaredNorm() / static_cast<double>(error.size()));
   if (!is("fourier_contour")) return error.head(std::min<Eigen::Index>(3, error.size())).norm();
-  // Cosines and sines have half the mean square of a constant.
+  // The mean square of cosines and sines is half that of a constant.
   const auto parts = static_cast<Eigen::Index>(definition_.components.size());
   const auto coefficients = error.reshaped(error.size() / parts, parts);
   return std::sqrt(0.5 * (coefficients.squaredNorm() + coefficients.row(0).squaredNorm()));

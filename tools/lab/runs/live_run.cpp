@@ -12,11 +12,11 @@ namespace {
 
 // s; the simulator settles the plant under gravity first
 constexpr double kActivationPatience = 30;
-constexpr const char* kReady = "waits for start";  // what palpated says once it listens
+constexpr const char* kReady = "waits for start";  // output of palpated once it is subscribed
 constexpr double kSlice = 0.1;                     // s
-constexpr double kDrain = 0.1;                     // s, from one look at the logs to the next
-constexpr double kLoggersPatience = 30;            // s, to write what is under way
-constexpr const char* kEndOfLog = "END_OF_LOG";    // channel of what a log ends with
+constexpr double kDrain = 0.1;                     // s, between two checks of the logs
+constexpr double kLoggersPatience = 30;            // s, to write pending data
+constexpr const char* kEndOfLog = "END_OF_LOG";    // channel of the mark at the end of a log
 constexpr int kTail = 15;                          // lines of a failed program's output
 
 std::vector<std::string> with_settings(std::vector<std::string> command,
@@ -49,7 +49,7 @@ std::vector<std::string> source_command(const RunPlan& plan, const RunFiles& fil
   return with_settings(command, overrides, urls);
 }
 
-/// Whether one of its last messages is the mark of its end.
+/// Whether one of its last messages is the end mark.
 bool has_ended(const std::filesystem::path& log) {
   constexpr std::streamoff kLastBytes = 4096;
   std::ifstream file(log, std::ios::binary | std::ios::ate);
@@ -73,12 +73,13 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   const Urls& urls = urls_;
   operator_ = std::make_unique<Operator>(urls);
   const std::string palpated = (common::program_folder() / "palpated").string();
-  // Not lcm-logger: a run in lock-step is faster than it writes, and it drops what it cannot keep.
+  // Not lcm-logger: a run in lock-step is faster than it can write, and it drops the excess.
   const std::string recorder = (common::program_folder() / "palpate-record").string();
   const auto record = [&](const std::string& label, const std::string& url,
                           const std::filesystem::path& log) {
     const std::string name = "logger_" + label;
-    constexpr char kRoom[] = "&recv_buf_size=67108864";  // for a second in which others compute
+    constexpr char kRoom[] =
+        "&recv_buf_size=67108864";  // allows for a second in which other processes compute
     loggers_.emplace_back(
         name,
         std::vector<std::string>{recorder, "--quiet", "--force", "--flush-interval", "20", "--only",
@@ -95,7 +96,7 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
   daemon_ = std::make_unique<common::Process>(
       "palpated", with_settings(command, plan.overrides, urls), folder / "palpated.txt");
   if (plan.lock_step) start_lock_step();
-  // A recording does not wait: the daemon has to be active before the first message is played.
+  // A recording does not wait: the daemon must be active before the first message is played.
   if (!plan.source.log.empty()) activate();
   source_ =
       std::make_unique<common::Process>(plan.source.log.empty() ? "palpate-sim" : "lcm-logplayer",
@@ -141,7 +142,7 @@ void LiveRun::start_lock_step() {
 }
 
 void LiveRun::complete_lock_step(common::Progress& progress) {
-  // Slow is no failure: how long a run takes is the machine's affair, and what it finds is not.
+  // Slowness is not a failure: the duration of a run depends on the machine, its result does not.
   std::int64_t simulated = 0, since = wall_clock();  // us
   while (check_programs()) {
     const std::int64_t now = operator_->health() ? operator_->health()->utime : 0;
@@ -200,8 +201,8 @@ void LiveRun::complete(common::Progress& progress) {
   }
 }
 
-/// A logger writes in the order in which messages come: what was sent before a mark that stands in
-/// its log stands there too, if it came at all.
+/// A logger writes in the order of arrival: messages sent before a mark found in its log are in it
+/// as well, if they arrived at all.
 void LiveRun::await_loggers() {
   if (!plan_.recorded) return;
   for (const auto& [url, log] : {std::pair{urls_.control, files_.control},

@@ -14,18 +14,18 @@
 
 namespace palpate::runs {
 
-/// A run did not come to its end: what() says why, with the last words of the program at fault.
+/// A run was not completed: what() gives the reason, with the last output of the program at fault.
 class RunFailed : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What feeds the daemon: the simulator with a scene, or the player with a log.
+/// Source of the daemon's input: the simulator with a scene, or the player with a log.
 struct Source {
   std::filesystem::path scene;
   std::vector<std::string> scene_overrides;
   double duration = 0;        // s, simulated, after which the simulator ends; 0: never
-  std::filesystem::path log;  // of the control URL; where set, it is played and nothing simulated
+  std::filesystem::path log;  // log of the control URL; if set, it is played and nothing simulated
 };
 
 struct RunPlan {
@@ -33,14 +33,15 @@ struct RunPlan {
   Source source;
   std::filesystem::path configuration;  // of palpated
   std::vector<std::string> overrides;
-  double duration = 10;  // s from the start of the daemon's activity, at most
+  double duration = 10;  // s from the activation of the daemon, at most
   std::optional<ControlTarget> target;
   double settled = 3;    // s after which a run with a target ends early, once at rest
-  bool recorded = true;  // by one logger a URL
+  bool recorded = true;  // one logger per URL
   /// Simulator and daemon tick by tick instead of in real time, to the end of the source, whose
-  /// duration has to be set: what comes out does not depend on the machine's load.
+  /// duration must be set: the result does not depend on the machine's load.
   bool lock_step = false;
-  double standstill = 120;  // s without simulated time to pass, after which such a run is given up
+  double standstill =
+      120;  // s without progress of simulated time, after which such a run is aborted
 };
 
 struct RunFiles {
@@ -51,14 +52,15 @@ struct RunFiles {
 };
 
 /// The programs of one run over LCM on private ports: two loggers, the daemon, its source. All of
-/// them end with this object. In lock-step the daemon is told to start, and its target, before the
-/// simulator's first tick, so that every run hears of them at the same one.
+/// them end with this object. In lock-step the daemon receives its start event and target before
+/// the simulator's first tick, so that every run receives them at the same one.
 class LiveRun {
  public:
   /// Starts everything and activates the daemon; logs go to `folder`. Throws RunFailed.
   LiveRun(const RunPlan& plan, const std::filesystem::path& folder);
 
-  /// To the end of the plan: its duration, the end of the source, or a target reached and kept.
+  /// Runs to the end of the plan: its duration, the end of the source, or a target reached and
+  /// kept.
   void complete(common::Progress& progress);
 
   /// Ends everything in order and checks the exit codes; throws RunFailed.
@@ -66,7 +68,7 @@ class LiveRun {
 
   Operator& user() { return *operator_; }
   pid_t daemon_pid() const { return daemon_->pid(); }
-  /// Throws RunFailed where a program has ended that should run. False once the source is through.
+  /// Throws RunFailed if a program has ended unexpectedly. False once the source has finished.
   bool check_programs();
 
  private:

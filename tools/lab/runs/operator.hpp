@@ -17,7 +17,7 @@
 
 namespace palpate::runs {
 
-/// URLs of one run; nobody else on this machine uses their ports.
+/// URLs of one run, with ports that nothing else on this machine uses.
 struct Urls {
   std::string control;
   std::string housekeeping;
@@ -25,15 +25,13 @@ struct Urls {
 };
 Urls private_urls();
 
-/// What a user does with a running daemon: starts it, gives targets, looks at its health. Receives
-/// as the daemon does: a malformed packet on either URL is counted and forgotten.
+/// Operator of a running daemon: starts it, sets targets, reads its health.
 class Operator {
  public:
-  /// `key`: that the daemon is configured with. Throws std::runtime_error with the remedy where a
-  /// URL cannot be opened.
+  /// `key`: configured in the daemon. Throws std::runtime_error if a URL cannot be opened.
   explicit Operator(const Urls& urls, const std::optional<bus::Key>& key = {});
 
-  /// Handles what arrives for `seconds` and repeats the target at 2 Hz; throws Interrupted.
+  /// Handles arriving messages for `seconds` and repeats the target at 2 Hz; throws Interrupted.
   void spin(double seconds);
 
   /// Sends an event to all slots once.
@@ -46,12 +44,12 @@ class Operator {
   bool is_running() const;  // active or degraded
   bool is_active() const;
   bool has_robot_state() const;
-  /// Why the daemon refused the last command or target; empty where it did not.
+  /// Reason why the daemon rejected the last command or target; empty if it did not.
   const std::string& refusal() const { return refusal_; }
 
   /// s for which the daemon has followed our target and commanded no motion.
   double settled() const;
-  /// m, distance of the estimated feature to the target; below zero where unknown.
+  /// m, distance of the estimated feature to the target; negative if unknown.
   double estimated_error() const { return estimated_error_; }
 
  private:

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 constexpr double kBall = 2.7955;  // sqrt of the 95 % quantile of chi-squared, 3 degrees
 constexpr std::int64_t kModulusEach = 100000;  // us
 constexpr double kMoves = 1e-4;                // m or, of the quaternion, 1 in that time
-constexpr double kSoon = 3;                    // s of motion in which E shall be found
+constexpr double kSoon = 3;                    // s of motion within which E must be identified
 
 double seconds(std::int64_t microseconds) { return static_cast<double>(microseconds) * 1e-6; }
 
@@ -31,7 +31,7 @@ void score_deviations(const log::RunLog& run, BeliefScore& score) {
     if (shape.deviation_count != shape.node_count || !motion.at(shape.utime, truth)) continue;
     const Eigen::Matrix3Xd error = log::positions(shape) - points.at(truth);
     for (int i = 0; i < shape.node_count; ++i) {
-      if (!(shape.deviation[i] > 0)) continue;  // held, or not observable
+      if (!(shape.deviation[i] > 0)) continue;  // fixed, or not observable
       inside += error.col(i).norm() <= kBall * shape.deviation[i] ? 1 : 0;
       score.deviation += shape.deviation[i];
       ++count;

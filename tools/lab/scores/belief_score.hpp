@@ -8,24 +8,24 @@
 
 namespace palpate::scores {
 
-/// How sure an estimator says it is, beside how far off it was.
+/// Reported uncertainty of an estimator compared with its actual error.
 struct BeliefScore {
-  /// Share of nodes, over all shapes, whose error lies within the told 95 % interval: a ball of
-  /// sqrt(chi2_3(0.95)) = 2.80 deviations. Empty where no deviation is told.
+  /// Fraction of nodes, over all shapes, whose error lies within the reported 95 % region: a ball
+  /// of sqrt(chi2_3(0.95)) = 2.80 standard deviations. Empty if no deviation is reported.
   std::optional<double> covered;
   double deviation = 0;  // m, mean over nodes and shapes
   struct Modulus {
     double time = 0;            // s since the first shape
     double young_modulus = 0;   // Pa
-    double log_deviation = -1;  // below 0: not observable
-    double moved = 0;           // s that a hand has moved by then
+    double log_deviation = -1;  // negative: not observable
+    double moved = 0;           // s, accumulated time of hand motion
   };
-  std::vector<Modulus> modulus;         // ten a second; empty where nothing estimates it
-  std::optional<double> first_contact;  // s since the first shape: an unknown contact is told of
+  std::vector<Modulus> modulus;         // at 10 Hz; empty if it is not estimated
+  std::optional<double> first_contact;  // s since the first shape: an unknown contact is reported
   double contact_share = 0;             // of the time
 };
 
-/// Throws std::runtime_error where the log lacks shape, truth or meshes.
+/// Throws std::runtime_error if the log lacks shape, truth or meshes.
 BeliefScore score_belief(const log::RunLog& run);
 
 nlohmann::json to_json(const BeliefScore& belief);

@@ -12,12 +12,12 @@
 namespace palpate::scores {
 namespace {
 
-constexpr bool kRowMajor = false;  // a column is a point
+constexpr bool kRowMajor = false;  // one point per column
 using Tree = nanoflann::KDTreeEigenMatrixAdaptor<Eigen::Matrix3Xd, 3, nanoflann::metric_L2_Simple,
                                                  kRowMajor>;
 
-/// Triangles by their middles. None that comes nearer to a point than some distance has its middle
-/// farther away than that and its own reach.
+/// Triangles by their centroids. A triangle within some distance of a point has its centroid within
+/// that distance plus its own radius.
 class SurfaceTree {
  public:
   explicit SurfaceTree(const draw::TriangleMesh& surface)
@@ -36,7 +36,7 @@ class SurfaceTree {
     tree_.index->radiusSearch(point.data(), radius * radius * (1 + 1e-9), found_,
                               nanoflann::SearchParams(32, 0, true));
     for (const auto& [triangle, distance_squared] : found_) {
-      if (std::sqrt(distance_squared) > nearest + reach_) break;  // they come in this order
+      if (std::sqrt(distance_squared) > nearest + reach_) break;  // they are visited in this order
       nearest = std::min(nearest, distance_to(triangle, point));
     }
     return nearest;
@@ -75,7 +75,7 @@ double longest_side(const draw::TriangleMesh& surface, Eigen::Index triangle) {
   return longest;
 }
 
-/// An estimate that has burst is metres wide: it is as wrong by fewer samples.
+/// A diverged estimate is metres wide: fewer samples suffice to show its error.
 double affordable_spacing(const draw::TriangleMesh& surface, double spacing) {
   constexpr double kMost = 5e5;
   double count = 0;

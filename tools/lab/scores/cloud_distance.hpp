@@ -6,41 +6,42 @@
 
 namespace palpate::scores {
 
-/// Of distances, m.
+/// Statistics of distances, m.
 struct DistanceSummary {
   double mean = 0;
   double rms = 0;
   double maximum = 0;
 };
 
-/// `weights`: one a distance, or none for equal ones.
+/// `weights`: one per distance, or none for equal ones.
 DistanceSummary summarise_distances(const Eigen::VectorXd& distances,
                                     const Eigen::VectorXd& weights = {});
 
-/// Distance of each point, 3 x n, to the nearest of `cloud`, m. Throws std::invalid_argument where
-/// the cloud is empty.
+/// Distance of each point, 3 x n, to the nearest of `cloud`, m. Throws std::invalid_argument if the
+/// cloud is empty.
 Eigen::VectorXd distances_to_cloud(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xd& cloud);
 
-/// Distance of each point, 3 x n, to the surface, unsigned, exact, m. Throws std::invalid_argument
-/// where the surface has no triangle.
+/// Unsigned exact distance of each point, 3 x n, to the surface, m. Throws std::invalid_argument if
+/// the surface has no triangle.
 Eigen::VectorXd distances_to_surface(const Eigen::Matrix3Xd& points,
                                      const draw::TriangleMesh& surface);
 
-/// Points spread over a surface: the centroids of equal parts of each triangle, none with a side
-/// above `spacing`, weighted by their area, and then the corners with weight 0. No point of the
-/// surface is farther than 2/3 `spacing` from a sample. Where that were more than half a million
-/// samples the spacing is as much wider. Throws std::invalid_argument where a point is not finite.
+/// Points distributed over a surface: the centroids of equal parts of each triangle, none with a
+/// side above `spacing`, weighted by their area, and then the corners with weight 0. No point of
+/// the surface is farther than 2/3 `spacing` from a sample. If that would give more than half a
+/// million samples, the spacing is increased. Throws std::invalid_argument if a point is not
+/// finite.
 struct SurfaceSamples {
   Eigen::Matrix3Xd points;
   Eigen::VectorXd weights;  // m^2
 };
 SurfaceSamples sample_surface(const draw::TriangleMesh& surface, double spacing);
 
-/// How far two surfaces lie from each other.
+/// Distance between two surfaces.
 struct SurfaceDistance {
   DistanceSummary from_first;   // of the first surface's points to the second, by area
   DistanceSummary from_second;  // of the second's to the first
-  double hausdorff = 0;         // m, the larger maximum; too small by 2/3 of the spacing at most
+  double hausdorff = 0;  // m, the larger maximum; underestimated by at most 2/3 of the spacing
 };
 SurfaceDistance surface_distance(const draw::TriangleMesh& first, const draw::TriangleMesh& second,
                                  double spacing);

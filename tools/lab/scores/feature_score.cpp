@@ -12,7 +12,7 @@ namespace {
 using math::kDegree;
 constexpr double kRest = 0.5;  // s at the end of a run over which the error at rest is taken
 
-/// The last target of the log, as it was first sent.
+/// The last target of the log, at its first transmission.
 const shape_target_t& first_of_last_revision(const std::vector<shape_target_t>& targets) {
   const std::int32_t revision = targets.back().revision;
   return *std::find_if(targets.begin(), targets.end(), [revision](const shape_target_t& target) {
@@ -35,7 +35,7 @@ void score_end(FeatureScore& score) {
   score.rest_size = size / count;
 }
 
-/// The daemon's own view, of which the loop tells far more often than a plot can show.
+/// The daemon's own estimate, decimated: the loop publishes far more than a plot can show.
 void add_estimate(FeatureScore& score, const std::vector<feature_t>& features,
                   const shape_target_t& target, const runs::FeatureOnPoints& on_points) {
   constexpr std::int64_t kPeriod = 10000;  // us
@@ -46,7 +46,7 @@ void add_estimate(FeatureScore& score, const std::vector<feature_t>& features,
       return Eigen::Map<const Eigen::VectorXd>(numbers,
                                                score.kind == "points" ? count / 3 * 3 : count);
     };
-    // A contour of more numbers than FEATURE holds cannot be told by some of them.
+    // A contour of more numbers than FEATURE holds cannot be evaluated from some of them.
     if (score.kind == "fourier_contour" && feature.error_count < target.value_count) continue;
     const Eigen::VectorXd error = vector(feature.error, feature.error_count);
     const Eigen::VectorXd unreachable = vector(feature.unreachable, feature.error_count);

@@ -20,7 +20,7 @@ Speeds speeds(const double* twist) {
           Eigen::Map<const Eigen::Vector3d>(twist + 3).norm()};
 }
 
-/// Change of the command per time; a change towards rest counts as none.
+/// Change of the command per time; a change towards rest counts as zero.
 Speeds accelerations(const twist_command_t& from, const twist_command_t& to, double dt) {
   double change[6];
   for (int i = 0; i < 6; ++i) change[i] = (to.twist[i] - from.twist[i]) / dt;
@@ -75,7 +75,7 @@ CommandScore check_commands(const log::RunLog& run, const control::GateLimits& l
     score.angular_speed = std::max(score.angular_speed, speed.angular);
     bool good = finite && speed.linear <= limits.linear_speed * (1 + kRounding) &&
                 speed.angular <= limits.angular_speed * (1 + kRounding);
-    // A daemon that is stopped brakes; it may not get faster.
+    // A stopped daemon brakes; it must not accelerate.
     if (!command.valid && before != nullptr &&
         (speed.linear > speeds(before->twist).linear + kRounding ||
          speed.angular > speeds(before->twist).angular + kRounding))

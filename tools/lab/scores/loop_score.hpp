@@ -5,11 +5,11 @@
 
 namespace palpate::scores {
 
-/// What the daemon said of its own loop in its last HEALTH.
+/// The daemon's loop statistics in its last HEALTH.
 struct LoopScore {
   std::int64_t cycles = 0;
   std::int64_t overruns = 0;
-  double overrun_ms = 0;                                   // lateness in all
+  double overrun_ms = 0;                                   // total wake-up latency
   double p50_us = 0, p99_us = 0, p999_us = 0, max_us = 0;  // of a whole cycle
   double wake_up_max_us = 0;
   std::int64_t shapes_not_converged = 0;
@@ -22,18 +22,18 @@ struct LoopScore {
   std::string reason;    // of the last state that was not active
 };
 
-/// Throws std::runtime_error where the log holds no HEALTH.
+/// Throws std::runtime_error if the log holds no HEALTH.
 LoopScore score_loop(const log::RunLog& run);
 
-/// The largest commands of a run and how often one left the limits.
+/// The largest commands of a run and the number of limit violations.
 struct CommandScore {
   long commands = 0;
   double linear_speed = 0;          // m/s
   double angular_speed = 0;         // rad/s
-  double linear_acceleration = 0;   // m/s^2, while getting faster
+  double linear_acceleration = 0;   // m/s^2, while accelerating
   double angular_acceleration = 0;  // rad/s^2
-  long violations = 0;         // commands beyond a limit, not finite, or faster while not valid
-  long outside_workspace = 0;  // robot states with the flange outside
+  long violations = 0;  // commands beyond a limit, not finite, or accelerating while not valid
+  long outside_workspace = 0;  // robot states with the flange outside the workspace
 };
 
 /// `period`: s between two commands of consecutive sequence numbers. Stopping at once is allowed.

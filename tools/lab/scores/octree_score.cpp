@@ -7,8 +7,8 @@
 namespace palpate::scores {
 namespace {
 
-/// Where the borders of the cubes lie, as a share of their side: not where the plane faces of
-/// objects tend to be, since there rounding would decide which cube a point is in.
+/// Offset of the cubes' borders as a fraction of their side: away from where planar faces of
+/// objects tend to lie, since there rounding would decide which cube a point is in.
 constexpr double kGridShift = 0.382;
 
 octomap::OcTreeKey key_of(const octomap::OcTree& tree, const Eigen::Vector3d& point) {

@@ -9,7 +9,7 @@
 namespace palpate::scores {
 namespace {
 
-/// One pose in place of the scene's own motion.
+/// One pose instead of the scene's own motion.
 std::string motion_override(const runs::HandMotion& motion) {
   std::ostringstream text;
   const auto put = [&text](const Eigen::Vector3d& v) {

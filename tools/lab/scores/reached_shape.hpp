@@ -6,9 +6,9 @@
 
 namespace palpate::scores {
 
-/// The feature of `target` in the shape that the plant of `scene` itself takes once its hand has
-/// moved by `motion` and everything has come to rest: a target that can be reached, whatever the
-/// estimator's model. Runs the simulator without any daemon. Throws config::Error.
+/// The feature of `target` in the equilibrium shape of the plant of `scene` after its hand has
+/// moved by `motion`: a reachable target, independent of the estimator's model. Runs the simulator
+/// without a daemon. Throws config::Error.
 Eigen::VectorXd reached_value(const std::filesystem::path& scene, const runs::ControlTarget& target,
                               const runs::HandMotion& motion);
 

@@ -76,7 +76,8 @@ Json to_json(const ShapeScore& shape) {
 
 Json optional_number(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
-/// What is a distance is told of such features alone, bands of mm and degrees of these and angles.
+/// Distances are reported only for features that have one, bands of mm and degrees for these and
+/// for angles.
 Json to_json(const FeatureScore& feature) {
   Json json{{"kind", feature.kind},
             {"error_percent_of_way", 100 * feature.rest_size / feature.start_size},

@@ -13,32 +13,32 @@
 
 namespace palpate::scores {
 
-/// Contact and force on a real recording, against its own force-torque sensor.
+/// Contact and force on a real recording, compared with its own force-torque sensor.
 struct RecordingScore {
   double duration = 0;                                 // s of contact
   double force_rms = 0;                                // N, vector error
   double force_magnitude_rms = 0;                      // N
-  double true_force_rms = 0;                           // N, of the truth itself
+  double true_force_rms = 0;                           // N, of the ground truth itself
   Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m, in O, mean where |F| is largest
   double largest_displacement = 0;                     // m, of the estimated shape
 };
 
-/// All that is known of one run.
+/// Results of one run.
 struct ScoredRun {
   std::string stage;     // sensing, control, recording
   std::string name;      // method or target
-  std::string mismatch;  // level of model error; empty where it has no meaning
+  std::string mismatch;  // level of model error; empty if not applicable
   std::optional<ShapeScore> shape;
   std::optional<FeatureScore> feature;
-  std::optional<LoopScore> loop;  // absent for a run that did not take place in real time
+  std::optional<LoopScore> loop;  // absent for a run that was not in real time
   std::optional<CommandScore> commands;
   std::optional<RecordingScore> recording;
-  std::vector<std::string> missed;  // figures to meet that were not met
-  std::string failure;              // why there is no score; empty where there is one
-  std::string skipped;              // why the run did not take place
+  std::vector<std::string> missed;  // bounds that were missed
+  std::string failure;              // reason for a missing score; empty if there is one
+  std::string skipped;              // reason why the run did not take place
 };
 
-/// One table of all runs, then what was missed and what failed.
+/// One table of all runs, followed by missed bounds and failures.
 void print_report(const std::vector<ScoredRun>& runs, std::ostream& out);
 
 nlohmann::json to_json(const ScoredRun& run);

@@ -5,7 +5,7 @@
 
 namespace palpate::scores {
 
-/// What a run's commands are held against.
+/// Limits with which a run's commands are compared.
 struct Gate {
   control::GateLimits limits;
   double period = 1e-3;  // s, of the daemon's loop
@@ -15,23 +15,24 @@ struct Gate {
 Gate gate_of(const runs::RunPlan& plan);
 Gate gate_of(const std::filesystem::path& configuration, const std::vector<std::string>& overrides);
 
-/// Adds every score that the log gives: shape, feature, loop, commands. Commands beyond the gate's
-/// limits and a fault are entered as missed. Throws std::runtime_error where something lacks.
+/// Adds every score that the log supports: shape, feature, loop, commands. Commands beyond the
+/// gate's limits and a fault are entered as missed bounds. Throws std::runtime_error if data are
+/// missing.
 void score_into(ScoredRun& scored, const log::RunLog& log, const Gate& gate,
                 const runs::FeatureDefinition* steered = nullptr);
 
-/// Enters as missed where fewer poses were held than `scene` goes through.
+/// Adds a missed bound if fewer poses were held than `scene` contains.
 void check_poses(ScoredRun& scored, const std::filesystem::path& scene);
 
 struct ScoreOptions {
   std::filesystem::path control;
   std::filesystem::path housekeeping;
-  std::filesystem::path scene;          // of palpate-sim; empty: the poses held are not counted
+  std::filesystem::path scene;          // of palpate-sim; empty: held poses are not counted
   std::filesystem::path configuration;  // of palpated; empty: commands are not checked
   std::filesystem::path json;           // empty: none
 };
 
-/// Scores recorded logs and prints the table; the exit code.
+/// Scores recorded logs, prints the table and returns the exit code.
 int run_score(const ScoreOptions& options);
 
 }  // namespace palpate::scores

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStillSpeed = 2e-3;         // m/s
 constexpr double kStillRate = 2e-2;          // rad/s
-constexpr std::int64_t kSpeedBase = 100000;  // us, over which speed is taken
+constexpr std::int64_t kSpeedBase = 100000;  // us, over which speed is computed
 constexpr double kLeastHold = 1.0;           // s
 constexpr double kHoldEnd = 0.5;             // s, scored at the end of a hold
 
@@ -114,7 +114,7 @@ ShapeScore score_shape(const log::RunLog& run) {
     HoldScore hold;
     hold.begin = seconds(holds[h].begin - start);
     hold.end = seconds(holds[h].end - start);
-    if (h == 0 && hold.begin < 0.5) continue;  // where the run starts, before it has moved
+    if (h == 0 && hold.begin < 0.5) continue;  // initial pose, before any motion
     const auto index = [&score](double time) {
       return static_cast<std::size_t>(
           std::lower_bound(score.samples.begin(), score.samples.end(), time,

@@ -9,7 +9,7 @@
 
 namespace palpate::scores {
 
-/// Distance of the estimate's nodes from where the plant's material points are, at one time.
+/// Distance of the estimate's nodes from the plant's corresponding material points, at one time.
 struct ShapeErrorSample {
   double time = 0;          // s since the first shape
   double mean = 0;          // m, over the nodes
@@ -25,7 +25,8 @@ struct ErrorSummary {
   double maximum = 0;
 };
 
-/// A time in which the hand stood still, s since the first shape; error over its last half second.
+/// An interval in which the hand stood still, s since the first shape; error over its last half
+/// second.
 struct HoldScore {
   double begin = 0;
   double end = 0;
@@ -37,12 +38,12 @@ struct ShapeScore {
   double length = 0;  // m, largest side of the object
   std::vector<ShapeErrorSample> samples;
   ErrorSummary whole;
-  std::vector<HoldScore> holds;     // the poses, without the one that the run starts in
+  std::vector<HoldScore> holds;     // the poses, without the initial one
   double largest_displacement = 0;  // m
   long shapes = 0;
-  long not_current = 0;  // shapes that were marked old or not converged
+  long not_current = 0;  // shapes that were marked stale or not converged
 
-  /// Over the ends of all holds; the whole run where there is none.
+  /// Over the ends of all holds; the whole run if there is none.
   ErrorSummary at_holds() const;
 };
 
@@ -50,15 +51,15 @@ struct ShapeScore {
 ErrorSummary summarise(const std::vector<ShapeErrorSample>& samples, std::size_t first,
                        std::size_t last);
 
-/// Intervals of at least `least` seconds in which the plant's grasp neither moved nor turned (below
-/// 2 mm/s and 0.02 rad/s), utime in us.
+/// Intervals of at least `least` seconds in which the plant's grasp neither moved nor rotated
+/// (below 2 mm/s and 0.02 rad/s), utime in us.
 struct Interval {
   std::int64_t begin, end;
 };
 std::vector<Interval> find_holds(const std::vector<truth_contact_t>& contacts, double least);
 
-/// Compares every SHAPE with the truth of the same instant at the estimate's corner nodes. Throws
-/// std::runtime_error where the log lacks shape, truth or meshes.
+/// Compares every SHAPE with the ground truth of the same instant at the estimate's corner nodes.
+/// Throws std::runtime_error if the log lacks shape, truth or meshes.
 ShapeScore score_shape(const log::RunLog& run);
 
 }  // namespace palpate::scores

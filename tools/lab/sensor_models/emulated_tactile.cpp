@@ -20,7 +20,7 @@ constexpr double kPeriod = 0.01;      // s, of the readings
 constexpr int kStepsPerReading = 10;  // of the skin
 constexpr int kRestReadings = 50;
 constexpr double kLeastForce = 0.05, kMostForce = 2;  // N, along the normal
-constexpr double kMostFriction = 0.6;                 // of it, across
+constexpr double kMostFriction = 0.6;                 // fraction of it, tangential
 
 sensing::TactileInputs read(sensors::Biotac& biotac, const std::vector<sensors::Touch>& touches) {
   for (int i = 0; i < kStepsPerReading; ++i) biotac.step(kPeriod / kStepsPerReading, touches);
@@ -32,8 +32,8 @@ sensing::TactileInputs read(sensors::Biotac& biotac, const std::vector<sensors::
   return inputs;
 }
 
-/// Where a grasp touches: the pad up to the tip and 7 mm along the cylinder, up to 45 degrees
-/// aside.
+/// Contact region of a grasp: the pad up to the tip and 7 mm along the cylinder, up to 45 degrees
+/// to the side.
 sensors::Touch random_touch(math::Random& random) {
   const double aside = random.uniform(-M_PI / 4, M_PI / 4);
   const double along = random.uniform(-1, 1.5);  // above 0: rad towards the tip; below: 7 mm
@@ -91,7 +91,7 @@ EmulatedTactileScore score_emulated_tactile(std::uint64_t seed, int presses,
   EmulatedTactileScore score;
   score.rows = presses;
   sensing::LinearTactileFitOptions options;
-  options.with_offset = false;  // nothing felt shall be no force
+  options.with_offset = false;  // no contact must give zero force
   options.features = features;
   score.fit = sensing::fit_linear_tactile(fitted.counts, fitted.forces, options);
   sensing::fit_tactile_place(fitted.counts, fitted.places, options, score.fit.model);

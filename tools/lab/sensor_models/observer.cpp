@@ -26,11 +26,11 @@ namespace fs = std::filesystem;
 constexpr double kGravity = 9.81;      // m/s^2
 constexpr double kResidualBar = 0.02;  // of the payload's weight
 constexpr double kTrackingBar = 0.05;  // of the peak of the true force
-constexpr double kSettled = 2;         // s, when every model has tared
+constexpr double kSettled = 2;         // s, by when every model has tared
 constexpr double kPatience = 1800;     // s, for a program
 constexpr const char* kMotions[] = {"manual", "rotation_y", "rotation_z", "collision"};
 constexpr const char* kModels[] = {"newton_euler", "newton_euler_smooth", "ft_rnnob", "thesis"};
-constexpr double kSmooth = 16;  // Hz, which delays as much as the mean over 20 ms of ft_rnnob
+constexpr double kSmooth = 16;  // Hz; the same delay as the mean over 20 ms of ft_rnnob
 constexpr const char* kCollision = "collision";
 
 bool is_learned(const std::string& model) { return model == "ft_rnnob" || model == "thesis"; }
@@ -89,8 +89,8 @@ class Experiment {
     return options_.output / "models" / (name + ".pt");
   }
 
-  /// The last recording of each kind of motion validates. Every one has a motion and sensor errors
-  /// of its own.
+  /// The last recording of each kind of motion is used for validation. Each has its own motion and
+  /// sensor errors.
   void record_training() {
     common::Progress progress(++step_, steps_, "recording motions to learn from");
     const auto frames = registry::read_frames(config::Node::load_file(configuration_));
@@ -149,7 +149,7 @@ class Experiment {
       command.push_back(setting);
     };
     if (!ours) {
-      // The same streams at the same rate; the network and what it learns are the thesis'.
+      // The same streams at the same rate; network and outputs are those of the thesis.
       for (const char* setting :
            {"data.rate=200", "data.average=0.02", "data.wrist.acceleration_has_gravity=true",
             "data.wrist.largest_delay=0.05", "training.refit=false", "training.evaluate_every=50"})
@@ -160,7 +160,7 @@ class Experiment {
     progress.finish(true);
   }
 
-  /// From the recordings to learn from: what palpate-train found of them.
+  /// From the training recordings: the payload identified by palpate-train.
   void identify_payload() {
     const std::string learned = model("ft_rnnob").replace_extension(".yaml").string();
     if (!fs::exists(learned))

@@ -16,7 +16,7 @@
 namespace palpate::sensor_models {
 namespace {
 
-/// A bus of its own for one URL, whose messages go to a log.
+/// A separate bus for one URL, whose messages go to a log.
 class Recorder {
  public:
   explicit Recorder(std::filesystem::path path)
@@ -52,7 +52,7 @@ class Recorder {
   std::vector<bus::Published> published_;
 };
 
-/// Messages of one stream in the order of their arrival, the latest at a time.
+/// Messages of one stream in the order of their arrival; returns the latest at a time.
 template <class Message>
 class Arrivals {
  public:
@@ -126,7 +126,7 @@ void write_wrist_csv(const std::filesystem::path& control_log, const registry::F
   const math::Pose X_SI = frames.X_ES.inverse() * frames.X_EI;
   const Eigen::Vector3d offset = -X_SI.translation();  // from I to S
   const auto step = static_cast<std::size_t>(std::lround(1e6 / (rate * kPeriodUs)));
-  std::deque<Eigen::Vector3d> turns;  // rates of turn in S over the model's last step
+  std::deque<Eigen::Vector3d> turns;  // angular velocities in S over the model's last step
   for (std::int64_t utime = begin; utime <= end; utime += kPeriodUs) {
     const robot_state_t& state = robot.at(utime);
     const Eigen::Matrix3d R_WE = math::rotation_from_wxyz(state.quaternion);

@@ -15,7 +15,7 @@ constexpr int kWrist = 0;          // of contacts_t::source
 constexpr double kMostLag = 0.2;   // s, looked for
 constexpr double kLagStep = 1e-3;  // s
 
-/// By straight lines between the samples; the ends hold.
+/// Linear interpolation between the samples; constant beyond the ends.
 Eigen::Vector3d force_at(const ForceSeries& series, double time) {
   const auto after = std::upper_bound(series.time.begin(), series.time.end(), time);
   if (after == series.time.begin()) return series.force.col(0);

@@ -79,7 +79,7 @@ void print(const std::vector<PayloadScore>& scores, std::ostream& out) {
       out << score.recording << ": the force bias drifts by "
           << triple(score.fit.bias_drift.force * (score.fit.sample_count - 1), 2)
           << " N from the first pose to the last\n";
-    // Not excited at all, or so little that the value drowns in its own deviation.
+    // Not excited at all, or so little that the value is below its own standard deviation.
     std::vector<std::string> weak = score.fit.untold;
     const sensing::PayloadVector values = sensing::to_vector(score.fit.parameters);
     for (int i = 4; i < 10; ++i) {

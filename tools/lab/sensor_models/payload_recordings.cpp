@@ -15,7 +15,7 @@ using sensing::StaticPose;
 
 using math::kDegree;
 const Eigen::Vector3d kGravity(0, 0, -9.81);
-/// The one that ft_imu_kuka_ntnu was recorded under.
+/// Local gravity at the place where ft_imu_kuka_ntnu was recorded, m/s^2.
 constexpr double kNtnuGravity = 9.82085;
 
 Eigen::Vector3d vector(const CsvReader& csv, const char* x, const char* y, const char* z) {
@@ -34,7 +34,7 @@ Eigen::Matrix3d rotation(const CsvReader& csv) {
   return R;
 }
 
-/// What a static recording leaves open beside payload and bias.
+/// Parameters that a static recording cannot identify besides payload and bias.
 struct Unknowns {
   bool gravity_direction = false;
   bool bias_drift = false;
@@ -62,7 +62,7 @@ void reverse(std::vector<Sample>& samples) {
   for (Sample& sample : samples) sample.F_S = {-sample.F_S.force, -sample.F_S.torque};
 }
 
-/// Fits, turning the sign of the readings where they would give a negative mass.
+/// Fits, inverting the sign of the readings if they would give a negative mass.
 PayloadScore score_static(const std::string& name, std::vector<StaticPose> poses,
                           const Eigen::Vector3d& gravity, Unknowns unknowns) {
   PayloadScore score;
@@ -113,7 +113,7 @@ struct Series {
   std::vector<double> time;
   std::vector<Eigen::VectorXd> value;
 
-  /// Mean over [from, to); the nearest sample where none lies in it.
+  /// Mean over [from, to); the nearest sample if none lies in it.
   Eigen::VectorXd mean(double from, double to) const {
     const auto begin = std::lower_bound(time.begin(), time.end(), from) - time.begin();
     const auto end = std::lower_bound(time.begin(), time.end(), to) - time.begin();
@@ -137,7 +137,7 @@ Series read_series(const std::filesystem::path& file, double origin_us, Read rea
   return series;
 }
 
-/// Rotation between the unit's axes and the sensor's, by the set's own description:
+/// Rotation between the inertial unit's axes and the sensor's, by the data set's own description:
 /// specific force (x, y, z) in S is (-ay, az, -ax) of the unit.
 Eigen::Vector3d to_sensor_axes(const Eigen::Vector3d& a_I) { return {-a_I.y(), a_I.z(), -a_I.x()}; }
 

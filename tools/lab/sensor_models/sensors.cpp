@@ -39,7 +39,7 @@ Tracks make_tracks(const SensorFolder& folder, std::vector<std::string>& damaged
   return tracks;
 }
 
-/// Whether a file of `scored` is none of `known`.
+/// Whether a file of `scored` is not in `known`.
 bool has_new_file(const Tracks& scored, const Tracks& known) {
   std::set<std::string> hashes;
   for (const auto& [kind, tracks] : known)
@@ -72,7 +72,7 @@ std::vector<SensorModelFile> models_of(const SensorsOptions& options, const Trac
   return models;
 }
 
-/// Models and baselines of a kind, those fitted to the same rows together, models first.
+/// Models and baselines of a kind, grouped by the rows they were fitted to, models first.
 std::vector<FittedMethods> methods_of(SensorKind kind, const SensorsOptions& options,
                                       const std::vector<SensorModelFile>& models,
                                       const std::vector<SensorTrack>& known, bool refit,
@@ -132,7 +132,8 @@ std::vector<SensorComparison> compare_sensor_folders(const SensorsOptions& optio
   const Tracks known = std::filesystem::is_directory(options.train)
                            ? make_tracks(read_sensor_folder(options.train), unused)
                            : Tracks{};
-  // For recordings that are new, models may learn all that there is; else their tests stay unseen.
+  // If the recordings are new, models may be trained on all their data; otherwise their test data
+  // stay unseen.
   const bool refit = has_new_file(scored, known);
 
   const std::vector<SensorModelFile> models = models_of(options, scored, refit, out);

@@ -14,24 +14,23 @@ namespace palpate::sensor_models {
 struct SensorsOptions {
   std::filesystem::path train;                // recordings that models and baselines are fitted to
   std::filesystem::path data;                 // recordings that are scored; may be the same folder
-  std::vector<std::filesystem::path> models;  // none: the presets, trained on `train`
-  std::filesystem::path output;               // trained models, CSV, pictures
+  std::vector<std::filesystem::path> models;  // empty: the presets, trained on `train`
+  std::filesystem::path output;               // trained models, CSV, images
   std::filesystem::path json;                 // empty: none
   std::string executor = "compiled";          // or torch
   bool verbose = false;
 };
 
-/// Scores every model and baseline on every recording below `data` that fits it, on rows that it
-/// was not fitted to where there are such, and says what of it was seen. Presets keep their
-/// validation and test parts unseen where all that is scored is found below `train`; else they
-/// learn from all parts. Recordings that could not be used go to `damaged`. Throws
-/// std::runtime_error where no recording fits, config::Error where a card cannot be used,
-/// Interrupted.
+/// Scores every model and baseline on every matching recording below `data`, on rows that it was
+/// not fitted to if there are any, and reports which part of it was used in training. Presets keep
+/// their validation and test parts unseen if everything scored is below `train`; otherwise they are
+/// trained on all parts. Throws std::runtime_error if no recording matches, config::Error if a
+/// model card cannot be used, Interrupted.
 std::vector<SensorComparison> compare_sensor_folders(const SensorsOptions& options,
                                                      std::ostream& out,
                                                      std::vector<std::string>& damaged);
 
-/// Does so and prints, writes and draws the result; 0, or 1 where a recording of the right columns
+/// The same, and prints, writes and plots the result; 0, or 1 if a recording with the right columns
 /// could not be used.
 int run_sensors(const SensorsOptions& options, std::ostream& out);
 
@@ -39,8 +38,8 @@ int run_sensors(const SensorsOptions& options, std::ostream& out);
 class SensorsCommand {
  public:
   explicit SensorsCommand(CLI::App& app);
-  /// Runs it where it was given and returns the exit code. `recordings`: default of --train. Throws
-  /// as compare_sensor_folders.
+  /// Runs the command if it was given and returns the exit code. `recordings`: default of --train.
+  /// Throws as compare_all_sensors.
   std::optional<int> run(const std::filesystem::path& recordings, std::ostream& out);
 
  private:

@@ -16,7 +16,7 @@ namespace {
 constexpr Eigen::Index kFewestRows = 50;
 constexpr double kSensorsBaselinesGravity = 9.81;  // m/s^2
 
-/// The inputs of the kind's plan, scaled as a network of it would have them scaled.
+/// The inputs of the kind's plan, scaled as for its network.
 class LinearMap {
  public:
   /// `inputs`: n x all inputs of a track.
@@ -72,7 +72,7 @@ double strongest(const SensorTrack& track, Eigen::Index row) {
   return counts[place];
 }
 
-/// The localisation as it is set up for the sensor of `tracks`.
+/// The localisation as configured for the sensor of `tracks`.
 sensing::LocalizationOptions localization_of(const std::vector<SensorTrack>& tracks) {
   sensing::LocalizationOptions options;
   options.polarity = polarity_of(tracks);
@@ -82,7 +82,7 @@ sensing::LocalizationOptions localization_of(const std::vector<SensorTrack>& tra
       if (track.counts[k])
         sizes.push_back(std::abs(strongest(track, static_cast<Eigen::Index>(k))));
   if (sizes.empty()) return options;
-  // Full intensity is what all but one press in a hundred stay below.
+  // Full intensity is the 99 % quantile over the presses.
   const auto place =
       sizes.begin() + static_cast<std::ptrdiff_t>(0.99 * static_cast<double>(sizes.size() - 1));
   std::nth_element(sizes.begin(), place, sizes.end());
@@ -90,7 +90,7 @@ sensing::LocalizationOptions localization_of(const std::vector<SensorTrack>& tra
   return options;
 }
 
-/// Normals of the skin where the electrodes say that it is touched, n x 3, in T.
+/// Normals of the skin at the contact point given by the electrodes, n x 3, in T.
 Eigen::MatrixXd located_normals(const SensorTrack& track, sensing::LocalizationOptions options,
                                 sensing::ElectrodeScatter scatter) {
   options.polarity = polarity_of({track});
@@ -126,7 +126,7 @@ void add_localization(const FingertipFrame& frame, std::vector<SensorMethod>& me
     }
 }
 
-/// What is left of a wrist's motion without an inertial unit: gravity.
+/// The part of a wrist's motion that is known without an inertial unit: gravity.
 std::vector<sensing::MotionSample> at_rest(const SensorTrack& track) {
   const int gravity = sensing::observer_input_index("gravity_x");
   std::vector<sensing::MotionSample> samples = track.samples;
@@ -148,7 +148,7 @@ Eigen::MatrixXd load_of(const sensing::PayloadParameters& payload,
   return rows;
 }
 
-/// Payload and biases identified from the rows that may be used.
+/// Payload and biases identified from the training rows.
 recordings::DataSet identify(const SensorTraining& training, const std::vector<SensorTrack>& tracks,
                              bool moving) {
   recordings::DataPlan plan = plan_of(SensorKind::kWrist).data;

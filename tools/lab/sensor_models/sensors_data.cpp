@@ -21,7 +21,8 @@ using sensing::kTactileInputCount;
 constexpr SensorKind kSensorsDataKinds[] = {SensorKind::kForce, SensorKind::kDirection,
                                             SensorKind::kWrist};
 constexpr const char* kPac = "pac0";
-constexpr double kRestPressure = 15;  // counts of PDC above the quietest rows that are still rest
+constexpr double kRestPressure =
+    15;  // counts of PDC above the quietest rows that still count as rest
 
 recordings::Plan preset(const std::string& name) {
   return recordings::read_plan(config::Node::load_file(
@@ -60,7 +61,7 @@ bool ends_with(const std::string& text, const std::string& end) {
   return text.size() >= end.size() && text.compare(text.size() - end.size(), end.size(), end) == 0;
 }
 
-/// Reads the file as recordings of one kind; what it lacks where it is not of that kind.
+/// Reads the file as recordings of one kind; reports the missing columns if it is not of that kind.
 std::string read_as(SensorKind kind, const std::filesystem::path& path, const std::string& name,
                     std::vector<SensorRecording>& recordings) {
   std::vector<std::string> columns = columns_of(kind);
@@ -131,7 +132,7 @@ SensorTrack tactile_track(const SensorRecording& recording) {
 }
 
 SensorTrack wrist_track(const SensorRecording& recording) {
-  constexpr int kAcceleration = 10;     // place in wrist_columns()
+  constexpr int kAcceleration = 10;     // index in wrist_columns()
   constexpr double kHalfGravity = 4.9;  // m/s^2
   recordings::DataPlan plan = plan_of(SensorKind::kWrist).data;
   SensorTrack track;
@@ -194,7 +195,7 @@ SensorFolder read_sensor_folder(const std::filesystem::path& folder) {
   for (const std::filesystem::path& path : files) {
     const std::string name = std::filesystem::relative(path, folder).string();
     try {
-      std::string nearest;  // what it lacks of the kind of which it lacks least
+      std::string nearest;  // missing columns of the closest kind
       bool fits = false;
       for (const SensorKind kind : kSensorsDataKinds) {
         const std::string missing = read_as(kind, path, name, result.recordings);

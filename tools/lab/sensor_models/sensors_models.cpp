@@ -45,7 +45,7 @@ int window_of(const std::string& name) {
   return plan.training.carry ? 0 : plan.training.steps;
 }
 
-/// The network alone, as components hold it.
+/// The network alone, as used by components.
 sensing::StreamedModel network_of(const inference::ModelFile& file, SensorKind kind,
                                   const std::string& executor) {
   std::vector<int> inputs, outputs;
@@ -72,8 +72,8 @@ void step(sensing::StreamedModel& network, const SensorTrack& track, Eigen::Inde
     throw std::runtime_error(path + ": the model fails or hangs on " + track.recording.name);
 }
 
-/// Streamed where `window` is 0; else from a state of zero over the last `window` rows each, before
-/// the start copies of the first.
+/// Streamed if `window` is 0; otherwise from a zero state over the last `window` rows each, padded
+/// before the start with copies of the first.
 Eigen::MatrixXd run_network(const inference::ModelFile& file, const std::string& executor,
                             const SensorTrack& track, int window) {
   const SensorKind kind = track.recording.kind;
@@ -118,7 +118,7 @@ SensorModelFile read_sensor_model(const std::filesystem::path& path) {
 std::vector<SensorMethod> make_methods(const SensorModelFile& model, const std::string& executor,
                                        const std::optional<FingertipFrame>& frame) {
   const inference::ModelFile file = inference::read_model_file(model.path.string());
-  network_of(file, model.kind, executor);  // says now what would not fit
+  network_of(file, model.kind, executor);  // checks compatibility now
   std::vector<SensorMethod> methods;
   const std::string path = model.path.string();
   SensorMethod streamed{model.name, true, {}};

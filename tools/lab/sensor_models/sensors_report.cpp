@@ -16,7 +16,7 @@ using math::kDegree;
 constexpr Eigen::Index kPlotPoints = 1500;
 constexpr int kGroupColumns = 3;
 
-/// mm on the skin that an angle of its normal stands for.
+/// mm on the skin that correspond to an angle of its normal.
 double millimetres(double angle) { return 1e3 * sensing::kSkinRadius * angle; }
 
 void add_cells(std::vector<std::string>& row, const Eigen::VectorXd& values, double scale,
@@ -47,7 +47,7 @@ std::vector<std::string> header_of(SensorKind kind) {
           "|T| mN m"};
 }
 
-/// `again`: with the other tare, of a wrist.
+/// `again`: with the other tare, for a wrist.
 std::vector<std::string> cells_of(SensorKind kind, const SensorScore& score,
                                   const SensorScore* again) {
   const recordings::Errors& errors = score.errors;
@@ -87,7 +87,7 @@ const SensorScore* with_tare(const SensorComparison& comparison, const SensorSco
   return nullptr;
 }
 
-/// How the errors of a kind are to be read.
+/// Explanation of the errors of a kind.
 std::string legend_of(SensorKind kind) {
   const recordings::DataPlan& plan = plan_of(kind).data;
   switch (kind) {
@@ -128,7 +128,7 @@ const char* json_name(SensorKind kind) {
 
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
-/// Places of the first model and the first baseline among the methods.
+/// Indices of the first model and the first baseline among the methods.
 std::vector<std::size_t> shown_methods(const SensorComparison& comparison) {
   std::vector<std::size_t> places;
   for (const bool model : {true, false})

@@ -9,16 +9,17 @@
 
 namespace palpate::sensor_models {
 
-/// A table a kind, a section of it a file.
+/// One table per kind, with one section per file.
 void print_sensors(const std::vector<SensorComparison>& comparisons, std::ostream& out);
 
-/// One row a method, recording and tare, RFC 4180. Angles in degrees, torques in N m.
+/// One row per method, recording and tare, RFC 4180. Angles in degrees, torques in N m.
 void write_sensors_csv(const std::vector<SensorComparison>& comparisons, std::ostream& out);
 
 nlohmann::json to_json(const SensorComparison& comparison);
 
-/// Truth and answers (or errors) over time of the first learned model and the first baseline, one
-/// picture a comparison below `folder`; the pictures. None where gnuplot is not installed.
+/// Plots truth and predictions (or errors) over time of the first learned model and the first
+/// baseline, one image per comparison below `folder`; returns the images. None if gnuplot is not
+/// installed.
 std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparison>& comparisons,
                                                 const std::filesystem::path& folder);
 

@@ -21,7 +21,7 @@ Eigen::MatrixXd tared(Eigen::MatrixXd answers, const SensorTrack& track, SensorT
   return answers.rowwise() - mean;
 }
 
-/// What is scored of one recording.
+/// Scored quantities of one recording.
 struct Part {
   const SensorTrack* track;
   std::vector<bool> rows;

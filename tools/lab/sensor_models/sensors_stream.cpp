@@ -19,7 +19,7 @@ namespace {
 constexpr double kPatience = 10;  // s
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
-// Places in the rows of train::wrist_columns().
+// Indices in the rows of train::wrist_columns().
 constexpr int kQuaternion = 0, kVelocity = 4, kRate = 7, kAcceleration = 10, kForce = 13;
 
 template <class T, int kCapacity>
@@ -86,7 +86,7 @@ void run_fingertip(const config::Node& node, const SensorTrack& track, Visit vis
   }
 }
 
-/// The file of a network that says 1 N whatever comes; gone with this object.
+/// The file of a network that outputs a constant 1 N; deleted with this object.
 class ConstantForce {
  public:
   explicit ConstantForce(double rate)

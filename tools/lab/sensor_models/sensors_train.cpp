@@ -12,7 +12,7 @@
 namespace palpate::sensor_models {
 namespace {
 
-/// Of all that a trained model depends on.
+/// Hash of everything that a trained model depends on.
 std::string hash_of_training(const config::Node& preset, const recordings::Plan& plan,
                              const std::filesystem::path& data,
                              const std::filesystem::path& program) {
@@ -55,8 +55,8 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
     return model;
 
   std::filesystem::create_directories(options.output);
-  // Under another name until it is whole: what is there is trusted by the next run. What an
-  // interrupted run has left is gone on with, since the name stands for all that matters.
+  // Written under a temporary name until complete: the next run relies on existing files. Files of
+  // an interrupted run are resumed, since the name covers everything that matters.
   const std::filesystem::path fresh = options.output / (stem + ".new.pt");
   const std::filesystem::path log = options.output / (stem + ".log");
   std::vector<std::string> command{program.string(),

@@ -8,7 +8,8 @@
 
 namespace palpate::sensor_models {
 
-/// What a model was fitted to: files by their hash, and the times in each that were kept from it.
+/// Training data of a model: files by their hash, and the time intervals of each that were
+/// excluded.
 struct SensorTraining {
   struct File {
     std::string sha256;
@@ -16,18 +17,18 @@ struct SensorTraining {
     std::vector<recordings::Interval> test;
   };
   std::vector<File> files;
-  bool all_parts = false;  // validation and test were learned in the end, too
-  bool is_stated = true;   // false: the card says nothing of it
+  bool all_parts = false;  // validation and test parts were used for training in the end, too
+  bool is_stated = true;   // false: the card does not state it
 
-  /// Same files and times: what is compared on the same rows.
+  /// Same files and times: models compared on the same rows.
   bool operator==(const SensorTraining& other) const;
-  const File* find(const SensorRecording& recording) const;  // nullptr where never seen
+  const File* find(const SensorRecording& recording) const;  // nullptr if it was not used
 };
 
-/// Of a card. Throws config::Error where what it says of its data cannot be read.
+/// Of a card. Throws config::Error if its data section cannot be read.
 SensorTraining training_of(const inference::ModelCard& card);
 
-/// Of a plan, files below `folder`; those that are absent are left out.
+/// Of a plan, files below `folder`; missing files are omitted.
 SensorTraining training_of(const recordings::DataPlan& plan, const std::filesystem::path& folder,
                            bool all_parts);
 
@@ -41,7 +42,7 @@ struct ScoredRows {
 };
 ScoredRows rows_to_score(const SensorTraining& training, const SensorTrack& track);
 
-/// Rows that are wanted; rows of several recordings one below the other.
+/// Selected rows; rows of several recordings are concatenated.
 Eigen::MatrixXd wanted_rows(const Eigen::MatrixXd& rows, const std::vector<bool>& wanted);
 Eigen::MatrixXd stacked(const std::vector<Eigen::MatrixXd>& parts);
 

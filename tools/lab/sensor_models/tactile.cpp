@@ -41,7 +41,7 @@ sensing::ElectrodeVector electrodes(const CsvReader& csv, int first_column) {
   return counts;
 }
 
-/// e1 to e19 stand side by side.
+/// e1 to e19 are adjacent columns.
 int first_electrode(const CsvReader& csv) {
   const int first = csv.column("e1");
   if (csv.column("e19") != first + kElectrodeCount - 1)
@@ -78,7 +78,7 @@ Contacts read_contacts(const std::filesystem::path& file) {
     }
     if (csv.number(pdc) < rest.pdc + kContactPdc) continue;
     contacts.counts.push_back(counts - rest.counts);
-    // The set's frame is T turned by half a turn about y: its z points into the skin's side.
+    // The data set's frame is T rotated by 180 degrees about y: its z points into the skin's side.
     contacts.normals.emplace_back(-csv.number(nx), csv.number(nx + 1), -csv.number(nx + 2));
   }
   if (contacts.counts.size() < 4)
@@ -234,7 +234,7 @@ LocalizationScore score_localization(const std::filesystem::path& file,
   std::vector<double> angles, mean_angles;
   for (std::size_t i = half; i < contacts.counts.size(); ++i) {
     const sensing::Localization found = sensing::locate_contact(contacts.counts[i], options);
-    // Nothing active is an answer too: the middle of the pad.
+    // No active electrode is a valid result as well: the centre of the pad.
     const Eigen::Vector3d place = found.active > 0 ? found.location : Eigen::Vector3d::Zero();
     angles.push_back(angle(sensing::skin_normal(place), contacts.normals[i]));
     mean_angles.push_back(angle(mean, contacts.normals[i]));

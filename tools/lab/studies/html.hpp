@@ -6,7 +6,7 @@
 
 namespace palpate::studies {
 
-/// Text for HTML: & < > " ' as entities, so that nothing of it is markup.
+/// Escapes text for HTML: & < > " ' as entities.
 std::string escaped(const std::string& text);
 
 /// One page that needs no other file.
@@ -17,12 +17,12 @@ class HtmlPage {
   void heading(int level, const std::string& text);
   void paragraph(const std::string& text);
   void list(const std::vector<std::string>& items);
-  /// Cells of text; a row of one cell is a title across. Missing cells stay empty.
+  /// Table cells of text; a row of one cell spans the table as a title. Missing cells stay empty.
   void table(const std::vector<std::string>& header,
              const std::vector<std::vector<std::string>>& rows);
-  /// PNG or SVG, by its name, put into the page; one line of text where it cannot be read.
+  /// PNG or SVG, by its name, embedded in the page; one line of text if it cannot be read.
   void picture(const std::filesystem::path& file, const std::string& caption);
-  /// Monospaced text, its lines kept.
+  /// Monospaced text with line breaks preserved.
   void preformatted(const std::string& text);
 
   /// The whole page.

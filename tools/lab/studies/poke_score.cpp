@@ -16,9 +16,10 @@ using math::Vector6d;
 
 constexpr double kForceNoise = 0.025, kTorqueNoise = 0.001;  // N, N m, of sim/sensors/sensors.yaml
 constexpr double kDeviations = 5;
-constexpr double kBefore = 0.5;  // s, over which what was before a poke is taken
-constexpr double kWindow = 0.5;  // s, over which place and force are taken
-constexpr double kLinger = 0.5;  // s, after a poke, in which a contact is no false alarm
+constexpr double kBefore = 0.5;  // s, over which the state before a poke is averaged
+constexpr double kWindow = 0.5;  // s, over which contact point and force are averaged
+constexpr double kLinger =
+    0.5;  // s, after a poke, in which a reported contact is not a false alarm
 
 bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
 
@@ -35,13 +36,13 @@ Vector6d at_sensor(const truth_contact_t& truth, const math::Pose& X_GS) {
   return result;
 }
 
-/// By how many deviations of the sensor's noise the farthest axis is off.
+/// Error of the worst axis in standard deviations of the sensor's noise.
 double deviations(const Vector6d& change) {
   return std::max(change.head<3>().cwiseAbs().maxCoeff() / kForceNoise,
                   change.tail<3>().cwiseAbs().maxCoeff() / kTorqueNoise);
 }
 
-/// One run, in s since the scene began.
+/// One run, in s since the start of the scene.
 class Run {
  public:
   Run(const log::RunLog& log, const scores::ShapeScore& shape, const registry::Frames& frames)
@@ -76,8 +77,8 @@ class Run {
   }
 
  private:
-  /// The object may still swing from before: what counts is from where on the change stays beyond
-  /// what is felt, until the whole force is there.
+  /// The object may still oscillate: the start counts from when the change permanently exceeds the
+  /// detection limit, until the full force is reached.
   std::optional<double> felt(const scenes::Poke& poke) const {
     const double ramp = std::min(scenes::Poke::kRamp, poke.duration / 2);
     Vector6d before = Vector6d::Zero();
@@ -96,7 +97,7 @@ class Run {
       const double off = deviations(wrench - before);
       if (off <= kDeviations) {
         since.reset();
-      } else if (!since) {  // between two messages as if it grew evenly
+      } else if (!since) {  // linear interpolation between two messages
         const double share = last < kDeviations ? (kDeviations - last) / (off - last) : 0;
         since = last_time + share * (now - last_time) - poke.at;
       }

@@ -12,21 +12,22 @@
 
 namespace palpate::studies {
 
-/// What an estimator made of one poke that nothing measures, held against the plant's truth.
+/// Estimate of one unmeasured external contact (poke), compared with the plant's ground truth.
 struct PokeScore {
   scenes::Poke poke;
-  /// s since it began, when the true wrench on the hand at the sensor has changed by more than five
-  /// deviations of the sensor's noise (sim/sensors/sensors.yaml); none: it never has.
+  /// s since its start, when the true wrench on the hand at the sensor has changed by more than
+  /// five standard deviations of the sensor's noise (sim/sensors/sensors.yaml); empty: it never
+  /// did.
   std::optional<double> felt;
-  std::optional<double> found;  // s since it was felt (since it began, where it never was)
-  std::optional<double> gone;   // s since it ended, until no contact is told any more
-  /// Means over the last half second of the full force; none where no contact was told then.
-  std::optional<double> place;  // m, off
-  std::optional<double> force;  // N, off
-  /// Share of that time in which the place was said to be observable.
+  std::optional<double> found;  // s since it was measurable (since its start, if it never was)
+  std::optional<double> gone;   // s since its end, until no contact is reported any more
+  /// Means over the last half second of the full force; empty if no contact was reported then.
+  std::optional<double> place;  // m, error
+  std::optional<double> force;  // N, error
+  /// Fraction of that time in which the contact point was reported as observable.
   std::optional<double> observable;
-  /// Shape errors, mean over the nodes and worst node, m: over the half second before, the largest
-  /// since it began, and half a second and a second after it was found.
+  /// Shape errors, mean over the nodes and worst node, m: over the half second before, the maximum
+  /// since its start, and half a second and a second after it was detected.
   struct Error {
     double mean = 0;
     double worst = 0;
@@ -37,19 +38,19 @@ struct PokeScore {
 
 struct PokeScores {
   std::vector<PokeScore> pokes;
-  std::vector<double> false_alarms;  // s, contacts that begin where nobody pokes
+  std::vector<double> false_alarms;  // s, reported contacts that begin without a poke
   double quiet = 0;                  // s without a poke
 };
 
-/// Throws std::runtime_error where the log lacks truth or estimate at one of `pokes`.
+/// Throws std::runtime_error if the log lacks truth or estimate at one of `pokes`.
 PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog& log,
                        const scores::ShapeScore& shape, const registry::Frames& frames);
 
-/// `length`: of the object's largest side, m.
+/// `length`: largest side of the object, m.
 nlohmann::json to_json(const PokeScores& scores, double length);
 
-/// Of an application's runs, over pokes and seeds: a row a method and model error; no rows where
-/// nobody poked.
+/// Over pokes and seeds of an application's runs: one row per method and model error; empty if
+/// there were no pokes.
 ReportTable poke_table(const StudyApplication& application,
                        const std::vector<StudyResult>& results);
 /// The same poke by poke.

@@ -13,7 +13,7 @@ namespace {
 using Json = nlohmann::json;
 using Runs = std::vector<const Json*>;
 
-constexpr double kLate = 50;  // ms, in which a poke that is felt shall be found
+constexpr double kLate = 50;  // ms, within which a measurable poke must be detected
 
 Runs runs_of(const StudyApplication& application, const std::vector<StudyResult>& results,
              const std::string& method, const std::string& level) {

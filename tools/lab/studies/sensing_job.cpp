@@ -89,7 +89,7 @@ void run_sensing_job(const StudyJob& job, const std::string& inputs_hash, const 
   Json result = scored(job, log, folder, pictures);
   result["inputs_hash"] = inputs_hash;
   result["version"] = PALPATE_VERSION;
-  // A result is there as a whole or not at all.
+  // A result is written completely or not at all.
   common::write_json(result, folder / "result.json.part");
   fs::rename(folder / "result.json.part", folder / "result.json");
 }

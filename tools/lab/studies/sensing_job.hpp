@@ -8,17 +8,17 @@
 
 namespace palpate::studies {
 
-/// What of a job is simulated once for all methods: its scene, by its level and seed.
+/// The part of a job that is simulated once for all methods: its scene, by level and seed.
 SensingScene scene_of(const StudyJob& job);
 
-/// Hash of all that a method's result on a recording depends on: the recording's own hash, the
-/// method's configuration with the files that it names, the programs that replay and score, how it
-/// is scored, and whether its states are drawn.
+/// Hash of all inputs of a method's result on a recording: the recording's own hash, the method's
+/// configuration with the files that it names, the programs that replay and score, the scoring
+/// settings, and whether its states are drawn.
 std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures);
 
-/// Replays the recording in `recorded` with the job's method, scores it on the plant's truth and
-/// writes result.json (with pictures of the states, where wanted) to `folder`. Throws RunFailed and
-/// std::runtime_error.
+/// Replays the recording in `recorded` with the job's method, scores it on the plant's ground truth
+/// and writes result.json (with images of the states, if requested) to `folder`. Throws RunFailed
+/// and std::runtime_error.
 void run_sensing_job(const StudyJob& job, const std::string& inputs_hash,
                      const std::filesystem::path& recorded, const std::filesystem::path& folder,
                      bool pictures);

@@ -21,7 +21,7 @@ constexpr double kSettle = 0.5;  // s after the end of a scene's motion
 constexpr double kSlack = 10;    // s
 constexpr const char* kSensorLog = "sensors.log";
 constexpr const char* kTruthLog = "truth.log";
-constexpr const char* kFormat = "recording 2";  // changes with what is kept of a run
+constexpr const char* kFormat = "recording 2";  // changes with the retained contents of a run
 
 /// The sender's clock, the second field of every message.
 std::int64_t sent_at(const bus::LoggedEvent& event) {
@@ -31,8 +31,8 @@ std::int64_t sent_at(const bus::LoggedEvent& event) {
   return utime;
 }
 
-/// Writes what comes from sensors, each at the simulator's time when it came: in lock-step the
-/// log's own times are those of a machine that may be slow.
+/// Writes the sensors' messages, each at its simulated time of arrival: in lock-step the log's own
+/// times are those of a possibly slow machine.
 void keep_sensors(const fs::path& from, const fs::path& to) {
   static const std::set<std::string> kSensors{
       "FT_WRENCH", "IMU",      "ROBOT_STATE", "HAND_STATE", "SHAPE_OBSERVATION",

@@ -8,13 +8,13 @@
 
 namespace palpate::studies {
 
-/// A motion of the hand before a camera, simulated once and then replayed by other estimators.
+/// A motion of the hand in view of a camera, simulated once and then replayed by other estimators.
 struct SensingRecording {
-  std::filesystem::path sensors;  // log of what the daemon was told, by the simulator's clock
+  std::filesystem::path sensors;  // log of the daemon's inputs, by the simulator's clock
   log::RunLog truth;
 };
 
-/// What is recorded.
+/// Settings of a recording.
 struct SensingScene {
   std::filesystem::path scene;
   std::vector<std::string> scene_overrides;
@@ -23,15 +23,16 @@ struct SensingScene {
   double duration = 0;  // s; 0: that of the scene's motion
 };
 
-/// Hash of all that a recording depends on: scene and configuration after overrides, the files that
-/// they name, its duration, the simulator's program.
+/// Hash of all inputs of a recording: scene and configuration after overrides, the files that they
+/// name, its duration, the simulator's program.
 std::string hash_of_recording(const SensingScene& scene);
 
-/// Simulates the scene in lock-step, or takes what an earlier call has left in `folder` of the same
-/// hash; result.json there holds it. Throws RunFailed.
+/// Simulates the scene in lock-step, or reuses the recording of the same hash that an earlier call
+/// has left in `folder`; result.json there holds the hash. Throws RunFailed.
 SensingRecording record_sensing(const SensingScene& scene, const std::filesystem::path& folder);
 
-/// What such a call has left there. Throws RunFailed where it is missing, or of another hash.
+/// The recording that such a call has left there. Throws RunFailed if it is missing, or of another
+/// hash.
 SensingRecording read_recording(const SensingScene& scene, const std::filesystem::path& folder);
 
 /// The replay as a command: `overrides` of the configuration, log to `output`.

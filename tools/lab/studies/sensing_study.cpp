@@ -31,7 +31,7 @@ struct SensingStudyCommand::Options {
 
   fs::path folder(const std::string& name) const { return fs::absolute(output) / name; }
 
-  /// What runs one job in a process of its own.
+  /// Executes one job in a separate process.
   std::vector<std::string> command_of(const std::string& name, int seed, const fs::path& root,
                                       const fs::path& plan_file) const {
     std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
@@ -121,7 +121,7 @@ std::string recording_of(const StudyJob& job) {
          common::file_name(job.application + " " + job.mismatch + " " + std::to_string(job.seed));
 }
 
-/// Mean over the states of a number; the cap where the run failed, and never more.
+/// Mean of a number over the states; the cap if the run failed, which is also the upper bound.
 double mean_of(const StudyResult& result, const char* key, double cap) {
   if (!result.json.is_object()) return cap;
   double sum = 0;
@@ -129,8 +129,8 @@ double mean_of(const StudyResult& result, const char* key, double cap) {
   return sum / static_cast<double>(result.json["states"].size());
 }
 
-/// One line a method, one column a level: nodes' mean error and the surfaces' distance, medians of
-/// the seeds.
+/// One line per method, one column per level: nodes' mean error and the surfaces' distance, medians
+/// over the seeds.
 void print_table(const StudyReport& report, double cap, std::ostream& out) {
   for (const StudyApplication& application : report.plan.applications) {
     std::vector<std::string> header{application.name + ", mean / Hausdorff, mm"};
@@ -242,7 +242,7 @@ std::optional<int> SensingStudyCommand::run(const fs::path& root, std::ostream& 
   }
   if (!o.report_only) {
     fs::create_directories(fs::absolute(o.output));
-    // A recording that failed makes its methods fail, and they tell.
+    // A failed recording makes its methods fail, and each reports it.
     out << "recordings: " << counts_of(run_shown(recordings, o.jobs)) << '\n';
     const std::vector<TaskOutcome> outcomes = run_shown(replays, o.jobs);
     out << "methods on recordings: " << counts_of(outcomes) << '\n';

@@ -46,7 +46,7 @@ TrainSensingCommand::~TrainSensingCommand() = default;
 namespace {
 
 constexpr double kEvery = 0.02;       // s, between two samples
-constexpr double kValidation = 0.25;  // share of the recording, in blocks of it
+constexpr double kValidation = 0.25;  // fraction of the recording, in blocks of it
 constexpr int kBlocks = 12;
 constexpr double kReplayPatience = 600;  // s
 
@@ -54,7 +54,7 @@ struct Samples {
   Eigen::MatrixXd inputs, outputs, held_inputs, held_outputs;
 };
 
-/// Poses all over a box, as a motion of a scene.
+/// Poses distributed over a box, as a motion of a scene.
 std::string random_motion(const config::Node& node, int seed) {
   math::Random random(static_cast<std::uint64_t>(seed), "poses");
   const Eigen::Vector3d way = node.vector3("translation", {0, 1}),
@@ -82,7 +82,7 @@ math::Pose grasp_of(const estimate_t& m) {
   return X;
 }
 
-/// What the pipeline tells of hand and wrench in a replay of the recording, beside the truth.
+/// The pipeline's hand pose and wrench in a replay of the recording, with the ground truth.
 Samples gather(const SensingScene& scene, const SensingRecording& recording,
                const registry::Object& object, const Eigen::Matrix3Xd& units,
                LearnedShape::Inputs inputs, const fs::path& folder) {

@@ -8,15 +8,15 @@
 
 namespace palpate::studies {
 
-/// The command `train-sensing`: networks of the published methods that learn a shape
-/// (core/published_sensing/learned_shape.hpp), from recordings of motions that no study runs.
+/// The command `train-sensing`: trains the networks of the baselines that learn a shape
+/// (core/published_sensing/learned_shape.hpp) on recordings of motions that no study uses.
 class TrainSensingCommand {
  public:
   explicit TrainSensingCommand(CLI::App& app);
   ~TrainSensingCommand();
 
-  /// Runs it where it was given and returns the exit code. `root`: the source tree. Throws
-  /// config::Error for a bad file, RunFailed and Interrupted.
+  /// Runs the command if it was given and returns the exit code. `root`: the source tree. Throws
+  /// config::Error for an invalid file, RunFailed and Interrupted.
   std::optional<int> run(const std::filesystem::path& root, std::ostream& out);
 
  private:

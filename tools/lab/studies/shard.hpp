@@ -12,10 +12,10 @@ struct Shard {
   std::size_t index = 1, count = 1;
 };
 
-/// Of "I/N". Throws std::invalid_argument where it is none with 1 <= I <= N.
+/// Parses "I/N". Throws std::invalid_argument unless 1 <= I <= N.
 Shard read_shard(const std::string& text);
 
-/// What of `tasks` belongs to it: every N-th, so that long and short ones are dealt out evenly. The
+/// The shard's part of `tasks`: every N-th, so that long and short ones are distributed evenly. The
 /// N parts hold each task once.
 std::vector<Task> shard_of(const std::vector<Task>& tasks, const Shard& shard);
 

@@ -53,7 +53,7 @@ struct StudyCommand::Options {
 
   fs::path folder(const StudyJob& wanted) const { return fs::absolute(output) / wanted.name; }
 
-  /// What runs one job in a process of its own.
+  /// Executes one job in a separate process.
   std::vector<std::string> command_of(const StudyJob& wanted, const fs::path& root,
                                       const fs::path& plan_file) const {
     std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
@@ -147,7 +147,7 @@ void print_list(const std::vector<StudyJob>& jobs, std::ostream& out) {
   out << jobs.size() << " jobs, " << common::number(simulated, 0) << " s simulated\n";
 }
 
-/// The result of a job; null where there is none. One of other inputs is no result of it.
+/// The result of a job; null if there is none. A result of other inputs does not count.
 nlohmann::json result_of(const Task& task) {
   if (!has_result(task)) return {};
   std::ifstream in(task.folder / "result.json");
@@ -160,7 +160,7 @@ std::string count_of(const std::vector<TaskOutcome>& outcomes, TaskOutcome::Stat
                     [state](const TaskOutcome& outcome) { return outcome.state == state; }));
 }
 
-/// Runs what has no result yet. One outcome a task.
+/// Runs the jobs that have no result yet. One outcome per task.
 std::vector<TaskOutcome> run_all(const std::vector<Task>& tasks, int workers, std::ostream& out) {
   ScheduleDisplay display;
   SchedulerOptions options;

@@ -12,8 +12,8 @@ namespace palpate::studies {
 struct Study {
   std::string name;            // of the command, its folder and its JSON file
   std::string title;           // of the report
-  std::string about;           // what it runs, for --help
-  std::filesystem::path plan;  // its own plan, below the source tree
+  std::string about;           // for --help
+  std::filesystem::path plan;  // its default plan, below the source tree
 };
 
 /// Runs, scores and reports a study.
@@ -22,8 +22,8 @@ class StudyCommand {
   StudyCommand(CLI::App& app, Study study);
   ~StudyCommand();
 
-  /// Runs it where it was given and returns the exit code: 0, or 1 where a job failed. `root`: the
-  /// source tree. Throws config::Error for a bad plan, and Interrupted.
+  /// Runs the command if it was given and returns the exit code: 0, or 1 if a job failed. `root`:
+  /// the source tree. Throws config::Error for an invalid plan, and Interrupted.
   std::optional<int> run(const std::filesystem::path& root, std::ostream& out);
 
  private:

@@ -21,7 +21,7 @@ class Fnv {
     for (std::size_t i = 0; i < count; ++i)
       hash_ = (hash_ ^ static_cast<unsigned char>(bytes[i])) * 1099511628211ULL;
   }
-  /// With its length, so that neighbours cannot be confused.
+  /// With its length, so that adjacent fields are unambiguous.
   void add(const std::string& text) {
     const std::string length = std::to_string(text.size()) + ":";
     add(length.data(), length.size());

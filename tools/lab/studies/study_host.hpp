@@ -4,8 +4,7 @@
 
 namespace palpate::studies {
 
-/// The machine: processor, cores, kernel, memory, and its load at this moment. What cannot be read
-/// says "unknown".
+/// The machine: processor, cores, kernel, memory, and current load. Unreadable items are "unknown".
 nlohmann::json describe_host();
 
 }  // namespace palpate::studies

@@ -27,7 +27,7 @@ using Json = nlohmann::json;
 
 constexpr double kSlack = 10;  // s in real time; the scene ends the run
 
-/// What a controller that plans before the hand moves has to know then: the target itself.
+/// A controller that plans before the hand moves needs the target at that time.
 std::string goal_of(const Eigen::VectorXd& values) {
   std::ostringstream text;
   text.precision(9);
@@ -56,7 +56,7 @@ runs::RunPlan plan_of(const StudyJob& job) {
   if (plan.target && plan.target->hand)
     plan.target->values = scores::reached_value(job.scene, *plan.target, *plan.target->hand);
   if (plan.target && plans_ahead(job)) plan.overrides.push_back(goal_of(plan.target->values));
-  plan.settled = plan.duration;  // every run of an application takes as long
+  plan.settled = plan.duration;  // every run of an application has the same duration
   plan.lock_step = !job.real_time;
   return plan;
 }
@@ -76,7 +76,7 @@ Json describe(const StudyJob& job) {
           {"mode", job.real_time ? "real time" : "lock-step"}};
 }
 
-/// Pictures are for people: a job without them is still scored.
+/// Images are for human readers: a job without them is still scored.
 std::string picture_of(const StateScore& state, std::size_t number, const math::Pose& X_WO,
                        const fs::path& folder) {
   const std::string file = "state_" + std::to_string(number) + ".png";
@@ -89,14 +89,14 @@ std::string picture_of(const StateScore& state, std::size_t number, const math::
   }
 }
 
-/// One FEATURE a cycle; what the log misses of them, UDP has lost on its way there.
+/// One FEATURE per cycle; those missing in the log were lost by UDP on the way there.
 std::int64_t lost_by(const log::RunLog& log, const runs::RunFiles& files) {
   return json_in(files.daemon).value("cycles", std::int64_t{0}) -
          static_cast<std::int64_t>(log.features.size());
 }
 
-/// A log that misses more than one cycle of 200 cannot be scored: a machine that was too busy for
-/// the recorder has another two tries.
+/// A log that misses more than one cycle of 200 cannot be scored: a machine too busy for the
+/// recorder gets two more attempts.
 log::RunLog run_and_read(const StudyJob& job, const runs::RunPlan& plan, const fs::path& folder,
                          runs::RunFiles& files) {
   constexpr int kTries = 3;
@@ -136,7 +136,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
 
   Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};
   result["score"] = to_json(scored);
-  // A stepped daemon has no clock to be late by.
+  // A stepped daemon has no clock relative to which it could be late.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
   result["simulator"] = json_in(files.simulator);
   result["features_lost_by_log"] = lost_by(log, files);
@@ -157,7 +157,7 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
     result["pokes"] = to_json(score_pokes(pokes, log, *scored.shape, frames), scored.shape->length);
   result["shape_error"] = shape_curve(*scored.shape);
   if (scored.feature) result["control"] = control_curves(*scored.feature, log);
-  // A result is there as a whole or not at all.
+  // A result is written completely or not at all.
   common::write_json(result, folder / "result.json.part");
   fs::rename(folder / "result.json.part", folder / "result.json");
   if (keep_logs) return;

@@ -39,8 +39,8 @@ std::string median_over(const Runs& runs, int decimals, const Value& value) {
   return common::median_and_interval(values, decimals);
 }
 
-/// Of the runs with a target that is a place or a distance, those for which a time is there and at
-/// most `latest`.
+/// Over the runs with a target that is a position or a distance: those with a time of at most
+/// `latest`.
 std::string share_over(const Runs& runs, const char* pointer, double latest) {
   int reached = 0, trials = 0;
   for (const StudyResult* run : runs) {
@@ -77,7 +77,7 @@ void add_cells(const Runs& runs, std::vector<std::string>& row) {
   score("/score/feature/overshoot_percent", 1);
 }
 
-/// Names in the order in which the plan has them first.
+/// Names in order of first occurrence in the plan.
 template <class Named>
 void add_names(const std::vector<Named>& from, std::vector<std::string>& names) {
   for (const Named& entry : from)

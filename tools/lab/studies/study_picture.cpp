@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kWidth = 520, kHeight = 460, kSupersampling = 2;
 constexpr double kFieldOfView = 0.40;  // rad
-// Shares of a panel that the shapes may take: beside them is room for title and legend.
+// Fractions of a panel available to the shapes: the rest is for title and legend.
 constexpr double kFilledWidth = 0.88, kFilledHeight = 0.73;
 constexpr double kDot = 1.8e-3;  // m, half a dot's size
 constexpr double kAxis = 0.05;   // m
@@ -42,7 +42,7 @@ draw::TriangleMesh dots(const Eigen::Matrix3Xd& cloud) {
   return mesh;
 }
 
-/// The nearest view along `towards_eye` that holds all points, its middle that of their box.
+/// The closest view along `towards_eye` that contains all points, centred on their bounding box.
 draw::View view_of(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& towards_eye) {
   const Eigen::Vector3d up = Eigen::Vector3d::UnitZ();
   const Eigen::Vector3d middle = 0.5 * (points.rowwise().minCoeff() + points.rowwise().maxCoeff());
@@ -61,14 +61,14 @@ draw::View view_of(const Eigen::Matrix3Xd& points, const Eigen::Vector3d& toward
                          kHeight);
 }
 
-/// Where the axes of O are drawn: behind the clamp, free of the shapes.
+/// Position at which the axes of O are drawn: behind the clamp, clear of the shapes.
 math::Pose place_of_axes(const math::Pose& X_WO) {
   math::Pose at = X_WO;
   at.translation() = X_WO * Eigen::Vector3d(-1.4 * kAxis, 0, 0);
   return at;
 }
 
-/// They tell directions and size.
+/// They show directions and scale.
 void draw_axes(draw::Renderer& renderer, const math::Pose& at) {
   const draw::Colour colours[] = {
       {0.80F, 0.10F, 0.10F, 1}, {0.10F, 0.60F, 0.15F, 1}, {0.15F, 0.25F, 0.90F, 1}};

@@ -6,9 +6,9 @@
 
 namespace palpate::studies {
 
-/// Three panels side by side, as the thesis shows them: measured cloud, estimate, and both in one,
-/// with their errors. Seen from the side of W's -y, as near as the shapes allow. X_WO: where the
-/// object lies. Throws std::runtime_error where nothing can be drawn.
+/// Three panels next to each other, as in the thesis: measured cloud, estimate, and both overlaid,
+/// with their errors. Viewed along +y of W, as close as the shapes allow. X_WO: pose of the object.
+/// Throws std::runtime_error if rendering is unavailable.
 void draw_state(const StateScore& state, const math::Pose& X_WO, const std::filesystem::path& png);
 
 }  // namespace palpate::studies

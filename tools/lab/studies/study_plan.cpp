@@ -51,7 +51,7 @@ std::vector<runs::Method> chosen_methods(const config::Node& node, const fs::pat
   return chosen;
 }
 
-/// Settings of this application that come after a method's or a level's own.
+/// Settings of this application, applied after those of a method or level.
 void add_settings(const config::Node& node, StudyApplication& application) {
   const auto named = [](const std::string& name) {
     return [&name](const auto& entry) { return entry.name == name; };
@@ -133,7 +133,7 @@ runs::ControlTarget read_target(const config::Node& node, const std::string& nam
   return target;
 }
 
-/// What the scene says of its own motion.
+/// Properties of the scene's own motion.
 void read_motion(const config::Node& node, StudyApplication& application) {
   const config::Node scene = config::Node::load_file(application.scene.string());
   const auto motion = scenes::read_scene(scene).motion;
@@ -231,7 +231,7 @@ StudyJob make_job(const StudyApplication& application, const runs::Method& metho
   if (job.target) {
     append(job.daemon_overrides, job.target->daemon_overrides());
   } else if (!job.pose_points.empty()) {
-    runs::ControlTarget watched;  // no target is ever sent: the pose is only told
+    runs::ControlTarget watched;  // no target is sent: the pose is only reported
     watched.kind = "pose";
     watched.rest_points = job.pose_points;
     append(job.daemon_overrides, watched.daemon_overrides());

@@ -9,19 +9,20 @@
 
 namespace palpate::studies {
 
-/// A figure that others have published; `value` is "not available" where nobody could read it.
+/// A published figure; `value` is "not available" if it could not be read from the source.
 struct PublishedFigure {
   std::string quantity;
   std::string value;
 };
 
-/// A time at which the shape is looked at, s since the first estimate.
+/// A time at which the shape is evaluated, s since the first estimate.
 struct StudyState {
   std::string name;
   double time = 0;
 };
 
-/// What is done with an object, as the thesis calls it: an entry of a plan, such as thesis.yaml.
+/// A task with an object, called an application in the thesis: an entry of a plan, such as
+/// thesis.yaml.
 struct StudyApplication {
   std::string name;
   std::string kind;   // force, control or tactile
@@ -33,7 +34,7 @@ struct StudyApplication {
   std::vector<runs::Mismatch> levels;
   std::vector<int> seeds;
   double duration = 0;                        // s, simulated
-  std::vector<StudyState> states;             // none: the poses that the hand holds
+  std::vector<StudyState> states;             // empty: the poses that the hand holds
   std::vector<std::string> pose_names;        // of the scene's motion
   std::vector<Eigen::Vector3d> pose_points;   // in O, m; none or three
   std::optional<runs::ControlTarget> target;  // of kind control
@@ -45,8 +46,8 @@ struct StudyPlan {
   std::vector<StudyApplication> applications;
 };
 
-/// Reads a plan (thesis.yaml says what it may hold) and what its entries name below `root`, the
-/// source tree. Throws config::Error that names file and key.
+/// Reads a plan (thesis.yaml documents the keys) and the files that its entries name below `root`,
+/// the source tree. Throws config::Error that names file and key.
 StudyPlan read_study_plan(const std::filesystem::path& file, const std::filesystem::path& root);
 
 /// One run: an application with one method, one level of model error and one seed.
@@ -70,16 +71,16 @@ struct StudyJob {
   bool real_time = false;
 };
 
-/// What of a plan is run.
+/// Selection of a plan's jobs.
 struct StudySelection {
-  std::vector<std::string> applications;  // names or parts of them; none: all
-  std::vector<int> seeds;                 // none: those of the plan
-  bool quick = false;                     // one seed, without what the plan leaves out then
+  std::vector<std::string> applications;  // names or parts of them; empty: all
+  std::vector<int> seeds;                 // empty: those of the plan
+  bool quick = false;                     // one seed, without entries that the plan excludes
   bool real_time = false;
 };
 
-/// Every application's methods, levels and seeds. Throws std::invalid_argument where a name of the
-/// selection fits no application, or nothing is left to run.
+/// Every application's methods, levels and seeds. Throws std::invalid_argument if a name of the
+/// selection matches no application, or no job remains.
 std::vector<StudyJob> study_jobs(const StudyPlan& plan, const StudySelection& selection);
 
 }  // namespace palpate::studies

@@ -4,8 +4,8 @@
 
 namespace palpate::studies {
 
-/// Jobs done, running and still to come on standard error: one line that moves on a terminal, and a
-/// line a job that has ended.
+/// Jobs done, running and pending on standard error: a status line on a terminal, otherwise one
+/// line per finished job.
 class ScheduleDisplay {
  public:
   ScheduleDisplay();

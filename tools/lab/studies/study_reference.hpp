@@ -14,8 +14,8 @@ class StudyReferenceCommand {
  public:
   explicit StudyReferenceCommand(CLI::App& app);
 
-  /// Prints where it was given and returns the exit code: 0, or 1 where a key has no description.
-  /// `root`: the source tree. Throws config::Error for a bad plan.
+  /// Prints the table if the command was given and returns the exit code: 0, or 1 if a key has no
+  /// description. `root`: the source tree. Throws config::Error for an invalid plan.
   std::optional<int> run(const std::filesystem::path& root, std::ostream& out) const;
 
  private:

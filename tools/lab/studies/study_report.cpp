@@ -43,7 +43,7 @@ common::Curve curve_of(const Json& data, const std::string& values, const std::s
   return curve;
 }
 
-/// The error of the pose in one state after the other, as the thesis' Fig. 4.15 has it.
+/// Pose error in one state after the other, as in the thesis' Fig. 4.15.
 common::Curve pose_curve(const Json& states, const std::string& title) {
   common::Curve curve{title, {}, {}, false};
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -192,7 +192,7 @@ void print_table(const ReportTable& from, std::ostream& out) {
   table.print(out);
 }
 
-/// Of a wide table, what fits a terminal.
+/// The part of a wide table that fits a terminal.
 ReportTable narrowed(const ReportTable& table, const std::vector<std::size_t>& columns) {
   ReportTable narrow;
   for (const std::size_t c : columns) narrow.header.push_back(table.header[c]);

@@ -126,7 +126,7 @@ class Schedule {
     options_.show(status_);
   }
 
-  /// All at once: each has children of its own to end.
+  /// All at once: each has child processes to end.
   void end_all() {
     for (const Running& running : running_) kill(running.process.pid(), SIGTERM);
     for (Running& running : running_) running.process.stop(options_.grace);

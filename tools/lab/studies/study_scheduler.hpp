@@ -8,7 +8,7 @@
 namespace palpate::studies {
 
 /// A program that leaves a result: `folder`/result.json, an object whose `inputs_hash` is that of
-/// the task once it has come to its end. What it prints goes to `folder`/log.txt.
+/// the task once it is complete. Its output goes to `folder`/log.txt.
 struct Task {
   std::string name;
   std::vector<std::string> command;
@@ -17,7 +17,7 @@ struct Task {
 };
 
 struct TaskOutcome {
-  enum class State { kDone, kKept, kFailed };  // kept: the result was there already
+  enum class State { kDone, kKept, kFailed };  // reused: the result already existed
   std::string name;
   State state = State::kFailed;
   std::string failure;
@@ -27,26 +27,26 @@ struct TaskOutcome {
 struct ScheduleStatus {
   int total = 0;
   int kept = 0;
-  int done = 0;  // in this call, well or not
+  int done = 0;  // in this call, successful or not
   int failed = 0;
   std::vector<std::string> running;
   double elapsed = 0;                     // s
-  double left = -1;                       // s, guessed from those done; below 0: not known yet
-  const TaskOutcome* finished = nullptr;  // what has just ended
+  double left = -1;                       // s, estimated from those done; negative: not known yet
+  const TaskOutcome* finished = nullptr;  // the last task that ended
 };
 
 struct SchedulerOptions {
   int workers = 1;
-  double patience = 1800;  // s that a task may take
-  double grace = 20;       // s that an interrupted task has to end what it has started
-  std::function<void(const ScheduleStatus&)> show;  // ten times a second, and as each task ends
+  double patience = 1800;  // s, time-out of a task
+  double grace = 20;       // s, grace period in which an interrupted task ends its children
+  std::function<void(const ScheduleStatus&)> show;  // at 10 Hz, and as each task ends
 };
 
-/// True where the folder of the task holds the result of these very inputs.
+/// True if the folder of the task holds the result of these inputs.
 bool has_result(const Task& task);
 
-/// Runs the tasks that have no result yet, `workers` of them at a time, in their order; a failure
-/// does not stop the others. One outcome a task. Once interrupted it ends all that run and throws
+/// Runs the tasks that have no result yet, `workers` of them at a time, in order; a failure does
+/// not stop the others. One outcome per task. If interrupted, it ends all running tasks and throws
 /// Interrupted.
 std::vector<TaskOutcome> run_tasks(const std::vector<Task>& tasks, const SchedulerOptions& options);
 

@@ -15,7 +15,7 @@ using Json = nlohmann::json;
 using math::kDegree;
 constexpr double kWindow = 0.5;     // s before a state over which errors are taken
 constexpr double kFinest = 2.5e-3;  // m between the samples of a surface
-constexpr double kDots = 8e-3;      // m between the points of a cloud that nobody measured
+constexpr double kDots = 8e-3;      // m between the points of a cloud that is not measured
 constexpr int kCurvePoints = 250;
 
 std::int64_t microseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e6); }
@@ -41,7 +41,7 @@ Eigen::Matrix3Xd observed(const shape_observation_t& message, const math::Pose& 
   return points;
 }
 
-/// What a log says of the shapes at a time.
+/// Shapes recorded in a log at a time.
 class Shapes {
  public:
   Shapes(const log::RunLog& log, const math::Pose& X_WO)

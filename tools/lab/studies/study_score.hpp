@@ -16,37 +16,37 @@ namespace palpate::studies {
 
 /// Shapes at one instant, in O, m.
 struct StateShapes {
-  Eigen::Matrix3Xd measured;  // cloud: of the camera, or spread over the plant's surface
+  Eigen::Matrix3Xd measured;  // cloud: of the camera, or sampled on the plant's surface
   bool camera = false;
   draw::TriangleMesh truth;
   draw::TriangleMesh estimate;
 };
 
-/// One state of the object, such as a pose of the hand that was held.
+/// One state of the object, such as a held pose of the hand.
 struct StateScore {
   std::string name;
   double time = 0;                  // s since the first estimate
-  double displacement = 0;          // m, largest true one from rest
+  double displacement = 0;          // m, largest true displacement from rest
   scores::ErrorSummary error;       // of the nodes, over the last half second
   scores::SurfaceDistance surface;  // truth is the first
   scores::OctreeAgreement octree;
-  std::optional<scores::DistanceSummary> camera;  // the measured points' distance to the estimate
+  std::optional<scores::DistanceSummary> camera;  // distance of the measured points to the estimate
   /// Estimate minus plant: m, in O, then rotation vector, rad; mean over the last half second.
   std::optional<math::Vector6d> pose_error;
   StateShapes shapes;
 };
 
-/// Scores the states of a job: those that it names, or the poses held, or (kind control) the end.
-/// X_WO: where the object lies. Throws std::runtime_error where the log does not reach a state.
+/// Scores the states of a job: those that it names, or the held poses, or (kind control) the end.
+/// X_WO: pose of the object. Throws std::runtime_error if the log ends before a state.
 std::vector<StateScore> score_states(const StudyJob& job, const log::RunLog& log,
                                      const scores::ShapeScore& shape, const math::Pose& X_WO);
 
 nlohmann::json to_json(const StateScore& state, double length);
 
-/// Mean and largest node error over time, thinned out.
+/// Mean and largest node error over time, decimated.
 nlohmann::json shape_curve(const scores::ShapeScore& shape);
 
-/// Error over time of the plant's feature and the daemon's, and the commanded speed, thinned out.
+/// Error over time of the plant's feature and the daemon's, and the commanded speed, decimated.
 nlohmann::json control_curves(const scores::FeatureScore& feature, const log::RunLog& log);
 
 }  // namespace palpate::studies

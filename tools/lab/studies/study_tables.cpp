@@ -67,7 +67,7 @@ constexpr RunColumn kControl[] = {
      2},
     {"worst point mm", "/score/feature/error_of_the_worst_point_mm", 2}};
 
-using Group = std::vector<const Json*>;  // results that differ by their seed alone
+using Group = std::vector<const Json*>;  // results that differ only by their seed
 
 Group group_of(const StudyApplication& application, const std::vector<StudyResult>& results,
                const std::string& method, const std::string& level) {

@@ -11,7 +11,7 @@
 
 namespace palpate::studies {
 
-/// A job and its result.json; null where it has none: it failed, or has not been run.
+/// A job and its result.json; null if it has none: it failed, or has not been run.
 struct StudyResult {
   StudyJob job;
   nlohmann::json json;
@@ -20,10 +20,10 @@ struct StudyResult {
 
 struct ReportTable {
   std::vector<std::string> header;
-  std::vector<std::vector<std::string>> rows;  // a row of one cell is a title across
+  std::vector<std::vector<std::string>> rows;  // a row of one cell spans the table as a title
 };
 
-/// Shape, pose and cost of an application: one row a method, under each level of model error;
+/// Shape, pose and cost of an application: one row per method, under each level of model error;
 /// errors are means over the states (maxima of maxima), then medians over the seeds with their 95 %
 /// intervals, as in all tables.
 ReportTable summary_table(const StudyApplication& application,
@@ -33,14 +33,14 @@ ReportTable summary_table(const StudyApplication& application,
 ReportTable state_table(const StudyApplication& application,
                         const std::vector<StudyResult>& results);
 
-/// Error at rest, times, overshoot, path of a control application.
+/// Error at rest, times, overshoot and path length of a control application.
 ReportTable control_table(const StudyApplication& application,
                           const std::vector<StudyResult>& results);
 
-/// What the thesis gives, beside nothing of ours.
+/// The values of the thesis, without results of ours.
 ReportTable published_table(const StudyApplication& application);
 
-/// One row a job and state, RFC 4180.
+/// One row per job and state, RFC 4180.
 void write_states_csv(const std::vector<StudyResult>& results, std::ostream& out);
 
 }  // namespace palpate::studies

@@ -32,7 +32,8 @@ struct FingerErrors {
   double force = 0, force_error = 0, place_error = 0;  // N, N, m; sums
 };
 
-/// What palpated said of a finger beside what it felt; nothing where only one of them touches.
+/// palpated's estimate for a finger compared with its true contact; empty if only one of them has
+/// contact.
 void add_errors(const truth_touch_t& truth, const contacts_t& felt,
                 std::array<FingerErrors, kFingers>& errors) {
   for (int i = 0; i < felt.count; ++i) {

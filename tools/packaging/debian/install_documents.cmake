@@ -1,4 +1,4 @@
-# Runs within cmake --install: what every Debian package has in its folder of share/doc.
+# Runs within cmake --install: files that every Debian package has in its folder of share/doc.
 if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
   string(RANDOM LENGTH 8 palpate_run)
   set(palpate_made "${palpate_made}/${palpate_run}")

@@ -1,13 +1,14 @@
-# Debian packages, one a component: cpack -G DEB in the build folder, or tools/packaging/make_packages.
+# Debian packages, one per component: cpack -G DEB in the build folder, or
+# tools/packaging/make_packages.
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME palpate)
 set(CPACK_PACKAGE_VENDOR palpate)
-# Whoever publishes packages gives an address of their own.
+# To publish packages, set your own address.
 set(PALPATE_MAINTAINER "palpate authors <palpate@example.org>" CACHE STRING "Maintainer of the Debian packages")
 set(CPACK_PACKAGE_CONTACT "${PALPATE_MAINTAINER}")
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "shape of soft objects by force and touch")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
-set(CPACK_SET_DESTDIR ON)  # so that a script at installation knows /usr from where it puts the files
+set(CPACK_SET_DESTDIR ON)  # so that an installation script recognises /usr by its destination
 set(CPACK_INSTALL_PREFIX /usr)
 set(CPACK_STRIP_FILES ON)
 set(CPACK_OUTPUT_FILE_PREFIX ${CMAKE_BINARY_DIR}/packages)
@@ -62,7 +63,7 @@ palpate_package(dev palpate-dev libdevel "headers and libraries of palpate for d
   "For find_package(palpate) of CMake: message types, the LCM bus with its"
   "codes of authentication, the mathematics, and a driver to start one's own"
   "from.")
-set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)  # nothing in it is linked
+set(CPACK_DEBIAN_DEV_PACKAGE_SHLIBDEPS OFF)  # no part of it is linked
 palpate_package(python python3-palpate python "logs, buses and commands of palpated from Python"
   "python3, python3-numpy"
   "Reads LCM logs as numpy arrays, publishes and subscribes, commands palpated"
@@ -72,11 +73,11 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "python3-matplotlib, palpate")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/python/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/python/prerm")
-# Loaded when a model is, so that no program names it.
+# Loaded together with a model, so that no program is linked to it.
 set(CPACK_DEBIAN_TOOLS_PACKAGE_RECOMMENDS "gnuplot-nox | gnuplot, rt-tests, stress-ng, liblcm-bin")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_SUGGESTS "palpate-tools, palpate-sim")
 set(CPACK_DEBIAN_DAEMON_PACKAGE_CONTROL_EXTRA
   "${CMAKE_CURRENT_SOURCE_DIR}/debian/conffiles;${CMAKE_CURRENT_SOURCE_DIR}/debian/postinst;${CMAKE_CURRENT_SOURCE_DIR}/debian/postrm;${CMAKE_CURRENT_SOURCE_DIR}/debian/prerm")
-# What a program is linked to within its own build is in no package.
+# Libraries of the build itself are in no package.
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${CMAKE_RUNTIME_OUTPUT_DIRECTORY})
 include(CPack)

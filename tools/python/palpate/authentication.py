@@ -1,4 +1,4 @@
-"""Counters and authentication codes of messages that command, as in tools/command/README.md."""
+"""Counters and authentication codes of command messages, as in tools/command/README.md."""
 
 from __future__ import annotations
 
@@ -13,8 +13,8 @@ KEY_SIZE = CODE_SIZE = 32
 
 
 def read_key_file(path: Union[str, "os.PathLike[str]"]) -> bytes:
-    """A key of 32 bytes or 64 hexadecimal digits, that nobody but its owner has access to. Raises
-    ValueError with file and remedy, OSError where the file cannot be read."""
+    """A key of 32 bytes or 64 hexadecimal digits in a file that only its owner can access.
+    Raises ValueError with file and remedy, OSError where the file cannot be read."""
     file = Path(path)
     with open(file, "rb") as opened:
         mode = os.fstat(opened.fileno()).st_mode
@@ -45,16 +45,15 @@ def wall_clock_us() -> int:
 
 
 def seal(key: bytes, channel: str, message: Any) -> None:
-    """Fills `authentication` with the code of everything else in the message and of the channel:
-    HMAC-SHA-512, its first 32 bytes."""
+    """Fills `authentication` with the code of everything else in the message and of the
+    channel: the first 32 bytes of HMAC-SHA-512."""
     message.authentication = bytes(CODE_SIZE)
     code = hmac.new(key, channel.encode("ascii") + b"\0" + message.encode(), "sha512")
     message.authentication = code.digest()[:CODE_SIZE]
 
 
 def verify(key: bytes, channel: str, message: Any) -> bool:
-    """Whether somebody who knows the key sealed this message for this channel. Leaves it as it
-    is."""
+    """Whether the message was signed with the key for this channel. Leaves it unchanged."""
     given = bytes(message.authentication)
     seal(key, channel, message)
     expected, message.authentication = message.authentication, given
@@ -62,14 +61,14 @@ def verify(key: bytes, channel: str, message: Any) -> bool:
 
 
 class Sealer:
-    """Counts and, where there is a key, seals the messages of one outgoing channel. Counters are
-    wall-clock microseconds that never stand still, so that they count up over sessions."""
+    """Counts and, with a key, signs the messages of one outgoing channel. Counters are
+    wall-clock microseconds, strictly increasing, so that they increase across sessions."""
 
     def __init__(self, channel: str, key: Optional[bytes] = None) -> None:
         self._channel, self._key, self._counter = channel, key, 0
 
     def put(self, message: Any) -> int:
-        """After everything else in the message is as it will be sent; returns the counter."""
+        """Call after everything else in the message is final; returns the counter."""
         self._counter = max(self._counter + 1, wall_clock_us())
         message.counter = self._counter
         message.authentication = bytes(CODE_SIZE)

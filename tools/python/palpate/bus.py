@@ -16,7 +16,7 @@ CONTROL_URL = "udpm://239.255.76.67:7667?ttl=0"
 HOUSEKEEPING_URL = "udpm://239.255.76.68:7668?ttl=0"
 PICTURES_URL = "udpm://239.255.76.69:7669?ttl=0"
 
-# More than a socket's buffer holds; whoever sends without end must not hold us.
+# More than a socket's buffer holds; bounds the work per call under a message flood.
 _MOST_AT_ONCE = 20000
 
 Callback = Callable[[Any], object]
@@ -31,8 +31,8 @@ class _Transport(Protocol):
 
 
 class _LcmTransport:
-    """The same by the wheel `lcm`, which is faster at large rates. One malformed datagram can end
-    a process that receives through it."""
+    """The same through the wheel `lcm`, which is faster at high rates. One malformed datagram
+    can end a process that receives through it."""
 
     def __init__(self, url: str) -> None:
         try:
@@ -62,7 +62,7 @@ class Subscription:
 
     def __init__(self, bus: "Bus", channel: str, callback: Optional[Callback], queue: int) -> None:
         self.channel = channel
-        self.dropped = 0  # since the queue was full: the oldest gave way
+        self.dropped = 0  # because the queue was full: the oldest was discarded
         self.undecodable = 0  # of another type than the channel's
         self._bus, self._callback = bus, callback
         self._queue: Deque[Any] = deque(maxlen=queue)
@@ -80,7 +80,7 @@ class Subscription:
         return self._queue.popleft()
 
     def latest(self, timeout: Optional[float] = None) -> Any:
-        """The newest message, older ones passed over; waits as get() where there is none."""
+        """The newest message, skipping older ones; waits as get() if there is none."""
         self._bus.drain()
         message = self.get(timeout)
         while self._queue:
@@ -88,7 +88,7 @@ class Subscription:
         return message
 
     def wait_for(self, condition: Callable[[Any], bool], timeout: float) -> Any:
-        """The first message from here on that fulfils `condition`. Raises TimeoutError."""
+        """The first message from here on that satisfies `condition`. Raises TimeoutError."""
         end = time.monotonic() + timeout
         while True:
             try:
@@ -105,11 +105,11 @@ class Subscription:
             yield self.get()
 
     def __len__(self) -> int:
-        """How many wait to be taken."""
+        """Number of queued messages."""
         return len(self._queue)
 
     def clear(self) -> None:
-        """Forgets those that wait."""
+        """Discards the queued messages."""
         self._queue.clear()
 
     def _take(self, data: bytes) -> None:
@@ -135,8 +135,8 @@ class Bus:
     """
 
     def __init__(self, url: str = CONTROL_URL, transport: str = "python") -> None:
-        """transport: "python", or "lcm" for the wheel of that name. Raises ValueError for the URL
-        and OSError where the system refuses the socket."""
+        """transport: "python", or "lcm" for the wheel of that name. Raises ValueError for an
+        invalid URL and OSError if the socket cannot be opened."""
         if transport not in ("python", "lcm"):
             raise ValueError(f'transport "{transport}" is unknown; allowed: python, lcm')
         self.url = url
@@ -147,8 +147,8 @@ class Bus:
         self._subscriptions: Dict[str, List[Subscription]] = {}
 
     def publish(self, channel: str, message: Any) -> None:
-        """Sends a message after giving it utime (unless set), seq and session. Raises TypeError
-        where it is not of the channel's type."""
+        """Sends a message after setting utime (unless already set), seq and session. Raises
+        TypeError if it is not of the channel's type."""
         kind = type_of(channel)
         if kind is None or not isinstance(message, kind):
             expected = "is no channel of palpate" if kind is None else f"takes {kind.__name__}"
@@ -157,21 +157,21 @@ class Bus:
         self._transport.publish(channel, message.encode())
 
     def stamp(self, channel: str, message: Any) -> None:
-        """Gives a message utime (unless set), session and the next seq of the channel."""
+        """Sets utime (unless already set), session and the next seq of the channel."""
         message.utime = message.utime or wall_clock_us()
         message.session = self._session
         message.seq = self._seq.get(channel, 0)
         self._seq[channel] = message.seq + 1
 
     def publish_sealed(self, channel: str, message: Any) -> None:
-        """Sends a message as it is: one that has been stamped and sealed."""
+        """Sends a message unchanged: one that has been stamped and signed."""
         self._transport.publish(channel, message.encode())
 
     def subscribe(
         self, channel: str, callback: Optional[Callback] = None, queue: int = 1024
     ) -> Subscription:
-        """Messages of a channel from now on; with a callback each goes there, else into a queue of
-        the newest `queue`. Raises ValueError for an unknown channel."""
+        """Messages of a channel from now on; with a callback each is passed to it, otherwise
+        to a queue of the newest `queue`. Raises ValueError for an unknown channel."""
         if type_of(channel) is None:
             raise ValueError(f"{channel}: is no channel of palpate; see palpate.channel_names()")
         subscription = Subscription(self, channel, callback, queue)
@@ -179,14 +179,14 @@ class Bus:
         return subscription
 
     def unsubscribe(self, subscription: Subscription) -> None:
-        """Nothing comes to it any more."""
+        """Stops the delivery of messages to it."""
         of_channel = self._subscriptions.get(subscription.channel, [])
         if subscription in of_channel:
             of_channel.remove(subscription)
 
     def handle(self, timeout: float = 0.0) -> bool:
-        """Takes one message from the socket, waited for at most `timeout` s; False where none has
-        come."""
+        """Receives one message from the socket, waiting at most `timeout` s; False if none
+        arrived."""
         packet = self._transport.receive(timeout)
         if packet is None:
             return False
@@ -195,15 +195,15 @@ class Bus:
         return True
 
     def drain(self, queue: Optional[Deque[Any]] = None) -> bool:
-        """Takes what has come already, a bounded number of messages, at most until `queue` holds
-        something; whether it does."""
+        """Receives pending messages, a bounded number, at most until `queue` holds one;
+        returns whether it does."""
         for _ in range(_MOST_AT_ONCE):
             if queue or not self.handle(0):
                 break
         return bool(queue)
 
     def run(self, seconds: float) -> None:
-        """Receives for so long, and calls callbacks."""
+        """Receives for this many seconds, and calls callbacks."""
         end = time.monotonic() + seconds
         while (left := end - time.monotonic()) > 0:
             self.handle(left)

@@ -1,4 +1,4 @@
-"""Which message travels on which channel, and how bytes become messages and texts."""
+"""Message type of each channel, and conversion of bytes to messages and texts."""
 
 from __future__ import annotations
 
@@ -10,7 +10,9 @@ from palpate import messages
 
 
 class Message(Protocol):
-    """What all messages have: us by the sender's clock, a running number, the sender's session."""
+    """Header of all messages: us by the sender's clock, a sequence number, the sender's
+    session.
+    """
 
     utime: int
     seq: int
@@ -20,7 +22,7 @@ class Message(Protocol):
 
 
 class DecodeError(ValueError):
-    """Bytes that are no message of the type that their channel has."""
+    """Bytes that do not decode as the type of their channel."""
 
 
 _TYPES: dict[str, Type[Any]] = {
@@ -61,14 +63,14 @@ def channel_names() -> list[str]:
 
 
 def type_of(channel: str) -> Type[Any] | None:
-    """The message type of a channel, that of a second arm ("_1") too; None where it is unknown."""
+    """The message type of a channel, also of a second arm ("_1"); None if it is unknown."""
     if channel in _TYPES:
         return _TYPES[channel]
     return _TYPES.get(re.sub(r"_\d+$", "", channel))
 
 
 def decode(channel: str, data: bytes) -> Any:
-    """The message in `data`. Raises DecodeError where it is none of the channel's type."""
+    """The message in `data`. Raises DecodeError if it is not of the channel's type."""
     kind = type_of(channel)
     if kind is None:
         raise DecodeError(f"{channel}: is no channel of palpate")

@@ -1,4 +1,4 @@
-"""Commands to a running palpated, and what it says of itself."""
+"""Commands to a running palpated, and its published state."""
 
 from __future__ import annotations
 
@@ -17,22 +17,22 @@ from palpate.channels import field_of, text_of
 from palpate.mesh import Mesh, MeshBuilder
 
 STATES = ("unconfigured", "inactive", "active", "degraded", "faulted", "finalized")
-_REPEAT = 0.2  # s, after which a command that is not answered is sent again
+_REPEAT = 0.2  # s, after which an unanswered command is repeated
 _RENEW = 0.03  # s; a manual force expires after 0.1 s
 _BUSY = "another replacement is under way"
 _MOST_POINTS, _MOST_VALUES, _MOST_CHUNKS = 64, 192, 8  # the first two of a chunk
 
 
 class Refused(RuntimeError):
-    """The daemon would not do what it was told; the text says why."""
+    """The daemon rejected a command; the text gives the reason."""
 
 
 class NoAnswer(TimeoutError):
-    """Nobody answered in time."""
+    """No answer within the time-out."""
 
 
 class Answer(NamedTuple):
-    """What the daemon said to a command: start, replaced, target, ..., and why."""
+    """The daemon's answer to a command: start, replaced, target, ..., and the reason."""
 
     event: str
     reason: str
@@ -55,8 +55,8 @@ class Daemon:
         timeout: float = 10.0,
         transport: str = "python",
     ) -> None:
-        """key_file: as the daemon's access.key_file; timeout: s, of each command. Raises ValueError
-        for a URL or key file that is wrong, OSError where the system refuses."""
+        """key_file: as the daemon's access.key_file; timeout: s, for each command. Raises
+        ValueError for an invalid URL or key file, OSError if the system refuses them."""
         key = None if key_file is None else read_key_file(key_file)
         self.timeout = timeout
         self.control = Bus(control, transport)
@@ -77,7 +77,7 @@ class Daemon:
         self._revision = 0
 
     def start(self) -> Answer:
-        """Activates: senses, and follows a target once one has come."""
+        """Activates the daemon: it senses, and follows a target once one is received."""
         return self.command("start")
 
     def stop(self) -> Answer:
@@ -89,7 +89,7 @@ class Daemon:
         return self.command("reset")
 
     def zero(self) -> Answer:
-        """Tares the sensors; nothing may be held."""
+        """Tares the sensors; the hand must not hold anything."""
         return self.command("zero")
 
     def calibrate(self) -> Answer:
@@ -103,9 +103,9 @@ class Daemon:
         parameters: Union[str, Mapping[str, Any], None] = None,
         instance: str = "",
     ) -> Answer:
-        """Another component in a slot while the loop runs, or other parameters for the present one
-        where `component` is empty. `parameters`: a mapping as in the configuration, or its YAML;
-        slot "all": sections. Returns once the new one is in."""
+        """Another component in a slot while the loop runs, or other parameters for the
+        current one if `component` is empty. `parameters`: a mapping as in the configuration,
+        or its YAML; slot "all": sections. Returns once the new one is active."""
         text = parameters if isinstance(parameters, str) else ""
         if isinstance(parameters, Mapping):
             text = json.dumps(parameters, allow_nan=False)  # which is YAML
@@ -114,7 +114,7 @@ class Daemon:
             try:
                 return self.command("replace", slot, component, text, instance)
             except Refused as refused:
-                # The one before is being cleared away.
+                # The previous one is being destroyed.
                 if _BUSY not in str(refused) or time.monotonic() > end:
                     raise
             self.housekeeping.run(0.05)
@@ -127,7 +127,7 @@ class Daemon:
         parameters: str = "",
         instance: str = "",
     ) -> Answer:
-        """Sends one COMPONENT_COMMAND and waits for its end."""
+        """Sends one COMPONENT_COMMAND and waits for its completion."""
         message = messages.component_command_t()
         message.event = field_of(event, 16, "event")
         message.slot = field_of(slot, 32, "slot")
@@ -140,7 +140,7 @@ class Daemon:
             self.control.stamp("COMPONENT_COMMAND", message)
             self._sealers["COMPONENT_COMMAND"].put(message)
 
-        def send() -> int:  # the same each time, so that the daemon knows it again
+        def send() -> int:  # identical in each repetition, so that the daemon recognises it
             self.control.publish_sealed("COMPONENT_COMMAND", message)
             counter: int = message.counter
             return counter
@@ -154,16 +154,16 @@ class Daemon:
         values: Sequence[float],
         points: Optional[Sequence[Sequence[float]]] = None,
     ) -> Answer:
-        """Where the feature shall be: m, rad, 1/m; a pose as position and quaternion w x y z, in O.
-        `points`: (n, 3), rest points in O, m, as configured; needed for evaluate.feature_error().
-        More than 64 points are sent in chunks, up to 512."""
+        """Target of the feature: m, rad, 1/m; a pose as position and quaternion w x y z, in
+        O. `points`: (n, 3), rest points in O, m, as configured; needed for
+        evaluate.feature_error(). More than 64 points are sent in chunks, up to 512."""
         numbers = np.asarray(values, float).ravel()
         rest = np.asarray([] if points is None else points, float).reshape(-1, 3)
         chunks = _chunks(kind, rest, numbers)
 
         def send() -> int:
-            # A daemon is silent where a target comes again: a new revision of it is answered, by
-            # the counter of the chunk that made it whole.
+            # The daemon does not answer a repeated target: a new revision of it is answered, with
+            # the counter of the chunk that completed it.
             self._revision += 1
             counter = 0
             for message in chunks:
@@ -179,9 +179,9 @@ class Daemon:
     def push(
         self, rest_point: Sequence[float], force: Sequence[float], duration: float = 0.0
     ) -> None:
-        """A force (N, in O) on the object at a rest point (m, in O), renewed for `duration` s; it
-        ends 0.1 s after the last renewal. The configuration needs a sensor `component: manual`.
-        Meanwhile what the daemon says is received."""
+        """Applies a force (N, in O) to the object at a rest point (m, in O), renewed for
+        `duration` s; it ends 0.1 s after the last renewal. The configuration needs a sensor
+        `component: manual`. Receives the daemon's messages meanwhile."""
         end = time.monotonic() + duration
         while True:
             message = messages.manual_force_t()
@@ -198,18 +198,20 @@ class Daemon:
             self.housekeeping.run(min(left, _RENEW))
 
     def health(self, timeout: Optional[float] = None) -> messages.health_t:
-        """The next HEALTH that is told from now on. Raises NoAnswer."""
+        """The next HEALTH published from now on. Raises NoAnswer."""
         message: messages.health_t = self._fresh(self._health, timeout)
         return message
 
     def shape(self, timeout: Optional[float] = None) -> messages.shape_t:
-        """The next SHAPE from now on; positions are np.reshape(shape.xyz, (-1, 3)), m in O. Raises
-        NoAnswer."""
+        """The next SHAPE from now on; positions are np.reshape(shape.xyz, (-1, 3)), m in O.
+        Raises NoAnswer."""
         message: messages.shape_t = self._fresh(self._shapes, timeout)
         return message
 
     def mesh(self, timeout: float = 20.0) -> Mesh:
-        """The mesh of the present shape, which the daemon tells once a second. Raises NoAnswer."""
+        """The mesh of the current shape, which the daemon publishes once a second. Raises
+        NoAnswer.
+        """
         wanted = self.shape(timeout).mesh_hash
         end = time.monotonic() + timeout
         while wanted not in self._meshes.meshes:
@@ -220,12 +222,14 @@ class Daemon:
         return self._meshes.meshes[wanted]
 
     def state(self) -> str:
-        """unconfigured, inactive, active, degraded, faulted or finalized, as told from now on."""
+        """unconfigured, inactive, active, degraded, faulted or finalized, as published from
+        now on.
+        """
         number = self.health().state
         return STATES[number] if 0 <= number < len(STATES) else str(number)
 
     def wait_for(self, condition: Callable[[messages.health_t], bool], timeout: float) -> Any:
-        """The first HEALTH that fulfils `condition`. Raises NoAnswer."""
+        """The first HEALTH that satisfies `condition`. Raises NoAnswer."""
         try:
             return self._health.wait_for(condition, timeout)
         except TimeoutError as error:
@@ -257,10 +261,10 @@ class Daemon:
     def _ask(
         self, what: str, send: Callable[[], int], renew: Callable[[], None] = lambda: None
     ) -> Answer:
-        """`renew` is called where what was sent is of before the daemon's start, which will never
-        obey it."""
+        """`renew` is called if the command was signed before the daemon's start, which would
+        never accept it."""
         self.housekeeping.drain()
-        self._events.clear()  # what was said before
+        self._events.clear()  # published before
         end = time.monotonic() + self.timeout
         first = last = send()
         again = time.monotonic() + _REPEAT
@@ -291,7 +295,7 @@ class Daemon:
 
 
 def _chunks(kind: str, rest: Any, numbers: Any) -> List[messages.shape_target_t]:
-    """A target as messages, every one but the last full."""
+    """A target as messages, all full except the last."""
     by_points = -(-len(rest) // _MOST_POINTS)
     by_values = -(-len(numbers) // _MOST_VALUES)
     count = max(1, by_points, by_values)

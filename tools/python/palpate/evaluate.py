@@ -1,4 +1,6 @@
-"""Scores of a recorded run on the simulator's truth, by the definitions of palpate-evaluate."""
+"""Scores of a recorded run against the simulator's ground truth, as defined by
+palpate-evaluate.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,7 @@ from palpate.mesh import Mesh, PointsInMesh
 
 Floats = NDArray[np.float64]
 
-_REST = 0.5  # s at the end of a run over which an error at rest is taken
+_REST = 0.5  # s at the end of a run over which a steady-state error is taken
 
 
 class Summary(NamedTuple):
@@ -27,16 +29,16 @@ class Summary(NamedTuple):
 
 @dataclass(frozen=True)
 class ShapeError:
-    """Distance of the estimate's nodes from where the simulator's material points are."""
+    """Distance of the estimate's nodes from the simulator's corresponding material points."""
 
     time: Floats  # (m,), s since the first SHAPE
     mean: Floats  # (m,), m, over the nodes
     rms: Floats  # (m,), m
     maximum: Floats  # (m,), m
-    displacement: Floats  # (m,), m, largest true one from rest
+    displacement: Floats  # (m,), m, largest true displacement from rest
     distance: Floats  # (m, nodes), m
     length: float  # m, largest side of the object
-    not_current: int  # shapes that were marked old or not converged
+    not_current: int  # shapes that were marked stale or not converged
 
     @property
     def whole(self) -> Summary:
@@ -48,7 +50,7 @@ class ShapeError:
         return self.between(float(self.time[-1]) - _REST, np.inf)
 
     def between(self, begin: float, end: float) -> Summary:
-        """Of the shapes from `begin` to `end`, s. Raises ValueError where there are none."""
+        """Of the shapes from `begin` to `end`, s. Raises ValueError if there are none."""
         at = (self.time >= begin) & (self.time <= end)
         if not at.any():
             raise ValueError(f"no shape from {begin} to {end} s")
@@ -61,15 +63,15 @@ class ShapeError:
 
 @dataclass(frozen=True)
 class FeatureError:
-    """The plant's own feature against the last target of the log."""
+    """The plant's own feature relative to the last target of the log."""
 
     kind: str
     target: Floats  # as in SHAPE_TARGET
     time: Floats  # (m,), s since the target was first sent
     value: Floats  # (m, values)
-    distance: Floats  # (m,), m to the target; of a set RMS over its points
+    distance: Floats  # (m,), m to the target; RMS over the points of a set
     angle: Floats  # (m,), rad to the target; 0 but for a pose
-    overshoot: float  # beyond the target along the line from the start, fraction of that line
+    overshoot: float  # overshoot along the line from the start, as a fraction of that line
 
     @property
     def at_rest(self) -> float:
@@ -82,14 +84,14 @@ class FeatureError:
         return float(self.angle[self.time >= self.time[-1] - _REST].mean())
 
     def settle_time(self, distance: float, angle: float = np.inf) -> Optional[float]:
-        """s from the target to when the feature is within both and stays so to the end; None where
-        it never does."""
+        """Settling time: s from the target until the feature is within both bands and stays
+        so to the end; None if it never does."""
         return settle_time(self.time, (self.distance <= distance) & (self.angle <= angle))
 
 
 def settle_time(time: Any, within: Any) -> Optional[float]:
-    """The first of `time` from which `within` holds to the end; None where it does not hold at the
-    end."""
+    """The first of `time` from which `within` holds to the end; None if it does not hold at
+    the end."""
     times, inside = np.asarray(time, float), np.asarray(within, bool)
     if times.shape != inside.shape:
         raise ValueError("time and within differ in length")
@@ -99,7 +101,7 @@ def settle_time(time: Any, within: Any) -> Optional[float]:
 
 
 def _truth_at(log: Log, utime: NDArray[np.int64], mesh: Mesh) -> tuple[NDArray[Any], Floats]:
-    """Which of `utime` the truth covers, and the plant's nodes there, linear in between."""
+    """Which of `utime` the truth covers, and the plant's nodes there, linearly interpolated."""
     truth = log["TRUTH_SHAPE"].of_mesh(mesh.hash)
     if not len(truth):
         raise ValueError("no TRUTH_SHAPE of the truth's mesh")
@@ -119,9 +121,9 @@ def _truth_at(log: Log, utime: NDArray[np.int64], mesh: Mesh) -> tuple[NDArray[A
 
 
 def shape_error(log: Log) -> ShapeError:
-    """Compares every SHAPE with the truth of the same instant at the estimate's nodes. The log must
-    hold SHAPE, SHAPE_MESH, TRUTH_SHAPE and TRUTH_MESH, which travel on the housekeeping URL. Raises
-    KeyError or ValueError where something lacks."""
+    """Compares every SHAPE with the ground truth of the same instant at the estimate's nodes.
+    The log must hold SHAPE, SHAPE_MESH, TRUTH_SHAPE and TRUTH_MESH, which travel on the
+    housekeeping URL. Raises KeyError or ValueError if data are missing."""
     mesh, plant = log.mesh, log.truth_mesh
     shapes = log["SHAPE"].of_mesh(mesh.hash)
     if not len(shapes):
@@ -145,9 +147,10 @@ def shape_error(log: Log) -> ShapeError:
 
 
 def coverage(error: Any, deviation: Any, dimensions: int = 3, level: float = 0.95) -> float:
-    """The share of errors within their interval (1 dimension) or ball (3) of `level`; those with a
-    deviation of 0 or below, held or not estimated, do not count. `error`: length of the error;
-    `deviation`: standard deviation of each axis, alike. Raises ValueError where none counts."""
+    """The fraction of errors within their interval (1 dimension) or ball (3) of `level`;
+    those with a deviation of 0 or below, fixed or not estimated, do not count. `error`: norm
+    of the error; `deviation`: standard deviation of each axis, equal for all. Raises
+    ValueError if none counts."""
     errors, deviations = np.broadcast_arrays(np.asarray(error, float), np.asarray(deviation, float))
     counted = deviations > 0
     if not counted.any():
@@ -157,8 +160,9 @@ def coverage(error: Any, deviation: Any, dimensions: int = 3, level: float = 0.9
 
 
 def shape_coverage(log: Log, level: float = 0.95) -> float:
-    """The share of nodes and times at which the truth lies within the ball of `level` around the
-    estimated node, by SHAPE's own deviations. Raises ValueError where it tells none."""
+    """The fraction of nodes and times at which the truth lies within the ball of `level`
+    around the estimated node, by SHAPE's own standard deviations. Raises ValueError if it
+    reports none."""
     mesh, plant = log.mesh, log.truth_mesh
     shapes = log["SHAPE"].of_mesh(mesh.hash)
     shapes = shapes.where(shapes.deviation_count == shapes.node_count)
@@ -171,7 +175,9 @@ def shape_coverage(log: Log, level: float = 0.95) -> float:
 
 
 def _radius(dimensions: int, level: float) -> float:
-    """Of the ball around a normal distribution of unit deviation in each axis that holds `level`."""
+    """Radius of the ball that holds the probability `level` of a normal distribution with
+    unit standard deviation in each axis.
+    """
     if dimensions not in (1, 3) or not 0 < level < 1:
         raise ValueError("dimensions: 1 or 3; level: above 0, below 1")
     grid = np.linspace(0, 12, 1_200_001)
@@ -181,9 +187,9 @@ def _radius(dimensions: int, level: float) -> float:
 
 
 def feature_error(log: Log) -> FeatureError:
-    """Scores the last target in the log, of kind point, points, pose or distance, on the plant. The
-    target must name its rest points (Daemon.target(..., points=...)). Raises KeyError or ValueError
-    where something lacks."""
+    """Scores the last target in the log, of kind point, points, pose or distance, on the
+    plant. The target must name its rest points (Daemon.target(..., points=...)). Raises
+    KeyError or ValueError if data are missing."""
     targets = log["SHAPE_TARGET"].messages
     last = targets[-1]
     first = next(i for i, target in enumerate(targets) if target.revision == last.revision)
@@ -193,7 +199,7 @@ def feature_error(log: Log) -> FeatureError:
     points = np.asarray(last.rest_points, float)[: last.point_count]
     target = np.asarray(last.values, float)[: last.value_count]
     begin = int(log["SHAPE_TARGET"].utime[first])
-    if log.clock == "sent":  # whoever sent it is no part of the lock-step
+    if log.clock == "sent":  # its sender does not run in lock-step
         features = log["FEATURE"]
         begin = int(features.utime[np.flatnonzero(features.revision == last.revision)[0]])
     plant = log.truth_mesh
@@ -221,7 +227,9 @@ def feature_error(log: Log) -> FeatureError:
 
 
 def feature_values(kind: str, points: Floats) -> Floats:
-    """The feature at each time, (m, values), from where its points are, (m, points, 3)."""
+    """The feature at each time, (m, values), from the positions of its points, (m, points,
+    3).
+    """
     count = points.shape[1]
     if kind == "point" and count == 1:
         return points[:, 0]
@@ -244,7 +252,7 @@ def _frame(p1: Floats, p2: Floats, p3: Floats) -> Floats:
 
 
 def _quaternions(rotations: Floats) -> Floats:
-    """w, x, y, z with w >= 0, from the eigenvector that is best conditioned."""
+    """w, x, y, z with w >= 0, from the best conditioned eigenvector."""
     result = np.empty((len(rotations), 4))
     for index, r in enumerate(rotations):
         q = np.array(
@@ -272,7 +280,7 @@ def _errors(kind: str, value: Floats, target: Floats) -> tuple[Floats, Floats]:
 
 
 def _places(kind: str, value: Floats) -> Floats:
-    """Where the feature is, (m, 3): of a set its centroid."""
+    """Position of the feature, (m, 3): the centroid of a set."""
     if kind == "points":
         return np.asarray(value.reshape(len(value), -1, 3).mean(axis=1))
     if kind == "distance":

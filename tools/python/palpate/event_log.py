@@ -1,6 +1,6 @@
-"""LCM's event log (.log), as lcm-logger writes it: events one behind the other, each of them the
-word 0xEDA1DA01 (4 bytes), number (8), time in us (8), lengths of channel and data (4 each), all in
-network order, then channel and data.
+"""LCM's event log (.log), as lcm-logger writes it: a sequence of events, each consisting of
+the word 0xEDA1DA01 (4 bytes), number (8), time in us (8), lengths of channel and data (4
+each), all in network order, then channel and data.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ class Event(NamedTuple):
 
 
 class Damage(NamedTuple):
-    """Of a log what holds no event: bytes, in how many places, and whether its end is cut off."""
+    """Damaged parts of a log: bytes, number of places, and whether its end is truncated."""
 
     skipped: int
     places: int
@@ -35,9 +35,9 @@ class Damage(NamedTuple):
 
 
 class EventLog:
-    """The events of a file in their order, again at each iteration. What is damaged is passed over
-    and told by `damage`. Raises OSError where the file cannot be read, ValueError where it holds
-    bytes but no event."""
+    """The events of a file in order, from the start at each iteration. Damaged parts are
+    skipped and reported by `damage`. Raises OSError if the file cannot be read, ValueError if
+    it holds bytes but no event."""
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         self.path = Path(path)
@@ -76,7 +76,7 @@ class EventLog:
 
     @staticmethod
     def _event_at(data: mmap.mmap, at: int) -> tuple[Event | None, int]:
-        """The event that begins there, and where it ends; beyond the file where it is cut off."""
+        """The event that begins there, and its end; beyond the file if it is truncated."""
         if len(data) - at < _HEADER.size:
             return None, len(data) + 1
         sync, number, utime, name_size, data_size = _HEADER.unpack_from(data, at)
@@ -86,7 +86,7 @@ class EventLog:
             return None, 0
         name_at = at + _HEADER.size
         end = name_at + name_size + data_size
-        # A length that is wrong ends where nothing begins.
+        # A wrong length is recognised by the absence of an event at its end.
         if end > len(data) or data[end : end + 4] != SYNC[: len(data) - end]:
             return None, end
         try:
@@ -97,7 +97,9 @@ class EventLog:
 
 
 class EventLogWriter:
-    """Writes a log that lcm-logplayer, palpate-replay and read_log read. A context manager."""
+    """Writes a log that lcm-logplayer, palpate-replay and read_log can read. A context
+    manager.
+    """
 
     def __init__(self, path: Union[str, "os.PathLike[str]"]) -> None:
         self._file: BinaryIO = open(path, "wb")

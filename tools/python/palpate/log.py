@@ -14,7 +14,7 @@ from palpate.mesh import Mesh, MeshBuilder
 
 Path = Union[str, "os.PathLike[str]"]
 
-# Of whoever commands, who is no part of a lock-step run and has the wall clock.
+# Channels of operators' commands, which are not in lock-step and use the wall clock.
 _OF_USERS = ("COMPONENT_COMMAND", "SHAPE_TARGET", "MANUAL_FORCE")
 
 
@@ -22,8 +22,8 @@ class Series:
     """All messages of one channel in the order of their times.
 
     A field of the message is an attribute: an array whose first axis is the message, in the units
-    of lcmtypes/ (SI). `log["FT_WRENCH"].wrench` is (m, 6); texts come as arrays of str. A field
-    whose length changes between messages raises ValueError; see `messages` for such.
+    of lcmtypes/ (SI). `log["FT_WRENCH"].wrench` is (m, 6); texts are arrays of str. A field whose
+    length changes between messages raises ValueError; use `messages` for those.
     """
 
     def __init__(self, channel: str, messages: list[Any], utimes: list[int], start: int) -> None:
@@ -51,8 +51,8 @@ class Series:
 
     @property
     def positions(self) -> NDArray[np.float64]:
-        """SHAPE, TRUTH_SHAPE: nodal positions in O, (m, nodes, 3), m. Raises ValueError where the
-        mesh changes in the recording: then see of_mesh()."""
+        """SHAPE, TRUTH_SHAPE: nodal positions in O, (m, nodes, 3), m. Raises ValueError if
+        the mesh changes in the recording: then use of_mesh()."""
         if not self.messages or not hasattr(self.messages[0], "xyz"):
             raise AttributeError(f"{self.channel} has no positions")
         if len(set(self.array("mesh_hash").tolist())) > 1:
@@ -60,11 +60,11 @@ class Series:
         return self.array("xyz").astype(np.float64).reshape(len(self), -1, 3)
 
     def of_mesh(self, mesh_hash: int) -> "Series":
-        """The messages that speak of one mesh."""
+        """The messages that refer to one mesh."""
         return self.where(self.array("mesh_hash") == mesh_hash)
 
     def where(self, mask: Any) -> "Series":
-        """The messages that a mask, (m,), picks."""
+        """The messages selected by a mask, (m,)."""
         kept = np.flatnonzero(np.asarray(mask))
         picked = [self.messages[i] for i in kept]
         return Series(self.channel, picked, [int(self.utime[i]) for i in kept], self._start)
@@ -106,7 +106,7 @@ class Series:
 
 
 class Log:
-    """What one or more files recorded; made by read_log(). `log["SHAPE"]` is a Series."""
+    """The contents of one or more files; made by read_log(). `log["SHAPE"]` is a Series."""
 
     def __init__(self, events: list[Event], damages: dict[str, Damage], clock: str) -> None:
         if clock not in ("received", "sent"):
@@ -141,14 +141,14 @@ class Log:
 
     @property
     def channels(self) -> list[str]:
-        """Those that the log has messages of."""
+        """Channels with messages in the log."""
         return sorted(self._series)
 
     def __contains__(self, channel: object) -> bool:
         return channel in self._series
 
     def __getitem__(self, channel: str) -> Series:
-        """Raises KeyError, with what there is, for a channel without messages."""
+        """Raises KeyError, listing the channels, for a channel without messages."""
         if channel not in self._series:
             raise KeyError(f"no {channel} in the log; it has: {', '.join(self.channels)}")
         if channel not in self._made:
@@ -167,7 +167,7 @@ class Log:
         return float(max(ends, default=0.0))
 
     def meshes(self, channel: str = "SHAPE_MESH") -> dict[int, Mesh]:
-        """Every mesh that the log holds all chunks of, by hash. Channel TRUTH_MESH: the plant's."""
+        """All complete meshes of the log, by hash. Channel TRUTH_MESH: the plant's."""
         builder = MeshBuilder()
         for chunk in self[channel].messages if channel in self else []:
             builder.add(chunk)
@@ -175,12 +175,12 @@ class Log:
 
     @property
     def mesh(self) -> Mesh:
-        """The first mesh of the estimate. Raises ValueError where the log holds none."""
+        """The first mesh of the estimate. Raises ValueError if the log holds none."""
         return self._first_mesh("SHAPE_MESH")
 
     @property
     def truth_mesh(self) -> Mesh:
-        """The simulator's mesh. Raises ValueError where the log holds none."""
+        """The simulator's mesh. Raises ValueError if the log holds none."""
         return self._first_mesh("TRUTH_MESH")
 
     def _first_mesh(self, channel: str) -> Mesh:
@@ -197,11 +197,11 @@ def read_log(*paths: Path, clock: str = "received") -> Log:
     """Reads LCM logs, those of the control and of the housekeeping URL together, e.g.
     read_log("control.log", "housekeeping.log").
 
-    clock: which time messages have: "received", when the log received them, so that the senders'
-    clocks need not agree; or "sent", what the sender says: for lock-step runs, where all follow the
-    simulator's clock. Messages that cannot be decoded and damaged parts are passed over and counted
-    (Log.undecodable, Log.unknown, Log.damages). Raises OSError where a file cannot be read and
-    ValueError where it is no log.
+    clock: time of the messages: "received", the log's time of reception, independent of the
+    senders' clocks; or "sent", the sender's time: for lock-step runs, where all use the simulator's
+    clock. Messages that cannot be decoded and damaged parts are skipped and counted
+    (Log.undecodable, Log.unknown, Log.damages). Raises OSError if a file cannot be read and
+    ValueError if it is not a log.
     """
     if not paths:
         raise ValueError("read_log: which file?")

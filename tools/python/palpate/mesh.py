@@ -1,4 +1,4 @@
-"""The mesh behind SHAPE and TRUTH_SHAPE, put together from its chunks, and points within it."""
+"""The mesh of SHAPE and TRUTH_SHAPE, assembled from its chunks, and points within it."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Mesh:
     nodes: Floats  # (n, 3), m, at rest
     elements: Ints  # (m, nodes of an element), from 0
     triangles: Ints  # (k, 3), surface, outward
-    constrained: Ints  # nodes that the test rig holds
+    constrained: Ints  # nodes fixed by the test rig
 
     def __repr__(self) -> str:
         return f"<Mesh {self.hash:#x}: {len(self.nodes)} nodes, {len(self.elements)} elements>"
@@ -35,14 +35,14 @@ class Mesh:
 
 
 class MeshBuilder:
-    """Takes chunks as they come and puts each mesh together once all of it is there."""
+    """Collects chunks and assembles each mesh once all of them have arrived."""
 
     def __init__(self) -> None:
         self._chunks: dict[int, dict[int, messages.shape_mesh_t]] = {}
-        self.meshes: dict[int, Mesh] = {}  # whole ones by hash, the first to be whole first
+        self.meshes: dict[int, Mesh] = {}  # complete ones by hash, in order of completion
 
     def add(self, chunk: messages.shape_mesh_t) -> Optional[Mesh]:
-        """The mesh that this chunk completes. Raises ValueError for chunks that do not fit."""
+        """The mesh that this chunk completes. Raises ValueError for inconsistent chunks."""
         if chunk.mesh_hash in self.meshes or not 0 <= chunk.chunk < chunk.chunks:
             return None
         chunks = self._chunks.setdefault(chunk.mesh_hash, {})
@@ -55,7 +55,7 @@ class MeshBuilder:
 
 
 def assemble(chunks: Iterable[messages.shape_mesh_t]) -> Mesh:
-    """The first mesh that is whole. Raises ValueError where none is."""
+    """The first complete mesh. Raises ValueError if there is none."""
     count = 0
     builder = MeshBuilder()
     for chunk in chunks:
@@ -102,8 +102,8 @@ class PointsInMesh:
     quadratic ones), or of 27-node hexahedra that are boxes at rest, as palpate-sim's are."""
 
     def __init__(self, mesh: Mesh, rest_points: Any) -> None:
-        """`rest_points`: (p, 3) in O, m. A point outside takes the nearest element. Raises
-        ValueError where the mesh has other elements."""
+        """`rest_points`: (p, 3) in O, m. A point outside uses the nearest element. Raises
+        ValueError if the mesh has other elements."""
         points = np.asarray(rest_points, float).reshape(-1, 3)
         self._nodes = np.empty((len(points), mesh.elements.shape[1]), np.int64)
         self._weights = np.empty(self._nodes.shape)
@@ -122,7 +122,7 @@ class PointsInMesh:
             self._weights[index] = weights
 
     def at(self, positions: Any) -> Floats:
-        """Where nodes at `positions`, (..., n, 3), put the points: (..., p, 3)."""
+        """Positions of the points for nodes at `positions`, (..., n, 3): (..., p, 3)."""
         of_points = np.asarray(positions, float)[..., self._nodes, :]
         result: Floats = np.einsum("pk,...pkc->...pc", self._weights, of_points)
         return result
@@ -134,7 +134,7 @@ def _place_in_boxes(corners: Floats, point: Floats) -> tuple[int, Floats]:
     element = int(np.argmin(np.linalg.norm(outside, axis=1)))
     size = upper[element] - lower[element]
     s = (point - lower[element]) / size
-    # Which Lagrange polynomial on 0, 1/2, 1 is a node's own, its rest position says.
+    # A node's rest position determines its Lagrange polynomial on 0, 1/2, 1.
     node = (corners[element] - lower[element]) / size
     polynomial = np.where(
         node < 0.25,
@@ -150,7 +150,7 @@ def _place_in_tetrahedra(corners: Floats, point: Floats) -> tuple[int, Floats]:
     weights = np.column_stack([1 - rest.sum(axis=1), rest])
     clipped = np.maximum(weights, 0)
     clipped /= clipped.sum(axis=1, keepdims=True)
-    # Of an outside point the nearest: its weights reach beyond the element.
+    # For an outside point the nearest: its weights extrapolate beyond the element.
     distance = np.linalg.norm(np.einsum("mk,mkc->mc", clipped, corners) - point, axis=1)
     element = int(np.argmin(distance))
     return element, weights[element]

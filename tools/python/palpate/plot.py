@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 
 def axes(projection: Optional[str] = None) -> "Axes":
-    """One new figure's axes. Raises ImportError with the remedy where matplotlib lacks."""
+    """Axes of a new figure. Raises ImportError with the remedy if matplotlib is missing."""
     try:
         from matplotlib import pyplot
     except ImportError as error:
@@ -45,7 +45,7 @@ def feature_error(error: FeatureError, on: Optional["Axes"] = None) -> "Axes":
 
 
 def mesh(of: Mesh, positions: Any = None, on: Optional["Axes"] = None, **style: Any) -> "Axes":
-    """The surface of a mesh at `positions`, (n, 3), m in O; without them at rest."""
+    """The surface of a mesh at `positions`, (n, 3), m in O; at rest by default."""
     on = on or axes("3d")
     x, y, z = (of.nodes if positions is None else np.asarray(positions, float)).T
     options: dict[str, Any] = {"alpha": 0.4, "edgecolor": "grey", "linewidth": 0.3, **style}
@@ -56,7 +56,7 @@ def mesh(of: Mesh, positions: Any = None, on: Optional["Axes"] = None, **style: 
 
 
 def save(on: "Axes", path: str) -> None:
-    """Writes the figure to a file of the kind that its ending says, e.g. error.png."""
+    """Writes the figure to a file of the type given by its extension, e.g. error.png."""
     figure = on.get_figure()
     assert figure is not None
     figure.savefig(path, dpi=120)

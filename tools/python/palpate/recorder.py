@@ -1,4 +1,4 @@
-"""Records buses to a log from Python, beside whatever else the program does."""
+"""Records buses to a log from Python, in the background of a program."""
 
 from __future__ import annotations
 
@@ -26,7 +26,7 @@ class Recorder:
         path: Union[str, "os.PathLike[str]"],
         urls: Sequence[str] = (CONTROL_URL, HOUSEKEEPING_URL),
     ) -> None:
-        """Begins at once. Raises OSError or ValueError."""
+        """Starts immediately. Raises OSError or ValueError."""
         self._transports = [Transport(url) for url in urls]
         self._writer = EventLogWriter(path)
         self._over = threading.Event()
@@ -39,7 +39,7 @@ class Recorder:
             over = self._over.is_set()
             readable, _, _ = select.select(self._transports, [], [], 0.0 if over else 0.05)
             for transport in readable:
-                for _ in range(256):  # the others shall have their turn
+                for _ in range(256):  # give the other buses their turn
                     packet = transport.receive(0)
                     if packet is None:
                         break
@@ -49,7 +49,7 @@ class Recorder:
                 return
 
     def close(self) -> None:
-        """Takes what has come until now, and ends."""
+        """Records pending messages, and ends."""
         self._over.set()
         self._thread.join(10)
         self._writer.close()

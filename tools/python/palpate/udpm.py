@@ -22,7 +22,7 @@ from urllib.parse import parse_qsl
 SHORT_MAGIC, FRAGMENT_MAGIC = b"LC02", b"LC03"
 LONGEST_CHANNEL = 63
 LARGEST_DATAGRAM = 65507
-# LCM's own: what one fragment carries.
+# Payload of one fragment, as in LCM.
 FRAGMENT_SIZE = 65487 - LONGEST_CHANNEL - 1
 LARGEST_MESSAGE = 64 << 20
 _SHORT_HEADER = struct.Struct(">4sI")
@@ -75,7 +75,7 @@ def parse_url(text: str) -> Url:
 
 
 class Packet(NamedTuple):
-    """One message as it came: channel and payload, not yet decoded."""
+    """One received message: channel and payload, not yet decoded."""
 
     channel: str
     data: bytes
@@ -103,7 +103,7 @@ def encode_packet(channel: str, data: bytes, number: int) -> list[bytes]:
 
 
 class _Partial:
-    """A message of which some fragments have come."""
+    """A partially received message."""
 
     def __init__(self, size: int, count: int) -> None:
         self.size, self.count = size, count
@@ -112,7 +112,7 @@ class _Partial:
         self.channel: Optional[str] = None
 
     def whole(self) -> Optional[bytes]:
-        """All parts one behind the other; None where a sender has made them up."""
+        """All parts joined; None if they are inconsistent."""
         end, pieces = 0, []
         for begin, part in sorted(self.parts.values()):
             if begin != end:
@@ -123,9 +123,9 @@ class _Partial:
 
 
 class Decoder:
-    """Datagrams to messages; keeps the fragments of those that are not whole yet."""
+    """Assembles datagrams into messages; keeps the fragments of incomplete ones."""
 
-    MOST_PARTIAL = 8  # messages; the oldest gives way
+    MOST_PARTIAL = 8  # messages; the oldest is discarded
     MOST_BYTES = 2 * LARGEST_MESSAGE
 
     def __init__(self) -> None:
@@ -192,8 +192,8 @@ class Decoder:
         return Packet(partial.channel, data)
 
     def _make_room(self, size: int, but: object = None) -> None:
-        """The oldest ones but that of key `but` give way to `size` bytes more, or to another
-        message."""
+        """Discards the oldest ones, except that of key `but`, to make room for `size` more
+        bytes or another message."""
         for key in [key for key in self._partial if key != but]:
             crowded = but is None and len(self._partial) >= self.MOST_PARTIAL
             if not crowded and size + self.held <= self.MOST_BYTES:
@@ -202,7 +202,7 @@ class Decoder:
 
     @property
     def held(self) -> int:
-        """Bytes of messages that are not whole yet."""
+        """Bytes of incomplete messages."""
         return sum(partial.held for partial in self._partial.values())
 
 
@@ -217,10 +217,10 @@ def _explain(doing: str, url: Url, error: OSError) -> OSError:
 
 
 class Transport:
-    """One bus: sends to its group and receives what anybody sends to it."""
+    """One bus: sends to its group and receives everything sent to it."""
 
     def __init__(self, url: str) -> None:
-        """Raises ValueError for the URL, OSError where the system refuses the socket."""
+        """Raises ValueError for an invalid URL, OSError if the socket cannot be opened."""
         self.url = parse_url(url)
         self._decoder = Decoder()
         self._number = 0
@@ -245,11 +245,11 @@ class Transport:
 
     @property
     def malformed(self) -> int:
-        """Datagrams that were no LCM messages."""
+        """Number of datagrams that were not LCM messages."""
         return self._decoder.malformed
 
     def fileno(self) -> int:
-        """For select() and event loops: readable when something has come."""
+        """For select() and event loops: readable when data have arrived."""
         return self._in.fileno()
 
     def publish(self, channel: str, data: bytes) -> None:
@@ -262,7 +262,7 @@ class Transport:
         self._number += 1
 
     def receive(self, timeout: float) -> Optional[Packet]:
-        """The next message, waited for at most `timeout` s; None where none has come."""
+        """The next message, waiting at most `timeout` s; None if none arrived."""
         end = time.monotonic() + timeout
         while True:
             try:
@@ -275,7 +275,7 @@ class Transport:
             packet = self._decoder.take(datagram, sender)
             if packet is not None:
                 return packet
-            if time.monotonic() > end:  # whoever floods us with nonsense must not hold us
+            if time.monotonic() > end:  # bounds the time spent on a flood of malformed datagrams
                 return None
 
     def close(self) -> None:

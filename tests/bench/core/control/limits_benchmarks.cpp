@@ -1,4 +1,4 @@
-// What limits cost a cycle of the controller: the search for the worst elements, and the whole law
+// Cost of limits per cycle of the controller: the search for the worst elements, and the whole law
 // with one grasp, by the number of nodes of a quadratic mesh.
 
 #include <benchmark/benchmark.h>
@@ -46,7 +46,7 @@ void worst_elements(benchmark::State& state, elasticity::Strain strain) {
   count_nodes(state, body);
 }
 
-/// A tick of the law; bit 0: with limits of stress and stretch, bit 1: with every other.
+/// A tick of the law; bit 0: with limits of stress and stretch, bit 1: with all others.
 void law(benchmark::State& state) {
   const elasticity::Body body = bar(static_cast<int>(state.range(0)));
   elasticity::CorotationalQuasistatic model(body);

@@ -56,7 +56,7 @@ void newton_step(const LaneMatrix& F, std::array<Lanes, 4>& q) {
                   at.inverse[i][2] * at.skew[2]);
   }
   const Lanes w = q[0], x = q[1], y = q[2], z = q[3];
-  // Shortens what the step made longer, without a root.
+  // Shortens what the step lengthened, without a square root.
   const Lanes s =
       2.0 / (1 + (w * w + x * x + y * y + z * z) * (1 + h[0] * h[0] + h[1] * h[1] + h[2] * h[2]));
   q = {s * (w - x * h[0] - y * h[1] - z * h[2]), s * (x + w * h[0] + y * h[2] - z * h[1]),
@@ -81,7 +81,7 @@ void set_lane(LaneMatrix& m, int l, const Eigen::Matrix3d& r) {
 
 LaneResponse respond(const LaneMatrix& F, Lanes mu, Lanes lambda, std::array<Lanes, 4>& rotation) {
   const std::array<Lanes, 4> before = rotation;
-  // From one tick to the next two bring a turn of 0.05 rad below 1e-10.
+  // From one tick to the next, two iterations reduce a rotation of 0.05 rad below 1e-10.
   newton_step(F, rotation);
   newton_step(F, rotation);
   LaneResponse r;

@@ -8,9 +8,9 @@
 
 namespace palpate::bench {
 
-/// What a step costs without an incremental solver: tangent assembled anew and one Newton step, its
-/// linear system solved by a full factorisation or by Jacobi-PCG to 1e-3. The same equations as the
-/// model under test, so that both agree to what one Newton step leaves.
+/// Cost of a step without an incremental solver: tangent assembled in each step and one Newton
+/// step, its linear system solved by a full factorisation or by Jacobi-PCG to 1e-3. The same
+/// equations as the model under test, so that both agree to the residual of one Newton step.
 class BaselineModel {
  public:
   enum class Solver { kCholmod, kJacobiPcg };
@@ -18,15 +18,15 @@ class BaselineModel {
 
   BaselineModel(const elasticity::Body& body, Solver solver, bool dynamic);
 
-  /// State before a step. Finds the rotations of that state, as a model that had come there would
-  /// have them.
+  /// State before a step. Computes the rotations of that state, as a model that had arrived there
+  /// would have them.
   void restore(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& v);
 
-  /// False where the tangent is not positive definite.
+  /// False if the tangent is not positive definite.
   bool step(double dt, const math::Pose& clamp, const Eigen::Matrix3Xd& loads);
 
-  /// The same step by Newton's method until no nodal force out of balance exceeds `tolerance` (N);
-  /// false where it does not get there.
+  /// The same step by Newton's method until no nodal residual force exceeds `tolerance` (N); false
+  /// if it does not converge.
   bool converge(double dt, const math::Pose& clamp, const Eigen::Matrix3Xd& loads,
                 double tolerance);
 

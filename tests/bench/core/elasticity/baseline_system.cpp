@@ -26,7 +26,7 @@ LaneVector times(const LaneMatrix& A, const LaneVector& b) {
   return {dot(A[0], b), dot(A[1], b), dot(A[2], b)};
 }
 
-/// Nodes of four elements relative to their first one. Behind the last element it stands again.
+/// Nodes of four elements relative to their first one. After the last element it is repeated.
 template <int kNodes>
 std::array<LaneVector, kNodes> gather(const Eigen::MatrixXi& elements, int first,
                                       const Matrix3Xd& x) {
@@ -157,7 +157,7 @@ void BaselineSystem::add_mass(const elasticity::Body& body) {
                                      ? Eigen::MatrixXd(elasticity::Tetrahedron<4>::mass_shares())
                                      : Eigen::MatrixXd(elasticity::Tetrahedron<10>::mass_shares());
   masses_.assign(matrix_.column.size(), 0);
-  // Prescribed nodes move too, and drag their neighbours' mass along.
+  // Prescribed nodes move too, and contribute inertia to their neighbours.
   std::vector<std::vector<std::pair<int, double>>> rows(size());
   for (int e = 0; e < elements_.cols(); ++e) {
     Eigen::Matrix<double, 3, 4> corners;
@@ -212,7 +212,7 @@ void BaselineSystem::add_elements(const Matrix3Xd& x, Points<kNodes>& points) {
         for (int b = a; b < kNodes; ++b, ++k) {
           const Lanes direct = 2 * point->mu * dot(g[a], g[b]);
           for (int i = 0; i < 3; ++i) {
-            // Row i of ([h_a]x twist) times [h_b]x is -(h_b x row) turned round: row x h_b.
+            // Row i of ([h_a]x twist) times [h_b]x is -(h_b x row), reversed: row x h_b.
             const LaneVector row = cross({turned[0][i], turned[1][i], turned[2][i]}, h[b]);
             const Lanes along = point->lambda * h[a][i];
             for (int j = 0; j < 3; ++j) upper[k][i][j] += along * h[b][j] + row[j];

@@ -10,7 +10,7 @@
 namespace palpate::bench {
 
 /// Symmetric matrix of 3 x 3 blocks over n nodes, both triangles stored, block row by block row
-/// with rising columns. Blocks are column-major with a row of padding, for full-width vectors.
+/// with ascending columns. Blocks are column-major with a row of padding, for full-width vectors.
 struct BlockRows {
   using Block = Eigen::Matrix<double, 4, 3>;
   std::vector<int> row_start;  // n + 1
@@ -22,15 +22,15 @@ struct BlockRows {
   void multiply(const Eigen::Matrix4Xd& x, Eigen::Matrix4Xd& y) const;
 };
 
-/// Co-rotated elasticity written once more, plainly and apart from the model under test: forces out
-/// of balance and exact tangent of
+/// Co-rotated elasticity, implemented plainly and independently of the model under test: residual
+/// forces and exact tangent of
 ///   E(x) - f.x + |x - x*|^2_M inertia / 2
-/// over the nodes that are not prescribed. Double precision, four elements side by side; pattern
-/// and masses are found once.
+/// over the nodes that are not prescribed. Double precision, four elements at a time; pattern and
+/// masses are computed once.
 class BaselineSystem {
  public:
-  /// Prescribed: fixed nodes and those of grasp 0. Stiffness damping is not known here; throws
-  /// std::invalid_argument where the body has some.
+  /// Prescribed: fixed nodes and those of grasp 0. Stiffness damping is not supported; throws
+  /// std::invalid_argument if the body has some.
   explicit BaselineSystem(const elasticity::Body& body);
 
   int size() const { return static_cast<int>(node_.size()); }

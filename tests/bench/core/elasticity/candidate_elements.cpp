@@ -55,7 +55,7 @@ void CandidateElements::add_points(const elasticity::Body& body) {
       Eigen::Vector4d place = Eigen::Vector4d::Constant(count == 1 ? 0.25 : kFar);
       if (count == 4) place(p) = kNear;
       const Eigen::MatrixXd d = shape_derivatives(nodes, place);
-      // The first coordinate is what the others leave of 1.
+      // The first coordinate is 1 minus the others.
       const Eigen::MatrixXd local = d.bottomRows<3>().rowwise() - d.row(0);
       const Matrix3d jacobian = rest * local.transpose();
       Point point{};
@@ -163,7 +163,7 @@ void CandidateElements::add_tangent(bool exact, factor::BlockMatrix& matrix) con
     return static_cast<int>(std::find(column.begin(), column.end(), node) - column.begin());
   };
   for (const Point& point : points_) {
-    // Without lambda, whose part in the turning of R is the pressure's.
+    // Without lambda, whose part in the rotation of R is the pressure's.
     elasticity::PointTangent t = elasticity::point_tangent(
         point.F, {point.lame.mu, 0}, exact ? Tangent::kExact : Tangent::kSemidefinite);
     if (exact) t.twist *= 1 - point.pressure / (2 * point.lame.mu);

@@ -7,9 +7,9 @@
 
 namespace palpate::bench {
 
-/// Over what the volumetric part of the energy takes its strain tr(R^T F - I).
+/// Averaging of the strain tr(R^T F - I) in the volumetric part of the energy.
 enum class Volumetric {
-  kAtPoints,  // each quadrature point its own: the elements of the product
+  kAtPoints,  // each quadrature point separately: the elements of the product
   kAveraged,  // means over the elements round each node, a quarter of each element's volume
               // counting (averaged nodal pressure, Bonet and Burton 1998), of one material at a
               // time
@@ -22,17 +22,17 @@ enum class Volumetric {
 /// t_p = tr(R^T F - I); elements of the product have one group for each point.
 class CandidateElements {
  public:
-  /// Throws std::invalid_argument where a quadrature point has no positive volume.
+  /// Throws std::invalid_argument if a quadrature point has no positive volume.
   CandidateElements(const elasticity::Body& body, Volumetric volumetric);
 
   /// Energy (J) at positions x (3 x n); its derivative into `forces` (N).
   double evaluate(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& forces);
 
-  /// Adds the second derivative of the energy at the last positions to a matrix over stencils(). If
-  /// not `exact`, one without the negative eigenvalues.
+  /// Adds the second derivative of the energy at the last positions to a matrix over stencils().
+  /// Unless `exact`, negative eigenvalues are removed.
   void add_tangent(bool exact, factor::BlockMatrix& matrix) const;
 
-  /// Nodes that are coupled with each other, a column each; short ones repeat their first node.
+  /// Coupled nodes, one column each; short ones repeat their first node.
   const Eigen::MatrixXi& stencils() const { return stencils_; }
   double volume() const;  // m^3
 

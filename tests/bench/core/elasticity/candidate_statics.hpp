@@ -10,9 +10,9 @@ struct CandidateSolution {
   Eigen::Matrix3Xd positions;  // 3 x n, m
 };
 
-/// Static equilibrium of a body made of candidate elements, by Newton's method with a line search;
-/// the load is split into ever more steps where that fails. loads: 3 x n, N, all of them: gravity
-/// is not added. Grasped nodes move with `held` (unheld grasps are free).
+/// Static equilibrium of a body of candidate elements, by Newton's method with a line search; the
+/// load is divided into more steps on failure. loads: 3 x n, N, complete: gravity is not added.
+/// Grasped nodes move with `held` (unheld grasps are free).
 CandidateSolution solve_candidate(const elasticity::Body& body, Volumetric volumetric,
                                   const Eigen::Matrix3Xd& loads,
                                   const elasticity::HeldPoses& held = {});

@@ -9,10 +9,10 @@
 namespace palpate::bench {
 namespace {
 
-/// CHOLMOD's supernodal kernel opens four OpenMP threads whatever OMP_NUM_THREADS says; on a busy
-/// machine that makes milliseconds of a factorisation seconds. Only this, in the calling thread,
-/// and a limit in the environment stop it. The BLAS beneath it has threads of its own: of OpenBLAS
-/// the instance counts that is loaded as libblas, which has to be asked by name.
+/// CHOLMOD's supernodal kernel opens four OpenMP threads regardless of OMP_NUM_THREADS; on a busy
+/// machine that turns milliseconds of a factorisation into seconds. Only this call, in the calling
+/// thread, and a limit in the environment prevent it. The BLAS below it has its own threads: the
+/// relevant instance of OpenBLAS is the one loaded as libblas, which must be looked up by name.
 void stay_in_this_thread() {
   omp_set_max_active_levels(0);
   using SetThreads = void (*)(int);

@@ -13,7 +13,7 @@ class CholmodSolver {
   explicit CholmodSolver(const BlockRows& pattern);
   ~CholmodSolver();
 
-  /// False where the matrix is not positive definite.
+  /// False if the matrix is not positive definite.
   bool factorise(const BlockRows& A);
   /// 4 x n, row 3 of x zero.
   void solve(const Eigen::Matrix4Xd& b, Eigen::Matrix4Xd& x);

@@ -9,7 +9,7 @@ namespace {
 using elasticity::kFar;
 using elasticity::kNear;
 
-/// Node between corners i and j; the corner itself where they are the same.
+/// Node between corners i and j; the corner itself if they are equal.
 constexpr int kBetween[4][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
 
 /// Derivative of the shape function of kBetween[i][j] by the barycentric coordinate i at point p.
@@ -41,7 +41,7 @@ CurvedPass::CurvedPass(const elasticity::Body& body) {
       for (int i = 0; i < 3; ++i) {
         for (int c = 0; c < 3; ++c) block.gradients[p][i][c][lane] = inverse(i, c);
       }
-      // The last block is filled up with elements of no weight.
+      // The last block is padded with elements of zero weight.
       const double weight = k < count ? jacobian.determinant() / 24 : 0;
       const elasticity::Lame lame = elasticity::lame(body.material_of(e));
       block.mu[p][lane] = weight * lame.mu;

@@ -7,9 +7,10 @@
 
 namespace palpate::bench {
 
-/// Energy and forces of isoparametric quadratic tetrahedra, four elements at once in double, laid
-/// out as the loop's straight ones are: to find what curved elements would cost there. Beside the
-/// straight element's, each point has gradients and a weight of its own, 40 numbers instead of 11.
+/// Energy and forces of isoparametric quadratic tetrahedra, four elements at a time in double, in
+/// the layout of the loop's straight ones: to determine the cost of curved elements. In addition to
+/// the straight element's data, each point has separate gradients and a weight, 40 numbers instead
+/// of 11.
 class CurvedPass {
  public:
   explicit CurvedPass(const elasticity::Body& body);

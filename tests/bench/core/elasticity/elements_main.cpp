@@ -27,7 +27,7 @@ void note(const ElementRow& row) {
   std::cerr << row.body << ", " << row.element << ", " << row.mesh << " done\n";
 }
 
-/// The delivered meshes, then a ladder of our own ones.
+/// The supplied meshes, then a series of generated ones.
 void measure_cases(const Arguments& a, const std::string& folder, std::vector<ElementRow>& rows) {
   const cases::CaseFile c = cases::read_case(folder);
   const auto add = [&](const std::string& name, const mesh::MeshWithGroups& mesh,
@@ -59,7 +59,7 @@ struct RoundMesh {
 };
 
 /// Two curved quadratic meshes, the second finer by `ratio`, from which displacements are
-/// extrapolated that converge with `order`: what was found for the body over several sizes.
+/// extrapolated with convergence of `order`, as found for the body over several sizes.
 struct Extrapolation {
   RoundMesh coarse, fine;
   double ratio, order;

@@ -17,11 +17,11 @@
 namespace palpate::bench {
 namespace {
 
-using elasticity::StepStatus;
 using common::number;
+using elasticity::StepStatus;
 
 constexpr double kDt = 1e-3;  // s
-// Steps that a background factorisation may well take, beside a delay that is asked for.
+// Typical duration in steps of a background factorisation, in addition to a requested delay.
 constexpr long kWaiting = 20;
 
 struct Configuration {
@@ -34,18 +34,18 @@ struct Configuration {
   }
 };
 
-/// Of all segments of one configuration.
+/// Totals over all segments of one configuration.
 struct Tally {
   long segments = 0, steps = 0;
   long not_finite = 0;  // steps with such a position, velocity or reaction
-  long waiting = 0;     // failed until the factor for a grasp just taken or released was there
+  long waiting = 0;     // failed until the factorisation for a new or released grasp was available
   long failed = 0;      // failed otherwise
   long not_converged = 0;
   long overruns = 0;
   long allocations = 0;   // within steps
   double slowest = 0;     // s, thread time
-  int inverted = 0;       // points, after being let go
-  double rest_error = 0;  // m, after being let go
+  int inverted = 0;       // points, after release
+  double rest_error = 0;  // m, after release
   long restless = 0;      // segments that did not come to rest
 
   void add(const Tally& other) {
@@ -175,8 +175,8 @@ double resident_bytes() {
 
 void print(const std::vector<Configuration>& all, const std::vector<Tally>& tallies,
            std::ostream& out) {
-  common::Table table({"model", "E Pa", "steps", "nan", "failed", "waiting", "not conv",
-                         "overrun", "allocs", "max ms", "restless", "inverted", "rest m"});
+  common::Table table({"model", "E Pa", "steps", "nan", "failed", "waiting", "not conv", "overrun",
+                       "allocs", "max ms", "restless", "inverted", "rest m"});
   for (std::size_t i = 0; i < all.size(); ++i) {
     const Tally& t = tallies[i];
     char e[16], rest[16];
@@ -194,7 +194,7 @@ void print(const std::vector<Configuration>& all, const std::vector<Tally>& tall
 }  // namespace
 
 bool run_endurance(const EnduranceOptions& options, std::ostream& out) {
-  // What the allocator holds back of freed memory counts as used, and varies by some kB.
+  // Freed memory retained by the allocator counts as used, and varies by some kB.
   constexpr double kLeak = 32768;
   const std::vector<Configuration> all = configurations();
   std::vector<Tally> tallies(all.size());

@@ -10,26 +10,26 @@
 namespace palpate::bench {
 namespace {
 
-using Eigen::Matrix3Xd;
 using common::number;
+using Eigen::Matrix3Xd;
 
-/// Additions and multiplications (divisions and roots too) that an element cannot do without,
-/// counted from the formulas of point_kernel.hpp and element_block.hpp, with one Newton step for
-/// the rotation of each point.
+/// Minimum number of additions and multiplications (and divisions and roots) of an element, counted
+/// from the formulas of point_kernel.hpp and element_block.hpp, with one Newton step for the
+/// rotation of each point.
 double element_flops(mesh::ElementOrder order) {
   constexpr double kRotation = 24;   // matrix from a quaternion
-  constexpr double kStretch = 57;    // R^T F, its symmetric part and the other
-  constexpr double kTurn = 48 + 28;  // (tr(S) I - S)^-1 g, and the quaternion turned by it
+  constexpr double kStretch = 57;    // R^T F, its symmetric and antisymmetric parts
+  constexpr double kTurn = 48 + 28;  // (tr(S) I - S)^-1 g, and the rotated quaternion
   constexpr double kStress = 74;     // energy, stress, its product with R
   constexpr double kPoint = 2 * kRotation + 2 * kStretch + kTurn + kStress;
   constexpr double kGradient = 45, kTraction = 54;  // F from three vectors, forces from P
   if (order == mesh::ElementOrder::kLinear) return 9 + kGradient + kPoint + kTraction + 12;
-  constexpr double kCorners = 36 + 24;  // what each point adds to the four corners' vectors
+  constexpr double kCorners = 36 + 24;  // contribution of each point to the four corners' vectors
   constexpr double kOnce = 27 + 60 + 36 + 90 + 30;  // differences, shared sums, nodal forces
   return kOnce + 4 * (kCorners + kGradient + kPoint + kTraction);
 }
 
-/// The bar bent and turned, as smooth as a solution is.
+/// The bar bent and rotated, as smooth as a solution.
 Matrix3Xd bent(const Matrix3Xd& rest) {
   Matrix3Xd x = rest;
   for (int i = 0; i < x.cols(); ++i) x(2, i) += 0.5 * x(0, i) * x(0, i);

@@ -8,14 +8,14 @@
 
 namespace palpate::bench {
 
-/// One part of a step beside the least time that the machine could take for it.
+/// One part of a step compared with the shortest time possible on the machine.
 struct StepPart {
   std::string name;
   double times = 0;  // per step, mean
-  double work = 0;   // of one time: flops, or bytes that have to be read
+  double work = 0;   // of one call: flops, or bytes that must be read
   bool is_flops = false;
-  double floor = 0;     // s, `work` by what the machine can do; 0: not known
-  double measured = 0;  // s, one time, alone with warm caches; of "the rest" by difference
+  double floor = 0;     // s, `work` over the machine's peak; 0: unknown
+  double measured = 0;  // s, one call, alone with warm caches; of "the rest" by difference
 };
 
 struct FloorReport {
@@ -25,11 +25,11 @@ struct FloorReport {
   double floor() const;         // s, of a step
 };
 
-/// Takes the parts of a step of `row`'s run apart on one core. Evaluations (a pass over the
-/// elements and one over the masses) count once per correction and once before.
+/// Measures the parts of a step of `row`'s run on one core. Evaluations (a pass over the elements
+/// and one over the masses) count once per correction and once before.
 FloorReport find_floor(const LatencyRow& row);
 
-/// Times in us, and by how much each part is above its floor.
+/// Times in us, and the ratio of each part to its floor.
 void print_floors(const std::vector<FloorReport>& reports, std::ostream& out);
 nlohmann::json to_json(const FloorReport& report);
 

@@ -106,7 +106,7 @@ void add_options(CLI::App& app, Arguments& a) {
       ->capture_default_str();
 }
 
-/// In a thread of its own, so that helpers do not inherit an affinity taken for an earlier run.
+/// In a separate thread, so that helpers do not inherit an affinity set for an earlier run.
 LatencyResult run_in_thread(const LatencyOptions& options) {
   return std::async(std::launch::async, run_latency, std::cref(options)).get();
 }

@@ -16,7 +16,7 @@ std::string scientific(double value) {
   return text;
 }
 
-/// With a mark where there were steps that it could not be found for.
+/// With a mark if it could not be computed for some steps.
 std::string error_text(const LatencyResult& r) {
   if (r.checks == 0) return "";
   return r.unknown == 0 ? scientific(r.error)

@@ -14,7 +14,7 @@ struct LatencyRow {
   LatencyResult result;
 };
 
-/// One line a configuration, and one for each of its baselines; times in ms.
+/// One line per configuration, and one for each of its baselines; times in ms.
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out);
 nlohmann::json to_json(const LatencyRow& row);
 

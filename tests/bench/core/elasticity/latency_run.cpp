@@ -13,14 +13,14 @@ namespace {
 
 using Eigen::Matrix3Xd;
 
-/// Nodal force out of balance of a converged solve, N at E = 1 Pa: 1e-9 N at 1e5 Pa.
+/// Nodal residual force of a converged solve, N at E = 1 Pa: 1e-9 N at 1e5 Pa.
 constexpr double kConverged = 1e-14;
 
 double distance(const Matrix3Xd& a, const Matrix3Xd& b) {
   return (a - b).colwise().norm().maxCoeff();
 }
 
-/// One baseline beside the model.
+/// One baseline compared with the model.
 class Rival {
  public:
   Rival(const Scenario& scenario, const LatencyOptions& options, BaselineModel::Solver solver,
@@ -30,8 +30,8 @@ class Rival {
         model_(scenario.body(), solver, options.mechanics == Mechanics::kDynamic),
         result_(result) {}
 
-  /// The step twice from the same state: the first to fetch its data into the caches, where those
-  /// of a program that does nothing else would be.
+  /// The step twice from the same state: first to load its data into the caches, as in a program
+  /// that does nothing else.
   void measure(double t, const Matrix3Xd& x, const Matrix3Xd& v, const Matrix3Xd& loads,
                const Matrix3Xd* converged) {
     for (const bool is_timed : {false, true}) {
@@ -106,7 +106,7 @@ LatencyResult run_latency(const LatencyOptions& options) {
   }
   Pacer pacer(options.dt);
   Matrix3Xd x_before = rest, v_before = rest, x_after = rest;
-  // An odd stride, so that checks do not meet a motion at the same phase again and again.
+  // An odd stride, so that checks do not coincide with one phase of a motion.
   const long stride = std::max(1L, options.steps / std::max(1, options.checks)) | 1;
   bool is_disturbed = false;
   double end = 0;
@@ -135,7 +135,7 @@ LatencyResult run_latency(const LatencyOptions& options) {
       result.step.wall.add(wall_taken);
       result.step.cpu.add(cpu_taken);
     }
-    is_disturbed = is_checked;  // the caches hold something else afterwards
+    is_disturbed = is_checked;  // the caches hold other data afterwards
     result.iterations.add(report.iterations);
     result.not_converged += report.status == elasticity::StepStatus::kNotConverged;
     result.failed += report.status == elasticity::StepStatus::kFailed;

@@ -20,8 +20,8 @@ struct LatencyOptions {
   double seconds = 1e9;  // of wall time at most, from the first sample on
   int checks = 200;      // steps compared with a converged solve and the baselines
   bool baselines = false;
-  bool paced = false;              // a step begins every dt, as in the daemon, not at once
-  std::function<void()> schedule;  // of the stepping thread, once its helpers have started
+  bool paced = false;  // a step begins every dt, as in the daemon, instead of without pause
+  std::function<void()> schedule;  // of the stepping thread, set after its helpers have started
 };
 
 /// Times in s.
@@ -31,7 +31,7 @@ struct StepTimes {
 
 struct BaselineResult {
   StepTimes times;
-  Samples assembly;    // thread time of finding forces and tangent
+  Samples assembly;    // thread time of the evaluation of forces and tangent
   Samples iterations;  // of the linear solver
   double error = 0;    // like LatencyResult::error
   long failed = 0;
@@ -41,13 +41,13 @@ struct LatencyResult {
   StepTimes step;
   Samples iterations;
   long not_converged = 0, failed = 0;
-  /// Largest distance of a node from where the converged solve of the same step puts it (Newton's
-  /// method of the baselines, from the state before the step), over all checks but `unknown` ones,
-  /// by `amplitude`, the largest displacement of the run.
+  /// Largest distance of a node from the converged solution of the same step (Newton's method of
+  /// the baselines, from the state before the step), over all checks but `unknown` ones, relative
+  /// to `amplitude`, the largest displacement of the run.
   double error = 0;
   double amplitude = 0;  // m
   int checks = 0;
-  int unknown = 0;  // checks whose solve did not converge: the state has come to grief before
+  int unknown = 0;  // checks whose solve did not converge: the state was invalid before
   long refactorisations = 0;
   Samples refactor_wall, refactor_cpu;
   Samples factor_age, sensitivity_age;  // s, at each step; the second where it is valid

@@ -10,7 +10,7 @@
 namespace palpate::bench {
 namespace {
 
-/// The best of many, since all that can happen is that something else gets in the way.
+/// The minimum of many, since all disturbances increase the time.
 template <class Run>
 double least_time(const Run& run) {
   constexpr double kDuration = 0.05;  // s
@@ -26,7 +26,7 @@ double least_time(const Run& run) {
   return least;
 }
 
-/// Keeps a result that nobody asks for.
+/// Keeps an otherwise unused result.
 volatile double sink;
 
 template <class Pack>
@@ -34,7 +34,8 @@ double peak_flops() {
   constexpr int kChains = 12;  // hide the latency of one multiply-add by others
   constexpr int kRepeats = 20000;
   const double seconds = least_time([] {
-    // Unknown to the compiler and unlike each other, so that no chain can be left out.
+    // Unknown to the compiler and different from each other, so that no chain can be optimised
+    // away.
     const double one = 1 + 0 * sink;
     const Pack a = math::splat<Pack>(one), b = math::splat<Pack>(one / 3);
     std::array<Pack, kChains> sums;
@@ -56,7 +57,7 @@ double read_bandwidth(std::size_t size) {
   constexpr int kSums = 8;
   const std::size_t count = std::max<std::size_t>(1, size / (kSums * sizeof(Pack4d)));
   const std::vector<double> memory(count * kSums * 4, 1.0);
-  // Short blocks are read several times over, so that the clock's own time does not count.
+  // Short blocks are read several times, so that the clock's overhead is negligible.
   const std::size_t repeats = std::max<std::size_t>(1, 1000000 / (8 * memory.size()));
   const double seconds = least_time([&] {
     std::array<Pack4d, kSums> sums{};

@@ -4,10 +4,10 @@
 
 namespace palpate::bench {
 
-/// What one core of the machine can do at best, here and now.
+/// Peak performance of one core of this machine.
 
-/// Bytes per second read one after the other from `size` bytes that have just been read before, and
-/// so from whichever cache holds them, or from memory.
+/// Sequential read bandwidth, bytes per second, for `size` bytes that have just been read before,
+/// and therefore from the cache that holds them, or from memory.
 double read_bandwidth(std::size_t size);
 
 /// Floating-point operations per second of independent fused multiply-adds, each counted as two.

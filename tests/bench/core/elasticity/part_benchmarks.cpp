@@ -10,7 +10,7 @@
 namespace palpate::bench {
 namespace {
 
-/// The bar bent and turned as 50 ms of motion L leave it.
+/// The bar bent and rotated as after 50 ms of motion L.
 Eigen::Matrix3Xd moved(const Scenario& scenario) {
   const auto model = make_model(scenario.body(), Mechanics::kDynamic, {});
   for (int k = 1; k <= 50; ++k) {
@@ -21,7 +21,7 @@ Eigen::Matrix3Xd moved(const Scenario& scenario) {
   return model->positions();
 }
 
-/// Workers are scheduled as the calling thread is.
+/// Workers are scheduled like the calling thread.
 std::unique_ptr<math::Team> team_of(int threads) {
   if (threads == 1) return std::make_unique<math::SoloTeam>();
   loop::SpinTeamOptions options;
@@ -81,14 +81,14 @@ void solve(benchmark::State& state, const BarMesh& mesh, int threads) {
   state.counters["bytes"] = static_cast<double>(panels.bytes());
 }
 
-/// One run of the job that the background thread has, sensitivities included.
+/// One run of the background thread's job, including sensitivities.
 void refactorisation(benchmark::State& state, const BarMesh& mesh) {
   const Scenario scenario(mesh, Motion::kLarge);
   const auto model = make_model(scenario.body(), Mechanics::kDynamic, {});
   const Eigen::Matrix3Xd x = moved(scenario), v = Eigen::Matrix3Xd::Zero(3, x.cols());
   for (auto _ : state) {
     state.PauseTiming();
-    model->restore(x, v);  // makes it want a new one
+    model->restore(x, v);  // makes it request a new one
     elasticity::Refactorisation* job = model->wanted_refactorisation();
     state.ResumeTiming();
     if (job == nullptr) {

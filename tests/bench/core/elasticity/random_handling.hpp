@@ -8,8 +8,8 @@ namespace palpate::bench {
 /// Bar fixed at x = 0, with a grasp of its tip and one of a patch on its upper side.
 elasticity::Body make_handled_bar(const mesh::ElementMesh& mesh, double young_modulus);
 
-/// A hand that knows no reason: grasps held, moved at up to 0.3 m/s and 3 rad/s and released, loads
-/// on patches from nothing to `most_load` times 1 N at E = 1e5 Pa, in proportion to E.
+/// Random handling: grasps held, moved at up to 0.3 m/s and 3 rad/s and released, loads on patches
+/// from zero to `most_load` times 1 N at E = 1e5 Pa, in proportion to E.
 class RandomHandling {
  public:
   RandomHandling(const elasticity::Body& body, double most_load, math::Random random);
@@ -25,7 +25,7 @@ class RandomHandling {
  private:
   struct Hand {
     bool is_holding = false;
-    long left = 0;  // steps until something else comes to mind
+    long left = 0;  // steps until the next random action
     math::Pose X_OG = math::Pose::Identity(), goal = math::Pose::Identity();
     double linear_speed = 0, angular_speed = 0;
   };

@@ -8,7 +8,7 @@
 namespace palpate::bench {
 
 enum class Start {
-  kMirrored,  // every free node mirrored through the clamp: all elements inside out
+  kMirrored,  // every free node mirrored through the clamp: all elements inverted
   kRandom,    // every free node anywhere within the bar's box
 };
 
@@ -26,24 +26,25 @@ struct RecoveryOptions {
 };
 
 struct RecoveryResult {
-  bool is_recovered = false;  // no point inverted and within kRest of rest, to stay
+  bool is_recovered = false;  // permanently no inverted point and within kRest of rest
   bool is_finite = true;
-  double untangled_at = -1;  // s, simulated, from when on nothing was inverted; -1: never
-  double at_rest = -1;       // s, from when on every node was within kRest of its place; -1: never
-  int inverted = 0;          // quadrature points, at the end
-  double error = 0;          // m, largest distance of a node from rest, at the end
+  double untangled_at = -1;  // s, simulated, after which nothing was inverted; -1: never
+  double at_rest =
+      -1;            // s, after which every node was within kRest of its rest position; -1: never
+  int inverted = 0;  // quadrature points, at the end
+  double error = 0;  // m, largest distance of a node from rest, at the end
   long steps = 0, failed = 0, refactorisations = 0;
   double slowest_step = 0;  // s, thread time
-  double total = 0;         // s, wall time, factorisations included
+  double total = 0;         // s, wall time, including factorisations
 };
 
 inline constexpr double kRest = 1e-6;  // m
 
-/// From a wrecked state, clamp held and no loads, back to rest.
+/// From an invalid state, clamp held and no loads, back to rest.
 RecoveryResult run_recovery(const RecoveryOptions& options);
 
 /// Runs every combination of start, mechanics and the meshes of about 300 and 1000 nodes, prints
-/// each line as it comes, and returns how many did not recover.
+/// each line as it completes, and returns the number of failed recoveries.
 int run_recoveries(const RecoveryOptions& common, std::ostream& out);
 
 }  // namespace palpate::bench

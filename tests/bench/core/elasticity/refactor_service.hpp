@@ -9,7 +9,7 @@
 
 namespace palpate::bench {
 
-/// When a model's refactorisations are run.
+/// Schedule of a model's refactorisations.
 struct RefactorPolicy {
   enum Kind { kBackground, kDelayed, kNever };
   Kind kind = kBackground;
@@ -29,7 +29,7 @@ class RefactorService {
  public:
   explicit RefactorService(const RefactorPolicy& policy);
 
-  /// Before a step, inside its time: installs what is finished.
+  /// Before a step, inside its time: installs a completed one.
   void collect(elasticity::DeformationModel& model, long step);
   /// After a step, inside its time: takes the snapshot.
   void request(elasticity::DeformationModel& model, long step);

@@ -20,7 +20,7 @@ constexpr elasticity::Material kMaterial{1e5, 0.35, 300};
 constexpr double kLength = 0.20, kRadius = 0.025;  // m, of the cylinder
 const Vector3d kHalfAxes(0.05, 0.03, 0.03);        // m, of the ellipsoid
 
-/// Moves a rest point that lies near the surface onto it.
+/// Projects a rest point near the surface onto it.
 using Projection = std::function<Vector3d(const Vector3d&)>;
 /// Whether a point on the surface (a corner, or the centroid of a triangle) belongs to a region.
 using Region = std::function<bool(const Vector3d&)>;
@@ -245,7 +245,8 @@ RoundBody make_ellipsoid(int m, ElementOrder order, Sides sides) {
     if (is_new) nodes.push_back(shell > 0 ? Vector3d(shell * p.normalized()) : p);
     return found->second;
   };
-  // A simplex 1 >= x >= y >= z of a cube of m^3 cells is a union of those of the cells: Kuhn.
+  // A simplex 1 >= x >= y >= z of a cube divided into m^3 cells is a union of those of the cells:
+  // Kuhn.
   constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   std::vector<Eigen::Vector4i> tetrahedra;
   for (const auto& [i, j, k] : icosahedron_faces()) {

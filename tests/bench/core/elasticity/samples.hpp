@@ -7,7 +7,7 @@ namespace palpate::bench {
 
 /// Seconds on the monotonic clock.
 double wall_time() noexcept;
-/// Seconds of processor time of the calling thread: free of what other programs take.
+/// Seconds of processor time of the calling thread: unaffected by other programs.
 double thread_time() noexcept;
 
 /// Every sample is kept, so that quantiles are exact.
@@ -18,7 +18,7 @@ class Samples {
   std::size_t count() const { return values_.size(); }
   double mean() const;
   double max() const;
-  /// Smallest sample that at least `fraction` of all do not exceed; 0 when empty.
+  /// Smallest sample that is exceeded by at most 1 - `fraction` of all; 0 when empty.
   double quantile(double fraction) const;
 
  private:

@@ -85,7 +85,7 @@ Scenario::Scenario(const BarMesh& mesh, Motion motion, double young_modulus)
 math::Pose Scenario::clamp_pose(double t) const {
   math::Pose X = body_.grasps[0].X_OG_rest;
   if (motion_ != Motion::kLarge) return X;
-  // Two unlike frequencies, so that the bar visits ever new attitudes.
+  // Two incommensurable frequencies, so that the bar visits ever new orientations.
   const double swing = soft_start(t, 0.1) * kTurn / 6;
   const double shift = soft_start(t, 0.1) * 0.05;
   const double slow = 0.7 * kTurn * t, fast = kTurn * t;

@@ -8,7 +8,8 @@
 
 namespace palpate::bench {
 
-/// A bar of 0.20 x 0.05 x 0.05 m, cut into cells along x, y, z and each cell into six tetrahedra.
+/// A bar of 0.20 x 0.05 x 0.05 m, divided into cells along x, y, z and each cell into six
+/// tetrahedra.
 struct BarMesh {
   mesh::ElementOrder order = mesh::ElementOrder::kQuadratic;
   std::array<int, 3> cells{9, 2, 2};
@@ -17,16 +18,16 @@ struct BarMesh {
   std::string text() const;  // e.g. "quadratic 475"
 };
 
-/// The sizes that figures are quoted for, by rising node count.
+/// The sizes for which figures are quoted, by ascending node count.
 std::vector<BarMesh> bar_meshes(mesh::ElementOrder order);
-/// The one of `nodes` nodes; throws std::invalid_argument naming the sizes there are.
+/// The one of `nodes` nodes; throws std::invalid_argument naming the available sizes.
 BarMesh bar_of(mesh::ElementOrder order, int nodes);
 
-/// What happens to the bar, whose end x = 0 is a grasped patch and whose end x = L bears a uniform
-/// traction of resultant F. Forces are for E = 1e5 Pa and scale with E.
+/// Motion and load of the bar, whose end x = 0 is a grasped patch and whose end x = L bears a
+/// uniform traction of resultant F. Forces are for E = 1e5 Pa and scale with E.
 enum class Motion {
   kStep,   // S: F = 0.1 N at once, the clamp stays
-  kLarge,  // L: F = 1 N turns at 1 Hz; the clamp swings by 60 degrees about two axes and moves by
+  kLarge,  // L: F = 1 N rotates at 1 Hz; the clamp swings by 60 degrees about two axes and moves by
            // 50 mm
   kBend,   // B: F = 2 N within 50 ms, the clamp stays
 };
@@ -55,12 +56,12 @@ class Scenario {
   Eigen::VectorXd tip_shares_;  // of the traction, by node; they sum to 1
 };
 
-/// Prepared, its clamp held and a factor for that installed.
+/// Prepared, with its clamp held and the factorisation for that installed.
 std::unique_ptr<elasticity::CorotationalModel> make_model(const elasticity::Body& body,
                                                           Mechanics mechanics,
                                                           const elasticity::SolverOptions& options);
 
-/// Runs and installs the refactorisation that the model wants, if any, here and now.
+/// Runs and installs the refactorisation that the model requests, if any, immediately.
 void refactor_now(elasticity::DeformationModel& model);
 
 }  // namespace palpate::bench

@@ -41,7 +41,7 @@ void tick(benchmark::State& state, const BarMesh& mesh, Mechanics mechanics, int
   state.counters["factors"] = static_cast<double>(service.count());
 }
 
-/// The same steps by a baseline, which lives its own trajectory.
+/// The same steps by a baseline, which follows its own trajectory.
 void baseline_tick(benchmark::State& state, const BarMesh& mesh, BaselineModel::Solver solver) {
   const Scenario scenario(mesh, Motion::kLarge);
   const auto loads = make_model(scenario.body(), Mechanics::kDynamic, {});

@@ -8,16 +8,16 @@
 namespace palpate::bench {
 
 /// The quadprog package of R (B. A. Turlach's Fortran code of the method of Goldfarb and Idnani),
-/// called without R, where Debian's r-cran-quadprog is installed. It has no warm start, no rows
-/// that give way and no two-sided ones.
+/// called without R, if Debian's r-cran-quadprog is installed. It supports neither warm start nor
+/// soft or two-sided rows.
 class QuadprogPeer {
  public:
-  /// Null where it is not installed.
+  /// Null if it is not installed.
   static std::unique_ptr<QuadprogPeer> open();
 
   /// Hard rows only.
   void load(const math::QuadraticProgram& program);
-  /// False where it finds the rows to contradict each other. Destroys what was loaded.
+  /// False if it finds the rows contradictory. Overwrites the loaded program.
   bool solve();
   const Eigen::VectorXd& u() const { return u_; }
 

@@ -1,6 +1,6 @@
-// What one solve costs: p50 and p99 over the cycles of servo loops, each of whose programs is its
-// last one with g and the bounds moved by a thousandth; cold, warm, and beside R's quadprog on the
-// same programs where that is installed.
+// Cost of one solve: p50 and p99 over the cycles of servo loops, each of whose programs is the
+// previous one with g and the bounds changed by a thousandth; cold, warm, and compared with R's
+// quadprog on the same programs if that is installed.
 
 #include <benchmark/benchmark.h>
 
@@ -22,7 +22,7 @@ constexpr int kLoops = 20;
 constexpr int kCycles = 50;
 constexpr double kDrift = 1e-3;
 
-/// Loops of exactly so many variables, one after the other.
+/// Loops with exactly this many variables, one after the other.
 std::vector<QuadraticProgram> cycles(Family family, int variables, int rows) {
   math::Random random(1, support::name(family));
   std::vector<QuadraticProgram> programs;
@@ -83,7 +83,7 @@ void register_size(Family family, int variables, int rows, QuadprogPeer* peer) {
   };
   add("cold", [=](benchmark::State& s) { ours(s, QuadraticProgramSolver::Start::kCold); });
   add("warm", [=](benchmark::State& s) { ours(s, QuadraticProgramSolver::Start::kWarm); });
-  // It has no soft rows, and takes rows that meet in a point for contradictory.
+  // It has no soft rows, and treats rows that intersect in a point as contradictory.
   if (!peer || family == Family::kSoft || family == Family::kVertex) return;
   add("quadprog", [=](benchmark::State& state) {
     const auto programs = cycles(family, variables, rows);

@@ -1,6 +1,6 @@
-// What a datagram costs the receiver's thread, by what is wrong with it: one iteration, one
-// datagram, drawn beforehand. And what three messages cost the loop that publishes them in a cycle,
-// sent at once or handed over; nobody subscribes.
+// Cost of a datagram for the receiver's thread, by its defect: one iteration, one datagram,
+// generated beforehand. And the cost of three messages per cycle for the publishing loop, sent
+// directly or handed over; without subscribers.
 
 #include <benchmark/benchmark.h>
 

@@ -15,8 +15,8 @@
 #include "tests/bench/rt/inference/subjects.hpp"
 #include "tools/common/table.hpp"
 
-// What one sample costs the loop: palpate's kernel, libtorch streamed, libtorch over a window
-// computed anew for each sample as in the thesis, and libtorch on its own thread.
+// Cost of one sample for the loop: palpate's kernel, libtorch streamed, libtorch over a window
+// evaluated again for each sample as in the thesis, and libtorch in a separate thread.
 namespace {
 
 using namespace palpate;
@@ -31,13 +31,12 @@ struct Options {
 struct Figures {
   int samples = 0;
   double p50 = 0, p99 = 0, p999 = 0, largest = 0;  // us
-  double loop_allocations = 0;                     // a sample, in the thread that calls
-  double model_allocations = 0;                    // a sample, in the thread that runs the model
+  double loop_allocations = 0;                     // per sample, in the calling thread
+  double model_allocations = 0;                    // per sample, in the thread that runs the model
   long late = 0;
 };
 
-/// Times of `executor` as its caller sees them, on samples that follow each other as `period_us`
-/// says, or at once.
+/// Times of `executor` for its caller, on samples at intervals of `period_us`, or without pause.
 Figures measure(inference::Executor& executor, const std::atomic<std::int64_t>& model_allocations,
                 int samples, int period_us) {
   const inference::ModelSizes sizes = executor.sizes();
@@ -48,7 +47,7 @@ Figures measure(inference::Executor& executor, const std::atomic<std::int64_t>& 
   std::int64_t in_loop = 0, in_model = 0, late = 0;
   auto next = std::chrono::steady_clock::now();
   for (int k = -samples / 10; k < samples; ++k) {
-    // A window moves on by one sample of a few numbers; drawing them all would take longest.
+    // A window moves on by one sample of a few numbers; generating them all would dominate.
     for (int i = 0; i < std::min(sizes.inputs, 32); ++i) input[i] = normal(random);
     if (k == 0) {
       in_model = model_allocations;
@@ -84,7 +83,7 @@ class Report {
     table_.section(network);
   }
 
-  /// The first of a section is what the others are compared to.
+  /// The first of a section is the reference for the others.
   void add(const char* executor, const Figures& figures) {
     if (network_ != compared_) reference_ = figures.p50;
     compared_ = network_;
@@ -150,7 +149,7 @@ void measure_network(const bench::Network& network, const Options& options, Repo
              measure(threaded, allocations, options.samples, options.period_us));
 }
 
-/// What a model that hangs costs the loop: the time that it waits, and no more.
+/// Cost of a hanging model for the loop: only the time that it waits.
 void measure_hang(const Options& options, Report& report) {
   std::atomic<bool> hangs{false};
   std::atomic<std::int64_t> allocations{0};

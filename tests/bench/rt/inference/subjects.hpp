@@ -14,19 +14,19 @@ struct Network {
   const char* name;
   int inputs, outputs;
   std::vector<int> layers;
-  int window;  // samples that the thesis computes anew for each answer
+  int window;  // samples that the thesis evaluates again for each output
 };
 
-/// Networks of the thesis and of the presets that palpate-train has of its own.
+/// Networks of the thesis and of palpate-train's own presets.
 std::vector<Network> networks();
 
 sensing::RecurrentWeights random_weights(const Network& network);
 
-/// The same cells as one call over the whole window, from zero, as in the thesis: a module of
+/// The same cells as one call over the whole window, from zero, as in the thesis: a module with
 /// inputs x window numbers and no state.
 std::string windowed_module(const Network& network, const sensing::RecurrentWeights& weights);
 
-/// Counts what a model allocates in the thread that runs it.
+/// Counts a model's allocations in the thread that runs it.
 class Counted final : public inference::SequenceModel {
  public:
   Counted(std::unique_ptr<inference::SequenceModel> model, std::atomic<std::int64_t>& allocations)
@@ -40,7 +40,7 @@ class Counted final : public inference::SequenceModel {
   std::atomic<std::int64_t>& allocations_;
 };
 
-/// Answers nothing from the first step after `hangs` is set until it is cleared.
+/// Blocks from the first step after `hangs` is set until it is cleared.
 class Hanging final : public inference::SequenceModel {
  public:
   explicit Hanging(const std::atomic<bool>& hangs) : hangs_(hangs) {}

@@ -1,5 +1,5 @@
-// Frame rate of the depth camera at 640 x 480: a bar of as many triangles as named, an arm and a
-// hand of thirty primitive shapes before it.
+// Frame rate of the depth camera at 640 x 480: a bar with the given number of triangles, an arm and
+// a hand of thirty primitive shapes in front of it.
 
 #include <benchmark/benchmark.h>
 

@@ -1,4 +1,4 @@
-// How far the meshes of the scenes are from a converged one, and what they cost.
+// Error of the scenes' meshes relative to a converged one, and their cost.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <exception>

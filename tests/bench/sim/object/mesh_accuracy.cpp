@@ -13,12 +13,12 @@ namespace palpate::object {
 namespace {
 
 constexpr double kStep = 1e-3;
-constexpr double kInstant = 1e-9;  // s, to have the hand where it shall be
+constexpr double kInstant = 1e-9;  // s, to move the hand to its pose
 constexpr double kTolerance = 1e-6;
 constexpr double kSettling = 20;  // s
 constexpr double kDent = 1.5e-3;  // m
 
-/// The hand on a share of the way to a leg's pose.
+/// The hand at a fraction of the way to a leg's pose.
 math::Pose pose_at(const MeshCase& load, const scenes::Leg& leg, double share) {
   if (load.options.grasps.empty()) return math::Pose::Identity();
   const math::Pose& rest = load.options.grasps[0].X_OG_rest;
@@ -56,7 +56,7 @@ MeshCase read_case(const std::string& scene_file) {
   if (options.grasps.empty()) {
     GraspOptions pinch;
     pinch.patch = {options.origin, options.origin + options.size};
-    pinch.patch.lower.x() += 0.5 * options.size.x();  // a border of elements in all meshes
+    pinch.patch.lower.x() += 0.5 * options.size.x();  // an element border in all meshes
     pinch.pinch_axis = 2;
     pinch.stiffness = 1e5;
     pinch.damping = 20;

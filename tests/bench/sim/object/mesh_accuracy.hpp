@@ -10,15 +10,15 @@
 
 namespace palpate::object {
 
-/// The object of a scene at rest in the hand, and where the hand takes it.
+/// The object of a scene at rest in the hand, and the poses of the hand.
 struct MeshCase {
   PlantOptions options;
   std::vector<scenes::Leg> legs;
-  bool dented = false;  // by two fingertips, as the scene's fingers do
+  bool dented = false;  // by two fingertips, as in the scene
 };
 
-/// Reads a scene. Where fingertips hold the object a pinch by pads over its outer half stands in
-/// for them: they would slip and roll, which is no matter of the mesh.
+/// Reads a scene. If fingertips hold the object, they are replaced by a pinch by pads over its
+/// outer half: slip and rolling are independent of the mesh.
 MeshCase read_case(const std::string& scene_file);
 
 /// In equilibrium at one pose of the hand.
@@ -29,25 +29,25 @@ struct Equilibrium {
   std::shared_ptr<const HyperelasticPlant> plant;
 };
 
-/// At all poses: moved there from rest, or begun with those of another mesh.
+/// At all poses: moved there from rest, or started from the shapes of another mesh.
 std::vector<Equilibrium> equilibria(const MeshCase& load,
                                     const std::vector<Equilibrium>& start = {});
 
-/// N: what it takes two fingertips to dent the object by 1.5 mm from above and below, near its free
+/// N: force of two fingertips that indent the object by 1.5 mm from above and below, near its free
 /// end.
 double dent_force(const MeshCase& load);
 
-/// Greatest difference over all poses, percent: of the shape over its greatest displacement, of
-/// force and torque of the hand over theirs.
+/// Largest difference over all poses, percent: of the shape relative to its largest displacement,
+/// of force and torque of the hand relative to theirs.
 std::array<double, 3> differences(const std::vector<Equilibrium>& found,
                                   const std::vector<Equilibrium>& best);
 
-/// Twice the elements along each axis, and shorter still beside clamp and grasp.
+/// Twice the elements along each axis, with even shorter ones next to clamp and grasp.
 PlantOptions refined(const PlantOptions& options);
 
-/// What steps of 1 ms cost as the hand goes to the first pose and back.
+/// Cost of steps of 1 ms as the hand moves to the first pose and back.
 struct StepCost {
-  double microseconds = 0;  // of this thread's processor time, least of several
+  double microseconds = 0;  // of this thread's processor time, minimum of several
   double substeps = 0;
 };
 StepCost step_cost(const MeshCase& load);

@@ -1,10 +1,11 @@
-// What a step of 1 ms of the simulated object costs: the bar of the scenes, bent and held, by mesh
-// and by what it is made of. "x_real_time" is simulated over real time on one core.
+// Cost of a step of 1 ms of the simulated object: the bar of the scenes, bent and held, by mesh and
+// by material. "x_real_time" is simulated over real time on one core.
 //
-// plant_mesh also tells how far a mesh is from 60 x 4 x 4, in percent: greatest difference of the
-// shape over the greatest displacement, of force and torque of the hand over theirs; the worst of
-// two poses, lowered by 80 mm and twisted by 46 degrees while moved aside. Least times of a busy
-// machine: --benchmark_filter=plant_mesh | grep _min (it runs for some minutes).
+// plant_mesh also reports the error of a mesh relative to 60 x 4 x 4, in percent: largest
+// difference of the shape relative to the largest displacement, of force and torque of the hand
+// relative to theirs; the worst of two poses, lowered by 80 mm and twisted by 46 degrees while
+// moved sideways. Minimum times on a busy machine: --benchmark_filter=plant_mesh | grep _min (runs
+// for some minutes).
 #include <benchmark/benchmark.h>
 
 #include <Eigen/Geometry>
@@ -59,7 +60,7 @@ void swing(benchmark::State& state, HyperelasticPlant& plant, const math::Pose& 
   report(state, plant, substeps);
 }
 
-/// Where the bar comes to rest in one pose of the hand.
+/// Equilibrium of the bar at one pose of the hand.
 struct Bent {
   Eigen::Matrix3Xd moved;  // m, of points along it
   math::Wrench hand;

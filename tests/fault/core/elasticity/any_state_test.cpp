@@ -1,5 +1,5 @@
-// From whatever state: nodes anywhere within three times the size of the body, and forces a hundred
-// times what it bears. A long run:
+// From an arbitrary state: nodes anywhere within three times the size of the body, and forces a
+// hundred times the bearable ones. A long run:
 //   PALPATE_FAULT_STATES=100000 bin/fault_core_elasticity
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace palpate::elasticity {
 namespace {
 
 constexpr int kMostSteps = 500;
-constexpr double kDt = 1e-3, kRest = 0.01;  // s, of the body's size
+constexpr double kDt = 1e-3, kRest = 0.01;  // s, relative to the body's size
 
 long states() {
   const char* text = std::getenv("PALPATE_FAULT_STATES");
@@ -31,8 +31,8 @@ Body bar(mesh::ElementOrder order) {
   return body;
 }
 
-/// One step, and the factor that it may want, as a worker makes it between two steps. Whether the
-/// model gave its shape up.
+/// One step, and the factorisation that it may request, as a worker computes it between two steps.
+/// Returns whether the model reset its shape.
 bool step(DeformationModel& model) {
   const StepReport report = model.step(kDt);
   if (Refactorisation* wanted = model.wanted_refactorisation()) {
@@ -49,7 +49,7 @@ struct Outcome {
   int slowest = 0;  // steps to rest
 };
 
-/// Lets the body go and waits for it, its loads dropped.
+/// Releases the body and waits for rest, without loads.
 void settle(DeformationModel& model, Outcome& outcome) {
   const Eigen::Matrix3Xd& rest = model.body().mesh.nodes;
   const double near = kRest * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).norm();
@@ -100,7 +100,7 @@ TEST_P(AnyState, NodesAnywhereComeBack) {
 TEST_P(AnyState, AHundredTimesTheForceLeavesNumbersAndAWayBack) {
   CorotationalQuasistatic model(body_);
   model.prepare();
-  // A hundred times what stretches the bar by a tenth of its length.
+  // A hundred times the load that stretches the bar by a tenth of its length.
   const double force = 100 * 0.1 * body_.material.young_modulus * 0.06 * 0.06;
   Outcome outcome;
   for (long state = 0; state < states(); ++state) {

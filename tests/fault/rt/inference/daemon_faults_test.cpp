@@ -1,5 +1,5 @@
-// A user's module that fails, hangs or answers nonsense while the daemon runs: who notices, who
-// takes over, and who is told.
+// A user's module that fails, hangs or returns invalid values while the daemon runs: detection,
+// fallback and report.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,13 +28,13 @@ using ::testing::HasSubstr;
 using torch_script::forward;
 
 constexpr int kActive = 2, kDegraded = 3, kFaulted = 4;  // of health_t.state
-/// What a module does once its first input is beyond 500.
+/// Behaviour of a module once its first input is beyond 500.
 constexpr const char* kThrows = "assert False, \"broken\"";
 constexpr const char* kHangs = "while bool(x[0, 0] > 500):\n        z = z + 1";
 constexpr const char* kNotFinite = "z = z / 0";
 constexpr const char* kWrongSize = "z = torch.cat([z, z], 1)";
 
-/// Says 0.2 N along z of `outputs` numbers until then.
+/// Outputs 0.2 N along z of `outputs` numbers until then.
 std::string module(const std::string& misdeed, int outputs) {
   std::string answer = "0.0, 0.0, 0.2";
   for (int i = 3; i < outputs; ++i) answer += ", 0.0";
@@ -44,7 +44,7 @@ std::string module(const std::string& misdeed, int outputs) {
                                       misdeed + "\nreturn z, state"));
 }
 
-/// A daemon on an in-process bus, and the user and the sensors at its other end.
+/// A daemon on an in-process bus, with the user and the sensors at its other end.
 class Cell {
  public:
   Cell(const config::Node& configuration, Mode mode)
@@ -106,7 +106,7 @@ class Cell {
     for (int i = 0; i < 10; ++i) tick();
   }
 
-  /// Texts of all events of this name of the sensing slot, a line each.
+  /// Texts of all events of this name of the sensing slot, one per line.
   std::string told(const std::string& event) const {
     std::string text;
     for (const component_event_t& e : events)
@@ -139,7 +139,7 @@ class FaultyModel : public ::testing::Test {
   FaultyModel()
       : folder_(fs::temp_directory_path() / ("palpate-faults-" + std::to_string(getpid()))) {
     fs::create_directories(folder_);
-    // 1 mN a count of pressure, along z.
+    // 1 mN per count of pressure, along z.
     std::ofstream linear(folder_ / "linear.yaml");
     linear << "model:\n";
     for (const char axis : {'x', 'y', 'z'}) {
@@ -169,8 +169,8 @@ class FaultyModel : public ::testing::Test {
     return ", fallback: biotac_linear, fallback_file: " + (folder_ / "linear.yaml").string();
   }
 
-  /// Touches with 400 counts of pressure: what the network says of it, then what is said once the
-  /// network has failed.
+  /// Contact with 400 counts of pressure: the network's output, then the output once the network
+  /// has failed.
   static void run_into_fault(Cell& cell) {
     cell.touch(0, 0);
     for (int i = 0; i < 20; ++i) cell.touch(400, 400);
@@ -257,7 +257,7 @@ TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
   const auto run = [&](double acceleration, int ticks) {
     inertial.acceleration[0] = acceleration;
     for (int i = 0; i < ticks; ++i) {
-      // A sensor that says the same for ever does not count.
+      // Identical sensor readings do not count.
       reading.wrench[5] = inertial.angular_velocity[2] = i % 2 == 0 ? 1e-9 : -1e-9;
       cell.say("ROBOT_STATE", robot);
       cell.say("FT_WRENCH", reading);
@@ -273,7 +273,8 @@ TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
   EXPECT_THAT(cell.told("model_fault"), HasSubstr("wrist ft_rnnob executor torch"));
   EXPECT_THAT(cell.told("degraded"), HasSubstr("payload alone explains the reading"));
   EXPECT_GT(before, 1);
-  // The network took 0.2 N of the reading; the payload's weight went before as after.
+  // The network accounted for 0.2 N of the reading; the payload's weight is removed before and
+  // after.
   EXPECT_NEAR(after - before, 0.2, 1e-3);
 }
 
@@ -285,7 +286,7 @@ TEST_F(FaultyModel, ABadModelForAnotherPipelineLeavesARunningOneAlone) {
       if (disturbed && i % 10 == 5) {
         const config::Node node = fingertip("z = z", ", executor: compiled");
         EXPECT_THROW(Cell(node, Mode::kDeterministic), config::Error);
-        // And a file that is damaged in the place of the one that runs.
+        // The same for a damaged file that is to replace the running one.
         std::ofstream((folder_ / "finger.pt").string(), std::ios::app) << "more";
         const config::Node same = config::Node::load_file(
             PALPATE_SOURCE_DIR "/rt/config/examples/foam_bar_tactile.yaml",

@@ -1,5 +1,5 @@
-// Modules that users bring: other networks than palpate's run as they are, and what is wrong with a
-// module is said when it is configured.
+// Modules supplied by users: other networks than palpate's run unchanged, and defects of a module
+// are reported at configuration.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -78,7 +78,7 @@ TEST_F(UserModule, AGatedRecurrentUnitCarriesItsState) {
       {{"w", {6, 3}, std::vector<float>(18, 0.1f)}, {"u", {6, 2}, std::vector<float>(12, 0.2f)}}));
   const float input[3] = {1, 2, 3};
   float output[2] = {};
-  // Cho et al. 2014: all rows of the weights being alike, both cells are.
+  // Cho et al. 2014: with all rows of the weights equal, both cells are equal.
   double h = 0;
   for (int k = 0; k < 5; ++k) {
     ASSERT_EQ(executor->step(input, output), Answer::kFresh);
@@ -134,7 +134,7 @@ TEST_F(UserModule, WhatFailsOrFillsTheMemoryIsRefused) {
                                 "return x[:, 0:2] + big[0, 0:2], state")),
               HasSubstr("fails"));
   EXPECT_THAT(complaint(forward("return x[:, 0:2] / 0, state")), HasSubstr("not finite"));
-  // As the state grows; zeros alone would do.
+  // With the size of the state; zeros would be sufficient.
   EXPECT_THAT(complaint(forward("return x[:, 0:2] + torch.exp(state * 10), state + 1")),
               HasSubstr("on zeros fails or gives a number that is not finite"));
   EXPECT_THAT(complaint(forward("return torch.rand([1, 2]), state")), HasSubstr("differently"));

@@ -1,5 +1,5 @@
-// Damaged model files and cards: each is refused with a reason that names the file, or it is whole
-// in all that counts; none ends, blocks or bloats the program.
+// Damaged model files and cards: each is rejected with a reason that names the file, or is intact
+// in everything that matters; none ends, blocks or bloats the program.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -24,10 +24,10 @@ using ::testing::HasSubstr;
 
 const long kRounds = fuzz::setting("PALPATE_FUZZ_ROUNDS", 1000);
 const auto kSeed = static_cast<std::uint64_t>(fuzz::setting("PALPATE_FUZZ_SEED", 1));
-/// A file that libtorch itself reads costs more by far than one that its hash gives away.
+/// A file that libtorch itself reads costs far more than one rejected by its hash.
 const long kVouchedRounds = std::max(1L, kRounds / 20);
 
-/// 0 in builds with a sanitizer, which keeps for long what is freed.
+/// 0 in builds with a sanitizer, which delays the release of freed memory.
 long resident_kilobytes() {
   if (loop::kSanitized) return 0;
   rusage usage{};
@@ -76,7 +76,7 @@ class DamagedModel : public ::testing::Test {
     return "";
   }
 
-  /// What is said of a module for which its card vouches.
+  /// Error text for a module whose card has the matching hash.
   std::string complaint_of_vouched(const std::string& bytes) {
     ModelFile file{path_, bytes, whole_};
     file.card.sha256 = sha256_of(bytes);
@@ -124,8 +124,8 @@ TEST_F(DamagedModel, ADamagedCardIsRefusedByNameOrStillOfTheSameModule) {
   EXPECT_LT(resident_kilobytes() - before, 64 * 1024) << "kB";
 }
 
-/// Seeds of the damaged modules that end libtorch, or that it does not come to an end with, each
-/// found in a child that may end.
+/// Seeds of the damaged modules that crash libtorch, or on which it does not terminate, each tested
+/// in a child process that may end.
 std::vector<std::uint64_t> find_deadly(const std::string& bytes, const ModelSizes& sizes) {
   std::vector<std::uint64_t> deadly;
   for (long next = 0; next < kVouchedRounds;) {
@@ -165,14 +165,14 @@ TEST_F(DamagedModel, WhatKillsLibtorchIsRefusedWhereItsCardVouchesForIt) {
   torch_version();  // loaded once, before the children
   std::vector<std::uint64_t> deadly = find_deadly(bytes_, whole_.sizes());
   std::cout << deadly.size() << " of " << kVouchedRounds << " damaged modules kill libtorch\n";
-  deadly.push_back(358);  // for which libtorch 1.13 reads without end
+  deadly.push_back(358);  // which libtorch 1.13 reads endlessly
   for (const std::uint64_t seed : deadly) {
     const std::string error = complaint_of_vouched(fuzz::damaged(bytes_, seed));
     EXPECT_THAT(error, HasSubstr(path_)) << seed;
     EXPECT_THAT(error, HasSubstr("libtorch")) << seed;
     std::cout << seed << ": " << error << "\n";
   }
-  // It is well, and so is the undamaged one.
+  // It is valid, and so is the undamaged one.
   EXPECT_EQ(complaint_of_vouched(bytes_), "");
 }
 

@@ -1,4 +1,4 @@
-// What anybody's program does: receives a typed message and all others through liblcm.
+// A typical program: receives a typed message and all others through liblcm.
 
 #include <cstdio>
 #include <lcm/lcm-cpp.hpp>

@@ -18,7 +18,7 @@ Eigen::Vector3d vector(double size) {
   return {x, y, z};
 }
 
-/// A box of random size and order, bent by a random smooth map and shaken a little.
+/// A box of random size and element order, bent by a random smooth map and slightly perturbed.
 struct DeformedBox {
   DeformedBox()
       : size(real(0.05, 0.5), real(0.05, 0.2), real(0.05, 0.2)),
@@ -141,7 +141,7 @@ RC_GTEST_PROP(WrenchPatchProperty, KeepsForceAndTorqueAboutTheContact, ()) {
   RC_ASSERT((total.torque - contact.wrench.torque).norm() < 1e-12 * scale + 1e-12);
 }
 
-/// A rigid motion of object and contact turns the loads and changes nothing else.
+/// A rigid motion of object and contact rotates the loads and changes nothing else.
 RC_GTEST_PROP(WrenchPatchProperty, TurnsWithTheObject, ()) {
   const DeformedBox box;
   WrenchPatch transformer(box.mesh, box.surface, {});

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 constexpr double kRounding = 1 + 1e-9;
 
-/// Anything a double can be, with the nasty ones often.
+/// Any double value, with special ones at increased frequency.
 rc::Gen<double> any_number() {
   return rc::gen::weightedOneOf<double>(
       {{6, rc::gen::map(rc::gen::inRange(-1000000, 1000001), [](int i) { return i * 1e-6; })},

@@ -39,7 +39,7 @@ Body random_body() {
 
 Matrix3d random_rotation() { return math::exp_rotation(vector(3)); }
 
-/// Positions of a strained (up to some 30 %) and turned body.
+/// Positions of a strained (up to about 30 %) and rotated body.
 Matrix3Xd random_shape(const Body& body) {
   const double size = body.mesh.nodes.row(1).maxCoeff();
   const Matrix3Xd strained = body.mesh.nodes + vectors(body.mesh.node_count(), 0.04 * size) +

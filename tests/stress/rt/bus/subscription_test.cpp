@@ -37,7 +37,7 @@ TEST(SubscriptionStress, MessagesComeWholeWhateverTheReceiverOffers) {
         faults += arrival > last ? 0 : 1;
         last = arrival;
         faults += bytes == message(static_cast<std::uint8_t>(arrival)) ? 0 : 1;
-        // Anyone may read the counters meanwhile.
+        // The counters may be read concurrently.
         faults += queue.counters().received > 0 ? 0 : 1;
         ++taken;
       }

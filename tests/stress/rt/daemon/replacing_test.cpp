@@ -1,5 +1,5 @@
-// Components are replaced while the loop runs and, beside it, one thread builds and destroys them
-// and another makes factors.
+// Components are replaced while the loop runs and, concurrently, one thread builds and destroys
+// them and another computes factorisations.
 
 #include <gtest/gtest.h>
 
@@ -70,8 +70,8 @@ TEST(ReplacingStress, ComponentsChangeUnderTheLoop) {
                             {"control", "", "", "{gain: 0.5}"},
                             {"deformation", "", "corotational_quasistatic", ""},
                             {"object", "", "", "{material: {young_modulus: 40e3}}"},
-                            {"control", "", "", "{gain: -1}"},  // refused
-                            {"nowhere", "", "x", ""}};          // refused
+                            {"control", "", "", "{gain: -1}"},  // rejected
+                            {"nowhere", "", "x", ""}};          // rejected
 
   stress::Rhythm rhythm(1);
   const int wanted = 60;
@@ -97,7 +97,7 @@ TEST(ReplacingStress, ComponentsChangeUnderTheLoop) {
     std::int64_t arrival_ns = 0;
     while (events.take(event, arrival_ns)) {
       const std::string what(reinterpret_cast<const char*>(event.event));
-      // What was replaced last is still being destroyed: to be asked again.
+      // The component replaced last is still being destroyed: retry.
       const std::string reason(reinterpret_cast<const char*>(event.reason));
       if (reason == "another replacement is under way") {
         --asked;

@@ -6,7 +6,7 @@
 namespace palpate::inference {
 namespace {
 
-/// Counts its samples in its state, at a pace that often misses the deadline.
+/// Counts its samples in its state, at a rate that often misses the deadline.
 class Counter final : public SequenceModel {
  public:
   ModelSizes sizes() const noexcept override { return {4, 1, 2}; }
@@ -43,7 +43,7 @@ TEST(TorchExecutorStress, SamplesAndAnswersChangeHandsWhole) {
     ++answers;
     ASSERT_GE(output[0], last) << "answers come in order";
     last = output[0];
-    // The model has seen as many samples as came before, but for those that were dropped.
+    // The model has received as many samples as were sent, except the dropped ones.
     ASSERT_LE(output[0], output[1]);
     ASSERT_GE(output[0], output[1] - static_cast<float>(executor.counters().dropped));
     if (answer == Answer::kFresh) {

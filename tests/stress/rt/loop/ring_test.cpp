@@ -1,4 +1,4 @@
-// Plain memory, handed from thread to thread: the thread sanitizer sees where two hold it at once.
+// Plain memory exchanged between threads: the thread sanitizer detects simultaneous access.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST(HandoverRingStress, SlotsAreOwnedByOneThreadAtATime) {
         const std::int64_t number = slot->front();
         for (std::int64_t& word : *slot) {
           torn += word == number ? 0 : 1;
-          word = -1;  // the consumer may write to what it owns
+          word = -1;  // the consumer may write to the slot it owns
         }
         disorder += number > last ? 0 : 1;
         last = number;

@@ -29,7 +29,7 @@ TEST(BackgroundWorkerStress, AJobIsOfOneThreadAtATime) {
     std::fill(sum.terms.begin(), sum.terms.end(), round);
     ASSERT_TRUE(worker.submit(add_up, &sum));
     void* done = nullptr;
-    // As the loop collects it, and as a deterministic run does.
+    // As collected by the loop, and by a deterministic run.
     while (round % 3 != 0 && (done = worker.finished()) == nullptr) rhythm.beat();
     if (done == nullptr) done = worker.wait();
     ASSERT_EQ(done, &sum);
@@ -52,7 +52,7 @@ TEST(BackgroundWorkerStress, EndsAtAnyMoment) {
   }
 }
 
-/// Each run on what all members of the one before wrote.
+/// Each run uses the output of all members in the previous one.
 TEST(SpinTeamStress, RunsSeeWhatRunsBeforeWrote) {
   for (const int size : {2, 3, 5}) {
     for (const double patience : {0., 20e-6, 1e-3}) {

@@ -5,7 +5,7 @@
 namespace palpate::contact {
 namespace {
 
-/// One triangle as a surface; a fourth node lies far off and belongs to no triangle.
+/// One triangle as a surface; a fourth node is far away and belongs to no triangle.
 struct OneTriangle {
   OneTriangle() {
     mesh.corner_count = 4;

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// The bar bent to an arc about y of this radius, m, its underside where it was.
+/// The bar bent to an arc about y of this radius, m, with its underside unchanged.
 Vector3d arc(const Vector3d& p, double radius) {
   const double angle = p.x() / radius, r = radius - p.z();
   return {r * std::sin(angle), p.y(), radius - r * std::cos(angle)};
@@ -94,7 +94,7 @@ TEST_F(SurfaceMatchTest, EdgesAreWhereFacesMeetAtAnAngleAndStayThereWhenTheyBend
   EXPECT_FALSE(is_near({0.23, 0, 0.06}, 0));
 }
 
-/// Points of two sides that meet at a right angle, with noise, held against these sides.
+/// Noisy points of two sides at a right angle, compared with these sides.
 TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
   bend(mesh::ElementOrder::kQuadratic, 0.4);
   mesh_.nodes = rest_;
@@ -104,7 +104,7 @@ TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> along(0.1, 0.4), from_edge(0, 10 * kNoise);
   std::normal_distribution<double> normal(0, kNoise);
-  std::array<double, 2> sum{};  // amid a side, beside the edge
+  std::array<double, 2> sum{};  // at the middle of a side, next to the edge
   std::array<int, 2> count{};
   double at_edge = 0;
   constexpr int kPoints = 40000;

@@ -45,7 +45,7 @@ TEST_P(WrenchPatchOnBox, LoadsOnlyThePatch) {
   for (const NodalLoad& load : loads.loads) {
     EXPECT_LT((box.mesh.nodes.col(load.node) - contact.location).norm(), 0.03);
     EXPECT_NEAR(box.mesh.nodes(2, load.node), 0.1, 1e-12);
-    EXPECT_LE(load.force.z(), 0);  // a central push needs no pull
+    EXPECT_LE(load.force.z(), 0);  // a central force needs no tension
   }
 }
 
@@ -74,7 +74,7 @@ TEST_P(WrenchPatchOnBox, LoadsFixedNodesForAContactInsideTheObject) {
   WrenchPatch transformer(box.mesh, box.surface, options);
   sensing::Contact contact;
   contact.source = sensing::Source::kWrist0;
-  contact.location = {0.3, -0.1, 0.2};  // where the hand says it is does not count
+  contact.location = {0.3, -0.1, 0.2};  // the hand's reported position does not count
   contact.wrench = {{1, 2, 3}, {0.1, -0.2, 0.3}};
   ContactLoads loads;
   loads.loads.reserve(transformer.max_nodes());
@@ -106,7 +106,7 @@ TEST_P(WrenchPatchOnBox, ReferenceOfFixedNodesMovesWithTheMesh) {
 }
 
 /// A whole face under uniform pressure does the work of its mean square lever, side^2 / 12, under a
-/// displacement that grows with the square; linear triangles add what they interpolate amiss.
+/// displacement that grows with the square; linear triangles add their interpolation error.
 TEST_P(WrenchPatchOnBox, EqualsUniformPressureOnAFace) {
   Box box(GetParam());
   WrenchPatch::Options options;

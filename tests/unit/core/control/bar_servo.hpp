@@ -19,8 +19,8 @@ inline TwistLawOptions servo() {
   return options;
 }
 
-/// The law on a bar that bends, whose model is both plant and estimate: the middle of the bar's
-/// upper side is steered by the hand at its end.
+/// The law on a bar that bends, whose model is both plant and estimate: the hand at its end
+/// controls the middle of the bar's upper side.
 class BarServo : public ::testing::Test {
  protected:
   void start(ControlLaw& law, const Eigen::Vector3d& target_offset) {
@@ -65,7 +65,7 @@ class BarServo : public ::testing::Test {
     return inputs;
   }
 
-  /// True where the law had a Jacobian to go by.
+  /// True if a Jacobian was available to the law.
   bool tick() {
     feature_->error(value_, target_, error_);
     if (!provider_.update(*feature_, *model_, X_OG_, jacobian_)) return false;
@@ -87,7 +87,7 @@ class BarServo : public ::testing::Test {
   Eigen::MatrixXd jacobian_;
   LawOutput output_;
   math::Pose X_OG_;
-  std::vector<float> node_deviation_;  // m; empty: not told
+  std::vector<float> node_deviation_;  // m; empty: not provided
 };
 
 }  // namespace palpate::control

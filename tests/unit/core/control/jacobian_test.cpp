@@ -61,7 +61,7 @@ TEST(FemJacobian, IsRefusedWithoutASensitivity) {
   EXPECT_FALSE(provider.update(feature, model, kDisplaced, J));
 
   elasticity::Sensitivity& sensitivity = model.mutable_sensitivity();
-  sensitivity.valid = true;  // but of another size
+  sensitivity.valid = true;  // but of a different size
   EXPECT_FALSE(provider.update(feature, model, kDisplaced, J));
   sensitivity.dx_dxi[0].setZero(3 * model.body().mesh.node_count(), 6);
   EXPECT_FALSE(provider.update(feature, model, kDisplaced, J)) << "nothing is held";
@@ -72,7 +72,7 @@ TEST(FemJacobian, IsRefusedWithoutASensitivity) {
   EXPECT_THROW(FemJacobian({2}), std::invalid_argument);
 }
 
-/// Steps until it converges, running every factorisation that is asked for in place.
+/// Steps until it converges, executing every requested factorisation in place.
 void settle(elasticity::DeformationModel& model) {
   for (int i = 0; i < 400; ++i) {
     if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
@@ -90,7 +90,7 @@ class FemJacobianOfBar : public ::testing::Test {
     X_OG_ = model_.body().grasps[0].X_OG_rest;
     model_.hold(0, X_OG_);
     settle(model_);
-    // Bend it, so that the tangent differs from the one at rest.
+    // Bend it, so that the tangent differs from that at rest.
     for (int i = 0; i < 40; ++i) {
       X_OG_.translation() += Vector3d(-0.5e-3, 0.5e-3, 2e-3);
       X_OG_.linear() = math::exp_rotation({0.005, -0.01, 0.005}) * X_OG_.linear();
@@ -104,7 +104,7 @@ class FemJacobianOfBar : public ::testing::Test {
     return support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   }
 
-  /// A sensitivity of the present state, however little it has changed.
+  /// A sensitivity of the current state, however little it has changed.
   void refresh() {
     for (int i = 0; i < 3; ++i) settle(model_);
     ASSERT_TRUE(model_.sensitivity().valid);
@@ -149,7 +149,7 @@ TEST_F(FemJacobianOfBar, EqualsDifferencesOfSettledShapes) {
     }
     const double relative = (J - numeric).norm() / numeric.norm();
     RecordProperty(feature->kind(), std::to_string(relative));
-    // The loop may keep a factor until elements have turned by 0.02 rad.
+    // The loop may keep a factorisation until elements have rotated by 0.02 rad.
     EXPECT_LT(relative, 0.02) << J << "\n\n" << numeric;
   }
 }

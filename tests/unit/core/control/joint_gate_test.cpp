@@ -21,7 +21,7 @@ JointLimits three_joints() {
   return limits;
 }
 
-/// A table that slides along x, y and z by its joints, before walls far away.
+/// A table that slides along x, y and z by its joints, in front of distant walls.
 class SlidingTable : public ::testing::Test {
  protected:
   SlidingTable() {
@@ -118,7 +118,7 @@ TEST_F(SlidingTable, WhatIsNotFiniteOrNotActiveRampsToZeroWithinATenthOfASecond)
   inputs_.active = false;
   expect_stop(false);
   run_up();
-  joints_.J_W_E.resize(6, 0);  // not known
+  joints_.J_W_E.resize(6, 0);  // unknown
   expect_stop(true);
 }
 
@@ -131,7 +131,7 @@ TEST_F(SlidingTable, RefusesWhileTheForceIsTooHigh) {
   EXPECT_EQ(output.joint_velocity.norm(), 0);
 }
 
-// The hand moves by a twist, then joints are commanded: they go on from where the hand is.
+// The hand moves by a twist, then joints are commanded: they continue from the hand's current pose.
 TEST_F(SlidingTable, TakesOverFromATwist) {
   inputs_.requested_W_E.linear << 0.3, 0, 0;
   for (int i = 0; i < 300; ++i) hand_.apply(inputs_);

@@ -35,7 +35,7 @@ TwistLawOptions bare(double gain) {
   return options;
 }
 
-/// A hand that does what it is told and an object that follows it rigidly.
+/// A hand that follows its commands and an object that follows it rigidly.
 class Loop {
  public:
   Loop(ControlLaw& law, shape::Feature& feature, support::RigidModel& model)
@@ -87,8 +87,8 @@ class LawTest : public ::testing::Test {
   support::RigidModel model_{support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
   shape::PoseFeature pose_{model_.body().mesh, law_pose_points()};
 
-  /// Lets the law steer to random poses up to 170 degrees away and checks that `size` of the error
-  /// falls as exp(-gain t).
+  /// Lets the law move to random poses up to 170 degrees away and checks that `size` of the error
+  /// decays as exp(-gain t).
   template <class Size>
   void expect_exponential(ControlLaw& law, double gain, const Size& size) {
     math::Random random(11);
@@ -127,7 +127,7 @@ TEST_F(LawTest, ProportionalTwistConvergesWithItsGain) {
 
 TEST_F(LawTest, DualQuaternionConvergesWithItsGain) {
   DualQuaternion law(bare(2));
-  // The screw's angle, and its displacement as seen at the origin of O.
+  // The screw's angle, and its displacement at the origin of O.
   expect_exponential(law, 2, [&](const VectorXd& value, const VectorXd& target) {
     const Eigen::Matrix3d R = math::rotation_from_wxyz(value.data() + 3);
     const Eigen::Matrix3d R_target = math::rotation_from_wxyz(target.data() + 3);
@@ -169,8 +169,8 @@ TEST_F(LawTest, ProportionalTwistSteersAPoint) {
   EXPECT_LT(loop.output.unreachable.norm(), 1e-9);
 }
 
-/// The best that a rigid body can do for displaced points is Kabsch's: the rotation and translation
-/// that leave the least sum of squares.
+/// The optimal rigid motion for displaced points is Kabsch's: the rotation and translation with the
+/// least sum of squares.
 TEST_F(LawTest, ProportionalTwistBringsASetOfPointsAsNearAsItCan) {
   shape::PointsFeature::Options options;
   for (double x : {0.1, 0.25, 0.4})

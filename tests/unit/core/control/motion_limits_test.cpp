@@ -1,4 +1,4 @@
-// Limits of grasp and place, kept by the law.
+// Limits of grasp and position, enforced by the law.
 #include "tests/unit/core/control/bar_servo.hpp"
 #include "tests/unit/core/control/surface_distance.hpp"
 
@@ -27,7 +27,7 @@ TEST_F(BarServo, StopsAtTheLargestForceAndGoesNoFurther) {
   EXPECT_GT(largest, 0.9 * limited.limits.force) << "as near as it may";
 }
 
-/// Of what friction lets the worse of two fingers bear, by the forces that they put on the object.
+/// Friction utilisation of the more loaded of two fingers, from their forces on the object.
 double load_of_fingers(const math::Wrench& w, const Vector3d& n, const SlipCone& slip) {
   const Vector3d torque_across = w.torque - n.dot(w.torque) * n;
   const Vector3d couple = torque_across.cross(n) / slip.width;
@@ -44,7 +44,7 @@ double load_of_fingers(const math::Wrench& w, const Vector3d& n, const SlipCone&
 
 TEST_F(BarServo, APinchDoesNotSlip) {
   QuadraticProgramLaw free(servo(), {});
-  // A target that takes a pull, a couple and a turning of the fingers.
+  // A target that requires a pull, a couple and a rotation of the fingers.
   const Vector3d offset(0.002, 0.02, 0.04);
   start(free, offset);
   for (int i = 0; i < 600; ++i) tick();
@@ -55,7 +55,7 @@ TEST_F(BarServo, APinchDoesNotSlip) {
   const auto load = [&] {
     return load_of_fingers(model_->reaction(0), X_OG_.linear() * slip.normal_G, slip);
   };
-  for (int i = 0; i < 20; ++i) slip.pinch *= load() / 2;  // that freely bears twice what it can
+  for (int i = 0; i < 20; ++i) slip.pinch *= load() / 2;  // that freely bears twice its limit
   ASSERT_NEAR(load(), 2, 1e-3);
   for (const double sticking : {0.0, 0.4}) {
     QuadraticProgramLaw::Limited limited;
@@ -74,14 +74,14 @@ TEST_F(BarServo, APinchDoesNotSlip) {
 }
 
 TEST_F(BarServo, KeepsAwayFromAnObstacle) {
-  // Above the bar's middle, in the way of what moves up.
+  // Above the bar's middle, in the way of an upward motion.
   const Obstacle ball{{0.2, 0.03, 0.12}, 0.04};
   for (const double deviation : {0.0, 1e-3}) {
     QuadraticProgramLaw::Limited limited;
     limited.limits.obstacles.push_back(ball);
     limited.limits.clearance = 0.004;
     limited.limits.clearance_deviations = 3;
-    limited.limits.untold_deviation = 0.1;  // but they are told
+    limited.limits.untold_deviation = 0.1;  // but they are given
     limited.body = &body_;
     body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     QuadraticProgramLaw law(servo(), limited);
@@ -117,8 +117,8 @@ TEST_F(BarServo, TheHandStaysInItsWorkspace) {
   EXPECT_GT(X_OG_.translation().z(), wall - 2e-3);
 }
 
-// The flange stands off the grasp, in a cell turned against the object: what lifts it is the hand's
-// turning as well.
+// The flange is offset from the grasp, in a workcell rotated relative to the object: a rotation of
+// the hand lifts it as well.
 TEST_F(BarServo, TheFlangeStaysInItsBox) {
   QuadraticProgramLaw::Limited limited;
   QuadraticProgramLaw probe(servo(), limited);

@@ -1,4 +1,4 @@
-// Where a bent object is nearest to obstacles, against many points of its surface.
+// Closest points of a bent object to obstacles, compared with many points of its surface.
 #include "core/control/obstacle_gaps.hpp"
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ class BentBar : public ::testing::TestWithParam<mesh::ElementOrder> {
 };
 
 TEST_P(BentBar, ComesNearestBetweenNodes) {
-  // Amid two nodes' places, along and across.
+  // Halfway between two nodes, along and across.
   const std::vector<Obstacle> balls{{{0.235, 0.021, 0.13}, 0.03}, {{0.31, 0.03, 0.12}, 0.02}};
   constexpr double kUntold = 7e-4;
   ObstacleGaps gaps(surface_, balls, kUntold);

@@ -1,4 +1,4 @@
-// The law that keeps limits, on a bar that bends: the model is both plant and estimate.
+// The law with limits, on a bar that bends: the model is both plant and estimate.
 #include "core/control/quadratic_program.hpp"
 
 #include "core/elasticity/element_stress.hpp"
@@ -51,7 +51,7 @@ TEST_F(BarServo, ReachesAPointWithinSpeedAndAcceleration) {
 
 TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
   QuadraticProgramLaw::Limited limited;
-  limited.limits.pivot = 0.9;  // so early that a moderate push is near enough
+  limited.limits.pivot = 0.9;  // so early that a moderate force is close enough
   QuadraticProgramLaw law(servo(), limited);
   start(law, {-0.03, 0, 0});
   bool told = false;
@@ -118,8 +118,8 @@ TEST_F(BarServo, KeepsTheStretchOfTheWorstElements) {
   EXPECT_STREQ(output_.remark, "the target lies beyond the limit of stretch");
 }
 
-// The hand in a place where the object is strained beyond its limit, which is also beyond the
-// workspace: the workspace gives way.
+// The hand in a position where the object is strained beyond its limit, which is also outside the
+// workspace: the workspace limit is relaxed.
 TEST_F(BarServo, TheWorkspaceGivesWayBeforeTheStress) {
   QuadraticProgramLaw free(servo(), {});
   start(free, {0, 0, 0.05});

@@ -101,7 +101,7 @@ TEST(SafetyGate, RefusesWhileForceOrTorqueIsTooHigh) {
   EXPECT_STREQ(output.reason, "contact force or torque is above its limit");
   inputs.contact.force << 0, 0, 9.5;  // not yet
   EXPECT_TRUE(gate.apply(inputs).refused);
-  inputs.wrench_valid = false;  // and not because nothing is known any more
+  inputs.wrench_valid = false;  // and not because inputs are missing
   EXPECT_TRUE(gate.apply(inputs).refused);
   inputs.wrench_valid = true;
   inputs.contact.force << 0, 0, 8.9;
@@ -139,7 +139,7 @@ TEST(SafetyGate, AnOverloadIsForgottenWithoutAStepOfTheCommand) {
   inputs.wrench_valid = true;
   inputs.contact.force.x() = 1.01 * limits.force;
   const double braking = gate.apply(inputs).V_W_E.linear.x();
-  inputs.contact.force.x() = 0.95 * limits.force;  // not below what releases it
+  inputs.contact.force.x() = 0.95 * limits.force;  // not below the release threshold
   EXPECT_TRUE(gate.apply(inputs).refused);
   gate.forget_overload();
   const GateOutput output = gate.apply(inputs);

@@ -7,7 +7,7 @@
 
 namespace palpate::support {
 
-/// From `p` to the curved surface, by many points of each face: never too small.
+/// From `p` to the curved surface, by many points of each face: an upper bound.
 inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
                                   const Eigen::Vector3d& p) {
   constexpr int kParts = 16;

@@ -83,7 +83,7 @@ TEST_F(TwoGraspsOfABar, JacobianEqualsDifferencesOfSettledShapes) {
     numeric.col(k) = (moved[0] - moved[1]) / (2 * kStep);
   }
   EXPECT_LT((J - numeric).norm() / numeric.norm(), 0.02) << J << "\n\n" << numeric;
-  // Hands that move alike carry the whole bar along.
+  // Hands that move equally carry the whole bar along.
   const MatrixXd together = J.leftCols<3>() + J.middleCols<3>(6);
   EXPECT_LT((together - MatrixXd::Identity(3, 3)).norm(), 0.02);
 }

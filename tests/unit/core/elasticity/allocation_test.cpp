@@ -3,18 +3,18 @@
 #include <cstdlib>
 
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
-#include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "core/elasticity/comparison/thesis2018.hpp"
+#include "core/elasticity/corotational_model.hpp"
 #include "core/factor/solve_panels.hpp"
 #include "rt/loop/sanitizer.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/turns.hpp"
 #include "tests/unit/core/factor/block_systems.hpp"
 
-// Sanitizers bring their own malloc.
+// Sanitizers replace malloc.
 #if PALPATE_SANITIZED
 #define PALPATE_COUNTS_ALLOCATIONS 0
 #else
@@ -25,7 +25,7 @@ thread_local bool counting = false;
 thread_local int allocations = 0;
 }  // namespace
 
-// operator new and Eigen both end here.
+// operator new and Eigen's allocations both end here.
 extern "C" void* __libc_malloc(std::size_t);
 extern "C" void* malloc(std::size_t size) {
   if (counting) ++allocations;
@@ -143,7 +143,7 @@ TEST(Allocation, NoneInTheLoop) {
   expect_no_allocation(thesis);
 }
 
-/// Mirrored without loads, and again under one that holds it there: the shape is given up the first
+/// Mirrored without loads, and again under a load that holds it there: the shape is reset the first
 /// time and kept the second.
 TEST(Allocation, NoneWhereAShapeIsGivenUp) {
   if (count_allocations([] {}) < 0) GTEST_SKIP() << "a sanitizer owns malloc";

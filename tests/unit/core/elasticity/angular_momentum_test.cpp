@@ -54,7 +54,7 @@ INSTANTIATE_TEST_SUITE_P(Order, FreeBody,
                          testing::Values(mesh::ElementOrder::kLinear,
                                          mesh::ElementOrder::kQuadratic));
 
-// Soft, tumbling about no axis of its own and shaken: every step against the identity above.
+// Soft, tumbling about a general axis and shaken: every step against the identity above.
 TEST_P(FreeBody, ChangesItsAngularMomentumAsBackwardEulerMust) {
   for (const double stiffness_factor : {0.0, 0.002}) {
     Body body = free_bar(GetParam(), 1e5);

@@ -26,7 +26,7 @@ class AsRigidAsPossibleTest : public testing::TestWithParam<mesh::ElementOrder> 
     X_OG.linear() = rotation(0.6, {0.5, -1, 0.3});
     return X_OG;
   }
-  /// Until it is as rigid as possible. Returns the iterations that this took, 0 where too many.
+  /// Iterates to convergence. Returns the number of iterations, 0 if there were too many.
   static int settle(AsRigidAsPossible& model) {
     for (int i = 1; i <= 5000; ++i) {
       if (model.step(kDt).status == StepStatus::kConverged) return i;

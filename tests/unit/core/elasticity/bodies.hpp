@@ -30,7 +30,7 @@ inline Body make_bar(const Eigen::Vector3d& size, const std::array<int, 3>& cell
   return body;
 }
 
-/// Area that each node of the face x = `value` stands for: the integral of its shape function, m^2.
+/// Area associated with each node of the face x = `value`: the integral of its shape function, m^2.
 inline Eigen::VectorXd face_areas(const mesh::ElementMesh& mesh, double value) {
   constexpr int kFaces[4][6] = {
       {0, 1, 2, 4, 5, 6}, {0, 1, 3, 4, 8, 7}, {0, 2, 3, 6, 9, 7}, {1, 2, 3, 5, 9, 8}};

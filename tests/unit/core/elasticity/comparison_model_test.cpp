@@ -9,7 +9,7 @@
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 
-// What the three models for comparison promise alike.
+// Common guarantees of the three comparison models.
 namespace palpate::elasticity {
 namespace {
 
@@ -60,7 +60,8 @@ TYPED_TEST(ModelsForComparison, ReactionsBalanceLoadsAndWeight) {
   for (int g : {0, 1}) model.hold(g, body.grasps[g].X_OG_rest);
   model.set_gravity({1, 2, -9.81});
   model.loads()(1, body.mesh.node_count() / 2) = 0.3;
-  model.loads()(2, body.grasps[0].nodes[0]) = 0.2;  // on a held node: enters the reaction only
+  model.loads()(2, body.grasps[0].nodes[0]) =
+      0.2;  // on a constrained node: enters the reaction only
   settle(model);
   const double mass = 300 * 0.2 * 0.05 * 0.05;
   const Vector3d applied = mass * Vector3d(1, 2, -9.81) + Vector3d(0, 0.3, 0.2);
@@ -209,7 +210,7 @@ TYPED_TEST(ModelsForComparison, RestoreTakesAStateThatFits) {
   EXPECT_EQ(model.positions(), moved);
 }
 
-// Loads up to a twentieth of E A in all, hands that shake, let go and take hold again.
+// Loads up to a twentieth of E A in total, hands that shake, release and grasp again.
 TYPED_TEST(ModelsForComparison, StormsOfLoadsAreSurvivedAtAnyModulus) {
   for (double modulus : {1e3, 1e5, 1e7}) {
     Body body = two_handed_bar(TypeParam::order, {modulus, 0.25, 300});
@@ -247,7 +248,7 @@ TYPED_TEST(ModelsForComparison, StormsOfLoadsAreSurvivedAtAnyModulus) {
 
 TEST(ModelsForComparison, InvalidBodiesAreRefused) {
   Body body = two_handed_bar(mesh::ElementOrder::kLinear);
-  body.mesh.elements.col(2).head<2>().reverseInPlace();  // inside out
+  body.mesh.elements.col(2).head<2>().reverseInPlace();  // inverted
   EXPECT_THROW(LinearModel{body}, std::invalid_argument);
   EXPECT_THROW(MassSpringModel{body}, std::invalid_argument);
   EXPECT_THROW(ShapeMatchingModel{body}, std::invalid_argument);

@@ -41,8 +41,8 @@ TEST(CorotationalDynamic, CantileverOscillatesAtItsBendingFrequency) {
   EXPECT_NEAR(frequency, expected, 0.02 * expected);
 }
 
-// In free fall and spinning nothing deforms beyond the centrifugal strain and momentum is that of a
-// rigid body: Rayleigh's stiffness part must not brake a rigid rotation.
+// In free fall with rotation nothing deforms beyond the centrifugal strain and the momentum is that
+// of a rigid body: Rayleigh's stiffness part must not damp a rigid rotation.
 TEST(CorotationalDynamic, FreeBodyFallsAndSpins) {
   Body body = make_bar({0.1, 0.05, 0.05}, {2, 1, 1}, mesh::ElementOrder::kQuadratic);
   body.fixed_nodes.clear();
@@ -92,7 +92,7 @@ TEST(CorotationalDynamic, SettlesToTheStaticSolution) {
   EXPECT_LT(model.velocities().colwise().norm().maxCoeff(), 1e-4);
 }
 
-// A hundred thousand times stiffer than foam, where a plain quasi-Newton iteration blows up.
+// A hundred thousand times stiffer than foam, where a plain quasi-Newton iteration diverges.
 TEST(CorotationalDynamic, StiffBodyUnderALargeSwingStaysFinite) {
   Body body =
       make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, mesh::ElementOrder::kQuadratic, {1e8, 0.35, 300});
@@ -169,7 +169,7 @@ TEST(CorotationalDynamic, HeldHandFeelsTheWeightOfWhatItHolds) {
   const double weight = 300 * 9.81 * 0.2 * 0.05 * 0.05;
   const math::Wrench reaction = model.reaction(0);
   EXPECT_NEAR(reaction.force.z(), weight, 1e-3 * weight);
-  // About the held end the weight acts at half the length, less what the sag takes away.
+  // About the held end the weight acts at half the length, minus the effect of the sag.
   EXPECT_NEAR(reaction.torque.y(), weight * 0.1, 0.1 * weight * 0.1);
 }
 

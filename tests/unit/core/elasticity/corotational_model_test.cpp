@@ -90,7 +90,7 @@ TEST(CorotationalQuasistatic, FollowsAMovingHandWithinTwoIterations) {
     X.linear() = rotation(0.4 * std::sin(2 * t), {0.6, 0.8, 0});
     model.hold(0, X);
     not_converged += model.step(kDt).status != StepStatus::kConverged;
-    // The background worker needs some ticks for a factor.
+    // The background worker needs a few ticks for a factorisation.
     if (i % 20 == 0) refactor(model);
   }
   EXPECT_LT(not_converged, 20);
@@ -174,7 +174,7 @@ TEST(CorotationalQuasistatic, WithoutSupportTheMatrixIsShiftedAndSaysSo) {
   EXPECT_TRUE(model.is_regularised());
   EXPECT_FALSE(model.sensitivity().valid);
   EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged);
-  // Loads in balance have an answer: pulled at both ends it grows longer by F L / E A, roughly.
+  // Balanced loads have a solution: pulled at both ends the body elongates by about F L / E A.
   model.loads() = face_load(body.mesh, 0.2, Vector3d(0.5, 0, 0)) +
                   face_load(body.mesh, 0.0, Vector3d(-0.5, 0, 0));
   EXPECT_EQ(settle(model, true, 2000).status, StepStatus::kConverged);
@@ -226,7 +226,7 @@ void expect_nan_does_no_harm() {
   const Matrix3Xd x = model.positions(), v = model.velocities();
   model.loads()(1, 7) = std::nan("");
   EXPECT_EQ(model.step(kDt).status, StepStatus::kFailed);
-  model.loads()(1, 7) = 1e300;  // finite, but nothing else will be
+  model.loads()(1, 7) = 1e300;  // finite, but nothing else is guaranteed
   EXPECT_NE(model.step(kDt).status, StepStatus::kConverged);
   EXPECT_TRUE(model.positions().allFinite());
   model.restore(x, v);
@@ -269,7 +269,7 @@ TEST_P(ModelsOfEveryOrder, MirroredAndRandomStartsReturnToRest) {
     CorotationalQuasistatic model(body);
     model.prepare();
     ASSERT_TRUE(model.restore(x, none));
-    // Long enough in equilibrium for elements that are inside out there to be noticed.
+    // Long enough in equilibrium for inverted elements to be detected.
     int at_rest = 0;
     for (int i = 0; i < 5000 && at_rest < 300; ++i) {
       const StepReport report = model.step(kDt);

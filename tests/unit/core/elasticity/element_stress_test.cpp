@@ -42,7 +42,7 @@ INSTANTIATE_TEST_SUITE_P(Order, StressOfEveryOrder,
                          testing::Values(mesh::ElementOrder::kLinear,
                                          mesh::ElementOrder::kQuadratic));
 
-// A bar drawn by e that is free to become thinner by nu e bears E e times its old section.
+// A bar stretched by e with free lateral contraction nu e bears E e times its rest section.
 TEST_P(StressOfEveryOrder, IsForceOverDeformedSectionInTension) {
   const double e = 0.2, nu = body_.material.poisson_ratio;
   const double thinner = 1 - nu * e;
@@ -85,7 +85,7 @@ TEST_P(StressOfEveryOrder, TurnsWithTheBody) {
   }
 }
 
-/// The volume that the points of an element see at positions x.
+/// The current volume of an element's quadrature points at positions x.
 template <int kNodes>
 double deformed_volume(const mesh::ElementMesh& mesh, int e, const Matrix3Xd& x) {
   Eigen::Matrix<double, 3, 4> corners;
@@ -101,7 +101,7 @@ double deformed_volume(const mesh::ElementMesh& mesh, int e, const Matrix3Xd& x)
   return volume;
 }
 
-// In a velocity field v = G x nodal forces work as much as the stress does on grad v = G.
+// In a velocity field v = G x the power of nodal forces equals that of the stress on grad v = G.
 TEST_P(StressOfEveryOrder, WorksAsMuchAsNodalForces) {
   const Matrix3Xd x = deformed();
   const Matrix3Xd forces = Elements(body_).evaluate(x).forces;
@@ -140,7 +140,7 @@ TEST_P(StressOfEveryOrder, IsPublishedForTheSnapshotOfTheJob) {
   X.translation() += Eigen::Vector3d(0.01, 0, 0.02);
   model.hold(0, X);
   settle(model, true);
-  model.watch_contact(0, {});  // asks for a fresh factor
+  model.watch_contact(0, {});  // requests a new factorisation
   const Matrix3Xd snapshot = model.positions();
   Refactorisation* job = model.wanted_refactorisation();
   ASSERT_NE(job, nullptr);
@@ -160,7 +160,7 @@ TEST(VonMises, OfKnownStates) {
   EXPECT_NEAR(of(-7, 0, 0, 0, 0, 0), 7, 1e-12);
   EXPECT_NEAR(of(5, 5, 5, 0, 0, 0), 0, 1e-12);
   EXPECT_NEAR(of(0, 0, 0, 0, -4, 0), 4 * std::sqrt(3.0), 1e-12);
-  // Principal stresses 3, 1, -2 beside a pressure: sqrt((2^2 + 3^2 + 5^2) / 2).
+  // Principal stresses 3, 1, -2 plus a pressure: sqrt((2^2 + 3^2 + 5^2) / 2).
   EXPECT_NEAR(of(13, 11, 8, 0, 0, 0), std::sqrt(19.0), 1e-12);
   EXPECT_NEAR(of(1, 1, 0, 2, 0, 0), of(3, -1, 0, 0, 0, 0), 1e-12) << "turned by 45 degrees";
 }

@@ -56,7 +56,7 @@ TEST_P(TangentsOfEveryOrder, AreTheSumsOfThoseOfSingleElements) {
   factor::BlockMatrix K(pattern), warped(pattern);
   std::srand(21);
   const Eigen::Matrix3d R = rotation(1.2, {1, -2, 0.5});
-  // The last one squeezes and turns elements until some are unstable or inside out.
+  // The last one compresses and rotates elements until some are unstable or inverted.
   for (double size : {0.0, 5e-4, 3e-3, 2e-2}) {
     const Matrix3Xd x =
         R * (body_.mesh.nodes + size * Matrix3Xd::Random(3, body_.mesh.node_count()));

@@ -49,8 +49,8 @@ TEST_P(ElementsOfEveryOrder, VolumeAndMassAreThoseOfTheBox) {
   EXPECT_NEAR(xy, mass * 0.2 * 0.05 / 4, 1e-12 * mass);
 }
 
-// Under an affine map every point has the same stress: interior nodes feel no force, and the force
-// on a face is P n times its area, P written from the definition of the energy.
+// Under an affine map every point has the same stress: the force on interior nodes is zero, and the
+// force on a face is P n times its area, P derived from the definition of the energy.
 TEST_P(ElementsOfEveryOrder, PatchTest) {
   Matrix3d F;
   F << 1.05, 0.03, -0.02, 0.01, 0.94, 0.04, 0.02, -0.05, 1.02;
@@ -90,7 +90,7 @@ TEST_P(ElementsOfEveryOrder, SemidefiniteTangentHasNoNegativeEigenvalueAndEquals
   EXPECT_LT((exact - semidefinite).norm(), 1e-9 * exact.norm());
   EXPECT_LT((exact - warped).norm(), 1e-9 * exact.norm());
 
-  // Squeezed to half its size the element is unstable.
+  // Compressed to half its size the element is unstable.
   Matrix3Xd x = 0.5 * body_.mesh.nodes + 0.003 * Matrix3Xd::Random(3, body_.mesh.node_count());
   elements_.stiffness(1, x, Tangent::kExact, 0, exact);
   elements_.stiffness(1, x, Tangent::kSemidefinite, 0, semidefinite);
@@ -140,14 +140,15 @@ TYPED_TEST(PointKernel, FindsTheRotationFromAnyStartAndForInvertedPoints) {
         r(k / 3, k % 3) = static_cast<double>(R[lane % 2][k][lane / 2]);
       }
       EXPECT_NEAR(r.determinant(), 1, rounding);
-      // The maximum of tr(R^T F); its value is unique where R is not.
+      // The maximum of tr(R^T F); its value is unique even if R is not.
       EXPECT_NEAR((r.transpose() * f).trace(), (math::polar_rotation(f).transpose() * f).trace(),
                   rounding);
     }
   }
 }
 
-// One evaluation after a small motion makes few turns: what they leave must not show in the strain.
+// One evaluation after a small motion performs few rotation iterations: their residual must not
+// show in the strain.
 TYPED_TEST(PointKernel, FollowsSmallTurnsToTheRoundingOfStrains) {
   using Pack = TypeParam;
   using Real = typename math::PackTraits<Pack>::Real;
@@ -179,7 +180,7 @@ TYPED_TEST(PointKernel, FollowsSmallTurnsToTheRoundingOfStrains) {
   }
 }
 
-// A point that turns for hours keeps a unit quaternion.
+// A point that rotates for hours keeps a unit quaternion.
 TYPED_TEST(PointKernel, RotationsDoNotDriftOffTheUnitSphere) {
   using Pack = TypeParam;
   using Real = typename math::PackTraits<Pack>::Real;
@@ -230,7 +231,7 @@ TEST_P(ElementsOfEveryOrder, SinglePrecisionKeepsSevenDigitsOfStrainFarFromTheOr
   const Answer exact = Elements(body_).evaluate(x);
   const Answer single = Elements(body_, Precision::kSingle).evaluate(x);
   EXPECT_NEAR(single.energy, exact.energy, 1e-5 * exact.energy);
-  // Forces of rounded strains are those of stresses E times 1e-7 or so.
+  // Forces of rounded strains correspond to stresses of about 1e-7 E.
   const double largest = exact.forces.colwise().norm().maxCoeff();
   EXPECT_LT((single.forces - exact.forces).colwise().norm().maxCoeff(), 3e-5 * largest);
 }
@@ -273,7 +274,7 @@ TEST_P(ElementsOfEveryOrder, RotationsOfNodesAreThoseOfARigidMotion) {
   }
 }
 
-// Against quaternions of polar decompositions, element by element.
+// Compared with quaternions of polar decompositions, element by element.
 template <int kNodes>
 Eigen::Matrix4Xd expected_rotations(const mesh::ElementMesh& mesh, const Matrix3Xd& x) {
   const auto add = [](const Eigen::Vector4d& q, auto&& sum) {

@@ -10,7 +10,7 @@ struct Answer {
   Eigen::Matrix3Xd forces;
 };
 
-/// The elements of a body, asked for forces in the numbering of its mesh.
+/// The elements of a body, evaluated for forces in the numbering of its mesh.
 class Elements {
  public:
   explicit Elements(const Body& body, Precision precision = Precision::kDouble)

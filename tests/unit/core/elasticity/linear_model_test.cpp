@@ -88,7 +88,8 @@ TEST_P(LinearModelOfEveryOrder, SensitivityIsThatOfCentralDifferences) {
   }
   model.set_gravity({0, 2, -9.81});
   model.loads()(1, body.mesh.node_count() / 2) = 0.5;
-  model.loads()(2, body.grasps[0].nodes[0]) = 0.2;  // on a held node: enters the reaction only
+  model.loads()(2, body.grasps[0].nodes[0]) =
+      0.2;  // on a constrained node: enters the reaction only
   model.step(kDt);
   ASSERT_TRUE(model.sensitivity().valid);
   EXPECT_EQ(model.sensitivity().age, 0);

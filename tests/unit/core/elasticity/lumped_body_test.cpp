@@ -28,7 +28,7 @@ TEST(LumpedBody, PiecesFillTheMesh) {
   }
 }
 
-// Between pieces of one element every face is shared by two: they do not overlap.
+// Every internal face between pieces of an element is shared by two: they do not overlap.
 TEST(LumpedBody, PiecesOfAnElementFitTogether) {
   const Body body = make_bar({0.3, 0.05, 0.02}, {1, 1, 1}, mesh::ElementOrder::kQuadratic);
   std::map<std::pair<int, std::array<int, 3>>, int> faces;

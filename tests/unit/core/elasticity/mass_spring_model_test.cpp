@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kMassSpringModelDt = 1e-3;  // s
 
-/// Nothing holds it.
+/// Unconstrained.
 Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
   Body body = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, order, {1e4, 0.25, 300});
   body.fixed_nodes.clear();
@@ -51,7 +51,7 @@ TEST(MassSpring, RegularTetrahedronHasTheSpringsOfLloydEtAl) {
   }
 }
 
-// The whole elasticity tensors, entry by entry, on a tetrahedron of no symmetry.
+// The complete elasticity tensors, entry by entry, on a tetrahedron without symmetry.
 TEST(MassSpring, SpringShareIsTheNearestInTheFrobeniusNorm) {
   Eigen::Matrix<double, 3, 4> x;
   x << 0, 1, 0.2, 0.1, 0, 0.1, 1.4, 0.3, 0, -0.2, 0.1, 0.8;
@@ -75,7 +75,7 @@ TEST(MassSpring, SpringShareIsTheNearestInTheFrobeniusNorm) {
   EXPECT_GT(distance(1.01 * s), distance(s));
 }
 
-// On the six-tetrahedra boxes that meshes here are made of, the network is a quarter too soft.
+// On the six-tetrahedra boxes of these meshes the network is a quarter too soft.
 TEST(MassSpring, StretchedBarPullsWithThreeQuartersOfEAOverL) {
   for (auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
     const Body body = make_bar({0.2, 0.05, 0.05}, {8, 2, 2}, order, {1e5, 0.25, 300});

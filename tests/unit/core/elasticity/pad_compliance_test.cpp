@@ -27,7 +27,8 @@ TEST(PadCompliance, OfASquareFaceIsThatOfItsMoments) {
   }
 }
 
-// Pads turn about their own middle, wherever G is: a pure torque there, seen from G.
+// Pads rotate about their own centre, regardless of the position of G: a pure torque there,
+// expressed at G.
 TEST(PadCompliance, SpeaksOfTheOriginOfTheGrasp) {
   Body body = support::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
   GraspRegion& grasp = body.grasps[0];
@@ -39,7 +40,7 @@ TEST(PadCompliance, SpeaksOfTheOriginOfTheGrasp) {
   grasp.X_OG_rest.translation() += shift;
   grasp.X_OG_rest.linear() = R;
   const math::Matrix6d C = pad_compliance(body, grasp, surface, kStiffness);
-  // Motion of the new origin by a wrench on it, by way of the middle.
+  // Motion of the new origin under a wrench on it, via the centre.
   const Eigen::Vector3d force(1, -2, 3), torque(0.1, 0.2, -0.3);  // at the new origin, axes of O
   math::Vector6d at_middle, at_origin;
   at_middle << force, torque + shift.cross(force);

@@ -5,7 +5,7 @@
 #include "tests/unit/core/elasticity/elements.hpp"
 #include "tests/unit/core/elasticity/stepping.hpp"
 
-// What keeps the co-rotational model within bounds whatever it is asked.
+// Safeguards that keep the co-rotational model bounded for any input.
 namespace palpate::elasticity {
 namespace {
 
@@ -28,7 +28,7 @@ double total_energy(const Body& body, const CorotationalModel& model) {
 class StiffAndSoft : public testing::TestWithParam<double> {};
 INSTANTIATE_TEST_SUITE_P(YoungModulus, StiffAndSoft, testing::Values(1e3, 1e5, 1e7, 1e9));
 
-// Struck far harder than two corrections can follow, with one factor for all its life.
+// Hit far harder than two corrections can follow, with one factorisation throughout.
 TEST_P(StiffAndSoft, EnergyNeverRisesWithoutForces) {
   Body body = make_bar({0.2, 0.05, 0.05}, {5, 1, 1}, mesh::ElementOrder::kQuadratic,
                        {GetParam(), 0.35, 300});
@@ -60,7 +60,8 @@ TEST(TimeBudget, EndsAStepAndKeepsTheBestState) {
   options.accuracy = 0;
   CorotationalQuasistatic free(body, options);
   options.clock = counting_clock;
-  options.budget = 2.5e-4;  // the clock is asked once as a step begins, then before each correction
+  options.budget =
+      2.5e-4;  // the clock is read once at the start of a step, then before each correction
   CorotationalQuasistatic hurried(body, options);
   for (auto* model : {&free, &hurried}) {
     model->prepare();
@@ -75,7 +76,7 @@ TEST(TimeBudget, EndsAStepAndKeepsTheBestState) {
   EXPECT_LT((hurried.positions() - free.positions()).colwise().norm().maxCoeff(), 1e-6);
 }
 
-/// `x` with a few elements of make_bar({0.2, 0.05, 0.05}, {8, 2, 2}) inside out.
+/// `x` with a few elements of make_bar({0.2, 0.05, 0.05}, {8, 2, 2}) inverted.
 Matrix3Xd torn(Matrix3Xd x, const Body& body) {
   for (int node : nodes_at(body.mesh, 0, 0.1)) {
     if (body.mesh.nodes.col(node).tail<2>().isConstant(0.05)) x.col(node).tail<2>().setZero();
@@ -104,7 +105,7 @@ TEST(TornBody, KeepsTheStrainsThatItsHandAsksFor) {
 
 TEST(TornBody, GoesBackAsSlowlyAsItIsDamped) {
   Body body = make_bar({0.2, 0.05, 0.05}, {8, 2, 2}, mesh::ElementOrder::kLinear, {1e3, 0.3, 300});
-  body.damping = {200, 0};  // some 1 s to come back
+  body.damping = {200, 0};  // about 1 s to recover
   CorotationalDynamic model(body);
   model.prepare();
   Matrix3Xd stretched = body.mesh.nodes;
@@ -120,7 +121,7 @@ TEST(TornBody, GoesBackAsSlowlyAsItIsDamped) {
   EXPECT_LT(model.positions().row(0).maxCoeff(), 1.3 * 0.2);
 }
 
-// A turn by 18 degrees the other way would fit the hand's pose with less energy.
+// A rotation by 18 degrees in the other direction would fit the hand's pose with less energy.
 TEST(TwistedBody, IsNotUntwisted) {
   const Body body = make_bar({0.4, 0.05, 0.05}, {16, 2, 2}, mesh::ElementOrder::kLinear);
   CorotationalQuasistatic model(body);

@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 using Shape = Eigen::VectorXd;
 
-/// Everything that a sensitivity is about, at one place of its neighbourhood.
+/// All arguments of a sensitivity at one point.
 struct Point {
   std::array<math::Vector6d, 2> xi{math::Vector6d::Zero(), math::Vector6d::Zero()};
   double log_young = 0, poisson = 0, log_density = 0;
@@ -40,7 +40,7 @@ class SensitivityOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder
     hands_[1].linear() = rotation(0.2, {0, 0.3, 1});
     loads_ = Matrix3Xd::Zero(3, body_.mesh.node_count());
     loads_(1, body_.mesh.node_count() / 2) = 0.05;
-    loads_(2, body_.grasps[0].nodes[0]) = 0.02;  // on a held node: enters the reaction only
+    loads_(2, body_.grasps[0].nodes[0]) = 0.02;  // on a constrained node: enters the reaction only
     const mesh::PointLocator locator(body_.mesh);
     contact_ = locator.locate({0.11, 0.05, 0.04});
   }
@@ -79,7 +79,7 @@ class SensitivityOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder
     return answer;
   }
 
-  /// Central difference in `direction` times `h`, against columns of the sensitivity.
+  /// Central difference in `direction` times `h`, compared with columns of the sensitivity.
   template <class Dx, class Dw>
   void expect_derivative(const CorotationalModel& model, double h, const Point& direction,
                          const Dx& dx, const std::array<Dw, 2>& dw, const std::string& what) const {
@@ -124,7 +124,8 @@ TEST_P(SensitivityOfEveryOrder, FreshOneIsThatOfCentralDifferences) {
   refactor(model);
   model.loads() = loads_;
   ASSERT_EQ(settle(model, true).status, StepStatus::kConverged);
-  ASSERT_TRUE(model.restore(model.positions(), model.velocities()));  // asks for a fresh factor
+  ASSERT_TRUE(
+      model.restore(model.positions(), model.velocities()));  // requests a new factorisation
   model.step(kDt);
   refactor(model);
   const Sensitivity& s = model.sensitivity();
@@ -159,18 +160,18 @@ TEST_P(SensitivityOfEveryOrder, FreshOneIsThatOfCentralDifferences) {
   }
   EXPECT_TRUE(s.dx_dforce[0].isZero(0)) << "nobody asked";
 
-  // Maxwell and Betti: stiffnesses between hands are each other's transposes but for the part that
-  // turns with the lever arm.
+  // Maxwell-Betti: stiffnesses between hands are each other's transposes except for the part that
+  // rotates with the lever arm.
   const math::Matrix6d ab = s.dw_dxi[0][1], ba = s.dw_dxi[1][0];
   EXPECT_LT((ab - ba.transpose()).norm(), 1e-6 * ab.norm());
 }
 
 TEST_P(SensitivityOfEveryOrder, TurnsWithARigidMotion) {
-  body_.gravity_O.setZero();  // does not turn along
+  body_.gravity_O.setZero();  // does not rotate with the hand
   loads_.setZero();
   SolverOptions options;
   options.tolerance = 1e-9;
-  options.turned = 10;  // no new factor for having turned
+  options.turned = 10;  // the rotation requests no new factorisation
   CorotationalQuasistatic model(body_, options), turned(body_, options);
   const math::Pose motion = math::make_pose(rotation(0.7, {1, 2, -1}), Vector3d(0.1, 0.2, 0));
   for (auto* m : {&model, &turned}) {
@@ -204,8 +205,8 @@ TEST_P(SensitivityOfEveryOrder, TurnsWithARigidMotion) {
 }
 
 /// The clamp swings by 60 degrees about two axes once a second and moves by 50 mm, the tip is
-/// pulled round by 1 N, and factors come `delay` steps after their snapshot, as from a background
-/// thread.
+/// pulled around by 1 N, and factorisations arrive `delay` steps after their snapshot, as from a
+/// background thread.
 struct LargeMotion {
   Body body = make_bar({0.2, 0.05, 0.05}, {9, 2, 2}, mesh::ElementOrder::kQuadratic);
   double worst_column = 0, oldest = 0;  // relative, s
@@ -236,7 +237,7 @@ struct LargeMotion {
         job = model.wanted_refactorisation();
         if (job != nullptr) job->run();
       }
-      // Just before the next one comes it is oldest.
+      // Just before the next one arrives it is oldest.
       if (i % (5 * delay) != 5 * delay - 1 || t < 0.1) continue;
       fresh.hold(0, X);
       fresh.loads() = model.loads();
@@ -259,8 +260,8 @@ struct LargeMotion {
   }
 };
 
-// Errors grow with age, to some 6 % at 30 ms: the load turns against the object, which a turned
-// sensitivity does not know and a refined one learns.
+// Errors grow with age, to about 6 % at 30 ms: the load rotates relative to the object, which a
+// rotated sensitivity does not include and a refined one does.
 TEST(SensitivityInTheLoop, ColumnsStayNearFreshOnesUnderALargeMotion) {
   SolverOptions plain, refined;
   refined.refine = 12;

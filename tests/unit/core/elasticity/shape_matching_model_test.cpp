@@ -12,7 +12,7 @@ using Eigen::Vector3d;
 
 constexpr double kDt = 1e-3;  // s
 
-/// Nothing holds it.
+/// Unconstrained.
 Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
   Body body = make_bar({0.2, 0.05, 0.05}, {4, 1, 1}, order, {1e4, 0, 300});
   body.fixed_nodes.clear();
@@ -33,7 +33,7 @@ TEST(ShapeMatching, RigidMotionIsNotCorrected) {
   }
 }
 
-/// Eight tetrahedra round a centre: 0 the centre, then the vertices +x -x +y -y +z -z at `radius`.
+/// Eight tetrahedra around a centre: 0 the centre, then the vertices +x -x +y -y +z -z at `radius`.
 /// Held at +x, fixed at -x.
 Body octahedron(double radius, double modulus) {
   Body body;
@@ -59,8 +59,8 @@ Body octahedron(double radius, double modulus) {
   return body;
 }
 
-// Two rings make every region the whole octahedron, whose moments are alike along all axes: pulled
-// at one vertex it strains uniformly, and V E e^2 / 2 is its energy.
+// With two rings every region is the whole octahedron, whose moments are equal along all axes:
+// pulled at one vertex it strains uniformly, and V E e^2 / 2 is its energy.
 TEST(ShapeMatching, UniformStrainHasTheEnergyThatESays) {
   const double radius = 0.03, modulus = 1e4, strain = 0.04;
   ShapeMatchingOptions options;
@@ -118,7 +118,7 @@ TEST(ShapeMatching, StiffnessDependsOnTheStepOnlyWhereItSaysSo) {
   EXPECT_LT(share, 0.5);
   const double softer = pull(body, few, kDt, 2);
   EXPECT_LT(softer, 0.9 * force);
-  EXPECT_GT(softer, share * force);  // the stiffest region is the one cut most
+  EXPECT_GT(softer, share * force);  // the stiffest region is limited most
 }
 
 TEST(ShapeMatching, EquilibriumOfForcesAndMoments) {
@@ -150,7 +150,7 @@ TEST(ShapeMatching, EquilibriumOfForcesAndMoments) {
     torque += w.torque + X[g].translation().cross(w.force);
   }
   EXPECT_LT(force.norm(), 1e-8 * applied.norm());
-  // Regions balance before they correct, loads h^2 f / m away from where the nodes end.
+  // Regions are in balance before the correction, by loads h^2 f / m away from the final positions.
   EXPECT_LT(torque.norm(), 1e-3 * 0.2 * applied.norm());
 }
 

@@ -59,7 +59,7 @@ TEST(StaticSolver, ColumnUnderItsOwnWeight) {
   EXPECT_NEAR(s.reactions.row(0).sum(), weight, 1e-8 * weight);
 }
 
-// Both ends of the bar turn by the same rotation: no strain, no force.
+// Both ends of the bar rotate equally: no strain, no force.
 TEST(StaticSolver, AHandThatMovesWithTheBodyFeelsNothing) {
   Body body = make_bar({0.2, 0.05, 0.05}, {3, 1, 1}, mesh::ElementOrder::kQuadratic);
   GraspRegion other;

@@ -18,7 +18,7 @@ inline void refactor(DeformationModel& model) {
   }
 }
 
-/// Steps until converged; refactors in between where asked to.
+/// Steps until converged; refactors in between if requested.
 inline StepReport settle(DeformationModel& model, bool with_refactorisation, int steps = 400) {
   StepReport report;
   for (int i = 0; i < steps; ++i) {

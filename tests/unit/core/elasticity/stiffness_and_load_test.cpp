@@ -3,8 +3,8 @@
 #include "core/elasticity/static_solver.hpp"
 #include "tests/unit/core/elasticity/stepping.hpp"
 
-// From jelly (1e3 Pa) to plastic (1e9 Pa), from no load to a hundred times a sensible one: what the
-// shape is depends on load over stiffness, and, in dynamics, on h sqrt(E / rho) only.
+// From jelly (1e3 Pa) to plastic (1e9 Pa), from no load to a hundred times a reasonable one: the
+// shape depends on load over stiffness, and, in dynamics, on h sqrt(E / rho) only.
 namespace palpate::elasticity {
 namespace {
 
@@ -22,7 +22,7 @@ Body bar_of(mesh::ElementOrder order, double young_modulus) {
   return make_bar({kLength, 0.05, 0.05}, {4, 1, 1}, order, {young_modulus, 0.35, 300});
 }
 
-/// `share` of the sensible load, down and aside.
+/// `share` of the reasonable load, downwards and sideways.
 Matrix3Xd load_of(const Body& body, double share) {
   const double scale = share * body.material.young_modulus / kReference;
   return face_load(body.mesh, kLength, scale * Vector3d(0, 0.03, -0.1));
@@ -32,7 +32,7 @@ double distance(const Matrix3Xd& a, const Matrix3Xd& b) {
   return (a - b).colwise().norm().maxCoeff();
 }
 
-/// Static equilibrium under `share` of the load, to a residual that the stiffness allows.
+/// Static equilibrium under `share` of the load, to a residual suited to the stiffness.
 Matrix3Xd equilibrium(const Body& body, double share) {
   StaticOptions options;
   options.tolerance = 1e-10 * body.material.young_modulus / kReference;
@@ -48,10 +48,10 @@ SolverOptions options_for(double young_modulus) {
   return options;
 }
 
-/// Positions after each load of kShares in turn, `steps` of `dt` each; fails where a step gives
+/// Positions after each load of kShares in turn, `steps` of `dt` each; fails if a step gives
 /// anything but a finite state within its iterations.
 std::vector<Matrix3Xd> run(CorotationalModel& model, double dt, int steps) {
-  const int most = 2 * options_for(1).iterations;  // twice: a step may start again from rest
+  const int most = 2 * options_for(1).iterations;  // twice: a step may restart from rest
   std::vector<Matrix3Xd> shapes;
   model.prepare();
   for (const double share : kShares) {
@@ -85,7 +85,7 @@ TEST_P(EveryStiffness, BendsAlikeInStaticsUnderLoadsThatScaleWithIt) {
   EXPECT_LT(distance(reference[0], rest), 1e-12) << "nothing pulls";
   EXPECT_GT(distance(reference[2], rest), 0.005 * kLength);
   EXPECT_GT(distance(reference[4], rest), 0.5 * kLength) << "drawn out and turned into the load";
-  // A hundredth of the load bends by a hundredth, to the first order.
+  // A hundredth of the load causes a hundredth of the deflection, to first order.
   EXPECT_LT(distance(100 * (reference[1] - rest), reference[2] - rest),
             0.05 * distance(reference[2], rest));
   for (std::size_t k = 0; k < std::size(kShares); ++k) {
@@ -103,7 +103,7 @@ TEST_P(EveryStiffness, BendsAlikeInStaticsUnderLoadsThatScaleWithIt) {
   }
 }
 
-// Time goes by sqrt(rho / E): steps and damping in that unit, the same motion.
+// Time scales with sqrt(rho / E): steps and damping in that unit, the same motion.
 TEST_P(EveryStiffness, MovesAlikeInItsOwnTime) {
   const auto motion = [&](double young_modulus) {
     const double unit = std::sqrt(kReference / young_modulus);
@@ -136,8 +136,8 @@ TEST_P(EveryStiffness, MovesAlikeInItsOwnTime) {
   }
 }
 
-// At the loop's own step, whatever that is in the body's time: no number may go astray, and what
-// has come to rest lies where statics says.
+// At the loop's own step, regardless of the body's time scale: every number must stay finite, and
+// the final rest position equals the static one.
 TEST_P(EveryStiffness, StaysWithinBoundsAtOneMillisecond) {
   for (const double young_modulus : kStiffnessAndLoadStiffness) {
     Body body = bar_of(GetParam(), young_modulus);
@@ -146,7 +146,7 @@ TEST_P(EveryStiffness, StaysWithinBoundsAtOneMillisecond) {
     const std::vector<Matrix3Xd> shapes = run(model, kDt, 100);
     ASSERT_EQ(shapes.size(), std::size(kShares)) << "E = " << young_modulus;
     for (const Matrix3Xd& x : shapes) EXPECT_LT(x.cwiseAbs().maxCoeff(), 20 * kLength);
-    if (young_modulus < 1e6) continue;  // swings too slowly to be damped here
+    if (young_modulus < 1e6) continue;  // oscillates too slowly to be damped here
     model.loads() = load_of(body, 1);
     for (int i = 0; i < 3000; ++i) {
       model.step(kDt);

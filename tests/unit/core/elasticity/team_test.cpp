@@ -5,7 +5,8 @@
 #include "tests/unit/core/elasticity/stepping.hpp"
 #include "tests/unit/core/elasticity/turns.hpp"
 
-// What teams share comes out as it does alone, but for rounding, and to the bit for one size.
+// Results computed by a team equal those of a single thread up to rounding, and bit-identically for
+// a given team size.
 namespace palpate::elasticity {
 namespace {
 
@@ -77,7 +78,7 @@ TEST(Team, MoreMembersThanBlocksDoNoHarm) {
   EXPECT_LT((pass.forces - alone.forces).norm(), 1e-5 * alone.forces.norm());
 }
 
-/// A system large enough that the panels on top of the tree are shared.
+/// A system large enough for the top panels of the tree to be shared.
 struct LargeSystem {
   LargeSystem()
       : body(make_bar({0.2, 0.08, 0.08}, {14, 8, 8}, ElementOrder::kLinear)),
@@ -131,7 +132,7 @@ TEST(Team, SolvesAreThoseOfOneMember) {
   }
 }
 
-/// A swing of 150 ms under gravity, with grasp and factors moving along.
+/// A motion of 150 ms under gravity, with grasp and factorisations updated.
 template <class Model>
 Matrix3Xd swing(const Body& body, const std::shared_ptr<math::Team>& team) {
   SolverOptions options;

@@ -1,13 +1,13 @@
 #include <gtest/gtest.h>
 
+#include "core/elasticity/comparison/thesis2018.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/static_solver.hpp"
-#include "core/elasticity/comparison/thesis2018.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/recorded_mesh.hpp"
 
 // The figures of reference solutions on the meshes of the 2018 system: hard foam, the face x = 0
-// fixed, a total force spread equally over the nodes of the face x = max.
+// fixed, a total force distributed equally over the nodes of the face x = max.
 namespace palpate::elasticity {
 namespace {
 

@@ -4,9 +4,9 @@
 
 namespace palpate::elasticity {
 
-/// A team of one thread that does the members' shares one after the other, from the last to the
-/// first where `backwards`. Shares that depend on each other, or write what another reads, give
-/// other numbers in one order than in the other.
+/// A team of one thread that executes the members' shares one after the other, in reverse order if
+/// `backwards`. Shares that depend on each other, or write data read by another, give different
+/// numbers in the two orders.
 class Turns final : public math::Team {
  public:
   explicit Turns(int size, bool backwards = false) : size_(size), backwards_(backwards) {}

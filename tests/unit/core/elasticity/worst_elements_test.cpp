@@ -23,7 +23,7 @@ double dot(const ElementStrain& one, const mesh::ElementMesh& mesh, const Matrix
 
 class WorstElementsOfEveryOrder : public testing::TestWithParam<mesh::ElementOrder> {
  protected:
-  /// At a homogeneous deformation.
+  /// For a homogeneous deformation.
   void expect(Strain strain, const Matrix3d& F, double value) const {
     WorstElements worst(body_, strain);
     int found = 0;
@@ -53,7 +53,7 @@ TEST_P(WorstElementsOfEveryOrder, AreThoseOfAStretchedBar) {
   expect(Strain::kStretch, F, 1 + e);
 }
 
-// F = I + g e_x e_y^T: its greatest stretch is g/2 + sqrt(1 + g^2/4), and it turns by atan(g/2).
+// F = I + g e_x e_y^T: its largest stretch is g/2 + sqrt(1 + g^2/4), and it rotates by atan(g/2).
 TEST_P(WorstElementsOfEveryOrder, AreThoseOfSimpleShear) {
   const double g = 0.3;
   Matrix3d F = Matrix3d::Identity();
@@ -73,7 +73,7 @@ TEST_P(WorstElementsOfEveryOrder, FeelNoRigidMotion) {
   const Matrix3d R = rotation(2.8, {1, -2, 0.5});
   expect(Strain::kStress, R, 0);
   expect(Strain::kStretch, R, 1);
-  // Nor do strained ones: the derivative along a turn is nothing.
+  // Nor do strained ones: the derivative along a rotation is zero.
   const Matrix3Xd x = body_.mesh.nodes + random(2e-3);
   const Matrix3Xd turn = math::cross_matrix({0.3, -0.8, 0.5}) * x;
   for (const Strain strain : {Strain::kStress, Strain::kStretch}) {
@@ -93,7 +93,7 @@ TEST_P(WorstElementsOfEveryOrder, FollowTheirNodesAsCentralDifferencesDo) {
     for (int direction = 0; direction < 4; ++direction) {
       const Matrix3Xd dx = random(1);
       WorstElements worst(body_, strain), plus(body_, strain), minus(body_, strain);
-      // All elements, so that the kept ones are the same.
+      // All elements, so that the selected ones are the same.
       const auto look = [](WorstElements& one, const Matrix3Xd& at) {
         for (int i = 0; i < 4; ++i) one.look(at);
         return one.look(at);
@@ -129,7 +129,7 @@ TEST_P(WorstElementsOfEveryOrder, AreTheGreatestOfAllOnceEachHasBeenLookedAt) {
   EXPECT_NEAR(worst.peak(), expected[0], 1e-9 * expected[0]);
 }
 
-// By the hand's motion, through the sensitivity of a fresh factor.
+// By the hand's motion, through the sensitivity of a new factorisation.
 TEST_P(WorstElementsOfEveryOrder, FollowTheHandAsCentralDifferencesDo) {
   SolverOptions options;
   options.tolerance = 1e-10;
@@ -144,7 +144,8 @@ TEST_P(WorstElementsOfEveryOrder, FollowTheHandAsCentralDifferencesDo) {
   X.translation() += Vector3d(0.004, 0.01, -0.015);
   X.linear() = rotation(0.3, {0, 1, 0.4});
   settled_at(X);
-  ASSERT_TRUE(model.restore(model.positions(), model.velocities()));  // asks for a fresh factor
+  ASSERT_TRUE(
+      model.restore(model.positions(), model.velocities()));  // requests a new factorisation
   model.step(kDt);
   refactor(model);
   for (int i = 0; i < 4; ++i) model.step(kDt);
@@ -162,7 +163,8 @@ TEST_P(WorstElementsOfEveryOrder, FollowTheHandAsCentralDifferencesDo) {
         moved.linear() = math::exp_rotation(xi.tail<3>()) * X.linear();
         settled_at(moved);
         WorstElements worst(body_, strain);
-        sides[side] = worst.look(model.positions());  // the first elements, whatever their values
+        sides[side] =
+            worst.look(model.positions());  // the first elements, regardless of their values
       }
       WorstElements worst(body_, strain);
       double scale = 0, off = 0;

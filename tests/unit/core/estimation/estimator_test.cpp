@@ -182,7 +182,7 @@ TEST_F(PoseDrivenTest, AFailingModelDegradesThenFaults) {
   for (int i = 0; i < 600; ++i) result = update(estimator_);
   EXPECT_EQ(result.status, Status::kFault);
   model_.report = {elasticity::StepStatus::kNotConverged, 2, 1e-3};
-  EXPECT_EQ(update(estimator_).status, Status::kOk);  // on its way
+  EXPECT_EQ(update(estimator_).status, Status::kOk);  // in transit
   model_.report.residual = 1;
   for (int i = 0; i < 600; ++i) result = update(estimator_);
   EXPECT_EQ(result.status, Status::kDegraded);
@@ -285,7 +285,7 @@ TEST_F(ForceDrivenTest, PassesNoNonsenseOn) {
     for (int i = 0; i < 200; ++i) update(estimator);
     contacts_ = {load(Source::kWrist0, {{18, {0, kNan, 1}}, {99999, {1, 1, 1}}})};
     EXPECT_EQ(update(estimator).status, Status::kDegraded);
-    EXPECT_GT(load_on(18, 2), 0.9);  // the last good one
+    EXPECT_GT(load_on(18, 2), 0.9);  // the last valid one
   }
 }
 

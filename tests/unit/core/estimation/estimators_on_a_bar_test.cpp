@@ -1,4 +1,4 @@
-// Both estimators with the co-rotational model beneath them.
+// Both estimators on the co-rotational model.
 #include <gtest/gtest.h>
 
 #include "core/elasticity/corotational_model.hpp"
@@ -86,7 +86,7 @@ TEST_F(BarTest, PadsGiveWayByTheirCompliance) {
     EXPECT_GT(give.norm(), 1e-3);
     EXPECT_LT((give - expected).norm(), 1e-3 * give.norm()) << stiffness << " N/m";
 
-    // Another estimator that takes its place goes on from there.
+    // Another estimator that replaces it continues from there.
     PoseDriven next{PoseDriven::Options{}};
     const Eigen::Matrix3Xd before = model_->positions();
     next.take_over(estimate_, *model_);

@@ -24,12 +24,12 @@ class FingertipDrivenTest : public ::testing::Test {
     estimator_->activate(*model_);
     contact_.source = Source::kFinger1;
     contact_.accepted = true;
-    contact_.loads.push_back({0, Vector3d(0, 0, 1)});  // felt: 1 N
+    contact_.loads.push_back({0, Vector3d(0, 0, 1)});  // measured: 1 N
     inputs_.contact_count = 1;
     inputs_.contacts = &contact_;
   }
 
-  /// The finger holds on to `place` for `ticks`.
+  /// The finger keeps contact at `place` for `ticks`.
   sensing::UpdateResult run(const Vector3d& place, int ticks) {
     contact_.location = place;
     sensing::UpdateResult result;
@@ -43,7 +43,7 @@ class FingertipDrivenTest : public ::testing::Test {
     return result;
   }
 
-  /// Where the material is that was at a node's place at rest.
+  /// Current position of the material whose rest position is at a node.
   Vector3d node_at(const Vector3d& rest) const {
     const std::vector<int> nodes = mesh::nodes_in_box(body_.mesh, rest, rest);
     return model_->positions().col(nodes.at(0));
@@ -62,7 +62,7 @@ class FingertipDrivenTest : public ::testing::Test {
 const Vector3d kBelow(0.5, 0.03, 0);  // middle of the lower edge of the free end
 
 TEST_F(FingertipDrivenTest, MaterialGoesWhereTheFingerIs) {
-  run(kBelow, 200);  // touches without a push
+  run(kBelow, 200);  // touches without force
   EXPECT_LT(estimator_->force(1).norm(), 1e-6);
   const sensing::UpdateResult result = run(kBelow + Vector3d(0, 0, 0.02), 1000);
   EXPECT_EQ(result.status, sensing::Status::kOk) << result.reason;
@@ -73,7 +73,7 @@ TEST_F(FingertipDrivenTest, MaterialGoesWhereTheFingerIs) {
 }
 
 TEST_F(FingertipDrivenTest, NeedsTheForceOfABeam) {
-  options_.friction = 0.01;  // what holds the end back along x would stretch the bar
+  options_.friction = 0.01;  // constraining the end along x would stretch the bar
   estimator_ = std::make_unique<FingertipDriven>(body_, surface_, options_);
   estimator_->activate(*model_);
   contact_.loads[0].force.setZero();
@@ -82,10 +82,10 @@ TEST_F(FingertipDrivenTest, NeedsTheForceOfABeam) {
   run({at, 0.03, up}, 1000);
   const double inertia = std::pow(0.06, 4) / 12;
   const double beam = 3 * body_.material.young_modulus * inertia * up / std::pow(at, 3);
-  // Shear gives 2 % more way, the dent under the finger some more.
+  // Shear adds 2 % of compliance, the indentation under the finger some more.
   const double force = estimator_->force(1).z();
   EXPECT_NEAR(force, beam, 0.06 * beam);
-  // It rests, though friction is spent: between sticking and sliding it must not chatter.
+  // It rests, though friction is exhausted: between sticking and sliding it must not chatter.
   for (int i = 0; i < 100; ++i) {
     run({at, 0.03, up}, 10);
     EXPECT_NEAR(estimator_->force(1).z(), force, 2e-3 * force);
@@ -96,7 +96,7 @@ TEST_F(FingertipDrivenTest, GoesBackToRestWhenTheFingerLetsGo) {
   run(kBelow, 200);
   run(kBelow + Vector3d(0, 0, 0.02), 1000);
   inputs_.contact_count = 0;
-  double step = 0;  // m in a tick
+  double step = 0;  // m per tick
   for (int i = 0; i < 1000; ++i) {
     const Eigen::Matrix3Xd before = model_->positions();
     run(kBelow, 1);
@@ -111,12 +111,12 @@ TEST_F(FingertipDrivenTest, SlidesWhereFrictionDoesNotHold) {
   const Vector3d below(0.4, 0.03, 0);
   run(below, 200);
   run(below + Vector3d(0, 0, 0.005), 500);
-  contact_.loads[0].force = Vector3d(0, 0, 0.05);  // a light touch bears 40 mN across
+  contact_.loads[0].force = Vector3d(0, 0, 0.05);  // a light contact bears 40 mN tangentially
   for (int i = 0; i < 60; ++i) run(below + Vector3d(-1e-3 * i, 0, 0.005), 20);
   const Vector3d force = estimator_->force(1);
   EXPECT_LE(std::hypot(force.x(), force.y()),
             options_.friction * std::max(0.05, force.z()) + 0.02 * force.norm());
-  // It has not taken the material along: 60 mm would have crushed the bar by an eighth.
+  // It has not dragged the material along: 60 mm would have compressed the bar by an eighth.
   EXPECT_LT((node_at({0.5, 0.03, 0.03}) - Vector3d(0.5, 0.03, 0.03)).x(), 5e-3);
   EXPECT_GT((node_at({0.5, 0.03, 0.03}) - Vector3d(0.5, 0.03, 0.03)).x(), -5e-3);
 }

@@ -40,8 +40,8 @@ math::Matrix6d pads_of(const elasticity::Body& body, double stiffness) {
                                     stiffness);
 }
 
-/// Mean distance, m, of the coarse bar's nodes under the hand's pose from where a fine bar has them
-/// whose skin alone is held.
+/// Mean distance, m, between the coarse bar's nodes under the hand's pose and those of a fine bar
+/// whose surface alone is held.
 double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
   const elasticity::Body fine = gripped_bar({20, 4, 4}, false);
   const elasticity::StaticSolution truth = elasticity::solve_static(
@@ -74,8 +74,8 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
   return sum / coarse.mesh.node_count();
 }
 
-/// A coarse mesh that gives way is nearer to the truth than it was, and than a mesh with edges half
-/// as long whose patch is one rigid piece.
+/// A coarse mesh with a compliant grasp is closer to the truth than without, and than a mesh with
+/// edges half as long whose patch is rigid.
 TEST(GraspGiveTest, ACoarseMeshIsWhereAFineOneHasIt) {
   constexpr double kFirm = 1e7;  // N/m
   elasticity::Body body = gripped_bar({10, 1, 1}, true), half = gripped_bar({20, 2, 2}, true);

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 
-/// A weightless bar at rest that gives way in the hand by about as much as it bends.
+/// A weightless bar at rest whose compliance in the hand is about equal to its bending.
 class GivingBar {
  public:
   GivingBar() {

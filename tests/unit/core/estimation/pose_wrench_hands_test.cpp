@@ -1,5 +1,5 @@
-// The filter where it takes over from another estimator, and between two hands of which one only
-// feels.
+// The filter when it takes over from another estimator, and between two hands of which only one has
+// a force sensor.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -23,7 +23,7 @@ void pose_wrench_hands_refactor(CorotationalQuasistatic& model) {
   }
 }
 
-/// A true object in one or two hands, and what they tell.
+/// A true object in one or two hands, and their measurements.
 class PoseWrenchHandsWorld {
  public:
   explicit PoseWrenchHandsWorld(const elasticity::Body& body) : model_(body) {

@@ -5,7 +5,7 @@
 namespace palpate::support {
 
 /// The simplest object that can be held: all of it moves rigidly with the first grasp, and it
-/// writes down what is asked of it. Reaction: minus the loads and gravity, at the origin of G.
+/// records its inputs. Reaction: minus the loads and gravity, at the origin of G.
 class RigidModel : public elasticity::DeformationModel {
  public:
   explicit RigidModel(elasticity::Body body) : body_(std::move(body)) { prepare(); }
@@ -84,7 +84,7 @@ inline elasticity::Body held_bar(const std::array<int, 3>& cells, mesh::ElementO
   return body;
 }
 
-/// The same with a hand at either end and nothing else to hold it.
+/// The same with a hand at either end and no other support.
 inline elasticity::Body bar_between_hands(mesh::ElementOrder order) {
   elasticity::Body body = held_bar({6, 1, 1}, order);
   elasticity::GraspRegion second;

@@ -1,4 +1,4 @@
-// A bar that two hands hold and nothing else, against the static solver.
+// A bar held only by two hands, compared with the static solver.
 #include <gtest/gtest.h>
 
 #include "core/elasticity/corotational_model.hpp"
@@ -34,7 +34,7 @@ class TwoGrasps : public ::testing::Test {
     return estimator_.update(inputs_, model_, estimate_);
   }
 
-  /// Minus the sum of both reactions, less the weight: nothing at equilibrium.
+  /// Minus the sum of both reactions, minus the weight: zero at equilibrium.
   Vector3d imbalance() const {
     const double mass = 26 * 0.5 * 0.06 * 0.06;
     return estimate_.reaction[0].force + estimate_.reaction[1].force + mass * body_.gravity_O;

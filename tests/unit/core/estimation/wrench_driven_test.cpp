@@ -51,8 +51,8 @@ class WrenchDrivenTest : public ::testing::Test {
   double distance(const Eigen::Matrix3Xd& shape) const {
     return (model_->positions() - shape).colwise().norm().maxCoeff();
   }
-  /// Moves a hand of another such object to X_OG within a second and lets the estimator feel what
-  /// all its hands feel. Returns the shape in the end.
+  /// Moves a hand of another such object to X_OG within a second and feeds the estimator the
+  /// measurements of all its hands. Returns the final shape.
   Eigen::Matrix3Xd feel(const elasticity::Body& body, const math::Pose& X_OG, int grasp = 0) {
     CorotationalQuasistatic world(body);
     world.prepare();
@@ -98,7 +98,7 @@ TEST_F(WrenchDrivenTest, AWrenchAtTheTipBendsTheBarAsBeamTheorySays) {
   const double GA = 30e3 / 2 * 0.06 * 0.06 * 5.0 / 6;  // N
   const double L = 0.5, force = 0.01, couple = -0.003;
   inputs_.grasps[0].F_G_O.force.z() = force;
-  inputs_.grasps[0].F_G_O.torque.y() = -couple;  // turns z towards -x: lifts the tip
+  inputs_.grasps[0].F_G_O.torque.y() = -couple;  // rotates z towards -x: lifts the tip
   EXPECT_EQ(run(2).status, Status::kOk);
   const double rise = force * L * L * L / (3 * EI) + force * L / GA + couple * L * L / (2 * EI);
   const double slope = force * L * L / (2 * EI) + couple * L / EI;
@@ -123,7 +123,7 @@ TEST_F(WrenchDrivenTest, FindsThePoseAndShapeThatMadeTheWrench) {
 }
 
 TEST_F(WrenchDrivenTest, FindsAlsoWhatOnlyTheHandKeepsFromSnapping) {
-  // Pushed together by a tenth: buckled, and aside as far as gravity took it.
+  // Compressed by a tenth: buckled, and displaced sideways by gravity.
   const elasticity::Body body = bar();
   start(body);
   math::Pose X_OG = body.grasps[0].X_OG_rest;
@@ -256,7 +256,7 @@ TEST_F(WrenchDrivenTest, TakesOverFromThePoseAndGivesBackWithoutAJump) {
     refactor();
     by_pose.update(inputs_, *model_, estimate_);
   }
-  // What the sensor tells is not quite what the model feels.
+  // The sensor's reading differs slightly from the model's reaction.
   inputs_.grasps[0].F_G_O = estimate_.reaction[0];
   inputs_.grasps[0].F_G_O.force += Vector3d(0.01, -0.01, 0.02);
   for (const bool to_wrench : {true, false}) {

@@ -11,7 +11,7 @@ namespace palpate::factor {
 inline constexpr std::array<Held, 4> kHeldSets{
     {{false, false}, {true, false}, {false, true}, {true, true}}};
 
-/// A block matrix with the pattern of a mesh, and the same as a dense one.
+/// A block matrix with the sparsity pattern of a mesh, and its dense equivalent.
 struct BlockSystem {
   BlockSystem(const mesh::ElementMesh& mesh, const std::vector<int>& fixed,
               const std::vector<std::vector<int>>& border)
@@ -62,7 +62,7 @@ struct BlockSystem {
     return dense(rows, rows);
   }
 
-  /// Solution with the held rows at zero.
+  /// Solution with the constrained rows at zero.
   Eigen::MatrixXd solve(const Eigen::MatrixXd& B, Held held) const {
     const std::vector<int> rows = free_rows(held);
     Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols());

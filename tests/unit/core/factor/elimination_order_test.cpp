@@ -26,7 +26,7 @@ Graph grid(int width, int height) {
   return graph;
 }
 
-/// Entries below the diagonal by elimination of one node after the other.
+/// Entries below the diagonal when nodes are eliminated one after the other.
 std::size_t fill(const Graph& graph, const std::vector<int>& order) {
   std::vector<std::set<int>> neighbours(graph.size());
   for (int i = 0; i < graph.size(); ++i) {
@@ -81,7 +81,7 @@ TEST(EliminationOrder, TakesEmptyAndDisconnectedGraphs) {
   isolated.start = {0, 0, 0, 0};
   expect_permutation(elimination_order(isolated), 3);
   EXPECT_EQ(elimination_order(isolated, 3), (std::vector<int>{0, 1, 2}));
-  Graph apart;  // two edges and a lonely node between them
+  Graph apart;  // two edges and an isolated node between them
   apart.start = {0, 1, 2, 2, 3, 4};
   apart.neighbours = {1, 0, 4, 3};
   expect_permutation(elimination_order(apart), 5);

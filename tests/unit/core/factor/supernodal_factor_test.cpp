@@ -18,7 +18,7 @@ int negative_eigenvalues(const Eigen::MatrixXd& A) {
                               .count());
 }
 
-/// Of every set of held groups, against dense factors.
+/// For every set of held groups, compared with dense factors.
 void expect_solves(const BlockSystem& system, double tolerance, double shift = 0) {
   const Supernodes nodes(system.pattern);
   SupernodalFactor factor(nodes);

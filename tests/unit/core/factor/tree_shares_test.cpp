@@ -15,7 +15,7 @@ BlockPattern pattern_of(const std::array<int, 3>& cells, mesh::ElementOrder orde
   return BlockPattern(body.mesh.elements, body.mesh.node_count(), {}, {body.grasps[0].nodes});
 }
 
-/// What a member does at that supernode: its number, or -1 for the top.
+/// Work of a member at that supernode: its number, or -1 for the top.
 std::vector<int> owners(const Supernodes& nodes, const TreeShares& shares) {
   std::vector<int> owner(nodes.count(), -2);
   const auto take = [&owner](int s, int by) {
@@ -48,7 +48,7 @@ TEST(TreeShares, SubtreesTouchOnlyThemselvesAndTheTop) {
           ASSERT_TRUE(owner[holder] == owner[s] || owner[holder] == -1);
         }
       }
-      // Subtrees of one member do not touch each other either.
+      // Subtrees of one member are disjoint as well.
       for (const auto& ranges : shares.members) {
         for (const auto& range : ranges) {
           for (int s = range.begin; s < range.end; ++s) {

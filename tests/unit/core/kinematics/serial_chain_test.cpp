@@ -28,7 +28,7 @@ math::Pose shifted(const Vector3d& p) {
   return X;
 }
 
-// Two links of 0.4 and 0.3 m in a plane: the textbook's formula.
+// Two links of 0.4 and 0.3 m in a plane: the textbook formula.
 TEST(SerialChain, OfTwoLinksInAPlane) {
   const SerialChain chain({joint("a", {0, 0, 0.1}, {0, 0, 1}), joint("b", {0.4, 0, 0}, {0, 0, 1})},
                           shifted({0.3, 0, 0}));

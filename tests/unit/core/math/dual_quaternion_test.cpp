@@ -13,7 +13,7 @@ Eigen::Vector3d random_vector(Random& random) {
   return {random.normal(), random.normal(), random.normal()};
 }
 
-/// The motion made by a constant twist in unit time.
+/// The motion of a constant twist in unit time.
 Eigen::Matrix4d exponential(const Twist& V) {
   Eigen::Matrix4d generator = Eigen::Matrix4d::Zero();
   generator.topLeftCorner<3, 3>() = cross_matrix(V.angular);

@@ -66,7 +66,8 @@ TEST(Polar, EqualsSingularValueDecompositionOnRandomMatrices) {
     const double sign = F.determinant() < 0 ? -1 : 1;
     const Eigen::Matrix3d expected =
         svd.matrixU() * Eigen::Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-    // How far rounding of F alone can turn R: the inverse of the smallest sum of two stretches.
+    // Largest rotation of R by rounding of F alone: the inverse of the smallest sum of two
+    // stretches.
     const double gap = svd.singularValues()[1] + sign * svd.singularValues()[2];
     const Eigen::Matrix3d R = polar_rotation(F);
     expect_rotation(R);
@@ -102,7 +103,7 @@ TEST(Polar, SingularAndTinyMatricesGiveARotation) {
     expect_rotation(nearest);
     EXPECT_LE((F - nearest).norm(), (F - R).norm() + 1e-12);
   }
-  // A flat element still has one answer.
+  // A flat element still has a unique result.
   const Eigen::Matrix3d flat = with_stretches(R, {1.3, 0.8, 0}, random);
   EXPECT_LT((polar_rotation(flat) - R).norm(), 1e-12);
 }
@@ -137,7 +138,7 @@ TEST(Polar, DerivativeEqualsFiniteDifference) {
     const Eigen::Matrix3d F = random_matrix(random);
     const Eigen::Matrix3d R = polar_rotation(F);
     const Eigen::Matrix3d A = polar_spin(R, F);
-    if (A.norm() > 10) continue;  // finite differences say little near a flip
+    if (A.norm() > 10) continue;  // finite differences are meaningless near a flip
     ++compared;
     const Eigen::Matrix3d dF = random_matrix(random);
     const double h = 1e-5;

@@ -22,7 +22,7 @@ using support::Family;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoBound = QuadraticProgram::kNoBound;
 
-/// Nearest point to `wish`.
+/// The point closest to `wish`.
 QuadraticProgram nearest(const VectorXd& wish) {
   QuadraticProgram program(static_cast<int>(wish.size()));
   program.H.setIdentity();
@@ -160,7 +160,7 @@ TEST(SoftRows, HoldExactlyWhereTheyCan) {
   EXPECT_EQ(b.worst_violation(soft, RowPriority::kSoftest), 0);
 }
 
-/// Rows that want u_0 to be at the index of their level, times 10: levels 1, 2, 3.
+/// Rows that require u_0 to be the index of their level, times 10: levels 1, 2, 3.
 TEST(SoftRows, GiveWayInTheirOrder) {
   for (int absent = 1; absent <= 4; ++absent) {
     QuadraticProgram program = nearest(Eigen::Vector2d(0, 1));
@@ -217,8 +217,8 @@ INSTANTIATE_TEST_SUITE_P(Families, RandomPrograms, ::testing::Range(0, support::
                            return support::name(static_cast<Family>(instance.param));
                          });
 
-// A thousand of each of the ten families: of a strictly convex program these conditions, checked in
-// long double from its numbers alone, hold at the optimum and nowhere else.
+// A thousand of each of the ten families: for a strictly convex program these conditions, checked
+// in long double from its numbers alone, hold at the optimum and nowhere else.
 TEST_P(RandomPrograms, AnswersProveThemselves) {
   Random random(1, support::name(family()));
   Solver solver;
@@ -255,7 +255,7 @@ TEST_P(RandomPrograms, AnswersAreThoseOfAnExactSolver) {
 }
 #endif
 
-// A servo loop's next program is nearly its last one.
+// The next program of a servo loop is similar to its previous one.
 TEST_P(RandomPrograms, WarmStartsChangeTheWorkAndNotTheAnswer) {
   if (!is_feasible()) GTEST_SKIP() << "there is no last optimum to start from";
   Random random(3, support::name(family()));
@@ -284,7 +284,7 @@ TEST(QuadraticProgram, WarmStartsFromAnythingReachTheSameAnswer) {
   Solver solver, cold;
   int solved = 0;
   for (int i = 0; i < 3000; ++i) {
-    // Same size, unlike programs: the last active rows say nothing of this one.
+    // Same size, different programs: the last active rows give no information about this one.
     const auto family = static_cast<Family>(random.below(support::kFamilies));
     const QuadraticProgram program = support::random_program(family, 3, 9, random);
     const Status status = solver.solve(program, Start::kWarm);

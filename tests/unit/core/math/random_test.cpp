@@ -74,8 +74,8 @@ TEST(Random, BelowIsEvenOverItsRange) {
   EXPECT_EQ(random.below(1), 0u);
 }
 
-// Published test vector of xoshiro256++ from the state {1, 2, 3, 4} cannot be set from outside, so
-// the generator is written a second time here, straight from the paper.
+// The published test vector of xoshiro256++ from the state {1, 2, 3, 4} cannot be set from outside,
+// so the generator is implemented a second time here, directly from the paper.
 TEST(Random, IsXoshiroSeededBySplitMix) {
   std::uint64_t seeder = 42, s[4];
   for (std::uint64_t& word : s) {

@@ -40,7 +40,7 @@ TEST(Rigid, LogInvertsExpAtEveryAngle) {
     const Eigen::Vector3d w = angle * rigid_random_vector(random).normalized();
     EXPECT_LT((log_rotation(exp_rotation(w)) - w).norm(), 1e-14 + 1e-15 * angle) << angle;
   }
-  // At pi either axis is right.
+  // At pi either sign of the axis is correct.
   const Eigen::Vector3d w = M_PI * rigid_random_vector(random).normalized();
   const Eigen::Vector3d log = log_rotation(exp_rotation(w));
   EXPECT_LT(std::min((log - w).norm(), (log + w).norm()), 1e-14);
@@ -70,7 +70,7 @@ TEST(Rigid, TransformKeepsPowerAndComposes) {
   const Wrench twice = transform(X_AB, transform(X_BC, F_C));
   EXPECT_LT((once.vector() - twice.vector()).norm(), 1e-13);
 
-  // A force through a point has the torque that the lever arm says.
+  // A force through a point has the torque given by the lever arm.
   const Eigen::Vector3d p_B = rigid_random_vector(random), f_B = rigid_random_vector(random);
   const Wrench F_A = transform(X_AB, {f_B, p_B.cross(f_B)});
   EXPECT_LT((F_A.torque - (X_AB * p_B).cross(X_AB.linear() * f_B)).norm(), 1e-13);

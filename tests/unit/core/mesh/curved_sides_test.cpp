@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 constexpr double kRadius = 0.02, kLength = 0.1;  // m
 
-/// A box of square section pressed onto a cylinder about x: each square ring becomes a circle.
+/// A box of square section mapped to a cylinder about x: each square ring becomes a circle.
 Vector3d on_disc(const Vector3d& p) {
   const double y = p.y() - 1, z = p.z() - 1;  // -1 to 1
   const double ring = std::max(std::abs(y), std::abs(z)), length = std::hypot(y, z);
@@ -31,7 +31,8 @@ struct Cylinder {
     mesh = box;
     for (int i = 0; i < box.node_count(); ++i) mesh.nodes.col(i) = on_disc(box.nodes.col(i));
     orient(mesh);
-    // Middles of edges along the outer circle lie on it; those inside and on the caps are straight.
+    // Midpoints of edges along the outer circle lie on it; those inside and on the caps are
+    // straight.
     const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
     for (int t = 0; t < surface.triangles.cols(); ++t) {
       for (int i = 0; i < 3; ++i) {
@@ -101,7 +102,7 @@ TEST(CurvedSides, StraightOnesTakeTheVolumeOver) {
   }
 }
 
-// The second moment of area, which bending stiffness is proportional to.
+// The second moment of area, to which bending stiffness is proportional.
 TEST(CurvedSides, BendingStiffnessComesNearTheTrueOne) {
   const auto second_moment = [](const TetrahedralMesh& mesh) {
     double sum = 0;

@@ -1,5 +1,5 @@
-// Each kind of defect, put into random good meshes at random places: found each time, and nothing
-// is said of the good ones.
+// Each kind of defect, inserted into random valid meshes at random locations: found each time, and
+// nothing is reported for valid ones.
 
 #include <gtest/gtest.h>
 
@@ -54,7 +54,7 @@ void add_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
   mesh.tetrahedra.rightCols<1>() = corners;
 }
 
-/// One more tetrahedron, outside of the mesh but for its first corners, which it shares.
+/// One additional tetrahedron, outside the mesh except for its first corners, which it shares.
 void add_outside(TetrahedralMesh& mesh, const std::vector<int>& shared) {
   const Eigen::Vector3d lower = mesh.nodes.rowwise().minCoeff(),
                         size = mesh.nodes.rowwise().maxCoeff() - lower;
@@ -99,7 +99,7 @@ TEST(MeshDefects, TooLargeForNumbers) {
 TEST(MeshDefects, ZeroVolume) {
   expect_found(
       [](TetrahedralMesh& mesh, RandomMeshes& random) {
-        // One corner goes onto the plane, an edge, or a corner of the other three.
+        // One corner moves onto the plane, an edge, or a corner of the other three.
         const int t = random.below(mesh.tetrahedron_count());
         Eigen::Vector3d share(random.between(0, 1), random.between(0, 1), random.between(0, 1));
         for (int i = random.below(3); i > 0; --i) share[i] = 0;
@@ -124,7 +124,8 @@ TEST(MeshDefects, Flipped) {
 TEST(MeshDefects, DuplicateNode) {
   expect_found(
       [](TetrahedralMesh& mesh, RandomMeshes& random) {
-        // The faces of one tetrahedron come open, as where two meshes were put side by side.
+        // The faces of one tetrahedron are separated, as if two meshes were placed next to each
+        // other.
         const double size =
             (mesh.nodes.rowwise().maxCoeff() - mesh.nodes.rowwise().minCoeff()).norm();
         int& corner = mesh.tetrahedra(random.below(4), random.below(mesh.tetrahedron_count()));

@@ -23,7 +23,8 @@ double total_volume(const TetrahedralMesh& mesh) {
   return total;
 }
 
-/// How many tetrahedra share each face; conforming neighbours share all but those of the boundary.
+/// Number of tetrahedra at each face; conforming neighbours share all faces but those of the
+/// boundary.
 std::map<int, int> faces_by_owners(const TetrahedralMesh& mesh) {
   std::map<std::array<int, 3>, int> owners;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {

@@ -33,7 +33,7 @@ void expect_two_tetrahedra(const TetrahedralMesh& mesh) {
   EXPECT_EQ(mesh.tetrahedra, tetrahedra);
 }
 
-/// What the parser says of a text that it must refuse; empty where it took it.
+/// Error text of the parser for an invalid text; empty if it was accepted.
 template <typename Read>
 std::string error_of(Read read) {
   try {
@@ -185,7 +185,7 @@ TEST_P(Gmsh, ReadsMeshAndGroups) {
 
 TEST_P(Gmsh, CutAnywhereItIsRefused) {
   const std::string text = GetParam();
-  // Up to the last line, whose end says that all is there.
+  // Up to the last line, whose end marks the file as complete.
   const std::size_t last = text.rfind("$EndElements");
   for (std::size_t size = 0; size < last + 5; ++size) {
     EXPECT_NE(error_of([&] { gmsh(text.substr(0, size)); }), "") << text.substr(0, size);

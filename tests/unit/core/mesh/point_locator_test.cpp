@@ -15,7 +15,7 @@ Eigen::Vector3d random_point(math::Random& random, double margin) {
   return p;
 }
 
-/// A box whose inner nodes are shaken, so that elements are uneven.
+/// A box whose inner nodes are randomly displaced, so that elements are irregular.
 ElementMesh shaken_box(ElementOrder order) {
   math::Random random(3);
   TetrahedralMesh box = make_box(kPointLocatorSize, {4, 4, 3});

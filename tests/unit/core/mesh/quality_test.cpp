@@ -82,7 +82,7 @@ TEST(RoundMesh, CylindersHaveTheirVolumeAndGoodElements) {
       if (sides == RoundSides::kFull) {
         EXPECT_NEAR(report.volume, exact, 1e-12 * exact);
       } else {
-        // Parabolas for arcs of 60 degrees by the ring: the error goes by the fourth power.
+        // Parabolas for arcs of 60 degrees per element: the error is of fourth order.
         EXPECT_NEAR(curved_volume(mesh.mesh, mesh.middles), exact,
                     0.004 / std::pow(rings, 4) * exact);
       }

@@ -9,8 +9,8 @@
 
 namespace palpate::mesh {
 
-/// Meshes of all kinds that files hold: boxes and grids with cells left out, cut in two ways, nodes
-/// moved by up to a sixth of a cell, turned anywhere, in mm or m, numbered in any order.
+/// Meshes of all kinds found in files: boxes and grids with cells removed, divided in two ways,
+/// nodes moved by up to a sixth of a cell, arbitrarily rotated, in mm or m, with any numbering.
 class RandomMeshes {
  public:
   explicit RandomMeshes(unsigned seed) : random_(seed) {}
@@ -32,7 +32,7 @@ class RandomMeshes {
       }
     }
     TetrahedralMesh mesh = make_grid(planes, below(2) == 0 ? CellCut::kSix : CellCut::kFive);
-    // One part stays one: an inner node never meets another, nor does a tetrahedron turn over.
+    // A part stays connected: no two inner nodes coincide, and no tetrahedron is inverted.
     for (double& coordinate : mesh.nodes.reshaped()) coordinate += between(-1, 1) * smallest / 12;
     const Eigen::Vector3d axis(between(-1, 1), between(-1, 1), 1);
     const double scale = below(2) == 0 ? 1e-3 : 0.1;

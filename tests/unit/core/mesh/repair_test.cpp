@@ -1,5 +1,5 @@
-// Random good meshes, broken in one way at random places: after a repair they are clean again and
-// hold the volume that they had.
+// Random valid meshes with one kind of defect at random locations: after a repair they are valid
+// again and have their original volume.
 
 #include "core/mesh/repair.hpp"
 
@@ -33,8 +33,9 @@ void add_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
   mesh.tetrahedra.rightCols<1>() = corners;
 }
 
-/// Breaks, sees that it is broken, repairs, and sees that it is not. `share`: of the meshes, that
-/// must be mended; others may be refused, but never be passed off as good.
+/// Inserts a defect, checks that it is found, repairs, and checks that it is gone. `share`:
+/// fraction of the meshes that must be repaired; others may be rejected, but never reported as
+/// valid.
 void expect_repaired(const Break& damage, const std::string& step, double share = 1,
                      const RepairOptions& options = {}) {
   RandomMeshes random(7);
@@ -94,7 +95,7 @@ TEST(Repair, TurnsAWholeMeshOfTheOtherConvention) {
 }
 
 TEST(Repair, PutsBackAStrayedNode) {
-  // A node of a grid fine enough to have some inside, moved through its neighbours.
+  // A node of a grid fine enough to have some inside, moved across its neighbours.
   RandomMeshes random(3);
   int mended = 0;
   for (int i = 0; i < 40; ++i) {
@@ -156,7 +157,7 @@ TEST(Repair, DropsElementsThatNameANodeTwice) {
 }
 
 TEST(Repair, PeelsFlatElementsOffTheSurface) {
-  // One side of a box of cells in which neighbours on the surface lie in a plane.
+  // One side of a box of cells in which neighbours on the surface are coplanar.
   RandomMeshes random(5);
   for (int i = 0; i < 30; ++i) {
     MeshWithGroups mesh{make_box({0.1, 0.1, 0.1}, {2 + random.below(3), 2, 2}), {}, {}};
@@ -186,7 +187,7 @@ TEST(Repair, PeelsFlatElementsOffTheSurface) {
 }
 
 TEST(Repair, GivesFlatElementsVolume) {
-  // A node inside falls into the plane of a far face.
+  // An inner node moves into the plane of a distant face.
   RandomMeshes random(6);
   for (int i = 0; i < 30; ++i) {
     MeshWithGroups mesh{make_box({0.1, 0.1, 0.1}, {2, 2, 2}), {}, {}};
@@ -204,12 +205,12 @@ TEST(Repair, GivesFlatElementsVolume) {
 }
 
 TEST(Repair, CollapsesAnEdgeOfFlatElementsOnAnEdgeOfTheBody) {
-  // An extra node amid an edge of the body makes the tetrahedra about that edge two each; flattened
-  // ones come of a fan that is pulled onto the edge.
+  // An additional node at the middle of an edge of the body splits each tetrahedron at that edge
+  // into two; flat ones result from pulling a fan onto the edge.
   TetrahedralMesh one;
   one.nodes.resize(3, 5);
   one.nodes << 0, 1, 0, 0, 0.5, 0, 0, 1, 0, 0, 0, 0, 0, 1, 0;
-  // (4) lies on the edge 01; the tetrahedron 0 4 1 2 is flat, the real ones hang on it.
+  // (4) lies on the edge 01; the tetrahedron 0 4 1 2 is flat, the valid ones are attached to it.
   one.tetrahedra.resize(4, 2);
   one.tetrahedra.col(0) << 0, 1, 2, 3;
   one.tetrahedra.col(1) << 0, 4, 1, 2;
@@ -273,8 +274,8 @@ TEST(Repair, GroupsFollow) {
 }
 
 TEST(CellSplit, NeighboursOfAnyKindMatch) {
-  // A grid of hexahedra, some cut into two prisms and some into pyramids about their middle, with
-  // nodes numbered at random.
+  // A grid of hexahedra, some divided into two prisms and some into pyramids about their centre,
+  // with randomly numbered nodes.
   RandomMeshes random(4);
   for (int round = 0; round < 50; ++round) {
     const std::array<int, 3> cells{1 + random.below(3), 1 + random.below(3), 1 + random.below(3)};
@@ -304,7 +305,7 @@ TEST(CellSplit, NeighboursOfAnyKindMatch) {
         }
       }
     }
-    // The last cell in two prisms: only where no neighbour shares the face that is cut.
+    // The last cell as two prisms: only if no neighbour shares the divided face.
     if (cells[2] == 1) {
       const std::array<int, 8> c = mesh.others.back().corners;
       mesh.others.pop_back();
@@ -316,7 +317,7 @@ TEST(CellSplit, NeighboursOfAnyKindMatch) {
     ASSERT_TRUE(report.ok()) << report.text();
     ASSERT_EQ(report.non_manifold_edges, 0);
     ASSERT_NEAR(report.volume, cells[0] * cells[1] * cells[2], 1e-12);
-    // Closed: as many surface triangles as two for each outer square.
+    // Closed: two surface triangles for each outer square.
     const Surface surface = extract_surface(make_element_mesh(mesh.mesh, ElementOrder::kLinear));
     ASSERT_EQ(surface.triangles.cols(),
               4 * (cells[0] * cells[1] + cells[1] * cells[2] + cells[2] * cells[0]));

@@ -1,4 +1,5 @@
-// Surfaces: files, every class of fault found and mended or left, and nothing said of good ones.
+// Surfaces: files, every class of fault found and repaired or kept, and nothing reported for valid
+// ones.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -74,15 +75,15 @@ TEST(SurfaceRepair, RandomBreakagesAreMendedAndTheVolumeIsKept) {
     TriangleSurface surface = boundary_of(random.make());
     const double volume = enclosed_volume(surface);
     const int kind = i % 5;
-    if (kind == 0) {  // some turned
+    if (kind == 0) {  // some reversed
       for (int k = 0; k < 3; ++k) flip(surface, random.below(surface.triangle_count()));
-    } else if (kind == 1) {  // inside out
+    } else if (kind == 1) {  // inverted
       for (int t = 0; t < surface.triangle_count(); ++t) flip(surface, t);
-    } else if (kind == 2) {  // there twice
+    } else if (kind == 2) {  // duplicated
       surface.triangles.conservativeResize(3, surface.triangle_count() + 1);
       surface.triangles.rightCols<1>() =
           surface.triangles.col(random.below(surface.triangle_count() - 1)).reverse().eval();
-    } else if (kind == 3) {  // torn along all edges, as STL stores it, and rounded
+    } else if (kind == 3) {  // separated along all edges, as STL stores it, and rounded
       TriangleSurface torn;
       torn.points.resize(3, 3 * surface.triangle_count());
       torn.triangles.resize(3, surface.triangle_count());
@@ -95,7 +96,7 @@ TEST(SurfaceRepair, RandomBreakagesAreMendedAndTheVolumeIsKept) {
         }
       }
       surface = torn;
-    } else {  // stray points
+    } else {  // unreferenced points
       surface.points.conservativeResize(3, surface.point_count() + 2);
       surface.points.rightCols<2>().setConstant(7);
     }
@@ -130,7 +131,7 @@ TEST(SurfaceRepair, ClosesSmallHolesInPlaneSidesExactly) {
 }
 
 TEST(SurfaceRepair, TurnsTheEdgeUnderATriangleWithoutArea) {
-  // A corner of a box put amid an edge of its neighbour: a T.
+  // A box corner on the middle of a neighbour's edge: a T-junction.
   TriangleSurface surface = boundary_of(make_box({1, 1, 1}, {1, 1, 1}));
   const Eigen::Vector3i c = surface.triangles.col(0);
   surface.points.conservativeResize(3, 9);
@@ -148,7 +149,7 @@ TEST(SurfaceRepair, TurnsTheEdgeUnderATriangleWithoutArea) {
 TEST(SurfaceRepair, KeepsCavitiesAndDropsOtherPartsWhereAsked) {
   TriangleSurface hollow = ball();
   TriangleSurface inner = ball(0.02);
-  append(inner, hollow);  // the inner one as wrong as can be: outward
+  append(inner, hollow);  // the inner one wrongly oriented: outward
   EXPECT_EQ(check(hollow).bodies, 1);
   EXPECT_EQ(check(hollow).inside_out, std::vector<int>{1});
   repair(hollow, {});
@@ -174,7 +175,7 @@ TEST(SurfaceReport, FindsWhatCannotBeMended) {
   EXPECT_GT(check(crossed).intersections.size(), 10u);
 
   TriangleSurface pushed = ball(0.05, {0, 0, 0}, 5);
-  pushed.points.col(0) = -0.98 * pushed.points.col(0);  // a spike through to the far side
+  pushed.points.col(0) = -0.98 * pushed.points.col(0);  // a spike through to the opposite side
   EXPECT_TRUE(check(pushed).intersections.empty());
   pushed.points.col(0) *= 1.1;
   EXPECT_FALSE(check(pushed).intersections.empty());
@@ -208,7 +209,7 @@ TEST(SurfaceReport, FindsWhatCannotBeMended) {
   repair(lost, {});
   EXPECT_EQ(check(lost).not_finite.size(), 1u);
 
-  // A band with one twist.
+  // A band with one twist (Moebius strip).
   TriangleSurface band;
   band.points.resize(3, 12);
   for (int i = 0; i < 6; ++i) {
@@ -241,7 +242,7 @@ TEST(Intersections, OfTrianglesInAllWays) {
   x.row(2).tail<3>().array() += 2;
   EXPECT_FALSE(meet(x));
   x << 0, 1, 0, 0.2, 0.3, 0.2, 0, 0, 1, 0.2, 0.2, 0.3, 0, 0, 0, 0, 0, 0;
-  EXPECT_TRUE(meet(x));  // one within the other, in one plane
+  EXPECT_TRUE(meet(x));  // one within the other, coplanar
   x.row(0).tail<3>().array() += 1;
   EXPECT_FALSE(meet(x));
 }
@@ -265,7 +266,7 @@ TEST(SurfaceFiles, ComeBackToTheBit) {
     ASSERT_EQ(first.points, surface.points);
     ASSERT_EQ(first.triangles, surface.triangles);
     write_stl(surface, as_stl);
-    const TriangleSurface second = stl(as_stl.str());  // numbered as corners come
+    const TriangleSurface second = stl(as_stl.str());  // numbered in the order of corners
     ASSERT_EQ(second.point_count(), surface.point_count());
     for (int t = 0; t < surface.triangle_count(); ++t) {
       for (int c = 0; c < 3; ++c)

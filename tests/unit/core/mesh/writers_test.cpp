@@ -1,4 +1,4 @@
-// What is written reads back as it was, to the bit, in every format and form.
+// Written files read back bit-identically, in every format and variant.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -6,8 +6,7 @@
 
 namespace palpate::support {
 
-/// A bar in static equilibrium under a hand that goes where it is told: what controllers steer
-/// here.
+/// A bar in static equilibrium under a hand that follows its commands: the controlled plant.
 class HeldBarPlant {
  public:
   explicit HeldBarPlant(elasticity::Body body)
@@ -31,7 +30,7 @@ class HeldBarPlant {
   math::Wrench wrench() const { return wrench_; }
   elasticity::Sensitivity response() { return solver_.response(); }
 
-  /// What the feature is now.
+  /// Current value of the feature.
   Eigen::VectorXd value(shape::Feature& feature) const {
     Eigen::VectorXd value(feature.value_count());
     feature.evaluate(positions_, value);
@@ -63,7 +62,7 @@ inline elasticity::Body weightless_bar() {
   return body;
 }
 
-/// What a provider is shown of it.
+/// Inputs of a provider about the feature.
 inline control::Experience seen(const HeldBarPlant& plant, const Eigen::VectorXd& value,
                                 double dt) {
   control::Experience now;

@@ -1,4 +1,4 @@
-// Jacobians that need no probes, against what they must be in the limit and against differences.
+// Jacobians that need no probes, compared with their theoretical limits and with differences.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ TEST(Geodesic, IsTheWayAlongTheBar) {
 }
 
 TEST(Geodesic, GoesRoundWhatIsNotThere) {
-  // Two bars that touch nowhere: no way leads from one to the other.
+  // Two separate bars: no path leads from one to the other.
   elasticity::Body body = support::held_bar({2, 1, 1}, mesh::ElementOrder::kLinear);
   mesh::ElementMesh apart = body.mesh;
   const int n = body.mesh.node_count();
@@ -71,7 +71,7 @@ TEST(DiminishingRigidity, FallsOffWithTheDistanceFromTheHand) {
     provider.observe(support::seen(plant, value, 1e-3));
     MatrixXd J(3, 6);
     ASSERT_TRUE(provider.update(point, model, plant.X_OG(), J));
-    // Between nodes the shares are interpolated, which is a little more than the exponential.
+    // Between nodes the weights are interpolated, which is slightly more than the exponential.
     const double share = std::exp(-4 * (0.5 - x));
     EXPECT_NEAR(J(0, 0), share, 0.02 * share) << x;
     EXPECT_NEAR(J(1, 1), J(0, 0), 1e-12);
@@ -116,7 +116,7 @@ TEST(CornerBody, KeepsWhatIsHeldAndFixed) {
 
 class OtherModels : public ::testing::Test {
  protected:
-  /// Differences of the model's own settled shapes.
+  /// Differences of the model's own equilibrium shapes.
   template <class Model, class... Options>
   MatrixXd numeric(shape::Feature& feature, const math::Pose& X_OG, double dt, Options... options) {
     const elasticity::Body corners = corner_body(body_);

@@ -36,7 +36,7 @@ TEST_F(Sight, FeaturesAreWhereTheirMarkersAreUntilSightIsLost) {
   EXPECT_TRUE(sight.sees());
   EXPECT_TRUE(sight.fresh());
   EXPECT_LT((value(sight) - seen_).norm(), 1e-12);
-  model_.array() += 0.01;  // what the model says meanwhile does not matter
+  model_.array() += 0.01;  // the model's output meanwhile does not matter
   sight.look(false, 0.1, nothing_, model_);
   EXPECT_TRUE(sight.sees());
   EXPECT_FALSE(sight.fresh());

@@ -21,7 +21,7 @@ class OpenLoops : public ::testing::Test {
     plant_.place(X_start);
   }
 
-  /// RMS distance of the points after so long with the plan in charge, m.
+  /// RMS distance of the points after this much time under the plan, m.
   double carry_out(OpenLoop& loop, int steps, double dt) {
     for (int i = 0; i < steps; ++i) {
       const Eigen::VectorXd value = plant_.value(feature_);
@@ -56,7 +56,7 @@ TEST_F(OpenLoops, FindThePoseAndTheWrenchOfAShapeThatCanBe) {
 
 TEST_F(OpenLoops, OfATargetBeyondReachGiveTheNearest) {
   Eigen::VectorXd torn = target_;
-  torn[0] += 0.05;  // one corner of four pulled away
+  torn[0] += 0.05;  // one of four corners pulled away
   const InverseSolution plan = solve_inverse(plant_.body(), 0, feature_, torn);
   EXPECT_TRUE(plan.converged);
   EXPECT_GT(plan.error, 0.02);

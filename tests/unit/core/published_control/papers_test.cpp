@@ -1,6 +1,5 @@
-// What the papers themselves show of their methods, as far as it can be repeated on an elastic bar
-// that is seen without error. Sections are those that the claims are told in, by summaries of the
-// papers.
+// Results reported in the papers, as far as they can be reproduced on an elastic bar observed
+// without error. Sections are those of the claims, from summaries of the papers.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +39,7 @@ class Papers : public ::testing::Test {
     plant.place(before);
     return value;
   }
-  /// RMS error of the points, m, after so many steps under provider and law.
+  /// RMS error of the points, m, after this many steps under provider and law.
   double servo(control::JacobianProvider& provider, support::HeldBarPlant& plant, int steps) {
     control::ProportionalTwist law(law_options_);
     law.configure_for(feature_);
@@ -79,8 +78,8 @@ class Papers : public ::testing::Test {
   control::TwistLawOptions law_options_;
 };
 
-/// Berenson, IROS 2013, experiments: the task is done without a model of the object, whatever the
-/// rate of diminishing within a wide range; a rate is a choice, not a measurement.
+/// Berenson, IROS 2013, experiments: the task succeeds without a model of the object, for any
+/// diminishing rate in a wide range; a rate is a choice, not a measurement.
 TEST_F(Papers, DiminishingRigidityNeedsNoExactRate) {
   const double first = error_of(plant_);
   ASSERT_GT(first, 0.02);
@@ -92,8 +91,8 @@ TEST_F(Papers, DiminishingRigidityNeedsNoExactRate) {
   }
 }
 
-/// Aghajanzadeh et al., Frontiers 2022, section on simulations: one Jacobian that was found off
-/// line about the rest shape steers the object through a large deformation.
+/// Aghajanzadeh et al., Frontiers 2022, section on simulations: a single Jacobian computed off line
+/// at the rest shape controls the object through a large deformation.
 TEST_F(Papers, AConstantJacobianCarriesThroughALargeDeformation) {
   const double first = error_of(plant_);
   ConstantJacobian provider({0}, feature_);
@@ -101,7 +100,7 @@ TEST_F(Papers, AConstantJacobianCarriesThroughALargeDeformation) {
 }
 
 /// Shetab-Bushehri et al., RA-L 2022, section on results: the same controller brings objects of
-/// unlike stiffness to their targets, since it takes no mechanical parameters.
+/// different stiffness to their targets, since it uses no mechanical parameters.
 TEST_F(Papers, AsRigidAsPossibleIsTheSameForEveryStiffness) {
   const double first = error_of(plant_);
   for (const double factor : {0.1, 10.0}) {
@@ -111,7 +110,7 @@ TEST_F(Papers, AsRigidAsPossibleIsTheSameForEveryStiffness) {
     DifferenceJacobian provider({}, body, 0, [](const elasticity::Body& copy) {
       return std::make_unique<elasticity::AsRigidAsPossible>(copy);
     });
-    // Here a tick is as long as fifty of the loop's, in which the copies keep up with the hand.
+    // Here a tick lasts fifty of the loop's, in which the copies keep up with the hand.
     class KeepsUp final : public control::JacobianProvider {
      public:
       explicit KeepsUp(DifferenceJacobian& inner) : inner_(inner) {}
@@ -128,9 +127,8 @@ TEST_F(Papers, AsRigidAsPossibleIsTheSameForEveryStiffness) {
   }
 }
 
-/// Alambeigi et al., RA-L 2018, the experiment with a cut: the object's stiffness changes while the
-/// controller is at work, and both of its Jacobians are adapted until the points are at their
-/// target.
+/// Alambeigi et al., RA-L 2018, the experiment with a cut: the object's stiffness changes during
+/// control, and both of its Jacobians are adapted until the points reach their target.
 TEST_F(Papers, TwoJacobiansSurviveACut) {
   const double first = error_of(plant_);
   LearningOptions options;

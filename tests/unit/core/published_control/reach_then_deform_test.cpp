@@ -15,7 +15,7 @@ constexpr double kReachThenDeformDt = 0.02;
 
 class Reaching : public ::testing::Test {
  protected:
-  /// One tick: the law's velocity at this place of the hand, with the feature as it is.
+  /// One tick: the law's velocity at this position of the hand, with the current feature.
   Eigen::Vector3d tick(ReachThenDeform& law, const math::Pose& X_OG, const Eigen::VectorXd& value,
                        const Eigen::VectorXd& target) {
     control::Experience now;
@@ -40,8 +40,8 @@ class Reaching : public ::testing::Test {
   Eigen::VectorXd error_;
 };
 
-/// The paper's own kind of task in one dimension more: a tip away from a spring of unknown
-/// stiffness reaches it, presses, and brings a point of it to its target.
+/// The paper's own task in one more dimension: a tip away from a spring of unknown stiffness
+/// reaches it, presses, and brings a point of it to its target.
 TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
   ReachThenDeform::Options options;
   ReachThenDeform::Region region;
@@ -60,7 +60,7 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
   double touched_after = -1, most_before = 0;
   for (int i = 0; i < 1000; ++i) {
     const double depth = (X * region.tip_G).z();  // the object's underside is at 0
-    // The point moves by less than half of what the tip presses.
+    // The point moves by less than half of the tip's penetration.
     value = rest + Eigen::VectorXd(Eigen::Vector3d(0, 0, 0.4 * std::max(0.0, depth)));
     if (depth > 0 && touched_after < 0) touched_after = i * kReachThenDeformDt;
     if (depth <= 0)
@@ -71,7 +71,7 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
   EXPECT_GT(touched_after, 0.5);
   EXPECT_EQ(most_before, 0) << "nothing is learnt before anything moves";
   EXPECT_LT((value - target).norm(), 2e-4);
-  // It has been learnt on the way that the point gives less than was guessed.
+  // It has been learnt on the way that the point is less compliant than assumed.
   EXPECT_LT(law.jacobian()(2, 2), 0.8);
   EXPECT_GT(law.jacobian()(2, 2), 0.35);
   EXPECT_EQ(law.weight(), 1);

@@ -31,7 +31,7 @@ TEST_F(Chain, OfAStraightBarIsStraightAndGoesAlong) {
   const Eigen::VectorXd rest = chain.points(points);
   for (int i = 0; i < 3; ++i)
     EXPECT_LT((rest.segment<3>(3 * i) - points[static_cast<std::size_t>(i)]).norm(), 1e-9);
-  // What the hand holds goes along with it, torsion and all.
+  // The part held by the hand moves with it, including torsion.
   math::Pose X = lifted(0.04, 0.2);
   X.linear() = X.linear() * math::exp_rotation({0.5, 0, 0});
   ASSERT_TRUE(chain.step(X, 1));
@@ -40,7 +40,7 @@ TEST_F(Chain, OfAStraightBarIsStraightAndGoesAlong) {
 }
 
 TEST_F(Chain, BendsAsABeamDoes) {
-  // Both ends held, one lifted without a turn: w(x) = h (3 t^2 - 2 t^3) by Euler and Bernoulli.
+  // Both ends held, one lifted without rotation: w(x) = h (3 t^2 - 2 t^3) by Euler-Bernoulli.
   RheologicalChain::Options options;
   options.masses = 40;
   RheologicalChain chain(options, body_, 0);
@@ -60,10 +60,10 @@ TEST_F(Chain, CreepsUnderItsWeightToTheStiffnessThatStays) {
   options.relaxation = 0;
   const double elastic = sag(RheologicalChain(options, body_, 0));
   ASSERT_GT(elastic, 1e-6);
-  // At rest for ever: half of the stiffness has gone, and the sag is twice as large.
+  // After infinite time at rest: half of the stiffness has relaxed, and the sag is twice as large.
   options.relaxation = 1;
   EXPECT_NEAR(sag(RheologicalChain(options, body_, 0)) / elastic, 2, 0.01);
-  // In a motion of its ends, which a bar follows whatever its stiffness.
+  // In a motion of its ends, which a bar follows regardless of its stiffness.
   options.relaxation_time = 2;
   RheologicalChain chain(options, body_, 0);
   ASSERT_TRUE(chain.step(lifted(0.002), 1e-6));
@@ -82,8 +82,8 @@ TEST_F(Chain, RefusesWhatIsNoChain) {
   EXPECT_THROW(RheologicalChain(options, body_, 0), std::invalid_argument);
 }
 
-/// Its own kind of task: a motion planned beforehand brings the points of a bar to a shape that the
-/// bar can take, without a look at it.
+/// The paper's own task: a motion planned beforehand brings the points of a bar to a feasible
+/// shape, without observation.
 TEST_F(Chain, PlansAMotionThatShapesABar) {
   support::HeldBarPlant plant(body_);
   shape::PointsFeature feature(plant.body().mesh, {{{0.2, 0, 0.03}, {0.35, 0.06, 0.03}}});
@@ -104,7 +104,7 @@ TEST_F(Chain, PlansAMotionThatShapesABar) {
     ASSERT_TRUE(loop.commands(inputs, V));
     plant.move(V, 0.05);
   }
-  // The chain knows no shear and no thick ends: near, not on the spot.
+  // The chain models neither shear nor thick ends: close, not exact.
   EXPECT_LT((plant.value(feature) - target).norm(), 0.25 * first);
 }
 

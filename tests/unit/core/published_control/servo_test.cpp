@@ -1,5 +1,5 @@
-// Each learning method on its own kind of task: an elastic bar, points to a target that can be
-// reached, seen without error; probes, then the law. And what it may not do in the loop.
+// Each learning method on its own kind of task: an elastic bar, points to a reachable target,
+// observed without error; probes, then the law. And restrictions in the loop.
 
 #include <gtest/gtest.h>
 
@@ -35,7 +35,7 @@ Provider learning(const shape::Feature& feature, std::unique_ptr<FeatureView> vi
 struct Method {
   const char* name;
   Maker make;
-  double least;  // m, RMS error over the points that it must come to
+  double least;  // m, RMS error over the points that must be reached
 };
 
 std::vector<Method> methods() {
@@ -157,7 +157,7 @@ TEST(GaussianProcess, PredictsAndKeepsWhatIsUnlike) {
   options.noise = 0.01;
   options.reach = 3;
   GaussianProcess process(options, feature);
-  // A feature that follows the hand at once: change k of 6 is motion k.
+  // A feature that follows the hand immediately: change k of 6 is motion k.
   for (int k = 0; k < 6; ++k) {
     for (const double sign : {1.0, -1.0}) {
       const math::Vector6d motion = sign * 0.01 * math::Vector6d::Unit(k);
@@ -167,7 +167,7 @@ TEST(GaussianProcess, PredictsAndKeepsWhatIsUnlike) {
   EXPECT_EQ(process.sample_count(), 12);
   const math::Vector6d wish = 0.003 * math::Vector6d(math::Vector6d::Ones()).normalized();
   EXPECT_LT((process.predict(wish) - wish).norm() / wish.norm(), 0.2);
-  // One that is like another takes its place and leaves the others'.
+  // A similar one replaces it and leaves the others unchanged.
   for (int i = 0; i < 20; ++i)
     process.add(0.0101 * math::Vector6d::Unit(0), 0.0101 * math::Vector6d::Unit(0));
   EXPECT_EQ(process.sample_count(), 12);

@@ -1,4 +1,4 @@
-// How Jacobians are learnt, on features that are linear in the hand's motion.
+// Learning of Jacobians, on features that are linear in the hand's motion.
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,7 @@ Eigen::MatrixXd random_matrix(math::Random& random, int rows, int columns) {
   return m;
 }
 
-/// How far from the truth J is after `steps` random motions of 1 mm.
+/// Error of J after `steps` random motions of 1 mm.
 double error_after(JacobianUpdate& update, int steps, double noise = 0) {
   math::Random random(7);
   const Eigen::MatrixXd truth = random_matrix(random, 3, 6);
@@ -95,7 +95,7 @@ TEST(WeightedLeastSquares, ChangesNothingAlongWhatHasNotBeenMoved) {
   for (int i = 0; i < 40; ++i) {
     ScaledMotion motion = ScaledMotion::Zero();
     motion.head<2>() = 1e-3 * random_matrix(random, 2, 1);
-    motion[5] = 1e-9;  // trembles
+    motion[5] = 1e-9;  // jitter
     update.learn(motion, random_matrix(random, 3, 1), false, J);
   }
   EXPECT_GT((J - before).leftCols<2>().norm(), 1);

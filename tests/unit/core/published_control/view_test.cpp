@@ -47,7 +47,7 @@ TEST_F(Views, FourierHoldsTheMeanAndGivesBackWhatItHolds) {
   VectorXd value(18), seen(9);
   square_.evaluate(body_.mesh.nodes, value);
   view.measure(value, seen);
-  // Of a shifted contour only the mean changes.
+  // Translation of a contour changes only the mean.
   VectorXd shifted = value, seen_shifted(9);
   for (int p = 0; p < 6; ++p) shifted.segment<3>(3 * p) += Vector3d(0.01, -0.02, 0.03);
   view.measure(shifted, seen_shifted);
@@ -84,7 +84,7 @@ TEST_F(Views, TwoCamerasSeeWhatTheirPinholesSay) {
   square_.evaluate(body_.mesh.nodes, value);
   view.measure(value, seen);
   EXPECT_LT(seen.cwiseAbs().maxCoeff(), 320) << "the object is in the pictures, px";
-  // The images of a motion, learnt as a Jacobian, are that motion again.
+  // The images of a motion, learnt as a Jacobian, reproduce that motion.
   MatrixXd J_seen(24, 6), J(18, 6), motions(18, 6);
   const double h = 1e-6;
   for (int k = 0; k < 6; ++k) {

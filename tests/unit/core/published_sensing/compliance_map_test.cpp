@@ -9,8 +9,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Caccamo et al. 2016: a surface that is stiff at one end and soft at the other, touched where it
-// is known least: the map comes near to the truth everywhere, and it knows where it does not.
+// Caccamo et al. 2016: a surface that is stiff at one end and soft at the other, touched at the
+// point of highest uncertainty: the map approaches the truth everywhere, and its uncertainty
+// indicates where it does not.
 TEST(ComplianceProcessTest, MapsASurfaceByTouchingWhereItIsKnownLeast) {
   const auto truth = [](const Vector3d& p) { return 1e-3 * std::exp(p.x() / 0.1); };
   Eigen::Matrix3Xd places(3, 60);
@@ -31,12 +32,12 @@ TEST(ComplianceProcessTest, MapsASurfaceByTouchingWhereItIsKnownLeast) {
   EXPECT_LT(before, 0.5);
   for (int i = 0; i < 60; ++i)
     EXPECT_NEAR(std::log(process.at(places.col(i)).compliance / truth(places.col(i))), 0, 0.3);
-  // Far from every touch it is as at first.
+  // Far from every touch it equals the prior.
   EXPECT_NEAR(process.at({1, 1, 1}).deviation, 1, 1e-6);
   EXPECT_NEAR(process.at({1, 1, 1}).compliance, 1e-3, 1e-9);
 }
 
-// Of one touch the posterior is known in closed form.
+// For one touch the posterior is known in closed form.
 TEST(ComplianceProcessTest, OneTouchGivesTheClosedForm) {
   ComplianceProcess::Options options;
   ComplianceProcess process(options);
@@ -54,7 +55,7 @@ TEST(ComplianceProcessTest, MoreTouchesThanRoomAreNoTrouble) {
     process.add({random.uniform(), random.uniform(), random.uniform()}, 2e-3);
   EXPECT_EQ(process.count(), ComplianceProcess::kMost);
   EXPECT_TRUE(std::isfinite(process.at({0.5, 0.5, 0.5}).compliance));
-  process.add({0, 0, 0}, -1);  // nothing gives way so
+  process.add({0, 0, 0}, -1);  // nothing is that compliant
   EXPECT_EQ(process.count(), ComplianceProcess::kMost);
 }
 

@@ -1,4 +1,4 @@
-// What is learned from other motions: growing neural gas, the network, and both as an estimator.
+// Learning from other motions: growing neural gas, the network, and both as an estimator.
 #include "core/published_sensing/learned_shape.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 
-// Fritzke 1994: the gas covers what the points are spread over, and its edges follow it.
+// Fritzke 1994: the gas covers the support of the points, and its edges follow it.
 TEST(NeuralGasTest, SpreadsOverACircle) {
   math::Random random(5);
   Eigen::Matrix3Xd points(3, 500);
@@ -29,7 +29,7 @@ TEST(NeuralGasTest, SpreadsOverACircle) {
   for (int i = 0; i < 500; ++i)
     farthest = std::max(
         farthest, (gas.units.colwise() - Vector3d(points.col(i))).colwise().norm().minCoeff());
-  EXPECT_LT(farthest, 0.35);  // evenly spread: 0.16
+  EXPECT_LT(farthest, 0.35);  // uniformly distributed: 0.16
   EXPECT_GE(gas.edges.size(), 18u);
   for (const auto& [a, b] : gas.edges) {
     EXPECT_LT(a, b);
@@ -66,7 +66,7 @@ TEST(ShapeNetworkTest, LearnsASmoothFunction) {
                std::invalid_argument);
 }
 
-/// Trained on motions of a bar, it tells another one.
+/// Trained on motions of a bar, it predicts another one.
 TEST(LearnedShapeTest, TellsAShapeThatItWasNotTrainedOn) {
   const elasticity::Body body = support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);

@@ -1,4 +1,4 @@
-// What the methods find beside the shape, on their papers' own kind of task.
+// Parameters estimated in addition to the shape, on the papers' own kind of task.
 #include <gtest/gtest.h>
 
 #include "core/published_sensing/euler_bernoulli_fit.hpp"
@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A clamped bar that nobody holds.
+/// A clamped bar without a hand.
 elasticity::Body cantilever(double young_modulus, const std::array<int, 3>& cells) {
   elasticity::Body body = support::held_bar(cells, mesh::ElementOrder::kQuadratic);
   body.grasps.clear();
@@ -34,7 +34,7 @@ void look(const elasticity::DeformationModel& truth, math::Random& random,
   }
 }
 
-// Fugl et al. 2012: Young's modulus from how far an object sags by its own weight.
+// Fugl et al. 2012: Young's modulus from the sag of an object under its own weight.
 TEST(ParametersTest, SagTellsYoungsModulus) {
   for (const double young : {40e3, 60e3, 120e3}) {
     elasticity::CorotationalQuasistatic truth(cantilever(young, {12, 1, 1}));
@@ -68,7 +68,7 @@ TEST(ParametersTest, SagTellsYoungsModulus) {
   }
 }
 
-// Frank et al. 2010: E and nu from what a probe feels and what is seen.
+// Frank et al. 2010: E and nu from a probe's force and the observed shape.
 TEST(ParametersTest, ProbingTellsYoungsModulus) {
   for (const double factor : {0.6, 1.6}) {
     elasticity::Body truth = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
@@ -90,8 +90,8 @@ TEST(ParametersTest, ProbingTellsYoungsModulus) {
   }
 }
 
-// Gueler et al. 2017: a deformability for every object, told apart by it, of which the stiffer
-// prediction must not win where the object shears and stretches much.
+// Gueler et al. 2017: a deformability for every object, which distinguishes it; the stiffer
+// prediction must not win if the object shears and stretches considerably.
 TEST(ParametersTest, DeformabilityIsThatOfTheNearestPrediction) {
   const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);

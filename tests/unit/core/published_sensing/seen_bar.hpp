@@ -11,8 +11,8 @@
 
 namespace palpate::support {
 
-/// A bar in equilibrium that a camera sees from above and from one side, 30 times a second, and
-/// that a hand holds whose pose and wrench are told: what estimators in palpated's slot get.
+/// A bar in equilibrium observed by a camera from above and from one side, at 30 Hz, held by a hand
+/// with known pose and wrench: the inputs of estimators in palpated's slot.
 class SeenBar {
  public:
   static constexpr double kTick = 1e-3;  // s
@@ -34,7 +34,7 @@ class SeenBar {
       }
   }
 
-  /// Advances the truth and says what is known of it.
+  /// Advances the ground truth and provides the observations.
   void tick(estimation::EstimationInputs& inputs) {
     model_.hold(0, hand);
     if (elasticity::Refactorisation* job = model_.wanted_refactorisation()) {
@@ -62,7 +62,7 @@ class SeenBar {
     }
   }
 
-  /// Moves the hand from its rest by a share of a motion, in O.
+  /// Moves the hand from its rest by a fraction of a motion, in O.
   void place(double share, const Eigen::Vector3d& way, const Eigen::Vector3d& turn) {
     hand.translation() = rest_.translation() + share * way;
     hand.linear() = math::exp_rotation(share * turn) * rest_.linear();
@@ -81,7 +81,7 @@ class SeenBar {
   int ticks_ = 0;
 };
 
-/// An estimator with the model it drives beside the truth.
+/// An estimator with its model, and the ground truth.
 struct Watcher {
   Watcher(const elasticity::Body& truth, double noise,
           std::unique_ptr<elasticity::DeformationModel> its_model, estimation::Estimator& what)
@@ -90,7 +90,7 @@ struct Watcher {
     estimator.activate(*model);
   }
 
-  /// The hand goes by `way` and `turn` within `moving` s, and then rests up to `seconds`. Returns
+  /// The hand moves by `way` and `turn` within `moving` s, and then rests up to `seconds`. Returns
   /// allocations of the estimator and its model after the first tick.
   std::int64_t run(double seconds, double moving, const Eigen::Vector3d& way,
                    const Eigen::Vector3d& turn) {
@@ -109,7 +109,7 @@ struct Watcher {
     return allocations;
   }
 
-  /// Mean and largest distance of the estimate's nodes from where their material is, m.
+  /// Mean and largest distance of the estimate's nodes from their true material points, m.
   std::pair<double, double> error() const {
     const elasticity::DeformationModel& truth = const_cast<SeenBar&>(world).model();
     const mesh::PointLocator locator(truth.body().mesh);
@@ -132,7 +132,7 @@ struct Watcher {
   sensing::UpdateResult last;
 };
 
-/// What models of their own are laid over.
+/// Background for separate models.
 inline std::unique_ptr<elasticity::DeformationModel> carrier(const elasticity::Body& body) {
   return std::make_unique<elasticity::AsRigidAsPossible>(body);
 }

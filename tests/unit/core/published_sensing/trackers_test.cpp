@@ -1,5 +1,5 @@
-// Methods that follow a cloud, on a bar that bends in both planes: where nothing tells them of the
-// hand, they must come near to the shape that is seen, without an allocation.
+// Methods that track a cloud, on a bar that bends in both planes: without information about the
+// hand they must approach the observed shape, without an allocation.
 #include <gtest/gtest.h>
 
 #include "core/elasticity/comparison/mass_spring_model.hpp"
@@ -43,7 +43,7 @@ class TrackersTest : public ::testing::Test {
     EXPECT_EQ(watcher.last.status, sensing::Status::kOk) << watcher.last.reason;
     const auto error = watcher.error();
     std::printf("mean %.2f mm, largest %.2f mm\n", error.first * 1e3, error.second * 1e3);
-    // Nothing is seen any more: it says so, and what it knows stays finite.
+    // Without observations it reports so, and its state stays finite.
     watcher.world.sees = false;
     watcher.run(0.8, 1e-3, kWay, kTurn);
     EXPECT_EQ(watcher.last.status, sensing::Status::kDegraded);
@@ -82,8 +82,8 @@ TEST_F(TrackersTest, ShapeMatchingWithAFit) {
   EXPECT_LT(largest, 20e-3);
 }
 
-// Arriola-Rios and Wyatt 2017: numbers that evolve predict better than those that the search began
-// with.
+// Arriola-Rios and Wyatt 2017: evolved parameters predict better than the initial ones of the
+// search.
 TEST_F(TrackersTest, MassesAndSpringsThatEvolve) {
   EvolvedMassSpring::Options options;
   EvolvedMassSpring method(body_, surface_, options);
@@ -117,7 +117,8 @@ TEST_F(TrackersTest, ADeformationGraph) {
   EXPECT_LT(largest, 20e-3);
 }
 
-// Turned as a whole, the graph turns the mesh with it; a shift of one node moves what is near.
+// Under a rigid rotation of the graph the mesh rotates with it; a shift of one node moves its
+// neighbourhood.
 TEST_F(TrackersTest, AGraphCarriesTheMesh) {
   DeformationGraph graph(body_, 12);
   const Vector3d turn(0.3, -0.2, 0.5), shift(0.01, 0.02, -0.03);
@@ -138,7 +139,8 @@ TEST_F(TrackersTest, AGraphCarriesTheMesh) {
   EXPECT_THROW(DeformationGraph(body_, 3), std::invalid_argument);
 }
 
-// Petit et al. 2017: a force tells the stiffness, with which finite elements follow the cloud.
+// Petit et al. 2017: a measured force identifies the stiffness, with which finite elements track
+// the cloud.
 TEST_F(TrackersTest, FiniteElementsThatAProbeHasToldTheStiffness) {
   elasticity::Body soft = body_;
   soft.material.young_modulus = 20e3;  // the truth's is 33 kPa
@@ -154,7 +156,7 @@ TEST_F(TrackersTest, FiniteElementsThatAProbeHasToldTheStiffness) {
   EXPECT_THROW(ProbedCloudFem(soft, surface_, options), std::invalid_argument);
 }
 
-// A hand whose pose is told holds its nodes where they are, whatever the cloud says of them.
+// A hand with a known pose fixes its nodes, regardless of the cloud near them.
 TEST_F(TrackersTest, WithTheHandsPoseItsNodesAreWhereItIs) {
   CloudDrivenFem::Options options;
   options.hand = true;

@@ -19,7 +19,7 @@ BioTac at_rest() {
   return sample;
 }
 
-/// A finger whose network gives 1 mN along -z a count of PDC.
+/// A finger whose network outputs 1 mN along -z per count of PDC.
 class BiotacLstmTest : public ::testing::Test {
  protected:
   BiotacLstmTest() {
@@ -79,7 +79,7 @@ TEST_F(BiotacLstmTest, StepsOnceASampleOnceItIsTared) {
   press(sensor, 200);
   EXPECT_EQ(force_.steps, 2);
   const Contact first = contacts_.contacts[0];
-  signals_.biotac[2].fresh_count = 0;  // the loop is quicker than the sensor
+  signals_.biotac[2].fresh_count = 0;  // the loop is faster than the sensor
   EXPECT_EQ(sensor.update(signals_, contacts_ = {}).status, Status::kOk);
   EXPECT_EQ(force_.steps, 2);
   ASSERT_EQ(contacts_.count, 1);
@@ -171,7 +171,7 @@ TEST_F(BiotacLstmTest, ASecondNetworkPlacesTheContactByItsNormal) {
   tare(sensor);
   press(sensor, 300, 40);
   ASSERT_EQ(contacts_.count, 1);
-  // Its y is -z of T: below the middle of the pad, as far up as the active electrode is.
+  // Its y is -z of T: below the centre of the pad, as high as the active electrode.
   EXPECT_LT((contacts_.contacts[0].location - Eigen::Vector3d(-2.8e-3, 0, -7e-3)).norm(), 1e-9);
   direction_.says = Answer::kFault;
   EXPECT_EQ(press(sensor, 300).status, Status::kDegraded);

@@ -12,7 +12,7 @@ namespace {
 constexpr int kFingertipE17 = 16, kE2 = 1, kE12 = 11;
 
 TEST(BiotacGeometry, MirrorsItselfAboutTheMiddlePlane) {
-  // E1 to E6 face E11 to E16, E8 faces E9.
+  // E1 to E6 are opposite E11 to E16, E8 is opposite E9.
   const Eigen::Vector3d mirror(1, -1, 1);
   const auto& p = electrode_positions();
   const auto& n = electrode_normals();
@@ -103,7 +103,7 @@ TEST(FitLinearTactile, DoesNotBlowUpAChannelThatStandsStill) {
   TactileData data(300, 0.01);
   for (int i = 0; i < 300; ++i) data.inputs(i, 7) = 1e-6 * (i % 2);
   const LinearTactileFit fit = fit_linear_tactile(data.inputs, data.forces);
-  EXPECT_LT(fit.model.matrix.col(7).norm(), 1);  // N per count, where 1e-6 counts were seen
+  EXPECT_LT(fit.model.matrix.col(7).norm(), 1);  // N per count, where 1e-6 counts were measured
   EXPECT_TRUE(fit.model.matrix.allFinite());
 }
 
@@ -146,7 +146,7 @@ BiotacLinear::Options pdc_options() {
   return options;
 }
 
-/// A sensor that has been zeroed at rest.
+/// A sensor that has been tared at rest.
 class ZeroedFinger : public ::testing::Test {
  protected:
   ZeroedFinger() {
@@ -204,7 +204,7 @@ TEST_F(ZeroedFinger, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
     EXPECT_EQ(contacts.count, 0);
     return status;
   };
-  for (int again = 0; again < 2; ++again) {  // noise: some readings of a force, and none again
+  for (int again = 0; again < 2; ++again) {  // noise: a few readings of a force, then none again
     for (int i = 0; i < PlacelessForce::kMost; ++i) EXPECT_EQ(reads(pressed), Status::kOk) << i;
     if (again == 0) {
       EXPECT_EQ(reads(fingertip_at_rest()), Status::kOk);

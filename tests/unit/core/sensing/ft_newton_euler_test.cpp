@@ -13,8 +13,8 @@ namespace {
 constexpr double kPeriod = 1e-3;
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 
-/// A hand that shakes and turns on known sines, its sensors read without error, while it pushes on
-/// the object with a known wrench.
+/// A hand that shakes and rotates along known sines, its sensors read without error, while it
+/// exerts a known wrench on the object.
 struct ShakenHand {
   ShakenHand() {
     options.payload.mass = 4.8;
@@ -46,7 +46,7 @@ struct ShakenHand {
     return (p(t + h) - 2 * p(t) + p(t - h)) / (h * h);
   }
 
-  /// Signals at time t; `push` is what the hand exerts on the object, at S, in S.
+  /// Signals at time t; `push` is the wrench of the hand on the object, at S, in S.
   void feed_all(Signals& signals, double t, const math::Wrench& push) const {
     const math::Pose X_WS = X_WE(t) * options.X_ES;
     constexpr double h = 1e-4;
@@ -157,14 +157,14 @@ TEST(FtNewtonEuler, AHandThatStartsInMotionHasNoOffset) {
   double worst = 0;
   for (int tick = 0; tick < 1000; ++tick) {
     hand.feed_all(signals, tick * kPeriod, {});
-    for (int i = 0; i < 3; ++i) {  // as a robot tells it
+    for (int i = 0; i < 3; ++i) {  // as a robot reports it
       signals.robot.latest.V_W_E.linear[i] += 5e-4 * random.normal();
       signals.robot.latest.V_W_E.angular[i] += 1e-3 * random.normal();
     }
     sensor.update(signals, contacts = {});
     if (tick >= 10) worst = std::max(worst, contacts.contacts[0].wrench.force.norm());
   }
-  EXPECT_LT(worst, 0.3);  // the first mean of all takes the hand's own 1 m/s^2 for an offset: 5 N
+  EXPECT_LT(worst, 0.3);  // the very first mean treats the hand's own 1 m/s^2 as an offset: 5 N
 }
 
 TEST(FtNewtonEuler, AnOverloadedAccelerometerIsNotTakenForAnOffset) {
@@ -233,14 +233,14 @@ TEST(FtNewtonEuler, SmoothsTheAccelerometersNoiseWhileTheHandRests) {
   };
   const Eigen::Array2d rests = spreads(Eigen::Vector3d::Zero());
   EXPECT_NEAR(rests[1], 0.03 * hand.options.payload.mass, 0.01 * hand.options.payload.mass);
-  EXPECT_LT(rests[0], 0.1 * rests[1]);  // of white noise sqrt(1 ms / 0.2 s) = 0.07 is left
+  EXPECT_LT(rests[0], 0.1 * rests[1]);  // of white noise, sqrt(1 ms / 0.2 s) = 0.07 remains
   const Eigen::Array2d moves = spreads(Eigen::Vector3d(0, 3e-3, 0));
   EXPECT_NEAR(moves[0], moves[1], 0.01 * moves[1]) << "as without it";
 }
 
 TEST(FtNewtonEuler, AHandThatSetsOffIsNotSmoothed) {
   ShakenHand hand;
-  hand.options.rest_speed = 10;  // by its speed it rests all the time
+  hand.options.rest_speed = 10;  // judged by its speed it rests all the time
   FtNewtonEuler sensor(hand.options);
   Signals signals;
   ContactSet contacts;
@@ -250,7 +250,8 @@ TEST(FtNewtonEuler, AHandThatSetsOffIsNotSmoothed) {
     sensor.update(signals, contacts = {});
     if (tick >= 3) worst = std::max(worst, contacts.contacts[0].wrench.force.norm());
   }
-  // Of its 1 m/s^2, 5 N, and turning; between one and two times 0.15 m/s^2 a part stays smoothed.
+  // Of its 1 m/s^2, 5 N, and rotating; between one and two times 0.15 m/s^2 part of it stays
+  // smoothed.
   EXPECT_LT(worst, 1);
 }
 

@@ -14,7 +14,7 @@ namespace {
 const Eigen::Vector3d kFtRnnobGravity(0, 0, -9.81);
 const Eigen::Vector3d kContact(0.5, -1, 2);  // N, on the object
 
-/// A sensor that turns about y and is shaken, 1 kHz; readings and inertial samples come late.
+/// A sensor that rotates about y and is shaken, 1 kHz; readings and inertial samples are delayed.
 class FtRnnobTest : public ::testing::Test {
  protected:
   FtRnnobTest() {
@@ -44,7 +44,7 @@ class FtRnnobTest : public ::testing::Test {
     return motion_from_world(R_WS(t), acceleration(t), {0, rate(t), 0}, {0, turn(t), 0},
                              kFtRnnobGravity);
   }
-  /// What S reads at t: payload, what the network is to say, and the contact.
+  /// Reading of S at t: payload, the network's output, and the contact.
   math::Vector6d reading(double t) const {
     math::Vector6d wrench = load_wrench(options_.payload, motion(t)).vector();
     const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kFtRnnobGravity.normalized();
@@ -200,7 +200,7 @@ TEST_F(FtRnnobTest, AFaultIsSaidOrThePayloadServesAlone) {
   ASSERT_EQ(contacts_.count, 1);
   const double t = time_ - 1e-3 - options_.average / 2;
   const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kFtRnnobGravity.normalized();
-  // What the network would have said stays in.
+  // The network's missing output remains in the result.
   EXPECT_NEAR(contacts_.contacts[0].wrench.force.x(), kContact.x() + 3 * gravity_S.x(), 0.05);
 }
 

@@ -24,7 +24,8 @@ TEST(InputDomain, FadesWithTheDistanceToTheNearestPoint) {
   EXPECT_EQ(domain.trust(Eigen::Vector2d(0.9, 0)), 1);
   EXPECT_EQ(domain.trust(Eigen::Vector2d(9.2, 0)), 1);
   EXPECT_NEAR(domain.trust(Eigen::Vector2d(2, 0)), 0.5, 1e-12);
-  EXPECT_NEAR(domain.trust(Eigen::Vector2d(0, 1)), 0.5, 1e-12);  // two deviations of the second
+  EXPECT_NEAR(domain.trust(Eigen::Vector2d(0, 1)), 0.5,
+              1e-12);  // two standard deviations of the second
   EXPECT_EQ(domain.trust(Eigen::Vector2d(3, 0)), 0);
   EXPECT_EQ(domain.trust(Eigen::Vector2d(-1e9, 0)), 0);
   EXPECT_EQ(domain.trust(Eigen::Vector2d(std::nan(""), 0)), 0);

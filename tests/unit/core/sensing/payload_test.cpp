@@ -148,7 +148,7 @@ TEST(IdentifyStatic, RecoversASimulatedHandWithinOnePercent) {
   EXPECT_NEAR(fit.force_rms, 0.025 * std::sqrt(3), 0.01);
 }
 
-/// The deviations are honest: errors of many trials divided by them have unit variance.
+/// The standard deviations are correct: errors of many trials divided by them have unit variance.
 TEST(IdentifyStatic, DeviationsMatchTheSpreadOfManyTrials) {
   const PayloadParameters truth = hand();
   PayloadVector normalised = PayloadVector::Zero();
@@ -186,7 +186,7 @@ TEST(IdentifyStatic, FollowsABiasThatDrifts) {
   math::Random random(8);
   const PayloadParameters truth = hand();
   std::vector<StaticPose> poses = static_poses(truth, 30, 0.025, random);
-  const Eigen::Vector3d drift(0.02, 0, -0.1);  // N a pose
+  const Eigen::Vector3d drift(0.02, 0, -0.1);  // N per pose
   for (std::size_t i = 0; i < poses.size(); ++i) {
     poses[i].time = static_cast<double>(i);
     poses[i].F_S.force += poses[i].time * drift;
@@ -223,7 +223,7 @@ TEST(IdentifyStatic, NamesWhatOneOrientationCannotTell) {
   const PayloadFit fit = identify_static(poses, kGravity);
   EXPECT_THAT(fit.untold, testing::IsSupersetOf({"mass", "bias_fz", "mass*com_z"}));
   EXPECT_THAT(fit.untold, testing::Not(testing::Contains("bias_fx")));
-  EXPECT_LT(fit.force_rms, 1e-9);  // and yet explains every reading
+  EXPECT_LT(fit.force_rms, 1e-9);  // and nevertheless explains every reading
 }
 
 TEST(IdentifyStatic, RefusesTooFewPosesAndNumbersThatAreNotFinite) {

@@ -182,7 +182,7 @@ TEST(ObserverInputs, TurnWithTheSensorAndKeepTheQuaternionsSign) {
   const Eigen::Vector3d gravity(0, 0, -9.81);
   const ObserverInputs inputs =
       observer_inputs(X_WS, {0, 2, 0}, motion, gravity, Eigen::Vector4d::Zero());
-  EXPECT_TRUE(inputs.segment<3>(7).isApprox(Eigen::Vector3d(0, 1, 0)));    // rate in W
+  EXPECT_TRUE(inputs.segment<3>(7).isApprox(Eigen::Vector3d(0, 1, 0)));    // angular velocity in W
   EXPECT_TRUE(inputs.segment<3>(16).isApprox(Eigen::Vector3d(2, 0, 0)));   // velocity in S
   EXPECT_TRUE(inputs.segment<3>(13).isApprox(Eigen::Vector3d(0, 0, -1)));  // gravity in S
   EXPECT_TRUE(inputs.segment<3>(10).isApprox(Eigen::Vector3d(4, 5, 6)));

@@ -8,7 +8,7 @@
 
 namespace palpate::sensing {
 
-/// Answers by a function of its input; says what it is told to say. The script outlives it.
+/// Computes a function of its input with a configurable status. The script must outlive it.
 struct Script {
   ModelSizes sizes;
   std::function<void(const float* input, float* output)> answer;

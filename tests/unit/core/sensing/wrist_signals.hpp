@@ -4,7 +4,7 @@
 
 namespace palpate::sensing {
 
-/// Makes `sample` all that has come of a stream in this tick.
+/// Makes `sample` the only message of a stream in this tick.
 template <class T, int kCapacity>
 void feed(Stream<T, kCapacity>& stream, const T& sample) {
   stream.freshness = Freshness::kNew;

@@ -122,7 +122,7 @@ TEST(PointsFeature, HoldsTheSurfaceOfABar) {
   feature.evaluate(mesh.nodes, value);
   feature.error(value, value.array() + 0.01, error);
   EXPECT_LT((error.array() - 0.01).abs().maxCoeff(), 1e-15);
-  // A point is a sum of the ten nodes of its element at most.
+  // A point is a sum of at most the ten nodes of its element.
   EXPECT_LE(feature.jacobian().nonZeros(), 192 * 10);
   options.rest_points.resize(PointsFeature::kMostPoints + 1, {0.25, 0.03, 0.06});
   EXPECT_THROW(PointsFeature(mesh, options), std::invalid_argument);

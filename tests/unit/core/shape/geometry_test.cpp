@@ -1,5 +1,5 @@
-// Features that are numbers of the geometry: distance, angle, curvature, Fourier coefficients, and
-// the whole surface.
+// Scalar features of the geometry: distance, angle, curvature, Fourier coefficients, and the whole
+// surface.
 
 #include <gtest/gtest.h>
 
@@ -35,14 +35,14 @@ Points line(int count) {
   return points;
 }
 
-/// Not on a line.
+/// Off any line.
 Points crooked(int count) {
   Points points = line(count);
   for (int i = 0; i < count; ++i) points[i].z() -= 0.012 * (i % 2) + 0.003 * i * i;
   return points;
 }
 
-/// Around the bar at mid-length, evenly spaced.
+/// Around the bar at mid-length, uniformly spaced.
 Points ring(int each_side) {
   const Vector3d corners[] = {{0.25, 0, 0}, {0.25, 0.06, 0}, {0.25, 0.06, 0.06}, {0.25, 0, 0.06}};
   Points points;
@@ -151,7 +151,7 @@ TEST(GeometryFeatures, EvaluateWithoutAllocating) {
   }
 }
 
-// What a rigid motion leaves alone: distance, angle and curvature of the material itself.
+// Quantities invariant under a rigid motion: distance, angle and curvature of the material itself.
 TEST(GeometryFeatures, OfTheMaterialIgnoreRigidMotions) {
   const mesh::ElementMesh mesh = bar(kLinear);
   const Matrix3Xd x = deformed(mesh);
@@ -187,7 +187,7 @@ TEST(AngleFeature, IsThatBetweenTheDirections) {
   const Points corner = {{0.3, 0.03, 0}, {0.25, 0.03, 0}, {0.25 + 0.04, 0.03, 0.04}};
   AngleFeature at_a_point(mesh, {corner, {}});
   EXPECT_NEAR(value_of(at_a_point, mesh.nodes), M_PI / 4, 1e-12);
-  // Of two directions anywhere, even of one line taken both ways.
+  // Of two directions anywhere, even of one line in both directions.
   AngleFeature between(
       mesh, {{{0.1, 0.03, 0.03}, {0.2, 0.03, 0.03}, {0.4, 0.01, 0.01}, {0.4, 0.05, 0.01}}, {}});
   EXPECT_NEAR(value_of(between, mesh.nodes), M_PI / 2, 1e-12);
@@ -202,7 +202,7 @@ TEST(AngleFeature, CountsAboutItsAxisThroughTheStraightLine) {
   for (const double turn : {-2.0, -0.3, 0.3, 2.0, 3.1}) {
     Matrix3Xd x = mesh.nodes;
     for (int i = 0; i < x.cols(); ++i) {
-      // Turned about y beyond mid-length, as far as the first pair does not see it.
+      // Rotated about y beyond mid-length, so that the first pair is unaffected.
       if (x(0, i) > 0.3) {
         x.col(i) = math::exp_rotation({0, -turn, 0}) * Vector3d(x.col(i) - Vector3d(0.4, 0, 0));
       }
@@ -231,10 +231,10 @@ TEST(AngleFeature, RefusesWhatHasNoAngle) {
 }
 
 TEST(CurvatureFeature, IsThatOfTheCircle) {
-  // Many elements, for points are interpolated linearly between nodes.
+  // Many elements, since points are interpolated linearly between nodes.
   const mesh::ElementMesh mesh =
       mesh::make_element_mesh(mesh::make_box({0.5, 0.06, 0.06}, {25, 1, 1}), kLinear);
-  const Points three = {{0.1, 0, 0}, {0.18, 0, 0}, {0.4, 0, 0}};  // on nodes, unevenly
+  const Points three = {{0.1, 0, 0}, {0.18, 0, 0}, {0.4, 0, 0}};  // on nodes, non-uniformly
   const Points five = {{0.06, 0, 0}, {0.1, 0, 0}, {0.24, 0, 0}, {0.3, 0, 0}, {0.48, 0, 0}};
   for (const Points& points : {three, five}) {
     CurvatureFeature about(mesh, {points, Vector3d(0, -1, 0)});
@@ -294,11 +294,11 @@ TEST(FourierContour, IsLinearInThePositions) {
   EXPECT_LT((value - rest - J * move).norm(), 1e-12);
 }
 
-// On tetrahedra of their own the points can be put anywhere.
+// On separate tetrahedra the points can be placed anywhere.
 TEST(FourierContour, FindsTheWavesThatMadeTheContour) {
   constexpr int kPoints = 16;
   for (const bool closed : {true, false}) {
-    // At rest evenly along a circle or a line, so that s is known.
+    // At rest uniformly along a circle or a line, so that s is known.
     mesh::TetrahedralMesh separate;
     separate.nodes.resize(3, 4 * kPoints);
     separate.tetrahedra.resize(4, kPoints);

@@ -12,7 +12,7 @@ inline mesh::ElementMesh bar(mesh::ElementOrder order) {
   return mesh::make_element_mesh(mesh::make_box({0.5, 0.06, 0.06}, {6, 2, 2}), order);
 }
 
-/// A smooth large deformation with some noise, so that nothing is special about it.
+/// A smooth large deformation with some noise, to avoid special cases.
 inline Eigen::Matrix3Xd deformed(const mesh::ElementMesh& mesh, std::uint64_t seed = 7) {
   math::Random random(seed);
   const auto draw = [&](double size) {
@@ -29,7 +29,7 @@ inline Eigen::Matrix3Xd deformed(const mesh::ElementMesh& mesh, std::uint64_t se
 }
 
 /// Largest difference between the analytic Jacobian and central differences of error(), relative to
-/// the largest entry. error(value, target) falls as the feature moves, hence the sign.
+/// the largest entry. error(value, target) decreases as the feature moves, hence the sign.
 inline double jacobian_error(Feature& feature, Eigen::Matrix3Xd x) {
   Eigen::VectorXd value(feature.value_count());
   Eigen::VectorXd ahead = value, behind = value;

@@ -21,7 +21,7 @@ TEST(SolidIndentation, IsHertzAtSmallDepthOnAThickLayer) {
   }
 }
 
-/// Finer elements hardly change the answer, deep in a thin layer.
+/// Refinement hardly changes the result, deep in a thin layer.
 TEST(SolidIndentation, DoesNotDependOnItsMesh) {
   const SolidCoefficients c = make_solid_material(1, 0.49).coefficients;
   const IndentationCurve coarse = indent_layer(c, 4, {0.8, 4, 0.08});

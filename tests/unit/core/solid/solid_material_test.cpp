@@ -43,7 +43,7 @@ TEST(SolidMaterial, StressDoesNotCareWhereTheBodyIsTurned) {
   EXPECT_LT((turned.stress - R * at.stress).norm(), 1e-12 * at.stress.norm());
 }
 
-/// Hooke's law at small strain, whatever the split of the shear and bulk moduli.
+/// Hooke's law at small strain, for any split of the shear and bulk moduli.
 TEST(SolidMaterial, SmallStrainGivesYoungsModulusAndPoissonsRatio) {
   const double E = 2.6e5, nu = 0.42;
   const SolidCoefficients c = make_solid_material(E, nu, 0.3, 0.7).coefficients;
@@ -57,8 +57,8 @@ TEST(SolidMaterial, SmallStrainGivesYoungsModulusAndPoissonsRatio) {
   EXPECT_NEAR(response.stress(1, 1), 0, 1e-4 * E * strain);
 }
 
-/// The materials by invariants and by principal stretches are written apart, since they keep the
-/// volume by other laws; where the volume is kept they must be one.
+/// The materials by invariants and by principal stretches are implemented separately, since their
+/// volumetric laws differ; at constant volume they must agree.
 TEST(SolidMaterial, WithoutChangeOfVolumeItIsTheMaterialByStretches) {
   const Matrix3d F = kF / std::cbrt(kF.determinant());
   const double E = 30e3, nu = 0.4;

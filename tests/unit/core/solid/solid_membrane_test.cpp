@@ -55,8 +55,8 @@ TEST(MembraneResponse, IsTheDerivativeOfItsEnergy) {
   }
 }
 
-/// Without stiffening: the incompressible Neo-Hookean sheet, mu (l^2 - l^-4) / l when stretched
-/// alike both ways.
+/// Without stiffening: the incompressible Neo-Hookean sheet, mu (l^2 - l^-4) / l under equibiaxial
+/// stretch.
 TEST(MembraneResponse, IsNeoHookeanWithoutStiffening) {
   MembraneVector p = skin();
   p[kStiffening] = p[kFibre] = 0;
@@ -66,7 +66,7 @@ TEST(MembraneResponse, IsNeoHookeanWithoutStiffening) {
   EXPECT_NEAR(r.stress(0, 0), p[kShear] * (l - std::pow(l, -5)), 1e-12);
 }
 
-/// Betti: pads answer each other alike at small strain.
+/// Betti: the mutual forces of pads are symmetric at small strain.
 TEST(SolidMembrane, IsReciprocal) {
   const SolidMembrane membrane = two_pads();
   SolidMembrane::State first, second;
@@ -79,8 +79,8 @@ TEST(SolidMembrane, IsReciprocal) {
   EXPECT_GT(std::abs(first.forces[1].y()), 1e-9);
 }
 
-/// Far from its ends a long pad is the edge of a strip: displacements die as exp(-x / d) with
-/// d^2 = 4 shear / foundation.
+/// Far from its ends a long pad is the edge of a strip: displacements decay as exp(-x / d) with d^2
+/// = 4 shear / foundation.
 TEST(SolidMembrane, DecaysOnItsFoundation) {
   const SolidMembrane membrane(lines(-0.01, 0.2, 84), lines(-0.2, 0.2, 8),
                                {{{-0.01, -0.2}, {0, 0.2}}});

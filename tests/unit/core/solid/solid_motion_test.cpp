@@ -25,7 +25,7 @@ class SolidMotionTest : public ::testing::Test {
     problem_.loads = Matrix3Xd::Zero(3, mesh_.node_count());
   }
 
-  /// Let go from where `force` (N, up) at the end holds it.
+  /// Released from the position held by `force` (N, up) at the end.
   Matrix3Xd pulled(double force) {
     Matrix3Xd x = mesh_.nodes;
     EXPECT_TRUE(
@@ -43,8 +43,8 @@ class SolidMotionTest : public ::testing::Test {
   SolidMotionProblem problem_;
 };
 
-/// Euler and Bernoulli's first frequency of a slender cantilever, within what shear, rotary inertia
-/// and the mesh take away; energy stays.
+/// Euler-Bernoulli's first frequency of a slender cantilever, within the effect of shear, rotary
+/// inertia and the mesh; energy is conserved.
 TEST_F(SolidMotionTest, SwingsAtTheFirstFrequencyAndKeepsItsEnergy) {
   const double radius2 = kBar.z() * kBar.z() / 12;
   const double omega = std::pow(1.8751 / kBar.x(), 2) * std::sqrt(kE * radius2 / kDensity);
@@ -64,7 +64,7 @@ TEST_F(SolidMotionTest, SwingsAtTheFirstFrequencyAndKeepsItsEnergy) {
   EXPECT_NEAR((crossings[2] - crossings[0]) / 2 / period, 1.01, 0.015);
 }
 
-/// A mass far above the bar's swings on its static stiffness.
+/// A mass far larger than the bar's oscillates on its static stiffness.
 TEST_F(SolidMotionTest, CarriesAMassAtItsEnd) {
   const double mass = 1;
   problem_.nodal_mass = mass / 9 * Eigen::VectorXd::Zero(mesh_.node_count());
@@ -77,7 +77,7 @@ TEST_F(SolidMotionTest, CarriesAMassAtItsEnd) {
   EXPECT_NEAR(tip(motion.positions()) / start, -1, 0.02);
 }
 
-/// Amplitudes fall by exp(-zeta omega t) with zeta = a / (2 omega) + b omega / 2.
+/// Amplitudes decay by exp(-zeta omega t) with zeta = a / (2 omega) + b omega / 2.
 TEST_F(SolidMotionTest, DampingIsRayleighs) {
   const double radius2 = kBar.z() * kBar.z() / 12;
   const double omega = std::pow(1.8751 / kBar.x(), 2) * std::sqrt(kE * radius2 / kDensity);

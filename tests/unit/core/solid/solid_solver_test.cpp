@@ -73,7 +73,8 @@ TEST(SolidSolver, RigidMotionGivesNoForceAndTurnsForces) {
   EXPECT_LT(torque.norm(), 1e-12 * f.norm());
 }
 
-/// Whoever moves the surface by one deformation gradient must find it inside, at large strain.
+/// If the surface is moved by one deformation gradient, the interior must follow it, at large
+/// strain.
 TEST(SolidSolver, PassesThePatchTest) {
   mesh::TetrahedralMesh corners = mesh::make_box(kSolidSolverBar, {3, 3, 3});
   std::vector<int> surface;
@@ -99,7 +100,7 @@ TEST(SolidSolver, PassesThePatchTest) {
   EXPECT_LT((x - F * mesh.nodes).cwiseAbs().maxCoeff(), 1e-9 * kSolidSolverBar.x());
 }
 
-/// Sag of the bar's end under a small load, over that of Timoshenko's beam.
+/// Sag of the bar's end under a small load, relative to Timoshenko's beam.
 double sag_ratio(const std::array<int, 3>& cells, double nu) {
   const double E = 2e5, force = 1e-4;
   const SolidBody body(bar(cells), elasticity::nodes_at(bar(cells), 0, 0));
@@ -115,8 +116,8 @@ double sag_ratio(const std::array<int, 3>& cells, double nu) {
          (bending + shear);
 }
 
-/// The clamp keeps the section from narrowing, which stiffens this short bar by some percent as nu
-/// grows; locking would stiffen it without end, and the more the coarser the mesh.
+/// The clamp prevents the section from contracting, which stiffens this short bar by some percent
+/// as nu grows; locking would stiffen it without bound, and more on coarser meshes.
 TEST(SolidSolver, DoesNotLockTowardsIncompressibility) {
   EXPECT_NEAR(sag_ratio({9, 3, 3}, 0.3), 1, 0.02);
   double last = 0;

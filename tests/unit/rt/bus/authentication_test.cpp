@@ -44,7 +44,8 @@ twist_command_t command() {
   return message;
 }
 
-// As Python makes it: hmac.new(key, b"TWIST_COMMAND\0" + bytes(range(50)), "sha512").digest()[:32].
+// As computed in Python: hmac.new(key, b"TWIST_COMMAND\0" + bytes(range(50)),
+// "sha512").digest()[:32].
 TEST(Authentication, TheCodeIsHmacSha512CutToHalf) {
   const std::array<std::uint8_t, kCodeSize> expected = {
       0x4e, 0x4c, 0x91, 0xac, 0x8e, 0xf7, 0x5e, 0x18, 0x6d, 0x49, 0x60,
@@ -198,7 +199,7 @@ TEST(Access, SealingAndCheckingAllocateNothing) {
   EXPECT_EQ(scope.count(), 0);
 }
 
-/// us of this thread's own time.
+/// us of this thread's processor time.
 double thread_time_us() {
   timespec now{};
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);

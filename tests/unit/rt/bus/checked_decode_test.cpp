@@ -64,7 +64,7 @@ TEST(CheckedDecode, RefusesEveryOtherSizeAndType) {
 
 TEST(CheckedDecode, RefusesCountsThatTheMessageDoesNotHold) {
   const std::vector<std::uint8_t> good = encoded(mesh());
-  // 2^30 numbers of 4 bytes have no size in an int, and -1 has none at all.
+  // The size of 2^30 numbers of 4 bytes does not fit an int, and -1 has no size.
   for (const std::uint8_t first : {0x40, 0x20, 0xff, 0x80, 0x7f}) {
     for (const std::size_t place : {52u, 52u + 4 + 24 + 4, 52u + 4 + 24 + 4 + 4 + 16}) {
       std::vector<std::uint8_t> bad = good;

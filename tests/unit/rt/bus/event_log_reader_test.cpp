@@ -40,7 +40,7 @@ class EventLogReaderTest : public testing::Test {
     return path_;
   }
 
-  /// Data of the events of a file of these bytes.
+  /// Data of the events of a file with these bytes.
   std::vector<std::string> read(const std::string& bytes) {
     EventLogReader reader(log(bytes));
     std::vector<std::string> data;
@@ -51,7 +51,7 @@ class EventLogReaderTest : public testing::Test {
     return data;
   }
 
-  /// What next() throws over a file of these bytes.
+  /// Exception text of next() for a file with these bytes.
   std::string error(const std::string& bytes) {
     try {
       read(bytes);
@@ -137,7 +137,7 @@ TEST_F(EventLogReaderTest, SkipsEventsWithImpossibleNumbersAndNoOthers) {
                             "byte 39");
 }
 
-// Nothing tells an event in front of damage from one with a wrong length.
+// An event before damage is indistinguishable from one with a wrong length.
 TEST_F(EventLogReaderTest, BrokenSyncWordTakesTheEventBeforeAlong) {
   for (int bit = 0; bit < 32; ++bit) {
     std::string broken = c_;
@@ -177,7 +177,7 @@ TEST_F(EventLogReaderTest, ALogWithinAMessageIsData) {
   EXPECT_EQ(complaint_, "");
 }
 
-// Sync words without end, each of which asks to look elsewhere.
+// An endless sequence of sync words, each of which requests resynchronisation.
 TEST_F(EventLogReaderTest, SyncWordsByTheMillionAreNoTrap) {
   const std::string header =
       with_number(event(0, "", "X").substr(0, kEventHeaderSize), kDataSizeAt, 200'000, 4);

@@ -10,7 +10,7 @@
 namespace palpate::bus {
 namespace {
 
-/// Differs for each process that runs this test at the same time.
+/// Differs for each process that runs this test concurrently.
 std::string url(const std::string& options) {
   return "udpm://239.255.76." + std::to_string(getpid() % 250) + ":" +
          std::to_string(20000 + getpid() % 10000) + options;

@@ -15,7 +15,7 @@ struct Event {
   std::string channel, data;
 };
 
-/// What liblcm's own reader makes of the ring.
+/// Contents of the ring as read by liblcm's own reader.
 std::vector<Event> read_back(const LogRing& ring) {
   const auto path = std::filesystem::temp_directory_path() /
                     ("palpate_log_ring_" + std::to_string(getpid()) + ".lcmlog");
@@ -50,7 +50,7 @@ TEST(LogRing, LiblcmReadsWhatWasAdded) {
   EXPECT_EQ(events[1].data, "");
 }
 
-// Sizes share no factor with the room, so that each of its bytes is an event's border once.
+// Sizes are coprime to the ring's size, so that each of its bytes becomes an event border once.
 TEST(LogRing, FullRoomHoldsTheNewestWholeEvents) {
   LogRing ring(997, 1e6);
   for (int i = 0; i < 3000; ++i) {

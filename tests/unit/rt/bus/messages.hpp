@@ -15,7 +15,7 @@ std::vector<std::uint8_t> encoded(const Message& message) {
   return data;
 }
 
-/// LCM's datagram of a short message, written from the protocol's description.
+/// LCM's datagram of a short message, written from the protocol's specification.
 inline std::vector<std::uint8_t> datagram(const std::string& channel,
                                           const std::vector<std::uint8_t>& payload,
                                           const std::string& magic = "LC02") {
@@ -24,7 +24,7 @@ inline std::vector<std::uint8_t> datagram(const std::string& channel,
   data.insert(data.end(), channel.begin(), channel.end());
   data.push_back(0);
   data.insert(data.end(), payload.begin(), payload.end());
-  data.shrink_to_fit();  // so that the address sanitizer sees a read of one byte too many
+  data.shrink_to_fit();  // so that the address sanitizer detects a read beyond the end
   return data;
 }
 

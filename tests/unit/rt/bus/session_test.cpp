@@ -61,7 +61,7 @@ TEST(SequenceTracker, ARestartIsANewSessionAndTheOldOneIsOver) {
   EXPECT_TRUE(tracker.accept(kA, 1000));
   EXPECT_TRUE(tracker.accept(kB, 1));
   EXPECT_EQ(tracker.sessions(), 2);
-  EXPECT_FALSE(tracker.accept(kA, 1001));  // was still on its way
+  EXPECT_FALSE(tracker.accept(kA, 1001));  // was still in transit
   EXPECT_TRUE(tracker.accept(kB, 2));
   EXPECT_EQ(tracker.lost(), 0);
   EXPECT_EQ(tracker.rejected(), 1);

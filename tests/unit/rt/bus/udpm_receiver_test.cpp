@@ -75,10 +75,10 @@ TEST_F(UdpmReceiverTest, SurvivesRandomAndMutatedDatagramsAndAccountsForEach) {
   constexpr std::int64_t kDatagrams = 200'000;
   for (std::int64_t i = 0; i < kDatagrams; ++i) {
     Bytes data = whole;
-    if (i % 4 == 0) {  // nothing but noise
+    if (i % 4 == 0) {  // random noise only
       data.resize(below(200));
       for (auto& byte : data) byte = static_cast<std::uint8_t>(random());
-    } else {  // a good one with a few bytes changed, cut short or made longer
+    } else {  // a valid one with a few bytes changed, truncated or extended
       for (std::size_t change = below(4); change > 0; --change)
         data[below(data.size())] = static_cast<std::uint8_t>(random());
       if (i % 4 == 2) data.resize(below(data.size() + 1));

@@ -1,4 +1,4 @@
-// Configurations that stand in files: bases, overrides, paths.
+// Configuration files: bases, overrides, paths.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -94,12 +94,12 @@ TEST_F(ConfigFile, EntriesGoOverThoseOfTheBase) {
   EXPECT_EQ(node.child("a").integer("b", {}), 5);
   EXPECT_EQ(node.child("a").child("c").integer("d", {}), 4);
   EXPECT_EQ(node.child("a").child("c").integer("e", {}), 8);
-  ASSERT_EQ(node.list("list").size(), 1u);  // lists are replaced whole
+  ASSERT_EQ(node.list("list").size(), 1u);  // lists are replaced as a whole
   EXPECT_EQ(node.list("list")[0].integer("x", {}), 7);
   EXPECT_EQ(node.text("kept"), "low");
   EXPECT_EQ(node.text("added"), "mid");
   EXPECT_EQ(node.child("new").integer("f", {}), 6);
-  EXPECT_NO_THROW(node.check_all_used());  // `base` is none of the reader's keys
+  EXPECT_NO_THROW(node.check_all_used());  // `base` is not one of the reader's keys
 }
 
 TEST_F(ConfigFile, AnEmptyEntryTakesAwayThatOfTheBase) {

@@ -6,7 +6,7 @@
 
 namespace palpate::config {
 
-/// What the error of `action` says; empty where there is none.
+/// Error text of `action`; empty if there is none.
 template <typename Action>
 std::string error_of(Action action) {
   try {

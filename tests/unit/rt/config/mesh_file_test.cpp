@@ -47,7 +47,7 @@ class MeshFile : public ::testing::Test {
 
 TEST_F(MeshFile, ThePairAndWhatIncludesItGiveTheSameMeshTurnedRight) {
   write("one.node", "4 3\n1 0 0 0\n2 1 0 0\n3 0 1 0\n4 0 0 1\n");
-  const std::string ele = write("one.ele", "1 4\n1 1 3 2 4\n");  // inside out
+  const std::string ele = write("one.ele", "1 4\n1 1 3 2 4\n");  // inverted
   const std::string veg =
       write("one.veg", "*VERTICES\n*INCLUDE one.node\n*ELEMENTS\nTETS\n*INCLUDE one.ele\n");
   const mesh::TetrahedralMesh mesh = load_mesh(ele);
@@ -114,7 +114,7 @@ TEST(ThesisMeshes, VegaFilesHoldTheSameMeshes) {
   };
   EXPECT_EQ(hash("bar_soft.veg"), hash("bar.node"));
   EXPECT_EQ(hash("bar_hard.veg"), hash("bar.node"));
-  // These two differ in some elements, but not in the first nor in their nodes.
+  // These two differ in some elements, but neither in the first one nor in their nodes.
   const mesh::TetrahedralMesh zero = load_mesh((folder / "test_mesh_0_indexed.veg").string());
   const mesh::TetrahedralMesh one = load_mesh((folder / "test_mesh_1_indexed.veg").string());
   EXPECT_EQ(zero.nodes, one.nodes);
@@ -137,7 +137,7 @@ TEST_P(FemCases, MeshesHaveTheVolumeOfTheirDefinition) {
     ASSERT_EQ(result.groups.count("fixed"), 1u) << name;
     EXPECT_EQ(static_cast<int>(result.groups.at("body").tetrahedra.size()),
               result.mesh.tetrahedron_count());
-    // The clamped face is plane and lies at x = 0 in all of these cases.
+    // The clamped face is planar and lies at x = 0 in all of these cases.
     const mesh::MeshGroup& fixed = result.groups.at("fixed");
     EXPECT_GT(fixed.triangles.cols(), 0);
     for (const int n : fixed.nodes) EXPECT_NEAR(result.mesh.nodes(0, n), 0, 1e-12);

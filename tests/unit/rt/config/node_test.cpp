@@ -144,7 +144,7 @@ both: {quaternion: [1, 0, 0, 0], rpy_deg: [0, 0, 0]}
 )");
   EXPECT_LT((node.pose("a").matrix() - node.pose("b").matrix()).norm(), 1e-15);
   EXPECT_LT((node.pose("a") * Eigen::Vector3d(1, 0, 0) - Eigen::Vector3d(1, 3, 3)).norm(), 1e-15);
-  // Roll acts first: y goes to z, which yaw leaves alone.
+  // Roll is applied first: y goes to z, which yaw leaves unchanged.
   EXPECT_LT((node.pose("c") * Eigen::Vector3d::UnitY() - Eigen::Vector3d::UnitZ()).norm(), 1e-15);
   EXPECT_THAT(error_of([&] { node.pose("wrong"); }),
               AllOf(StartsWith("<text>:5: wrong.quaternion: "), HasSubstr("unit")));
@@ -175,7 +175,7 @@ map: {d: 4}
   EXPECT_NO_THROW(node.check_all_used());
 }
 
-/// Lists of ten of the list before: few lines that stand for 10^rows texts.
+/// Lists of ten references to the previous list: few lines that expand to 10^rows texts.
 std::string grown_by_aliases(int rows) {
   std::string text = "a0: &a0 lol\n";
   for (int i = 1; i <= rows; ++i) {

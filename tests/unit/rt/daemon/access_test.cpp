@@ -1,4 +1,4 @@
-// What a daemon with a key obeys, and what it says of the rest.
+// Messages that a daemon with a key accepts, and its reports of the others.
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -196,13 +196,13 @@ TEST_F(DaemonAccess, InRealTimeCountersAreThoseOfTheWallClock) {
       config::Node::load_file(PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml",
                               {"access.key_file=" + key_file_.string()});
   const std::int64_t before = bus::wall_clock_us();
-  send("COMPONENT_COMMAND", sealed("stop"));  // nobody listens yet
+  send("COMPONENT_COMMAND", sealed("stop"));  // no subscriber yet
   Daemon daemon(root, *bus_, *bus_, Mode::kRealTime, 1);
-  send("COMPONENT_COMMAND", sealed("start"));  // its counter is 2: long ago
+  send("COMPONENT_COMMAND", sealed("start"));  // its counter is 2: outdated
   published_.clear();
   for (int i = 1; i <= 3; ++i) daemon.tick({1'000'000 * i, bus::wall_clock_us(), 0});
   EXPECT_FALSE(daemon.pipeline().is_running());
-  // So that who sent it can seal it anew.
+  // So that its sender can sign it again.
   const auto events = sent<component_event_t>("COMPONENT_EVENT");
   const auto refused = std::find_if(events.begin(), events.end(), [](const component_event_t& e) {
     return std::string(bus::get_text(e.event)) == "no_access";

@@ -7,7 +7,7 @@
 namespace palpate::daemon {
 namespace {
 
-/// A pipeline with one wrist sensor that has readings or none, and what is told of it.
+/// A pipeline with one wrist sensor that has readings or none, and its reports.
 class ComponentReportsTest : public ::testing::Test {
  protected:
   ComponentReportsTest() {
@@ -15,7 +15,7 @@ class ComponentReportsTest : public ::testing::Test {
     pipeline_.start();
   }
 
-  /// One cycle, a millisecond after the last.
+  /// One cycle, a millisecond after the previous one.
   void cycle(bool has_readings) {
     sensing::Signals signals;
     if (has_readings) {
@@ -64,7 +64,7 @@ TEST_F(ComponentReportsTest, AreNoFloodWhereAStateFlickers) {
   for (int i = 0; i < 2000; ++i) cycle(i % 2 == 0);
   const std::size_t count = told().size();
   EXPECT_GE(count, 10u);
-  EXPECT_LE(count, 20u);  // ten a second
+  EXPECT_LE(count, 20u);  // at 10 Hz
 }
 
 }  // namespace

@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 constexpr std::int64_t kMs = 1'000'000;  // ns
 constexpr std::int64_t kWallClock = 1'700'000'000'000'000;
 
-/// A loop that takes a wrench and says an estimate each millisecond.
+/// A loop that receives a wrench and publishes an estimate each millisecond.
 class CrashRecordTest : public ::testing::Test {
  protected:
   void cycle(CrashRecord& record, int ms) {
@@ -48,7 +48,7 @@ TEST_F(CrashRecordTest, HoldsTheLastInputsAndOutputsBeforeTheFaultInOrder) {
   for (int ms = 0; ms < 500; ++ms) cycle(record, ms);
   record.hand_over("fault");
   EXPECT_EQ(record.write_handed_over(), "") << "not before the cycle is done";
-  for (int ms = 500; ms < 600; ++ms) cycle(record, ms);  // goes on before the file is written
+  for (int ms = 500; ms < 600; ++ms) cycle(record, ms);  // continues before the file is written
   const std::string path = record.write_handed_over();
   ASSERT_NE(path, "");
   EXPECT_EQ(record.write_handed_over(), "") << "once";
@@ -124,7 +124,7 @@ TEST_F(CrashRecordTest, CostsTheLoopNoAllocationAndLittleTime) {
     const auto began = std::chrono::steady_clock::now();
     for (int ms = 0; ms < kCycles; ++ms) {
       if (record != nullptr) record->begin_cycle(ms * kMs, ms);
-      // About the bytes of a cycle with all that a daemon says in it.
+      // About the size in bytes of a cycle with all messages of a daemon.
       for (int i = 0; i < 4; ++i) estimates_.publish(estimate_t{});
     }
     const std::chrono::duration<double, std::micro> took = std::chrono::steady_clock::now() - began;

@@ -1,4 +1,4 @@
-// When HEALTH is sent besides ten times a second.
+// When HEALTH is sent in addition to 10 Hz.
 
 #include "rt/daemon/health.hpp"
 

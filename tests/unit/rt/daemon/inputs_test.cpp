@@ -71,7 +71,7 @@ TEST_F(InputsTest, WhatIsBadOrMissingOfTheSecondArmIsCountedAndNeverUsed) {
   inputs.read(0, 1e-3);
   send("ROBOT_STATE_1", robot_at(std::nan("")), 2);
   send("ROBOT_STATE_1", robot_at(0.3), 3);
-  send("ROBOT_STATE_1", robot_at(9), 3);  // again
+  send("ROBOT_STATE_1", robot_at(9), 3);  // repeated
   const char wrong_size[16] = {};
   sender_->publish("ROBOT_STATE_1", wrong_size, sizeof wrong_size);
   send("ROBOT_STATE_1", robot_at(0.4), 7);  // three were lost
@@ -136,7 +136,7 @@ TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
     EXPECT_EQ(inputs.signals().robot.freshness, sensing::Freshness::kNoData) << number;
   }
   EXPECT_EQ(report(inputs, "FT_WRENCH").rejected, 5);
-  wrench.wrench[1] = 5e-324;  // tiny is none the worse
+  wrench.wrench[1] = 5e-324;  // tiny values are as valid
   send("FT_WRENCH", wrench, ++seq);
   inputs.read(2'000'000, 1e-3);
   EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 5e-324);
@@ -170,7 +170,7 @@ TEST_F(InputsTest, AnObservationComesWholeOrNotAtAll) {
   good.count = 2;
   good.deviation = 1e-3;
   good.points[1][2] = 0.25F;
-  good.points[2][0] = std::nanf("");  // beyond the count, nobody looks at it
+  good.points[2][0] = std::nanf("");  // beyond the count, values are ignored
   send("SHAPE_OBSERVATION", good, 1);
   inputs.read(1'000'000, 1e-3);
   ASSERT_EQ(stream.freshness, sensing::Freshness::kNew);

@@ -1,5 +1,5 @@
-// Learned sensor models within the daemon: a recording of a fingertip on a foam bar goes in message
-// by message, and what comes out is what the model says of the same counts on its own.
+// Learned sensor models within the daemon: a recording of a fingertip on a foam bar is fed message
+// by message, and the output must equal the model's own for the same counts.
 
 #ifndef PALPATE_WITHOUT_TORCH
 
@@ -62,7 +62,7 @@ sensing::TactileInputs inputs_of(const biotac_t& sample) {
   return inputs;
 }
 
-/// Cells of random weights beside a path that gives some mN a count.
+/// Cells with random weights in parallel with a path that gives some mN per count.
 sensing::RecurrentWeights some_weights() {
   std::mt19937 random(5);
   std::normal_distribution<float> normal(0, 0.3f);
@@ -120,8 +120,8 @@ class LearnedSensors : public ::testing::Test {
   std::string model_;
 };
 
-/// What a daemon in deterministic mode publishes while it is given the samples, one every tenth
-/// tick.
+/// Messages published by a daemon in deterministic mode while it receives the samples, one every
+/// tenth tick.
 struct Outcome {
   std::vector<std::vector<double>> forces;  // of the first contact, by sample; empty: none
   std::vector<std::uint8_t> bytes;          // of everything
@@ -215,7 +215,7 @@ TEST_F(LearnedSensors, TheDaemonSaysWhatTheModelSaysOfTheSameRecording) {
 TEST_F(LearnedSensors, TwoDeterministicRunsAreBitIdentical) {
   PALPATE_REQUIRE_RECORDING("biotac_foam_bar");
   const std::vector<biotac_t> samples = recorded_samples(300);
-  // It waits for each answer, whatever wait_us says.
+  // It waits for each result, regardless of wait_us.
   const config::Node node = configuration("torch", ", wait_us: 0, localisation: gaussian");
   const Outcome first = run(node, samples);
   EXPECT_GT(first.bytes.size(), 100000u);

@@ -9,7 +9,7 @@
 namespace palpate::daemon {
 namespace {
 
-/// A daemon that is stepped over in-memory buses, and the other end of them.
+/// A daemon that is stepped over in-memory buses, and the peer at the other end.
 class SteppedClockTest : public ::testing::Test {
  protected:
   static constexpr std::int64_t kPeriodUs = 1000;

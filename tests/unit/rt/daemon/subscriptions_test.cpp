@@ -1,5 +1,5 @@
-// The daemon has no way to read what a simulator knows to be true: whatever it is configured to do,
-// it subscribes to none of these channels, and no source file beneath it so much as names one.
+// The daemon has no access to the simulator's ground truth: in every configuration it subscribes to
+// none of these channels, and none of its source files names one.
 
 #include <gtest/gtest.h>
 
@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 const fs::path kSource = PALPATE_SOURCE_DIR;
 
-/// Keeps the names of all channels that anybody subscribes to.
+/// Records the names of all subscribed channels.
 class RecordingBus : public bus::MessageBus {
  public:
   bus::Subscription& subscribe(const std::string& channel, int encoded_size,
@@ -55,7 +55,7 @@ std::string text_of(const fs::path& path) {
   return text.str();
 }
 
-/// Files below `folder` that name a channel or a type of truth.
+/// Files below `folder` that name a channel or a type of ground truth.
 std::vector<std::string> culprits(const fs::path& folder, int& scanned) {
   std::vector<std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
@@ -74,7 +74,7 @@ std::vector<std::string> examples() {
   return names;
 }
 
-/// Without sensor models that the tree does not hold.
+/// Without sensor models that are not in the tree.
 std::vector<std::string> overrides_for(const fs::path& example) {
   return config::Node::load_file(example).list("sensing")[0].has("model_file")
              ? std::vector<std::string>{"sensing=[]"}

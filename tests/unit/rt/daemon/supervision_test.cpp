@@ -1,4 +1,4 @@
-// What the daemon counts and tells of its own loop and of what comes in, on a virtual clock.
+// The daemon's statistics and reports of its own loop and of its inputs, on a virtual clock.
 
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ class Supervision : public ::testing::Test {
                                          "1, 1]}}"}),
                 *inside_, *inside_, Mode::kRealTime, 1) {}
 
-  /// One cycle a millisecond after the last; the events that it publishes.
+  /// One cycle a millisecond after the previous one; returns the published events.
   std::vector<component_event_t> tick(std::int64_t lateness_ns = 0, std::int64_t missed = 0) {
     now_ns_ += kSupervisionMillisecond;
     bus::set_time(*hub_, now_ns_);
@@ -112,7 +112,7 @@ TEST_F(Supervision, AWrongTypeIsNamedAtOnceAndThenOnceASecond) {
     EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
   }
   EXPECT_EQ(told, 3);
-  // Silence ends the telling.
+  // A silent input ends the reports.
   told = 0;
   for (int i = 0; i < 2500; ++i) told += count(tick(), "wrong type");
   EXPECT_LE(told, 1);

@@ -28,7 +28,7 @@ class LargeTargets : public ::testing::Test {
   }
   ~LargeTargets() override { bus::record(*hub_, nullptr); }
 
-  /// Every point of the feature `up` m above where it rests.
+  /// Every point of the feature `up` m above its rest position.
   std::vector<shape_target_t> chunks_of(int revision, double up) const {
     const std::vector<Eigen::Vector3d>& rest = daemon_->pipeline().feature().rest_points();
     std::vector<shape_target_t> chunks(3);
@@ -106,7 +106,7 @@ TEST_F(LargeTargets, AreWholeOnceEveryChunkHasCome) {
   const std::vector<shape_target_t> chunks = chunks_of(1, 0.01);
   send(chunks[2]);
   send(chunks[2]);  // repeated
-  send(chunks[0]);  // out of order; the one amid them is lost
+  send(chunks[0]);  // out of order; the middle one is lost
   EXPECT_TRUE(answers().empty());
   EXPECT_EQ(daemon_->pipeline().target().revision, -1) << "half a target is none";
   for (const int again : {0, 1, 2}) send(chunks[static_cast<std::size_t>(again)]);
@@ -122,7 +122,7 @@ TEST_F(LargeTargets, OfAnotherRevisionAreNotMixed) {
   send(old[0]);
   send(old[1]);
   send(now[2]);
-  send(old[2]);  // late: of a target that is given up
+  send(old[2]);  // late: of an abandoned target
   EXPECT_TRUE(answers().empty());
   send(now[1]);
   send(now[0]);
@@ -155,7 +155,7 @@ TEST_F(LargeTargets, ThatCannotBeAreRefusedOnce) {
   chunks[0].value_count = 193;
   send(chunks[0]);
   chunks = chunks_of(6, 0.01);
-  for (shape_target_t& chunk : chunks) chunk.chunks = 2;  // a whole target of too few points
+  for (shape_target_t& chunk : chunks) chunk.chunks = 2;  // a complete target with too few points
   send(chunks[0]);
   chunks[1].point_count = chunks[1].value_count = 0;
   send(chunks[1]);

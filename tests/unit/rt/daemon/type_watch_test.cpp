@@ -15,7 +15,7 @@ class TypeWatchTest : public ::testing::Test {
   void send_wrong(const char* channel) {
     bus::TypedPublisher<imu_t>(*bus_, channel).publish(imu_t{});
   }
-  /// The channel told of now; empty where there is none.
+  /// The channel now reported; empty if there is none.
   std::string told(std::int64_t now_ns) {
     const bus::Subscription* channel = watch_.look(now_ns);
     return channel == nullptr ? "" : channel->channel();

@@ -86,14 +86,15 @@ class ModelFileTest : public ::testing::Test {
   }
   ~ModelFileTest() override { std::filesystem::remove_all(folder_); }
 
-  /// Puts `bytes` in place of the module, with a card that vouches for them.
+  /// Puts `bytes` in place of the module, with a card that contains their hash.
   void vouch(const std::string& bytes, ModelCard card) {
     write(path_, bytes);
     card.sha256 = sha256_of(bytes);
     write_card(card, card_path(path_));
   }
 
-  /// What is said when the file is read and made an executor of both kinds; "" where it is taken.
+  /// Error text when the file is read and made into an executor of both kinds; "" if it is
+  /// accepted.
   std::string complaint(ExecutorKind kind = ExecutorKind::kTorch) {
     try {
       make_executor(read_model_file(path_), kind);
@@ -165,7 +166,7 @@ TEST_F(ModelFileTest, FlippedBitsAreRefusedBeforeLibtorchSeesThem) {
     damaged[random() % damaged.size()] ^= static_cast<char>(1u << random() % 8);
     write(in_card ? card_path(path_) : path_, damaged);
     if (in_card) {
-      // A card may say something else that is well formed; it must never be more than a ModelError.
+      // A card may contain other well-formed values; the only error must be a ModelError.
       complaint();
     } else {
       EXPECT_THAT(complaint(), HasSubstr("SHA-256")) << trial;
@@ -226,7 +227,7 @@ TEST_F(ModelFileTest, WhatIsNoFileIsNamed) {
 }
 
 TEST_F(ModelFileTest, CardsThatGrowAreRefusedBeforeTheyDo) {
-  // Ten aliases on each of twelve lines stand for a million million texts.
+  // Ten aliases on each of twelve lines expand to 10^12 texts.
   std::string bomb = "training:\n  a0: &a0 lol\n";
   for (int i = 1; i <= 12; ++i) {
     const std::string below = "*a" + std::to_string(i - 1);
@@ -269,8 +270,8 @@ TEST_F(ModelFileTest, WrongSizesAreRefused) {
 }
 
 TEST_F(ModelFileTest, WeightsThatAreNotFiniteAreRefused) {
-  // write_torch_module refuses them, so a weight is turned to NaN in the file itself, which stores
-  // tensors as they are.
+  // write_torch_module rejects them, so a weight is changed to NaN in the file itself, which stores
+  // tensors uncompressed.
   const sensing::RecurrentWeights weights = random_weights(1);
   const float value = weights.layers[0].bias[5];
   const std::string needle(reinterpret_cast<const char*>(&value), sizeof(value));

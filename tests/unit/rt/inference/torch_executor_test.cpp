@@ -13,7 +13,7 @@
 namespace palpate::inference {
 namespace {
 
-/// Adds up its inputs in its state; may be held up, or fail.
+/// Accumulates its inputs in its state; may be delayed, or fail.
 struct Remote {
   std::atomic<bool> open{true};
   std::atomic<bool> fails{false};
@@ -97,15 +97,15 @@ TEST(TorchExecutor, TakesLateAnswersLaterWithoutLosingASample) {
       ASSERT_TRUE(output == 1 || output == 2);
     }
   }
-  EXPECT_EQ(output, 2);  // both of the samples that came while it was held up
+  EXPECT_EQ(output, 2);  // both samples that arrived during the delay
   EXPECT_EQ(executor.counters().dropped, 0);
 }
 
 TEST(TorchExecutor, AHangIsAFaultUntilResetAndTheEndDoesNotWaitForEver) {
-  static Remote remote;  // outlives the thread that is left to itself
+  static Remote remote;  // outlives the abandoned thread
   TorchExecutorOptions options;
   options.wait = 1e-4;
-  options.patience = 2;  // longer than a busy machine holds one thread up
+  options.patience = 2;  // longer than the delay of a thread on a busy machine
   options.depth = 4;
   {
     TorchExecutor executor(std::make_unique<Adder>(remote), options);
@@ -169,7 +169,7 @@ TEST(TorchExecutor, SaysInOneLineWhatIsNotGranted) {
   std::vector<std::string> remarks;
   TorchExecutorOptions options = patient();
   options.remarks = &remarks;
-  options.cpu = 1023;  // no test machine has so many
+  options.cpu = 1023;  // more processors than any test machine has
   TorchExecutor first(std::make_unique<Adder>(remote), options);
   TorchExecutor second(std::make_unique<Adder>(remote), options);
   ASSERT_EQ(remarks.size(), 1u);
@@ -180,7 +180,7 @@ TEST(TorchExecutor, SaysInOneLineWhatIsNotGranted) {
   EXPECT_EQ(output, 2);
 }
 
-/// Answers with the priority of its thread, 0 without SCHED_FIFO; may be held up.
+/// Outputs the priority of its thread, 0 without SCHED_FIFO; may be delayed.
 struct Asking final : SequenceModel {
   explicit Asking(Remote& r) : remote(r) {}
   ModelSizes sizes() const noexcept override { return {1, 1, 1}; }

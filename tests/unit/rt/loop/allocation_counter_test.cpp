@@ -24,7 +24,7 @@ namespace {
 #define SKIP_WHERE_NOT_COUNTED() \
   if (kSanitized) GTEST_SKIP() << "a sanitizer has its own malloc"
 
-// Out of the compiler's sight, which may otherwise leave out an allocation that nobody uses.
+// Hidden from the compiler, which may otherwise remove an unused allocation.
 void use(void* block) { asm volatile("" : : "r"(block) : "memory"); }
 
 TEST(AllocationCounter, CountsEachKindOfAllocation) {
@@ -141,15 +141,15 @@ TEST(NoAllocationScopeDeathTest, AbortsAtAPageFaultWhereMemoryIsLocked) {
     munmap(fresh, kSize);
   };
   {
-    const NoAllocationScope scope;  // not locked: no promise
+    const NoAllocationScope scope;  // not locked: no guarantee
     touch_fresh_pages();
   }
-  // In a child, since what is locked stays locked.
+  // In a child process, since locked memory stays locked.
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
     if (!lock_and_prefault_memory().empty()) _exit(77);
-    munlockall();  // so that fresh pages are not there at once
+    munlockall();  // so that fresh pages are not present immediately
     {
       const NoAllocationScope scope;
       touch_fresh_pages();
@@ -202,7 +202,7 @@ TEST(PageFaults, RiseWhenFreshMemoryIsTouched) {
   const std::int64_t before = page_faults_of_this_thread();
   constexpr std::size_t kPages = 64;
   const std::size_t page = 4096;
-  void* fresh = std::aligned_alloc(page, 8 << 20);  // so large that it comes from the system
+  void* fresh = std::aligned_alloc(page, 8 << 20);  // so large that it is mapped from the system
   for (std::size_t i = 0; i < kPages; ++i) static_cast<volatile char*>(fresh)[i * page] = 1;
   EXPECT_GE(page_faults_of_this_thread(), before + 1);
   std::free(fresh);

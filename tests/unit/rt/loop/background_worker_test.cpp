@@ -31,7 +31,7 @@ TEST(BackgroundWorker, WaitsForTheJobThatIsRunning) {
   for (int i = 1; i <= 300; ++i) {
     Sum sum{std::vector<int>(static_cast<std::size_t>(50 * i), 2)};
     ASSERT_TRUE(worker.submit(add_up, &sum));
-    // Now and then collected by polling, whose leftovers must not end the next wait early.
+    // Sometimes collected by polling, whose leftovers must not end the next wait early.
     ASSERT_EQ(i % 3 == 0 ? await(worker) : worker.wait(), &sum);
     ASSERT_EQ(sum.total, 100 * i);
     ASSERT_FALSE(worker.busy());

@@ -37,7 +37,7 @@ TEST(FixedRateLoop, TicksOnTheGridUntilItIsStopped) {
   std::int64_t points = 0;
   for (const Tick& tick : ticks) {
     ASSERT_GE(tick.lateness_ns, 0);
-    // Whatever was missed, wake-ups belong to points of one grid.
+    // Regardless of missed cycles, wake-ups lie on one time grid.
     EXPECT_EQ((tick.now_ns - tick.lateness_ns - origin) % 2'000'000, 0);
     points += tick.missed;
   }
@@ -92,7 +92,7 @@ TEST(FixedRateLoop, AProcessorThatThisMachineHasNotIsRefusedByItsNumber) {
 
 TEST(FixedRateLoop, AFiniteLimitRefusesToLockAndSaysHowToRaiseIt) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer maps more than can be locked";
-  // In a child, since what is given up stays so.
+  // In a child process, since dropped privileges are not regained.
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {
@@ -103,7 +103,7 @@ TEST(FixedRateLoop, AFiniteLimitRefusesToLockAndSaysHowToRaiseIt) {
       _exit(77);
     const std::string refusal = lock_and_prefault_memory();
     const bool told = refusal.find("LimitMEMLOCK=infinity") != std::string::npos;
-    // What comes later must still be granted.
+    // Later requests must still be granted.
     void* later =
         mmap(nullptr, 64 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     _exit(told && !memory_is_locked() && later != MAP_FAILED ? 0 : 1);
@@ -132,14 +132,14 @@ TEST(FixedRateLoop, WhatIsGrantedHoldsForTheCallingThread) {
     EXPECT_EQ(policy == SCHED_FIFO, grant.fifo) << grant.remarks;
     EXPECT_EQ(grant.remarks.empty(), grant.fifo && grant.affinity);
     if (!grant.fifo) return;
-    // A thread that a real-time thread starts is an ordinary one.
+    // A thread started by a real-time thread is an ordinary one.
     std::thread([] { EXPECT_EQ(sched_getscheduler(0), SCHED_OTHER); }).join();
   }).join();
 }
 
 TEST(FixedRateLoop, LockedAndPrefaultedMemoryFaultsNoMore) {
   if (kSanitized) GTEST_SKIP() << "a sanitizer maps more than can be locked";
-  // In a child, since what is locked stays locked.
+  // In a child process, since locked memory stays locked.
   const pid_t child = fork();
   ASSERT_GE(child, 0);
   if (child == 0) {

@@ -69,7 +69,8 @@ TEST(HandoverRing, RefusesADepthOutOfRange) {
   EXPECT_THROW(HandoverRing<int>(40000, 0), std::invalid_argument);
 }
 
-/// A slot that shows when two threads held it at once: all its numbers are equal, or it is torn.
+/// A slot that reveals simultaneous access by two threads: all its numbers are equal, or it is
+/// torn.
 using Wide = std::array<std::uint64_t, 64>;
 
 template <class Ring>
@@ -103,7 +104,7 @@ StressResult<Ring> stress(Ring& ring, std::uint64_t messages) {
   for (std::uint64_t i = 1; i <= messages; ++i) {
     ring.back().fill(i);
     result.dropped += ring.publish() ? 1 : 0;
-    // Pauses let the consumer catch up, so that it also runs empty.
+    // Pauses let the consumer catch up, so that the ring also runs empty.
     if (i % 1000 == 0) std::this_thread::yield();
   }
   done.store(true, std::memory_order_release);
@@ -121,7 +122,7 @@ TEST(HandoverRing, TwoThreadsLoseOnlyWhatIsCountedAndTearNothing) {
   }
 }
 
-/// The mistake that HandoverRing avoids: the slot stays in the cell while the consumer reads it.
+/// The error that HandoverRing avoids: the slot stays in the cell while the consumer reads it.
 class SharedSlotRing {
  public:
   explicit SharedSlotRing(std::uint64_t depth) : depth_(depth), slots_(depth) {}

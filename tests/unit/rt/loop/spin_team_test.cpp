@@ -37,7 +37,7 @@ TEST(SpinTeam, CallsEveryMemberOnceAndTheFirstHere) {
   }
 }
 
-/// Work of a few hundred nanoseconds or, now and then, much more, so that members finish in every
+/// Work of a few hundred nanoseconds or, sometimes, much more, so that members finish in every
 /// order.
 double toil(unsigned seed) {
   const int steps = seed % 61 == 0 ? 20000 : static_cast<int>(seed % 97) * 4;
@@ -46,8 +46,8 @@ double toil(unsigned seed) {
   return x;
 }
 
-/// Runs follow each other, each on what all members of the one before have written: a share done
-/// twice, not at all, too early or unseen by others changes the numbers for good.
+/// Consecutive runs, each using the output of all members in the previous one: a share executed
+/// twice, not at all, too early or invisible to others changes the numbers permanently.
 std::int64_t chain(math::Team& team, int runs, int pause_every) {
   constexpr int kCells = 257;
   std::vector<std::int64_t> now(kCells), next(kCells);

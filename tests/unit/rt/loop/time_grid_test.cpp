@@ -44,7 +44,7 @@ TEST(TimeGrid, ALateWakeUpIsOneOverrunAndSkipsWhatItSleptThrough) {
   EXPECT_EQ(late.missed, 3);
   EXPECT_EQ(grid.overruns(), 1);
   EXPECT_EQ(grid.overrun_ns(), 7 * kPeriod / 2);
-  // The short cycle after it ends in time: no second overrun, back on the grid.
+  // The following short cycle ends in time: no second overrun, back on the grid.
   EXPECT_EQ(grid.begin_wait(late.now_ns + kPeriod / 4), wake_up + 4 * kPeriod);
   EXPECT_EQ(grid.overruns(), 1);
 }

@@ -1,4 +1,4 @@
-// Limits of the controller as a configuration names them.
+// Limits of the controller as configured.
 
 #include <gtest/gtest.h>
 
@@ -48,7 +48,7 @@ TEST(ControlLimits, OfJointsNeedTheArmAndTheLaw) {
             std::string::npos);
 }
 
-// A robot that is not the one of the URDF file is not moved.
+// A robot that differs from the one of the URDF file is not moved.
 TEST(ControlLimits, JointsOfAnotherArmAreNotCommanded) {
   const config::Node root = config::Node::load_file(
       PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft_limits.yaml", {kUrdf, kJoints});

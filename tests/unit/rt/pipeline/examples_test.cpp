@@ -1,4 +1,4 @@
-// Every example configuration of the daemon is one that it can run.
+// Every example configuration of the daemon is valid and runs.
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@
 namespace palpate::pipeline {
 namespace {
 
-constexpr int kMostNodes = 700;  // that a 1 kHz loop is meant for
+constexpr int kMostNodes = 700;  // for which a 1 kHz loop is designed
 
 std::vector<std::string> example_names() {
   std::vector<std::string> names;
@@ -24,7 +24,7 @@ std::vector<std::string> example_names() {
   return names;
 }
 
-/// A force map of zeros in place of a fitted one, which the tree does not hold.
+/// A force map of zeros instead of a fitted one, which is not in the tree.
 std::string write_tactile_model(const std::filesystem::path& folder) {
   const std::string path = folder / "tactile_model.yaml";
   std::string row = "[0";
@@ -61,7 +61,7 @@ std::string write_observer_network(const std::filesystem::path& folder) {
   return path;
 }
 
-/// What an example's sensor model is replaced by, where the tree does not hold it.
+/// Replacement of an example's sensor model that is not in the tree.
 std::vector<std::string> stand_ins(const std::string& path, const std::filesystem::path& folder) {
   const config::Node sensor = config::Node::load_file(path).list("sensing")[0];
   if (!sensor.has("model_file")) return {};
@@ -86,7 +86,7 @@ TEST_P(EveryExample, IsConfiguredAndStarts) {
   EXPECT_LE(body.mesh.node_count(), kMostNodes);
   EXPECT_TRUE(!body.fixed_nodes.empty() || body.grasps.size() == 2) << "nothing holds it";
   if (!body.grasps.empty()) {
-    // G lies within what the hand has hold of.
+    // G lies within the grasped part.
     const Eigen::Vector3d p = body.grasps[0].X_OG_rest.translation();
     Eigen::Vector3d lower = Eigen::Vector3d::Constant(1e9), upper = -lower;
     for (const int node : body.grasps[0].nodes) {

@@ -1,4 +1,4 @@
-// What a configuration of the pipeline may say, and how it is told what it may not.
+// Valid configurations of the pipeline, and error messages for invalid ones.
 
 #include <gtest/gtest.h>
 

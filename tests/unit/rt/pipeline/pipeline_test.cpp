@@ -40,7 +40,7 @@ TEST(Pipeline, ShapeFollowsTheHand) {
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive);
 }
 
-/// Keeps what it was told, and does nothing.
+/// Records its inputs, and does nothing.
 class Witness : public estimation::Estimator {
  public:
   explicit Witness(estimation::ObservationInput& seen) : seen_(seen) {}
@@ -105,7 +105,7 @@ TEST(Pipeline, TargetMovesTheHandTowardsIt) {
   EXPECT_GT(v_O.z(), 0.005);
 }
 
-// A curvature without an axis has no direction in which to grow while the line is straight.
+// A curvature without an axis has no direction of growth while the line is straight.
 TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
   Pipeline pipeline(example({"sensing=[]", "object.gravity=false",
                              "feature={component: curvature, rest_points: [[0.05, 0.03, 0.03], "
@@ -118,14 +118,14 @@ TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
   const char* reason = "";
   ASSERT_TRUE(pipeline.set_target(1, "curvature", nullptr, 0, &target, 1, reason)) << reason;
   int straight = 0;
-  // Upwards, so that the bar's curvature takes away that of the line and then exceeds it.
+  // Upwards, so that the bar's curvature first cancels that of the line and then exceeds it.
   for (int step = 0; step < 100; ++step) {
     signals.robot.latest.X_WE.translation().z() += 0.3e-3;
     run(pipeline, signals, 20);
     const bool rests = pipeline.gate(1e-3).V_W_E.vector().norm() == 0;
     if (pipeline.condition().state == LifeCycle::kDegraded) {
       EXPECT_STREQ(pipeline.condition().reason, "no such feature in this shape");
-      ++straight;  // and the gate lets the hand come to rest at its own deceleration
+      ++straight;  // and the gate stops the hand at its own deceleration
       EXPECT_TRUE(straight < 6 || rests) << "step " << step;
     } else {
       EXPECT_TRUE(straight > 0 || step < 3 || !rests) << "step " << step;
@@ -138,7 +138,7 @@ TEST(Pipeline, RestsAndSaysSoWhileTheShapeHasNoSuchFeature) {
 
 TEST(Pipeline, TooMuchForceAtTheWristStopsTheHand) {
   Pipeline pipeline(example(), 1e-3);
-  // The sensor reads nothing where the hand's own weight should be: 47 N of contact.
+  // The sensor reads zero instead of the hand's own weight: 47 N of apparent contact.
   const sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 100);
@@ -167,7 +167,7 @@ TEST(Pipeline, TargetsThatDoNotFitAreRefusedWithAReason) {
   EXPECT_TRUE(pipeline.set_target(1, "point", nullptr, 0, good, 3, reason));
 }
 
-/// Gives a contact with one number that is wrong.
+/// Outputs a contact with one wrong number.
 class WrongContact : public sensing::SensorModel {
  public:
   explicit WrongContact(double number) : number_(number) {}
@@ -213,13 +213,13 @@ TEST(Pipeline, FaultIsLatchedUntilReset) {
   EXPECT_TRUE(pipeline.is_running());
 }
 
-/// The model in the slot fails from now on; another one in its place does not.
+/// The model in the slot fails from now on; a replacement does not.
 void break_model(Pipeline& pipeline) {
   pipeline.model().set_gravity(Eigen::Vector3d::Constant(std::nan("")));
 }
 
-/// Cycles until the condition is `state`; -1 where it never is. Everything must stay finite, and
-/// the whole must not be faulted on the way there.
+/// Cycles until the condition is `state`; -1 if it never is. Everything must stay finite, and the
+/// pipeline must not be faulted in between.
 int cycles_until(Pipeline& pipeline, const sensing::Signals& signals, LifeCycle state,
                  int taken_then) {
   for (int cycle = 1; cycle <= 3000; ++cycle) {
@@ -253,7 +253,7 @@ TEST(Pipeline, WhereMechanicsFaultTheirFallbackGoesOnInTheSameTick) {
   EXPECT_STREQ(pipeline.condition().reason, pipeline.fallback_reason());
   EXPECT_EQ(std::string(pipeline.condition().reason).rfind("estimation: fallback, since ", 0), 0u);
 
-  // It steers, too.
+  // It controls as well.
   Eigen::VectorXd target = pipeline.feature_state().value;
   target[2] += 0.03;
   const char* reason = "";

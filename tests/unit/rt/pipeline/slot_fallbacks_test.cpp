@@ -26,7 +26,7 @@ std::string complaint(const std::string& override) {
   return "";
 }
 
-/// Pushes one contact and says what it is told to.
+/// Outputs one contact and a configurable status.
 struct Scripted final : sensing::SensorModel {
   explicit Scripted(const bool& b) : broken(b) {}
   sensing::UpdateResult update(const sensing::Signals&,
@@ -49,7 +49,7 @@ class SlotFallbacks : public ::testing::Test {
     all.insert(all.end(), overrides.begin(), overrides.end());
     pipeline_ = std::make_unique<Pipeline>(example(all), 1e-3);
     Slots& slots = pipeline_->slots_at_setup();
-    // A sensor that always feels something.
+    // A sensor that always reports a contact.
     std::unique_ptr<sensing::SensorModel> sound = std::make_unique<Scripted>(never_);
     if (slots.sensing[0].fallback == nullptr) slots.sensing[0].model.swap(sound);
     signals_ = support::at_rest(*pipeline_);
@@ -74,7 +74,7 @@ class SlotFallbacks : public ::testing::Test {
   }
   double speed() const { return pipeline_->gate_output(0).V_W_E.linear.norm(); }
 
-  /// Takes over in the very cycle, told, until a reset.
+  /// Takes over in the same cycle, reported, until a reset.
   void expect_fallback(const std::string& who) {
     const double before = speed();
     broken_ = true;
@@ -98,7 +98,7 @@ class SlotFallbacks : public ::testing::Test {
     run(1);
     EXPECT_EQ(pipeline_->fallbacks_taken(), 2);
   }
-  /// Without one all stops, and everything said stays finite.
+  /// Without one the pipeline stops, and all its output stays finite.
   void expect_fault(const std::string& reason) {
     broken_ = true;
     run(1);

@@ -1,4 +1,4 @@
-// The pipeline with a second arm: its keys, its gate, and what stops what.
+// The pipeline with a second arm: its keys, its gate, and which faults stop which arm.
 
 #include <gtest/gtest.h>
 
@@ -45,7 +45,7 @@ class TwoArms : public ::testing::Test {
            pipeline_->gate_output(arm).V_W_E.linear;
   }
 
-  /// The wrist of `arm` reads this, taken as it is.
+  /// The wrist of `arm` reports this, without processing.
   void push(int arm, const Eigen::Vector3d& force) {
     sensing::Stream<sensing::ForceTorque>& stream = signals_[arm].force_torque;
     stream.freshness = sensing::Freshness::kNew;
@@ -70,7 +70,7 @@ TEST_F(TwoArms, BothMoveThePointBetweenThem) {
   run(300);
   EXPECT_GT(velocity(0).z(), 0.005);
   EXPECT_NEAR(velocity(1).z() / velocity(0).z(), 1, 0.2);
-  // Along the bar both go the same way, whichever way their bases are turned.
+  // Along the bar both move in the same direction, regardless of the orientation of their bases.
   aim({0.02, 0, 0});
   run(600);
   EXPECT_GT(velocity(0).x(), 0.002);

@@ -1,5 +1,5 @@
-// Libraries of a user's own components: what is loaded, what is refused, and what becomes of those
-// that err in the loop.
+// Libraries of a user's own components: which are loaded, which are rejected, and the handling of
+// those that fail in the loop.
 
 #include "rt/plugin/plugins.hpp"
 
@@ -45,7 +45,7 @@ std::string library(const std::string& name) {
   return "plugins=[{library: " + kLibraries + "/" + name + "}]";
 }
 
-/// A pipeline that is started with a target, and the signals of a hand that holds the bar.
+/// A pipeline that is started with a target, with the signals of a hand that holds the bar.
 class Running {
  public:
   explicit Running(const std::vector<std::string>& overrides) : pipeline(example(overrides), 1e-3) {

@@ -11,7 +11,7 @@
 namespace palpate::registry {
 namespace {
 
-/// Builds the model that `deformation` asks for, on the example's bar.
+/// Builds the model configured by `deformation`, on the example's bar.
 std::unique_ptr<elasticity::DeformationModel> build(const std::string& deformation) {
   const config::Node root = config::Node::load_file(
       std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml",
@@ -75,7 +75,7 @@ TEST(DeformationRegistry, AStepBeyondItsBudgetKeepsItsShapeAndSaysSo) {
   EXPECT_EQ(model->positions(), model->body().mesh.nodes);
 }
 
-/// Where 200 steps of 1 ms under a load, the end in the hand, lead with so many threads.
+/// End position after 200 steps of 1 ms under a load, the end in the hand, with this many threads.
 Eigen::Matrix3Xd swing(int threads) {
   const auto model =
       build("{component: corotational_dynamic, threads: " + std::to_string(threads) + "}");

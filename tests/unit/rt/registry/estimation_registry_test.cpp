@@ -9,7 +9,7 @@
 namespace palpate::registry {
 namespace {
 
-/// Builds the estimator that `estimation` asks for, on the example's bar.
+/// Builds the estimator configured by `estimation`, on the example's bar.
 std::unique_ptr<estimation::Estimator> build(const std::string& estimation) {
   const config::Node root = config::Node::load_file(
       std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml",

@@ -23,7 +23,7 @@ void feed(sensing::Stream<T, kCapacity>& stream) {
   stream.fresh_count = 1;
 }
 
-/// Networks that say 0.2 N along x (the finger's: along z) whatever comes.
+/// Networks that output a constant 0.2 N along x (the finger's: along z).
 class LearnedComponents : public ::testing::Test {
  protected:
   LearnedComponents()

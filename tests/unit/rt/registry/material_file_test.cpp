@@ -18,7 +18,7 @@ class MaterialFileTest : public ::testing::Test {
     return path.string();
   }
 
-  /// A bar whose section `object` also says `keys`.
+  /// A bar whose section `object` additionally contains `keys`.
   Object bar(const std::string& keys) {
     const std::string path =
         write("bar.yaml",

@@ -1,5 +1,5 @@
 // Published controllers in the daemon's pipeline: each can be configured, none allocates in the
-// loop, and what is seen of markers takes the place of the model's word.
+// loop, and observed markers replace the model's feature.
 
 #include "rt/registry/published_control_registry.hpp"
 
@@ -40,7 +40,7 @@ class Rivals : public ::testing::Test {
     pipeline_->start();
   }
 
-  /// Allocations of the loop's part of so many cycles.
+  /// Allocations of the loop's part in this many cycles.
   std::int64_t run(int cycles) {
     std::int64_t allocations = 0;
     for (int i = 0; i < cycles; ++i) {
@@ -87,7 +87,7 @@ TEST_F(Rivals, EachIsBuiltMovesTheHandAndAllocatesNothing) {
     std::vector<std::string> overrides{"control.provider=" + name};
     if (name.find("inverse_elements") == 0 || name == "rheological_chain")
       overrides.emplace_back("control.goal={displacement: [0, 0, 0.03]}");
-    if (name == "inverse_elements_force")  // what it needs and the test has not
+    if (name == "inverse_elements_force")  // required by it and missing in the test
       overrides.emplace_back("control.filter=0.1");
     EXPECT_EQ(error_of(overrides), "") << name;
     build(overrides);

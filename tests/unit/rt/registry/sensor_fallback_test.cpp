@@ -7,7 +7,7 @@ namespace {
 
 using sensing::Status;
 
-/// Pushes one contact of `force` along x and says what it is told to.
+/// Outputs one contact of `force` along x and a configurable status.
 struct Scripted final : sensing::SensorModel {
   explicit Scripted(double f) : force(f) {}
   sensing::UpdateResult update(const sensing::Signals&,

@@ -21,7 +21,7 @@ ShapeCameraOptions options() {
 TEST(BackgroundCamera, GivesWhatTheCameraItselfGives) {
   BackgroundCamera camera(options(), 100);
   ShapeCamera reference(options());
-  EXPECT_FALSE(camera.collect(true));  // nothing was asked for
+  EXPECT_FALSE(camera.collect(true));  // nothing was requested
   for (int i = 0; i < 5; ++i) {
     camera.submit(ball(0.02 * i), math::Random(i));
     EXPECT_TRUE(camera.busy());
@@ -46,7 +46,7 @@ TEST(BackgroundCamera, HandsErrorsOver) {
   broken.triangles(0, 0) = 100000;
   camera.submit({body(broken, at(1, 0, 0))}, math::Random(1));
   EXPECT_THROW(camera.collect(true), std::invalid_argument);
-  camera.submit(ball(0), math::Random(1));  // and goes on
+  camera.submit(ball(0), math::Random(1));  // and continues
   EXPECT_TRUE(camera.collect(true));
 }
 

@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Where a ray from `eye` meets the nearest triangle, in lengths of `ray` (Moeller and Trumbore
-/// 1997); infinity where it meets none. `rim` is the least distance of any hit triangle's border,
-/// as a share of its height.
+/// Intersection of a ray from `eye` with the nearest triangle, in lengths of `ray` (Moeller and
+/// Trumbore 1997); infinity if there is none. `rim` is the smallest distance to the border of any
+/// hit triangle, relative to its height.
 struct Hit {
   double length = std::numeric_limits<double>::infinity();
   double rim = 0;
@@ -46,11 +46,11 @@ Hit cast(const std::vector<Body>& bodies, const Vector3d& eye, const Vector3d& r
 }
 
 struct Comparison {
-  int both = 0;      // pixels that picture and ray both see something at
-  int one = 0;       // that only one of them does
-  double worst = 0;  // m, over the pixels that are no edge
+  int both = 0;      // pixels with a hit in both image and ray
+  int one = 0;       // with a hit in only one of them
+  double worst = 0;  // m, over the pixels that are not edges
   double mean = 0;   // m
-  int edges = 0;     // pixels that see another surface than the ray, at a border
+  int edges = 0;     // pixels at a border that show another surface than the ray
 };
 
 /// Casts a ray through every third pixel.
@@ -102,7 +102,7 @@ TEST(DepthCamera, AgreesWithRayCastingAtEightyCentimetres) {
 }
 
 TEST(DepthCamera, PoseOfTheCameraIsTheViewsPose) {
-  // The same scene moved with the camera looks the same.
+  // The same scene rigidly moved looks the same.
   const std::vector<Body> bodies{
       body(draw::make_box({0.1, 0.3, 0.2}), at(0.8, 0.05, -0.03, {0, 0, 0.4}))};
   const math::Pose X = at(0.3, -0.7, 1.1, {0.5, -1.2, 0.8});
@@ -125,7 +125,7 @@ int count(const Mask& mask) { return static_cast<int>(std::count(mask.begin(), m
 TEST(DepthCamera, ABoxInFrontHidesTheObject) {
   const Body object = body(draw::make_box({0.06, 0.4, 0.06}), at(0.8, 0, 0), kAmber, true);
   const Body behind = body(draw::make_box({0.1, 1, 1}), at(1.2, 0, 0));
-  // Of the width of 0.4 m, 0.1 m is hidden by a screen at half the distance.
+  // Of the width of 0.4 m, 0.1 m is occluded by a screen at half the distance.
   const double front = 0.77, screen = 0.4;
   const Body half = body(draw::make_box({0.001, 0.1 * screen / front, 1}), at(screen, 0, 0));
   const Body all = body(draw::make_box({0.001, 1, 1}), at(screen, 0, 0));

@@ -21,7 +21,7 @@ DepthNoiseOptions only_noise() {
   return options;
 }
 
-/// A plane through the optical axis at `distance`, turned about the picture's upright by `angle`.
+/// A plane through the optical axis at `distance`, rotated about the image's vertical by `angle`.
 draw::DepthImage plane(double distance, double angle) {
   draw::DepthImage image{kWidth, kHeight, std::vector<float>(std::size_t(kWidth) * kHeight)};
   const draw::Intrinsics k = intrinsics();
@@ -39,7 +39,7 @@ struct Statistics {
   int empty = 0;
 };
 
-/// Errors of the middle of the picture, where distance and angle are those asked for.
+/// Errors at the centre of the image, where distance and angle are the requested ones.
 Statistics errors(const draw::DepthImage& measured, const draw::DepthImage& truth, int half_width) {
   Statistics s;
   double squares = 0;
@@ -66,7 +66,7 @@ TEST(DepthNoise, GrowsWithDistanceAndAngleAsPublished) {
     for (const double angle : {0.0, 0.5, 1.2}) {
       const draw::DepthImage truth = plane(distance, angle);
       const Statistics s = errors(noise.apply(truth, math::Random(4)), truth, 10);
-      // Nguyen et al. 2012, eq. 3, in numbers of the paper.
+      // Nguyen et al. 2012, eq. 3, with the numbers of the paper.
       double expected = 0.0012 + 0.0019 * std::pow(distance - 0.4, 2);
       if (angle > M_PI / 3)
         expected += 0.0001 / std::sqrt(distance) * std::pow(angle / (M_PI / 2 - angle), 2);
@@ -100,7 +100,7 @@ TEST(DepthNoise, DeviationIsWhatAFrontalSurfaceShows) {
   DepthNoiseOptions options;
   const DepthNoise noise(options, intrinsics());
   for (const double distance : {0.8, 2.0}) {
-    // A slight slope, so that the steps are met at every place.
+    // A slight slope, so that the steps occur at every position.
     const draw::DepthImage truth = plane(distance, 0.2);
     const Statistics s = errors(noise.apply(truth, math::Random(2)), truth, 60);
     EXPECT_NEAR(s.deviation, noise.deviation(distance), 0.05 * s.deviation) << distance;
@@ -148,7 +148,7 @@ TEST(DepthNoise, EdgesLoseTheirShareOfPixels) {
 TEST(DepthNoise, EdgesAreSeenBesideWhereTheyAre) {
   DepthNoiseOptions options = only_noise();
   const DepthNoise noise(options, intrinsics());
-  // The share of near pixels in the columns about the left edge is the tail of lateral noise.
+  // The fraction of near pixels in the columns around the left edge is the tail of lateral noise.
   const int pictures = 40;
   std::vector<double> near(kWidth);
   for (int i = 0; i < pictures; ++i) {

@@ -32,7 +32,7 @@ TEST(BackProject, PointsOfASphereLieOnIt) {
   const Eigen::VectorXd radius = (points_W.colwise() - centre).colwise().norm();
   EXPECT_LT(radius.maxCoeff(), 0.15 + 1e-5);
   EXPECT_GT(radius.minCoeff(), 0.15 * 0.99);  // facets
-  // Only the side towards the camera.
+  // Only the side facing the camera.
   const Eigen::Vector3d towards = (X_WC.translation() - centre).normalized();
   EXPECT_GT((towards.transpose() * (points_W.colwise() - centre)).minCoeff(), 0);
 
@@ -52,7 +52,7 @@ TEST(ThinByVoxels, KeepsOneMeasuredPointACube) {
     for (int a = 0; a < 3; ++a) cloud(a, i) = random.uniform(-0.1, 0.1);
   const double voxel = 0.05;
   const Eigen::Matrix3Xd thin = thin_by_voxels(cloud, voxel, 1000);
-  EXPECT_EQ(thin.cols(), 64);  // 4 x 4 x 4 cubes, each with a point in all likelihood
+  EXPECT_EQ(thin.cols(), 64);  // 4 x 4 x 4 voxels, very likely with a point each
   std::set<std::array<int, 3>> cubes;
   for (Eigen::Index i = 0; i < thin.cols(); ++i) {
     std::array<int, 3> cube;
@@ -60,7 +60,7 @@ TEST(ThinByVoxels, KeepsOneMeasuredPointACube) {
     EXPECT_TRUE(cubes.insert(cube).second);
     const double nearest = (cloud.colwise() - thin.col(i)).colwise().norm().minCoeff();
     EXPECT_EQ(nearest, 0);
-    // Near the middle of its cube.
+    // Near the centre of its voxel.
     for (int a = 0; a < 3; ++a) EXPECT_NEAR(thin(a, i), voxel * (cube[a] + 0.5), 0.4 * voxel);
   }
 }
@@ -86,7 +86,8 @@ TEST(Segment, BoxAndColourFindTheObjectAmongOthers) {
       body(draw::make_cylinder(0.05, 0.2), at(0.7, 0.2, 0), orange),
       body(draw::make_sphere(0.04), at(0.72, 0, 0.02), skin),
       body(draw::make_box({0.2, 2, 0.02}), at(0.9, 0, -0.15)),
-      body(draw::make_sphere(0.05), at(0.8, -0.1, 0.2), kAmber)};  // alike, but not where it may be
+      body(draw::make_sphere(0.05), at(0.8, -0.1, 0.2),
+           kAmber)};  // same colour, but outside the box
   DepthCamera camera;
   const DepthFrame frame = camera.take(camera_along_x(), bodies);
   const Mask truth = camera.object_mask(frame, bodies);
@@ -109,7 +110,7 @@ TEST(Segment, BoxAndColourFindTheObjectAmongOthers) {
   EXPECT_GT(right, 5000);
   EXPECT_LT(missed, 0.02);
   EXPECT_LT(wrong, 0.02);
-  filter.upper.z() = 1;  // the box no longer keeps the second amber thing out
+  filter.upper.z() = 1;  // the box no longer excludes the second amber object
   EXPECT_GT(score(segment(frame, filter))[2], 0.1);
   filter.upper.z() = 0.12;
   filter.tolerance = 2;  // nor colour the others

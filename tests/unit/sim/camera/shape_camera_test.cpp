@@ -52,7 +52,8 @@ TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
   const double rms = std::sqrt(squares / count);
   std::printf("points beside the surface: rms %.2f mm, stated %.2f mm, %d of %d beyond 5 of it\n",
               1e3 * rms, 1e3 * deviation, far, count);
-  // Surfaces are seen at 20 to 70 degrees here, so the distance to them is less than along the ray.
+  // Surfaces are viewed at 20 to 70 degrees here, so the distance to them is less than along the
+  // ray.
   EXPECT_LT(rms, 1.1 * deviation);
   EXPECT_GT(rms, 0.4 * deviation);
   EXPECT_LT(far, 0.01 * count);

@@ -61,7 +61,8 @@ TEST(Renderer, CubeCoversThePixelsThatThePinholeModelSays) {
     const double side = 0.3;
     renderer.draw_box(X, {side, side, side}, kRed);
     renderer.end();
-    // Only the near face shows, but for slivers of the sides seen from inside the pyramid of view.
+    // Only the near face is visible, except for slivers of the sides seen from inside the view
+    // frustum.
     const double z = 2 - side / 2;
     const double focal = view.intrinsics.fx;
     const double far_z = 2 + side / 2;
@@ -147,7 +148,7 @@ TEST(Renderer, SphereAndCylinderHaveTheirSilhouettes) {
   renderer.begin(view);
   renderer.draw_sphere(math::Pose::Identity(), 0.3, kRed);
   renderer.end();
-  // The cone that touches the sphere: radius r / sqrt(d^2 - r^2) at unit distance.
+  // The cone tangent to the sphere: radius r / sqrt(d^2 - r^2) at unit distance.
   const double radius = focal * 0.3 / std::sqrt(4 - 0.09);
   EXPECT_NEAR(covered(renderer.depth()).count, M_PI * radius * radius,
               0.02 * M_PI * radius * radius);

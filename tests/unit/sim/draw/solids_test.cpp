@@ -10,8 +10,8 @@
 namespace palpate::draw {
 namespace {
 
-/// Volume by the divergence theorem; wrong or negative where a triangle faces inwards. The sum of
-/// the area vectors of a closed surface is zero.
+/// Volume by the divergence theorem; wrong or negative if a triangle faces inwards. The sum of the
+/// area vectors of a closed surface is zero.
 double closed_volume(const TriangleMesh& mesh) {
   double volume = 0;
   Eigen::Vector3d sum = Eigen::Vector3d::Zero();

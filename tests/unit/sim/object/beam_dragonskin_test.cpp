@@ -1,5 +1,5 @@
-// A clamped silicone beam that others measured (recording beam_dragonskin): released from straight,
-// with and without a weight on its tip. What is fitted here is E (statics) and a damping constant.
+// A clamped silicone beam measured by others (recording beam_dragonskin): released from straight,
+// with and without a weight on its tip. Fitted here: E (statics) and a damping constant.
 #include <gtest/gtest.h>
 
 #include <Eigen/Geometry>
@@ -95,7 +95,7 @@ Vector3d marker(const HyperelasticPlant& plant, int index) {
 
 Matrix3d predict(const PlantOptions& options, double load) {
   HyperelasticPlant plant(options);
-  const double share[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};  // of an edge's load by its nodes
+  const double share[] = {1.0 / 6, 4.0 / 6, 1.0 / 6};  // shares of an edge's load by its nodes
   const int edges = options.elements[1];
   for (int e = 0; e < edges; ++e) {
     for (int i = 0; i < 3; ++i) {
@@ -109,7 +109,7 @@ Matrix3d predict(const PlantOptions& options, double load) {
   return motion;
 }
 
-/// The modulus with which the markers' motions fit best; they are all but inverse to it.
+/// The modulus that fits the markers' motions best; they are nearly inversely proportional to it.
 double fit_modulus(const std::vector<Recording>& recordings) {
   double modulus = 260e3;
   for (int i = 0; i < 3; ++i) {
@@ -131,7 +131,7 @@ struct Oscillation {
   double decay = 0;   // 1/s, of the amplitude
 };
 
-/// Of a signal at even times after release, about the place where it ends up.
+/// Of a uniformly sampled signal after release, relative to its final value.
 Oscillation oscillation(const std::vector<double>& values, double dt, double rest) {
   std::vector<double> crossings, peaks;
   double peak = 0;

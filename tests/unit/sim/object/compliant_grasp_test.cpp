@@ -25,7 +25,7 @@ PlantOptions pinched_block() {
   return options;
 }
 
-/// Pulls all of it evenly with a force that grows from one value to another.
+/// Pulls the whole object uniformly with a force that ramps from one value to another.
 void ramp(HyperelasticPlant& plant, const Eigen::Vector3d& from, const Eigen::Vector3d& to,
           int milliseconds) {
   const Eigen::VectorXd shares = plant.nodal_masses() / plant.nodal_masses().sum();
@@ -63,7 +63,7 @@ TEST(CompliantGrasp, SlippedDistanceIsTheWayTheObjectWent) {
   HyperelasticPlant plant(pinched_block());
   const Eigen::VectorXd shares = plant.nodal_masses() / plant.nodal_masses().sum();
   math::Pose X = math::Pose::Identity();
-  // The hand is torn off along x; inertia holds the block back.
+  // The hand is pulled off along x; inertia holds the block back.
   for (int i = 0; i < 200; ++i) {
     X.translation().x() += 2e-3;
     plant.step(1e-3, X, {{2, 0, 0}, Eigen::Vector3d::Zero()});
@@ -71,7 +71,7 @@ TEST(CompliantGrasp, SlippedDistanceIsTheWayTheObjectWent) {
   const double moved =
       plant.positions().row(0).dot(shares) - plant.rest_positions().row(0).dot(shares);
   EXPECT_EQ(plant.grasp().slip().share, 0);  // it has caught up
-  // But for what the springs gave before they slipped.
+  // Except for the elongation of the springs before they slipped.
   EXPECT_NEAR(plant.grasp().slip().distance, X.translation().x() - moved, 2e-3);
   EXPECT_GT(plant.grasp().slip().distance, 0.01);
 }
@@ -128,7 +128,7 @@ TEST(CompliantGrasp, TwoHandsPullAgainstEachOther) {
   EXPECT_TRUE(plant.settle(10, 1e-6).converged);
   const double force = plant.hand_wrench(1).force.x();
   EXPECT_NEAR(plant.hand_wrench(0).force.x(), -force, 1e-5 * force);
-  // Between uniaxial stress and uniaxial strain, as the pads hold the ends' sides too.
+  // Between uniaxial stress and uniaxial strain, as the pads also constrain the sides of the ends.
   const double strain = 0.05, area = 0.06 * 0.05;
   EXPECT_GT(force, 0.9 * 30e3 * strain * area);
   EXPECT_LT(force, 1.35 * 30e3 * strain * area);

@@ -26,7 +26,7 @@ PlantOptions slab(const std::array<int, 3>& elements) {
 TEST(FingertipContact, SphereOnASlabFollowsHertz) {
   PlantOptions options = slab({12, 12, 6});
   options.fingertips[0].friction = 0;
-  options.fingertips[0].stiffness = 1e8;  // hard beside the slab
+  options.fingertips[0].stiffness = 1e8;  // stiff compared with the slab
   HyperelasticPlant plant(options);
   const double radius = 0.03, thickness = 0.024, nu = 0.3, modulus = 30e3 / (1 - nu * nu);
   for (const double indentation : {0.4e-3, 0.8e-3}) {
@@ -55,7 +55,7 @@ TEST(FingertipContact, SphereOnASlabFollowsHertz) {
 }
 
 TEST(FingertipContact, ActionIsReaction) {
-  // A free body whose momenta the tip alone changes.
+  // A free body whose momenta are changed by the tip alone.
   PlantOptions options = slab({4, 4, 2});
   options.clamp.reset();
   options.mass_damping = 0;
@@ -124,7 +124,7 @@ TEST(FingertipContact, SticksThenSlidesAtTheCone) {
     EXPECT_NEAR(touch.friction.dot(touch.normal), 0, 1e-12);
     slid = slid || !touch.sticking;
     if (i == 20) {
-      EXPECT_FALSE(slid);  // so far the spring takes it up
+      EXPECT_FALSE(slid);  // so far the spring carries it
       EXPECT_GT(across(), 0.02);
     }
   }

@@ -7,7 +7,7 @@
 namespace palpate::object {
 namespace {
 
-/// The fit's Neo-Hookean material is the plant's, though neither knows the other.
+/// The fit's Neo-Hookean material equals the plant's, although the implementations are independent.
 TEST(FittingMaterial, OneElementHasThePlantsEnergyAndForces) {
   const double E = 30e3, nu = 0.3;
   const Eigen::Vector3d size(0.02, 0.03, 0.05);
@@ -24,7 +24,7 @@ TEST(FittingMaterial, OneElementHasThePlantsEnergyAndForces) {
 
   Eigen::Matrix3Xd forces = Eigen::Matrix3Xd::Zero(3, x.cols());
   solid.add_forces(x, 0 * x, 0, forces);
-  // What the far side is pulled with, less what the solid pulls back, is nothing.
+  // The pull on the far side is balanced by the solid's forces.
   for (int axis = 0; axis < 3; ++axis) {
     Eigen::Vector3d side = Eigen::Vector3d::Zero();
     const double middle = grid.nodes().row(axis).mean();

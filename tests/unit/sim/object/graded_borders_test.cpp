@@ -34,7 +34,7 @@ TEST(GradedBorders, PlanesAreCutsAndLengthsGrowAwayFromThem) {
   const std::vector<double> sides = lengths(borders);
   const auto grasp = sides.begin() + (plane - borders.begin());
   for (auto side = sides.begin(); side < grasp; ++side)
-    EXPECT_NEAR(*side, *(grasp - 1 - (side - sides.begin())), 1e-9);  // alike from either end
+    EXPECT_NEAR(*side, *(grasp - 1 - (side - sides.begin())), 1e-9);  // symmetric
   for (auto side = sides.begin(); side + 1 < grasp - (grasp - sides.begin() + 1) / 2; ++side)
     EXPECT_NEAR(*(side + 1) / *side, kGrowth, 0.05);
   for (auto side = grasp; side + 1 < sides.end(); ++side)

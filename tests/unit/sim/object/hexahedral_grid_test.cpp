@@ -67,7 +67,7 @@ TEST(HexahedralGrid, PatchAreasAddUpToThePatch) {
   const double inner = end - 0.5 / 14;
   EXPECT_NEAR(g.patch_areas({{inner, -9, -9}, {end, 9, 9}}).sum(),
               0.06 * 0.04 + 2 * (0.06 + 0.04) * 0.5 / 14, 1e-15);
-  // A single node still stands for some area; a box in the interior for none.
+  // A single node still represents some area; a box in the interior none.
   EXPECT_GT(g.patch_areas({kOrigin, kOrigin}).sum(), 0);
   const Eigen::Vector3d middle = kOrigin + 0.5 * kHexahedralGridSize;
   EXPECT_EQ(g.patch_areas({middle, middle}).sum(), 0);

@@ -11,7 +11,7 @@
 namespace palpate::object {
 namespace {
 
-/// Six unlike elements: one full pack and half of another.
+/// Six different elements: one full pack and half of another.
 HexahedralGrid grid() {
   return {Eigen::Vector3d(0.1, -0.2, 0.3), {{{0, 0.03, 0.08, 0.12}, {0, 0.02, 0.06}, {0, 0.05}}}};
 }
@@ -24,7 +24,7 @@ Eigen::Matrix3Xd random_field(Eigen::Index n) {
   return field;
 }
 
-/// Sums of products of shape functions and their slopes, as they stand in books.
+/// Sums of products of shape functions and their slopes, as in textbooks.
 Eigen::Matrix3d plain_gradient(const HexahedralGrid& grid, const Eigen::Matrix3Xd& field,
                                int element, int point) {
   Eigen::Matrix3d gradient = Eigen::Matrix3d::Zero();

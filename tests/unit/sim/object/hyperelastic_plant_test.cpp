@@ -61,7 +61,7 @@ TEST(HyperelasticPlant, FreeBodyKeepsMomentumAndEnergy) {
     const double error = plant.kinetic_energy() + plant.elastic_energy() - energy;
     if (i < 250) early += error / 250;
     if (i >= 2750) late += error / 250;
-    EXPECT_LT(std::abs(error), 0.05 * energy);  // it wavers by the square of the step
+    EXPECT_LT(std::abs(error), 0.05 * energy);  // it oscillates with the square of the step
   }
   EXPECT_LT((plant.linear_momentum() - linear).norm(), 1e-11 * linear.norm());
   EXPECT_LT((plant.angular_momentum() - angular).norm(), 1e-11 * angular.norm());
@@ -104,12 +104,12 @@ TEST(HyperelasticPlant, CriticalStepDividesStableFromUnstable) {
       for (int i = 0; i < 400; ++i)
         plant.step(factor * plant.critical_step(), math::Pose::Identity(), {});
       const double motion = (plant.positions() - plant.rest_positions()).cwiseAbs().maxCoeff();
-      // The bound for lagged damping adds the worst of two modes: safe, not sharp.
+      // The bound for lagged damping adds the worst of two modes: conservative, not sharp.
       if (factor < 1) {
         EXPECT_LT(motion, 1e-7);
       }
       if (factor > 1 && viscosity == 0) {
-        EXPECT_FALSE(motion < 1e-6);  // large or not a number
+        EXPECT_FALSE(motion < 1e-6);  // large or NaN
       }
     }
   }
@@ -128,7 +128,7 @@ TEST(HyperelasticPlant, TipForceBendsAsTimoshenkoSays) {
   const double shear = 0.5 * 30e3;
   const double bending = force * std::pow(0.5, 3) / (3 * 30e3 * inertia);
   const double expected = bending + force * 0.5 / (5.0 / 6 * shear * area);
-  // On the tip's axis the point force dents the section; its upper and lower edges do not.
+  // On the tip's axis the point force dents the section; its upper and lower edges are unaffected.
   const double deflection = plant.position_at({0.5, 0.0, 0.0}).z();
   EXPECT_NEAR(deflection, expected, 0.005 * expected);
   std::printf("tip deflection / Timoshenko: %.5f\n", deflection / expected);
@@ -216,7 +216,7 @@ TEST(HyperelasticPlant, LetsGoAndTakesHoldWithoutAJump) {
   plant.set_grasped(false);
   for (int i = 0; i < 300; ++i) plant.step(1e-3, hand_at_end(), {});
   EXPECT_EQ(plant.hand_wrench().force.norm(), 0);
-  EXPECT_LT(plant.position_at({0.5, 0.03, 0.03}).z(), 0.02);  // it falls
+  EXPECT_LT(plant.position_at({0.5, 0.03, 0.03}).z(), 0.02);  // free fall
   plant.settle(60, 1e-5);
   const Eigen::Matrix3Xd hanging = plant.positions();
   plant.set_grasped(true);

@@ -13,7 +13,7 @@ const Eigen::Vector3d kSize(0.12, 0.06, 0.05);
 
 HexahedralGrid block() { return {Eigen::Vector3d::Zero(), kSize, {2, 1, 1}}; }
 
-/// Shear stress xy over the top face y = 0.06 at x += strain * y.
+/// Shear stress xy on the top face y = 0.06 at x += strain * y.
 double shear_stress(NeoHookeanSolid& solid, const HexahedralGrid& grid, double strain, double h) {
   Eigen::Matrix3Xd x = grid.nodes();
   x.row(0) += strain * grid.nodes().row(1);
@@ -97,7 +97,8 @@ TEST(J2Yield, PermanentSetIsThatOfSmallStrainTheory) {
   rig.run(0.1);
   EXPECT_NEAR(rig.strain(), plastic, 0.01 * plastic);
   std::printf("permanent set / small-strain theory: %.4f\n", rig.strain() / plastic);
-  // Compression beyond yields the other way; up to the load reached it is elastic.
+  // Compression beyond yield flows in the opposite direction; up to the previous load it is
+  // elastic.
   const double strain = rig.plant.greatest_plastic_strain();
   rig.ramp(0, 0.97 * load, 0.3);
   EXPECT_NEAR(rig.plant.greatest_plastic_strain(), strain, 1e-9);
@@ -116,7 +117,7 @@ TEST(J2Yield, ShearStressStopsAtTheYieldStressWhereverItIsTurned) {
   const double shear = 0.04 - stress / NeoHookean::from_young(30e3, 0.3).shear_modulus;
   EXPECT_NEAR(solid.greatest_plastic_strain(), shear / std::sqrt(3), 0.02 * shear);
 
-  // The state belongs to the material: turned as a whole, forces turn along.
+  // The state is attached to the material: under a rigid rotation, forces rotate with it.
   Eigen::Matrix3Xd x = grid.nodes();
   x.row(0) += 0.04 * grid.nodes().row(1);
   const Eigen::Matrix3d R = Eigen::AngleAxisd(1.3, Eigen::Vector3d::UnitZ()).toRotationMatrix();
@@ -126,7 +127,7 @@ TEST(J2Yield, ShearStressStopsAtTheYieldStressWhereverItIsTurned) {
   EXPECT_LT((there - R * here).cwiseAbs().maxCoeff(), 1e-9 * here.cwiseAbs().maxCoeff());
 }
 
-// What has flowed bounds the step from then on, flowing or not.
+// Past plastic flow bounds the step from then on.
 TEST(J2Yield, WhatHasFlowedStaysStiffer) {
   const HexahedralGrid grid = block();
   NeoHookeanSolid solid(grid, {NeoHookean::from_young(30e3, 0.3), 0, {}, Yield{200, 0}});
@@ -150,7 +151,7 @@ TEST(J2Yield, ScrambledElementsStayFinite) {
   options.maxwell = {{0.5, 0.05}};
   HyperelasticPlant plant(options);
   Eigen::Matrix3Xd scrambled = plant.rest_positions();
-  for (int n = 0; n < scrambled.cols(); ++n)  // turns elements inside out
+  for (int n = 0; n < scrambled.cols(); ++n)  // inverts elements
     scrambled.col(n) += 0.03 * Eigen::Vector3d(std::sin(7 * n), std::sin(11 * n), std::cos(5 * n));
   plant.set_state(scrambled, 0 * scrambled);
   for (int i = 0; i < 1000; ++i) plant.step(1e-3);
@@ -165,7 +166,7 @@ TEST(J2Yield, FlowKeepsTheVolume) {
   x = Eigen::Vector3d(1.3, 1 / std::sqrt(1.3), 1 / std::sqrt(1.3)).asDiagonal() * x;
   solid.add_forces(x, 0 * x, 0, forces);
   EXPECT_NEAR(solid.greatest_plastic_strain(), std::log(1.3), 0.01 * std::log(1.3));
-  // What is left is a deviator on the yield surface: no pressure has built up.
+  // The remainder is a deviator on the yield surface: no pressure has accumulated.
   EXPECT_NEAR(solid.energy(x), 50 * 50 / (2 * 30e3 / 1.3 * 1.5) * kSize.prod(),
               0.02 * 50 * 50 / (2 * 30e3) * kSize.prod());
 }

@@ -54,7 +54,7 @@ TEST(NeoHookeanSolid, RigidMotionNeedsNoForce) {
 TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
   const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
-  // The larger disturbance turns elements inside out, past the guard of the logarithm.
+  // The larger perturbation inverts elements, beyond the guard of the logarithm.
   for (const double size : {0.002, 0.03}) {
     const Eigen::Matrix3Xd x = grid.nodes() + random_field(grid.node_count(), size);
     const Eigen::Matrix3Xd f = forces(solid, x);
@@ -75,7 +75,7 @@ TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
 }
 
 TEST(NeoHookeanSolid, ElementsDoNotMindTheirNeighboursInAPack) {
-  // Three elements in a row load their nodes as each of them does alone.
+  // Three elements in a row load their nodes like each of them alone.
   const Eigen::Vector3d side(0.04, 0.06, 0.05);
   const HexahedralGrid row(Eigen::Vector3d::Zero(), Eigen::Vector3d(0.12, 0.06, 0.05), {3, 1, 1});
   const Eigen::Matrix3Xd x = row.nodes() + random_field(row.node_count(), 0.003);

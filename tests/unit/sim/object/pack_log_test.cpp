@@ -14,7 +14,7 @@ constexpr double kUnit = std::numeric_limits<double>::epsilon();
 TEST(PackLog, LogarithmAndReciprocalAreRightToTwoUnits) {
   double worst_log = 0, worst_inverse = 0;
   const auto check = [&](double x) {
-    // A lane must not mind its neighbours.
+    // A lane must be independent of its neighbours.
     const LogAndInverse found = log_and_inverse(math::Pack4d{3e5, x, 1e-3 * x, 1});
     const long double exact = std::log(static_cast<long double>(x));
     const auto error = static_cast<double>(std::abs(found.log[1] - exact) / std::abs(exact));

@@ -23,7 +23,7 @@ inline PlantOptions small_free_block() {
   return options;
 }
 
-/// A free block pulled along x by even tractions on both ends.
+/// A free block pulled along x by uniform tractions on both ends.
 class TensionRig {
  public:
   explicit TensionRig(const PlantOptions& options)
@@ -46,7 +46,7 @@ class TensionRig {
     for (int i = 0; i < std::lround(1e3 * seconds); ++i) plant.step(1e-3);
   }
 
-  /// Changes the load evenly.
+  /// Changes the load linearly.
   void ramp(double from, double to, double seconds) {
     const int steps = static_cast<int>(std::lround(1e3 * seconds));
     for (int i = 1; i <= steps; ++i) {

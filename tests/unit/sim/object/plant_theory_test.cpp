@@ -17,7 +17,7 @@ double energy(const HyperelasticPlant& plant) {
   return total;
 }
 
-/// A throw: it flies, turns, and quivers.
+/// A thrown body: it flies, rotates and vibrates.
 void throw_block(HyperelasticPlant& plant, const Eigen::Vector3d& velocity) {
   Eigen::Matrix3Xd velocities = plant.rest_positions();
   for (auto column : velocities.colwise()) {
@@ -27,7 +27,7 @@ void throw_block(HyperelasticPlant& plant, const Eigen::Vector3d& velocity) {
   plant.set_state(plant.rest_positions(), velocities);
 }
 
-/// Greatest rise of the energy above what it had been before, over the energy at the start.
+/// Largest increase of the energy above any earlier value, relative to the energy at the start.
 double greatest_rise(HyperelasticPlant& plant, int milliseconds) {
   const double first = energy(plant);
   double least = first, rise = 0;
@@ -140,7 +140,7 @@ TEST(PlantTheory, ScenesBarIsWithinTwoPercentOfAFinerMesh) {
     double shape, force, torque;  // limits
   };
   const Result fine = bend({30, 3, 3});
-  // One element across is too stiff at both held ends for a wrench as good as that.
+  // One element across is too stiff at both held ends for such an accurate wrench.
   for (const Bar& bar : {Bar{{20, 1, 1}, 0.02, 0.03, 0.05}, Bar{{20, 2, 2}, 0.02, 0.02, 0.02}}) {
     const Result result = bend(bar.elements);
     const double shape =
@@ -167,7 +167,7 @@ TEST(PlantTheory, FreeBodyKeepsMomentaWhateverItIsMadeOf) {
   for (int i = 0; i < 1000; ++i) plant.step(1e-3);
   EXPECT_LT((plant.linear_momentum() - linear).norm(), 1e-9 * linear.norm());
   EXPECT_GT(plant.greatest_plastic_strain(), 1e-4);
-  // Viscous stress of Kelvin and Voigt is symmetric, so that it keeps this one too.
+  // Kelvin-Voigt stress is symmetric, so that it conserves this one too.
   EXPECT_LT((plant.angular_momentum() - angular).norm(), 1e-9 * angular.norm());
 }
 

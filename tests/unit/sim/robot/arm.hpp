@@ -19,7 +19,7 @@ inline Eigen::VectorXd joints(std::initializer_list<double> values) {
 /// Hand horizontal, elbow up, far from limits and singularities.
 inline Eigen::VectorXd ready_pose() { return joints({0.2, -0.4, 0.1, 1.5, -0.1, 0.35, 0.3}); }
 
-/// Postures spread over the arm's range, hand in every direction.
+/// Postures distributed over the arm's range, with the hand in every direction.
 inline std::vector<Eigen::VectorXd> postures() {
   return {joints({0, 0, 0, 0, 0, 0, 0}), ready_pose(),
           joints({0.5, -1.0, 0.3, 1.2, 0.8, -0.9, 1.1}),

@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 
 constexpr double kDt = 1e-3;
 constexpr double kEdge = 0.08;            // m
-constexpr double kScenesModulus = 5.3e3;  // Pa, as its file says
+constexpr double kScenesModulus = 5.3e3;  // Pa, as stated in its file
 
 SoftBoxOptions small_box() {
   SoftBoxOptions o;
@@ -54,7 +54,7 @@ double mean(const DartSoftBody& box, const std::vector<int>& vertices, int axis)
   return sum / vertices.size();
 }
 
-/// Stretch under a pull on both ends: effective Young's modulus, Pa.
+/// Elongation by a pull on both ends: effective Young's modulus, Pa.
 double pulled_modulus(const SoftBoxOptions& options) {
   DartSoftBody box(options);
   const std::vector<int> low = face(box, 0, 0), high = face(box, 0, kEdge);
@@ -131,7 +131,7 @@ TEST(DartSoftBody, PressBetweenPlatesStiffensWithVertexStiffness) {
   }
 }
 
-/// The scan behind what sim/scenes/cube_dart_soft_tactile.yaml says of its cube: both stiffnesses
+/// Source of the figure in sim/scenes/cube_dart_soft_tactile.yaml for its cube: both stiffnesses
 /// scaled together.
 TEST(DartSoftBody, TheScenesCubeIsAsStiffAsItSays) {
   for (double scale : {0.5, 1.0, 2.0}) {
@@ -200,7 +200,7 @@ TEST(DartSoftBody, TwoRunsAreEqualToTheBit) {
   EXPECT_EQ(run_once(), run_once());
 }
 
-/// Two fingertips whose joints turn levers of 80 mm, closed about the box by the reactive grasp.
+/// Two fingertips whose joints rotate levers of 80 mm, closed around the box by the reactive grasp.
 TEST(DartSoftBody, ReactiveGraspHoldsItWithinTheForceBand) {
   DartSoftBody box(held_box());
   const double radius = 0.009, lever = 0.08;

@@ -27,9 +27,8 @@ void hand_run(Robot& robot, double seconds) {
   for (int i = 0, n = std::lround(seconds / kHandDt); i < n; ++i) robot.step(kHandDt);
 }
 
-/// Mass and centre of mass of each part: a finger is a cylinder of 100 g from 5 to 85 mm, cut at
-/// 10, 38 and 60 mm; the rest makes 4.8 kg with the identified centre where the fingers are
-/// straight.
+/// Mass and centre of mass of each part: a finger is a cylinder of 100 g from 5 to 85 mm, divided
+/// at 10, 38 and 60 mm; the remainder gives 4.8 kg with the identified centre for straight fingers.
 struct Part {
   std::string link;
   double mass;
@@ -59,7 +58,7 @@ Vector3d centre_of_mass(const Robot& robot) {
   return sum / total_mass();
 }
 
-/// Half way to the closed end of every joint; `spread` of those that do not close.
+/// Half way to the closed limit of every joint; `spread` of those that do not close.
 VectorXd curled(const Robot& robot, double spread = 0.1) {
   VectorXd q(robot.hand_joint_names().size());
   for (int i = 0; i < q.size(); ++i) {
@@ -143,7 +142,7 @@ TEST(Hand, ReachesItsTargetsWithinSpeedAndTorque) {
   }
   EXPECT_LT(shaken, 1e-4);  // the arm holds the hand meanwhile
   RecordProperty("shaken_mm", std::to_string(1e3 * shaken));
-  // Beyond the limits: cut.
+  // Beyond the limits: clamped.
   robot.command_hand(VectorXd::Constant(20, 10));
   hand_run(robot, 1.5);
   EXPECT_LT((robot.hand_positions() - robot.hand_limits().upper).cwiseAbs().maxCoeff(), 1e-3);
@@ -182,7 +181,7 @@ TEST(Hand, TorqueLimitGivesWay) {
                       robot.link_pose("ff_tip").translation());
   hand_run(robot, 0.5);
   const int j3 = index_of(robot, "ff_j3");
-  EXPECT_GT(robot.hand_positions()(j3), 0.6);  // a spring alone would give way by 0.5
+  EXPECT_GT(robot.hand_positions()(j3), 0.6);  // a spring alone would yield by 0.5
   EXPECT_LE(std::abs(robot.hand_torques()(j3)), 1 + 1e-12);
   EXPECT_LT(robot.hand_positions()(j3), robot.hand_limits().upper(j3) + 0.01);
 }

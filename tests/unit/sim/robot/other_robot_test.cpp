@@ -31,7 +31,7 @@ std::string fixed(const std::string& name, const std::string& parent, double z) 
 }
 
 /// Six joints with a shoulder, an elbow and a spherical wrist, a tool of 1 kg, no hand; the frames
-/// have names of their own.
+/// have different names.
 std::string six_joint_arm(const std::string& last_joint = joint(6, "0 0 1", 0.06)) {
   return "<robot name='six'>" + link("base", 3, 0) + link("l1", 4, 0.1) + link("l2", 4, 0.2) +
          link("l3", 3, 0.15) + link("l4", 2, 0.05) + link("l5", 1, 0.02) + link("l6", 0.5, 0.01) +
@@ -63,7 +63,7 @@ TEST(OtherRobot, SixJointsWithoutAHandMoveAsCommanded) {
   robot.command_hand(VectorXd());
   robot.set_joints(joints({0.3, 0.5, 0.9, 0.2, 0.8, -0.4}));
 
-  // By hand: up 0.1 and 0.2, then along the two arms and the wrist.
+  // Analytically: up 0.1 and 0.2, then along the two arms and the wrist.
   const auto turn = [](double angle, const Vector3d& axis) {
     return math::Pose(Eigen::AngleAxisd(angle, axis));
   };
@@ -81,7 +81,7 @@ TEST(OtherRobot, SixJointsWithoutAHandMoveAsCommanded) {
   }
   EXPECT_LT((robot.flange_twist().vector() - twist.vector()).norm(), 1e-3);
   for (int i = 0; i < 500; ++i) robot.step(1e-3);
-  EXPECT_LT(robot.flange_twist().vector().norm(), 1e-4);  // nobody renewed the command
+  EXPECT_LT(robot.flange_twist().vector().norm(), 1e-4);  // the command was not renewed
 
   // The tool of 1 kg, its centre 0.05 m from S.
   const Vector3d weight = robot.link_pose("tool").linear().transpose() * Vector3d(0, 0, 9.81);

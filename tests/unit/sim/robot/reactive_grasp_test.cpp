@@ -14,13 +14,13 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Five fingers of three joints whose tips move 80, 42 and 20 mm a rad towards a spring that they
-/// meet after `gap`; the joints follow their targets with a lag of one pole.
+/// Five fingers of three joints whose tips move 80, 42 and 20 mm per rad towards a spring that they
+/// meet after `gap`; the joints follow their targets with a first-order lag.
 struct SpringHand {
   static constexpr int kFingers = 5, kJoints = 15;
   std::vector<double> stiffness = std::vector<double>(kFingers, 300);  // N/m
   std::vector<double> gap = {0.010, 0.015, 0.020, 0.012, 0.018};       // m
-  double lag = 0.5;  // part of the way to the target left after a control step
+  double lag = 0.5;  // fraction of the distance to the target left after a control step
   VectorXd q = VectorXd::Zero(kJoints);
 
   static std::vector<Finger> fingers() {
@@ -77,7 +77,7 @@ TEST(ReactiveGrasp, FollowsAnObjectThatGivesWayOrSwells) {
   const VectorXd others = hand.q;
   reactive_grasp_run(hand, grasp, 300);
   EXPECT_EQ(grasp.in_band(), 5);
-  EXPECT_LT((hand.q - others).segment<3>(9).norm(), 1e-6);  // its neighbour does not care
+  EXPECT_LT((hand.q - others).segment<3>(9).norm(), 1e-6);  // its neighbour is unaffected
 }
 
 TEST(ReactiveGrasp, StepsAreTheThesisWhereNothingIsTouched) {
@@ -85,7 +85,7 @@ TEST(ReactiveGrasp, StepsAreTheThesisWhereNothingIsTouched) {
   ReactiveGrasp grasp(SpringHand::fingers(), SpringHand::limits());
   grasp.reset(hand.q);
   const VectorXd none = VectorXd::Zero(5);
-  EXPECT_EQ(grasp.step(hand.q, none), hand.q);  // nobody asked
+  EXPECT_EQ(grasp.step(hand.q, none), hand.q);  // no command
   grasp.close();
   VectorXd target = grasp.step(hand.q, none);
   EXPECT_DOUBLE_EQ(target(0), 0.05);
@@ -136,8 +136,8 @@ TEST(ReactiveGrasp, RefusesWhatIsNoGrasp) {
   EXPECT_THROW(grasp.close({0, 1}), std::invalid_argument);
 }
 
-/// The real hand on a bar: fingertip spheres of 7 mm against two fixed walls 56 mm apart in the
-/// hand (the bar of 60 mm, pressed in by 2 mm a side once they are at their zero) of 400 N/m.
+/// The real hand on a bar: fingertip spheres of 7 mm against two fixed walls of 400 N/m, 56 mm
+/// apart in the hand (the bar of 60 mm, compressed by 2 mm per side at zero).
 TEST(ReactiveGrasp, TheArmsHandGraspsABar) {
   Robot robot(load_model(kArmUrdf), RobotOptions());
   robot.set_joints(ready_pose());

@@ -51,7 +51,7 @@ TEST(RobotModel, RefusesWhatCannotBeReadInFull) {
   EXPECT_NE(message_of("<robot name='r'><link").find("well-formed"), std::string::npos);
   EXPECT_NE(message_of("<sdf/>").find("no <robot>"), std::string::npos);
   EXPECT_NE(message_of("<robot name='r'><xacro:foo/></robot>").find("expand"), std::string::npos);
-  // urdfdom reads this one without an error, leaving a link out.
+  // urdfdom reads this one without an error, omitting a link.
   EXPECT_NE(message_of("<robot name='r'><link name='a'/><link/></robot>"), "");
   EXPECT_EQ(message_of("<robot name='r'><link/></robot>").find("some.urdf"), 0u);
 }

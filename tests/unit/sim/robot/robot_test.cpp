@@ -26,7 +26,7 @@ void robot_run(Robot& robot, double seconds) {
   for (int i = 0, n = std::lround(seconds / kRobotDt); i < n; ++i) robot.step(kRobotDt);
 }
 
-/// The LWR's forward kinematics, written down by hand.
+/// The LWR's forward kinematics, derived by hand.
 math::Pose forward(const VectorXd& q) {
   const double up[] = {0.3105, 0, 0.4, 0, 0.39, 0, 0.078};
   const Vector3d axis[] = {Vector3d::UnitZ(), -Vector3d::UnitY(), Vector3d::UnitZ(),
@@ -114,7 +114,7 @@ TEST(Robot, SensorForceFollowsTheMotionOfTheHandsCentreOfMass) {
 }
 
 TEST(Robot, SensorTorqueAboutTheLastAxisIsThatJointsTorque) {
-  // Joint 7 drives link 7 (a thin cylinder on its axis) and all that the sensor carries.
+  // Joint 7 drives link 7 (a thin cylinder on its axis) and everything carried by the sensor.
   Robot robot = make_arm();
   robot.set_joints(ready_pose());
   const double own_inertia = 0.11 * 0.04 * 0.04 / 2;
@@ -192,7 +192,7 @@ TEST(Robot, PullsBackToItsPostureWithoutMovingTheHand) {
     robot.step(kRobotDt);
   }
   EXPECT_LT((robot.joint_positions() - ready_pose()).norm(), 0.95 * away);
-  // Less the way that the arm needs to come to rest.
+  // Minus the distance that the arm needs to stop.
   EXPECT_LT((robot.flange_pose().translation() - held.translation()).norm(), 0.02);
   EXPECT_LT(robot.flange_twist().linear.norm(), 1e-4);
 }

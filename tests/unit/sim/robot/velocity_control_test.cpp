@@ -7,7 +7,7 @@
 
 #include "tests/unit/sim/robot/arm.hpp"
 
-// What the arm's Cartesian velocity control promises whatever is commanded.
+// Guarantees of the arm's Cartesian velocity control for arbitrary commands.
 namespace palpate::robot {
 namespace {
 
@@ -22,7 +22,7 @@ Robot make_arm(const RobotOptions& options = {}) {
   return robot;
 }
 
-/// Smallest distance of any joint from its ends, rad.
+/// Smallest distance of any joint from its limits, rad.
 double room(const Robot& robot) {
   const VectorXd q = robot.joint_positions();
   return std::min((robot.limits().upper - q).minCoeff(), (q - robot.limits().lower).minCoeff());
@@ -65,7 +65,7 @@ TEST(VelocityControl, LimitsHoldUnderAdversarialCommands) {
       farthest = std::max(farthest, share.maxCoeff());
     }
   }
-  EXPECT_GT(farthest, 0.98);  // the ends were indeed sought
+  EXPECT_GT(farthest, 0.98);  // the limits were indeed approached
   RecordProperty("closest_to_an_end_rad", std::to_string(closest));
   RecordProperty("fastest_share_of_limit", std::to_string(fastest));
 }
@@ -75,8 +75,8 @@ TEST(VelocityControl, TorqueLimitsSaturateVisibly) {
   for (int i = 0; i < 200; ++i) robot.step(kDt);
   EXPECT_FALSE(robot.torque_limited());
   EXPECT_EQ(robot.torque_limited_steps(), 0);
-  // At G, 0.38 m from joint 6 and its 30 N m: 20 N beside the hand's weight are held, 200 N are
-  // not.
+  // At G, 0.38 m from joint 6 and its 30 N m: 20 N in addition to the hand's weight are held, 200 N
+  // are not.
   const Vector3d p_G = robot.link_pose("grasp").translation();
   robot.set_hand_load({Vector3d(0, 0, -20), Vector3d::Zero()}, p_G);
   for (int i = 0; i < 100; ++i) robot.step(kDt);
@@ -93,7 +93,7 @@ TEST(VelocityControl, TorqueLimitsSaturateVisibly) {
   }
   EXPECT_EQ(limited, 30);
   EXPECT_EQ(robot.torque_limited_steps(), limited);
-  // Once the load is gone the arm comes to rest near where it was pushed, without winding up.
+  // Once the load is removed the arm comes to rest near its displaced position, without wind-up.
   robot.set_hand_load(math::Wrench(), p_G);
   for (int i = 0; i < 1500; ++i) robot.step(kDt);
   EXPECT_FALSE(robot.torque_limited());
@@ -170,8 +170,8 @@ TEST(VelocityControl, TracksACommandedTwist) {
   RecordProperty("angular_most_mrad_s", std::to_string(1e3 * e.angular_most));
 }
 
-/// Joint positions after each of some circles of the hand, whose pose is held to the circle, so
-/// that only the null space can drift.
+/// Joint positions after some circles of the hand, whose pose follows the circle, so that only the
+/// null space can drift.
 std::vector<VectorXd> circle(double posture_gain, int circles) {
   RobotOptions options;
   options.follower.posture_gain = posture_gain;

@@ -1,4 +1,4 @@
-// Every scene file of the tree: it loads, runs, and its motion can be done by the arm.
+// Every scene file of the tree: it loads, runs, and the arm can execute its motion.
 
 #include <gtest/gtest.h>
 
@@ -30,7 +30,7 @@ TEST_P(EveryScene, RestsInTheHandAndRuns) {
   const Simulation& s = stage.simulation;
   const Scene& scene = s.scene();
   for (std::size_t i = 0; i < scene.plant.grasps.size(); ++i) {
-    // Held where the file says: the hand is at the patch, its axes along those of O.
+    // Held as specified in the file: the hand is at the patch, its axes along those of O.
     const math::Pose X_OG = s.arm(static_cast<int>(i)).grasp_in_object();
     EXPECT_LT(math::log_rotation(X_OG.linear()).norm(), 1e-6);
     const object::Box& patch = scene.plant.grasps[i].patch;
@@ -47,7 +47,7 @@ TEST_P(EveryScene, RestsInTheHandAndRuns) {
 INSTANTIATE_TEST_SUITE_P(Scene, EveryScene, ::testing::ValuesIn(scene_names()),
                          [](const auto& tested) { return tested.param; });
 
-/// Scenes with a motion of their own; those of the thesis' moduli and of another kind of object
+/// Scenes with a motion of their own; those with the thesis' moduli and with another kind of object
 /// repeat that of another.
 std::vector<std::string> moving_scenes() {
   std::vector<std::string> names;
@@ -60,7 +60,7 @@ std::vector<std::string> moving_scenes() {
   return names;
 }
 
-/// The object by few elements: what it weighs on the arm does not need more.
+/// The object with few elements: sufficient for its load on the arm.
 std::vector<std::string> coarse_object(const std::string& name) {
   if (name.find("bar_long") == 0) return coarse();
   if (name.find("bar_two") == 0) return {"object.elements=[10, 1, 1]", "object.pads.stiffness=1e4"};

@@ -109,7 +109,7 @@ TEST(CameraPublisher, WhereItMayLagPicturesAreTheSameOrLeftOut) {
   Stage stage(kSixPoses, with_camera());
   stage.simulation.let_camera_lag();
   for (int i = 0; i < 1000; ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // as against the real clock
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));  // as in real time
     stage.simulation.step();
   }
   const auto lagging = stage.sent<shape_observation_t>("SHAPE_OBSERVATION");
@@ -126,7 +126,7 @@ TEST(CameraPublisher, FollowsTheSensorTable) {
   const auto lossy = observe(2, {"sensors.camera.drop_out=0.5", "sensors.camera.rate=20"}).size();
   EXPECT_GT(lossy, 8u);
   EXPECT_LT(lossy, 32u);
-  // A camera believed to stand 5 cm higher reports everything 5 cm higher.
+  // A camera believed to be 5 cm higher reports everything 5 cm higher.
   const std::vector<std::string> exact{"sensors.camera.depth.noise=0", "sensors.camera.delay=0"};
   std::vector<std::string> shifted = exact;
   shifted.push_back("sensors.camera.calibration_error.position=[0, 0, 0.05]");
@@ -162,7 +162,7 @@ TEST(CameraPublisher, SeesNothingWhileItIsOccluded) {
 
 TEST(CameraPublisher, TruthSegmentationCanBeChosen) {
   const auto found = observe(0.1, {"camera.segmentation=truth", "camera.colour=[0.6, 0.62, 0.65]"});
-  ASSERT_FALSE(found.empty());  // grey as the hand: colour alone would not tell them apart
+  ASSERT_FALSE(found.empty());  // grey like the hand: colour alone would not distinguish them
   for (const auto& p : found[0].points) EXPECT_TRUE(std::isfinite(p[0]));
   EXPECT_GT(found[0].count, 100);
 }

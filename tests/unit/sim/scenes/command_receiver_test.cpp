@@ -84,7 +84,7 @@ TEST_F(CommandAccess, WhoHasItSteersAndCannotBeReplayed) {
   ASSERT_LT(speed(), 1e-3);
   for (twist_command_t message : recorded) {
     send("TWIST_COMMAND", message);
-    message.session = 6;  // as new as a forger can make it look
+    message.session = 6;  // as recent as a forger can make it
     send("TWIST_COMMAND", message);
     stage_.simulation.step();
     EXPECT_LT(speed(), 1e-3);

@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 
 const std::string kTactile = PALPATE_SOURCE_DIR "/sim/scenes/bar_soft_tactile.yaml";
 const std::vector<int> kTouching = {1, 2, 4};  // middle and ring finger below the bar, thumb above
-constexpr int kFree = 0;                       // the first finger closes beside it
+constexpr int kFree = 0;                       // the first finger closes next to it
 constexpr double kHeld = 2.5;                  // s, when the hand holds the bar
 constexpr double kStill = 4.5;                 // s, when hand and bar have come to rest
 
@@ -29,7 +29,7 @@ TEST(Fingertips, ForceTorqueSensorFeelsTheObjectsReactionInAStaticHold) {
   const Simulation& s = stage.simulation;
   const object::HyperelasticPlant& plant = s.plant();
 
-  // What clamp and weight do to the bar goes on into the fingers: the bar is at rest.
+  // The loads of clamp and weight on the bar are transferred to the fingers: the bar is at rest.
   const Vector3d g = s.scene().X_WO.linear().transpose() * s.scene().robot.gravity_W;
   math::Wrench on_fingers = plant.clamp_wrench();  // about the origin of O, in O
   for (int n = 0; n < plant.positions().cols(); ++n) {
@@ -42,7 +42,7 @@ TEST(Fingertips, ForceTorqueSensorFeelsTheObjectsReactionInAStaticHold) {
   const Vector3d torque = X_SO.linear() * on_fingers.torque +
                           X_SO.translation().cross(X_SO.linear() * on_fingers.force);
 
-  // The same arm and hand in the same posture, with nothing in it.
+  // The same arm and hand in the same posture, without an object.
   robot::Robot empty(robot::load_model(s.scene().urdf), s.scene().robot);
   empty.set_joints(s.robot().joint_positions());
   empty.set_hand(s.robot()
@@ -57,7 +57,7 @@ TEST(Fingertips, ForceTorqueSensorFeelsTheObjectsReactionInAStaticHold) {
 }
 
 TEST(Fingertips, WhatTheFingersGiveIsWhatTheObjectGets) {
-  // A free object without weight or damping, struck by the closing hand.
+  // A free object without weight or damping, hit by the closing hand.
   robot::Robot robot(robot::load_model(PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf"),
                      robot::RobotOptions());
   Eigen::VectorXd q(7);
@@ -162,7 +162,7 @@ TEST(Fingertips, BiotacMessagesShowWhereTheTouchIs) {
     EXPECT_GT(pressure, 20) << finger;
     const Vector3d point = tip_in_world(s, finger).inverse() *
                            (s.scene().X_WO * s.plant().fingertip(finger).touch().point);
-    // Currents turn aside far from the touch, but most beside it.
+    // Currents are diverted also far from the contact, but most next to it.
     int strongest = 0;
     counts.maxCoeff(&strongest);
     EXPECT_LT((sensing::electrode_positions().col(strongest) - point).norm(), 5e-3) << finger;

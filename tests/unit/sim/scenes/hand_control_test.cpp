@@ -24,7 +24,7 @@ TEST(HandControl, HandStateTellsTheFingersJointsAndWhereTheyBringTheTips) {
   stage.run(0.3);
   const hand_state_t before = stage.sent<hand_state_t>("HAND_STATE").back();
   ASSERT_EQ(before.joint_count, 20);
-  for (int i = 0; i < 20; ++i) EXPECT_EQ(before.q[i], 0);  // nobody commanded the hand
+  for (int i = 0; i < 20; ++i) EXPECT_EQ(before.q[i], 0);  // no command was sent
 
   commands.publish(command(1, hand_command_t::OPEN));
   stage.run(1);

@@ -68,7 +68,8 @@ TEST(LockStep, SendsAgainUntilItGivesUp) {
   EXPECT_GT(e.lock_step.repeats(), 1);
 }
 
-// One message in twenty is lost, either way: every tick is still done, in order, and none twice.
+// One message in twenty is lost in either direction: every tick is still executed, in order, and
+// none twice.
 TEST(LockStep, LossesDelayTicksButLoseNone) {
   Exchange e;
   LockStep patient(*e.ours, 9, 5);
@@ -85,7 +86,7 @@ TEST(LockStep, LossesDelayTicksButLoseNone) {
       }
       if (random.uniform() < 0.05) continue;  // SIM_TICK lost
       if (tick.tick > last) run.push_back(last = tick.tick);
-      if (random.uniform() >= 0.05) e.answer(tick.tick);  // else TICK_DONE lost
+      if (random.uniform() >= 0.05) e.answer(tick.tick);  // otherwise TICK_DONE lost
     }
   });
   constexpr std::int64_t kTicks = 1000;

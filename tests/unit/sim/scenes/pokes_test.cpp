@@ -21,11 +21,11 @@ TEST(Poke, RisesStaysAndFallsWithoutAJump) {
   for (double time = 0.9; time < 3.1; time += 1e-3)
     EXPECT_LT(std::abs(poke.share(time + 1e-3) - poke.share(time)), 0.016) << time;
   const Poke tap{1, 0.1, Vector3d::Zero(), Vector3d::UnitZ()};
-  EXPECT_NEAR(tap.share(1.05), 1, 1e-12);  // the whole force, in the middle
+  EXPECT_NEAR(tap.share(1.05), 1, 1e-12);  // the full force, at the middle
 }
 
 TEST(Poke, BendsTheBarAsABeamAndLetsItComeBack) {
-  // Clamped at both ends, the middle yields by F L^3 / 192 E I, and by F L / 4 k G A in shear.
+  // Clamped at both ends, the middle deflects by F L^3 / 192 E I, and by F L / 4 k G A in shear.
   Stage stage(kControl, {kPoke, "object.damping=30", "object.pads.damping=0"});
   const object::HyperelasticPlant& plant = stage.simulation.plant();
   const Vector3d middle(0.225, 0.03, 0.03);
@@ -35,7 +35,7 @@ TEST(Poke, BendsTheBarAsABeamAndLetsItComeBack) {
   const double L = 0.45, E = 30e3, I = 0.06 * 0.06 * 0.06 * 0.06 / 12, G = E / 2.6, A = 0.06 * 0.06;
   const double sag = 0.2 * (L * L * L / (192 * E * I) + L / (4 * 5.0 / 6 * G * A));
   EXPECT_NEAR(before - plant.position_at(middle).z(), sag, 0.1 * sag);
-  // Hand and rig bear what the poke adds.
+  // Hand and rig carry the additional load of the poke.
   const Vector3d added = plant.clamp_wrench().force - rig + plant.hand_wrench().force - hand;
   EXPECT_LT((added - Vector3d(0, 0, 0.2)).norm(), 0.01);
   stage.run(3);

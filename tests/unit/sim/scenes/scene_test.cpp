@@ -41,7 +41,7 @@ TEST(Scene, SixPosesAndControlShareArmAndObject) {
   EXPECT_EQ(poses.bus.pictures, BusUrls().pictures);
 }
 
-// The model as fitted: what palpate-fit wrote goes over the scene's material.
+// The fitted material: the output of palpate-fit overrides the scene's material.
 TEST(Scene, TakesTheMaterialThatWasFitted) {
   const support::ScratchFolder folder;
   const std::string file = (folder.path() / "material.yaml").string();

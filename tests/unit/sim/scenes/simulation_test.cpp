@@ -85,7 +85,7 @@ TEST(Simulation, TwoRunsAreEqualToTheBitAndSeedsMatter) {
 
 TEST(Simulation, ForcesOnHandAndObjectBalanceAtRest) {
   Stage stage(kSixPoses);
-  stage.run(5);  // holds its first pose
+  stage.run(5);  // keeps its first pose
   const Simulation& s = stage.simulation;
   const Eigen::Matrix3d R_WO = s.scene().X_WO.linear();
   const Vector3d g(0, 0, -9.81);
@@ -111,7 +111,8 @@ TEST(Simulation, ForcesOnHandAndObjectBalanceAtRest) {
 }
 
 TEST(Simulation, HandFeelsTheObjectsReactionWhileItMoves) {
-  // What acts on the hand but its joint, its weight and its inertia is the object's reaction.
+  // The forces on the hand other than from its joint, its weight and its inertia are the object's
+  // reaction.
   Stage stage(kSixPoses);
   stage.run(1);
   Simulation& s = stage.simulation;
@@ -137,7 +138,7 @@ TEST(Simulation, HandFeelsTheObjectsReactionWhileItMoves) {
 }
 
 TEST(Simulation, ImpulseEqualsTheChangeOfMomentum) {
-  // Hand and object together, while they move: sensor, rig and weights are all that acts on them.
+  // Hand and object together, in motion: sensor, rig and weights are the only external loads.
   Stage stage(kSixPoses, coarse({"object.damping=0", "object.pads.damping=0"}));
   stage.run(1.2);
   const Simulation& s = stage.simulation;

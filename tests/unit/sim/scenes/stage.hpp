@@ -13,7 +13,7 @@ namespace palpate::scenes {
 inline const std::string kSixPoses = PALPATE_SOURCE_DIR "/sim/scenes/bar_long_soft_six_poses.yaml";
 inline const std::string kControl = PALPATE_SOURCE_DIR "/sim/scenes/bar_long_soft_control.yaml";
 
-/// A coarser bar with softer pads: what these tests look at does not need the fine one.
+/// A coarser bar with softer pads: sufficient for these tests.
 inline std::vector<std::string> coarse(std::vector<std::string> overrides = {}) {
   overrides.insert(overrides.end(),
                    {"object.elements=[7, 1, 1]", "object.grasp_box.lower=[0.428, 0, 0]",
@@ -21,7 +21,7 @@ inline std::vector<std::string> coarse(std::vector<std::string> overrides = {}) 
   return overrides;
 }
 
-/// A simulation on in-memory buses whose messages are kept.
+/// A simulation on in-memory buses whose messages are recorded.
 struct Stage {
   explicit Stage(const std::string& scene, const std::vector<std::string>& overrides = coarse())
       : simulation(config::Node::load_file(scene, overrides), *control, *housekeeping) {

@@ -1,5 +1,5 @@
-// The second arm of a scene: its keys, its channels, and what it does to the object and to the
-// first arm.
+// The second arm of a scene: its keys, its channels, and its effect on the object and the first
+// arm.
 
 #include <gtest/gtest.h>
 
@@ -40,7 +40,7 @@ TEST(TwoArms, KeysReachTheScene) {
   EXPECT_FALSE(s.plant.clamp);
   EXPECT_EQ(s.plant.grasps[1].stiffness, 3e3);
   EXPECT_EQ(s.plant.grasps[1].patch.upper.x(), 0.05);
-  // What falls in W falls along x of a base that is tilted forwards.
+  // A fall along z of W is along x of a base that is tilted forwards.
   EXPECT_LT((s.second_arm->robot.gravity_W - Vector3d(9.81, 0, 0)).norm(), 1e-9);
   EXPECT_EQ(s.second_arm->sensors.force_torque.bias(0), 0.05);
   EXPECT_EQ(s.sensors.force_torque.bias(0), 0);
@@ -70,22 +70,22 @@ TEST(TwoArms, SecondOneSpeaksOnItsOwnChannels) {
   EXPECT_EQ(stage.sent<hand_state_t>("HAND_STATE_1").back().grasp, hand_state_t::GRASP_HOLDING);
   EXPECT_EQ(stage.sent<truth_contact_t>("TRUTH_CONTACT").back().grasp_count, 2);
 
-  // Its noise is its own.
+  // Its noise is independent.
   const auto first = stage.sent<imu_t>("IMU").back(), second = stage.sent<imu_t>("IMU_1").back();
   EXPECT_NE(first.acceleration[0], second.acceleration[0]);
 
-  // In the base of its own; the flange is where the object's other end asks for it.
+  // In its own base; the flange is at the pose required by the object's other end.
   const robot_state_t state = stage.sent<robot_state_t>("ROBOT_STATE_1").back();
   const Arm& arm = stage.simulation.arm(1);
   EXPECT_LT((Vector3d(state.position) - arm.robot().flange_pose().translation()).norm(), 1e-3);
   EXPECT_LT((arm.grasp_in_object().translation() - Vector3d(0.03, 0.03, 0.03)).norm(), 1e-3);
 }
 
-// Both hands carry the weight, and what one pulls with the other feels: force and torque, on the
+// Both hands carry the weight, and the pull of one is felt by the other: force and torque, on the
 // object and, by the wrist sensors, on the arms.
 TEST(TwoArms, WrenchesOfBothHandsAndTheWeightSumToZeroAtRest) {
   Stage stage(kTwoHands, soft({"object.damping=20"}));
-  stage.run(5);  // holds its first pose, stretched
+  stage.run(5);  // keeps its first pose, stretched
   const Simulation& s = stage.simulation;
   const object::HyperelasticPlant& plant = s.plant();
   const Eigen::Matrix3d R_OW = s.scene().X_WO.linear().transpose();
@@ -103,7 +103,7 @@ TEST(TwoArms, WrenchesOfBothHandsAndTheWeightSumToZeroAtRest) {
   }
   EXPECT_LT(torque.norm(), 1e-3 * pull * 0.5) << "N m, by the bar's length";
 
-  // The sensor carries the hand and what the object exerts on it.
+  // The sensor carries the hand and the reaction of the object.
   constexpr double kHandMass = 4.8;
   for (int i = 0; i < 2; ++i) {
     const Arm& arm = s.arm(i);

@@ -33,14 +33,14 @@ TEST(BiotacFilm, CurrentFlowsFromEachElectrodeByItself) {
   for (int i = 0; i < sensing::kElectrodeCount; ++i) {
     EXPECT_NEAR(film.shares.row(i).sum(), 1, 1e-12);
     EXPECT_GE(film.shares.row(i).minCoeff(), 0);
-    // Where the current is densest, at the electrode or at the excitation that it flows to, is
-    // nearer to it than the pad is long.
+    // The point of highest current density, at the electrode or at the excitation electrode, is
+    // closer to it than the pad's length.
     Eigen::Index most = 0;
     film.shares.row(i).maxCoeff(&most);
     const Vector3d at = sensing::project_on_skin(sensing::electrode_positions().col(i));
     EXPECT_LT((film.points.col(most) - at).norm(), 6e-3) << "E" << i + 1;
   }
-  // The pad is its own mirror image, and so is the current: E1 and E11, E4 and E14.
+  // The pad is symmetric, and so is the current: E1 and E11, E4 and E14.
   for (const auto& [left, right] : {std::pair{0, 10}, {3, 13}, {5, 15}})
     for (Eigen::Index p = 0; p < film.points.cols(); ++p)
       EXPECT_NEAR(film.shares(left, p), film.shares(right, (p / 11) * 11 + 10 - p % 11), 2e-3);
@@ -57,7 +57,7 @@ TEST(BiotacSkin, FluidThatStaysBelowThePadKeepsItsVolume) {
   EXPECT_GT(BiotacSkin(table).equilibrium({press({-7e-3, 2e-3, -7e-3}, 1)}).dot(areas), 1e-9);
 }
 
-// A wide, light touch: foundation times volume is the force.
+// A wide, light contact: foundation times volume is the force.
 TEST(BiotacSkin, FoundationCarriesTheForce) {
   SkinTable table;
   table.bulge = 0;

@@ -39,7 +39,7 @@ ElectrodeVector electrodes(const BiotacReading& reading) {
   return counts;
 }
 
-/// Straight onto the skin.
+/// Perpendicular to the skin.
 Touch press(const Vector3d& at, double newton, double radius = 2e-3) {
   const Vector3d location = sensing::project_on_skin(at);
   return {location, -newton * sensing::skin_normal(location), radius};
@@ -112,7 +112,7 @@ TEST(Biotac, ClassicalLocalisationFindsTheTouch) {
   EXPECT_LT(worst, 4e-3);
 }
 
-// As in the recording on foam: one spot, a force that wanders within a cone.
+// As in the recording on foam: one point, a force that varies within a cone.
 TEST(Biotac, ForceAtOneSpotIsNearlyLinearInTheCounts) {
   Biotac biotac = make();
   const ElectrodeVector rest = electrodes(after(biotac, 0.1, {}));
@@ -153,7 +153,7 @@ TEST(Biotac, SkinCreepsPressureFollowsAndVibrationFades) {
   EXPECT_EQ(later.pac[0], 2048);
   const double first = at_once.electrodes[17] - rest.electrodes[17];
   const double last = later.electrodes[17] - rest.electrodes[17];
-  EXPECT_NEAR(first / last, 0.86, 0.03);  // a tenth of the fast part has come, too
+  EXPECT_NEAR(first / last, 0.86, 0.03);  // a tenth of the fast part has arrived, too
   const BiotacReading released = after(biotac, 10, {});
   EXPECT_NEAR(released.electrodes[17], rest.electrodes[17], 1);
 }

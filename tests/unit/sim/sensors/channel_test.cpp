@@ -36,7 +36,7 @@ TEST(Channel, KeepsItsRateEvenWhereItDoesNotDivideTheTicks) {
 
 TEST(Channel, DelaysByTheDelay) {
   for (const Arrival& a : run({500, 0.0035, 0, 0}, 1000))
-    EXPECT_EQ(a.taken_us - a.sampled_us, 4000);  // the first tick not before 3.5 ms
+    EXPECT_EQ(a.taken_us - a.sampled_us, 4000);  // the first tick at or after 3.5 ms
 }
 
 TEST(Channel, JitterKeepsTheOrderAndIsNeverEarly) {

@@ -190,7 +190,7 @@ ForceTorqueReading reading_at(SensorSuite& suite, std::int64_t now_us, const Tru
   return r;
 }
 
-/// No faults of the force-torque sensor but `more` and the torque's hysteresis.
+/// No errors of the force-torque sensor except `more` and the torque's hysteresis.
 SensorTable clean_but(const std::string& more, double hysteresis = 0) {
   return table(
       "{force_torque: {delay: 0, force: {step: 0, noise: 0}, torque: {step: 0, noise: 0, "
@@ -225,7 +225,7 @@ TEST(ForceTorque, HysteresisHoldsTheReadingUntilTheLoadHasTurnedBackFarEnough) {
   EXPECT_NEAR(read(0.04), 0, 1e-12);
   EXPECT_NEAR(read(1), 0.95, 1e-12);
   EXPECT_NEAR(read(0.92), 0.95, 1e-12);
-  EXPECT_NEAR(read(0), 0.05, 1e-12);  // the loop is twice as wide
+  EXPECT_NEAR(read(0), 0.05, 1e-12);  // the hysteresis loop is twice as wide
   EXPECT_EQ(reading_at(suite, now += 1000, truth).wrench(0), truth.force_torque.wrench(0));
 }
 

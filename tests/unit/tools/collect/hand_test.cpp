@@ -1,4 +1,4 @@
-// Who obeys the presses of a hand.
+// A hand that follows the presses.
 
 #include "tools/collect/hand.hpp"
 
@@ -13,7 +13,7 @@
 namespace palpate::collect {
 namespace {
 
-/// What a hand hears of one short trial, in which it says nothing itself.
+/// Commands received by a hand in one short trial, in which it sends nothing.
 std::vector<hand_command_t> commands(const std::optional<bus::Key>& key) {
   const support::ScratchFolder folder;
   const auto hub = bus::make_memory_hub();

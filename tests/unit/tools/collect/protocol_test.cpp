@@ -28,7 +28,8 @@ TEST(Protocol, ForceIsHeldForThreeSecondsAndLetGo) {
   EXPECT_EQ(envelope(kTrialTime), 0);
 }
 
-// A sphere on a cylinder taken for a sphere: the load of the dented foundation is the force.
+// A sphere on a cylinder approximated by a sphere: the load of the indented foundation is the
+// force.
 TEST(Protocol, TouchGrowsAsTheFoundationSays) {
   const Probe sphere{"", ProbeShape::kSphere, 5e-3};
   const double foundation = 3e7, force = 0.7;

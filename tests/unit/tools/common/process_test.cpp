@@ -16,7 +16,7 @@ class ProcessTest : public testing::Test {
                                    testing::UnitTest::GetInstance()->current_test_info()->name());
   void TearDown() override { std::filesystem::remove(output_); }
 
-  /// The number that a child has written, once it has.
+  /// The number written by a child, once it has been written.
   pid_t written() const {
     for (int attempt = 0; attempt < 1000; ++attempt) {
       std::ifstream in(output_);

@@ -10,7 +10,7 @@
 
 namespace palpate::doctor {
 
-/// A made-up machine on which all is well, of which a test spoils one thing.
+/// A fictitious machine on which all is well, and of which a test changes one thing.
 class Tree : public testing::Test {
  protected:
   Tree() {
@@ -71,7 +71,7 @@ class Tree : public testing::Test {
     put("proc/net/route",
         "Iface Destination Gateway Flags RefCnt Use Metric Mask MTU Window IRTT\n" + line + "\n");
   }
-  /// A socket of a process on a port; `state` as /proc says it.
+  /// A socket of a process on a port; `state` as in /proc.
   void listener(int pid, const std::string& name, const std::string& address_and_port, int drops,
                 const std::string& state = "S (sleeping)") const {
     const std::string inode = std::to_string(1000 + pid);
@@ -93,7 +93,7 @@ class Tree : public testing::Test {
       findings.insert(findings.end(), more.begin(), more.end());
     return findings;
   }
-  /// The finding of one check, of which there must be one.
+  /// The finding of one check, which must exist exactly once.
   Finding finding(const std::string& check, const Needs& needs = {}) const {
     Finding found;
     int count = 0;
@@ -105,7 +105,7 @@ class Tree : public testing::Test {
     EXPECT_EQ(count, 1) << check;
     return found;
   }
-  /// It is as told, says so with `words`, and, where it is not well, why and how to mend it.
+  /// Expects this verdict, a text with `words`, and, unless all is well, a reason and a fix.
   void expect(const std::string& check, Verdict verdict, const std::string& words,
               const Needs& needs = {}) const {
     const Finding found = finding(check, needs);
@@ -113,7 +113,7 @@ class Tree : public testing::Test {
     EXPECT_NE(found.found.find(words), std::string::npos) << found.found;
     EXPECT_EQ(found.why.empty(), verdict == Verdict::kOk) << check;
     EXPECT_EQ(found.remedy.empty(), verdict == Verdict::kOk) << check;
-    // The rest of the machine is as well as before.
+    // The other checks are unaffected.
     for (const Finding& one : all(needs)) {
       if (one.check != check) {
         EXPECT_EQ(one.verdict, Verdict::kOk) << one.check << ": " << one.found;

@@ -26,7 +26,7 @@ TEST(RobotDrawing, LinksAreWhereTheArmsKinematicsPutThem) {
   drawing.place(X_AW, q, 7, nullptr, 0, poses);
   ASSERT_EQ(poses.size(), static_cast<std::size_t>(7) * drawing.link_count());
   const math::Pose X_AE = X_AW * state.X_WE;
-  // The flange has a shape, so it is among them.
+  // The flange has a shape, so it is included.
   float nearest = 1;
   for (int link = 0; link < drawing.link_count(); ++link) {
     const Eigen::Map<const Eigen::Vector3f> p(&poses[7 * static_cast<std::size_t>(link)]);

@@ -28,7 +28,7 @@ Command twist(const Eigen::Vector3d& linear) {
   return command;
 }
 
-/// After as many cycles as any speed is reached in.
+/// After enough cycles to reach any speed.
 Joints settled(JointGuard& guard, const Command& command, const Joints& q) {
   for (int i = 0; i < 2000; ++i) guard.limit(command, q);
   return guard.limit(command, q);
@@ -56,7 +56,7 @@ TEST(JointGuard, TooFastATwistIsSlowerInTheSameDirection) {
   EXPECT_GT(v.normalized().z(), 0.99);
 }
 
-/// Whatever is commanded, and for however long, no limit is passed.
+/// For any command of any duration, no limit is exceeded.
 TEST(JointGuard, KeepsEveryLimit) {
   const kinematics::SerialChain arm = chain();
   const JointGuard::Options options;

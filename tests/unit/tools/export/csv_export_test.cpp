@@ -34,7 +34,7 @@ TEST(CsvExport, EachChannelIsATableWithItsColumnsExplained) {
             "0.020000,1700000000010000,1700000000009000,1,0000000000000005,0.5,1.5,2.5,3.5,4.5,"
             "5.5");
   const auto meaning = lines(folder / "FT_WRENCH.columns.csv");
-  ASSERT_EQ(meaning.size(), 12u);  // a head, and a line for each column
+  ASSERT_EQ(meaning.size(), 12u);  // a header, and one line per column
   EXPECT_EQ(meaning[0], "column,unit,meaning");
   EXPECT_EQ(meaning[1].substr(0, 7), "time,s,");
   EXPECT_EQ(meaning[6], "wrench[0],N,\"N, N m; force first\"");
@@ -74,7 +74,7 @@ TEST(CsvExport, ChannelsTimesAndClockAreChosen) {
   }
 }
 
-// In lock-step a user's command goes by the wall's clock, all else by the simulator's.
+// In lock-step a user's command uses the wall clock, everything else the simulator's.
 TEST(CsvExport, ByTheSendersClockAStrangerIsWhereItStandsInTheLog) {
   const support::ScratchFolder scratch;
   const auto file = scratch.path() / "log";
@@ -103,7 +103,7 @@ TEST(CsvExport, ByTheSendersClockAStrangerIsWhereItStandsInTheLog) {
   EXPECT_EQ(lines(scratch.path() / "COMPONENT_EVENT.csv")[1].substr(0, 9), "0.002000,");
   EXPECT_EQ(lines(scratch.path() / "BEFORE.csv")[1].substr(0, 9), "0.000000,");
 
-  options.channels = {"COMPONENT_EVENT"};  // though the others are not wanted
+  options.channels = {"COMPONENT_EVENT"};  // although the others are not selected
   Source alone(options);
   export_csv(alone, scratch.path() / "alone");
   EXPECT_EQ(lines(scratch.path() / "alone/COMPONENT_EVENT.csv")[1].substr(0, 9), "0.002000,");

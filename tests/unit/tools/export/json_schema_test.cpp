@@ -47,7 +47,7 @@ TEST(Json, NumbersTextsAndArraysInUse) {
   contacts.session = 0x1234;
   const nlohmann::json json = json_of(contacts);
   EXPECT_EQ(json["session"],
-            "0000000000001234");  // 64 bits are more than JavaScript's numbers hold
+            "0000000000001234");  // 64 bits exceed JavaScript's numbers
   EXPECT_EQ(json["wrench"].size(), 2u);
   EXPECT_EQ(json["wrench"][1]["values"][5], 0.1);
   EXPECT_TRUE(json["deviation"][0].is_null());

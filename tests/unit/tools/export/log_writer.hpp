@@ -10,7 +10,7 @@
 
 namespace palpate::exporting {
 
-/// Writes a log through LCM's own code.
+/// Writes a log with LCM's own code.
 class LogWriter {
  public:
   explicit LogWriter(const std::filesystem::path& file) : log_(file.string(), "w") {

@@ -80,7 +80,7 @@ TEST(Mcap, ManyChunksWithMessagesOutOfOrder) {
     mcap.add_message(i % 3 == 0 ? a : b, static_cast<std::uint32_t>(i),
                      static_cast<std::uint64_t>(i % 2 == 0 ? i : 2000 - i), 0,
                      "{\"x\": " + std::to_string(i) + "}");
-  // A channel that comes late, and one that nothing comes on.
+  // A channel that starts late, and one without messages.
   const std::uint16_t c = mcap.add_channel("c", one);
   mcap.add_channel("silent", one);
   mcap.add_message(c, 0, 5, 5, "{}");
@@ -104,7 +104,7 @@ TEST(Mcap, AFileWithoutMessagesIsOneToo) {
   EXPECT_EQ(answer.code, 0) << answer.text;
 }
 
-// That the reader does find what is wrong: one bit of each part of a file.
+// The reader does detect errors: one bit changed in each part of a file.
 TEST(Mcap, TheReaderOfTheseTestsIsStrict) {
   const support::ScratchFolder scratch;
   const auto file = scratch.path() / "file.mcap";

@@ -23,7 +23,7 @@ class PictureTest : public testing::Test {
     return draw::read_png(file.string());
   }
 
-  /// Share of the pixels that are near a colour up to brightness.
+  /// Fraction of the pixels that are near a colour up to brightness.
   static double share(const draw::Image& image, const draw::Colour& colour) {
     const Eigen::Vector3d wanted =
         Eigen::Vector3d(colour.red, colour.green, colour.blue).normalized();
@@ -71,7 +71,7 @@ TEST_F(PictureTest, SeveralTimesMakeSeveralPictures) {
   drawing_.height = 120;
   const auto written = export_png(follower_, drawing_, {0.9, 0.1}, run_.folder() / "many.png");
   ASSERT_EQ(written.size(), 2u);
-  EXPECT_EQ(written[0].file.filename(), "many_000.060.png");  // the shape that was there at 0.1 s
+  EXPECT_EQ(written[0].file.filename(), "many_000.060.png");  // the shape at 0.1 s
   EXPECT_TRUE(std::filesystem::exists(written[1].file));
 }
 
@@ -91,7 +91,7 @@ TEST_F(PictureTest, AFilmHasItsPicturesAndLength) {
   film.speed = 0.5;
   const auto file = run_.folder() / "film.mp4";
   const auto written = export_mp4(follower_, drawing_, film, file);
-  EXPECT_EQ(written[0].count, 21);  // one second at half its speed, both ends shown
+  EXPECT_EQ(written[0].count, 21);  // one second at half speed, both ends shown
   const Answer answer = run({"/usr/bin/ffprobe", "-v", "error", "-count_frames", "-show_entries",
                              "stream=codec_name,width,height,nb_read_frames", "-of",
                              "default=noprint_wrappers=1", file.string()});
@@ -104,7 +104,7 @@ TEST_F(PictureTest, AFilmHasItsPicturesAndLength) {
 
 TEST(SurfaceEdges, HaveNoDiagonalsOfHexahedra) {
   const log::MeshMessage box = hexahedral_box({2, 1, 1}, {2, 1, 1});
-  // 20 edges of two elements side by side, each of two pieces; 16 of them along the box's corners.
+  // 20 edges of two adjacent elements, each of two segments; 16 of them along the box's corners.
   EXPECT_EQ(surface_edges(box, Edges::kAll).cols(), 40);
   EXPECT_EQ(surface_edges(box, Edges::kSharp).cols(), 2 * 16);
 }

@@ -81,7 +81,7 @@ TEST(Plot, WhereNothingCameThereIsNoLine) {
     std::ifstream in(file);
     std::stringstream text;
     text << in.rdbuf();
-    // Behind the line of the key begin those of the curve.
+    // The segments of the curve start after the line of the key.
     const std::string svg = text.str();
     const std::size_t key = svg.find("wrench[0]</");
     const std::size_t path = svg.find(" d='M", svg.find("<path", key));

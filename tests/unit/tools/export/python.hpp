@@ -8,7 +8,7 @@
 
 namespace palpate::exporting {
 
-/// What a script of this folder says, run by Debian's Python, and its exit code.
+/// Output of a script of this folder, run by Debian's Python, and its exit code.
 struct Answer {
   int code = -1;
   std::string text;

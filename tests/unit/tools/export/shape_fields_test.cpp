@@ -12,7 +12,7 @@ namespace {
 const Eigen::Vector3d kSize(0.2, 0.04, 0.06);
 constexpr Stiffness kFoam{30e3, 0.3};
 
-/// At the end that is not held.
+/// At the free end.
 bool is_end(const log::MeshMessage& mesh, Eigen::Index node) {
   return mesh.nodes(0, node) > kSize.x() - 1e-9;
 }
@@ -49,7 +49,7 @@ TEST_P(ShapeFieldsTest, AStretchIsTheSameEverywhere) {
     EXPECT_LT(fields.strain.col(e).tail<4>().cwiseAbs().maxCoeff(), 1e-12);
     EXPECT_NEAR(fields.stress(0, e), fields.stress(0, 0), 1e-6);
   }
-  // What pulls at the end is stress times area; nothing but the boundary is pulled at.
+  // The pull at the end is stress times area; only the boundary is loaded.
   double pull = 0;
   for (Eigen::Index i = 0; i < x.cols(); ++i)
     if (is_end(evaluator.mesh(), i)) pull += fields.force(0, i);
@@ -89,7 +89,7 @@ TEST(ShapeFields, StressAndForcesAreThoseOfTheModelThatPalpatedRuns) {
   EXPECT_LT((fields.force - loads - solution.reactions).cwiseAbs().maxCoeff(), 1e-8);
 }
 
-/// A quadratic body: its corners alone are told, as SHAPE does.
+/// A quadratic body: only its corners are given, as in SHAPE.
 TEST(ShapeFields, MidsideNodesThatAreNotToldAreFoundAgain) {
   log::MeshMessage box = tetrahedral_box(kSize, {4, 1, 1});
   box.element_kind = shape_mesh_t::QUADRATIC_TETRAHEDRA;

@@ -14,12 +14,12 @@
 
 namespace palpate::exporting {
 
-/// Logs of the two URLs of a small made-up run of one second: a bar of 0.2 m along x that is
-/// stretched by up to 10 % in time, its estimate 1 mm beside the truth along z.
+/// Logs of the two URLs of a short synthetic run of one second: a bar of 0.2 m along x that is
+/// stretched over time by up to 10 %, its estimate 1 mm off the truth along z.
 class SmallRun {
  public:
   static constexpr std::int64_t kStart = 1'700'000'000'000'000;  // us
-  static constexpr int kShapes = 21;                             // one each 50 ms
+  static constexpr int kShapes = 21;                             // one every 50 ms
 
   SmallRun() {
     LogWriter fast(control()), slow(housekeeping());
@@ -54,7 +54,7 @@ class SmallRun {
     slow.write("SHAPE_MESH", kStart, estimate_chunk);
     slow.write("TRUTH_MESH", kStart, truth_chunk);
     for (int i = 0; i < kShapes; ++i) {
-      // The truth comes 10 ms earlier and later than the estimate, which lies between the two.
+      // The truth is sampled 10 ms before and after the estimate, which lies between the two.
       const std::int64_t time = kStart + 50'000 * i;
       for (const int offset : {-10'000, 10'000})
         if (offset < 0)
@@ -116,7 +116,7 @@ class SmallRun {
   support::ScratchFolder folder_;
 };
 
-/// Options of a source that says nothing on standard error.
+/// Options of a source without output on standard error.
 inline SourceOptions quiet(const std::vector<std::filesystem::path>& logs) {
   SourceOptions options;
   options.logs = logs;

@@ -30,7 +30,7 @@ TEST(VtuExport, AnIndependentReaderFindsShapesFieldsAndTimes) {
 
   const nlohmann::json estimate = read(folder / "estimate.pvd");
   ASSERT_EQ(estimate.size(), 11u);
-  // Time runs from the first message, a truth 10 ms before the first shape.
+  // Time starts at the first message, a truth 10 ms before the first shape.
   EXPECT_NEAR(estimate[0]["time"], 0.01, 1e-9);
   EXPECT_NEAR(estimate[10]["time"], 1.01, 1e-9);
   const nlohmann::json& last = estimate[10];
@@ -91,7 +91,7 @@ TEST(VtuExport, WithoutATruthOrAnEstimateTheOtherIsThere) {
   EXPECT_THROW(ShapeFollower(no_mesh, {}), std::runtime_error);
 }
 
-// A log may hold anything that has the right fingerprint.
+// A log may contain arbitrary data with a valid fingerprint.
 TEST(ShapeFollower, MeshesThatNameWhatTheyHaveNotAreLeftOut) {
   const SmallRun run;
   const auto file = run.folder() / "log";

@@ -39,7 +39,7 @@ class Ball : public ::testing::Test {
   support::ScratchFolder folder_;
 };
 
-/// A thick layer is a half space at small depth, and stiffer than one where it is thin.
+/// A thick layer behaves like a half space at small depth, and a thin one is stiffer.
 TEST_F(Ball, IsHertzWhereHertzHolds) {
   const std::string radius = "geometry: {radius: 50 mm, thickness: ";
   const auto thick = make_indentation(node(radius + "0.5 m}\n"), folder_.path());

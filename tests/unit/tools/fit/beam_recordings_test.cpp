@@ -9,8 +9,8 @@
 namespace palpate::fit {
 namespace {
 
-/// With the constants that palpate-fit finds for all recordings together, the silicone beam comes
-/// to rest within 1 mm, swings within 5 % of its period and dies away within 20 %.
+/// With the constants identified by palpate-fit from all recordings together, the silicone beam
+/// comes to rest within 1 mm, with 5 % error of the period and 20 % of the decay.
 TEST(BeamRecordings, OneMaterialTellsRestAndSwing) {
   PALPATE_REQUIRE_RECORDING("beam_dragonskin/gravity_a.csv");
   const std::string preset =

@@ -44,7 +44,7 @@ TEST(BeamModel, SagsAsEulerAndBernoulliHaveIt) {
   const double own = p[kDensity] * g * 1e-4 * std::pow(L, 4) / (8 * stiffness);
   const double hung = shape.tip_mass * g * std::pow(L, 3) / (3 * stiffness);
   EXPECT_NEAR(rest.values[2], -(own + hung), 0.03 * (own + hung));
-  // 11 mm above the axis the marker goes forward by the turn of the end.
+  // 11 mm above the axis the marker moves forward by the rotation of the end.
   const double turn = own * 4 / (3 * L) + hung * 3 / (2 * L);
   EXPECT_NEAR(rest.values[0], 0.011 * turn, 0.03 * 0.011 * turn);
   EXPECT_EQ(rest.values.tail<3>().norm(), 0);
@@ -62,7 +62,7 @@ TEST(BeamModel, TiltAndOffsetOfTheClampMoveWhatIsOnIt) {
   EXPECT_NEAR(tilted.values[5], 1e-3, 1e-9);
 }
 
-/// A beam let go overshoots to twice its sag, at Euler and Bernoulli's period.
+/// A released beam overshoots to twice its sag, with the Euler-Bernoulli period.
 TEST(BeamModel, SwingsAboutItsRest) {
   const BeamModel model(slender());
   BeamVector p = stiff();
@@ -81,7 +81,7 @@ TEST(BeamModel, SwingsAboutItsRest) {
 
 class BeamRecording : public ::testing::Test {
  protected:
-  /// A beam that sags at once, as a file; what it holds does not matter to derivatives.
+  /// A beam that sags immediately, as a file; its values do not affect the derivatives.
   config::Node node(const std::string& more = "") {
     std::ofstream file(folder_.path() / "beam.csv");
     file << "t,x,y,z,cx,cy,cz\n";

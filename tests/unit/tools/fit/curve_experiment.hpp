@@ -11,7 +11,7 @@
 
 namespace palpate::fit {
 
-/// y = f(parameters, x) with derivatives, at given places: an experiment as simple as can be.
+/// y = f(parameters, x) with derivatives, at given abscissas: the simplest possible experiment.
 class CurveExperiment final : public Experiment {
  public:
   using Curve = std::function<double(const Eigen::VectorXd& p, double x, Eigen::VectorXd* by)>;
@@ -19,7 +19,7 @@ class CurveExperiment final : public Experiment {
   CurveExperiment(std::string name, std::vector<Parameter> parameters, Curve curve)
       : name_(std::move(name)), parameters_(std::move(parameters)), curve_(std::move(curve)) {}
 
-  /// Measured with white noise at `count` places from 0 to 1; the last `held` are held out.
+  /// Measured with white noise at `count` abscissas from 0 to 1; the last `held` are held out.
   void measure(const Eigen::VectorXd& truth, int count, double noise, math::Random& random,
                int held = 0) {
     Series series;

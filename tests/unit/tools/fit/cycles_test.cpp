@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kTurn = 6.283185307179586;
 
-/// (1 - cos) / 2 with a period of 2 s, at a hundred a second.
+/// (1 - cos) / 2 with a period of 2 s, at 100 Hz.
 Eigen::VectorXd raised_cosine(const Eigen::VectorXd& time) {
   return (1 - (time.array() * kTurn / 2).cos()) / 2;
 }
@@ -34,7 +34,7 @@ TEST(Cycles, HalvesGoFromTurnToTurn) {
 TEST(Cycles, MeanCurveIsInTheMiddleOfTheHysteresis) {
   const Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(6001, 0, 6);
   const Eigen::VectorXd strain = raised_cosine(time);
-  // A load that lags: above in loading, below in unloading; the first cycle is stiffer.
+  // A load with hysteresis: above in loading, below in unloading; the first cycle is stiffer.
   Eigen::VectorXd load = 5 * strain.array() + 0.5 * (time.array() * kTurn / 2).sin();
   load.head(2000) *= 3;
   load[4500] = std::numeric_limits<double>::quiet_NaN();
@@ -48,7 +48,7 @@ TEST(Cycles, MeanCurveIsInTheMiddleOfTheHysteresis) {
 TEST(Video, ItsClockIsSetByThePeaksOfStrain) {
   Eigen::VectorXd time = Eigen::VectorXd::LinSpaced(601, 0, 6);
   const Eigen::VectorXd other_time = Eigen::VectorXd::LinSpaced(180, 0, 5.97);
-  // The camera began 0.37 s before the machine, and calls strain something else.
+  // The camera started 0.37 s before the machine, and defines strain differently.
   const Eigen::VectorXd other = 0.3 * raised_cosine(other_time.array() - 0.37).array() + 0.01;
   double shift = 0, spread = 0;
   ASSERT_TRUE(find_shift(time, raised_cosine(time), other_time, other, shift, spread));

@@ -12,7 +12,7 @@
 namespace palpate::fit {
 namespace {
 
-/// Stress and width of a Neo-Hookean bar (E 40 kPa) up to `strain`; noise of 1 % of the greatest.
+/// Stress and width of a Neo-Hookean bar (E 40 kPa) up to `strain`; noise of 1 % of the maximum.
 std::vector<JobResult> fit_bar(double nu, double strain, const std::string& more, int seed) {
   FitFolder folder;
   const auto material = solid::StrainEnergy::make("neo_hookean");

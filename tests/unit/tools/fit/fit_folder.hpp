@@ -12,7 +12,7 @@
 
 namespace palpate::fit {
 
-/// A folder for recordings that a test makes.
+/// A folder for recordings created by a test.
 class FitFolder {
  public:
   const std::filesystem::path& path() const { return folder_.path(); }
@@ -30,7 +30,7 @@ class FitFolder {
     return fit::run(plan(yaml), options);
   }
 
-  /// What is wrong with a plan or what it reads; empty: nothing.
+  /// Error of a plan or its inputs; empty: none.
   std::string complaint(const std::string& yaml) const {
     try {
       run(yaml);

@@ -6,8 +6,8 @@
 
 namespace palpate::fit {
 
-/// Column by column, largest difference between the derivatives that an experiment gives and
-/// Richardson's extrapolation of central ones, over the column's size. `steps`: by parameter.
+/// Column by column, largest difference between an experiment's derivatives and Richardson's
+/// extrapolation of central differences, relative to the column's size. `steps`: by parameter.
 inline Eigen::VectorXd gradient_errors(const Experiment& experiment, const Eigen::VectorXd& at,
                                        const Eigen::VectorXd& steps) {
   Eigen::VectorXd value, ahead, behind, errors(at.size());

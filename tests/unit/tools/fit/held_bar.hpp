@@ -7,7 +7,8 @@
 
 namespace palpate::fit {
 
-/// A small bar, clamped at one end and held at the other, in a cell whose frames are all turned.
+/// A small bar, clamped at one end and held at the other, in a workcell whose frames are all
+/// rotated.
 inline HeldCell make_held_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
   HeldCell cell;
   cell.frames.X_WO = math::make_pose(math::exp_rotation({0.1, -0.2, 2.5}), {0.8, 0.1, 0.3});
@@ -53,14 +54,14 @@ inline std::vector<math::Vector6d> six_motions() {
   return motions;
 }
 
-/// Starts of an experiment's parameters.
+/// Initial values of an experiment's parameters.
 inline Eigen::VectorXd starts(const Experiment& experiment) {
   Eigen::VectorXd p(experiment.parameters().size());
   for (Eigen::Index k = 0; k < p.size(); ++k) p[k] = experiment.parameters()[k].start;
   return p;
 }
 
-/// Every column of an experiment's Jacobian is that of its differences. `scale`: of parameters that
+/// Compares every column of an experiment's Jacobian with differences. `scale`: of parameters that
 /// are about zero.
 inline void expect_gradient(const Experiment& experiment, const Eigen::VectorXd& at,
                             double scale = 1e-2) {
@@ -70,8 +71,8 @@ inline void expect_gradient(const Experiment& experiment, const Eigen::VectorXd&
     EXPECT_LT(errors[k], 1e-6) << experiment.parameters()[k].name;
 }
 
-/// The recording with what `truth` says would be read, plus noise of its deviation where `seed` >
-/// 0.
+/// The recording with the readings predicted at `truth`, plus noise of its standard deviation if
+/// `seed` > 0.
 inline HeldRecording with_readings(HeldRecording recording, const HeldObject& truth,
                                    const Eigen::VectorXd& parameters, int seed) {
   Eigen::VectorXd readings;

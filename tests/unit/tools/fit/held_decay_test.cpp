@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// A stop whose readings are zero: only its times count.
+/// A stop with zero readings: only its times are used.
 HeldRinging silent_stop(const HeldCell& cell, const math::Vector6d& motion) {
   HeldRinging ringing;
   ringing.X_WE = make_rests(cell, {motion}).samples[0].X_WE;
@@ -42,7 +42,7 @@ TEST(HeldDecay, FollowsEveryParameterAsItsDifferencesSay) {
   expect_gradient(decay, ringing_parameters(decay), 0);
 }
 
-// What the daemon's dynamic model reads after a stop: its damping and modulus come back.
+// Readings of the daemon's dynamic model after a stop: its damping and modulus are recovered.
 TEST(HeldDecay, FindsDampingAndModulusOfTheDynamicModel) {
   HeldCell cell = make_held_bar(mesh::ElementOrder::kQuadratic);
   elasticity::Body body = cell.object.body;
@@ -88,7 +88,7 @@ TEST(HeldDecay, FindsDampingAndModulusOfTheDynamicModel) {
   sought.stiffness_damping = true;
   const HeldDecay decay("bar", cell, {ringing}, sought);
 
-  // Gauss and Newton from the scan's best.
+  // Gauss-Newton from the best point of the scan.
   VectorXd p = starts(decay), prediction;
   EXPECT_NEAR(p[0], 2.2e4, 0.05 * 2.2e4);
   Eigen::MatrixXd J;
@@ -101,12 +101,12 @@ TEST(HeldDecay, FindsDampingAndModulusOfTheDynamicModel) {
     p += J.completeOrthogonalDecomposition().solve(measured - prediction);
   }
   EXPECT_NEAR(p[0], 2.2e4, 0.01 * 2.2e4);
-  const double omega = 2 * 3.14159265 * 10;  // damping as a whole, about the lowest modes
+  const double omega = 2 * 3.14159265 * 10;  // total damping, around the lowest modes
   EXPECT_NEAR(p[2] + p[3] * omega * omega, 2.5 + 1e-3 * omega * omega,
               0.1 * (2.5 + 1e-3 * omega * omega));
 }
 
-// A wave of 5 Hz that begins when the hand stops after one second.
+// An oscillation of 5 Hz that starts when the hand stops after one second.
 TEST(HeldRinging, BeginsWhereTheHandStops) {
   const support::ScratchFolder folder;
   const std::string file = (folder.path() / "stop.log").string();

@@ -18,8 +18,8 @@ elasticity::Body slender_bar(double nu) {
 }
 
 // A bar between clamp and hand: the first longitudinal mode has omega = pi / L sqrt(E / rho), and
-// the lowest of bending, in two directions, 22.37 / L^2 sqrt(E I / rho A) less what shear and
-// rotary inertia take off (some 6 % at L / h = 10).
+// the lowest of bending, in two directions, 22.37 / L^2 sqrt(E I / rho A) minus the effect of shear
+// and rotary inertia (about 6 % at L / h = 10).
 TEST(HeldModes, AreThoseOfABeamClampedAtBothEnds) {
   const elasticity::Body body = slender_bar(0);
   const HeldModes modes = find_modes(body, body.grasps[0].X_OG_rest, body.mesh.nodes, 8);

@@ -16,7 +16,7 @@ HeldOptions everything() {
   return options;
 }
 
-/// Away from the start, with an offset of the grasp that is none of the axes'.
+/// Away from the start, with an offset of the grasp along no axis.
 VectorXd elsewhere(const Experiment& experiment) {
   VectorXd p = starts(experiment);
   for (Eigen::Index k = 0; k < p.size(); ++k) {
@@ -52,7 +52,7 @@ TEST(HeldObject, MarkersFollowEveryParameterAsTheirDifferencesSay) {
 TEST(HeldObject, DistancesOfPointsFollowEveryParameterAsTheirDifferencesSay) {
   const HeldCell cell = make_held_bar(mesh::ElementOrder::kQuadratic);
   HeldRecording recording = make_rests(cell, {six_motions()[3], six_motions()[5]});
-  Eigen::Matrix3Xd points_O(3, 4);    // beside faces, inside, outside and far from an edge
+  Eigen::Matrix3Xd points_O(3, 4);    // next to faces, inside, outside and far from an edge
   points_O << 0.06, 0.1, 0.14, 0.12,  //
       0.02, 0.045, 0.03, 0.02,        //
       0.05, 0.02, 0.005, 0.06;
@@ -65,7 +65,7 @@ TEST(HeldObject, DistancesOfPointsFollowEveryParameterAsTheirDifferencesSay) {
   expect_gradient(held, elsewhere(held));
 }
 
-// A hand that carries the object alone bears its weight, whatever it is made of.
+// A hand that alone carries the object bears its weight, regardless of the material.
 TEST(HeldObject, HandBearsTheWeightOfWhatNothingElseHolds) {
   HeldCell cell = make_held_bar();
   cell.object.body.fixed_nodes.clear();
@@ -83,8 +83,7 @@ TEST(HeldObject, HandBearsTheWeightOfWhatNothingElseHolds) {
   }
 }
 
-// The torque about S of all that weighs: of the hand at its centre and of a stiff object at its
-// own.
+// The torque about S of all weights: of the hand at its centre and of a stiff object at its own.
 TEST(HeldObject, TorqueIsThatOfHandAndStiffObject) {
   HeldCell cell = make_held_bar();
   cell.object.body.fixed_nodes.clear();

@@ -30,7 +30,7 @@ const Knowledge& last(const HeldPlan& plan, const std::string& name) {
                        [&](const Knowledge& known) { return known.name == name; });
 }
 
-/// The bar without weight: where it moves to does not depend on how stiff it is.
+/// The bar without weight: its displaced position does not depend on its stiffness.
 HeldCell weightless() {
   HeldCell cell = make_held_bar();
   cell.object.body.gravity_O.setZero();
@@ -48,7 +48,7 @@ TEST(HeldPlan, PosesAloneDoNotTellTheModulusOfWhatHasNoWeight) {
   EXPECT_FALSE(is_undetermined(plan, "poisson_ratio"));
 }
 
-// Under its weight the shape tells E over density: with the density known, E.
+// Under its weight the shape identifies E over density: with the density known, E.
 TEST(HeldPlan, SagTellsTheModulusWhereTheDensityIsKnown) {
   HeldPlanOptions options;
   options.reads_wrench = false;
@@ -72,7 +72,7 @@ TEST(HeldPlan, WrenchTellsTheModulusAndRingingTheDamping) {
   EXPECT_TRUE(is_undetermined(plan_motions(weightless(), wide(), unhurried), "stiffness_damping"));
 }
 
-// With pulls and shifts forbidden by the gate's force nothing of the modulus is left to be told.
+// With pulls and shifts forbidden by the gate's force limit, the modulus is not identifiable.
 TEST(HeldPlan, LeavesOutWhatTheGateForbids) {
   control::GateLimits limits = wide();
   limits.force = limits.torque = 1e-6;
@@ -95,7 +95,8 @@ TEST(HeldPlan, EveryStepTellsMore) {
   }
 }
 
-// A tool in the hand alone: its weight tells the density once it is tipped over, whatever the bias.
+// A tool held by the hand alone: its weight identifies the density once it is tilted, regardless of
+// the bias.
 TEST(HeldPlan, TippingOverWeighsWhatOnlyTheHandHolds) {
   HeldCell cell = make_held_bar();
   cell.object.body.fixed_nodes.clear();

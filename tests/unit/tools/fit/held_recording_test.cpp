@@ -15,8 +15,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// A hand that rests 2 s, moves 0.1 m in 1 s, and so on: `rests` rests. The wrench is (time of the
-/// rest's beginning, 0, ...) at rest and far off while it moves.
+/// A hand that rests 2 s, moves 0.1 m in 1 s, and so on: `rests` rests. The wrench is (start time
+/// of the rest, 0, ...) at rest and far off while it moves.
 class Recorded : public ::testing::Test {
  protected:
   void write(int rests, bool wrenches = true) {
@@ -61,12 +61,12 @@ TEST_F(Recorded, ASampleForEachRest) {
     EXPECT_NEAR(sample.X_WE.translation().x(), 0.1 * i, 1e-6);
     EXPECT_GT(sample.time, 3 * i + rule.settle);
     EXPECT_LT(sample.time, 3 * i + 2);
-    EXPECT_NEAR(sample.points_W(2, 0), 0.5, 0.03);  // the mean of what markers are seen at
+    EXPECT_NEAR(sample.points_W(2, 0), 0.5, 0.03);  // the mean of the observed marker positions
   }
   EXPECT_GE(recording.samples[1].way.size(), 5u);  // 0.1 m in blocks of 0.01 m
 }
 
-// 0.1 N a message, 500 a second: 0.1 / sqrt(250) N in the mean over half a second.
+// 0.1 N per message, at 500 Hz: 0.1 / sqrt(250) N in the mean over half a second.
 TEST_F(Recorded, DeviationIsThatOfTheMean) {
   write(6);
   const HeldRecording recording = read_held_recording(file_, {}, "received", true);

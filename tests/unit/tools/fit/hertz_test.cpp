@@ -46,7 +46,7 @@ TEST(Hertz, FindsModulusAndOffset) {
     EXPECT_LT(check.difference, kGradientTolerance);
 }
 
-/// A probe that goes askew into a tilted surface: depth and force are along the normal.
+/// A probe that moves obliquely into a tilted surface: depth and force are along the normal.
 TEST(Hertz, PositionsAndForcesAreTakenAlongTheNormal) {
   FitFolder folder;
   std::ostringstream out;

@@ -55,7 +55,7 @@ TEST(Presets, ElastomersAreFittedAndPredicted) {
   EXPECT_LT(median(figures(preset, "Mooney-Rivlin", fitted)), 1.2);
   EXPECT_LT(median(figures(preset, "Ogden, 1 term", fitted)), 1.1);
   EXPECT_LT(median(figures(preset, "Mooney-Rivlin, to 50 %", predicted)), 4.0);
-  // What all of them say of the secant agrees, and holds what they say of its spread.
+  // All estimates of the secant agree, within their intervals of its spread.
   const auto modulus = [](const JobResult& r) { return r.effective->young_modulus; };
   const std::vector<double> one = figures(preset, "Mooney-Rivlin", modulus),
                             other = figures(preset, "Ogden, 1 term", modulus);
@@ -65,7 +65,7 @@ TEST(Presets, ElastomersAreFittedAndPredicted) {
 TEST(Presets, IndentationsArePredictedAtGreaterDepths) {
   PALPATE_REQUIRE_RECORDING("robot_palpation");
   const Preset preset = run_preset("robot_palpation");
-  // What is attainable, mN: medians over all places and depths 6 to 9.
+  // Attainable error, mN: medians over all locations and depths 6 to 9.
   const std::map<std::string, double> attainable = {{"meat0904_region4", 22.0},
                                                     {"pig_liver_20150826_region1", 24.5},
                                                     {"probingRAL2018_T1", 76.0},

@@ -52,7 +52,7 @@ class ProgramTest : public testing::Test {
     folder_.write("plan.yaml", kPlan);
   }
 
-  /// Exit code; the output is left in output().
+  /// Exit code; the output is stored in output().
   int run_program(std::vector<std::string> arguments) {
     std::vector<std::string> command = {PALPATE_FIT_PROGRAM,
                                         (folder_.path() / "plan.yaml").string(), "--data",

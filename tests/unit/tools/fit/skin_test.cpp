@@ -14,7 +14,7 @@ class Skin : public ::testing::Test {
  protected:
   Skin() { write(-1); }
 
-  /// Four points between pads 30 mm apart, of which one moves 1 mm a frame.
+  /// Four points between pads 30 mm apart, one of which moves 1 mm per frame.
   void write(double force_sign) {
     std::ofstream field(folder_.path() / "field.csv"), pads(folder_.path() / "pads.csv");
     field << "frame,point,x,y\n";
@@ -59,7 +59,8 @@ TEST_F(Skin, DerivativesMatchDifferences) {
   for (int p = 0; p < 6; ++p) EXPECT_LT(errors[p], 1e-6) << skin->parameters()[p].name;
 }
 
-/// The pad is held back the more, the stiffer the sheet and what is below it; points follow it.
+/// The force on the pad increases with the stiffness of the sheet and its foundation; points follow
+/// it.
 TEST_F(Skin, PointsFollowThePad) {
   const auto skin = make_membrane(node(), folder_.path());
   Eigen::VectorXd at(6), soft, stiff;

@@ -101,7 +101,7 @@ TEST(Solver, LossesHaveTheirOwnSlope) {
     }
 }
 
-/// Many valleys: sin(b x) with b far from where the search begins.
+/// Many local minima: sin(b x) with b far from the start of the search.
 TEST(Solver, ManyStartsFindADeeperValley) {
   const auto wave = [](const Eigen::VectorXd& p, double x, Eigen::VectorXd* by) {
     if (by) *by << std::cos(p[0] * x) * x;
@@ -158,7 +158,7 @@ TEST(Solver, AWrongDerivativeIsFound) {
 }
 
 TEST(Solver, OnAKinkTheDerivativeOfEitherSideIsRight) {
-  // Of a plate that touches at `length`, with a sample (5 of 0 to 40) just there.
+  // Of a plate that touches at `length`, with a sample (5 of 0 to 40) exactly there.
   for (const double share : {0.0, 0.3, 1.0}) {
     const auto touching = [share](const Eigen::VectorXd& p, double x, Eigen::VectorXd* by) {
       const double depth = x - p[1];

@@ -67,7 +67,7 @@ TEST(Uncertainty, IntervalsCoverTheTruthIn200Seeds) {
   }
 }
 
-/// Noise of a first-order process: the textbook's factor is (1 + r) / (1 - r).
+/// Noise of a first-order process: the textbook factor is (1 + r) / (1 - r).
 TEST(Uncertainty, AutocorrelatedNoiseWidensIntervals) {
   constexpr double kMemory = 0.8;
   math::Random random(3);
@@ -96,7 +96,7 @@ TEST(Uncertainty, AutocorrelatedNoiseWidensIntervals) {
 }
 
 TEST(Uncertainty, WhatTheDataCannotTellIsNamed) {
-  // a b x: only the product can be told.
+  // a b x: only the product is identifiable.
   const auto product = [](const Eigen::VectorXd& p, double x, Eigen::VectorXd* by) {
     if (by) *by << p[1] * x, p[0] * x, 1;
     return p[0] * p[1] * x + p[2];
@@ -116,13 +116,13 @@ TEST(Uncertainty, WhatTheDataCannotTellIsNamed) {
   EXPECT_NEAR(fit.find("c")->value, 1, 0.02);
   ASSERT_EQ(fit.uncertainty.open.size(), 1U);
   ASSERT_EQ(fit.uncertainty.open[0].shares.size(), 2U);
-  // One may grow as the other shrinks.
+  // One may increase as the other decreases.
   EXPECT_NEAR(fit.uncertainty.open[0].shares[0].second, -fit.uncertainty.open[0].shares[1].second,
               1e-3);
 }
 
 TEST(Uncertainty, ProfileTakesOverWhereCurvatureMisleads) {
-  // The cube of a level, which a curve of second order does not follow.
+  // The cube of a level, which a second-order approximation does not represent.
   const auto cube = [](const Eigen::VectorXd& p, double, Eigen::VectorXd* by) {
     if (by) *by << 3 * p[0] * p[0];
     return p[0] * p[0] * p[0];

@@ -11,8 +11,8 @@
 #include "core/math/random.hpp"
 #include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
-#include "tools/fit/gradient_check.hpp"
 #include "tools/fit/experiments/overstress.hpp"
+#include "tools/fit/gradient_check.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -147,7 +147,7 @@ TEST(Uniaxial, ARelaxingBarIsAStandardLinearSolid) {
   for (int i = 1; i < kSamples; ++i)
     EXPECT_NEAR(q.stress[i], 0.4 * 7 * std::exp(-time[i] / 1.3), 1e-7);
 
-  // The same found again from a ramp that is held.
+  // The same recovered from a ramp that is held.
   FitFolder folder;
   std::ostringstream out;
   out << "t,u,F\n";
@@ -155,7 +155,7 @@ TEST(Uniaxial, ARelaxingBarIsAStandardLinearSolid) {
   const double rate = 0.1, end = 2, g = 0.5, tau = 0.7;
   for (int i = 0; i <= 200; ++i) {
     const double t = 0.05 * i, ramp = std::min(t, end);
-    // q of a ramp: g E rate tau (1 - exp(-t / tau)), fading once it is held.
+    // q of a ramp: g E rate tau (1 - exp(-t / tau)), decaying while held.
     const double overstress =
         g * kModulus * rate * tau * (1 - std::exp(-ramp / tau)) * std::exp(-(t - ramp) / tau);
     out << t << ',' << 1e3 * kLength * rate * ramp << ','

@@ -66,7 +66,7 @@ class ImportCsv : public testing::Test {
     options_.streams = {{"CHANNEL", format, columns}};
   }
 
-  /// What import_csv says is wrong; "" where nothing is.
+  /// Error text of import_csv; "" if there is none.
   std::string complaint() {
     try {
       import_csv(options_);

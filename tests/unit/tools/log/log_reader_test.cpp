@@ -29,7 +29,7 @@ TEST(LogReader, MessagesTakeTheTimeOfTheLogAndStrangersAreSkipped) {
   {
     lcm::LogFile log(file.string(), "w");
     twist_command_t command = {};
-    command.utime = 5;  // a clock of its own
+    command.utime = 5;  // a separate clock
     command.twist[2] = 0.25;
     write(log, "TWIST_COMMAND", 1000, command);
     write(log, "TWIST_COMMAND", 2000, shape_t{});
@@ -53,7 +53,7 @@ TEST(LogReader, InLockStepSendersAgreeButForTheOneOfTargets) {
   {
     lcm::LogFile log(control.string(), "w");
     shape_target_t target = {};
-    target.utime = 777;  // a clock of its own
+    target.utime = 777;  // a separate clock
     target.revision = 1;
     feature_t feature = {};
     feature.revision = -1;

@@ -56,7 +56,7 @@ TEST_F(MergedLogTest, OfACutAndADamagedLogTheRestIsReadAndThePlaceTold) {
   }
   std::filesystem::resize_file(file, static_cast<std::uintmax_t>(size - 7));
   MergedLog log({file});
-  // The first event is not followed by another one, and so not believed either.
+  // The first event is not followed by another one, and is therefore not accepted either.
   const auto events = all(log);
   ASSERT_EQ(events.size(), 1u);
   EXPECT_EQ(events[0].first, 3);

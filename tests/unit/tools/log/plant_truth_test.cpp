@@ -7,7 +7,7 @@
 namespace palpate::log {
 namespace {
 
-/// Quadratic in every coordinate: 27-node hexahedra hold it exactly.
+/// Quadratic in every coordinate: 27-node hexahedra represent it exactly.
 Eigen::Vector3d bend(const Eigen::Vector3d& p, double) {
   return {p.x() * (1 - 2 * p.z()), p.y() + p.x() * p.x() * p.z() * p.z(),
           p.z() + 0.5 * p.x() * p.x() - p.y() * p.y() * p.x()};

@@ -1,5 +1,5 @@
-// What each command makes palpated's own loader takes, and mechanics on it is right: a patch test,
-// and the theory of beams where a body is one.
+// The output of each command is accepted by palpated's own loader, and mechanics on it is correct:
+// a patch test, and beam theory if the body is a beam.
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kYoung = 1e5;  // Pa; Poisson's ratio is nil, so that clamps strain nothing
+constexpr double kYoung = 1e5;  // Pa; Poisson's ratio is zero, so that clamps cause no strain
 
 class Daemon : public MeshFolder {
  protected:
@@ -32,7 +32,7 @@ class Daemon : public MeshFolder {
     return registry::read_object(node, registry::Frames());
   }
 
-  /// Nodal forces of a traction (by outward normal, Pa) on surface triangles that are wanted.
+  /// Nodal forces of a traction (by outward normal, Pa) on selected surface triangles.
   template <typename Wanted, typename Traction>
   static Matrix3Xd loads(const registry::Object& object, Wanted wanted, Traction traction) {
     const Matrix3Xd& rest = object.body.mesh.nodes;
@@ -41,15 +41,16 @@ class Daemon : public MeshFolder {
       const Vector3d a = rest.col(nodes[0]), b = rest.col(nodes[1]), c = rest.col(nodes[2]);
       if (!wanted(Vector3d((a + b + c) / 3))) continue;
       const Vector3d force = traction(Vector3d(0.5 * (b - a).cross(c - a)));
-      // Of an even traction on a plane side the corners get all at order 1, the middles at order 2.
+      // Of a uniform traction on a planar side the corners carry all at order 1, the midside nodes
+      // at order 2.
       const std::size_t first = nodes.size() == 3 ? 0 : 3;
       for (std::size_t i = first; i < first + 3; ++i) result.col(nodes[i]) += force / 3;
     }
     return result;
   }
 
-  /// Even tension across the plane of three nodes that are held: nodes move by their distance from
-  /// it, on any mesh of any body.
+  /// Uniform tension normal to the plane of three fixed nodes: nodes move in proportion to their
+  /// distance from it, on any mesh of any body.
   void expect_patch_test(const std::string& file) {
     for (const std::string order : {"linear", "quadratic"}) {
       registry::Object object = load(file, order);
@@ -80,7 +81,7 @@ class Daemon : public MeshFolder {
     }
   }
 
-  /// Deflection (m) along z of the far end, clamped at x = 0, under 1 mN spread over that end.
+  /// Deflection (m) along z of the far end, clamped at x = 0, under 1 mN distributed over that end.
   double tip_deflection(const std::string& file, double length) {
     registry::Object object =
         load(file, "quadratic", "  fixed_box: {lower: [0, -1, -1], upper: [0, 1, 1]}\n");

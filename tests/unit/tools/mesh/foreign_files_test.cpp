@@ -1,5 +1,5 @@
-// Files made by others' programs: gmsh, tetgen and meshio, each started here. What they write is
-// read, and what is written here they read, with the same nodes and volume.
+// Files of other programs: gmsh, tetgen and meshio, each run here. Their files are read, and files
+// written here are read by them, with the same nodes and volume.
 
 #include <gmock/gmock.h>
 
@@ -16,13 +16,14 @@ class ForeignFiles : public MeshFolder {
  protected:
   int run_python(const std::string& script, const std::vector<std::string>& arguments) {
     write("script.py", script);
-    // The package's, whatever other Pythons there are.
+    // The package's interpreter, regardless of other Python installations.
     std::vector<std::string> command{"/usr/bin/python3", path("script.py")};
     for (const std::string& name : arguments) command.push_back(path(name));
     return run_other(command);
   }
 
-  /// What meshio makes of files, by name: nodes, tetrahedra of either order, signed volume.
+  /// Contents of files as read by meshio, by name: nodes, tetrahedra of either order, signed
+  /// volume.
   nlohmann::json meshio(std::vector<std::string> names) {
     names.insert(names.begin(), "look.json");
     EXPECT_EQ(run_python("import json, os, sys, meshio, numpy as np\n"
@@ -44,7 +45,7 @@ class ForeignFiles : public MeshFolder {
     return nlohmann::json::parse(text_of("look.json"));
   }
 
-  /// A ball in a box cut off, by gmsh; two parts with names.
+  /// A ball cut off by a box, by gmsh; two named parts.
   void run_gmsh(const std::string& name, const std::vector<std::string>& options) {
     write("body.geo",
           "SetFactory(\"OpenCASCADE\");\nBox(1) = {0, 0, 0, 0.1, 0.06, 0.06};\n"
@@ -81,7 +82,7 @@ TEST_F(ForeignFiles, OfGmshInEveryFormAreTheSameMesh) {
     ASSERT_EQ(read.groups.count("box"), 1u) << form.format;
     EXPECT_EQ(read.groups.at("box").tetrahedra.size() + read.groups.at("rod").tetrahedra.size(),
               static_cast<std::size_t>(read.mesh.tetrahedron_count()));
-    // The daemon's loader gives elements of order 2 the volume of their curved sides.
+    // The daemon's loader gives quadratic elements the volume of their curved sides.
     const double exact = 0.1 * 0.06 * 0.06 + EIGEN_PI * 0.02 * 0.02 * 0.05;
     const double loaded = mesh::check(config::load_mesh(path("a.msh"))).volume;
     EXPECT_NEAR(loaded, exact, (form.order[0] == '1' ? 0.02 : 2e-3) * exact);
@@ -98,7 +99,7 @@ TEST_F(ForeignFiles, WhatIsWrittenHereGmshReads) {
         if (binary) arguments.emplace_back("--binary");
         ASSERT_EQ(run(arguments), 0) << output();
         const mesh::MeshWithGroups ours = read_volume(path("rod.msh"), 1);
-        // Gmsh reads it and writes it in another form.
+        // Gmsh reads it and writes it in another format.
         ASSERT_EQ(
             run_other({"gmsh", path("rod.msh"), "-save", "-format",
                        version == "2.2" ? "msh41" : "msh2", "-save_all", "-o", path("again.msh")}),
@@ -124,7 +125,7 @@ TEST_F(ForeignFiles, OfTetgenAndBack) {
   EXPECT_EQ(mesh::hash(config::load_mesh(path("box.1.ele"))), mesh::hash(read.mesh));
   for (const std::string first : {"0", "1"}) {
     ASSERT_EQ(run({"convert", path("box.1.ele"), path("ours.node"), "--first", first}), 0);
-    // Reconstructs the mesh and makes it finer.
+    // Reconstructs the mesh and refines it.
     ASSERT_EQ(run_other({"tetgen", "-rqa1e-6", path("ours.node")}), 0) << output();
     const mesh::MeshWithGroups finer = read_volume(path("ours.1.ele"), 1);
     EXPECT_GT(finer.mesh.tetrahedron_count(), read.mesh.tetrahedron_count());
@@ -135,7 +136,7 @@ TEST_F(ForeignFiles, OfTetgenAndBack) {
 TEST_F(ForeignFiles, OfMeshioAndBack) {
   run_gmsh("a.msh", {"-format", "msh41"});
   const mesh::MeshWithGroups ours = read_volume(path("a.msh"), 1);
-  // Its writer of Gmsh 4.1 needs the entities that its reader gave, and so all cells.
+  // Its writer of Gmsh 4.1 needs the entities returned by its reader, and therefore all cells.
   ASSERT_EQ(run_python("import meshio, os, sys, numpy as np\n"
                        "m = meshio.read(sys.argv[1])\n"
                        "os.chdir(os.path.dirname(sys.argv[1]))\n"
@@ -157,7 +158,7 @@ TEST_F(ForeignFiles, OfMeshioAndBack) {
     const mesh::MeshWithGroups theirs = read_volume(path(name), 1);
     EXPECT_NEAR(mesh::check(theirs.mesh).volume, mesh::check(ours.mesh).volume, 1e-13) << name;
     ASSERT_EQ(theirs.mesh.tetrahedron_count(), ours.mesh.tetrahedron_count()) << name;
-    // It numbers nodes anew, by entity.
+    // It renumbers nodes, by entity.
     if (name.rfind("four", 0) == 0) continue;
     EXPECT_EQ(theirs.mesh.tetrahedra, ours.mesh.tetrahedra) << name;
     // Text of meshio's .vtu has 12 digits.
@@ -186,7 +187,7 @@ TEST_F(ForeignFiles, OfMeshioAndBack) {
   for (const auto& [name, seen] : all.items()) {
     EXPECT_EQ(seen["tetrahedra"], ours.mesh.tetrahedron_count()) << name;
     EXPECT_NEAR(seen["volume"], mesh::check(ours.mesh).volume, 1e-15) << name;
-    if (name == "c.vtu") continue;  // has middles of edges as well
+    if (name == "c.vtu") continue;  // also contains midside nodes
     EXPECT_EQ(seen["nodes"], ours.mesh.node_count()) << name;
     EXPECT_NEAR(seen["sum"][0], ours.mesh.nodes.row(0).sum(), 1e-12) << name;
   }

@@ -13,7 +13,7 @@
 
 namespace palpate::mesh_tool {
 
-/// Runs palpate-mesh and others in a folder of the test's own.
+/// Runs palpate-mesh and others in the test's own folder.
 class MeshFolder : public ::testing::Test {
  protected:
   std::string path(const std::string& name) const { return (folder_.path() / name).string(); }
@@ -29,7 +29,7 @@ class MeshFolder : public ::testing::Test {
     return text.str();
   }
 
-  /// Exit code of palpate-mesh; what it said is left in output().
+  /// Exit code of palpate-mesh; its output is stored in output().
   int run(std::vector<std::string> arguments) const {
     arguments.insert(arguments.begin(), PALPATE_MESH_PROGRAM);
     return run_other(arguments);
@@ -39,7 +39,7 @@ class MeshFolder : public ::testing::Test {
   }
   std::string output() const { return text_of("output.txt"); }
 
-  /// What --json told, of a run that must succeed.
+  /// Output of --json, of a run that must succeed.
   nlohmann::json run_json(std::vector<std::string> arguments, int code = 0) const {
     arguments.insert(arguments.end(), {"--json", path("result.json")});
     EXPECT_EQ(run(arguments), code) << output();

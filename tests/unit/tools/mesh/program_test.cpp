@@ -1,4 +1,4 @@
-// The program as a user meets it: what it says, writes and draws of good and of broken meshes.
+// The program from the user's view: its messages, files and images for valid and faulty meshes.
 
 #include <gmock/gmock.h>
 
@@ -21,7 +21,7 @@ using ::testing::AllOf;
 using ::testing::HasSubstr;
 using ::testing::Not;
 
-/// How many pixels have the colour that faults have in pictures, in any light.
+/// Number of pixels with the colour of faults in images, under any lighting.
 int red_pixels(const std::string& png) {
   const draw::Image image = draw::read_png(png);
   int count = 0;
@@ -36,7 +36,7 @@ int red_pixels(const std::string& png) {
 
 class Program : public MeshFolder {
  protected:
-  /// A bar of 4 x 2 x 2 cells, nodes and elements numbered from 1, of which a test breaks a line.
+  /// A bar of 4 x 2 x 2 cells, nodes and elements numbered from 1, of which a test changes a line.
   mesh::MeshWithGroups bar() const { return {mesh::make_box({0.2, 0.1, 0.1}, {4, 2, 2}), {}, {}}; }
   std::string write_mesh(const std::string& name, const mesh::MeshWithGroups& mesh) const {
     FileFormat format;
@@ -56,7 +56,7 @@ class Program : public MeshFolder {
     return mesh.node_count() - 1;
   }
 
-  /// check finds the fault, by name and number, and draws it; repair mends it.
+  /// check finds the fault, by name and number, and draws it; repair fixes it.
   void expect_mended(const std::string& file, const std::string& kind,
                      const std::vector<long>& numbers, const std::string& step, double volume,
                      bool can_be_seen = true) {
@@ -70,7 +70,7 @@ class Program : public MeshFolder {
     EXPECT_NEAR(mesh::check(read.mesh).volume, volume, 1e-12 * volume);
   }
 
-  /// check finds the fault; repair refuses with a picture and writes nothing.
+  /// check finds the fault; repair rejects the mesh with an image and writes nothing.
   void expect_refused(const std::string& file, const std::string& kind,
                       const std::vector<long>& numbers) {
     expect_found(file, kind, numbers, true);
@@ -202,7 +202,7 @@ TEST_F(Program, NumbersThatAreNoneAreRefused) {
 }
 
 TEST_F(Program, NodesThatAreNotThereAreRefusedInEveryFormat) {
-  // The last node of element 41 becomes one that no file of these has.
+  // The last node of element 41 is replaced by a nonexistent one.
   const auto lose = [this](const std::string& name, const std::string& line) {
     std::string text = text_of(name);
     const std::size_t end = text.find('\n', text.find(line) + 1);

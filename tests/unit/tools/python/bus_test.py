@@ -1,4 +1,4 @@
-"""Buses, keys, and the conversation with a daemon that a test plays."""
+"""Buses, keys, and the protocol with a daemon emulated by the test."""
 
 import os
 import shutil
@@ -177,7 +177,7 @@ class Keys(unittest.TestCase):
 
 
 class Answers(unittest.TestCase):
-    """What Daemon makes of what a daemon says; the test is the daemon."""
+    """Handling of a daemon's messages by Daemon; the test is the daemon."""
 
     def setUp(self) -> None:
         control, housekeeping = private_url(), private_url()
@@ -197,7 +197,7 @@ class Answers(unittest.TestCase):
     def answering(
         self, answer: Callable[[int, Any], None], channel: str = "COMPONENT_COMMAND"
     ) -> None:
-        """Calls `answer` with how many messages came before, for each, until the test ends."""
+        """Calls `answer` with the number of previous messages, for each, until the test ends."""
         over = threading.Event()
         subscription = self.control.subscribe(channel)
 

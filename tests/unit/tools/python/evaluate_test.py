@@ -1,4 +1,4 @@
-"""Scores against cases whose answers are known, and points within meshes."""
+"""Scores compared with cases whose results are known, and points within meshes."""
 
 import math
 import tempfile
@@ -16,7 +16,7 @@ from support import tetrahedra
 
 
 def hexahedron() -> Mesh:
-    """One box of 27 nodes in an order of its own."""
+    """One box of 27 nodes in a shuffled order."""
     grid = [[x, y, z] for x in (0, 0.5, 1) for y in (0, 0.5, 1) for z in (0, 0.5, 1)]
     nodes = np.array(grid)[np.random.default_rng(2).permutation(27)] * [0.4, 0.1, 0.2]
     empty = np.zeros(0, int)
@@ -107,7 +107,7 @@ class Chunks(unittest.TestCase):
 
 
 class Scores(unittest.TestCase):
-    """A cube that moves along x, and an estimate that is some way off."""
+    """A cube that moves along x, and an estimate with a known error."""
 
     def write(self, offset: float, deviation: float = 0.0) -> palpate.Log:
         mesh = tetrahedra()

@@ -1,4 +1,6 @@
-"""Logs: what is written is read, what is damaged is passed over, and arrays are what was sent."""
+"""Logs: written data are read back, damaged parts are skipped, and arrays equal what was
+sent.
+"""
 
 import tempfile
 import unittest
@@ -82,7 +84,7 @@ class Logs(unittest.TestCase):
         data = self.write()
         size = len(data) // 10
         for damaged, kept, damage in (
-            # An event is believed only where another one, or the end, follows.
+            # An event is accepted only if another one, or the end, follows.
             (data[: 5 * size] + b"\0" * 100 + data[5 * size :], 9, (100 + size, 1, False)),
             (data[: 9 * size + 40], 9, (0, 0, True)),
             (data[: 9 * size + 2], 9, (0, 0, True)),

@@ -1,4 +1,4 @@
-"""The generated messages: bytes, hints, and the versions of what belongs together."""
+"""The generated messages: bytes, type hints, and matching versions."""
 
 import os
 import re

@@ -1,4 +1,4 @@
-"""What the tests of the Python package have in common."""
+"""Common parts of the Python package's tests."""
 
 import os
 import random
@@ -10,14 +10,14 @@ SOURCE = os.environ["PALPATE_SOURCE_DIR"]
 
 
 def private_url() -> str:
-    """A multicast group that no other test uses at this time, on this machine alone."""
+    """A multicast group that no other test uses at this time, limited to this machine."""
     generator = random.SystemRandom()
     return f"udpm://239.255.{generator.randint(160, 250)}.{generator.randint(1, 250)}:" \
            f"{generator.randint(10000, 32000)}?ttl=0"  # fmt: skip
 
 
 def require_multicast() -> None:
-    """Skips the test where this machine has no multicast."""
+    """Skips the test if this machine has no multicast."""
     try:
         with palpate.Bus(private_url()) as bus:
             subscription = bus.subscribe("SIM_TICK")

@@ -61,9 +61,9 @@ TEST(MessageTypes, ArraysMustBeAsLongAsTheySay) {
   EXPECT_TRUE(type->fits(data.data(), size));
   EXPECT_FALSE(type->fits(data.data(), size - 4));
   constexpr std::size_t kCountAt = 48;
-  data[kCountAt] = 0xff;  // less than nothing
+  data[kCountAt] = 0xff;  // negative
   EXPECT_FALSE(type->fits(data.data(), size));
-  data[kCountAt] = 0x20;  // whose bytes wrap to few in 32 bits
+  data[kCountAt] = 0x20;  // whose size in bytes overflows 32 bits to a small one
   EXPECT_FALSE(type->fits(data.data(), size));
 }
 

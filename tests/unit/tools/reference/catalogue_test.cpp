@@ -10,7 +10,7 @@
 namespace palpate::reference {
 namespace {
 
-/// A slot whose component b has a gain of its own, and a key that may be absent.
+/// A slot whose component b has its own gain, and a key that may be absent.
 Declarations read(const std::string& text) {
   const config::Node root = config::Node::from_text(text, "t.yaml");
   config::DeclarationList list;

@@ -1,4 +1,4 @@
-// A log made in lock-step, with all that the daemon said in it.
+// A log recorded in lock-step, with all messages of the daemon in it.
 
 #include <gtest/gtest.h>
 
@@ -32,8 +32,8 @@ class Stepped : public testing::Test {
     event.data = data.data();
     log.writeEvent(&event);
   }
-  /// The hand moves sideways for `ticks` ms of the simulator, recorded in half the time; every
-  /// 50th tick is repeated. What the daemon `said` follows its tick.
+  /// The hand moves sideways for `ticks` ms of the simulator, recorded in half the time; every 50th
+  /// tick is repeated. The daemon's messages `said` follow their tick.
   void record(const std::string& name, int ticks, const std::string& said = "") const {
     const pipeline::Pipeline pipeline(config::Node::load_file(kExample), 1e-3);
     const math::Pose X_WE = pipeline.frames().X_WO * pipeline.object().body.grasps[0].X_OG_rest *
@@ -62,7 +62,7 @@ class Stepped : public testing::Test {
       tick.period_us = 1000;
       for (int repeat = 0; repeat < (i % 50 == 0 ? 2 : 1); ++repeat)
         write(log, utime, "SIM_TICK", bus::support::encoded(tick));
-      // By their order alone: the log of the daemon has the times of the ticks' messages.
+      // By order only: the log of the daemon has the times of the ticks' messages.
       for (; word != nullptr && word->utime <= utime; word = daemon->next())
         write(log, utime + 100, word->channel, {word->data, word->data + word->size});
     }

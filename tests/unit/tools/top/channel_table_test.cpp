@@ -37,7 +37,7 @@ class Feed {
 TEST(ChannelTable, TellsRateJitterLatencyAndBandwidth) {
   ChannelTable table;
   Feed feed(table);
-  // 9 and 11 ms in turns.
+  // Alternately 9 and 11 ms.
   std::int64_t ns = 0;
   for (int i = 0; i < 400; ++i) {
     feed.take(i, ns, 1500);

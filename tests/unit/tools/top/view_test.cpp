@@ -41,7 +41,7 @@ class ViewTest : public testing::Test {
   View view(std::int64_t now_ns) const {
     return {nullptr, record::default_sources(), rows_, &watch_, now_ns};
   }
-  /// Lines that hold the words.
+  /// Lines that contain the words.
   std::vector<Line> with(const std::string& words, std::int64_t now_ns) const {
     std::vector<Line> found;
     for (const Line& line : lines_of(view(now_ns))) {

@@ -50,8 +50,8 @@ constexpr double kInertialDelay = 0.0053;  // s, no whole number of samples
 constexpr double kWrenchDelay = 0.0207;
 constexpr double kSample = 2e-3;
 
-/// A wrist that turns and shakes a load of 1.2 kg; inertial unit and wrench are late, and the axial
-/// force drifts by `drift`, N/s.
+/// A wrist that rotates and shakes a load of 1.2 kg; inertial unit and wrench are delayed, and the
+/// axial force drifts by `drift`, N/s.
 class WristRecordingFile {
  public:
   explicit WristRecordingFile(double drift = 0)
@@ -111,7 +111,7 @@ TEST(WristData, FindsDelaysAndPayloadAndLeavesNoResidual) {
   ASSERT_EQ(data.delays.size(), 2u);
   EXPECT_NEAR(data.delays[0].seconds, kInertialDelay, kSample / 2);
   EXPECT_NEAR(data.delays[1].seconds, kWrenchDelay, kSample / 2);
-  // The card says what was found.
+  // The card states the identified values.
   const inference::ModelCard card = make_card(plan, data, {}, {});
   ASSERT_EQ(card.delays.size(), 2u);
   EXPECT_EQ(card.delays[0].stream, "inertial");
@@ -154,14 +154,15 @@ TEST(WristData, TakesADriftOutOfTheTrainingButNotOutOfTheScore) {
 TEST(FoamBar, ForceIsWithinItsBarOnLoadsNeverTrainedOn) {
   PALPATE_REQUIRE_RECORDING("biotac_foam_bar");
   const recordings::Plan plan = preset("biotac_linear_lstm", {"training.iterations=50"});
-  const recordings::DataSet data = recordings::load_data(plan.data, {support::recordings().string()});
+  const recordings::DataSet data =
+      recordings::load_data(plan.data, {support::recordings().string()});
   const Fit fit = fit_model(plan, data, quiet());
   const Score score = score_fit(plan, data, fit);
   EXPECT_EQ(score.part, recordings::Part::kTest);
   EXPECT_GT(score.largest_scored[2], 1.25 * score.largest_trained[2]);
   EXPECT_LE(score.methods.front().errors.norms[0], 0.02);  // N
 
-  // Through the file and back: the executors give what was scored.
+  // Through the file and back: the executors give the scored results.
   const std::string path = (std::filesystem::temp_directory_path() /
                             ("palpate-foam-" + std::to_string(getpid()) + ".pt"))
                                .string();

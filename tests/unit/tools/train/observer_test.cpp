@@ -1,4 +1,4 @@
-// The observer of the wrist sensor in the loop and its training see the same numbers.
+// The wrist sensor's observer in the loop and its training use the same numbers.
 
 #include <gtest/gtest.h>
 
@@ -27,8 +27,9 @@ Eigen::Matrix3d orientation(const Eigen::RowVectorXd& row) {
   return Eigen::Quaterniond(row[0], row[1], row[2], row[3]).normalized().toRotationMatrix();
 }
 
-/// A row of wrist_columns() as the daemon would get it. Gravity, which was taken out of it, comes
-/// back into the acceleration by `felt`, the row whose orientation the late inertial unit felt.
+/// A row of wrist_columns() as the daemon would receive it. Gravity, which was removed from it, is
+/// added back to the acceleration with `felt`, the row whose orientation corresponds to the delayed
+/// inertial sample.
 void feed_row(const Eigen::RowVectorXd& row, const Eigen::RowVectorXd& felt,
               const Eigen::Vector3d& gravity_W, sensing::Signals& signals) {
   sensing::RobotState robot;
@@ -51,7 +52,8 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   const recordings::Plan plan = recordings::read_plan(config::Node::load_file(kPreset));
   const std::string path =
       (support::recordings() / "ft_imu_panda" / "sessionA_11-32-28.csv.gz").string();
-  const recordings::Table table = recordings::read_tables(path, "t_s", recordings::wrist_columns(plan.data.wrist), "").front();
+  const recordings::Table table =
+      recordings::read_tables(path, "t_s", recordings::wrist_columns(plan.data.wrist), "").front();
   const recordings::WristRecording recording = recordings::load_wrist(plan.data, table);
 
   sensing::FtRnnob::Options options;
@@ -66,7 +68,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   recordings::delay_columns(felt, 0, 4, options.inertial_delay);
   options.payload.mass = 1.15;
   options.payload.first_moment = {0, 0.004, 0.12};
-  // Such that the network's part comes and goes along the recording.
+  // So that the network's part varies along the recording.
   Eigen::MatrixXd covered(recording.inputs.rows(), inputs);
   for (int i = 0; i < inputs; ++i)
     covered.col(i) = recording.inputs.col(options.inputs[static_cast<std::size_t>(i)]);
@@ -112,7 +114,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   }
   EXPECT_EQ(least, 0);
   EXPECT_EQ(most, 1);
-  // Means of gravity in turning axes are not quite gravity in mean axes.
+  // Means of gravity in rotating axes differ slightly from gravity in mean axes.
   EXPECT_LT(largest, 2e-3);
 }
 

@@ -13,7 +13,7 @@
 namespace palpate::train {
 namespace {
 
-/// The answer is the input three steps before: no map of the present input can give it.
+/// The target is the input three steps before: no map of the current input can represent it.
 std::vector<Sequence> echoes() {
   std::mt19937 random(1);
   std::normal_distribution<float> normal;

@@ -16,7 +16,7 @@ std::string listed(const std::vector<std::string>& names) {
   return text;
 }
 
-/// What a registry says that it knows, asked for something that it does not.
+/// The known names listed in a registry's error for an unknown one.
 std::string asked(const std::function<void(const config::Node&)>& make, const std::string& key) {
   try {
     make(config::Node::from_text("{" + key + ": nobody}"));

@@ -31,7 +31,8 @@ TEST(Field, StrainIsTheLargestStretchHoweverTheObjectIsTurned) {
 TEST(Field, StressIsThatOfTheMaterial) {
   FieldEvaluator evaluator(box_mesh({4, 2, 2}));
   std::vector<float> values;
-  // Drawn along x alone by a little, the sides giving way as nu says: sigma = E eps, nothing else.
+  // Stretched slightly along x, the sides contracting according to nu: sigma = E eps is the only
+  // stress.
   constexpr float kStrain = 1e-3F, kRatio = 0.3F;
   const Eigen::Matrix3f F =
       Eigen::Vector3f(1 + kStrain, 1 - kRatio * kStrain, 1 - kRatio * kStrain).asDiagonal();
@@ -52,7 +53,7 @@ TEST(Field, DisplacementIsTheDistanceFromRest) {
     EXPECT_NEAR(values[n], 0.05F * evaluator.mesh().rest_xyz[3 * n], 1e-7);
 }
 
-/// One hexahedron of 27 nodes, as the simulator's plant has them.
+/// One hexahedron of 27 nodes, like those of the simulator's plant.
 TEST(Field, CutsHexahedraIntoTetrahedra) {
   auto mesh = std::make_shared<ViewMesh>();
   mesh->element_size = mesh->node_count = 27;

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::int64_t kBegin = 1'600'000'000'000'000;  // us
 
-/// Ten seconds: a shape each 10 ms whose node 0 stands at the time, HEALTH, three events, and the
-/// mesh late, as it may be.
+/// Ten seconds: a shape every 10 ms whose node 0 encodes the time, HEALTH, three events, and the
+/// mesh late, as is permitted.
 class LogSourceTest : public ::testing::Test {
  protected:
   LogSourceTest() {

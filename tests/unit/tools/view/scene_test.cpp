@@ -64,7 +64,7 @@ TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
   EXPECT_EQ(scene.robot[0].get(), nullptr);
 }
 
-/// Whatever bytes come, nothing falls over and nothing is believed that cannot be.
+/// For arbitrary bytes there is no crash and no implausible data are accepted.
 TEST(Scene, BearsAnyBytes) {
   Scene scene;
   LiveSource source({});

@@ -24,7 +24,7 @@ namespace beast = boost::beast;
 namespace http = beast::http;
 using nlohmann::json;
 
-/// A server that plays a log of one shape, and gives commands to a bus that nobody hears.
+/// A server that plays a log of one shape, and sends commands to a bus without receivers.
 class ServerTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -83,7 +83,7 @@ class ServerTest : public ::testing::Test {
     socket->handshake(host_, "/live");
     return socket;
   }
-  /// What the server answers to who asks for a WebSocket.
+  /// The server's answer to a WebSocket request.
   unsigned upgrade(const std::string& host, const std::string& origin,
                    const std::string& target = "/live") {
     auto socket = connect();
@@ -104,7 +104,7 @@ class ServerTest : public ::testing::Test {
     socket.text(true);
     socket.write(asio::buffer(message.dump()));
   }
-  /// The next message of a type; frames are acknowledged where `acknowledge`.
+  /// The next message of a type; frames are acknowledged if `acknowledge`.
   static json next(Socket& socket, const std::string& type, std::string* whole = nullptr,
                    bool acknowledge = true) {
     for (;;) {
@@ -146,7 +146,7 @@ TEST_F(ServerTest, GivesOutThePageAndNothingElse) {
   EXPECT_EQ(page[http::field::content_type], "text/html; charset=utf-8");
   EXPECT_NE(page.body().find("main.js"), std::string::npos);
   EXPECT_NE(page["Content-Security-Policy"].find("default-src 'self'"), beast::string_view::npos);
-  // All that the page asks for is there, and comes from here.
+  // All files requested by the page exist, and are served from here.
   for (const auto& [name, asset] : assets_.all()) {
     EXPECT_EQ(get(name, host_).result_int(), 200U) << name;
     if (name.find("three") == std::string::npos && name.find("orbit") == std::string::npos) {

@@ -54,7 +54,7 @@ inline std::shared_ptr<const ViewMesh> box_mesh(const std::array<int, 3>& cells)
   return book.find(77);
 }
 
-/// A message as it goes over the bus.
+/// A message as encoded on the bus.
 template <class Message>
 std::vector<std::uint8_t> encoded(const Message& message) {
   std::vector<std::uint8_t> data(static_cast<std::size_t>(message.getEncodedSize()));

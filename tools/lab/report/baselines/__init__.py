@@ -1,1 +1,1 @@
-"""What tools/lab/report/report_baselines is made of."""
+"""Modules of tools/lab/report/report_baselines."""

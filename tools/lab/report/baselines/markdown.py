@@ -1,11 +1,11 @@
-"""The same tables as text: for documents."""
+"""The same tables as text, for documents."""
 import statistics
 
 from baselines.runs import of
 
 
 def seeds_of(runs, levels):
-    """"1, 2", and where a level has others "1, 2 (blind: 1)"."""
+    """"1, 2", and if a level has different ones "1, 2 (blind: 1)"."""
     by_level = {level: tuple(sorted({run["seed"] for run in of(runs, level=level)})) for level in levels}
     by_level = {level: seeds for level, seeds in by_level.items() if seeds}
 
@@ -32,7 +32,7 @@ def table(header, rows):
 
 
 def tasks(part, cell):
-    """A table for each task: a method a row, with its seeds, and a level of sight a column."""
+    """A table per task: one row per method with its seeds, one column per level of vision."""
     out = []
     for application in dict.fromkeys(run["application"] for run in part.runs):
         here = of(part.runs, application=application)

@@ -1,4 +1,4 @@
-"""Pieces of the report: tables, curves, pictures, as HTML that stands alone and can be printed."""
+"""Parts of the report: tables, curves, images, as self-contained printable HTML."""
 import base64
 import html
 import math
@@ -25,7 +25,7 @@ def table(header, rows):
 
 
 def plot(curves):
-    """Error over time, its axis by the logarithm from 0.1 to 100 mm. curves: (name, curve)."""
+    """Error over time, with a logarithmic axis from 0.1 to 100 mm. curves: (name, curve)."""
     curves = [(name, curve) for name, curve in curves if curve.get("time_s")]
     if not curves:
         return ""
@@ -56,7 +56,7 @@ def plot(curves):
 
 
 def picture(run):
-    """The last state that was drawn of a run."""
+    """The last state of a run for which there is an image."""
     files = sorted(run["folder"].glob("state_*.png"))
     if not files:
         return ""

@@ -1,4 +1,6 @@
-"""One half of the report: a study's runs beside palpate's own, as HTML and as lines of text."""
+"""One half of the report: a study's runs compared with palpate's own, as HTML and as lines of
+text.
+"""
 import functools
 import html
 
@@ -10,12 +12,13 @@ from baselines.tuning import words as words_of_tuning
 
 
 class Part:
-    """What is reported of a study.
+    """Definition of a study in the report.
 
-    runs: of baselines.runs. about: a file of pages. levels: in their order. measures: (key, name, unit,
-    difference below which two are alike); less is better. columns: (title, function of runs to text).
-    baselines: (method of ours, level at which it is compared whatever the rival's; None: the rival's,
-    how the report tells that). settings: by method. trials: of baselines.tuning.
+    runs: of baselines.runs. about: a file of pages. levels: in order. measures: (key, name, unit,
+    difference below which two count as equal); less is better. columns: (title, function of runs to
+    text). baselines: (method of ours, level at which it is compared regardless of the other
+    method's; None: the other method's level, description of that in the report). settings: by
+    method. trials: of baselines.tuning.
     """
 
     def __init__(self, title, runs, about, levels, measures, columns, baselines, settings=None,
@@ -34,12 +37,14 @@ class Part:
 
     @functools.cache
     def comparisons(self, own, at, task=None):
-        """Each method beside one of ours at each level, over all tasks that both have, or on one."""
+        """Each method compared with one of ours at each level, over all tasks that both have,
+        or on one.
+        """
         runs = of(self.runs, application=task) if task else self.runs
         rows = []
         for level in self.levels:
             if not at and (own, level) in {base[:2] for base in self.baselines}:
-                continue  # that is told by the other one
+                continue  # which the other method reports
             ours = of(runs, method=own, level=at or level)
             for method in self.methods:
                 if method == own and level == (at or level):
@@ -59,7 +64,7 @@ class Part:
         return rows
 
     def first_lines(self):
-        """Who wins or ties: plain text, the shortest first."""
+        """Which method wins or ties: plain text, the shortest first."""
         lines, wins, ties = [], {}, {}
         for own, at, words in self.baselines:
             for level in self.levels:
@@ -86,7 +91,9 @@ class Part:
                 "."] + lines
 
     def on_single_tasks(self, known):
-        """Tasks by rival that is ahead there of one of ours, for those that are not in `known`."""
+        """Tasks by published method that is better there than one of ours, except those in
+        `known`.
+        """
         found = {}
         for task in dict.fromkeys(run["application"] for run in self.runs):
             for own, at, _ in self.baselines:
@@ -96,7 +103,9 @@ class Part:
         return {method: list(where) for method, where in found.items() if method not in known}
 
     def verdicts(self):
-        """A table for each of ours: a method a row, a level of sight a column, a word a measure."""
+        """A table for each of ours: one row per method, one column per level of vision, one
+        word per measure.
+        """
         out = []
         for own, at, words in self.baselines:
             rows = {row["method"]: {} for row in self.comparisons(own, at)}
@@ -174,7 +183,7 @@ class Part:
                       for entry in self.about["no score"]])
 
     def seeds(self):
-        """How many seeds stand behind the figures: they need not be the same everywhere."""
+        """Number of seeds behind the figures: it may differ between them."""
         rows = []
         for application in dict.fromkeys(run["application"] for run in self.runs):
             here = of(self.runs, application=application)

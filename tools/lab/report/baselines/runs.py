@@ -1,7 +1,7 @@
-"""Reads what the two studies have left, one dictionary a run.
+"""Reads the results of the two studies, one dictionary per run.
 
-Every run has application, method, level, seed, version, hash (of all its inputs and programs), folder,
-failed, curve ({"time_s": [...], "mm": [...]} or empty) and the measures of its study.
+Every run has application, method, level, seed, version, hash (of all its inputs and programs),
+folder, failed, curve ({"time_s": [...], "mm": [...]} or empty) and the measures of its study.
 """
 import csv
 import json
@@ -20,7 +20,9 @@ def results_in(folder):
 
 
 def version_of(folder, name):
-    """Of the program that made the study's own report, for results that do not tell theirs."""
+    """Version of the program that made the study's own report, for results that do not state
+    theirs.
+    """
     file = folder / f"{name}.json"
     return json.loads(file.read_text(encoding="utf-8")).get("version", "") if file.exists() else ""
 
@@ -33,7 +35,7 @@ def common(result, folder, version):
 
 
 def failures_in(folder):
-    """(application, method, level, seed) of the jobs that runs.csv calls failed."""
+    """(application, method, level, seed) of the jobs that failed according to runs.csv."""
     for file in sorted(folder.glob("runs*.csv")):
         with open(file, newline="", encoding="utf-8") as text:
             for row in csv.DictReader(text):
@@ -42,7 +44,9 @@ def failures_in(folder):
 
 
 def with_failures(folder, runs, fill):
-    """The runs, and one for each failed job without a result, with measures that `fill` gives."""
+    """The runs, and one for each failed job without a result, with measures that `fill`
+    returns.
+    """
     known = {(r["application"], r["method"], r["level"], r["seed"]) for r in runs}
     added = []
     for application, method, level, seed in failures_in(folder):
@@ -59,7 +63,9 @@ def with_failures(folder, runs, fill):
 
 
 def control_runs(folder):
-    """Error and times of a feature; who does not come to stay counts at the cap, the run's length."""
+    """Error and times of a feature; a run that does not settle counts at the cap, the run's
+    length.
+    """
     version, runs = version_of(folder, "control"), []
     for place, result in results_in(folder):
         feature = result.get("score", {}).get("feature")
@@ -86,7 +92,7 @@ def control_runs(folder):
 
 
 def sensing_runs(folder, cap=100.0):
-    """Errors of a shape, mm, means over the states; none counts for more than the cap."""
+    """Errors of a shape, mm, means over the states; limited to the cap."""
     version, runs = version_of(folder, "published-sensing"), []
     for place, result in results_in(folder):
         if not result.get("states"):

@@ -17,7 +17,7 @@ def interval(values, seed=1):
 
 
 def cell(values, decimals):
-    """"1.20 (1.10 to 1.40)"; of one value alone "1.20"."""
+    """"1.20 (1.10 to 1.40)"; for a single value "1.20"."""
     middle, low, high = interval(values)
     if len(values) == 1:
         return f"{middle:.{decimals}f}"
@@ -36,7 +36,7 @@ def differences(ours, theirs, key):
 
 
 def mean_difference(by_task, seed=1):
-    """Mean over the tasks and its 95 % interval; the tasks are what they are, the seeds are drawn."""
+    """Mean over the tasks and its 95 % interval; tasks are fixed, seeds are resampled."""
     def mean(tasks):
         return statistics.fmean(statistics.fmean(task) for task in tasks)
     generator = random.Random(seed)
@@ -46,7 +46,9 @@ def mean_difference(by_task, seed=1):
 
 
 def verdict(middle, low, high, margin):
-    """Of a difference where less is better: "ahead", "tie" or "behind", as the method stands to us."""
+    """For a difference where less is better: "ahead", "tie" or "behind", from the method's
+    view.
+    """
     if low <= 0 <= high or abs(middle) < margin:
         return "tie"
     return "behind" if low > 0 else "ahead"

@@ -1,9 +1,9 @@
-"""What the random search has left: how many trials each method had, and which was taken."""
+"""Results of the random search: number of trials of each method, and the selected trial."""
 import csv
 
 
 def read_trials(file):
-    """By method: trials, best (number), score, seed, version. Empty where nothing has been kept."""
+    """By method: trials, best (number), score, seed, version. Empty if no results were kept."""
     found = {}
     if not file.exists():
         return found

@@ -10,7 +10,7 @@ namespace {
 
 using Solver = BaselineModel::Solver;
 
-/// A ratio between two programs says something only where both compute the same.
+/// A ratio between two programs is meaningful only if both compute the same.
 class BaselineAgrees : public testing::TestWithParam<std::tuple<mesh::ElementOrder, Solver>> {};
 
 TEST_P(BaselineAgrees, WithTheConvergedModelAlongMotionL) {
@@ -35,7 +35,7 @@ TEST_P(BaselineAgrees, WithTheConvergedModelAlongMotionL) {
     difference = std::max(difference, distance(baseline.positions()));
   }
   EXPECT_GT(amplitude, 0.1);  // it did move
-  // What single Newton steps and a linear solver's tolerance add up to in 300 steps.
+  // Accumulated effect of single Newton steps and a linear solver's tolerance in 300 steps.
   EXPECT_LT(difference, (solver == Solver::kCholmod ? 1e-4 : 1e-3) * amplitude);
 }
 

@@ -20,7 +20,7 @@ class Candidate : public testing::TestWithParam<ElementOrder> {};
 INSTANTIATE_TEST_SUITE_P(Order, Candidate,
                          testing::Values(ElementOrder::kLinear, ElementOrder::kQuadratic));
 
-// With straight sides and pressures of their own they are the elements of the product.
+// With straight sides and separate pressures they are the elements of the product.
 TEST_P(Candidate, IsTheElementOfTheProductWhereNothingIsChanged) {
   const elasticity::Body body = bar(GetParam());
   const Matrix3Xd loads = elasticity::face_load(body.mesh, 0.2, {0, 0.1, -0.4});
@@ -60,7 +60,7 @@ TEST(AveragedCandidate, HasForcesAndTangentOfItsEnergy) {
   elasticity::Body body = bar(ElementOrder::kLinear);
   body.material.poisson_ratio = 0.49;
   expect_derivatives(body, Volumetric::kAveraged);
-  // Of two materials, which share no pressure.
+  // Of two materials, which do not share pressure.
   body.element_materials.assign(body.mesh.element_count(), body.material);
   for (int e = 0; e < body.mesh.element_count() / 2; ++e) {
     body.element_materials[e].young_modulus *= 20;
@@ -84,7 +84,7 @@ TEST(CurvedCandidate, HasForcesAndTangentOfItsEnergy) {
                      Volumetric::kAtPoints);
 }
 
-// The pass that is timed computes what the elements that are scored compute.
+// The timed pass computes the same as the scored elements.
 TEST(CurvedPass, GivesTheForcesOfTheCandidate) {
   const elasticity::Body body = make_ellipsoid(1, ElementOrder::kQuadratic, Sides::kCurved).body;
   const int n = body.mesh.node_count();

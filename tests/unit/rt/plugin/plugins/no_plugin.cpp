@@ -1,4 +1,4 @@
-// Some shared library that has nothing to do with palpate.
+// A shared library unrelated to palpate.
 
 extern "C" int answer();
 extern "C" int answer() { return 42; }

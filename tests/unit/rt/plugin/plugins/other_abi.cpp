@@ -1,4 +1,4 @@
-// A library of a palpate whose Eigen keeps other alignments.
+// A library built for a palpate whose Eigen uses a different alignment.
 
 #include "rt/plugin/plugin.hpp"
 

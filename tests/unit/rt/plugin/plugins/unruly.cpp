@@ -1,4 +1,5 @@
-// A library of components that do all that a plug-in must not. How they err is a parameter.
+// A library of components that violate all rules for plug-ins. The kind of violation is a
+// parameter.
 
 #include <cstdlib>
 #include <limits>
@@ -18,7 +19,7 @@ using plugin::PluginCell;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 
-/// What one does once `after` cycles are over.
+/// Behaviour of a component after `after` cycles.
 class Mischief {
  public:
   explicit Mischief(const Parameters& parameters)

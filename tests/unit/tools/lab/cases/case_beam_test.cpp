@@ -18,13 +18,14 @@ TEST(Beam, SagsAsTheoryOfBeamsSaysWhereItIsStiff) {
   const double by_weight =
       weight * std::pow(length, 4) / (8 * e * inertia) + weight * length * length / (2 * shear);
   const MarkerMotion idle = model.predict(e, 0), loaded = model.predict(e, 1);
-  // The clamp keeps the rubber from bulging, which makes it some 10 % stiffer than a beam.
+  // The clamp prevents lateral expansion of the rubber, which makes it about 10 % stiffer than a
+  // beam.
   EXPECT_LT(-idle.row(2).mean(), by_weight);
   EXPECT_GT(-idle.row(2).mean(), 0.87 * by_weight);
   const double by_load = std::pow(length, 3) / (3 * e * inertia) + length / shear;
   EXPECT_LT(-(loaded - idle).row(2).mean(), by_load);
   EXPECT_GT(-(loaded - idle).row(2).mean(), 0.87 * by_load);
-  // A marker above the axis goes with the tip's turn, forward; one below it backward.
+  // A marker above the axis moves forward with the tip's rotation; one below it backward.
   EXPECT_GT(loaded(0, 0), 0);
   EXPECT_LT(loaded(0, 2), 0);
   // The two at the sides stand 9 mm above and below the axis.
@@ -38,7 +39,7 @@ TEST(Beam, FitFindsTheModulusThatMadeTheData) {
   const BeamFit fit = fit_beam(model, recordings);
   EXPECT_NEAR(fit.young_modulus, 2e5, 50);
   EXPECT_LT(marker_error(fit.errors[1]), 1e-5);
-  // What is left out does not matter to the fit, but is predicted.
+  // The held-out recording does not affect the fit, but is predicted.
   recordings[1].measured.array() += 0.01;
   const BeamFit without = fit_beam(model, recordings, 1);
   EXPECT_NEAR(without.young_modulus, 2e5, 50);

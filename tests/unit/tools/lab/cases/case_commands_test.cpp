@@ -55,7 +55,7 @@ TEST_F(CommandLine, DynamicTellsWhenTheBodySettles) {
   EXPECT_EQ(written().at("at_rest"), true);
   EXPECT_LT(written().at("probe_rms_error_over_max_u").get<double>(), 1e-4);
   EXPECT_LT(written().at("static").at("probe_rms_error_over_max_u").get<double>(), 1e-8);
-  // Nothing is at rest so soon.
+  // Nothing is at rest that early.
   EXPECT_EQ(run({"dynamic", case_, "--seconds", "0.005"}), 1);
   EXPECT_NE(out_.str().find("NOT CONVERGED"), std::string::npos);
 }

@@ -41,7 +41,7 @@ TEST_P(FaceOfBar, NodalForcesHaveTheResultantsOfTheTraction) {
     const double polar = 0.05 * 0.04 * (0.05 * 0.05 + 0.04 * 0.04) / 12;
     EXPECT_NEAR(torque.x(), k * polar, 1e-12);
   }
-  // Work on a field that the shape functions hold is that of the traction.
+  // Work on a field in the span of the shape functions equals that of the traction.
   const Matrix3Xd even = patch_.nodal_forces([](const Vector3d&) { return Vector3d(0, 3, 0); });
   double work = 0;
   for (int n = 0; n < mesh_.node_count(); ++n) work += even(1, n) * mesh_.nodes(2, n);

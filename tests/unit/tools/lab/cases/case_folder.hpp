@@ -16,7 +16,7 @@
 namespace palpate::cases {
 
 /// A bar 0.2 x 0.04 x 0.04 m of E = 1e5 Pa without lateral contraction, pulled by 2 N at x = 0.2:
-/// it stretches evenly, by 1.25 %.
+/// it stretches uniformly, by 1.25 %.
 inline const char* const kPulledBar = R"(name: pulled_bar
 geometry:
   type: union_of_boxes
@@ -77,7 +77,7 @@ class CaseFolder {
     std::ofstream(path_ / name) << text;
   }
 
-  /// Probes on a line through the bar, with the displacement that `u` says.
+  /// Probes on a line through the bar, with the displacement given by `u`.
   void write_probes(const std::function<Eigen::Vector3d(const Eigen::Vector3d&)>& u) const {
     std::ofstream out(path_ / "probes.csv");
     out.precision(17);
@@ -121,7 +121,7 @@ class CaseFolder {
   std::filesystem::path path_;
 };
 
-/// The pulled bar, with probes that tell the exact solution.
+/// The pulled bar, with probes of the exact solution.
 inline void write_pulled_bar(const CaseFolder& folder, const std::string& yaml = kPulledBar) {
   folder.write("case.yaml", yaml);
   folder.write_mesh("mesh_coarse.msh", bar_mesh({0.2, 0.04, 0.04}, {5, 1, 1}));

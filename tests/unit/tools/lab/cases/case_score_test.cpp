@@ -26,7 +26,7 @@ class PulledBar : public testing::TestWithParam<ElementOrder> {
   CaseFile case_;
 };
 
-// Even stretch is within both elements' reach: all figures are exact.
+// Uniform stretch is exact for both elements: all figures are exact.
 TEST_P(PulledBar, StretchesByForceOverStiffness) {
   ScoreCaseOptions options{100, DynamicOptions()};
   options.dynamic->rise = 0.05;
@@ -45,7 +45,7 @@ TEST_P(PulledBar, StretchesByForceOverStiffness) {
   EXPECT_LE(s.incremental->times.p50, s.incremental->times.p99);
   EXPECT_LT(s.incremental->deviation, 1e-5 * pull);
   EXPECT_LT(s.dynamic_figures->probe_max, 1e-4 * pull);
-  EXPECT_GT(s.dynamic->settling_time, 0.02);  // not before the load has come
+  EXPECT_GT(s.dynamic->settling_time, 0.02);  // not before the load is complete
   EXPECT_LT(s.dynamic->settling_time, s.dynamic->seconds);
 }
 
@@ -102,7 +102,7 @@ TEST_P(PulledBar, IsComparedWithTheStoredRow) {
               1e-6);
 }
 
-/// A round bar: a box whose square cross-sections are drawn out to circles.
+/// A round bar: a box whose square cross-sections are mapped to circles.
 mesh::MeshWithGroups round_bar() {
   mesh::MeshWithGroups bar = bar_mesh({0.2, 0.04, 0.04}, {6, 4, 4});
   for (int n = 0; n < bar.mesh.node_count(); ++n) {
@@ -124,7 +124,7 @@ TEST_P(PulledBar, MayBeRound) {
   const CaseScore s =
       score_case(case_, "coarse", read_case_mesh(case_, "coarse"), GetParam(), {0, {}});
   ASSERT_TRUE(s.converged());
-  // All of the force acts, spread over the polygon that the mesh makes of the circle.
+  // The full force acts, distributed over the mesh's polygon approximation of the circle.
   EXPECT_LT((s.figures.fixed->force - Vector3d(-2, 0, 0)).norm(), 1e-8);
   EXPECT_NEAR(s.figures.mean->x(), 2 * 0.2 / (1e5 * 8 * 4e-4 * std::sin(M_PI / 8)), 2e-5);
   EXPECT_GT(s.figures.outside, 0);  // probes that ran along the edges of the square

@@ -19,7 +19,7 @@ TEST_P(ReferenceCases, AreSolvedAsTheStoredRowSays) {
   const CaseFile c = read_case(support::recordings() / "fem_cases" / name);
   const bool quadratic = order == ElementOrder::kQuadratic;
   const bool coarse = std::string(mesh) == "coarse";
-  const int ticks = coarse ? 20 : 0;  // where it is quick, the loop's model too
+  const int ticks = coarse ? 20 : 0;  // if it is fast, the loop's model too
   const CaseScore s = score_case(c, mesh, read_case_mesh(c, mesh), order, {ticks, {}});
   ASSERT_TRUE(s.equilibrium.converged);
   ASSERT_NE(s.baseline, nullptr);
@@ -27,17 +27,17 @@ TEST_P(ReferenceCases, AreSolvedAsTheStoredRowSays) {
   EXPECT_EQ(s.baseline->contains("twist_deg"), s.figures.twist_deg.has_value());
   EXPECT_EQ(s.baseline->contains("force"), s.figures.grasp.has_value());
 
-  // Linear elements have one answer. That of quadratic ones depends on the quadrature, since there
-  // is one rotation per point: the baseline has fourteen points, ours four. One probe lies outside
-  // the coarse mesh of hetero_bar, and is extrapolated from one of two tetrahedra.
+  // Linear elements have a unique result. That of quadratic ones depends on the quadrature, since
+  // there is one rotation per point: the baseline has fourteen points, ours four. One probe lies
+  // outside the coarse mesh of hetero_bar, and is extrapolated from one of two tetrahedra.
   const BaselineDifference d = compare(s.figures, *s.baseline);
   EXPECT_LT(d.largest_share(), quadratic ? 1e-4 : std::string(name) == "hetero_bar" ? 1e-6 : 1e-8);
   const double share = quadratic ? 1e-4 : 1e-7;
   EXPECT_LT(d.twist.value_or(0), share);
   EXPECT_LT(d.force.value_or(0), share);
   EXPECT_LT(d.moment.value_or(0), share);
-  // A face that turns about its own middle hardly moves on the mean: there the displacements that
-  // cancel count.
+  // A face that rotates about its own centre has almost no mean displacement: the cancelling
+  // displacements count there.
   if (d.mean) {
     const double length =
         s.figures.twist_deg ? s.figures.largest_reference : s.figures.mean->norm();

@@ -29,7 +29,7 @@ Message decoded(const bus::Published& published) {
   return message;
 }
 
-/// A second of both, a message a millisecond, and a command that no fault may touch.
+/// One second of both, a message per millisecond, and a command that no fault may affect.
 Stream one_second() {
   Stream stream;
   for (int tick = 1; tick <= 1000; ++tick) {
@@ -191,7 +191,7 @@ TEST(Transforms, OfOneSeedAreAlike) {
   EXPECT_NE(a.size(), c.size());
 }
 
-/// What comes out of the wire, tick by tick.
+/// Output of the wire, tick by tick.
 Stream through(FaultyWire& wire, const Stream& stream, int ticks) {
   Stream all;
   auto next = stream.begin();

@@ -7,8 +7,7 @@
 namespace palpate::fit_check {
 namespace {
 
-// Of 16 intervals of 95 % that are right, fewer than 12 hold the truth once in a thousand such
-// tests.
+// Of 16 correct 95 % intervals, fewer than 12 contain the truth once in a thousand such tests.
 TEST(Coverage, IntervalsHoldTheTruthOfOwnModels) {
   const support::ScratchFolder folder;
   for (const OwnModel& model : own_models(folder.path().string())) {

@@ -34,7 +34,8 @@ TEST(SimulatedRecording, HoldsHandWrenchAndMarkers) {
   const Eigen::Map<const Eigen::Vector3d> first(log.robot.front().position),
       last(log.robot.back().position);
   EXPECT_NEAR((last - first).norm(), 0.008, 0.002);
-  // The clamp is 0.2 m away, the hand some 0.23 m: the marker goes a bit less than half the way.
+  // The clamp is 0.2 m away, the hand about 0.23 m: the marker moves slightly less than half as
+  // far.
   const auto marker = [&](const shape_observation_t& seen) {
     return Eigen::Vector3f(seen.points[0][0], seen.points[0][1], seen.points[0][2]);
   };
@@ -47,7 +48,7 @@ TEST(SimulatedRecording, NoiseIsThatShareOfTheGreatest) {
   record(short_pull(), file);
   const fit::HeldLog log = fit::read_held_log(file, {}, "sent");
   EXPECT_NEAR(log.seen[0].deviation, 0.01 * 0.0035, 2e-5);
-  // Of the pair's distance, 0.06 m, in each message; the bar thins by 0.3 mm at most.
+  // Relative to the pair's distance, 0.06 m, in each message; the bar thins by 0.3 mm at most.
   double squares = 0;
   for (const shape_observation_t& seen : log.seen) {
     double squared = 0;

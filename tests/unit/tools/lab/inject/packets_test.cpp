@@ -9,7 +9,7 @@
 namespace palpate::inject {
 namespace {
 
-/// What palpated subscribes to.
+/// Channels to which palpated subscribes.
 std::vector<Target> heard_targets() {
   std::vector<Target> targets = usual_targets();
   targets.erase(std::remove_if(targets.begin(), targets.end(),

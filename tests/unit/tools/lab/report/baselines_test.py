@@ -1,4 +1,6 @@
-"""The report on published methods: who is named first, what counts at the cap, what the files hold."""
+"""The report on published methods: the ranking, the handling of the cap, the contents of the
+files.
+"""
 import csv
 import importlib.machinery
 import importlib.util
@@ -82,12 +84,12 @@ class Report(unittest.TestCase):
         self.assertIn("by time to stay within 2 mm win: " + FAST, lines[1])
         self.assertIn("by error at the end tie: " + LIKE, lines[1])
         self.assertNotIn(SLOW, lines[1])
-        # They stand before any table, and each method has its page.
+        # They precede any table, and each method has its page.
         self.assertLess(html.index("2 of 3 other methods"), html.index("<table>"))
         for method in (OURS, FAST, SLOW, LIKE):
             self.assertIn(f"<h2>{method}</h2>", html)
         self.assertIn("<td>ahead / behind</td>", html)
-        self.assertIn("+12.98", html)  # who never stays is behind by the cap
+        self.assertIn("+12.98", html)  # a run that never settles is behind by the cap
         self.assertIn("<polyline", html)
 
     def test_who_wins_on_one_task_alone_is_named_with_it_and_rows_name_their_seeds(self):
@@ -118,7 +120,7 @@ class Report(unittest.TestCase):
         self.assertEqual(rows[SLOW]["failed"], "True")
         self.assertEqual(float(rows[SLOW]["time_2mm"]), 15)
         self.assertEqual(float(rows[SLOW]["error"]), 40)
-        # It has a result by now: an older word of its failure does not count.
+        # It has a result now: an older record of its failure does not count.
         self.assertEqual(rows[FAST]["failed"], "False")
         self.assertEqual(rows[FAST]["seed"], "1")
         self.assertEqual(rows[FAST]["version"], "9.9")
@@ -188,7 +190,7 @@ class Statistics(unittest.TestCase):
 
 
 def code_lines(header):
-    """Of a component, header and source together, without blank lines and comments."""
+    """Header and source of a component, without blank lines and comments."""
     count = 0
     for file in (header, header.with_suffix(".cpp")):
         if file.exists():
@@ -198,7 +200,7 @@ def code_lines(header):
 
 
 class Components(unittest.TestCase):
-    """Every published method's own code: short, and told at its head."""
+    """Every published method's own code: short, and documented at its head."""
 
     ROOT = HERE.parents[1]
 
@@ -244,7 +246,7 @@ class Pages(unittest.TestCase):
         rows = {row for own in of_method.values() for row in own}
         rows |= {str(entry["row"]) for entry in about["no score"]}
         self.assertLessEqual({str(row) for row in range(26, 43)}, rows)
-        # A row that has a score has it on two tasks at least.
+        # A row with a score has it on at least two tasks.
         for row in rows - {"ours", "baseline"}:
             names = [m for m, own in of_method.items() if row in own]
             tasks = sum(any(m in a["methods"] for m in names) for a in plan["applications"])

@@ -11,7 +11,7 @@ namespace {
 
 Eigen::Vector3d still(const Eigen::Vector3d& p, double) { return p; }
 
-/// One node of four is off by 8 mm, the others by 2 mm; all say `deviation`.
+/// One node of four is off by 8 mm, the others by 2 mm; all report `deviation`.
 log::RunLog run_with(float deviation) {
   log::RunLog run = synthetic_run(
       still,

@@ -67,7 +67,7 @@ TEST(SurfaceSamples, OfASurfaceThatHasBurstThereAreNoMoreThanCanBeScored) {
 }
 
 TEST(SurfaceDistance, NearestTriangleIsThatOfAnExhaustiveSearch) {
-  // Triangles of very unequal size, so that the nearest one is seldom that of the nearest middle.
+  // Triangles of very different size, so that the nearest one rarely has the nearest centroid.
   math::Random random(5);
   const auto anywhere = [&random](double size) {
     return Eigen::Vector3d(random.uniform(-size, size), random.uniform(-size, size),
@@ -97,8 +97,8 @@ TEST(SurfaceDistance, ShiftedCubeHasItsAnalyticDistances) {
   const double a = 0.2, s = 0.03;
   const draw::TriangleMesh cube = draw::make_box({a, a, a});
   const SurfaceDistance d = surface_distance(cube, moved(cube, {s, 0, 0}), 0.004);
-  // Over the face ahead s; over the face behind min(s, distance to its edges); beside, what sticks
-  // out by x is x away. By area: s / 3 + 2 s^3 / (9 a^2).
+  // Over the front face s; over the back face min(s, distance to its edges); at the sides, points
+  // that protrude by x are x away. By area: s / 3 + 2 s^3 / (9 a^2).
   const double mean = s / 3 + 2 * s * s * s / (9 * a * a);
   EXPECT_NEAR(d.from_first.mean, mean, 0.01 * mean);
   EXPECT_NEAR(d.from_second.mean, mean, 0.01 * mean);

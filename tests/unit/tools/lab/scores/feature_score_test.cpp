@@ -90,7 +90,7 @@ TEST(FeatureScore, PoseErrorHasItsAngle) {
 }
 
 TEST(FeatureScore, ErrorOfASetIsItsRootMeanSquare) {
-  // The plant stretches along x by a tenth; the target asks for nothing.
+  // The plant stretches along x by a tenth; the target is the rest shape.
   const auto truth = [](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
     return {1.1 * p.x(), p.y(), p.z()};
   };
@@ -104,7 +104,7 @@ TEST(FeatureScore, ErrorOfASetIsItsRootMeanSquare) {
     sum += std::pow(0.1 * points.back().x(), 2);
   }
   run.targets.push_back(target_of("points", points, values, 0));
-  feature_t seen = {};  // holds ten points and a third of one
+  feature_t seen = {};  // holds ten points and a third of another
   seen.revision = 1;
   seen.value_count = seen.error_count = 32;
   for (int i = 0; i < 32; ++i) seen.error[i] = i < 30 ? 0.003 : 7;
@@ -132,7 +132,7 @@ TEST(FeatureScore, OfADistanceIsItsDifference) {
 }
 
 /// A bar bent about -y to a circle of this radius, its line x = 0 to y of the circle's lowest
-/// place.
+/// point.
 auto bent_to(double radius) {
   return [radius](const Eigen::Vector3d& p, double) -> Eigen::Vector3d {
     const double angle = p.x() / radius, r = radius - p.z();
@@ -175,7 +175,7 @@ TEST(FeatureScore, OfAnAngleIsAnAngle) {
   EXPECT_EQ(score->rest_size, score->rest_angle);
 }
 
-// What moves as one piece has its contour as far off as each of its points.
+// Under a translation the contour's error equals that of each of its points.
 TEST(FeatureScore, OfAContourIsTheMeanOverItsLength) {
   const Eigen::Vector3d shift(0.003, -0.002, 0.006);
   const auto truth = [&shift](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {

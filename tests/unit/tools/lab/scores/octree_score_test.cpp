@@ -16,7 +16,7 @@ namespace {
 
 using Cell = std::array<int, 3>;
 
-/// The outer layer of cells of a cube of n cells a side, its lowest cell at `first`.
+/// The outer layer of cells of a cube of n cells per side, its lowest cell at `first`.
 std::set<Cell> shell(int n, const Cell& first) {
   std::set<Cell> cells;
   for (int i = 0; i < n; ++i)
@@ -27,7 +27,7 @@ std::set<Cell> shell(int n, const Cell& first) {
   return cells;
 }
 
-/// The middles of cells, m.
+/// The centres of cells, m.
 Eigen::Matrix3Xd middles(const std::set<Cell>& cells, double side) {
   Eigen::Matrix3Xd points(3, cells.size());
   int i = 0;
@@ -53,7 +53,7 @@ TEST(OctreeAgreement, ShiftedCubeSharesTheCubesThatSetsShare) {
 }
 
 TEST(OctreeAgreement, IsDirected) {
-  // Half of the truth: all of it lies in the truth, which lies in it by half.
+  // Half of the truth: all of it lies in the truth, half of which lies in it.
   const double side = 0.01;
   std::set<Cell> plate, half;
   for (int i = 0; i < 20; ++i)
@@ -69,7 +69,8 @@ TEST(OctreeAgreement, IsDirected) {
 }
 
 TEST(OctreeAgreement, FallsWithDistanceByTheResolution) {
-  // Planes along the cubes that lie d apart share them or do not; over all heights 1 - d / side do.
+  // Planes parallel to the cubes at distance d either share them or not; averaged over all offsets
+  // 1 - d / side do.
   const double side = 0.01;
   Eigen::Matrix3Xd plane(3, 9);
   for (int i = 0; i < 9; ++i) plane.col(i) << side * (i % 3), side * (i / 3), 0;
@@ -125,7 +126,7 @@ TEST(VirtualCloud, SameSurfaceAgreesAndAMovedOneDoesNot) {
   EXPECT_LT(moved.truth_in_estimate, 0.6);
   EXPECT_GT(moved.truth_in_estimate, 0.1);
 
-  // What stood before the camera hides as much of the virtual cloud.
+  // An occluder hides the same part of the virtual cloud.
   camera::Body screen;
   screen.mesh = std::make_shared<const draw::TriangleMesh>(draw::make_box({0.2, 0.01, 0.3}));
   screen.X_WB.translation() << 0.1, -0.1, 0;

@@ -8,8 +8,8 @@
 namespace palpate::scores {
 namespace {
 
-/// What is clamped stays, what the hand holds goes with it but for the pads, and what lies between
-/// does neither.
+/// Clamped points stay, held points follow the hand except for the pads' compliance, and those in
+/// between do neither.
 TEST(ReachedShape, IsThatOfABarBetweenClampAndHand) {
   const studies::StudyFolder folder;
   const auto scene = folder.write(
@@ -23,7 +23,7 @@ TEST(ReachedShape, IsThatOfABarBetweenClampAndHand) {
   const runs::HandMotion motion{{-0.01, 0.03, 0.05}, {15, -10, 5}};
   const Eigen::Matrix3Xd reached = reached_value(scene, target, motion).reshaped(3, 3);
   EXPECT_LT((reached.col(0) - target.rest_points[0]).norm(), 1e-9);
-  const Eigen::Vector3d p_OG(0.47, 0.03, 0.03);  // as the scene says
+  const Eigen::Vector3d p_OG(0.47, 0.03, 0.03);  // as in the scene
   const Eigen::Vector3d held =
       p_OG + motion.translation +
       math::exp_rotation(M_PI / 180 * motion.rotation_deg) * (target.rest_points[2] - p_OG);

@@ -72,7 +72,7 @@ TEST(ShapeScore, HoldsAreScoredAtTheirEnd) {
   const auto truth = [](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
     return p + Eigen::Vector3d(0, 0, height(t));
   };
-  // The error is 10 mm while a pose begins, 2 mm in its last half second and 1 mm in the second
+  // The error is 10 mm at the start of a pose, 2 mm in its last half second and 1 mm in the second
   // pose.
   const auto estimate = [&](const Eigen::Vector3d& p, double t) -> Eigen::Vector3d {
     const double error = t < 4 ? 10e-3 : t < 6 ? 2e-3 : 1e-3;

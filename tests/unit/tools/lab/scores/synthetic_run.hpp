@@ -8,8 +8,8 @@
 
 namespace palpate::scores {
 
-/// Plant: one 27-node hexahedron [0, 0.4] x [0, 0.1] x [0, 0.2] m, its nodes in an order of no
-/// meaning. Estimate: a tetrahedron in it.
+/// Plant: one 27-node hexahedron [0, 0.4] x [0, 0.1] x [0, 0.2] m, its nodes in a shuffled order.
+/// Estimate: a tetrahedron in it.
 inline const Eigen::Array3d kBox(0.4, 0.1, 0.2);
 
 using Deformation = std::function<Eigen::Vector3d(const Eigen::Vector3d& rest, double time)>;
@@ -35,7 +35,7 @@ inline void put_positions(shape_t& shape, const Eigen::Matrix3Xd& points) {
   for (int i = 0; i < points.size(); ++i) shape.xyz.push_back(static_cast<float>(points.data()[i]));
 }
 
-/// Where `motion` puts points at a time.
+/// Positions of points under `motion` at a time.
 inline Eigen::Matrix3Xd moved(const Eigen::Matrix3Xd& rest, const Deformation& motion,
                               double time) {
   Eigen::Matrix3Xd points(3, rest.cols());
@@ -77,8 +77,8 @@ inline std::vector<shape_mesh_t> mesh_chunks(const Eigen::Matrix3Xd& rest, int k
   return chunks;
 }
 
-/// `seconds` of a plant that moves by `truth` (100 Hz) and of an estimate that says `estimate` of
-/// its own nodes (at other instants than the truth).
+/// `seconds` of a plant that moves by `truth` (100 Hz) and of an estimate that reports `estimate`
+/// for its own nodes (at other times than the truth).
 inline log::RunLog synthetic_run(const Deformation& truth, const Deformation& estimate,
                                  double seconds) {
   log::RunLog run;

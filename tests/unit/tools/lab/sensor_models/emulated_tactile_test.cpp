@@ -10,7 +10,7 @@ namespace {
 TEST(EmulatedTactile, MapHoldsOnPressesThatItHasNotSeen) {
   const EmulatedTactileScore score = score_emulated_tactile(3, 2000);
   EXPECT_EQ(score.rows, 2000);
-  EXPECT_GT(score.mean_rms_norm, 0.3);  // there is something to feel
+  EXPECT_GT(score.mean_rms_norm, 0.3);  // there is contact
   EXPECT_LT(score.test_rms_norm, 0.6 * score.mean_rms_norm);
   EXPECT_LT(score.test_rms_norm, 1.5 * score.fit.training_rms.norm());
   EXPECT_EQ(score.fit.model.offset.norm(), 0);

@@ -40,8 +40,8 @@ class ObserverRecording : public ::testing::Test {
   fs::path folder_;
 };
 
-/// A flange that spins up about its z through the origin of W, the sensor 0.3 m off that axis, the
-/// inertial unit 0.1 m further out and turned: what a body feels on a turntable.
+/// A flange that accelerates about its z through the origin of W, the sensor 0.3 m off that axis,
+/// the inertial unit 0.1 m further out and rotated: inertial effects on a turntable.
 TEST_F(ObserverRecording, MovesTheInertialUnitToTheSensor) {
   registry::Frames frames;
   frames.X_ES.translation() = Eigen::Vector3d(0.3, 0, 0);
@@ -84,7 +84,7 @@ TEST_F(ObserverRecording, MovesTheInertialUnitToTheSensor) {
     ASSERT_NEAR(cell("acc_x"), -0.3 * omega * omega, 1e-6) << t;
     ASSERT_NEAR(cell("acc_y"), 0.3 * alpha, 1e-6) << t;
     ASSERT_NEAR(cell("acc_z"), 9.81, 1e-6);
-    // Across the radius.
+    // Tangential.
     const double angle = 0.5 * alpha * t * t;
     ASSERT_NEAR(cell("vx"), -0.3 * omega * std::sin(angle), 1e-6);
     ASSERT_NEAR(cell("vy"), 0.3 * omega * std::cos(angle), 1e-6);
@@ -103,8 +103,8 @@ TEST_F(ObserverRecording, ALogWithoutAStreamIsNamed) {
                std::runtime_error);
 }
 
-/// The truth of the collision is what the arm feels: at rest, pressed, the sensor's reading has
-/// changed by it.
+/// The ground truth of the collision equals the arm's load: at rest under contact, the sensor's
+/// reading has changed by it.
 TEST_F(ObserverRecording, TheTrueForceIsWhatTheSensorFeels) {
   const MotionLogs logs = record_motion(
       PALPATE_SOURCE_DIR "/sim/scenes/payload_collision.yaml",
@@ -130,7 +130,7 @@ TEST_F(ObserverRecording, TheTrueForceIsWhatTheSensorFeels) {
     if (t < 0.15) before += fz, ++first;
     if (t > 1.7) after += fz, ++last;
   }
-  // z of the sensor points along -x of O; it feels what it exerts on the hand.
+  // z of the sensor points along -x of O; it measures its wrench on the hand.
   EXPECT_NEAR(after / last - before / first, -pressed.x(), 0.1);
 }
 

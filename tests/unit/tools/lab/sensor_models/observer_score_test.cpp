@@ -8,7 +8,8 @@
 namespace palpate::sensor_models {
 namespace {
 
-/// A push of 20 N along half a sine wave between 1 and 2 s, `lag` s late, off by `offset` N in y.
+/// A contact force of 20 N along half a sine between 1 and 2 s, `lag` s late, off by `offset` N in
+/// y.
 ForceSeries push(double rate, double lag, double offset) {
   ForceSeries series;
   const int count = static_cast<int>(3 * rate);
@@ -25,7 +26,7 @@ ForceSeries push(double rate, double lag, double offset) {
 }
 
 TEST(ObserverScore, ResidualIsThatOfTheNorm) {
-  ForceSeries felt = push(100, 10, 0.3);  // the push comes after the end
+  ForceSeries felt = push(100, 10, 0.3);  // the contact starts after the end
   felt.force(2, 7) = 0.4;
   const ResidualScore score = score_residual(felt);
   EXPECT_NEAR(score.force_max, 0.5, 1e-12);
@@ -48,7 +49,7 @@ TEST(ObserverScore, LagIsToldFromOffset) {
   EXPECT_NEAR(score.lag, lag, 1.5e-3);
   EXPECT_NEAR(score.lagged_rms, offset, 0.02);
   EXPECT_NEAR(score.lagged_max, offset, 0.05);
-  // The push rises at first by 20 pi N/s.
+  // The force rises at first by 20 pi N/s.
   EXPECT_NEAR(score.error_max, std::hypot(20 * M_PI * lag, offset), 0.05);
   EXPECT_GT(score.error_rms, score.lagged_rms);
 }

@@ -13,9 +13,9 @@ TEST(Payload, ExplainsTheStaticPosesOfTheAti) {
   PALPATE_REQUIRE_RECORDING("ft_static_ati");
   const PayloadScore score = score_static_ati(support::recordings());
   EXPECT_LE(score.fit.force_rms, 0.55);
-  EXPECT_LE(score.left_out_force, 0.55);  // at poses that the fit has not seen, too
+  EXPECT_LE(score.left_out_force, 0.55);  // also at poses not used in the fit
   EXPECT_NEAR(score.fit.parameters.mass, 1.2, 0.1);
-  // Without the drift three quarters of the error come from one axis.
+  // Without the drift, one axis causes three quarters of the error.
   const PayloadScore constant = score_static_ati_constant_bias(support::recordings());
   EXPECT_GT(constant.fit.force_rms, 4 * score.fit.force_rms);
 }

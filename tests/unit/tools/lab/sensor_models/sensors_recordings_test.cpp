@@ -27,7 +27,7 @@ SensorTraining usual_training(SensorKind kind) {
   return training_of(plan_of(kind).data, support::recordings(), false);
 }
 
-/// Baselines on one folder of real recordings, fitted as the kind's preset splits it.
+/// Baselines on one folder of real recordings, fitted with the split of the kind's preset.
 std::vector<SensorComparison> real_baselines(SensorKind kind, const std::string& folder) {
   std::map<std::string, std::vector<SensorTrack>> files;
   std::vector<SensorTrack> all;
@@ -77,7 +77,7 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
   EXPECT_LT(with_motion, named(comparisons[1], "newton_euler, gravity only").errors.norms[0]);
   EXPECT_LT(with_motion, 0.25 * named(comparisons[1], "tare only").errors.norms[0]);
 
-  // A network of random weights beside a payload, by its own streams' delays.
+  // A network of random weights in parallel with a payload, with its own streams' delays.
   const SensorTrack track =
       make_track(read_sensor_folder(support::recordings() / "ft_imu_panda").recordings.at(0));
   const recordings::DataPlan& plan = plan_of(SensorKind::kWrist).data;
@@ -126,12 +126,12 @@ TEST(RealWrist, StreamsThroughTheComponentAsItWasTrained) {
         output.cast<double>();
     largest = std::max(largest, (streamed.row(k).transpose() - expected).cwiseAbs().maxCoeff());
   }
-  // Means of gravity in turning axes are not quite gravity in mean axes.
+  // Means of gravity in rotating axes differ slightly from gravity in mean axes.
   EXPECT_LT(largest, 2e-3);
 }
 
-/// What a moving wrist's accelerometer reads beyond the robot's own account of its motion, in S,
-/// n x 3, m/s^2, and the lever from the robot's point to the accelerometer taken out.
+/// Difference between a moving wrist's accelerometer and the robot's own motion data, in S, n x 3,
+/// m/s^2, without the effect of the lever from the robot's point to the accelerometer.
 struct WristMotion {
   explicit WristMotion(const SensorTrack& track) {
     const auto columns = [&](const char* first) {
@@ -167,7 +167,7 @@ struct WristMotion {
     offset_S = found.tail<3>();
   }
 
-  /// RMS over the first second from row `begin`, m/s^2, of the offset that is followed from there.
+  /// RMS over the first second from row `begin`, m/s^2, of the offset that is tracked from there.
   double error(Eigen::Index begin, bool by_velocity) const {
     sensing::AccelerometerOffset offset(5);
     double sum = 0;

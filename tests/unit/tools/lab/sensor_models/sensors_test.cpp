@@ -29,8 +29,8 @@ using ::testing::HasSubstr;
 constexpr double kDegree = M_PI / 180;
 const Eigen::Matrix3d kMount = math::exp_rotation({0.4, -2.9, 0.3});
 
-/// A fingertip at rest for a second, then pressed here and there; forces are linear in the counts,
-/// normals those of the skin in a turned frame.
+/// A fingertip at rest for a second, then pressed at various points; forces are linear in the
+/// counts, normals those of the skin in a rotated frame.
 struct Press {
   double time;
   sensing::ElectrodeVector counts;
@@ -92,7 +92,7 @@ class Sensors : public ::testing::Test {
     return names;
   }
 
-  /// Force where `with_force`, else direction, of recordings `labels` one behind the other.
+  /// Force if `with_force`, otherwise direction, of recordings `labels` in sequence.
   static void write(const std::filesystem::path& file, const std::vector<Press>& list,
                     bool with_force, const std::vector<std::string>& labels = {"a"}) {
     std::ofstream out(file);
@@ -112,7 +112,7 @@ class Sensors : public ::testing::Test {
     return make_track(read_sensor_folder(folder).recordings.at(0));
   }
 
-  /// A module that says the linear map of the counts; its card names `training`.
+  /// A module that computes the linear map of the counts; its card names `training`.
   std::filesystem::path write_model(const YAML::Node& training) const {
     inference::ModelCard card;
     card.name = "exact";
@@ -209,7 +209,7 @@ TEST_F(Sensors, ALinearMapIsFoundAndAModelThatHoldsItIsRight) {
   EXPECT_EQ(json["comparisons"][0]["scores"][0]["method"].as<std::string>(), "exact");
   EXPECT_LT(json["comparisons"][0]["scores"][0]["force_rms"].as<double>(), 1e-5);
 
-  // What it was trained on is called so.
+  // Training data are labelled as such.
   options.data = train();
   EXPECT_EQ(compare_sensor_folders(options, out, damaged).at(0).origin, "trained on");
 }

@@ -16,7 +16,7 @@ TEST(Tactile, LinearMapHoldsOnTheSecondHalfOfTheFoamBar) {
   const TactileForceScore score =
       score_tactile_force(support::recordings() / "biotac_foam_bar/ring_finger_dev.csv");
   EXPECT_LE(score.test_rms_norm, 0.03);
-  EXPECT_GT(score.largest_test, 0.5);  // there is something to feel
+  EXPECT_GT(score.largest_test, 0.5);  // there is contact
   EXPECT_LT(score.test_rms_norm, 0.1 * score.mean_rms_norm);
 }
 
@@ -29,7 +29,7 @@ TEST(Tactile, PlacesThePlateWithinTenDegrees) {
   EXPECT_GT(score.contacts, 1000);
   EXPECT_LE(score.median, 10 * M_PI / 180);
   EXPECT_LT(score.median, 0.5 * score.mean_direction);
-  // The other polarity takes the electrodes that are not pressed.
+  // The other polarity selects the electrodes that are not pressed.
   options.polarity = 1;
   EXPECT_GT(score_localization(file, options).median, 2 * score.median);
 }

@@ -15,8 +15,8 @@ const Eigen::Vector3d kPoint(0.2, 0.05, 0.2), kForce(0, 0, -0.5);
 
 double share(double time) { return scenes::Poke{kAt, kEnd - kAt, kPoint, kForce}.share(time); }
 
-/// The hand feels half of the poke; the estimate finds it late, 10 mm off and 0.1 N too small, and
-/// has the shape wrong by 8 mm until then and by 1 mm after.
+/// The hand measures half of the poke; the estimate detects it late, 10 mm off and 0.1 N too small,
+/// with a shape error of 8 mm until then and 1 mm after.
 log::RunLog poked_run() {
   log::RunLog run =
       scores::synthetic_run([](const Eigen::Vector3d& p, double) { return p; },

@@ -1,5 +1,5 @@
-// The study of published controllers is one: every method is tuned, told of, and accepted by
-// palpated; markers sit where the targets are.
+// The study of published controllers is consistent: every method is tuned, documented, and accepted
+// by palpated; markers are at the targets' points.
 
 #include <gmock/gmock.h>
 #include <yaml-cpp/yaml.h>
@@ -36,7 +36,7 @@ TEST(PublishedControl, EveryMethodIsTunedWithinTheSameBudgetAndHasItsPage) {
   for (const StudyApplication& application : plan().applications) {
     std::set<std::string> methods;
     for (const runs::Method& method : application.methods) methods.insert(method.name);
-    // An object that is not held has no wrench at the wrist.
+    // An object that is not held causes no wrench at the wrist.
     if (application.name.find("not touched") != std::string::npos) {
       EXPECT_TRUE(methods.insert("palpate, pose and wrench").second) << application.name;
     }

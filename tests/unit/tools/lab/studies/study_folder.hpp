@@ -9,7 +9,7 @@
 
 namespace palpate::studies {
 
-/// A temporary folder that goes with the test.
+/// A temporary folder deleted with the test.
 class StudyFolder {
  public:
   StudyFolder() {

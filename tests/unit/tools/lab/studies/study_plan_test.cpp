@@ -47,7 +47,7 @@ class StudyPlanTest : public testing::Test {
   StudyPlan read(const std::string& text) const {
     return read_study_plan(folder_.write("plan.yaml", text), kStudyPlanRoot);
   }
-  /// What is wrong with the plan after one replacement.
+  /// Error of the plan after one replacement.
   std::string error_of(const std::string& from, const std::string& to) const {
     std::string text = kPlan;
     const std::size_t at = text.find(from);
@@ -119,7 +119,7 @@ TEST_F(StudyPlanTest, EveryMethodLevelAndSeedIsAJob) {
   ASSERT_EQ(jobs.size(), 2u * 2 * 3 + 1);
   EXPECT_THAT(jobs[0].scene_overrides, Contains("seed=1"));
   EXPECT_THAT(jobs[0].daemon_overrides, Contains("feature.component=pose"));
-  EXPECT_GT(jobs[0].duration, 20);  // six poses of two seconds, and the way between them
+  EXPECT_GT(jobs[0].duration, 20);  // six poses of two seconds, and the moves between them
   EXPECT_THAT(jobs[0].pose_names, testing::ElementsAre("P1", "P2", "P3", "P4", "P5", "P6"));
   const StudyJob& control = jobs.back();
   EXPECT_EQ(control.duration, 2);

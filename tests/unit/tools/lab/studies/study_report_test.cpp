@@ -73,7 +73,7 @@ TEST(StudyTables, SummaryIsOverStatesAndThenOverSeeds) {
   EXPECT_EQ(first[1], "3.00 (2.00 to 4.00)");   // means 2 and 4
   EXPECT_EQ(first[5], "9.00 (6.00 to 12.00)");  // maxima 6 and 12
   EXPECT_EQ(first[10], "75.0 (75.0 to 75.0)");  // %
-  EXPECT_EQ(first[13], "not available");        // latency, which lock-step does not give
+  EXPECT_EQ(first[13], "not available");        // latency, which lock-step does not provide
   EXPECT_EQ(first.back(), "2");
   EXPECT_EQ(table.rows[2][1], "not available");  // the second method has no result
   EXPECT_EQ(table.rows[2].back(), "0");

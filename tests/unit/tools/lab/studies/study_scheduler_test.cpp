@@ -28,7 +28,7 @@ class StudyScheduler : public testing::Test {
             folder_.file(name),
             hash};
   }
-  /// One that counts its runs and leaves a result.
+  /// A task that counts its runs and leaves a result.
   Task good(const std::string& name, const std::string& hash = "h") const {
     return task(name, hash,
                 R"(echo run >> runs; echo '{"inputs_hash": ")" + hash + R"("}' > result.json)");
@@ -89,7 +89,7 @@ TEST_F(StudyScheduler, ATornResultIsNone) {
 }
 
 TEST_F(StudyScheduler, AsManyRunAtATimeAsThereAreWorkers) {
-  // Each waits until the other is there too: alone they would never end.
+  // Each waits for the other: sequentially they would never end.
   const auto meet = [&](const std::string& name, const std::string& other) {
     return task(name, "h",
                 "touch here; while [ ! -e ../" + other +
