@@ -96,7 +96,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
                        options.untold_deviation);
 }
 
-double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
+double MotionLimits::buckling_scale(const elasticity::DeformationModel& model) noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   if (!sensitivity.valid || options_.pivot == 0) return 1;
   if (first_pivot_ == 0) first_pivot_ = sensitivity.smallest_pivot;
@@ -122,11 +122,11 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
 void MotionLimits::add_rates(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
                              const Motion& before, const Variables& variables_before) noexcept {
   Rows rows{program, map, limit_of_, 1};
-  const double ease = inputs.model == nullptr ? 1 : this->ease(*inputs.model);
+  const double scale = inputs.model == nullptr ? 1 : this->buckling_scale(*inputs.model);
   const math::RowPriority priority = options_.joints.empty() ? kHard : kHandOfJoints;
   for (int i = 0; i < size(); ++i) {
     const bool linear = i % 6 < 3;
-    const double speed = ease * (linear ? options_.linear_speed : options_.angular_speed);
+    const double speed = scale * (linear ? options_.linear_speed : options_.angular_speed);
     const double change =
         inputs.dt * (linear ? options_.linear_acceleration : options_.angular_acceleration);
     rows.add(Row::Unit(size(), i),

@@ -136,7 +136,7 @@ class MotionLimits {
   double peak_stress() const noexcept { return stress_ ? stress_->peak() : 0; }  // Pa
 
   /// Scale factor of the motion: 1 far from buckling, 0 at buckling.
-  double ease(const elasticity::DeformationModel& model) noexcept;
+  double buckling_scale(const elasticity::DeformationModel& model) noexcept;
   void reset() noexcept { first_pivot_ = 0; }
 
  private:

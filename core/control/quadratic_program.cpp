@@ -9,7 +9,7 @@
 namespace palpate::control {
 namespace {
 
-const char* gives_way(Limit limit) {
+const char* relaxed_limit_message(Limit limit) {
   switch (limit) {
     case Limit::kWrench:
       return "a limit of the grasp gives way";
@@ -26,7 +26,7 @@ const char* gives_way(Limit limit) {
   }
 }
 
-const char* holds_back(Limit limit) {
+const char* active_limit_message(Limit limit) {
   switch (limit) {
     case Limit::kWrench:
       return "the target lies beyond a limit of the grasp";
@@ -153,8 +153,9 @@ const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
     if (program_.bounds[row].priority.level == 0 || solver_.violations()[row] == 0) continue;
     if (worst < 0 || rank(row) < rank(worst)) worst = row;
   }
-  if (worst >= 0) return gives_way(limits_.limit_of(worst));
-  if (inputs.model != nullptr && limits_.ease(*inputs.model) < 1) return "slows down near buckling";
+  if (worst >= 0) return relaxed_limit_message(limits_.limit_of(worst));
+  if (inputs.model != nullptr && limits_.buckling_scale(*inputs.model) < 1)
+    return "slows down near buckling";
   return "";
 }
 
@@ -187,7 +188,7 @@ void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& ou
   motion_.noalias() -= J_.lazyProduct(reach_solver_.u());
   output.unreachable += motion_.cwiseQuotient(inverse().row_scale());
   if (*output.remark == '\0' && motion_.norm() > options().dead_band.position)
-    output.remark = holds_back(limits_.limit_of(hardest));
+    output.remark = active_limit_message(limits_.limit_of(hardest));
 }
 
 }  // namespace palpate::control

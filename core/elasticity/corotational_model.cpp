@@ -62,7 +62,7 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
   for (NodalField* m :
-       {&weight_per_gravity_, &rest_, &external_, &v_, &surprise_, &column_, &x_inertial_,
+       {&weight_per_gravity_, &rest_, &external_, &v_, &prediction_error_, &column_, &x_inertial_,
         &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
     m->setZero(4, n);
   }
@@ -98,7 +98,7 @@ void CorotationalModel::prepare() {
 void CorotationalModel::reset() noexcept {
   x_ = rest_;
   v_.setZero();
-  surprise_.setZero();
+  prediction_error_.setZero();
   reach_ = kFar;
   loads_.setZero();
   forces_.setZero();
@@ -110,7 +110,7 @@ void CorotationalModel::reset() noexcept {
   warp_.update(rotations_, factor_.rotations);
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
-  doubtful_ = 0;
+  suspect_count_ = 0;
   inverted_ = torn_ = false;
   wanted_ = true;
   publish();
@@ -245,13 +245,13 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   for (int g = 0; g < 2; ++g) {
     if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
   }
-  surprise_.setZero();
+  prediction_error_.setZero();
   // strains and rotations of the new shape, from which the next step starts
   forces_.setZero();
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
-  doubtful_ = 0;
+  suspect_count_ = 0;
   inverted_ = torn_ = false;
   ticks_ = kTanglePeriod - 1;  // the next step checks whether the shape is valid
   follow_rotations();

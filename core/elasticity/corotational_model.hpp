@@ -127,8 +127,8 @@ class CorotationalModel : public DeformationModel {
   void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
-  bool untangle(StepReport& report) noexcept;
-  void look_for_tears(const StepReport& report) noexcept;
+  bool recover_inverted_elements(StepReport& report) noexcept;
+  void detect_inversion(const StepReport& report) noexcept;
   double static_potential() noexcept;
   void turn_sensitivity(int begin, int end) noexcept;
   void refine_column() noexcept;
@@ -153,8 +153,8 @@ class CorotationalModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_, positions_, velocities_;  // in mesh order
   NodalField weight_per_gravity_, rest_;
-  NodalField external_, x_, v_, surprise_, x_begin_, x_inertial_, x_expected_, x_trial_, x_kept_,
-      forces_, forces_trial_;
+  NodalField external_, x_, v_, prediction_error_, x_begin_, x_inertial_, x_expected_, x_trial_,
+      x_kept_, forces_, forces_trial_;
   Eigen::VectorXf correction_, step_taken_, force_change_;  // three per node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
@@ -180,7 +180,7 @@ class CorotationalModel : public DeformationModel {
   int refined_ = 0;    // 6 grasp + motion, the column refined last
   RigidBlend blend_;
   int ticks_ = 0;
-  int doubtful_ = 0;            // consecutive checks with a suspect shape
+  int suspect_count_ = 0;       // consecutive checks with a suspect shape
   bool inverted_ = false;       // inverted elements at the last check
   bool torn_ = false;           // elements were inverted, and strains have not been small since
   double elastic_at_look_ = 0;  // J, including the viscous potential

@@ -65,14 +65,14 @@ StepReport CorotationalModel::step(double dt) noexcept {
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
     if (++ticks_ % kLookPeriod == 0) follow_rotations();
-    if (ticks_ % kTanglePeriod == 0 && untangle(report)) energy = evaluate();
+    if (ticks_ % kTanglePeriod == 0 && recover_inverted_elements(report)) energy = evaluate();
     const double initial = residual();
     correct(report, energy, start);
     if (dynamic_ && report.status != StepStatus::kConverged && report.residual > 0.05 * initial &&
         energy > potential_of_staying()) {
       stay_if_better(report, energy, dt, start);
     }
-    look_for_tears(report);
+    detect_inversion(report);
     if (inverted_ && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
@@ -120,7 +120,7 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
     }
   }
   x_expected_ = x_;
-  if (follow) x_ += persistence_ * surprise_;
+  if (follow) x_ += persistence_ * prediction_error_;
   for (int g = 0; g < grasps; ++g) {
     if (!held_[g]) continue;
     grasps_[g].applied = grasps_[g].target;
@@ -208,7 +208,7 @@ void CorotationalModel::remember_surprise() noexcept {
   double alike = 0, before = 0;
   for (int k = 0; k < pattern_.size(); ++k) {
     const Vector3d surprise = (x_.col(k) - x_expected_.col(k)).head<3>();
-    auto last = surprise_.col(k).head<3>();
+    auto last = prediction_error_.col(k).head<3>();
     if (k < pattern_.interior_size()) {
       alike += surprise.dot(last);
       before += last.squaredNorm();
@@ -323,16 +323,16 @@ void CorotationalModel::learn() noexcept {
 
 /// Checks the validity of the shape; after repeated suspicion restarts from a better one. True if
 /// x_ must be evaluated again.
-bool CorotationalModel::untangle(StepReport& report) noexcept {
+bool CorotationalModel::recover_inverted_elements(StepReport& report) noexcept {
   const ElementDoubts found = element_forces_->doubts(x_, kSmallStrain);
   const bool still = std::abs(elastic_ - elastic_at_look_) <= kStill * elastic_;
   elastic_at_look_ = elastic_;
   inverted_ = found.inverted > 0;
   torn_ = inverted_ || (torn_ && found.strained > 0);
-  doubtful_ = inverted_ || (torn_ && still) ? doubtful_ + 1 : 0;
+  suspect_count_ = inverted_ || (torn_ && still) ? suspect_count_ + 1 : 0;
   const bool hopeless = found.inverted * kHopelessShare > elements_.element_count();
-  if (doubtful_ < kPatience && !hopeless) return false;
-  doubtful_ = 0;
+  if (suspect_count_ < kPatience && !hopeless) return false;
+  suspect_count_ = 0;
   const double present = static_potential();
   std::array<math::Pose, 2> motions{math::Pose::Identity(), math::Pose::Identity()};
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
@@ -348,7 +348,7 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
   }
   x_begin_ = x_inertial_ = x_;
   v_.setZero();
-  surprise_.setZero();
+  prediction_error_.setZero();
   element_forces_->reset();
   secants_.clear();
   inverted_ = false;
@@ -357,7 +357,7 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
 }
 
 /// Between checks elements become inverted only if steps do not converge.
-void CorotationalModel::look_for_tears(const StepReport& report) noexcept {
+void CorotationalModel::detect_inversion(const StepReport& report) noexcept {
   if (torn_ || report.status == StepStatus::kConverged) return;
   torn_ = element_forces_->doubts(x_, kSmallStrain).inverted > 0;
 }

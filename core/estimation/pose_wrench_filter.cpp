@@ -38,7 +38,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       motion_(filter_.shape_size()),
       search_(body, surface, options.search),
       loads_(body),
-      sight_(body.mesh.nodes, surface, options.sight),
+      observation_fit_(body.mesh.nodes, surface, options.sight),
       history_(body.mesh.node_count()),
       shift_(WrenchFilter::ShapeState::Zero(filter_.shape_size())),
       node_deviation_(static_cast<std::size_t>(body.mesh.node_count()), 0.0F) {
@@ -61,20 +61,20 @@ void PoseWrenchFilter::reset() noexcept {
   follower_.reset();
   step_watch_.reset();
   filter_.reset();
-  sight_.reset();
+  observation_fit_.reset();
   history_.clear();
   is_seen_ = false;
   shift_.setZero();
   hands_.fill(Hand());
   since_taken_ = 0;
   innovation_test_ = -1;
-  suspicions_ = 0;
+  rejected_innovations_ = 0;
   place_ = -1;
   weak_for_ = unbelieved_for_ = 0;
   since_contact_ = kLongAgo;
   unexplained_count_ = 0;
   sudden_ = 0;
-  gone_ = false;
+  contact_released_ = false;
   rest_for_ = 0;
   at_rest_count_ = 0;
   std::fill(node_deviation_.begin(), node_deviation_.end(), 0.0F);
@@ -147,19 +147,19 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   since_taken_ += dt;
   if (since_taken_ >= options_.period * (1 - 1e-9)) {
     since_taken_ = 0;
-    take(model);
+    update_wrench(model);
   }
-  see(inputs.observation, model, dt);
+  update_observation(inputs.observation, model, dt);
   if (search_.is_searching()) {
     constexpr int kPlaces = 1000;  // per tick, 0.2 ms
     if (search_.advance(model, motion_, kPlaces)) judge_search(model);
   }
   judge_contact(model, dt);
-  tell(model, grasps, estimate);
+  write_estimate(model, grasps, estimate);
 
   const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
   if (step.status != sensing::Status::kOk) return step;
-  if (suspicions_ * options_.period > kPatience / 2)
+  if (rejected_innovations_ * options_.period > kPatience / 2)
     trouble = "nothing explains the wrench of the hand";
   if (*trouble != '\0') return {sensing::Status::kDegraded, trouble};
   return {};
@@ -185,9 +185,10 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   speed << (X_OG.translation() - hand.X_OG_before.translation()) / dt,
       math::log_rotation(X_OG.linear() * hand.X_OG_before.linear().transpose()) / dt;
   hand.X_OG_before = X_OG;
-  hand.news = std::min(
-      1.0, hand.news + dt * (speed.head<3>().norm() / options_.way +
-                             speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
+  hand.information_gain =
+      std::min(1.0, hand.information_gain +
+                        dt * (speed.head<3>().norm() / options_.way +
+                              speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
   const double share = 1 - std::exp(-dt / options_.lag);
   hand.lagged += share * (wrench - hand.lagged);
   const math::Vector6d faster = share * (speed - hand.speed);
@@ -202,15 +203,15 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   ++hand.count;
 }
 
-void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept {
+void PoseWrenchFilter::update_wrench(const elasticity::DeformationModel& model) noexcept {
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
   find_reaction_deviation(now);
   if (rest_for_ < options_.period) {  // moved since the last wrench update
-    at_rest_count_ = suspicions_ = sudden_ = unexplained_count_ = 0;
+    at_rest_count_ = rejected_innovations_ = sudden_ = unexplained_count_ = 0;
     drop_contact(model);  // the wrench of a moving hand can no longer identify the contact
   }
-  if (rest_for_ > options_.rest) remember(now);
+  if (rest_for_ > options_.rest) accumulate_innovation(now);
   if (filter_.has_contact()) {
     if (is_settled(now)) follow_contact(change(now));
     return;
@@ -219,12 +220,12 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   innovation_test_ = test / static_cast<double>(now.y.size());
   if (test < 0) return;
   if (!options_.contacts) {
-    suspicions_ = 0;
+    rejected_innovations_ = 0;
   } else if (is_settled(now)) {
-    watch(change(now));
-    if (suspicions_ > 0) return;
+    detect_contact(change(now));
+    if (rejected_innovations_ > 0) return;
   }
-  if (rest_for_ > options_.rest) settle(now);
+  if (rest_for_ > options_.rest) update_rest_baseline(now);
   if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
     correct(now);
 }
@@ -233,7 +234,8 @@ void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
   filter_.correct();
   for (int g = 0; g < filter_.grasp_count(); ++g)
-    if (now.held[g]) hands_[g].news *= 1 - std::min(1.0, options_.period / kTelling);
+    if (now.held[g])
+      hands_[g].information_gain *= 1 - std::min(1.0, options_.period / kInformationTime);
   follow(now.held, now.H, filter_.mean() - before);
 }
 
@@ -253,8 +255,8 @@ void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilte
   if (!filter_.has_contact()) at_rest_ -= off;
 }
 
-void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasps,
-                            Estimate& estimate) noexcept {
+void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model, int grasps,
+                                      Estimate& estimate) noexcept {
   const WrenchFilter::Vector& mean = filter_.mean();
   for (int g = 0; g < grasps; ++g) {
     estimate.X_OG[g] = follower_.X_OG(g);
@@ -286,12 +288,12 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
   } else {
     contact = UnknownContact();
   }
-  tell_nodes(model);
+  write_node_deviations(model);
   estimate.node_deviation = &node_deviation_;
 }
 
 /// Updates the deviation of one tenth of the nodes per tick.
-void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model) noexcept {
+void PoseWrenchFilter::write_node_deviations(const elasticity::DeformationModel& model) noexcept {
   if (!model.sensitivity().valid) return;
   const SurfaceFit::Basis now = basis(model);
   const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();

@@ -102,7 +102,7 @@ class PoseWrenchFilter : public Estimator {
     math::Vector6d reaction_deviation = math::Vector6d::Constant(-1);
     bool known = false;
     /// Information of the next wrenches: 1 for independent ones, 0 for fully correlated ones.
-    double news = 1;
+    double information_gain = 1;
   };
   /// Innovation of all held hands with a wrench, and its dependence on the states.
   struct Innovation {
@@ -113,9 +113,9 @@ class PoseWrenchFilter : public Estimator {
     WrenchFilter::Wrenches measured;
   };
 
-  static constexpr double kPatience = 2;   // s, maximum duration of an unexplained change
-  static constexpr double kLongAgo = 1e3;  // s
-  static constexpr double kTelling = 0.2;  // s, time over which new information is absorbed
+  static constexpr double kPatience = 2;           // s, maximum duration of an unexplained change
+  static constexpr double kLongAgo = 1e3;          // s
+  static constexpr double kInformationTime = 0.2;  // s, time over which new information is absorbed
 
   WrenchFilter::ShapeState applied() const noexcept;  // state that the shape currently follows
   /// Young's modulus divided by its nominal value
@@ -126,8 +126,9 @@ class PoseWrenchFilter : public Estimator {
   WrenchFilter::Rows wrench_rows(const std::array<bool, 2>& held,
                                  const elasticity::DeformationModel& model) const noexcept;
   SurfaceFit::Basis basis(const elasticity::DeformationModel& model) const noexcept;
-  void see(const ObservationInput& seen, elasticity::DeformationModel& model, double dt) noexcept;
-  void take_sight(const elasticity::DeformationModel& model) noexcept;
+  void update_observation(const ObservationInput& seen, elasticity::DeformationModel& model,
+                          double dt) noexcept;
+  void apply_observation(const elasticity::DeformationModel& model) noexcept;
   math::Vector6d wrench_of_shift(int grasp,
                                  const elasticity::DeformationModel& model) const noexcept;
   void predict_wrench(int grasp, const GraspInput& input, const elasticity::DeformationModel& model,
@@ -137,17 +138,17 @@ class PoseWrenchFilter : public Estimator {
   Eigen::Vector2d size_of_wrench(int grasp, const WrenchFilter::Rows& H,
                                  const math::Vector6d& y) const noexcept;
   Innovation innovation(const elasticity::DeformationModel& model) noexcept;
-  void take(const elasticity::DeformationModel& model) noexcept;
+  void update_wrench(const elasticity::DeformationModel& model) noexcept;
   void find_reaction_deviation(const Innovation& innovation) noexcept;
   void correct(const Innovation& innovation) noexcept;
   void follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
               WrenchFilter::Vector change) noexcept;
   int wrenches_in(double seconds) const noexcept;  // at least one
   bool is_settled(const Innovation& innovation) const noexcept;
-  void remember(const Innovation& innovation) noexcept;
-  void settle(const Innovation& now) noexcept;
+  void accumulate_innovation(const Innovation& innovation) noexcept;
+  void update_rest_baseline(const Innovation& now) noexcept;
   Innovation change(const Innovation& innovation) const noexcept;
-  void watch(const Innovation& innovation) noexcept;
+  void detect_contact(const Innovation& innovation) noexcept;
   void follow_contact(Innovation innovation) noexcept;
   void add_unexplained(const WrenchFilter::Wrenches& change) noexcept;
   WrenchFilter::Noise noise(const WrenchFilter::Wrenches& pushed, int count) const noexcept;
@@ -155,10 +156,12 @@ class PoseWrenchFilter : public Estimator {
                      const elasticity::DeformationModel& model) noexcept;
   void judge_search(const elasticity::DeformationModel& model) noexcept;
   void judge_contact(const elasticity::DeformationModel& model, double dt) noexcept;
-  void push(const Eigen::Vector3d& force_O, const elasticity::DeformationModel& model) noexcept;
+  void load_contact(const Eigen::Vector3d& force_O,
+                    const elasticity::DeformationModel& model) noexcept;
   void drop_contact(const elasticity::DeformationModel& model) noexcept;
-  void tell(const elasticity::DeformationModel& model, int grasps, Estimate& estimate) noexcept;
-  void tell_nodes(const elasticity::DeformationModel& model) noexcept;
+  void write_estimate(const elasticity::DeformationModel& model, int grasps,
+                      Estimate& estimate) noexcept;
+  void write_node_deviations(const elasticity::DeformationModel& model) noexcept;
 
   Options options_;
   std::array<double, 2> lever_{};  // m, from each grasp to the centre of the object, at rest
@@ -169,7 +172,7 @@ class PoseWrenchFilter : public Estimator {
   PatchMotion motion_;
   ContactSearch search_;
   VirtualLoads loads_;
-  SurfaceFit sight_;
+  SurfaceFit observation_fit_;
   ShapeHistory history_;
   /// Observations were received; the model has the virtual loads configured.
   bool is_seen_ = false;
@@ -178,7 +181,7 @@ class PoseWrenchFilter : public Estimator {
   std::array<Hand, 2> hands_;
   double since_taken_ = 0;                 // s
   double innovation_test_ = -1;            // per degree of freedom
-  int suspicions_ = 0;                     // consecutive rejected innovations
+  int rejected_innovations_ = 0;           // consecutive rejected innovations
   double rest_for_ = 0;                    // s
   WrenchFilter::Wrenches at_rest_;         // mean innovation since the hands came to rest
   WrenchFilter::Wrenches at_rest_spread_;  // mean square deviation of recent_ from it
@@ -193,9 +196,9 @@ class PoseWrenchFilter : public Estimator {
   double place_deviation_ = 0;  // m, standard deviation of its location
   int sudden_ = 0;              // consecutive changes far beyond the noise
   /// The contact's contribution to the wrenches is barely above the noise.
-  bool faint_ = false;
+  bool contact_below_noise_ = false;
   /// The wrenches have returned to their values at rest: the contact has ended.
-  bool gone_ = false;
+  bool contact_released_ = false;
   double since_contact_ = kLongAgo;  // s since the last contact ended
   double weak_for_ = 0;              // s for which the contact's force has not been significant
   double unbelieved_for_ = 0;        // s for which the contact has not explained the wrench

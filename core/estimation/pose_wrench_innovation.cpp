@@ -94,8 +94,9 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
     const Eigen::Vector2d size =
         size_of_wrench(g, result.H.middleRows<6>(row), result.y.segment<6>(row));
     // All wrenches until the model error decorrelates carry the information of one.
-    const double told = hand.news * std::min(1.0, options_.period / kTelling);
-    const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
+    const double information =
+        hand.information_gain * std::min(1.0, options_.period / kInformationTime);
+    const double lasting = options_.relative / std::sqrt(std::max(information, 1e-9));
     const double force = lasting * size[0];
     const double torque = lasting * size[1] + lever_[g] * force;
     const Eigen::Vector2d inertial = inertial_error(hand);

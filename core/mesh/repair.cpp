@@ -129,7 +129,7 @@ class Repair {
       add("elements turned: their order of corners was the mirror image", numbers(turned));
       wrong = others;
     }
-    untangle(wrong);
+    recover_inverted_elements(wrong);
     const std::vector<int> left = negative();
     for (const int t : left) exchange(t);
     add("elements turned: their order of corners was the mirror image", numbers(left));
@@ -139,7 +139,7 @@ class Repair {
 
   /// An element whose neighbours lie on the other sides of its faces merely has reversed
   /// orientation; one that overlaps a neighbour was inverted by a misplaced node.
-  void untangle(const std::vector<int>& wrong) {
+  void recover_inverted_elements(const std::vector<int>& wrong) {
     const std::vector<int> overlapping = check(mesh_.mesh).overlapping;
     std::vector<int> tangled;
     std::set_intersection(wrong.begin(), wrong.end(), overlapping.begin(), overlapping.end(),

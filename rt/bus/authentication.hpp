@@ -64,9 +64,9 @@ struct Access {
 
 /// Sets the counter and, with a key, the authentication code of the messages of one outgoing
 /// channel.
-class Sealer {
+class MessageSigner {
  public:
-  Sealer(std::string channel, const Access& access)
+  MessageSigner(std::string channel, const Access& access)
       : channel_(std::move(channel)), access_(access) {}
 
   /// Call after all other fields have their final values. `now_us`: wall clock.
@@ -93,9 +93,9 @@ enum class Admitted {
 /// Replay guard: accepts messages of one incoming channel with a valid code and a counter above all
 /// previous ones. Without a key all messages are fresh. Must be checked before any other use of a
 /// message.
-class Admission {
+class ReplayGuard {
  public:
-  Admission(std::string channel, const Access& access)
+  ReplayGuard(std::string channel, const Access& access)
       : channel_(std::move(channel)),
         key_(access.key),
         start_(access.start_us),

@@ -43,7 +43,7 @@ class Subscription {
   /// identified by the session of their messages, until it has been silent for `silence_ns`; if it
   /// resumes within five times that, it is accepted again. Messages of other publishers, however
   /// many, do not enter the queue.
-  void hear_one_sender(std::int64_t silence_ns) noexcept { silence_ns_ = silence_ns; }
+  void lock_to_first_publisher(std::int64_t silence_ns) noexcept { silence_ns_ = silence_ns; }
 
   /// Called by the receiver. `arrival_ns`: CLOCK_MONOTONIC (or virtual time).
   void offer(const void* data, int size, std::int64_t arrival_ns) noexcept;
@@ -180,7 +180,9 @@ class TypedSubscription {
     return message.decode(buffer_.data(), 0, static_cast<int>(buffer_.size())) >= 0;
   }
   const SubscriptionCounters& counters() const noexcept { return raw_->counters(); }
-  void hear_one_sender(std::int64_t silence_ns) noexcept { raw_->hear_one_sender(silence_ns); }
+  void lock_to_first_publisher(std::int64_t silence_ns) noexcept {
+    raw_->lock_to_first_publisher(silence_ns);
+  }
 
  private:
   MessageBus* bus_;

@@ -11,9 +11,9 @@ namespace palpate::bus {
 std::int64_t random_session();
 
 /// Sets utime, seq and session of the messages of one outgoing channel.
-class Stamp {
+class HeaderStamper {
  public:
-  explicit Stamp(std::int64_t session) noexcept : session_(session) {}
+  explicit HeaderStamper(std::int64_t session) noexcept : session_(session) {}
 
   /// `utime`: us, clock of this program.
   template <class Message>

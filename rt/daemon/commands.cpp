@@ -116,11 +116,11 @@ void Commands::handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) n
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
-void Commands::announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+void Commands::announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
                                 std::int64_t utime) noexcept {
   constexpr std::int64_t kInterval = 1'000'000'000;  // ns
   if (refused_told_ns_ != 0 && monotonic_ns - refused_told_ns_ < kInterval) return;
-  const bus::Admission* admissions[] = {&command_admission_, &target_admission_, &manual};
+  const bus::ReplayGuard* admissions[] = {&command_admission_, &target_admission_, &manual};
   for (std::size_t i = 0; i < refused_told_.size(); ++i) {
     const std::int64_t more = admissions[i]->refused() - refused_told_[i];
     if (more == 0) continue;

@@ -36,7 +36,7 @@ class Commands {
               std::int64_t utime) noexcept;
 
   /// Reports, at most once per second, that commands or manual forces (`manual`) were rejected.
-  void announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+  void announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
                         std::int64_t utime) noexcept;
   /// Number of commands and targets without a valid code or with an old counter.
   std::int64_t refused() const noexcept {
@@ -72,7 +72,7 @@ class Commands {
 
   bus::TypedSubscription<component_command_t> commands_;
   bus::TypedSubscription<shape_target_t> targets_;
-  bus::Admission command_admission_, target_admission_;
+  bus::ReplayGuard command_admission_, target_admission_;
   component_command_t command_{};
   shape_target_t target_{};
   std::int64_t last_session_ = 0;
@@ -83,7 +83,7 @@ class Commands {
   std::array<std::int64_t, 3> refused_told_{};  // for commands, targets, manual forces
   std::int64_t refused_told_ns_ = 0;
 
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
   bus::TypedPublisher<component_event_t> events_;
   component_event_t event_{};
   boost::lockfree::spsc_queue<EventRecord, boost::lockfree::capacity<256>> log_;

@@ -64,7 +64,7 @@ class Health {
  private:
   const bus::MessageBus& control_;
   const bus::MessageBus& housekeeping_;
-  bus::Stamp health_stamp_, config_stamp_;
+  bus::HeaderStamper health_stamp_, config_stamp_;
   bus::TypedPublisher<health_t> health_;
   bus::TypedPublisher<config_t> config_;
   std::int64_t news_ns_ = 0;    // time of the last important change

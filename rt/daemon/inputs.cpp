@@ -148,10 +148,10 @@ Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const ch
       inertial(bus, names[1], 32, frozen_after.inertial),
       robot(bus, names[2], 32, frozen_after.robot),
       hand(bus, names[3], 8) {
-  force_torque.hear_one_sender();
-  inertial.hear_one_sender();
-  robot.hear_one_sender();
-  hand.hear_one_sender();
+  force_torque.lock_to_first_publisher();
+  inertial.lock_to_first_publisher();
+  robot.lock_to_first_publisher();
+  hand.lock_to_first_publisher();
 }
 
 Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
@@ -162,11 +162,11 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
       manual_(control, "MANUAL_FORCE", 8),
       manual_admission_("MANUAL_FORCE", access),
       observation_(control, "SHAPE_OBSERVATION", 4) {
-  observation_.hear_one_sender();
+  observation_.lock_to_first_publisher();
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =
         std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
-    biotac_[i]->hear_one_sender();
+    biotac_[i]->lock_to_first_publisher();
   }
 }
 
@@ -195,7 +195,7 @@ template <class Message, class Stream, class Convert>
 void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
-  channel.began_anew = false;
+  channel.session_restarted = false;
   std::int64_t arrival_ns = 0;
   for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
     if (!admitted(channel.message)) {
@@ -204,7 +204,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
     }
     if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
     if (channel.sequence.sessions() > channel.sessions) {
-      channel.began_anew = channel.sessions > 0;
+      channel.session_restarted = channel.sessions > 0;
       channel.sessions = channel.sequence.sessions();
     }
     auto candidate = stream.latest;
@@ -253,11 +253,11 @@ void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
 }
 
 bool Inputs::any_began_anew() const noexcept {
-  const auto began_anew = [](const ArmChannels& arm) {
-    return arm.force_torque.began_anew || arm.inertial.began_anew || arm.robot.began_anew ||
-           arm.hand.began_anew;
+  const auto session_restarted = [](const ArmChannels& arm) {
+    return arm.force_torque.session_restarted || arm.inertial.session_restarted ||
+           arm.robot.session_restarted || arm.hand.session_restarted;
   };
-  return began_anew(first_) || (second_ && began_anew(*second_));
+  return session_restarted(first_) || (second_ && session_restarted(*second_));
 }
 
 template <class Message>

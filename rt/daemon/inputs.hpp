@@ -57,7 +57,7 @@ class Inputs {
   const sensing::Signals& signals(int arm = 0) const noexcept { return signals_[arm]; }
   int arm_count() const noexcept { return second_ ? 2 : 1; }
   int channel_count() const noexcept { return second_ ? 15 : 11; }
-  const bus::Admission& manual_admission() const noexcept { return manual_admission_; }
+  const bus::ReplayGuard& manual_admission() const noexcept { return manual_admission_; }
   InputReport report(int channel) const noexcept;  // the second arm's channels come last
 
   /// True if a sensor, hand or robot of an arm has restarted by the last read(): stored information
@@ -71,7 +71,7 @@ class Inputs {
         : name(channel),
           queue(bus, channel, depth),
           frozen_after_ns(static_cast<std::int64_t>(frozen_after * 1e9)) {}
-    void hear_one_sender() noexcept { queue.hear_one_sender(kSilence); }
+    void lock_to_first_publisher() noexcept { queue.lock_to_first_publisher(kSilence); }
     /// ns of silence before another publisher of the same channel is accepted: much longer than the
     /// timeout of a silent sensor, so that a stray publisher does not take over when a machine
     /// stalls.
@@ -85,8 +85,8 @@ class Inputs {
     std::int64_t changed_ns = 0;   // time of the last change of the values
     int repeats = 0;               // number of messages with the same values since
     std::int64_t frozen = 0;
-    std::int64_t sessions = 0;  // sessions of the sender so far
-    bool began_anew = false;    // restarted by the last read()
+    std::int64_t sessions = 0;       // sessions of the sender so far
+    bool session_restarted = false;  // restarted by the last read()
     double age = -1;
     Message message;
   };
@@ -121,7 +121,7 @@ class Inputs {
   ArmChannels first_;
   std::unique_ptr<ArmChannels> second_;
   Channel<manual_force_t> manual_;
-  bus::Admission manual_admission_;
+  bus::ReplayGuard manual_admission_;
   std::array<std::unique_ptr<Channel<biotac_t>>, 5> biotac_;
   Channel<shape_observation_t> observation_;
 };

@@ -36,7 +36,7 @@ MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const registry::Obje
 }
 
 void MeshTelemetry::publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
-                                  bus::Stamp& stamp, std::int64_t utime) noexcept {
+                                  bus::HeaderStamper& stamp, std::int64_t utime) noexcept {
   stamp.put(shape_message_, utime);
   shape_message_.status = shape_status(pipeline.estimate().step.status);
   shape_message_.age_us = static_cast<std::int32_t>(std::min<std::int64_t>(age_us, 2'000'000'000));
@@ -97,7 +97,7 @@ void MeshTelemetry::prepare_mesh(const registry::Object& object) {
   }
 }
 
-void MeshTelemetry::publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept {
+void MeshTelemetry::publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept {
   if (mesh_.empty()) return;
   shape_mesh_t& message = mesh_[next_chunk_];
   next_chunk_ = (next_chunk_ + 1) % mesh_.size();

@@ -18,10 +18,10 @@ class MeshTelemetry {
   MeshTelemetry(bus::MessageBus& housekeeping, const registry::Object& object);
 
   /// `age_us`: age of the shape.
-  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us, bus::Stamp& stamp,
-                     std::int64_t utime) noexcept;
+  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
+                     bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
   /// Publishes one chunk of SHAPE_MESH; the next call publishes the next one.
-  void publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept;
+  void publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
   int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
 
  private:

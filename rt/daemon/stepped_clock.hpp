@@ -47,7 +47,7 @@ class SteppedClock {
  private:
   bus::TypedSubscription<sim_tick_t> ticks_;
   bus::TypedPublisher<tick_done_t> done_;
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
   sim_tick_t tick_{};
   tick_done_t answer_{};
   std::int64_t sim_session_ = 0;

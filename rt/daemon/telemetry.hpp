@@ -61,8 +61,8 @@ class Telemetry {
       sealer.put(message, utime);
       publisher.publish(message);
     }
-    bus::Stamp stamp;
-    bus::Sealer sealer;
+    bus::HeaderStamper stamp;
+    bus::MessageSigner sealer;
     bus::TypedPublisher<Message> publisher;
     Message message{};
   };
@@ -73,7 +73,7 @@ class Telemetry {
   std::vector<Command<twist_command_t>> commands_;             // by arm
   std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, if modelled
   bool tells_joints_ = false;
-  bus::Stamp contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
+  bus::HeaderStamper contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
       mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;
   bus::TypedPublisher<unknown_contact_t> unknown_;

@@ -136,7 +136,7 @@ void Slots::build_steering(const config::Node& root) {
   feature =
       registry::make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
   provider = registry::make_jacobian_provider(control, context, *feature);
-  sight = registry::make_marker_sight(control, context, *feature);
+  sight = registry::make_marker_observer(control, context, *feature);
   law = registry::make_control_law(control, context, *feature);
   moving = registry::read_moving_arms(control, context);
   commands_joints = registry::read_commands_joints(control, context);

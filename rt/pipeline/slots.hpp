@@ -110,7 +110,7 @@ struct Slots {
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
   /// Null: the feature is evaluated on the model.
-  std::unique_ptr<published_control::MarkerSight> sight;
+  std::unique_ptr<published_control::MarkerObserver> sight;
   registry::MovingArms moving = registry::MovingArms::kFirst;
   bool commands_joints = false;  // of the first arm, instead of its hand's twist
 

@@ -73,7 +73,7 @@ class Telemetry {
   bus::TypedPublisher<palpate::robot_state_t> states_;
   bus::TypedPublisher<palpate::ft_wrench_t> wrenches_;
   const std::int64_t session_ = bus::random_session();
-  bus::Stamp state_stamp_{session_}, wrench_stamp_{session_};
+  bus::HeaderStamper state_stamp_{session_}, wrench_stamp_{session_};
   int tick_ = 0;
 };
 

@@ -27,7 +27,7 @@ void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   command.session = kSession;
   bus::put_text(command.slot, "all");
   bus::put_text(command.event, "start");
-  bus::Sealer("COMPONENT_COMMAND", {key, 0}).put(command, 0);
+  bus::MessageSigner("COMPONENT_COMMAND", {key, 0}).put(command, 0);
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
 }
 

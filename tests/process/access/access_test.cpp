@@ -122,7 +122,7 @@ class AccessProcess : public ::testing::Test {
     return false;
   }
   /// Twists upwards for `count` ms, signed or not.
-  void steer(int count, bus::Sealer* sealer, std::int64_t session) {
+  void steer(int count, bus::MessageSigner* sealer, std::int64_t session) {
     bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
     twist_command_t message{};
     message.session = session;
@@ -166,7 +166,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
   EXPECT_EQ(now, start) << "moved by a program without the key";
   recorded(*twists_);
 
-  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
   ASSERT_TRUE(rests(moved)) << "goes on without commands";
@@ -214,7 +214,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
   EXPECT_LT((now - start).norm(), kAtRest) << "moved by a program without the key";
   recorded(*twists_);
 
-  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
   ASSERT_TRUE(rests(moved, 0.5 * kAtRest)) << "goes on without commands";

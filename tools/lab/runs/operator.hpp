@@ -67,7 +67,7 @@ class Operator {
   bus::TypedPublisher<shape_target_t> targets_;
   std::int64_t session_;
   std::int32_t seq_ = 0;
-  bus::Sealer command_sealer_, target_sealer_;
+  bus::MessageSigner command_sealer_, target_sealer_;
   std::optional<shape_target_t> target_;
   std::int64_t target_sent_ = 0;  // us
   std::optional<health_t> health_;

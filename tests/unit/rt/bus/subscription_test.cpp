@@ -58,7 +58,7 @@ TEST(Subscription, KeepsTheNewestWhenNobodyTakes) {
 
 TEST(Subscription, HearsOneSenderUntilThatOneIsSilent) {
   Subscription subscription = wrench_subscription(8);
-  subscription.hear_one_sender(100);
+  subscription.lock_to_first_publisher(100);
   const auto offer_of = [&](std::int64_t session, std::int64_t arrival_ns) {
     ft_wrench_t message = wrench_number(1);
     message.session = session;

@@ -26,7 +26,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-constexpr double kDegree = M_PI / 180;
+constexpr double kSensorsDegree = M_PI / 180;
 const Eigen::Matrix3d kMount = math::exp_rotation({0.4, -2.9, 0.3});
 
 /// A fingertip at rest for a second, then pressed at various points; forces are linear in the
@@ -248,8 +248,8 @@ TEST_F(Sensors, TheFrameOfDirectionsIsFoundWhateverTheSign) {
       EXPECT_NEAR(lists.back()[i].errors.median_angle[0], lists[0][i].errors.median_angle[0], 1e-4)
           << lists[0][i].method;
   }
-  EXPECT_LT(lists[0][0].errors.median_angle[0], 12 * kDegree);
-  EXPECT_GT(lists[0][7].errors.median_angle[0], 15 * kDegree);                        // the mean
+  EXPECT_LT(lists[0][0].errors.median_angle[0], 12 * kSensorsDegree);
+  EXPECT_GT(lists[0][7].errors.median_angle[0], 15 * kSensorsDegree);                 // the mean
   EXPECT_GT(lists[0][1].errors.median_angle[0], lists[0][0].errors.median_angle[0]);  // scattered
 }
 

@@ -8,7 +8,7 @@ namespace palpate::published_control {
 /// replace the model's positions of these points. Node positions are modified as little as possible
 /// (least squares) such that the feature's points coincide with the observed markers; any feature
 /// of material points is then evaluated on the observation.
-class MarkerSight {
+class MarkerObserver {
  public:
   enum class Kind {
     kHeld,   // points keep their last observed position; invalid once vision is lost
@@ -21,8 +21,8 @@ class MarkerSight {
   };
 
   /// Throws std::invalid_argument if a point is not on the mesh.
-  MarkerSight(const mesh::ElementMesh& mesh, const std::vector<Eigen::Vector3d>& rest_points,
-              const Options& options);
+  MarkerObserver(const mesh::ElementMesh& mesh, const std::vector<Eigen::Vector3d>& rest_points,
+                 const Options& options);
 
   /// Call once per tick. `fresh`: markers have arrived in this tick; `age`: s since their last
   /// arrival. `seen`: positions in O, 3 x number of points, in their order; ignored if the number

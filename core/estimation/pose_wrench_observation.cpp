@@ -29,29 +29,29 @@ math::Vector6d PoseWrenchFilter::wrench_of_shift(
 
 /// The shape history is recorded from the first message on, so that later messages find the shape
 /// at their acquisition time.
-void PoseWrenchFilter::see(const ObservationInput& seen, elasticity::DeformationModel& model,
-                           double dt) noexcept {
+void PoseWrenchFilter::update_observation(const ObservationInput& seen,
+                                          elasticity::DeformationModel& model, double dt) noexcept {
   const bool is_new = seen.freshness == sensing::Freshness::kNew;
   if (!is_seen_ && !is_new) return;
   if (!is_seen_) loads_.watch(model);
   is_seen_ = true;
   shift_ *= std::exp(-dt / options_.fade);
   history_.record(model.positions(), applied(), dt);
-  if (is_new) sight_.begin(seen, history_);
+  if (is_new) observation_fit_.begin(seen, history_);
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
-  if (!sight_.is_busy() || !sensitivity.valid) {
-    sight_.wait(dt);
+  if (!observation_fit_.is_busy() || !sensitivity.valid) {
+    observation_fit_.wait(dt);
     return;
   }
   if (!filter_.has_loads() && VirtualLoads::is_known(sensitivity))
     filter_.begin_loads(loads_.for_distance(options_.shape, sensitivity));
-  if (sight_.advance(basis(model), dt)) take_sight(model);
+  if (observation_fit_.advance(basis(model), dt)) apply_observation(model);
 }
 
-void PoseWrenchFilter::take_sight(const elasticity::DeformationModel& model) noexcept {
+void PoseWrenchFilter::apply_observation(const elasticity::DeformationModel& model) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
-  const SurfaceFit::Information& told = sight_.information();
-  if (told.used == 0 || !filter_.take(told.matrix, told.vector)) return;
+  const SurfaceFit::Information& correction = observation_fit_.information();
+  if (correction.used == 0 || !filter_.take(correction.matrix, correction.vector)) return;
   const WrenchFilter::Vector change = filter_.mean() - before;
   shift_ -= change.head(filter_.shape_size());
   std::array<bool, 2> held{};

@@ -62,7 +62,7 @@ bool PoseWrenchFilter::is_settled(const Innovation& now) const noexcept {
   return at_rest_count_ >= wrenches_in(kRestFirst) && at_rest_held_ == now.held;
 }
 
-void PoseWrenchFilter::remember(const Innovation& now) noexcept {
+void PoseWrenchFilter::accumulate_innovation(const Innovation& now) noexcept {
   latest_ = now.y;
   if (at_rest_count_ > 0 && at_rest_held_ == now.held) {
     recent_ += (now.y - recent_) / wrenches_in(kOfLate);
@@ -76,7 +76,7 @@ void PoseWrenchFilter::remember(const Innovation& now) noexcept {
 }
 
 /// Updates the baseline of the wrenches at rest and their spread.
-void PoseWrenchFilter::settle(const Innovation& now) noexcept {
+void PoseWrenchFilter::update_rest_baseline(const Innovation& now) noexcept {
   constexpr double kLongest = 2;  // s, averaging window
   at_rest_count_ = std::min(at_rest_count_ + 1, wrenches_in(kLongest));
   const WrenchFilter::Wrenches off = recent_ - at_rest_;
@@ -119,7 +119,7 @@ WrenchFilter::Noise PoseWrenchFilter::noise(const WrenchFilter::Wrenches& pushed
 
 /// Starts a search for an external contact when the wrenches have changed significantly: two
 /// consecutive wrenches by far more than their noise, or the short-term mean for some time.
-void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
+void PoseWrenchFilter::detect_contact(const Innovation& changed) noexcept {
   const auto rows = static_cast<double>(changed.y.size());
   Innovation now = changed;
   now.y = latest_ - at_rest_;
@@ -130,13 +130,14 @@ void PoseWrenchFilter::watch(const Innovation& changed) noexcept {
   const bool lasting =
       filter_.test(changed.H, changed.y, changed.R) > wary * options_.gate / 6 * rows;
   sudden_ = sudden ? sudden_ + 1 : 0;
-  suspicions_ = sudden || lasting ? suspicions_ + 1 : 0;
-  if (suspicions_ <= 1) unexplained_count_ = 0;
-  if (suspicions_ == 0) return;
+  rejected_innovations_ = sudden || lasting ? rejected_innovations_ + 1 : 0;
+  if (rejected_innovations_ <= 1) unexplained_count_ = 0;
+  if (rejected_innovations_ == 0) return;
   add_unexplained(now.y);
-  if ((sudden_ >= kSuddenInARow || suspicions_ >= options_.suspicions) && !search_.is_searching())
+  if ((sudden_ >= kSuddenInARow || rejected_innovations_ >= options_.suspicions) &&
+      !search_.is_searching())
     search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
-  if (suspicions_ * options_.period > kPatience) at_rest_count_ = 0;  // new baseline
+  if (rejected_innovations_ * options_.period > kPatience) at_rest_count_ = 0;  // new baseline
 }
 
 /// Adds to the mean change of the wrenches, without the contribution of the known contact.
@@ -165,23 +166,23 @@ void PoseWrenchFilter::follow_contact(Innovation changed) noexcept {
   innovation_test_ = test / rows;
   if (test < 0) return;
   const bool believed = test <= options_.gate / 6 * rows;
-  suspicions_ = believed ? 0 : suspicions_ + 1;
-  if (suspicions_ == 1) unexplained_count_ = 0;  // the contact has moved, grown or ended
+  rejected_innovations_ = believed ? 0 : rejected_innovations_ + 1;
+  if (rejected_innovations_ == 1) unexplained_count_ = 0;  // the contact has moved, grown or ended
   add_unexplained(changed.y + pushed);
   if (believed) correct(changed);
   const auto is_faint = [&](const WrenchFilter::Wrenches& wrenches) {
     return wrenches.cwiseAbs2().cwiseQuotient(usual).sum() < kFaint / 6 * rows;
   };
-  faint_ = is_faint(pushed);
+  contact_below_noise_ = is_faint(pushed);
   // The hand rests: if the wrench has returned to its baseline, the contact has ended, even if the
   // innovation, whose model error is not that of a small change, suggests otherwise.
   const bool as_before =
       is_faint(changed.y + pushed) || is_faint(changed.measured - at_rest_measured_);
-  gone_ = suspicions_ >= kSuddenInARow && as_before;
-  if (gone_) return;
+  contact_released_ = rejected_innovations_ >= kSuddenInARow && as_before;
+  if (contact_released_) return;
   constexpr double kLookAgain = 0.1;  // s
   const bool look =
-      suspicions_ >= kSuddenInARow ||
+      rejected_innovations_ >= kSuddenInARow ||
       (believed && weak_for_ == 0 && unexplained_count_ % wrenches_in(kLookAgain) == 0);
   if (look && !search_.is_searching())
     search_.begin(unexplained_, noise(unexplained_, unexplained_count_), changed.held);
@@ -197,7 +198,7 @@ void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) n
     if (found.place == place_ ||
         found.cost + kClearlyBetter > search_.judge(place_, model, motion_).cost)
       return;
-  } else if (suspicions_ == 0) {
+  } else if (rejected_innovations_ == 0) {
     return;  // false alarm
   }
   place_contact(found, model);
@@ -206,45 +207,45 @@ void PoseWrenchFilter::judge_search(const elasticity::DeformationModel& model) n
 void PoseWrenchFilter::place_contact(const ContactSearch::Found& found,
                                      const elasticity::DeformationModel& model) noexcept {
   if (filter_.has_contact()) {
-    push(-filter_.mean().tail<3>(), model);
+    load_contact(-filter_.mean().tail<3>(), model);
   } else {
     unexplained_count_ = 0;  // the contact may have begun within the first of them
   }
   place_ = found.place;
   place_deviation_ = search_.spread(place_, model);
   filter_.begin_contact(found.force_O, found.covariance);
-  push(found.force_O, model);
-  suspicions_ = sudden_ = 0;
+  load_contact(found.force_O, model);
+  rejected_innovations_ = sudden_ = 0;
   weak_for_ = 0;
-  faint_ = gone_ = false;
+  contact_below_noise_ = contact_released_ = false;
 }
 
 void PoseWrenchFilter::drop_contact(const elasticity::DeformationModel& model) noexcept {
   if (!filter_.has_contact()) return;
-  push(-filter_.mean().tail<3>(), model);
+  load_contact(-filter_.mean().tail<3>(), model);
   filter_.end_contact();
   place_ = -1;
-  gone_ = false;
+  contact_released_ = false;
   unbelieved_for_ = 0;
-  suspicions_ = sudden_ = unexplained_count_ = 0;
+  rejected_innovations_ = sudden_ = unexplained_count_ = 0;
   since_contact_ = 0;
 }
 
 /// The prediction follows a change of the force at once.
-void PoseWrenchFilter::push(const Eigen::Vector3d& force_O,
-                            const elasticity::DeformationModel& model) noexcept {
+void PoseWrenchFilter::load_contact(const Eigen::Vector3d& force_O,
+                                    const elasticity::DeformationModel& model) noexcept {
   const mesh::PointWeights& point = search_.place(place_).point;
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     // Rows exist for hands with a wrench only.
-    const bool told = at_rest_count_ > 0 && at_rest_held_[g];
+    const bool has_baseline = at_rest_count_ > 0 && at_rest_held_[g];
     if (model.is_held(g)) {
       const math::Vector6d wrench =
           ContactSearch::response(point, model.sensitivity(), motion_, g) * force_O;
       hands_[g].lagged += wrench;
       hands_[g].sum -= hands_[g].count * wrench;
-      if (told) latest_.segment<6>(row) -= wrench;
+      if (has_baseline) latest_.segment<6>(row) -= wrench;
     }
-    row += told ? 6 : 0;
+    row += has_baseline ? 6 : 0;
   }
   recent_ = latest_;
 }
@@ -259,15 +260,15 @@ void PoseWrenchFilter::judge_contact(const elasticity::DeformationModel& model,
   const Eigen::Matrix3d P = filter_.covariance().bottomRightCorner<3, 3>();
   // While the force is not being estimated, its covariance is meaningless.
   const bool unsure =
-      suspicions_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
-  const bool weak = faint_ || unsure;
+      rejected_innovations_ == 0 && force.dot(P.ldlt().solve(force)) < kStandsOut * kStandsOut;
+  const bool weak = contact_below_noise_ || unsure;
   weak_for_ = weak ? weak_for_ + dt : 0;
   // A contact that no location explains for this long is dropped: no estimate is better than a
   // wrong one.
-  unbelieved_for_ = suspicions_ > 0 ? unbelieved_for_ + dt : 0;
+  unbelieved_for_ = rejected_innovations_ > 0 ? unbelieved_for_ + dt : 0;
   // The set of hands with a wrench has changed.
   const bool forgotten = at_rest_count_ < wrenches_in(kRestFirst);
-  if (weak_for_ >= kFadesIn || unbelieved_for_ >= kFadesIn || gone_ || forgotten)
+  if (weak_for_ >= kFadesIn || unbelieved_for_ >= kFadesIn || contact_released_ || forgotten)
     drop_contact(model);
 }
 

@@ -1,11 +1,12 @@
-#include "core/published_control/marker_sight.hpp"
+#include "core/published_control/marker_observer.hpp"
 
 #include <Eigen/QR>
 
 namespace palpate::published_control {
 
-MarkerSight::MarkerSight(const mesh::ElementMesh& mesh,
-                         const std::vector<Eigen::Vector3d>& rest_points, const Options& options)
+MarkerObserver::MarkerObserver(const mesh::ElementMesh& mesh,
+                               const std::vector<Eigen::Vector3d>& rest_points,
+                               const Options& options)
     : points_(mesh, rest_points), options_(options) {
   spread_ = points_.weights().completeOrthogonalDecomposition().pseudoInverse();
   seen_ = offset_ = Eigen::Matrix3Xd::Zero(3, points_.count());
@@ -13,8 +14,8 @@ MarkerSight::MarkerSight(const mesh::ElementMesh& mesh,
   positions_ = mesh.nodes;
 }
 
-void MarkerSight::look(bool fresh, double age, const Eigen::Ref<const Eigen::Matrix3Xd>& seen,
-                       const Eigen::Matrix3Xd& model) noexcept {
+void MarkerObserver::look(bool fresh, double age, const Eigen::Ref<const Eigen::Matrix3Xd>& seen,
+                          const Eigen::Matrix3Xd& model) noexcept {
   fresh_ = fresh && seen.cols() == points_.count();
   positions_ = model;
   if (fresh_) {

@@ -1,4 +1,4 @@
-#include "core/published_control/marker_sight.hpp"
+#include "core/published_control/marker_observer.hpp"
 
 #include <gtest/gtest.h>
 
@@ -11,7 +11,7 @@ namespace {
 
 class Sight : public ::testing::Test {
  protected:
-  Eigen::Matrix3Xd value(const MarkerSight& sight) {
+  Eigen::Matrix3Xd value(const MarkerObserver& sight) {
     Eigen::VectorXd v(9);
     feature_.evaluate(sight.positions(), v);
     return Eigen::Map<Eigen::Matrix3Xd>(v.data(), 3, 3);
@@ -28,7 +28,7 @@ class Sight : public ::testing::Test {
 };
 
 TEST_F(Sight, FeaturesAreWhereTheirMarkersAreUntilSightIsLost) {
-  MarkerSight sight(body_.mesh, points_, {});
+  MarkerObserver sight(body_.mesh, points_, {});
   EXPECT_FALSE(sight.sees());
   sight.look(false, 1e9, nothing_, model_);
   EXPECT_FALSE(sight.sees());
@@ -48,7 +48,7 @@ TEST_F(Sight, FeaturesAreWhereTheirMarkersAreUntilSightIsLost) {
 }
 
 TEST_F(Sight, WithTheModelItGoesOnFromWhereTheMarkersWere) {
-  MarkerSight sight(body_.mesh, points_, {MarkerSight::Kind::kOffset, 0.2});
+  MarkerObserver sight(body_.mesh, points_, {MarkerObserver::Kind::kOffset, 0.2});
   sight.look(false, 1e9, nothing_, model_);
   EXPECT_TRUE(sight.sees()) << "the model alone";
   EXPECT_EQ(sight.positions(), model_);
@@ -64,7 +64,7 @@ TEST_F(Sight, WithTheModelItGoesOnFromWhereTheMarkersWere) {
 }
 
 TEST_F(Sight, AllocatesNothing) {
-  MarkerSight sight(body_.mesh, points_, {});
+  MarkerObserver sight(body_.mesh, points_, {});
   const loop::NoAllocationScope scope;
   for (int i = 0; i < 5; ++i) sight.look(i % 2 == 0, 0.01, seen_, model_);
   EXPECT_EQ(scope.count(), 0);
