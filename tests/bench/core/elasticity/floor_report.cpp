@@ -10,8 +10,8 @@
 namespace palpate::bench {
 namespace {
 
-using common::number;
 using Eigen::Matrix3Xd;
+using common::number;
 
 /// Minimum number of additions and multiplications (and divisions and roots) of an element, counted
 /// from the formulas of point_kernel.hpp and element_block.hpp, with one Newton step for the
