@@ -16,8 +16,8 @@ using math::kDegree;
 constexpr Eigen::Index kPlotPoints = 1500;
 
 /// Predictions less the mean error over the first seconds of each recording.
-std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data, std::vector<Eigen::MatrixXd> list,
-                                        double seconds) {
+std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data,
+                                        std::vector<Eigen::MatrixXd> list, double seconds) {
   for (std::size_t r = 0; r < list.size(); ++r) {
     const recordings::Recording& recording = data.recordings[r];
     Eigen::Index rows = 0;
@@ -30,7 +30,9 @@ std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data, std::ve
   return list;
 }
 
-const char* part_name(recordings::Part part) { return part == recordings::Part::kTest ? "test" : "validation"; }
+const char* part_name(recordings::Part part) {
+  return part == recordings::Part::kTest ? "test" : "validation";
+}
 
 template <class List>
 YAML::Node flow(const List& values) {
@@ -72,7 +74,8 @@ YAML::Node to_yaml(const Method& method, const std::vector<recordings::ColumnGro
 Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit) {
   Score score;
   const std::vector<Eigen::MatrixXd> truth = recordings::outputs_of(data);
-  if (recordings::gather(data, truth, recordings::Part::kTest).rows() == 0) score.part = recordings::Part::kValidation;
+  if (recordings::gather(data, truth, recordings::Part::kTest).rows() == 0)
+    score.part = recordings::Part::kValidation;
   const Eigen::MatrixXd scored = recordings::gather(data, truth, score.part);
   const Eigen::MatrixXd trained = recordings::gather(data, truth, recordings::Part::kTraining);
   score.largest_scored = scored.cwiseAbs().colwise().maxCoeff().transpose();
@@ -80,7 +83,8 @@ Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, c
 
   const auto add = [&](const std::string& name, std::vector<Eigen::MatrixXd> predictions) {
     const auto measure = [&](const std::vector<Eigen::MatrixXd>& list) {
-      return recordings::measure_errors(recordings::gather(data, list, score.part), scored, plan.data.outputs);
+      return recordings::measure_errors(recordings::gather(data, list, score.part), scored,
+                                        plan.data.outputs);
     };
     score.methods.push_back({name, predictions, measure(predictions), false});
     if (!plan.data.is_wrist || plan.data.retare <= 0) return;
@@ -93,7 +97,8 @@ Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, c
   add("ridge", predict(fit.linear, data));
   if (plan.data.is_wrist) {
     std::vector<Eigen::MatrixXd> analytic;
-    for (const recordings::Recording& recording : data.recordings) analytic.push_back(recording.analytic);
+    for (const recordings::Recording& recording : data.recordings)
+      analytic.push_back(recording.analytic);
     add("newton_euler", analytic);
   } else {
     std::vector<Eigen::MatrixXd> mean;
@@ -104,7 +109,8 @@ Score score_fit(const recordings::Plan& plan, const recordings::DataSet& data, c
   return score;
 }
 
-void print_score(const recordings::Plan& plan, const recordings::DataSet& data, const Score& score, std::ostream& out) {
+void print_score(const recordings::Plan& plan, const recordings::DataSet& data, const Score& score,
+                 std::ostream& out) {
   std::vector<std::string> header{"method", "tare"};
   for (const inference::Channel& channel : data.outputs)
     header.push_back(channel.name + " " + channel.unit);
@@ -129,13 +135,14 @@ void print_score(const recordings::Plan& plan, const recordings::DataSet& data, 
   out << "RMS errors on " << score.methods.front().errors.rows << " rows of the "
       << part_name(score.part) << " part\n";
   table.print(out);
-  const recordings::Errors trained =
-      recordings::measure_errors(recordings::gather(data, score.methods.front().predictions, recordings::Part::kTraining),
-                     recordings::gather(data, recordings::outputs_of(data), recordings::Part::kTraining), plan.data.outputs);
+  const recordings::Errors trained = recordings::measure_errors(
+      recordings::gather(data, score.methods.front().predictions, recordings::Part::kTraining),
+      recordings::gather(data, recordings::outputs_of(data), recordings::Part::kTraining),
+      plan.data.outputs);
   out << score.methods.front().name << " on its training part:";
   for (std::size_t g = 0; g < plan.data.outputs.size(); ++g)
-    out << "  |" << plan.data.outputs[g].name << "| " << common::number(trained.norms[g], 4)
-        << " " << plan.data.outputs[g].unit;
+    out << "  |" << plan.data.outputs[g].name << "| " << common::number(trained.norms[g], 4) << " "
+        << plan.data.outputs[g].unit;
   out << "\nlargest magnitude, scored / trained:";
   for (std::size_t i = 0; i < data.outputs.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(i);
@@ -154,8 +161,8 @@ void print_score(const recordings::Plan& plan, const recordings::DataSet& data, 
   }
 }
 
-inference::ModelCard make_card(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit,
-                               const Score& score) {
+inference::ModelCard make_card(const recordings::Plan& plan, const recordings::DataSet& data,
+                               const Fit& fit, const Score& score) {
   inference::ModelCard card;
   card.name = plan.name;
   card.rate = plan.data.rate;
@@ -193,8 +200,8 @@ inference::ModelCard make_card(const recordings::Plan& plan, const recordings::D
   return card;
 }
 
-bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit, const Score& score,
-              const std::string& picture) {
+bool draw_fit(const recordings::Plan& plan, const recordings::DataSet& data, const Fit& fit,
+              const Score& score, const std::string& picture) {
   std::vector<common::Plot> plots;
   common::Plot curve{
       plan.name + ": learning curve",

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/elasticity/deformation_model.hpp"
 #include "core/elasticity/comparison/held_nodes.hpp"
+#include "core/elasticity/deformation_model.hpp"
 
 namespace palpate::elasticity {
 
