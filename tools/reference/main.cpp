@@ -11,6 +11,7 @@
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/fit/kinds.hpp"
+#include "tools/reference/exploration.hpp"
 #include "tools/reference/markdown.hpp"
 
 namespace {
