@@ -7,21 +7,22 @@
 
 namespace palpate::contact {
 
-/// The thesis' force transformer (4.2): a force on the three corners of the surface triangle that
-/// it touches, shared by areal coordinates. Nearest triangle of the surface rather than the nearest
-/// vertices of the mesh; coordinates of the point projected on it, so that they never leave [0, 1]
-/// and reproduce every affine function. The contact's torque is dropped, as published: use
+/// Force transformer of Sanchez 2019 (section 4.2): distributes a force to the three corners of the
+/// surface triangle in contact by areal coordinates. Differences from the thesis: the nearest
+/// triangle of the surface is used rather than the nearest vertices of the mesh, and the
+/// coordinates are those of the point projected onto it, so that they remain within [0, 1] and
+/// reproduce every affine function. As published, the torque of the contact is dropped; use
 /// WrenchPatch where it matters. On quadratic meshes the corner nodes carry the load.
 class AreaCoordinates : public ForceTransformer {
  public:
   struct Options {
-    double collision_distance = 0.01;  // m: contacts farther from the surface are refused
-    /// Rest points (m, in O) that always carry the load, in equal parts, wherever the contact is
-    /// said to be: a grasp that does not slide. Empty: the load follows the contact.
+    double collision_distance = 0.01;  // m: contacts farther from the surface are rejected
+    /// Rest points (m, in O) that always carry the load, in equal parts, whatever the reported
+    /// location: a grasp without slip. Empty: the load follows the contact.
     std::vector<Eigen::Vector3d> fixed_rest_points;
   };
 
-  /// Throws std::invalid_argument naming the option that is wrong, or for a mesh without surface.
+  /// Throws std::invalid_argument naming the invalid option, or for a mesh without a surface.
   AreaCoordinates(const mesh::ElementMesh& mesh, const mesh::Surface& surface,
                   const Options& options);
 

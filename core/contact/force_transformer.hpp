@@ -11,11 +11,11 @@ struct NodalLoad {
   Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, in O
 };
 
-/// Loads that stem from one contact. Capacity is reserved at set-up: push beyond it is refused.
+/// Nodal loads of one contact. Capacity is reserved at set-up; push() beyond it is rejected.
 struct ContactLoads {
   sensing::Source source = sensing::Source::kManual;
-  bool accepted = false;  // false: too far from the surface, or loads did not fit
-  Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m, that of the contact
+  bool accepted = false;  // false: too far from the surface, or insufficient capacity
+  Eigen::Vector3d location = Eigen::Vector3d::Zero();  // m, location of the contact
   std::vector<NodalLoad> loads;
 
   bool push(int node, const Eigen::Vector3d& force) noexcept {
@@ -25,14 +25,14 @@ struct ContactLoads {
   }
 };
 
-/// Maps a wrench at a place of the object to nodal loads, and nothing else.
+/// Maps a wrench at a location on the object to nodal loads.
 class ForceTransformer {
  public:
   virtual ~ForceTransformer() = default;
-  /// How many nodes a contact can load at the most, for reserving.
+  /// Maximum number of nodes loaded by one contact, for reserving capacity.
   virtual int max_nodes() const noexcept = 0;
-  /// `contact` with location and wrench in O, location on the deformed object (for kManual: a rest
-  /// point); `positions` 3 x n, current. Clears and fills `out`.
+  /// `contact`: location and wrench in O, the location on the deformed object (for kManual: in the
+  /// rest shape); `positions`: current node positions, 3 x n, m. Clears and fills `out`.
   virtual void distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
                           ContactLoads& out) noexcept = 0;
 };

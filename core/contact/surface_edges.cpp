@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-const double kFlat = std::cos(0.7);  // rad; a coarse mesh of something round turns by less
+// rad; adjacent faces of a coarse mesh of a rounded object turn by less
+const double kFlat = std::cos(0.7);
 
 Vector3d normal_of(const Eigen::Vector3i& triangle, const Eigen::Matrix3Xd& nodes) {
   const Vector3d a = nodes.col(triangle[0]);
@@ -23,7 +24,7 @@ Vector3d normal_of(const Eigen::Vector3i& triangle, const Eigen::Matrix3Xd& node
 
 SurfaceEdges::SurfaceEdges(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface)
     : rest_(rest) {
-  std::map<std::pair<int, int>, Vector3d> sides;  // normal of the face that came first
+  std::map<std::pair<int, int>, Vector3d> sides;  // normal of the face processed first
   std::vector<std::pair<int, int>> edges;
   for (Eigen::Index t = 0; t < surface.triangles.cols(); ++t) {
     const Eigen::Vector3i triangle = surface.triangles.col(t);

@@ -4,22 +4,22 @@
 
 namespace palpate::contact {
 
-/// Where a surface has edges at rest, that is, where two of its faces meet at an angle. Beside an
-/// edge a seen point may be of either side, and noise decides of which it is taken to be (Turk and
-/// Levoy 1994 leave such pairs out). Nothing allocates after construction.
+/// Edges of a surface at rest, where two of its faces meet at an angle. Near an edge an observed
+/// point may belong to either face, and noise decides to which it is assigned (Turk and Levoy 1994
+/// discard such pairs). Nothing allocates after construction.
 class SurfaceEdges {
  public:
-  /// `rest`: 3 x n, m.
+  /// `rest`: rest positions, 3 x n, m.
   SurfaceEdges(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface);
 
   int count() const noexcept { return static_cast<int>(from_.cols()); }
-  /// Whether an edge is nearer than `distance`, m at rest, to where a point of the surface is then.
+  /// True if an edge is nearer than `distance`, m at rest, to the matched surface point.
   bool is_near(const SurfaceMatch& match, double distance) const noexcept;
 
  private:
   Eigen::Matrix3Xd rest_;
-  Eigen::Matrix3Xd from_, along_;  // of each edge between two corners
-  Eigen::ArrayXd squared_;         // its length
+  Eigen::Matrix3Xd from_, along_;  // start and direction of each edge between two corners
+  Eigen::ArrayXd squared_;         // squared length of each edge
 };
 
 }  // namespace palpate::contact

@@ -11,14 +11,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Corners 0 to 2 and the middles of edges 01, 12, 20 make four flat triangles.
+/// Corners 0 to 2 and the midpoints of edges 01, 12, 20 form four flat triangles.
 constexpr int kParts[4][3] = {{0, 3, 5}, {3, 1, 4}, {5, 4, 2}, {3, 4, 5}};
 constexpr double kAreal[6][3] = {{1, 0, 0},   {0, 1, 0},   {0, 0, 1},
                                  {.5, .5, 0}, {0, .5, .5}, {.5, 0, .5}};
 
 struct Shape {
   std::array<double, 6> values{};
-  std::array<Vector3d, 6> slopes;  // by the three areal coordinates
+  std::array<Vector3d, 6> slopes;  // derivatives with respect to the three areal coordinates
 };
 
 Shape shape_at(const Vector3d& l, int count) noexcept {
@@ -103,8 +103,8 @@ void SurfaceMatcher::look_closely(int index, const Vector3d& p, Place& best) con
   }
 }
 
-/// From the flat triangle to the curved face: steps of Gauss and Newton along it. What one leaves
-/// lies across the normal, along which alone points are compared.
+/// Gauss-Newton steps from the flat triangle to the curved face. The remaining error is
+/// perpendicular to the normal, along which points are compared.
 SurfaceMatch SurfaceMatcher::on(const Place& place, const Vector3d& p) const noexcept {
   if (place.face < 0) return {};
   const Face& face = faces_[static_cast<std::size_t>(place.face)];

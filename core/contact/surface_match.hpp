@@ -7,26 +7,27 @@
 
 namespace palpate::contact {
 
-/// The point of a deformed surface nearest to one that was seen.
+/// Point of a deformed surface nearest to an observed point.
 struct SurfaceMatch {
-  int count = 0;  // of nodes: 3 or 6; 0: the surface is empty
+  int count = 0;  // number of nodes: 3 or 6; 0: the surface is empty
   std::array<int, 6> nodes{};
-  std::array<double, 6> weights{};                     // of the nodes, sum 1
+  std::array<double, 6> weights{};                     // weights of the nodes, sum 1
   Eigen::Vector3d position = Eigen::Vector3d::Zero();  // m
-  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // of length 1, outward
+  Eigen::Vector3d normal = Eigen::Vector3d::Zero();    // unit outward normal
   double distance = 0;                                 // m, unsigned
 };
 
 /// Finds nearest points on the surface of a deformed mesh, curved where its elements are: a chord
-/// of a bent bar lies half a millimetre beside it. Bounding spheres of the faces leave a few faces
-/// to be looked at closely. Nothing allocates after construction.
+/// of a bent bar deviates from it by half a millimetre. Bounding spheres restrict the exact search
+/// to a few faces. Nothing allocates after construction.
 class SurfaceMatcher {
  public:
-  /// `steps` along a curved face after the nearest place of its flat quarters: what one leaves is
-  /// of second order in distance, many find the very foot of the perpendicular.
+  /// `steps`: iterations on the curved face, starting at the nearest point of its flat quarters.
+  /// The error after one step is of second order in the distance; more steps converge to the foot
+  /// of the perpendicular.
   explicit SurfaceMatcher(const mesh::Surface& surface, int steps = 1);
 
-  /// The surface has this shape from now on: 3 x n, m, which must stay as long as it is asked for.
+  /// Sets the shape of the surface: 3 x n, m, which must remain valid while queries are made.
   void take(const Eigen::Matrix3Xd& positions) noexcept;
   SurfaceMatch find(const Eigen::Vector3d& p) const noexcept;
 
@@ -38,7 +39,7 @@ class SurfaceMatcher {
   struct Place {
     int face = -1;
     Eigen::Vector3d areal = Eigen::Vector3d::Zero();
-    double squared = 0;  // m^2, of the distance
+    double squared = 0;  // m^2, squared distance
   };
   void look_closely(int face, const Eigen::Vector3d& p, Place& best) const noexcept;
   SurfaceMatch on(const Place& place, const Eigen::Vector3d& p) const noexcept;
@@ -48,7 +49,8 @@ class SurfaceMatcher {
   const Eigen::Matrix3Xd* positions_ = nullptr;
   Eigen::Array3Xd centers_;
   Eigen::ArrayXd radii_;
-  mutable Eigen::ArrayXd squared_;  // room for find(), from the point to the centres
+  /// Workspace of find(): squared distances from the point to the centres.
+  mutable Eigen::ArrayXd squared_;
 };
 
 }  // namespace palpate::contact

@@ -7,7 +7,7 @@
 namespace palpate::contact {
 namespace {
 
-/// Share of the way from `a` to `b` where the segment is nearest to `p`, in [0, 1].
+/// Parameter in [0, 1] of the point of the segment from `a` to `b` nearest to `p`.
 double along_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& a,
                      const Eigen::Vector3d& b) noexcept {
   const double length_squared = (b - a).squaredNorm();
@@ -34,7 +34,7 @@ SurfacePoint closest_point_on_triangle(const Eigen::Vector3d& p, const Eigen::Ve
       return found;
     }
   }
-  // Outside, or no area: the nearest of the three edges.
+  // outside, or no area: search the three edges
   const Eigen::Vector3d* const corners[3] = {&a, &b, &c};
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {

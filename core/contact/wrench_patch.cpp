@@ -7,13 +7,14 @@
 namespace palpate::contact {
 namespace {
 
-constexpr int kWidenings = 24;      // each doubles the radius
-constexpr double kFlatness = 1e-3;  // least to largest moment of a patch that is not a line
+constexpr int kWidenings = 24;  // each of them doubles the radius
+// Smallest ratio of moments of inertia of a patch that is not a line.
+constexpr double kFlatness = 1e-3;
 constexpr int kLeastNodes = 3;
 
-/// Area that uniform pressure on the triangles whose nodes are all `members` loads each node with:
-/// a third of each triangle on its corners, or on its midside nodes where it is quadratic (whose
-/// corner functions have no mean).
+/// Load of each node under uniform pressure on the triangles whose nodes are all in `members`: one
+/// third of each triangle per corner, or per midside node if it is quadratic (whose corner
+/// functions have zero mean).
 Eigen::VectorXd pressure_shares(const mesh::ElementMesh& mesh, const mesh::Surface& surface,
                                 const std::vector<bool>& members) {
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(mesh.node_count());
@@ -53,7 +54,7 @@ WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& sur
   }
   Eigen::VectorXd shares = pressure_shares(mesh, surface, members);
   if ((shares.array() > 0).count() < kLeastNodes) {
-    // No whole triangle: every node of the set carries alike.
+    // no complete triangle: equal weights for all nodes of the set
     for (int node = 0; node < mesh.node_count(); ++node) shares[node] = members[node];
   }
   const double total = shares.sum();
@@ -82,12 +83,12 @@ void WrenchPatch::gather(const Eigen::Vector3d& centre, double radius,
 
 bool WrenchPatch::spread(const math::Wrench& wrench, const Eigen::Vector3d& location,
                          const Eigen::Matrix3Xd& positions, ContactLoads& out) const noexcept {
-  // Everything about the location: far from the origin of O differences keep their digits.
+  // All quantities relative to the location, for accuracy far from the origin of O.
   Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
   for (const Member& member : patch_) {
     centroid += member.weight * (positions.col(member.node) - location);
   }
-  // J b is the moment about the centroid of the loads w_i (b x y_i).
+  // J b is the moment about the centroid of the loads w_i (b x y_i)
   Eigen::Matrix3d moment = Eigen::Matrix3d::Zero();
   for (const Member& member : patch_) {
     const Eigen::Vector3d y = positions.col(member.node) - location - centroid;
@@ -101,8 +102,8 @@ bool WrenchPatch::spread(const math::Wrench& wrench, const Eigen::Vector3d& loca
   for (const Member& member : patch_) {
     if (!out.push(member.node, Eigen::Vector3d::Zero())) return false;
   }
-  // The second pass spreads what rounding left of the first: a torque on a nearly straight patch
-  // makes loads far larger than the force that they sum to.
+  // The second pass corrects rounding errors of the first: a torque on an almost collinear patch
+  // causes loads far larger than the force that they sum to.
   math::Wrench left = wrench;
   for (int pass = 0; pass < 2; ++pass) {
     const Eigen::Vector3d b = solver.eigenvectors() * (solver.eigenvectors().transpose() *
@@ -139,7 +140,7 @@ void WrenchPatch::distribute(const sensing::Contact& contact, const Eigen::Matri
     if (touched.triangle < 0 || !(touched.distance <= options_.collision_distance)) return;
   }
   if (at_rest_point) {
-    // The same material point, where it is now.
+    // present position of the same material point
     location.setZero();
     for (int i = 0; i < 3; ++i)
       location += touched.weights[i] * positions.col(triangles_(i, touched.triangle));

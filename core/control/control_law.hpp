@@ -9,47 +9,49 @@
 
 namespace palpate::control {
 
-/// What a provider that learns may look at.
+/// Inputs of a Jacobian provider that learns from motion.
 struct Experience {
   double dt = 1e-3;                             // s
-  const Eigen::VectorXd* value = nullptr;       // of the feature, as it is seen or estimated
-  const Eigen::Matrix3Xd* positions = nullptr;  // of the nodes that it was evaluated on
-  bool fresh = true;                            // something new has been seen since the last tick
-  math::Pose X_OG = math::Pose::Identity();     // of the hand that moves
+  const Eigen::VectorXd* value = nullptr;       // value of the feature, observed or estimated
+  const Eigen::Matrix3Xd* positions = nullptr;  // node positions that the feature was evaluated on
+  bool fresh = true;                            // a new observation has arrived since the last tick
+  math::Pose X_OG = math::Pose::Identity();     // pose of the moving hand
   bool wrench_valid = false;
-  math::Wrench F_G_O;  // of that hand on the object at the origin of G, in O, as measured
+  math::Wrench F_G_O;  // measured wrench of that hand on the object at the origin of G, in O
 };
 
 struct LawInputs {
   double dt = 1e-3;
-  const Eigen::VectorXd* value = nullptr;  // value_count() long
+  const Eigen::VectorXd* value = nullptr;  // length value_count()
   const Eigen::VectorXd* target = nullptr;
-  const Eigen::VectorXd* error = nullptr;  // dimension() long
+  const Eigen::VectorXd* error = nullptr;  // length dimension()
   const Eigen::MatrixXd* jacobian = nullptr;
-  // What limits speak of; without a model none of them is kept.
+  // Model used by the limits on the object; without a model these limits are inactive.
   const elasticity::DeformationModel* model = nullptr;
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
-  std::array<math::Wrench, 2> reaction{};  // of the hand on the object at G, in O, as estimated
-  const JointInputs* joints = nullptr;     // where the law is to command joints
-  /// Of each node of the model, m, as Estimate has it; nullptr: not estimated.
+  std::array<math::Wrench, 2> reaction{};  // estimated wrench of the hand on the object at G, in O
+  const JointInputs* joints = nullptr;     // set if the law commands joints
+  /// Standard deviation of each node position of the model, m, as in Estimate; nullptr: not
+  /// estimated.
   const std::vector<float>* node_deviation = nullptr;
 };
 
-/// How the feature follows the motion of grasp G: d feature = J d xi with xi = (displacement of the
-/// origin of G, rotation about it), both in O. J: feature dimension x 6, preallocated; x 12 where
-/// two grasps move, the first one's columns first.
+/// Derivative of the feature with respect to the motion of grasp G: d feature = J d xi with xi =
+/// (displacement of the origin of G, rotation about it), both in O. J: feature dimension x 6,
+/// preallocated; x 12 if two grasps move, the first one's columns first.
 class JacobianProvider {
  public:
   virtual ~JacobianProvider() = default;
 
-  /// Once a tick, before update().
+  /// Called once per tick, before update().
   virtual void observe(const Experience& /*now*/) noexcept {}
-  /// False where no Jacobian is available yet.
+  /// False if no Jacobian is available yet.
   virtual bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,
                       const math::Pose& X_OG, Eigen::Ref<Eigen::MatrixXd> J) noexcept = 0;
 
-  /// True where the provider itself moves the hand in this tick, as V_O_G says: by a probe, or a
-  /// plan. The law is not asked then. After update(), which may have been false for a probe's sake.
+  /// True if the provider itself moves the hand in this tick, with twist V_O_G, for a probing
+  /// motion or along a plan; the law is then not evaluated. Called after update(), which may have
+  /// returned false because of a probe.
   virtual bool commands(const LawInputs& /*inputs*/, math::Twist& /*V_O_G*/) noexcept {
     return false;
   }
@@ -58,17 +60,17 @@ class JacobianProvider {
 
 struct LawOutput {
   math::Twist V_O_G;         // twist of the origin of G, in O
-  math::Twist V_O_G_second;  // the same of the second grasp, where two move; else zero
-  /// What moves the hand so, of a law that commands joints; else empty.
+  math::Twist V_O_G_second;  // the same for the second grasp, if two move; else zero
+  /// Joint velocities that produce the twist, if the law commands joints; else empty.
   kinematics::SerialChain::Joints joint_velocity;
-  Eigen::VectorXd unreachable;  // dimension() long, preallocated by the caller
-  const char* remark = "";      // what keeps the law from doing as it would; a literal
+  Eigen::VectorXd unreachable;  // length dimension(), preallocated by the caller
+  const char* remark = "";      // limitation that is active in this tick; a string literal
 };
 
 class ControlLaw {
  public:
   virtual ~ControlLaw() = default;
-  /// Throws std::invalid_argument where the law cannot steer such a feature. Allocates.
+  /// Throws std::invalid_argument if the law does not support such a feature. Allocates.
   virtual void configure_for(const shape::Feature& feature) = 0;
   virtual void compute(const LawInputs& inputs, LawOutput& output) noexcept = 0;
   virtual void reset() noexcept {}

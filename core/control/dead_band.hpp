@@ -2,13 +2,14 @@
 
 namespace palpate::control {
 
-/// Says when to rest: from when both errors are inside the band until one is outside a larger one.
+/// Stop band with hysteresis: at rest from when both errors are inside the band until one of them
+/// leaves a larger band.
 class DeadBand {
  public:
   struct Options {
     double position = 1e-3;  // m
     double angle = 3.5e-3;   // rad
-    double release = 1.2;    // >= 1, resumes outside this multiple of the band
+    double release = 1.2;    // >= 1, motion resumes outside this multiple of the band
   };
 
   explicit DeadBand(const Options& options) : options_(options) {}

@@ -25,7 +25,7 @@ void DualQuaternion::configure_for(const shape::Feature& feature) {
 void DualQuaternion::motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept {
   const math::DualQuaternion error =
       from_value(*inputs.value) * from_value(*inputs.target).conjugate();
-  // About the origin of O; the feature's own velocity is that of its origin.
+  // about the origin of O, whereas the feature's velocity refers to its own origin
   const math::Twist from_target =
       math::move_reference(error.log().twist(), inputs.value->head<3>());
   motion.head<3>() = -from_target.linear;

@@ -4,9 +4,9 @@
 
 namespace palpate::control {
 
-/// Pose control with dual quaternions (Ozgur and Mezouar 2016): the feature's twist is -gain times
-/// the screw of x_c (x) x_d*, so that it comes to its target along one screw and its angle and
-/// distance die away as exp(-gain t). Steers pose features.
+/// Pose control with dual quaternions (Ozgur and Mezouar 2016). The feature's twist is -gain times
+/// the screw of x_c (x) x_d*, so that it approaches its target along one screw while angle and
+/// distance decay as exp(-gain t). Supports pose features.
 class DualQuaternion : public TwistLaw {
  public:
   explicit DualQuaternion(const Options& options) : TwistLaw(options) {}

@@ -8,7 +8,7 @@
 namespace palpate::control {
 namespace {
 
-/// Smallest joint velocities that move the hand so, damped where the arm is nearly singular.
+/// Smallest joint velocities for this hand twist, damped near singular configurations.
 kinematics::SerialChain::Joints joints_for(const kinematics::SerialChain::Jacobian& J,
                                            const math::Vector6d& V) noexcept {
   constexpr double kDamping = 1e-3;  // m or rad per rad
@@ -40,7 +40,7 @@ JointGate::Joints JointGate::braked(double dt) const noexcept {
   return last_ - last_.cwiseMax(-bound).cwiseMin(bound);
 }
 
-/// From what was commanded last towards `wanted`.
+/// Limits the change from the last command towards `wanted`.
 JointGate::Joints JointGate::limited(const JointGateInputs& joints, const Joints& wanted, double dt,
                                      const char*& reason) const noexcept {
   const Joints change = wanted - last_;
@@ -71,7 +71,7 @@ GateOutput JointGate::apply(const JointGateInputs& joints, GateInputs inputs,
     inputs.requested_W_E =
         math::Twist::from(math::Vector6d(joints.J_W_E.lazyProduct(joints.requested)));
   } else {
-    inputs.active = false;  // the hand's gate ramps down as well
+    inputs.active = false;  // the twist gate ramps down as well
   }
   in_use_ = true;
   GateOutput output = hand.apply(inputs);

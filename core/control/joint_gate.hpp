@@ -11,26 +11,28 @@ struct JointGateInputs {
   kinematics::SerialChain::Jacobian J_W_E;
 };
 
-/// The last step before the wire where joints are commanded: the hand's twist J dq/dt passes the
-/// gate of twists, and the joints move as it lets the hand; then, joint by joint, limits of
-/// acceleration, of speed and of position, towards whose end a joint goes only as fast as it can
-/// still brake by half its acceleration.
+/// Last step before publication of joint commands. The hand's twist J dq/dt passes the twist gate,
+/// and the joint velocities are adapted to the result. Limits of acceleration, speed and position
+/// then apply to each joint; a joint approaches a position limit only as fast as it can stop with
+/// half its maximum acceleration.
 ///
-/// - What the gate of twists changes is made up for by the smallest change of the joints.
-/// - Speed and position are kept by one factor for all joints, so that the hand's way stays.
-/// - A refused or inactive command ramps every joint to zero within 100 ms.
-/// - What leaves keeps the speed and the workspace of the hand, whatever the joints' limits have
-///   made of it.
+/// - Changes made by the twist gate are realised by the smallest change of the joint velocities.
+/// - Speed and position limits scale all joints by one factor, so that the direction of the hand's
+///   motion is kept.
+/// - A rejected or inactive command ramps every joint to zero within 100 ms.
+/// - The output respects the hand's speed and workspace limits after the joints' limits have been
+///   applied.
 class JointGate {
  public:
-  /// Throws std::invalid_argument where limits make no sense.
+  /// Throws std::invalid_argument if the limits are inconsistent.
   explicit JointGate(const JointLimits& limits);
 
-  /// `hand`: the gate of the same arm; requested_W_E of its inputs is not looked at. The output
-  /// always has finite joint velocities, as many as limits speak of.
+  /// `hand`: twist gate of the same arm; requested_W_E of its inputs is ignored. The output always
+  /// contains finite joint velocities, one per joint of the limits.
   GateOutput apply(const JointGateInputs& joints, GateInputs inputs, SafetyGate& hand) noexcept;
 
-  /// The hand is commanded by a twist in this tick, or no joint moves: the joints begin anew.
+  /// Call if the hand is commanded by a twist in this tick, or no joint moves: the joints' commands
+  /// restart from zero.
   void pass() noexcept {
     last_.setZero();
     in_use_ = false;

@@ -4,9 +4,9 @@
 
 namespace palpate::control {
 
-/// The feature taken to move rigidly with G: node i by [I, -[x_i - p_OG]x]. A point feature gets
-/// J = [I, -[r]x] with r from the origin of G to it, a pose [I, -[r]x; 0, I]. The baseline that
-/// knows no mechanics.
+/// Jacobian of a feature assumed to move rigidly with G: node i moves by [I, -[x_i - p_OG]x]. For a
+/// point feature J = [I, -[r]x] with r from the origin of G to the point, for a pose [I, -[r]x; 0,
+/// I]. Baseline without a mechanical model.
 class KinematicJacobian : public JacobianProvider {
  public:
   bool update(const shape::Feature& feature, const elasticity::DeformationModel& model,

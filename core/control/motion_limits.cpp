@@ -12,12 +12,12 @@ constexpr math::RowPriority kHard{}, kHandOfJoints{1, 10.0}, kGrasp{1, 1.0}, kSt
     kObstacle{2, 1.0}, kWorkspace{3, 1.0};
 }  // namespace
 
-/// Takes rows over the motion of the grasps and adds them over the program's variables.
+/// Converts rows over the motion of the grasps into rows over the program's variables.
 struct MotionLimits::Rows {
   QuadraticProgram& program;
   const Map& map;
   std::array<Limit, QuadraticProgram::kMostRows>& limit_of;
-  double rate;  // of a place: 1/s, or 1 for displacements
+  double rate;  // of a position row: 1/s, or 1 for displacements
 
   void add(const Row& row, double lower, double upper, Limit kind, math::RowPriority priority) {
     const Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 16> mapped =
@@ -96,7 +96,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
                        options.untold_deviation);
 }
 
-double MotionLimits::ease(const elasticity::DeformationModel& model) noexcept {
+double MotionLimits::buckling_scale(const elasticity::DeformationModel& model) noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   if (!sensitivity.valid || options_.pivot == 0) return 1;
   if (first_pivot_ == 0) first_pivot_ = sensitivity.smallest_pivot;
@@ -116,17 +116,17 @@ void MotionLimits::look(const LawInputs& inputs) noexcept {
   if (obstacles_) obstacles_->look(inputs.model->positions(), inputs.node_deviation);
 }
 
-/// Each component of the hands' motion on its own and the speed along the way that a hand goes
-/// already, which for a motion that turns slowly is all of it. What was too fast comes down as fast
-/// as it may.
+/// Limits each component of the hands' motion, and the speed along the present direction of motion,
+/// which for a slowly turning motion is almost all of it. An excessive speed decreases at the
+/// maximum deceleration.
 void MotionLimits::add_rates(QuadraticProgram& program, const LawInputs& inputs, const Map& map,
                              const Motion& before, const Variables& variables_before) noexcept {
   Rows rows{program, map, limit_of_, 1};
-  const double ease = inputs.model == nullptr ? 1 : this->ease(*inputs.model);
+  const double scale = inputs.model == nullptr ? 1 : this->buckling_scale(*inputs.model);
   const math::RowPriority priority = options_.joints.empty() ? kHard : kHandOfJoints;
   for (int i = 0; i < size(); ++i) {
     const bool linear = i % 6 < 3;
-    const double speed = ease * (linear ? options_.linear_speed : options_.angular_speed);
+    const double speed = scale * (linear ? options_.linear_speed : options_.angular_speed);
     const double change =
         inputs.dt * (linear ? options_.linear_acceleration : options_.angular_acceleration);
     rows.add(Row::Unit(size(), i),
@@ -155,7 +155,7 @@ void MotionLimits::add_places(QuadraticProgram& program, const LawInputs& inputs
   Rows rows{program, map, limit_of_, options_.damper};
   const JointLimits& joints = options_.joints;
   for (int i = 0; i < joints.count(); ++i) {
-    // Within what add_rates() allows, so that the two never contradict each other.
+    // Within the bounds of add_rates(), so that the two never contradict each other.
     const double now = variables_before[i], change = inputs.dt * joints.acceleration[i];
     const double down = std::min(0.0, joints.lower[i] - inputs.joints->q[i]) * options_.damper;
     const double up = std::max(0.0, joints.upper[i] - inputs.joints->q[i]) * options_.damper;
@@ -217,7 +217,7 @@ void MotionLimits::add_workspace(Rows& rows, const LawInputs& inputs, int moving
 
 void MotionLimits::add_wrench(Rows& rows, const LawInputs& inputs, int moving) noexcept {
   const int grasp = grasps_[moving];
-  // d wrench / d motion, of this hand by all that move.
+  // d wrench / d motion, of this hand with respect to all moving grasps
   WrenchRows K(6, size());
   for (int other = 0; other < static_cast<int>(grasps_.size()); ++other)
     K.middleCols<6>(6 * other) = inputs.model->sensitivity().dw_dxi[grasp][grasps_[other]];
@@ -230,8 +230,9 @@ void MotionLimits::add_wrench(Rows& rows, const LawInputs& inputs, int moving) n
   if (options_.slip.pinch > 0) add_slip(rows, inputs.X_OG[grasp].linear(), w, K);
 }
 
-/// Planes that touch each finger's ellipsoid: where the load points now, which is what it keeps
-/// from tick to tick, and along its axes, for a displacement that turns the load.
+/// Tangent planes of each finger's friction ellipsoid: at the present direction of the load, which
+/// remains the active one from tick to tick, and along the ellipsoid's axes, for displacements that
+/// turn the load.
 void MotionLimits::add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math::Vector6d& w,
                             const WrenchRows& K) noexcept {
   const SlipCone& slip = options_.slip;
@@ -241,7 +242,8 @@ void MotionLimits::add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math:
   const Eigen::Vector3d force = w.head<3>(), torque = w.tail<3>();
   const double friction = (1 - slip.sticking) * slip.friction;
   for (const int finger : {1, -1}) {
-    // Of the load: the force across by the two sides, and the torque over the lever.
+    // Components of the load: tangential force, divided by its limit on the two sides, and torque
+    // over the lever.
     const Eigen::Vector3d across = 0.5 * force + finger / slip.width * torque.cross(n);
     const Eigen::Vector3d load(side.dot(across), other_side.dot(across),
                                0.5 * n.dot(torque) / slip.lever);
@@ -261,7 +263,7 @@ void MotionLimits::add_slip(Rows& rows, const Eigen::Matrix3d& R_OG, const math:
   }
 }
 
-/// The strain of each of the worst elements, by the motion of its nodes.
+/// Limits the strain of each of the most loaded elements through the motion of its nodes.
 void MotionLimits::add_strain(Rows& rows, const elasticity::DeformationModel& model,
                               const elasticity::WorstElements& worst, double limit,
                               Limit kind) noexcept {

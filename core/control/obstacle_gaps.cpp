@@ -7,7 +7,7 @@
 namespace palpate::control {
 namespace {
 
-constexpr int kSteps = 3;  // along a curved face: the foot to a micrometre
+constexpr int kSteps = 3;  // on a curved face: accurate to a micrometre
 
 }  // namespace
 
@@ -42,7 +42,7 @@ void ObstacleGaps::look(const Eigen::Matrix3Xd& positions,
   }
 }
 
-/// Nearest first; a surface of fewer nodes has its last one several times.
+/// Nearest first; a surface with fewer nodes repeats its last one.
 void ObstacleGaps::find_nearest_nodes(const Eigen::Matrix3Xd& positions, const Obstacle& obstacle,
                                       Point* points) const noexcept {
   std::array<int, kPoints - 1> nearest;

@@ -6,35 +6,37 @@
 
 namespace palpate::control {
 
-/// A ball that the object is to keep away from.
+/// Spherical obstacle that the object must not touch.
 struct Obstacle {
   Eigen::Vector3d center_O = Eigen::Vector3d::Zero();
   double radius = 0.05;  // m
 };
 
-/// Where a deformed object is near to obstacles. Nothing allocates after construction.
+/// Distances between the deformed object and obstacles. Nothing allocates after construction.
 class ObstacleGaps {
  public:
-  /// Of each obstacle: the nearest point of the curved surface, which lies between nodes and comes
-  /// nearer than these do, and the nearest nodes, so that what will be nearest next does not come
+  /// Points per obstacle: the nearest point of the curved surface, which lies between nodes and is
+  /// nearer than they are, and the nearest nodes, so that the next nearest point does not approach
   /// too fast.
   static constexpr int kPoints = 6;
 
   struct Point {
     contact::SurfaceMatch on;
-    Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // from the obstacle's centre, of length 1
-    double gap = 0;                                     // m, from the ball to the point
-    double deviation = 0;  // m, of the point's place, the largest of its nodes
+    Eigen::Vector3d away_O = Eigen::Vector3d::UnitZ();  // unit vector from the obstacle's centre
+    /// m, from the surface of the obstacle to the point
+    double gap = 0;
+    /// m, standard deviation of the point's position, the largest of its nodes
+    double deviation = 0;
   };
 
-  /// `untold`: m, what the deviation of a place is taken to be where none is told.
+  /// `untold`: m, standard deviation of positions when none is estimated.
   ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles, double untold);
 
-  /// Of the object with these positions (3 x n, m). `node_deviation`: m, by node; nullptr: not
-  /// told.
+  /// Evaluates the object with these positions (3 x n, m). `node_deviation`: m, by node; nullptr:
+  /// not estimated.
   void look(const Eigen::Matrix3Xd& positions, const std::vector<float>* node_deviation) noexcept;
 
-  /// Of the last look: kPoints of each obstacle.
+  /// Result of the last look(): kPoints per obstacle.
   const std::vector<Point>& points() const noexcept { return points_; }
 
  private:
@@ -43,7 +45,7 @@ class ObstacleGaps {
 
   std::vector<Obstacle> obstacles_;
   double untold_;
-  std::vector<int> nodes_;  // of the surface
+  std::vector<int> nodes_;  // nodes of the surface
   contact::SurfaceMatcher matcher_;
   std::vector<Point> points_;
 };

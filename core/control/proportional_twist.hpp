@@ -4,8 +4,8 @@
 
 namespace palpate::control {
 
-/// u = J^+ (gain * error). Steers every feature; on an exact J each component of the error dies
-/// away as exp(-gain t).
+/// Proportional law u = J^+ (gain * error). Supports every feature; with an exact J each component
+/// of the error decays as exp(-gain t).
 class ProportionalTwist : public TwistLaw {
  public:
   explicit ProportionalTwist(const Options& options) : TwistLaw(options) {}

@@ -60,7 +60,7 @@ PseudoInverse::Motion PseudoInverse::solve(const Eigen::VectorXd& s) noexcept {
   scaled_ = row_scale_.cwiseProduct(s);
   Motion along = V_.transpose().lazyProduct(Motion(J_.transpose().lazyProduct(scaled_)));
   for (int i = 0; i < columns(); ++i) {
-    // Singular values below 1e-6 of the largest drown in the rounding of the normal matrix.
+    // Singular values below 1e-6 of the largest are below the rounding errors of the normal matrix.
     along[i] = lambda_[i] > 1e-12 * greatest() ? along[i] / std::max(lambda_[i], floor) : 0.0;
   }
   return column_scale_.cwiseProduct(V_.lazyProduct(along));

@@ -9,7 +9,7 @@
 namespace palpate::control {
 namespace {
 
-const char* gives_way(Limit limit) {
+const char* relaxed_limit_message(Limit limit) {
   switch (limit) {
     case Limit::kWrench:
       return "a limit of the grasp gives way";
@@ -26,7 +26,7 @@ const char* gives_way(Limit limit) {
   }
 }
 
-const char* holds_back(Limit limit) {
+const char* active_limit_message(Limit limit) {
   switch (limit) {
     case Limit::kWrench:
       return "the target lies beyond a limit of the grasp";
@@ -82,7 +82,7 @@ void QuadraticProgramLaw::rest() noexcept {
   variables_.setZero();
 }
 
-/// False where the joints are not known.
+/// False if the joint states are not available.
 bool QuadraticProgramLaw::set_map(const LawInputs& inputs) noexcept {
   if (!commands_joints()) return true;
   if (inputs.joints == nullptr || inputs.joints->q.size() != variables_.size() ||
@@ -142,7 +142,7 @@ PseudoInverse::Motion QuadraticProgramLaw::solve(const LawInputs& inputs,
   return before_;
 }
 
-/// Of what gives way the row that should have done so last.
+/// Message about the relaxed row with the highest priority.
 const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
   int worst = -1;
   const auto rank = [&](int row) {
@@ -153,13 +153,14 @@ const char* QuadraticProgramLaw::remark(const LawInputs& inputs) noexcept {
     if (program_.bounds[row].priority.level == 0 || solver_.violations()[row] == 0) continue;
     if (worst < 0 || rank(row) < rank(worst)) worst = row;
   }
-  if (worst >= 0) return gives_way(limits_.limit_of(worst));
-  if (inputs.model != nullptr && limits_.ease(*inputs.model) < 1) return "slows down near buckling";
+  if (worst >= 0) return relaxed_limit_message(limits_.limit_of(worst));
+  if (inputs.model != nullptr && limits_.buckling_scale(*inputs.model) < 1)
+    return "slows down near buckling";
   return "";
 }
 
-/// What of the error is left after the best displacement within all places: the same program
-/// without rates and with gaps in the place of approach speeds.
+/// Error that remains after the best displacement within all limits: the same program without rate
+/// limits and with distances instead of approach speeds.
 void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& output) noexcept {
   bool pressed = false;
   for (int row = 0; row < program_.rows(); ++row) {
@@ -182,12 +183,12 @@ void QuadraticProgramLaw::add_unreachable(const LawInputs& inputs, LawOutput& ou
     most = press;
     hardest = row;
   }
-  if (hardest < 0) return;  // it ends before any limit
+  if (hardest < 0) return;  // the displacement ends before any limit
   motion_ /= options().gain;
   motion_.noalias() -= J_.lazyProduct(reach_solver_.u());
   output.unreachable += motion_.cwiseQuotient(inverse().row_scale());
   if (*output.remark == '\0' && motion_.norm() > options().dead_band.position)
-    output.remark = holds_back(limits_.limit_of(hardest));
+    output.remark = active_limit_message(limits_.limit_of(hardest));
 }
 
 }  // namespace palpate::control

@@ -5,23 +5,24 @@
 
 namespace palpate::control {
 
-/// The motion that brings the feature to its target as the proportional law does, as far as limits
-/// allow: min |J u - gain e|^2 + damping |u|^2 + smoothness |u - u_before|^2 under MotionLimits.
-/// Where no limit is active it is the damped least-squares motion. Without a solution it brakes.
+/// Motion that brings the feature to its target like the proportional law, subject to limits: min
+/// |J u - gain e|^2 + damping |u|^2 + smoothness |u - u_before|^2 under MotionLimits. Without
+/// active limits this is the damped least-squares motion. If the program has no solution, the
+/// motion is braked.
 ///
-/// With limits of joints it solves for their velocities, u = J_arm dq/dt, and uses whatever freedom
-/// the feature leaves them. Where a limit presses, the part of the error that remains with every
-/// place still within its limit (to first order) is added to what is unreachable.
+/// With joint limits the program solves for joint velocities, u = J_arm dq/dt, and uses the
+/// redundancy of the arm. If limits are active, the error that remains at the best position within
+/// all limits (to first order) is added to the unreachable part.
 class QuadraticProgramLaw : public ProportionalTwist {
  public:
   struct Limited {
     MotionLimitOptions limits;
-    double smoothness = 0;  // share of the mean squared singular value of J
+    double smoothness = 0;  // relative to the mean squared singular value of J
     std::vector<int> grasps{0};
-    const elasticity::Body* body = nullptr;  // for limits of stress and stretch
+    const elasticity::Body* body = nullptr;  // required for limits of stress and stretch
   };
 
-  /// Throws std::invalid_argument where an option is out of range.
+  /// Throws std::invalid_argument if an option is out of range.
   QuadraticProgramLaw(const Options& options, const Limited& limited);
 
   void configure_for(const shape::Feature& feature) override;
@@ -46,11 +47,12 @@ class QuadraticProgramLaw : public ProportionalTwist {
   MotionLimits limits_;
   math::QuadraticProgram program_, reach_;
   math::QuadraticProgramSolver solver_, reach_solver_;
-  MotionLimits::Map map_;              // motion by variables
-  MotionLimits::Variables variables_;  // of the tick before
-  PseudoInverse::Motion before_;       // the motion that they made
-  Eigen::MatrixXd J_;                  // feature, scaled, by variables
-  Eigen::VectorXd motion_;             // scaled
+  MotionLimits::Map map_;              // maps variables to motion
+  MotionLimits::Variables variables_;  // variables of the previous tick
+  PseudoInverse::Motion before_;       // motion of the previous tick
+  /// Scaled Jacobian of the feature with respect to the variables.
+  Eigen::MatrixXd J_;
+  Eigen::VectorXd motion_;  // scaled
 };
 
 }  // namespace palpate::control

@@ -11,18 +11,18 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kRelease = 0.9;  // of force and torque limit
+constexpr double kRelease = 0.9;  // fraction of the limits of force and torque
 
 bool is_finite(const math::Twist& V) { return V.linear.allFinite() && V.angular.allFinite(); }
 
-/// `to`, or the point on the way to it at `reach` from `from`.
+/// `to`, or the point at distance `reach` from `from` on the line to it.
 Vector3d step_towards(const Vector3d& from, const Vector3d& to, double reach) {
   const Vector3d way = to - from;
   const double length = way.norm();
   return length <= reach ? to : Vector3d(from + way * (reach / length));
 }
 
-/// The last point on the way from `base` to `goal` within `radius` of `centre`. Base is within.
+/// Last point on the line from `base` to `goal` within `radius` of `centre`. `base` must be within.
 Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& goal,
                  double radius) {
   if ((goal - centre).norm() <= radius) return goal;
@@ -83,7 +83,7 @@ GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
   return output;
 }
 
-/// Why the request may not be followed, or nullptr.
+/// Reason for rejecting the request, or nullptr.
 const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
   if (inputs.wrench_valid) {
     const double force = inputs.contact.force.stableNorm();
@@ -100,7 +100,7 @@ const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
 }
 
 SafetyGate::Walls SafetyGate::walls(const math::Pose& X_WE, double dt) const noexcept {
-  // All three axes may have to brake at once within one limit of their norm.
+  // all three axes may have to brake simultaneously within the limit of the norm
   const double deceleration = limits_.linear_acceleration / std::sqrt(3.0);
   const Vector3d p = X_WE.translation();
   Walls walls;
@@ -122,8 +122,9 @@ double SafetyGate::share_within(const math::Twist& V, const math::Pose& X_WE,
   return share;
 }
 
-/// Speed, then workspace, then acceleration. The last moves from the old command, brought into the
-/// bounds, towards the new one: both lie within the convex bounds, so what is in between does too.
+/// Limits speed, then workspace, then acceleration. The last step moves from the old command,
+/// clamped to the bounds, towards the new one: both lie within the convex bounds, and so does every
+/// point between them.
 math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
                                 const char*& reason) const noexcept {
   math::Twist goal = limit_speed(inputs.requested_W_E, limits_.linear_speed, limits_.angular_speed);
@@ -145,8 +146,8 @@ math::Twist SafetyGate::limited(const GateInputs& inputs, double dt,
   return V;
 }
 
-/// Each axis ramps on its own: along a common line, an axis that is a small part of the speed would
-/// brake more slowly than the damper of the workspace has counted on.
+/// Each axis ramps down independently: along a common line, an axis with a small share of the speed
+/// would brake more slowly than the workspace damper assumes.
 math::Twist SafetyGate::braked(double dt) const noexcept {
   const double root3 = std::sqrt(3.0);
   const double linear =

@@ -4,9 +4,9 @@
 
 namespace palpate::control {
 
-/// J = sum over the support of (d feature / d x_i) (d x_i / d xi). `node_motion(node)` gives the
-/// 3 x 6 block d x_i / d xi. Costs six products for each entry of the feature's own Jacobian;
-/// allocates nothing.
+/// J = sum over the support of (d feature / d x_i) (d x_i / d xi). `node_motion(node)` returns the
+/// 3 x 6 block d x_i / d xi. Costs six products per entry of the feature's own Jacobian. Does not
+/// allocate.
 template <class NodeMotion>
 void accumulate_support(const shape::Feature& feature, const NodeMotion& node_motion,
                         Eigen::Ref<Eigen::MatrixXd> J) noexcept {

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/control/speed_limit.hpp"
+#include "core/math/constants.hpp"
 
 namespace palpate::control {
 
@@ -14,7 +15,7 @@ TwistLawOptions TwistLawOptions::thesis() noexcept {
   options.linear_speed = 1.0;
   options.angular_speed = 0.5;
   options.dead_band.position = 5e-3;
-  options.dead_band.angle = 0.017453292519943295;
+  options.dead_band.angle = math::kDegree;
   return options;
 }
 
@@ -76,7 +77,7 @@ void TwistLaw::compute(const LawInputs& inputs, LawOutput& output) noexcept {
   const PseudoInverse::Motion u = solve(inputs, motion_, output);
   math::Twist first = math::Twist::from(u.head<6>()), second;
   if (options_.inverse.grasps == 2) second = math::Twist::from(u.tail<6>());
-  // One factor for both, so that they go on moving together.
+  // One factor for both hands, so that their relative motion is kept.
   const double factor =
       std::min(speed_factor(first, options_.linear_speed, options_.angular_speed),
                speed_factor(second, options_.linear_speed, options_.angular_speed));

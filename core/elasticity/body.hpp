@@ -14,7 +14,7 @@ struct Material {
   double density = 26;          // kg/m^3, > 0
 };
 
-/// Rayleigh damping D = mass_factor M + stiffness_factor K, of dynamic models.
+/// Rayleigh damping D = mass_factor M + stiffness_factor K of dynamic models.
 struct Damping {
   double mass_factor = 1.0;        // 1/s
   double stiffness_factor = 0.01;  // s
@@ -23,22 +23,24 @@ struct Damping {
 /// Nodes that a hand can hold: while held they move with G as one rigid patch.
 struct GraspRegion {
   std::vector<int> nodes;
-  math::Pose X_OG_rest = math::Pose::Identity();  // pose of G in O while the object is at rest
-  /// How the object gives way in the hand: minus its motion in it (m, rad), in G, by the wrench of
-  /// the hand on it at the origin of G, in G; see pad_compliance(). Zero: held firmly.
+  math::Pose X_OG_rest = math::Pose::Identity();  // pose of G in O in the rest state of the object
+  /// Compliance of the pads: negative displacement (m, rad) of the object relative to the hand, in
+  /// G, per wrench of the hand on it at the origin of G, in G; see pad_compliance(). Zero: rigid
+  /// grasp.
   math::Matrix6d compliance = math::Matrix6d::Zero();
-  /// The same of the object beside the grasp, where the model is stiffer than it: falls with
-  /// Young's modulus, so that what it gives by does not depend on that. See estimation::grasp_give.
+  /// Compliance of the object near the grasp that the model lacks. It is inversely proportional to
+  /// Young's modulus, so that the resulting displacement does not depend on the modulus. See
+  /// estimation::grasp_give.
   math::Matrix6d object_compliance = math::Matrix6d::Zero();
 };
 
-/// A deformable object, everything in its rest frame O.
+/// Deformable object; all quantities in its rest frame O.
 struct Body {
   mesh::ElementMesh mesh;
   Material material;
-  std::vector<Material> element_materials;  // one per element, or empty: `material` everywhere
+  std::vector<Material> element_materials;  // one per element; empty: `material` everywhere
   Damping damping;
-  std::vector<int> fixed_nodes;                         // held by the test rig
+  std::vector<int> fixed_nodes;                         // nodes held by the test rig
   std::vector<GraspRegion> grasps;                      // at most two
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();  // m/s^2
 
@@ -46,7 +48,7 @@ struct Body {
     return element_materials.empty() ? material : element_materials[element];
   }
 
-  /// Throws std::invalid_argument naming what is wrong (empty mesh, node out of range, a node both
+  /// Throws std::invalid_argument naming the error (empty mesh, node out of range, a node both
   /// fixed and grasped, material out of range).
   void check() const;
 };

@@ -5,8 +5,8 @@
 
 namespace palpate::elasticity {
 
-/// What a solver in double makes of a body: its elements, a matrix over its unknown nodes with a
-/// factor, and forces. Members refer to each other.
+/// Double-precision data of a solver for one body: elements, a matrix over the unknown nodes with
+/// its factor, and forces. Members refer to each other.
 struct BodySystem {
   explicit BodySystem(const Body& body)
       : elements(body),

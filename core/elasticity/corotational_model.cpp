@@ -62,7 +62,7 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
   const int n = body_.mesh.node_count();
   loads_ = velocities_ = Matrix3Xd::Zero(3, n);
   for (NodalField* m :
-       {&weight_per_gravity_, &rest_, &external_, &v_, &surprise_, &column_, &x_inertial_,
+       {&weight_per_gravity_, &rest_, &external_, &v_, &prediction_error_, &column_, &x_inertial_,
         &x_expected_, &x_trial_, &x_kept_, &forces_, &forces_trial_}) {
     m->setZero(4, n);
   }
@@ -98,7 +98,7 @@ void CorotationalModel::prepare() {
 void CorotationalModel::reset() noexcept {
   x_ = rest_;
   v_.setZero();
-  surprise_.setZero();
+  prediction_error_.setZero();
   reach_ = kFar;
   loads_.setZero();
   forces_.setZero();
@@ -110,7 +110,7 @@ void CorotationalModel::reset() noexcept {
   warp_.update(rotations_, factor_.rotations);
   sensitivity_.valid = at_snapshot_.valid = false;
   secants_.clear();
-  doubtful_ = 0;
+  suspect_count_ = 0;
   inverted_ = torn_ = false;
   wanted_ = true;
   publish();
@@ -156,7 +156,7 @@ void CorotationalModel::turn_sensitivity(int begin, int end) noexcept {
     turned.grasps[g] = grasps_[g].applied.linear() * grasps_[g].snapshot.linear().transpose();
   }
   for (int c = 0; c < kContactSlots; ++c) {
-    // The node that bears most of a contact says how its place has turned.
+    // the node with the largest weight determines the rotation of a contact
     const mesh::PointWeights& point = contacts_[c];
     const auto* largest =
         std::max_element(point.weights.begin(), point.weights.begin() + point.count);
@@ -225,7 +225,7 @@ void CorotationalModel::install(Refactorisation& done) noexcept {
   for (int g = 0; g < 2; ++g) grasps_[g].snapshot = job_grasps_[g];
   sensitivity_.valid = at_snapshot_.valid;
   sensitivity_.age = job_age_;
-  if (!dynamic_) persistence_ = 0;  // surprises of the old one say nothing of the new one's
+  if (!dynamic_) persistence_ = 0;  // errors of the old sensitivity no longer apply
   turn_sensitivity(0, static_cast<int>(positions_.cols()));
 }
 
@@ -245,15 +245,15 @@ bool CorotationalModel::restore(const Matrix3Xd& positions, const Matrix3Xd& vel
   for (int g = 0; g < 2; ++g) {
     if (held_[g]) grasps_[g].applied = grasp_pose(body_, g, positions_);
   }
-  surprise_.setZero();
-  // Strains and rotations of the new shape, from which the next step starts.
+  prediction_error_.setZero();
+  // strains and rotations of the new shape, from which the next step starts
   forces_.setZero();
   elastic_ = element_forces_->add(x_, 0, forces_);
   secants_.clear();
   wanted_ = true;
-  doubtful_ = 0;
+  suspect_count_ = 0;
   inverted_ = torn_ = false;
-  ticks_ = kTanglePeriod - 1;  // the next step looks whether the shape is a possible one
+  ticks_ = kTanglePeriod - 1;  // the next step checks whether the shape is valid
   follow_rotations();
   return true;
 }

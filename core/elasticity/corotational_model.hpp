@@ -15,51 +15,53 @@
 namespace palpate::elasticity {
 
 struct SolverOptions {
-  int iterations = 2;       // quasi-Newton corrections per step at most, >= 1
-  double tolerance = 1e-6;  // N, largest nodal force out of balance at which a step ends early
-  double accuracy =
-      1e-7;  // m, a step also ends where the next correction would move no node further
+  int iterations = 2;       // maximum number of quasi-Newton corrections per step, >= 1
+  double tolerance = 1e-6;  // N, largest unbalanced nodal force at which a step ends early
+  double accuracy = 1e-7;   // m, a step also ends if the next correction would move no node by more
   // Whether forces are evaluated once more after a correction that is expected to end a step.
-  // Without that, a step costs one evaluation less, forces (reactions among them) and energy are
-  // those before its last correction, and the residual that it reports is an estimate.
+  // Without it a step costs one evaluation less; forces (including reactions) and energy are then
+  // those before its last correction, and the reported residual is an estimate.
   bool confirm = true;
-  // Motion columns of the sensitivity that a quasi-static step also corrects, in turn, each for the
-  // price of two evaluations and a solve. Under a large motion, with factors 30 ms old, columns are
-  // 6 % off without, some 2 % if each is corrected in every step (6), 0.3 % if twice (12).
+  // Number of sensitivity columns that a quasi-static step also corrects, in turn, each for the
+  // cost of two evaluations and a solve. During a large motion, with factors 30 ms old, the error
+  // of the columns is 6 % without correction, about 2 % if each is corrected in every step (6), 0.3
+  // % if twice (12).
   int refine = 0;
-  int halvings = 4;                          // of one correction, at most
-  double time_step = 1e-3;                   // s, of the factor that prepare() makes
-  Precision precision = Precision::kDouble;  // of the arithmetic inside elements
-  factor::PanelPrecision panels = factor::PanelPrecision::kSingle;  // of the factor
-  // When a new factor is asked for:
-  double turned = 0.02;      // rad, a node has turned by that much since the snapshot
-  double contraction = 0.3;  // a correction left more than this share of the residual
-  // A step stops correcting after `budget` seconds of `clock` (s, monotonic), where it is given.
+  int halvings = 4;                          // maximum number of halvings of one correction
+  double time_step = 1e-3;                   // s, time step of the factor that prepare() computes
+  Precision precision = Precision::kDouble;  // arithmetic inside elements
+  factor::PanelPrecision panels = factor::PanelPrecision::kSingle;  // storage of the factor
+  // Conditions for requesting a new factor:
+  double turned = 0.02;      // rad, largest rotation of a node since the snapshot
+  double contraction = 0.3;  // fraction of the residual that remains after a correction
+  // A step stops correcting after `budget` seconds of `clock` (s, monotonic), if set.
   double budget = 0;
   double (*clock)() = nullptr;
-  // Shares a step's work; without one it is the calling thread's alone. Its size, but nothing else
-  // of it, decides the order of sums and so the last bits.
+  // Threads that share the work of a step; without a team the calling thread alone. The team's size
+  // determines the summation order and thus the last bits.
   std::shared_ptr<math::Team> team = nullptr;
 };
 
-/// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the last
-/// one's answer and makes a few quasi-Newton corrections with a factor that may be old but with the
-/// nonlinear residual, so that what it converges to does not depend on the factor's age. The factor
-/// is turned with the nodes (NodeWarp) and sharpened by the last corrections (SecantPairs). A
-/// correction that raises the potential is halved.
+/// Energy-consistent co-rotated elasticity, solved incrementally: each step starts from the
+/// previous solution and makes a few quasi-Newton corrections with a possibly outdated factor but
+/// with the nonlinear residual, so that the solution does not depend on the factor's age. The
+/// factor is rotated with the nodes (NodeWarp) and improved by the last corrections (SecantPairs).
+/// A correction that increases the potential is halved.
 ///
-/// The energy has equilibria that no body has: with elements inside out, or, left behind by a force
-/// far too large, twisted or folded without any. A shape that has elements inside out for a fifth
-/// of a second, or a tenth of all at once, or that had some and now stands still under strain for
-/// so long, is compared with the one that RigidBlend makes of the boundary, and given up for it
-/// where that has the lower potential (StepReport::restarted). Every such start descends, so that
-/// none is repeated without new loads or poses. A shape without such a past is never doubted: a
-/// hand may well have twisted it. Shared by the quasi-static and the dynamic model, which minimise
+/// The energy has non-physical equilibria: with inverted elements or, after an excessive force,
+/// twisted or folded without any. If a shape has inverted elements for a fifth of a second, or in a
+/// tenth of the body at once, or had some and is now at rest under strain for that long, it is
+/// compared with the shape that RigidBlend constructs from the boundary conditions, and is replaced
+/// by it if that has the lower potential (StepReport::restarted). Each restart lowers the
+/// potential, so that none recurs without new loads or poses. A shape without inverted elements in
+/// its past is never replaced, because a hand may well have twisted it.
+///
+/// Base of the quasi-static and the dynamic model, which minimise
 ///   E(x) - f.x   and   E(x) - f.x + |x - x*|^2_M inertia / 2 + viscous potential
-/// over the free nodes. Inside, nodes stand in the order of elimination, fixed ones last.
+/// over the free nodes. Internally, nodes are in elimination order, fixed ones last.
 class CorotationalModel : public DeformationModel {
  public:
-  // The job refers to members.
+  // the job refers to members
   CorotationalModel(const CorotationalModel&) = delete;
   CorotationalModel& operator=(const CorotationalModel&) = delete;
 
@@ -71,8 +73,8 @@ class CorotationalModel : public DeformationModel {
   void set_gravity(const Eigen::Vector3d& gravity_O) noexcept override { gravity_ = gravity_O; }
   Eigen::Matrix3Xd& loads() noexcept override { return loads_; }
 
-  /// Grasps made and released count from the next step on. Fails, with the state as it was, where
-  /// the factor cannot serve them (nothing would hold the object) until a new one is installed.
+  /// Grasps held or released take effect from the next step on. Fails, with the state unchanged, if
+  /// the factor cannot serve them (the object would be unsupported) until a new one is installed.
   StepReport step(double dt) noexcept override;
   void reset() noexcept override;
   const Eigen::Matrix3Xd& positions() const noexcept override { return positions_; }
@@ -85,8 +87,8 @@ class CorotationalModel : public DeformationModel {
   bool restore(const Eigen::Matrix3Xd& positions,
                const Eigen::Matrix3Xd& velocities) noexcept override;
 
-  /// True while the factor in use was made of a matrix that had to be shifted: nothing holds the
-  /// body in place, so that it has no unique equilibrium.
+  /// True while the factor in use was computed from a shifted matrix: the body is unsupported and
+  /// has no unique equilibrium.
   bool is_regularised() const noexcept { return factor_.regularised; }
 
   const ElementSet& elements() const noexcept { return elements_; }
@@ -98,12 +100,12 @@ class CorotationalModel : public DeformationModel {
 
  private:
   static constexpr double kFar = 1e9;       // m
-  static constexpr int kTanglePeriod = 16;  // steps between looks for inside-out elements
+  static constexpr int kTanglePeriod = 16;  // steps between checks for inverted elements
 
   struct Grasp {
     math::Pose target = math::Pose::Identity();
-    math::Pose applied = math::Pose::Identity();   // that the present positions stand for
-    math::Pose snapshot = math::Pose::Identity();  // that the sensitivity was computed at
+    math::Pose applied = math::Pose::Identity();   // pose applied to the present positions
+    math::Pose snapshot = math::Pose::Identity();  // pose at which the sensitivity was computed
   };
 
   math::Team& team() const noexcept {
@@ -125,8 +127,8 @@ class CorotationalModel : public DeformationModel {
   void stay_if_better(StepReport& report, double& energy, double dt, double start) noexcept;
   void learn() noexcept;
   void follow_rotations() noexcept;
-  bool untangle(StepReport& report) noexcept;
-  void look_for_tears(const StepReport& report) noexcept;
+  bool recover_inverted_elements(StepReport& report) noexcept;
+  void detect_inversion(const StepReport& report) noexcept;
   double static_potential() noexcept;
   void turn_sensitivity(int begin, int end) noexcept;
   void refine_column() noexcept;
@@ -140,50 +142,53 @@ class CorotationalModel : public DeformationModel {
   ElementSet elements_;
   factor::BlockPattern pattern_;
   factor::Supernodes supernodes_;
-  std::vector<int> numbering_;  // of mesh nodes in nodal fields
+  std::vector<int> numbering_;  // column of each mesh node in nodal fields
   std::unique_ptr<ElementForces> element_forces_;
   std::optional<Inertia> inertia_;  // dynamic only
-  double rounding_;                 // relative, of the energy
+  double rounding_;                 // relative rounding error of the energy
 
   factor::Held held_{false, false};
   std::array<Grasp, 2> grasps_;
   std::array<mesh::PointWeights, kContactSlots> contacts_;
   Eigen::Vector3d gravity_;
-  Eigen::Matrix3Xd loads_, positions_, velocities_;  // in the order of the mesh
+  Eigen::Matrix3Xd loads_, positions_, velocities_;  // in mesh order
   NodalField weight_per_gravity_, rest_;
-  NodalField external_, x_, v_, surprise_, x_begin_, x_inertial_, x_expected_, x_trial_, x_kept_,
-      forces_, forces_trial_;
-  Eigen::VectorXf correction_, step_taken_, force_change_;  // three a node, unknown nodes only
+  NodalField external_, x_, v_, prediction_error_, x_begin_, x_inertial_, x_expected_, x_trial_,
+      x_kept_, forces_, forces_trial_;
+  Eigen::VectorXf correction_, step_taken_, force_change_;  // three per node, unknown nodes only
   SecantPairs secants_;
   StepFactors step_;
   double dt_ = 0;
-  double persistence_ = 0;  // share of a step's surprise that the next one repeats, 0 to 1
-  double reach_ = kFar;     // m, that a correction may move a node at first
-  double contraction_ = 1;  // of a step's second correction against its first, last time
-  double elastic_ = 0, elastic_begin_ = 0;  // J, of elements: last evaluated, and as the step began
+  /// Fraction of a step's prediction error that recurs in the next one, 0 to 1.
+  double persistence_ = 0;
+  double reach_ = kFar;  // m, initial limit of a correction's nodal displacement
+  /// Ratio of a step's second correction to its first, at the last measurement.
+  double contraction_ = 1;
+  /// J, energy of the elements: last evaluated, and at the beginning of the step
+  double elastic_ = 0, elastic_begin_ = 0;
 
-  Eigen::Matrix4Xf rotations_;  // of nodes, at the last look
+  Eigen::Matrix4Xf rotations_;  // node rotations at the last check
   NodeWarp warp_;
   LoopFactor factor_;
   double factor_age_ = 0;
   RefactorJob job_;
   std::array<math::Pose, 2> job_grasps_;
-  double job_age_ = 0;                     // s since the snapshot
+  double job_age_ = 0;                     // s since the job's snapshot
   Sensitivity sensitivity_, at_snapshot_;  // as published, and as computed
   std::optional<TangentProduct> tangent_;
-  NodalField column_;  // that is refined
-  int refined_ = 0;    // 6 grasp + motion, the one refined last
+  NodalField column_;  // column under refinement
+  int refined_ = 0;    // 6 grasp + motion, the column refined last
   RigidBlend blend_;
   int ticks_ = 0;
-  int doubtful_ = 0;            // looks in a row that found the shape a doubtful one
-  bool inverted_ = false;       // elements at the last look
-  bool torn_ = false;           // some were inverted, and strains have not been small since
-  double elastic_at_look_ = 0;  // J, with viscous potential
+  int suspect_count_ = 0;       // consecutive checks with a suspect shape
+  bool inverted_ = false;       // inverted elements at the last check
+  bool torn_ = false;           // elements were inverted, and strains have not been small since
+  double elastic_at_look_ = 0;  // J, including the viscous potential
   bool outstanding_ = false;
   bool wanted_ = false;
 };
 
-/// Static equilibrium under the present loads and hand poses, whatever the time step.
+/// Static equilibrium under the present loads and hand poses, independent of the time step.
 class CorotationalQuasistatic final : public CorotationalModel {
  public:
   explicit CorotationalQuasistatic(Body body, const SolverOptions& options = {})

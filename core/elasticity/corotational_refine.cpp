@@ -1,14 +1,14 @@
 #include "core/elasticity/corotational_model.hpp"
 
-// Columns of the sensitivity kept right between factorisations: the response to one motion of one
-// held grasp is corrected with the factor that the step has used. A turned column does not know
-// that loads turn against the object.
+// Refinement of sensitivity columns between factorisations: the response to one motion of one held
+// grasp is corrected with the factor used by the step. Rotation alone does not account for loads
+// whose direction changes relative to the object.
 namespace palpate::elasticity {
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-/// The next column: x' <- x' - H K x', since free nodes must not feel it.
+/// Corrects the next column: x' <- x' - H K x', because the forces on free nodes must not change.
 void CorotationalModel::refine_column() noexcept {
   if (!tangent_ || !at_snapshot_.valid || !factor_.exact) return;
   refined_ = (refined_ + 1) % 12;
@@ -49,8 +49,7 @@ void CorotationalModel::refine_column() noexcept {
   set_column(g, k);
 }
 
-/// Puts column_ in the place of column k of grasp g, as published and, turned back, at the
-/// snapshot.
+/// Stores column_ as column k of grasp g, both as published and, rotated back, at the snapshot.
 void CorotationalModel::set_column(int g, int k) noexcept {
   const int axis = k % 3, first = k - axis;
   const Matrix3d R = grasps_[g].applied.linear() * grasps_[g].snapshot.linear().transpose();

@@ -3,24 +3,23 @@
 
 #include "core/elasticity/corotational_model.hpp"
 
-// One step of the co-rotational model: predict, evaluate, correct, and what to do when that is not
-// enough.
+// One step of the co-rotational model: prediction, evaluation, correction, and recovery.
 namespace palpate::elasticity {
 namespace {
 
 using Eigen::Vector3d;
 
-// Rotations of nodes are looked at once in so many steps, in which they change by some hundredths
-// of a radian; the sensitivity is turned with them piece by piece in between.
+// Steps between checks of the node rotations, which change by a few hundredths of a radian in
+// between; the sensitivity is rotated piecewise in these steps.
 constexpr int kLookPeriod = 4;
-// So many looks in a row that find a doubtful shape, or one that finds a tenth of the body inside
-// out, and another is tried.
+// Consecutive checks with a suspect shape before an alternative is tried; a single check with a
+// tenth of the body inverted suffices.
 constexpr int kPatience = 12;
 constexpr int kHopelessShare = 10;
-// A body whose strains stay below has settled where it should. A shape stands still where its
-// energy changes by less than this share between two looks, and another is better by more.
+// Below this strain the shape is certainly valid. A shape is at rest if its energy changes by less
+// than this fraction between two checks, and another one is better if its energy is lower by more.
 constexpr double kSmallStrain = 0.1, kStill = 1e-3;
-// Steps between those that measure how fast corrections shrink.
+// Steps between measurements of the contraction of corrections.
 constexpr int kMeasurePeriod = 10;
 
 }  // namespace
@@ -47,7 +46,7 @@ StepReport CorotationalModel::step(double dt) noexcept {
   }
   const std::array<Grasp, 2> grasps_begin = grasps_;
   step_ = step_factors(dt);
-  // A factor made for a quite different step would contract slowly.
+  // a factor for a very different step would contract slowly
   if (dynamic_ && std::abs(step_.inertia / factor_.step.inertia - 1) > 0.3) wanted_ = true;
   for (int node = 0; node < loads_.cols(); ++node) {
     external_.col(numbering_[node]).head<3>() = loads_.col(node);
@@ -66,14 +65,14 @@ StepReport CorotationalModel::step(double dt) noexcept {
   }
   if (std::isfinite(energy) && forces_.allFinite()) {
     if (++ticks_ % kLookPeriod == 0) follow_rotations();
-    if (ticks_ % kTanglePeriod == 0 && untangle(report)) energy = evaluate();
+    if (ticks_ % kTanglePeriod == 0 && recover_inverted_elements(report)) energy = evaluate();
     const double initial = residual();
     correct(report, energy, start);
     if (dynamic_ && report.status != StepStatus::kConverged && report.residual > 0.05 * initial &&
         energy > potential_of_staying()) {
       stay_if_better(report, energy, dt, start);
     }
-    look_for_tears(report);
+    detect_inversion(report);
     if (inverted_ && report.status == StepStatus::kConverged) {
       report.status = StepStatus::kNotConverged;
     }
@@ -121,7 +120,7 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
     }
   }
   x_expected_ = x_;
-  if (follow) x_ += persistence_ * surprise_;
+  if (follow) x_ += persistence_ * prediction_error_;
   for (int g = 0; g < grasps; ++g) {
     if (!held_[g]) continue;
     grasps_[g].applied = grasps_[g].target;
@@ -132,7 +131,7 @@ void CorotationalModel::predict(double dt, bool follow) noexcept {
   }
 }
 
-/// Potential at x_ in J; leaves its derivative, the forces out of balance, in forces_.
+/// Potential at x_, J; its derivative, the unbalanced forces, goes to forces_.
 double CorotationalModel::evaluate() noexcept {
   forces_ = -external_;
   double energy = -external_.cwiseProduct(x_ - rest_).sum();
@@ -142,7 +141,7 @@ double CorotationalModel::evaluate() noexcept {
   return energy;
 }
 
-/// Largest force out of balance at a free node, N.
+/// Largest unbalanced force at a free node, N.
 double CorotationalModel::residual() const noexcept {
   double largest = 0;
   for (int k = 0; k < pattern_.interior_size(); ++k) {
@@ -156,7 +155,7 @@ double CorotationalModel::residual() const noexcept {
   return std::sqrt(largest);
 }
 
-/// Into correction_; returns the slope of the potential along it, J.
+/// Computes correction_; returns the slope of the potential along it, J.
 double CorotationalModel::find_correction() noexcept {
   for (int k = 0; k < pattern_.size(); ++k) {
     correction_.segment<3>(3 * k) = -forces_.col(k).head<3>().cast<float>();
@@ -165,8 +164,8 @@ double CorotationalModel::find_correction() noexcept {
   return slope();
 }
 
-/// Overwrites b, the axes of an unknown node together, with what the tangent of now makes of it:
-/// the old factor, turned and sharpened. Held nodes get none.
+/// Overwrites b (the axes of an unknown node adjacent) with the approximate solution for the
+/// present tangent: the old factor, rotated and improved. Held nodes get zero.
 void CorotationalModel::solve_for(Eigen::VectorXf& b) noexcept {
   for (int g = 0; g < 2; ++g) {
     const int begin = pattern_.border_begin(g);
@@ -179,7 +178,7 @@ void CorotationalModel::solve_for(Eigen::VectorXf& b) noexcept {
   });
 }
 
-/// Of the potential along correction_ at x_, J.
+/// Slope of the potential along correction_ at x_, J.
 double CorotationalModel::slope() const noexcept {
   double sum = 0;
   for (int k = 0; k < pattern_.size(); ++k) {
@@ -195,21 +194,21 @@ void CorotationalModel::add_correction(const NodalField& from, double share) noe
   }
 }
 
-/// Potential in J of x_begin_, as last evaluated, were the nodes to stay there through this step.
-/// No minimum lies above it, and a step that ends above it has made energy out of nothing.
+/// Potential, J, of x_begin_, as last evaluated, if the nodes remained there during this step. An
+/// upper bound of the minimum: a step that ends above it has gained energy.
 double CorotationalModel::potential_of_staying() const noexcept {
   return elastic_begin_ - external_.cwiseProduct(x_begin_ - rest_).sum() +
          inertia_->energy(v_, 1 / (step_.inertia * dt_ * dt_));
 }
 
-/// What the velocities or the sensitivity did not foresee (changes of velocity, or what changing
-/// loads do), and how far that persists: the factor by which the last surprise, were it repeated,
-/// would have come closest to this one.
+/// Prediction error of velocities or sensitivity (changes of velocity, or effects of changing
+/// loads), and its persistence: the factor by which the last error would have predicted this one
+/// best.
 void CorotationalModel::remember_surprise() noexcept {
   double alike = 0, before = 0;
   for (int k = 0; k < pattern_.size(); ++k) {
     const Vector3d surprise = (x_.col(k) - x_expected_.col(k)).head<3>();
-    auto last = surprise_.col(k).head<3>();
+    auto last = prediction_error_.col(k).head<3>();
     if (k < pattern_.interior_size()) {
       alike += surprise.dot(last);
       before += last.squaredNorm();
@@ -219,8 +218,9 @@ void CorotationalModel::remember_surprise() noexcept {
   persistence_ = before > 0 ? std::clamp(alike / before, 0.0, 1.0) : 0;
 }
 
-/// Corrections from where the velocities lead can be too few where a stiff body is struck hard.
-/// Then they start from where the nodes are, which can only lose energy.
+/// When a stiff body is struck hard, corrections that start from the positions predicted by the
+/// velocities can be too few. They then restart from the present positions, which can only lose
+/// energy.
 void CorotationalModel::stay_if_better(StepReport& report, double& energy, double dt,
                                        double start) noexcept {
   x_kept_ = x_;
@@ -259,8 +259,8 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
     x_trial_ = x_;
     forces_trial_ = forces_;
 
-    // A tangent close to singular asks for enormous moves, again and again: whoever has failed
-    // starts with shorter ones.
+    // A nearly singular tangent requests very large corrections repeatedly: after a failure their
+    // length is limited.
     const double longest = std::min(1.0, reach_ / size);
     bool accepted = false;
     double share = longest, next = energy, next_residual = report.residual;
@@ -268,8 +268,9 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
       add_correction(x_trial_, share);
       next = evaluate();
       next_residual = residual();
-      // Near the minimum rounding hides the energy's fall, and slopes tell it: along a parabola it
-      // is their mean (the approximate Wolfe condition of Hager and Zhang 2005).
+      // Near the minimum rounding errors exceed the decrease of the energy, which is then computed
+      // from slopes: along a parabola it is their mean (approximate Wolfe condition, Hager and
+      // Zhang 2005).
       const double rounding = rounding_ * (std::abs(energy) + std::abs(next));
       accepted = next <= energy + 1e-4 * share * slope_begin ||
                  (std::abs(next - energy) <= rounding && slope() < -0.9 * slope_begin);
@@ -288,7 +289,7 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
         next_residual > options_.contraction * report.residual) {
       wanted_ = true;
     }
-    // Far from equilibrium, where the tangent is indefinite, secants mislead.
+    // far from equilibrium, where the tangent is indefinite, secant pairs mislead
     if (factor_.exact) learn();
     energy = next;
     report.residual = next_residual;
@@ -298,9 +299,9 @@ void CorotationalModel::correct(StepReport& report, double& energy, double start
   report.status = settled ? StepStatus::kConverged : StepStatus::kNotConverged;
 }
 
-/// Whether the next correction can be expected to stay below the accuracy after one that moves no
-/// node further than `size` m. By what share corrections shrink is measured in some steps, which
-/// make two for that: what forces are left says little of soft motions that are still wrong.
+/// Whether the next correction is expected to be below the accuracy after one that moves no node by
+/// more than `size` m. The contraction is measured in some steps, which make two corrections for
+/// that purpose, because the remaining forces say little about remaining errors in soft motions.
 bool CorotationalModel::is_last_correction(double size, int iteration) const noexcept {
   const bool measures = ticks_ % kMeasurePeriod == 0 && iteration == 1;
   return !measures && contraction_ < 1 && contraction_ * size < options_.accuracy;
@@ -320,18 +321,18 @@ void CorotationalModel::learn() noexcept {
   secants_.add(step_taken_, force_change_);
 }
 
-/// Looks whether the shape is one that a body can have; after enough doubt starts again from a
-/// better one. True where x_ is to be evaluated anew.
-bool CorotationalModel::untangle(StepReport& report) noexcept {
+/// Checks the validity of the shape; after repeated suspicion restarts from a better one. True if
+/// x_ must be evaluated again.
+bool CorotationalModel::recover_inverted_elements(StepReport& report) noexcept {
   const ElementDoubts found = element_forces_->doubts(x_, kSmallStrain);
   const bool still = std::abs(elastic_ - elastic_at_look_) <= kStill * elastic_;
   elastic_at_look_ = elastic_;
   inverted_ = found.inverted > 0;
   torn_ = inverted_ || (torn_ && found.strained > 0);
-  doubtful_ = inverted_ || (torn_ && still) ? doubtful_ + 1 : 0;
+  suspect_count_ = inverted_ || (torn_ && still) ? suspect_count_ + 1 : 0;
   const bool hopeless = found.inverted * kHopelessShare > elements_.element_count();
-  if (doubtful_ < kPatience && !hopeless) return false;
-  doubtful_ = 0;
+  if (suspect_count_ < kPatience && !hopeless) return false;
+  suspect_count_ = 0;
   const double present = static_potential();
   std::array<math::Pose, 2> motions{math::Pose::Identity(), math::Pose::Identity()};
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
@@ -347,7 +348,7 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
   }
   x_begin_ = x_inertial_ = x_;
   v_.setZero();
-  surprise_.setZero();
+  prediction_error_.setZero();
   element_forces_->reset();
   secants_.clear();
   inverted_ = false;
@@ -355,13 +356,13 @@ bool CorotationalModel::untangle(StepReport& report) noexcept {
   return true;
 }
 
-/// What goes on between looks inverts elements only where steps do not converge.
-void CorotationalModel::look_for_tears(const StepReport& report) noexcept {
+/// Between checks elements become inverted only if steps do not converge.
+void CorotationalModel::detect_inversion(const StepReport& report) noexcept {
   if (torn_ || report.status == StepStatus::kConverged) return;
   torn_ = element_forces_->doubts(x_, kSmallStrain).inverted > 0;
 }
 
-/// Of x_, without motion, J.
+/// Static potential of x_, J.
 double CorotationalModel::static_potential() noexcept {
   forces_trial_.setZero();
   return element_forces_->add(x_, 0, forces_trial_) - external_.cwiseProduct(x_ - rest_).sum();

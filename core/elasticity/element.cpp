@@ -91,8 +91,9 @@ Eigen::Matrix<double, 10, 1> Tetrahedron<10>::volume_shares() {
 
 Eigen::Matrix3d point_twist(const Eigen::Matrix3d& S, const Lame& lame, Tangent kind) {
   if (kind == Tangent::kWarped) return lame.mu * Eigen::Matrix3d::Identity();
-  // With H = tr(S) I - S and v = vee(R^T dF - dF^T R) the rotation turns by R (H^-1 v); the part of
-  // dP that this causes is -(2 mu - lambda tr(S - I)) times H^-1 on the twists of the point.
+  // With H = tr(S) I - S and v = vee(R^T dF - dF^T R) the rotation changes by R (H^-1 v); the
+  // resulting part of dP is -(2 mu - lambda tr(S - I)) times H^-1 applied to the twists of the
+  // point.
   const double factor = 2 * lame.mu - lame.lambda * (S.trace() - 3);
   const Eigen::Matrix3d H = S.trace() * Eigen::Matrix3d::Identity() - S;
   if (kind == Tangent::kExact && H(0, 0) > 0 && H.determinant() > kSmallestTurnStiffness &&

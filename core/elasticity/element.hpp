@@ -7,13 +7,13 @@
 
 namespace palpate::elasticity {
 
-/// How many elements a body can hardly have in the state that they are in.
+/// Numbers of elements in a non-physical state.
 struct ElementDoubts {
-  int inverted = 0;  // inside out somewhere: det F <= 0
-  int strained = 0;  // by more than a limit somewhere
+  int inverted = 0;  // inverted somewhere: det F <= 0
+  int strained = 0;  // strained above a limit somewhere
 };
 
-/// Lame's constants, Pa.
+/// Lame parameters, Pa.
 struct Lame {
   double mu = 0;
   double lambda = 0;
@@ -21,7 +21,7 @@ struct Lame {
 Lame lame(const Material& material);
 
 /// Straight-sided tetrahedra: 4 nodes and one quadrature point, or 10 nodes and four points, which
-/// integrate the energy of both exactly where the rotation is constant.
+/// integrate the energy exactly if the rotation is constant.
 template <int kNodes>
 struct Tetrahedron {
   static constexpr int kPoints = kNodes == 4 ? 1 : 4;
@@ -50,26 +50,26 @@ double tetrahedron_volume(const Eigen::Matrix<double, 3, 4>& corners);
 enum class Tangent {
   kExact,         // second derivative of the energy
   kSemidefinite,  // the same with its negative eigenvalues at each point set to zero
-  kWarped,        // R K0 R^T: rotations held, Mueller and Gross 2004
+  kWarped,        // R K0 R^T: constant rotations, Mueller and Gross 2004
 };
 
-/// How a quadrature point with deformation gradient F answers a small change of its nodes, so that
+/// Tangent of a quadrature point with deformation gradient F:
 ///   K_ab = w [ (h_a . h_b) s I + l h_a h_b^T + [h_a]x twist [h_b]x ],  h_a = R grad N_a,
-/// which is the co-rotated tangent with the derivative of R written out.
+/// which is the co-rotated tangent with the derivative of R written explicitly.
 struct PointTangent {
   Eigen::Matrix3d rotation;
-  Eigen::Matrix3d twist;  // Pa, in the turned axes
+  Eigen::Matrix3d twist;  // Pa, in the rotated axes
   double s = 0;           // 2 mu, Pa
   double l = 0;           // lambda, Pa
 };
 
-/// Twist of a point with symmetric stretch S = R^T F in its own axes. Where the rotation is not a
-/// stable one, H = tr(S) I - S not being positive definite with a determinant above
+/// Twist term of a point with symmetric stretch S = R^T F, in its own axes. Where the rotation is
+/// not stable, i.e. H = tr(S) I - S is not positive definite with a determinant above
 /// kSmallestTurnStiffness, H is bounded away from zero.
 Eigen::Matrix3d point_twist(const Eigen::Matrix3d& S, const Lame& lame, Tangent kind);
 inline constexpr double kSmallestTurnStiffness = 1e-3;
 
-/// `viscous` adds that many times the warped stiffness (Rayleigh damping over one implicit step).
+/// `viscous`: adds this multiple of the warped stiffness (Rayleigh damping over one implicit step).
 PointTangent point_tangent(const Eigen::Matrix3d& F, const Lame& lame, Tangent kind,
                            double viscous = 0);
 

@@ -11,10 +11,10 @@
 
 namespace palpate::elasticity {
 
-/// As many straight-sided tetrahedra as a pack has lanes, with 4 or 10 nodes. Only the gradients of
-/// the barycentric coordinates are stored: those of quadratic shape functions are linear in them,
+/// Straight-sided tetrahedra with 4 or 10 nodes, one per lane of a pack. Only the gradients of the
+/// barycentric coordinates are stored: those of quadratic shape functions are linear in them,
 ///   grad N_i = (4 b_i - 1) g_i,  grad N_ij = 4 (b_i g_j + b_j g_i),
-/// so that F = sum_i c_i x g_i at each point and a pack streams 22 numbers per element.
+/// so that F = sum_i c_i x g_i at each point and a pack reads 22 numbers per element.
 template <class Pack, int kNodes>
 struct ElementPack {
   using Real = typename math::PackTraits<Pack>::Real;
@@ -50,16 +50,16 @@ struct ElementPack {
             P[6] * g[0] + P[7] * g[1] + P[8] * g[2]};
   }
 
-  std::array<std::array<int, math::kLanes<Pack>>, kNodes> offsets{};  // in nodal fields
-  std::array<Vector, 3> gradients{};  // of the barycentric coordinates 1, 2, 3; 1/m
+  std::array<std::array<int, math::kLanes<Pack>>, kNodes> offsets{};  // offsets in nodal fields
+  std::array<Vector, 3> gradients{};  // gradients of the barycentric coordinates 1, 2, 3; 1/m
   Pack mu{}, lambda{};                // times the volume of a point, J; 0 without an element
 };
 
-/// Elements whose points go through the stages of a pass together.
+/// Elements whose points are processed together in each stage of a pass.
 template <class Pack, int kNodes>
 class alignas(64) ElementBlock {
  public:
-  static constexpr int kPoints = Tetrahedron<kNodes>::kPoints;  // of an element
+  static constexpr int kPoints = Tetrahedron<kNodes>::kPoints;  // points of an element
   static constexpr int kPacks = kNodes == 4 ? 2 : 1;
   static constexpr int kElements = kPacks * math::kLanes<Pack>;
   using State = std::array<PointState<Pack>, kPacks * kPoints>;
@@ -87,8 +87,8 @@ class alignas(64) ElementBlock {
     pack.lambda[lane] = static_cast<Real>(weight * materials[element].lambda);
   }
 
-  /// Counts lanes whose element is inside out (at a quadrature point, or, where its sides are bent,
-  /// at a corner), and those strained at a point by more than `limit` (the norm of E).
+  /// Counts lanes whose element is inverted (at a quadrature point or, if its sides are curved, at
+  /// a corner), and those strained at a point by more than `limit` (norm of E).
   void add_doubts(const double* x, const State& state, double limit,
                   ElementDoubts& doubts) const noexcept {
     const Pack limit2 = math::splat<Pack>(limit * limit);
@@ -101,7 +101,7 @@ class alignas(64) ElementBlock {
         strained |= detail::square(E) > limit2;
       }
       for (int p = 0; p < 4 && kNodes == 10; ++p) {
-        // Only the p-th barycentric coordinate is not zero: c_p = 3 x_p, c_i = 4 x_ip - x_i.
+        // only the p-th barycentric coordinate is non-zero: c_p = 3 x_p, c_i = 4 x_ip - x_i
         std::array<Vector, 4> c;
         for (int i = 0; i < 4; ++i) {
           const Vector middle = pack.difference(x, kMidside[i][p]), own = pack.difference(x, i);
@@ -120,7 +120,7 @@ class alignas(64) ElementBlock {
   }
 
   /// Adds the rotation of each element, the mean over its points, to its corners in `sums`; signs
-  /// of quaternions, four numbers a node, as in `near`.
+  /// of quaternions, four numbers per node, as in `near`.
   void add_rotations(const State& state, const float* near, float* sums) const noexcept {
     using Quaternion = std::array<Pack, 4>;
     const auto aligned = [](const Quaternion& q, const Quaternion& to) -> Quaternion {
@@ -143,7 +143,7 @@ class alignas(64) ElementBlock {
     }
   }
 
-  /// Energy in J; adds the forces of the nodes to a field of four numbers each.
+  /// Energy, J; adds the nodal forces to a field of four numbers per node.
   Pack add(const double* x, double viscosity, State& state, Real* forces) const noexcept {
     if constexpr (kNodes == 4) {
       return add_linear(x, viscosity, state, forces);
@@ -194,16 +194,16 @@ class alignas(64) ElementBlock {
     std::array<Vector, 10> d;
     d[0] = Vector{};
     for (int a = 1; a < 10; ++a) d[a] = pack.difference(x, a);
-    std::array<Vector, 4> base;  // c_i without the part of the near corner
+    std::array<Vector, 4> base;  // c_i without the contribution of the near corner
     for (int i = 0; i < 4; ++i) {
       const Vector &p = d[kMidside[i][(i + 1) % 4]], &q = d[kMidside[i][(i + 2) % 4]],
                    &r = d[kMidside[i][(i + 3) % 4]];
       for (int c = 0; c < 3; ++c) base[i][c] = low * d[i][c] + far4 * (p[c] + q[c] + r[c]);
     }
     std::array<PackMatrix<Pack>, 4> F, R;
-#pragma GCC unroll 4  // so that the nodes of an edge are known when compiling
+#pragma GCC unroll 4  // makes the nodes of an edge compile-time constants
     for (int p = 0; p < 4; ++p) {
-      const Vector& d0 = d[kMidside[0][p]];  // of corner 0 itself for p = 0
+      const Vector& d0 = d[kMidside[0][p]];  // for p = 0 the difference of corner 0 itself
       std::array<Vector, 3> c;
       for (int i = 1; i < 4; ++i) {
         const Vector& di = d[kMidside[i][p]];
@@ -215,9 +215,10 @@ class alignas(64) ElementBlock {
     }
     update_rotations(F, state, R);
     Pack energy{};
-    std::array<Vector, 4> sum{};       // over the points, of the traction of each corner
-    std::array<Vector, 10> special{};  // what the near corner adds
-#pragma GCC unroll 4                   // so that the nodes of an edge are known when compiling
+    std::array<Vector, 4> sum{};       // sum over the points of the traction of each corner
+    std::array<Vector, 10> special{};  // contribution of the near corner
+#pragma GCC unroll 4                   // unrolled so that the nodes of an edge are compile-time
+                                       // constants
     for (int p = 0; p < 4; ++p) {
       PackMatrix<Pack> P;
       energy += add_stress(pack.mu, pack.lambda, viscosity, state[p], R[p], P);
@@ -253,7 +254,7 @@ class alignas(64) ElementBlock {
     return energy;
   }
 
-  // Node between corners i and j; the corner itself where they are the same.
+  // Node between corners i and j; the corner itself if they are equal.
   static constexpr int kMidside[4][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}};
 
   std::array<ElementPack<Pack, kNodes>, kPacks> packs_;

@@ -13,9 +13,9 @@
 namespace palpate::elasticity {
 namespace {
 
-/// Elements in the order in which blocks of `width` take them: by their lowest column in nodal
-/// fields, so that near ones follow each other, but where possible without two of the same node in
-/// a block, since sums into it would have to wait for each other.
+/// Order of the elements in blocks of `width`: by their lowest column in nodal fields, for
+/// locality, but if possible without two elements of a block sharing a node, because the additions
+/// to it would wait for each other.
 std::vector<int> block_order(const mesh::ElementMesh& mesh, const std::vector<int>& numbering,
                              int width) {
   constexpr int kLookAhead = 256;
@@ -60,7 +60,7 @@ class BlockForces final : public ElementForces {
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       for (int lane = 0; lane < kWidth; ++lane) {
         const int k = static_cast<int>(b) * kWidth + lane;
-        // Lanes without an element of their own repeat the last one, without weight.
+        // lanes without an element repeat the last one with weight zero
         blocks_[b].set(lane, mesh, order[std::min(k, count - 1)], materials, numbering, k < count);
       }
     }
@@ -165,7 +165,7 @@ class BlockForces final : public ElementForces {
 
   int block_count() const { return static_cast<int>(blocks_.size()); }
 
-  /// A share of the nodes of a field of the first part, to which those of the others are added.
+  /// Adds the fields of the other parts to the first part's, for a share of the nodes.
   template <class PartField>
   auto add_parts(PartField Part::*field, const math::Share& nodes) noexcept {
     auto sums = (parts_[0].*field).middleCols(nodes.begin, nodes.size());
@@ -175,7 +175,7 @@ class BlockForces final : public ElementForces {
     return sums;
   }
 
-  /// A share of the blocks, their forces into `sums`.
+  /// Adds the forces of a share of the blocks to `sums`.
   Pack add_blocks(const math::Share& blocks, const NodalField& x, double viscosity,
                   Field& sums) noexcept {
     Pack energy{};

@@ -9,55 +9,54 @@
 
 namespace palpate::elasticity {
 
-/// Nodal vectors as the solvers keep them, 3 x n with a row of padding.
+/// Nodal vectors as stored by the solvers, 3 x n with a row of padding.
 using NodalField = Eigen::Matrix4Xd;
 
-/// Of the arithmetic inside elements. Positions and sums over elements are in double always.
+/// Precision of the arithmetic inside elements. Positions and sums over elements are always in
+/// double.
 enum class Precision {
-  kSingle,  // eight points at once; strains are exact to some 1e-7
+  kSingle,  // eight points at once; strains are accurate to about 1e-7
   kDouble,  // four points at once
 };
 
-/// Forces of all elements of a body. Remembers rotations and strains from one evaluation to the
-/// next, so one thread, with its team, uses it at a time. Nodes are numbered as the solver that
-/// owns it likes.
+/// Forces of all elements of a body. Keeps rotations and strains between evaluations; not
+/// thread-safe, except for its own team. Nodes are numbered by the owning solver.
 class ElementForces {
  public:
   virtual ~ElementForces() = default;
 
-  /// Adds dEnergy/dx (N: the force that the nodes must be given from outside) at positions `x` (m)
-  /// to `forces` and returns the energy in J. `viscosity` > 0 adds the potential of Rayleigh
-  /// damping since begin_step: stiffness factor over time step. Inverted elements are allowed.
+  /// Adds dEnergy/dx (N: the external force required at the nodes) at positions `x` (m) to `forces`
+  /// and returns the energy, J. `viscosity` > 0 adds the potential of Rayleigh damping since
+  /// begin_step(): stiffness factor divided by time step. Inverted elements are permitted.
   virtual double add(const NodalField& x, double viscosity, NodalField& forces) noexcept = 0;
 
-  /// The strains of the last evaluation become those at the beginning of a step.
+  /// Stores the strains of the last evaluation as those at the beginning of a step.
   virtual void begin_step() noexcept = 0;
 
-  /// Undeformed and unturned.
+  /// Resets to zero strain and identity rotations.
   virtual void reset() noexcept = 0;
 
-  /// Mean rotation of the elements round each node at the last evaluation, as unit quaternions
-  /// w x y z; `rotations` holds a recent answer (4 x n) that fixes their signs. Midside nodes take
-  /// the mean of their corners. Nodes without elements keep what they had.
+  /// Mean rotation of the elements around each node at the last evaluation, as unit quaternions w x
+  /// y z; `rotations` (4 x n) contains an earlier result, which determines their signs. Midside
+  /// nodes get the mean of their corners. Nodes without elements are unchanged.
   virtual void node_rotations(Eigen::Matrix4Xf& rotations) noexcept = 0;
 
-  /// Elements that are inside out (at a quadrature point, or at a corner of a quadratic element) or
-  /// strained by more than `limit` (Frobenius norm at a quadrature point) at `x`, the positions of
-  /// the last evaluation.
+  /// Elements that are inverted (at a quadrature point, or at a corner of a quadratic element) or
+  /// strained above `limit` (Frobenius norm at a quadrature point) at `x`, the positions of the
+  /// last evaluation.
   virtual ElementDoubts doubts(const NodalField& x, double limit) const noexcept = 0;
 };
 
-/// `numbering[node]` is the column of a mesh node in nodal fields. `materials`: Lame's constants of
-/// each element. `team` outlives the result; its size, but nothing else of it, decides the order
-/// in which elements' forces are added up. Throws std::invalid_argument where an element has no
-/// positive volume.
+/// `numbering[node]`: column of a mesh node in nodal fields. `materials`: Lame parameters of each
+/// element. `team` must outlive the result; its size determines the summation order of the
+/// elements' forces. Throws std::invalid_argument if an element has no positive volume.
 std::unique_ptr<ElementForces> make_element_forces(const mesh::ElementMesh& mesh,
                                                    const std::vector<Lame>& materials,
                                                    const std::vector<int>& numbering,
                                                    Precision precision,
                                                    math::Team& team = math::solo_team);
 
-/// Nodes in the order of the mesh.
+/// Identity numbering: nodes in mesh order.
 std::vector<int> mesh_numbering(const mesh::ElementMesh& mesh);
 
 }  // namespace palpate::elasticity

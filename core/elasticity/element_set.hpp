@@ -7,11 +7,11 @@
 
 namespace palpate::elasticity {
 
-/// Matrices of the elements of a body, one element at a time, in the numbering of its mesh.
-/// Constant after construction, so threads may share it.
+/// Matrices of the elements of a body, one element at a time, in mesh numbering. Constant after
+/// construction, therefore shareable between threads.
 class ElementSet {
  public:
-  /// Throws std::invalid_argument where an element has no positive volume.
+  /// Throws std::invalid_argument if an element has no positive volume.
   explicit ElementSet(const Body& body);
 
   int element_count() const { return static_cast<int>(mesh_.element_count()); }
@@ -26,10 +26,11 @@ class ElementSet {
   void stiffness(int element, const Eigen::Matrix3Xd& x, Tangent kind, double viscous,
                  Eigen::MatrixXd& K) const;
 
-  /// Consistent mass of one element, N x N, kg (one for all three axes).
+  /// Consistent mass of one element, N x N, kg (identical for all axes).
   void mass(int element, Eigen::MatrixXd& M) const;
 
-  /// Integral of the shape function of each node times the density, kg: times g the body force.
+  /// Integral of each node's shape function times the density, kg; multiplied by g it is the body
+  /// force.
   const Eigen::VectorXd& nodal_mass() const { return nodal_mass_; }
 
  private:

@@ -12,9 +12,9 @@ using Matrix = PackMatrix<Pack4d>;
 using Vector = PackVector<Pack4d>;
 using Symmetric = PackSymmetric<Pack4d>;
 
-/// How a point resists a turn of its nodes beyond what the warped stiffness says: its twist
-/// (PointTangent) less mu, in its own axes. Lanes without a stable rotation go through the scalar
-/// code, as all do where eigenvalues are to be cut off.
+/// Resistance of a point against rotation of its nodes beyond the warped stiffness: its twist term
+/// (PointTangent) minus mu, in its own axes. Lanes without a stable rotation use the scalar code,
+/// as do all lanes if eigenvalues are clamped.
 Symmetric excess_twist(const Symmetric& E, Pack4d mu, Pack4d lambda, Tangent kind) {
   const detail::Inverse<Pack4d> h = detail::invert_turn_stiffness(E);
   const Pack4d scale = (2 * mu - lambda * (E[0] + E[1] + E[2])) / h.determinant;
@@ -53,7 +53,7 @@ Matrix transposed(const Matrix& m) {
   return {m[0], m[3], m[6], m[1], m[4], m[7], m[2], m[5], m[8]};
 }
 
-/// The nine numbers of each lane side by side.
+/// The nine numbers of each lane, lane by lane.
 struct Lanes {
   explicit Lanes(const Matrix& m) {
     for (int k = 0; k < 9; ++k) {
@@ -102,7 +102,7 @@ class PackTangents final : public ElementTangents {
   using PerPoint = typename Block::template PerPoint<T>;
   static constexpr int kTargets = kNodes * (kNodes + 1) / 2 * Block::kWidth;
 
-  /// Where block (a, b) of an element goes: itself, or transposed to (b, a), or nowhere.
+  /// Destination of block (a, b) of an element: stored as is, transposed to (b, a), or not stored.
   struct Target {
     int upper = -1, lower = -1;
   };
@@ -114,7 +114,7 @@ class PackTangents final : public ElementTangents {
     update_rotations(F, state, R);
     const Pack4d mu = block.mu(), lambda = block.lambda();
     PerPoint<std::array<Vector, kNodes>> h;     // R grad N_a
-    PerPoint<std::array<Matrix, kNodes>> left;  // [h_a]x times the excess of twist
+    PerPoint<std::array<Matrix, kNodes>> left;  // [h_a]x times the excess twist
     for (int p = 0; p < Block::kPoints; ++p) {
       Matrix D{};
       if (kind != Tangent::kWarped) {
@@ -158,7 +158,7 @@ class PackTangents final : public ElementTangents {
   }
 
   static void scatter(const Matrix& K, const Target* target, factor::BlockMatrix& to) noexcept {
-    // Blocks lie column by column, packs hold rows.
+    // blocks are column-major, packs hold rows
     const Lanes upper(transposed(K)), lower(K);
     for (int lane = 0; lane < Block::kWidth; ++lane) {
       const auto add = [&](int slot, const Lanes& from) {
@@ -172,7 +172,7 @@ class PackTangents final : public ElementTangents {
   }
 
   Packs packs_;
-  std::vector<Target> targets_;  // lane by lane of each pair of nodes, block after block
+  std::vector<Target> targets_;  // lanes of each pair of nodes, block after block
   NodalField x_;
 };
 

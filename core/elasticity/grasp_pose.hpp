@@ -4,8 +4,8 @@
 
 namespace palpate::elasticity {
 
-/// Pose of G in O that the nodes of a grasp stand for, held or not: the rigid motion that fits them
-/// best in the least-squares sense. Fewer than three nodes: their displacement only.
+/// Pose of G in O given by the node positions of a grasp, held or not: the least-squares rigid
+/// motion. With fewer than three nodes: displacement only.
 math::Pose grasp_pose(const Body& body, int grasp, const Eigen::Matrix3Xd& positions) noexcept;
 
 }  // namespace palpate::elasticity

@@ -48,7 +48,7 @@ double Inertia::add(const NodalField& x, const NodalField& y, double factor,
     };
     Pack4d energy{};
     for (int i = own.begin; i < own.end; ++i) {
-      // Two sums, so that one addition need not wait for the other.
+      // two sums, so that consecutive additions are independent
       Pack4d sum{}, odd{};
       int k = row_start_[i];
       const int end = row_start_[i + 1];

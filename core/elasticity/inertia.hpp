@@ -9,10 +9,10 @@
 
 namespace palpate::elasticity {
 
-/// Consistent mass matrix in a solver's numbering, rows side by side.
+/// Consistent mass matrix in a solver's numbering, stored by rows.
 class Inertia {
  public:
-  /// `team` outlives this.
+  /// `team` must outlive this object.
   Inertia(const ElementSet& elements, const std::vector<int>& numbering,
           math::Team& team = math::solo_team);
 
@@ -30,7 +30,7 @@ class Inertia {
   math::Team& team_;
   std::vector<int> row_start_, column_;  // columns as offsets in a nodal field
   std::vector<double> mass_;             // kg
-  std::vector<Energy> energies_;         // of members
+  std::vector<Energy> energies_;         // energies of the members
 };
 
 }  // namespace palpate::elasticity

@@ -5,7 +5,7 @@
 
 namespace palpate::elasticity {
 
-/// Forces of all elements in double, in the numbering of their mesh and without viscosity.
+/// Forces of all elements in double precision, in mesh numbering and without viscosity.
 class MeshForces {
  public:
   MeshForces(const mesh::ElementMesh& mesh, const std::vector<Lame>& materials)
@@ -13,7 +13,7 @@ class MeshForces {
         x_(NodalField::Zero(4, mesh.node_count())),
         forces_(x_) {}
 
-  /// `forces` = dEnergy/dx in N at positions x, both 3 x n; returns the energy in J.
+  /// `forces` = dEnergy/dx, N, at positions x, both 3 x n; returns the energy, J.
   double evaluate(const Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& forces) {
     x_.topRows<3>() = x;
     forces_.setZero();

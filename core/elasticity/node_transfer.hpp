@@ -2,13 +2,13 @@
 
 #include "core/elasticity/point_kernel.hpp"
 
-// Between nodal fields, four numbers a node of which the last is padding, and packs that hold one
-// coordinate of a node of each of several elements. Nodes are named by their offset in the field,
-// four times their number.
+// Transfer between nodal fields, four numbers per node of which the last is padding, and packs that
+// hold one coordinate of a node of each of several elements. Nodes are given by their offset in the
+// field, four times their number.
 namespace palpate::elasticity {
 
-/// d = x[offsets] - x[origins], lane by lane. The difference is taken before rounding to the lanes'
-/// type, so that a body far from the origin loses nothing.
+/// d = x[offsets] - x[origins] in each lane. The difference is computed before rounding to the
+/// lanes' type, so that positions far from the origin lose no accuracy.
 template <class Pack>
 inline void gather_difference(const double* x, const int* offsets, const int* origins,
                               PackVector<Pack>& d) {
@@ -20,7 +20,7 @@ inline void gather_difference(const double* x, const int* offsets, const int* or
   }
 }
 
-/// field[offsets] += f, lane after lane: the same node may stand in several.
+/// field[offsets] += f, lane by lane, because the same node may occur in several.
 template <class Pack>
 inline void scatter_add(const PackVector<Pack>& f, const int* offsets,
                         typename math::PackTraits<Pack>::Real* field) {
@@ -29,7 +29,7 @@ inline void scatter_add(const PackVector<Pack>& f, const int* offsets,
   }
 }
 
-/// q[k] = field[offsets + k], lane by lane.
+/// q[k] = field[offsets + k] in each lane.
 template <class Pack>
 inline void gather(const float* field, const int* offsets, std::array<Pack, 4>& q) {
   using Real = typename math::PackTraits<Pack>::Real;
@@ -38,7 +38,7 @@ inline void gather(const float* field, const int* offsets, std::array<Pack, 4>& 
   }
 }
 
-/// field[offsets + k] += q[k], lane after lane.
+/// field[offsets + k] += q[k], lane by lane.
 template <class Pack>
 inline void scatter_add(const std::array<Pack, 4>& q, const int* offsets, float* field) {
   for (int lane = 0; lane < math::kLanes<Pack>; ++lane) {
@@ -63,7 +63,7 @@ inline void transpose(std::array<math::Pack4d, 4>& r) {
        _mm256_permute2f128_pd(a, c, 0x31), _mm256_permute2f128_pd(b, e, 0x31)};
 }
 
-/// Of the 4 x 4 numbers in the lower halves and of those in the upper halves.
+/// Transposes the 4 x 4 numbers in the lower halves and those in the upper halves.
 inline void transpose(std::array<math::Pack8f, 4>& r) {
   const __m256 a = _mm256_unpacklo_ps(r[0], r[1]), b = _mm256_unpackhi_ps(r[0], r[1]);
   const __m256 c = _mm256_unpacklo_ps(r[2], r[3]), e = _mm256_unpackhi_ps(r[2], r[3]);

@@ -6,7 +6,7 @@
 namespace palpate::elasticity {
 namespace {
 
-/// v <- M v node by node, entry (r, c) of M at r * kRow + c * kColumn.
+/// v <- M v for each node, entry (r, c) of M at r * kRow + c * kColumn.
 template <int kRow, int kColumn>
 void multiply(const Eigen::VectorXf& matrices, Eigen::VectorXf& v) noexcept {
   const float* m = matrices.data();

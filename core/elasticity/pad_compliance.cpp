@@ -15,7 +15,7 @@ math::Matrix6d pad_compliance(const Body& body, const GraspRegion& grasp,
   std::vector<bool> is_held(static_cast<std::size_t>(body.mesh.node_count()), false);
   for (const int node : grasp.nodes) is_held[static_cast<std::size_t>(node)] = true;
 
-  // Springs at the middles of the sides integrate over a triangle what is quadratic in its points.
+  // springs at the midpoints of the sides integrate quadratic functions over a triangle exactly
   math::Matrix6d K = math::Matrix6d::Zero();
   double total = 0;
   const math::Pose X_GO = grasp.X_OG_rest.inverse();
@@ -32,7 +32,7 @@ math::Matrix6d pad_compliance(const Body& body, const GraspRegion& grasp,
         0.5 * (corners.col(1) - corners.col(0)).cross(corners.col(2) - corners.col(0)).norm();
     total += area;
     for (int i = 0; i < 3; ++i) {
-      Eigen::Matrix<double, 3, 6> moved;  // of the point by a motion of G
+      Eigen::Matrix<double, 3, 6> moved;  // displacement of the point per motion of G
       moved << Eigen::Matrix3d::Identity(),
           -math::cross_matrix(0.5 * (corners.col(i) + corners.col((i + 1) % 3)));
       K += area / 3 * moved.transpose() * moved;

@@ -7,19 +7,19 @@
 #include "core/math/pack.hpp"
 #include "core/math/polar.hpp"
 
-// What happens at a quadrature point, for as many points side by side as a pack has lanes: polar
-// decomposition, energy and stress of the co-rotated material.
+// Operations at a quadrature point, for all lanes of a pack at once: polar decomposition, energy
+// and stress of the co-rotated material.
 namespace palpate::elasticity {
 
 template <class Pack>
-using PackMatrix = std::array<Pack, 9>;  // row by row
+using PackMatrix = std::array<Pack, 9>;  // row-major
 template <class Pack>
 using PackSymmetric = std::array<Pack, 6>;  // xx yy zz xy xz yz
 template <class Pack>
 using PackVector = std::array<Pack, 3>;
 
-/// What points remember between evaluations: their rotations R as unit quaternions (w x y z), from
-/// which the next search starts, and their strain E = R^T F - I, now and at the beginning of the
+/// State of points kept between evaluations: rotations R as unit quaternions (w x y z), the
+/// starting points of the next search, and strain E = R^T F - I, now and at the beginning of the
 /// time step.
 template <class Pack>
 struct PointState {
@@ -37,7 +37,8 @@ struct Inverse {
   decltype(Pack{} < Pack{}) positive;
 };
 
-/// Of H = tr(S) I - S with S = I + E: the negative second derivative of tr(R^T F) by a turn of R.
+/// Inverse of H = tr(S) I - S with S = I + E: the negative second derivative of tr(R^T F) with
+/// respect to a rotation of R.
 template <class Pack>
 inline Inverse<Pack> invert_turn_stiffness(const PackSymmetric<Pack>& E) {
   const Pack xx = 2 + E[1] + E[2], yy = 2 + E[0] + E[2], zz = 2 + E[0] + E[1];
@@ -88,9 +89,10 @@ inline void stretch(const PackMatrix<Pack>& R, const PackMatrix<Pack>& F, PackSy
   g = {b21 - b12, b02 - b20, b10 - b01};
 }
 
-/// Turns q by w = v / d in the frame of the point, to third order: by the unit quaternion of
-/// (1 - |w/4|^2, w/2), which needs one division for both w and the norm, and no root. What rounding
-/// does to the norm of q is undone to first order. Returns |w|^2, or less where that is not small.
+/// Rotates q by w = v / d in the frame of the point, to third order: by the unit quaternion of (1 -
+/// |w/4|^2, w/2), which needs one division for both w and the norm, and no square root. The
+/// rounding error of q's norm is corrected to first order. Returns |w|^2, or less if it is not
+/// small.
 template <class Pack>
 inline Pack turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
   const Pack norm2 = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
@@ -105,7 +107,7 @@ inline Pack turn(const PackVector<Pack>& v, Pack d, std::array<Pack, 4>& q) {
   return 16 * vv * inverse;
 }
 
-/// One lane by a singular value decomposition, which also knows what to do with inverted points.
+/// Computes one lane by a singular value decomposition, which also handles inverted points.
 template <class Pack>
 inline void rescue(const PackMatrix<Pack>& F, int lane, std::array<Pack, 4>& q) {
   Eigen::Matrix3d f;
@@ -122,19 +124,19 @@ inline void rescue(const PackMatrix<Pack>& F, int lane, std::array<Pack, 4>& q) 
 }  // namespace detail
 
 /// Rotations R of the polar decompositions of F at `kCount` points by Newton's method on the unit
-/// quaternion (Kugelstadt, Koschier and Bender 2018), from the rotations of last time; where that
-/// finds no maximum of tr(R^T F), by a singular value decomposition. Leaves E = R^T F - I in
-/// `state` and R in `R`. Points go through each stage one after the other, since a processor
-/// overlaps their long chains of dependent operations only when they stand close together.
+/// quaternion (Kugelstadt, Koschier and Bender 2018), starting from the previous rotations; by a
+/// singular value decomposition where it finds no maximum of tr(R^T F). Sets E = R^T F - I in
+/// `state` and R in `R`. Each stage processes all points in succession, because a processor
+/// overlaps their long dependency chains only if they are close together.
 template <class Pack, std::size_t kCount>
 inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
                              std::array<PointState<Pack>, kCount>& state,
                              std::array<PackMatrix<Pack>, kCount>& R) noexcept {
   constexpr int kMaxNewton = 8;
-  // After a turn by w what is left is of order w^3, since tr(R^T F) has no term of third order
-  // where it is largest, and strains feel that times |E| only.
+  // After a rotation by w the remaining error is of order w^3, because tr(R^T F) has no third-order
+  // term at its maximum; strains are affected by that times |E| only.
   const Pack rounding = math::splat<Pack>(sizeof(F[0][0][0]) == 4 ? 1e-7 : 1e-13);
-  std::array<PackVector<Pack>, kCount> v;  // turns to make, times d
+  std::array<PackVector<Pack>, kCount> v;  // rotations to apply, times d
   std::array<Pack, kCount> d, strain2;
   std::array<decltype(Pack{} < Pack{}), kCount> near, positive;
   for (std::size_t p = 0; p < kCount; ++p) {
@@ -172,11 +174,11 @@ inline void update_rotations(const std::array<PackMatrix<Pack>, kCount>& F,
   }
 }
 
-/// Energy density and first Piola-Kirchhoff stress P of
-///   mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E - E0|^2 + lambda/2 tr^2(E - E0)),
-/// E0 being the strain at the beginning of the step: Rayleigh damping in the turned frame, which
-/// no rigid motion feels, and an exact derivative of its potential. Always inline, so that P need
-/// not go through memory on its way to the nodes.
+/// Energy density and first Piola-Kirchhoff stress P of mu |E|^2 + lambda/2 tr^2 E + viscous (mu |E
+/// - E0|^2 + lambda/2 tr^2(E - E0)), E0 being the strain at the beginning of the step: Rayleigh
+/// damping in the rotated frame, which does not act on rigid motions, and whose stress is the exact
+/// derivative of its potential. Always inlined, so that P stays in registers on its way to the
+/// nodes.
 template <class Pack>
 [[gnu::always_inline]] inline Pack add_stress(Pack mu, Pack lambda, double viscosity,
                                               const PointState<Pack>& state,
@@ -203,8 +205,8 @@ template <class Pack>
                                 E[3] - Z[3], E[4] - Z[4], E[5] - Z[5]};
     const Pack rate = D[0] + D[1] + D[2];
     energy += viscous * (mu * detail::square(D) + half * lambda * rate * rate);
-    // E0 does not turn with the point, so the turn that dF causes works against the commutator of
-    // E0 and E: c = vee(Z E - E Z).
+    // E0 does not rotate with the point, therefore the rotation caused by dF does work on the
+    // commutator of E0 and E: c = vee(Z E - E Z).
     const PackVector<Pack> c{
         Z[4] * E[3] + Z[5] * E[1] + Z[2] * E[5] - (Z[3] * E[4] + Z[1] * E[5] + Z[5] * E[2]),
         Z[0] * E[4] + Z[3] * E[5] + Z[4] * E[2] - (Z[4] * E[0] + Z[5] * E[3] + Z[2] * E[4]),

@@ -21,13 +21,13 @@ RefactorJob::RefactorJob(const Body& body, const ElementSet& elements,
   sensitivity.resize(body.mesh.node_count());
 }
 
-/// The static tangent, and what damping adds to it.
+/// Assembles the static tangent and the matrix of the damping.
 void RefactorJob::assemble(Tangent kind) {
   tangents_->assemble(snapshot.positions, kind, matrix_,
                       factor.step.viscous > 0 ? &warped_ : nullptr);
 }
 
-/// Of the static tangent makes the one of a step.
+/// Converts the static tangent to that of a step.
 void RefactorJob::add_step() {
   if (factor.step.viscous > 0) matrix_.add(factor.step.viscous, warped_);
   if (factor.step.inertia > 0) matrix_.add_scalar(factor.step.inertia, mass_);
@@ -55,7 +55,7 @@ void RefactorJob::run() noexcept {
     factor.usable = factorise();
   }
   if (!factor.usable) {
-    // Nothing holds the body: a weak spring at every node takes the place of the missing support.
+    // The body is unsupported: a weak spring at every node replaces the support.
     double largest = 0;
     for (int k = 0; k < pattern_.size(); ++k) {
       largest = std::max(largest, matrix_.block(pattern_.column_start()[k]).trace() / 3);

@@ -7,13 +7,13 @@
 
 namespace palpate::elasticity {
 
-/// What the loop's matrix is made of: inertia M + K + viscous K_warped. Zero where quasi-static.
+/// Coefficients of the loop's matrix: inertia M + K + viscous K_warped. Zero if quasi-static.
 struct StepFactors {
   double inertia = 0;  // 1/s^2: 1/h^2 + mass factor / h
   double viscous = 0;  // stiffness factor / h
 };
 
-/// Factor that a loop solves with, and what it was made from.
+/// Factor used by the loop, and the state from which it was computed.
 struct LoopFactor {
   LoopFactor(const factor::Supernodes& supernodes, factor::PanelPrecision precision,
              math::Team& team)
@@ -23,25 +23,27 @@ struct LoopFactor {
   }
 
   factor::SolvePanels panels;
-  Eigen::Matrix4Xf rotations;  // of the unknown nodes at the snapshot, w x y z
+  Eigen::Matrix4Xf rotations;  // rotations of the unknown nodes at the snapshot, w x y z
   StepFactors step;
   bool usable = false;
-  bool exact = false;        // of the exact tangent
-  bool regularised = false;  // shifted, since nothing stops the body from moving as a whole
+  bool exact = false;        // computed from the exact tangent
+  bool regularised = false;  // shifted, because the body is unsupported
 };
 
 /// Assembles the tangent at a snapshot, factors it for the loop and derives from the exact static
-/// tangent how equilibrium follows grasps, parameters and contacts. Snapshot and results are plain
-/// members; the model fills the first before run() and takes the second after it.
+/// tangent the sensitivity of the equilibrium to grasps, parameters and contacts. Snapshot and
+/// results are plain members: the model fills the former before run() and reads the latter after
+/// it.
 class RefactorJob final : public Refactorisation {
  public:
-  /// `team` is for the loop, to solve with the factor; the job runs in the thread that calls it.
+  /// `team` is used by the loop when it solves with the factor; the job itself runs in the calling
+  /// thread.
   RefactorJob(const Body& body, const ElementSet& elements, const factor::Supernodes& supernodes,
               factor::PanelPrecision precision, math::Team& team);
 
   void run() noexcept override;
 
-  Snapshot snapshot;  // and factor.rotations, factor.step
+  Snapshot snapshot;  // further inputs: factor.rotations, factor.step
 
   // Results.
   LoopFactor factor;

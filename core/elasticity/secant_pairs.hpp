@@ -5,20 +5,19 @@
 
 namespace palpate::elasticity {
 
-/// What the last corrections taught about the matrix: pairs of a step and the change of force that
-/// it made, wrapped round a factor that is somewhat old (limited-memory BFGS, Nocedal 1980, with
-/// that factor as its first guess). Vectors are as long as there are unknown
-/// coordinates.
+/// Limited-memory quasi-Newton update: pairs of a correction and the resulting change of force
+/// improve a slightly outdated factor (L-BFGS, Nocedal 1980, with that factor as initial matrix).
+/// The length of the vectors is the number of unknown coordinates.
 class SecantPairs {
  public:
   explicit SecantPairs(int size);
 
   void clear() noexcept { count_ = 0; }
 
-  /// Keeps the pair, in place of the oldest; drops one that does not show positive curvature.
+  /// Stores the pair in place of the oldest; rejects one without positive curvature.
   void add(const Eigen::VectorXf& step, const Eigen::VectorXf& change) noexcept;
 
-  /// Overwrites b with an improved solution of A x = b, `solve(b)` being the factor's.
+  /// Overwrites b with an improved solution of A x = b; `solve(b)` applies the factor.
   template <class Solve>
   void apply(Eigen::VectorXf& b, const Solve& solve) noexcept {
     std::array<float, kPairs> a;

@@ -5,7 +5,7 @@ namespace {
 
 using Eigen::Matrix3d;
 
-/// [T m_1 R^T, T m_2 R^T, ..] for the 3 x 3 blocks m of a row of blocks.
+/// [T m_1 R^T, T m_2 R^T, ..] for the 3 x 3 blocks m of a block row.
 template <class From, class To>
 void turn_blocks(const Matrix3d& left, const From& from, const Matrix3d& right, To&& to) {
   for (int c = 0; c < from.cols(); c += 3) {

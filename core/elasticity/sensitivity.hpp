@@ -9,58 +9,59 @@
 
 namespace palpate::elasticity {
 
-/// How many places on the object can be asked for their response to a contact force.
+/// Maximum number of points for which the response to a contact force is computed.
 inline constexpr int kContactSlots = 4;
 
-/// How the static equilibrium follows what acts on it. xi = (displacement of the origin of G in m,
-/// rotation about it in rad), both in O; w = wrench of the hand on the object at the origin of G,
-/// in O. Computed for a snapshot of some ticks ago from the exact tangent, and turned with the
-/// object since, but for the stress. Shapes are stacked node by node (x, y, z), zero rows for fixed
-/// nodes.
+/// Derivatives of the static equilibrium. xi = (displacement of the origin of G, m; rotation about
+/// it, rad), both in O; w = wrench of the hand on the object at the origin of G, in O. Computed
+/// from the exact tangent at a snapshot some ticks ago and, except for the stress, rotated with the
+/// object since. Shapes are stacked node by node (x, y, z), with zero rows for fixed nodes.
 struct Sensitivity {
   using Motion = Eigen::Matrix<double, Eigen::Dynamic, 6>;
 
   bool valid = false;
   double age = 0;  // s since the snapshot
 
-  std::array<Motion, 2> dx_dxi;                         // by each held grasp; zero where not held
-  std::array<std::array<math::Matrix6d, 2>, 2> dw_dxi;  // [a][b]: of hand a by motion of grasp b
+  /// Per motion of each held grasp; zero if not held.
+  std::array<Motion, 2> dx_dxi;
+  /// [a][b]: wrench of hand a per motion of grasp b
+  std::array<std::array<math::Matrix6d, 2>, 2> dw_dxi;
 
-  /// By material parameters: logarithm of Young's modulus (all elements by the same share),
-  /// Poisson's ratio (all by the same amount), logarithm of density.
+  /// Derivatives with respect to material parameters: logarithm of Young's modulus (the same factor
+  /// for all elements), Poisson's ratio (the same increment for all), logarithm of density.
   enum Parameter { kLogYoung, kPoisson, kLogDensity };
   Eigen::Matrix<double, Eigen::Dynamic, 3> dx_dparameter;
   std::array<Eigen::Matrix<double, 6, 3>, 2> dw_dparameter;
 
-  /// By a force in N, axes of O, on each contact place that has been set; zero elsewhere.
+  /// Per force, N, in the axes of O, at each configured contact point; zero for others.
   std::array<Eigen::Matrix<double, Eigen::Dynamic, 3>, kContactSlots> dx_dforce;
   std::array<std::array<Eigen::Matrix<double, 6, 3>, kContactSlots>, 2> dw_dforce;
 
-  /// Smallest pivot of the static tangent over its diagonal entry: falls towards zero as the object
-  /// comes near to buckling (design: warn below a twentieth of its value at rest).
+  /// Smallest pivot of the static tangent divided by its diagonal entry: decreases to zero as the
+  /// object approaches buckling (recommended warning level: one twentieth of its value at rest).
   double smallest_pivot = 0;
 
-  /// At the snapshot and in the axes of that time: not turned since. Its von Mises stresses hold
-  /// for whatever rigid motion has followed. Empty where the model gives none.
+  /// Stress at the snapshot, in the axes at that time, not rotated since. Its von Mises stresses
+  /// are invariant under subsequent rigid motion. Empty if the model provides none.
   ElementStress stress;
 
-  /// Zeros for a mesh of `nodes` nodes, the stress aside. Allocates.
+  /// Sets zeros for a mesh of `nodes` nodes, except for the stress. Allocates.
   void resize(int nodes);
 };
 
-/// What has turned by how much since a snapshot.
+/// Rotations since a snapshot.
 struct Turned {
-  const NodeWarp& nodes;              // in a solver's numbering
-  const std::vector<int>& numbering;  // of mesh nodes; beyond the warp's size: fixed
+  const NodeWarp& nodes;              // in the solver's numbering
+  const std::vector<int>& numbering;  // of mesh nodes; numbers beyond the warp's size: fixed
   std::array<Eigen::Matrix3d, 2> grasps{Eigen::Matrix3d::Identity(), Eigen::Matrix3d::Identity()};
   std::array<Eigen::Matrix3d, kContactSlots> contacts{};
-  std::array<bool, 2> is_held{false, false};  // others have no columns
+  std::array<bool, 2> is_held{false, false};  // grasps that are not held have no columns
   std::array<bool, kContactSlots> is_watched{};
 };
 
-/// `now` = the sensitivity of a snapshot turned with its nodes, which is exact for an object that
-/// has moved as a rigid body: rows of the mesh nodes `begin` to `end`, so that it can be spread
-/// over ticks, and the wrenches. Copies validity; leaves age and stress alone. Sizes must agree.
+/// `now` = sensitivity of a snapshot rotated with its nodes, exact for an object that has moved as
+/// a rigid body: rows of the mesh nodes `begin` to `end`, so that the work can be spread over
+/// ticks, and the wrenches. Copies validity; age and stress are unchanged. Sizes must match.
 void turn(const Sensitivity& snapshot, const Turned& turned, int begin, int end,
           Sensitivity& now) noexcept;
 

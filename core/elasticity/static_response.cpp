@@ -6,7 +6,7 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// Derivatives of Lame's constants by Poisson's ratio.
+/// Derivatives of the Lame parameters with respect to Poisson's ratio.
 std::vector<Lame> lame_by_poisson(const Body& body) {
   std::vector<Lame> all;
   for (int e = 0; e < body.mesh.element_count(); ++e) {
@@ -20,8 +20,8 @@ std::vector<Lame> lame_by_poisson(const Body& body) {
 
 }  // namespace
 
-/// Changes p side by side: what each prescribes and what each loads. Where a kind is not asked for
-/// its first column is -1.
+/// Several changes p at once: their prescribed displacements and their loads. The first column of a
+/// kind that is not requested is -1.
 struct StaticResponse::Columns {
   Columns(const Body& body, const Snapshot& at) {
     for (std::size_t g = 0; g < body.grasps.size(); ++g) {
@@ -46,7 +46,7 @@ struct StaticResponse::Columns {
   std::array<int, kContactSlots> force{-1, -1, -1, -1};
   int count = 0;
   factor::NodalColumns moved, loaded;
-  factor::NodalColumns product;  // of K and moved
+  factor::NodalColumns product;  // K times moved
 };
 
 StaticResponse::StaticResponse(const Body& body, const ElementSet& elements,
@@ -97,7 +97,7 @@ void StaticResponse::compute(const Snapshot& at, const factor::BlockMatrix& K,
   out.valid = true;
 }
 
-/// Motions of the held patches and forces on contacts.
+/// Motions of the held patches and forces at contacts.
 void StaticResponse::prescribe(const Snapshot& at, Columns& columns) const {
   for (int g = 0; g < 2; ++g) {
     if (columns.motion[g] < 0) continue;
@@ -116,7 +116,8 @@ void StaticResponse::prescribe(const Snapshot& at, Columns& columns) const {
   }
 }
 
-/// Leaves x' over all nodes in `moved`, in place of what was prescribed, and K x' in `product`.
+/// Overwrites the prescribed displacements in `moved` with x' over all nodes, and sets K x' in
+/// `product`.
 void StaticResponse::solve(const factor::BlockMatrix& K, const factor::SupernodalFactor& factor,
                            factor::Held held, Columns& columns) const {
   const int count = columns.count;
@@ -134,7 +135,7 @@ void StaticResponse::solve(const factor::BlockMatrix& K, const factor::Supernoda
   K.multiply(columns.moved, columns.product);
 }
 
-/// w' of hand g, one column for each change. `residual`: forces that the hands must bear.
+/// w' of hand g, one column per change. `residual`: forces that the hands must provide.
 StaticResponse::Wrenches StaticResponse::wrenches(const Snapshot& at, int g,
                                                   const Matrix3Xd& residual,
                                                   const Columns& columns) const {
@@ -145,7 +146,7 @@ StaticResponse::Wrenches StaticResponse::wrenches(const Snapshot& at, int g,
         columns.product.middleRows<3>(3 * node) - columns.loaded.middleRows<3>(3 * node);
     w.topRows<3>() += force;
     w.bottomRows<3>().noalias() += math::cross_matrix(r) * force;
-    // The lever arm turns with the hand while the force stays.
+    // the lever arm rotates with the hand while the force is constant
     w.block<3, 3>(3, columns.motion[g] + 3) +=
         math::cross_matrix(residual.col(node)) * math::cross_matrix(r);
   }

@@ -8,25 +8,27 @@
 
 namespace palpate::elasticity {
 
-/// A state of the object whose neighbourhood is asked for.
+/// State at which derivatives are computed.
 struct Snapshot {
   Eigen::Matrix3Xd positions;
   factor::Held held{false, false};
-  std::array<Eigen::Vector3d, 2> origins{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  // of G
-  Eigen::Matrix3Xd loads;  // N, beside weight
+  std::array<Eigen::Vector3d, 2> origins{Eigen::Vector3d::Zero(),
+                                         Eigen::Vector3d::Zero()};  // origins of the grasp frames G
+  Eigen::Matrix3Xd loads;                                           // N, in addition to weight
   Eigen::Vector3d gravity_O = Eigen::Vector3d::Zero();
-  std::array<mesh::PointWeights, kContactSlots> contacts;  // count 0: not asked for
+  std::array<mesh::PointWeights, kContactSlots> contacts;  // count 0: not configured
 };
 
 /// Derivatives of static equilibrium from one factorisation of its exact tangent K: with free nodes
-/// f, a change p that puts nodes where u_p says and forces f_p on the object answers
+/// f, a change p that prescribes displacements u_p and applies forces f_p yields
 ///   x' = u_p + K_ff^-1 (f_p - K u_p),   w' = G^T (K x' - f_p) + (dG^T) f,
-/// G = [1, -[r]x] at the nodes of a patch (control.md 6.2). Allocates, throws nothing.
+/// G = [1, -[r]x] at the nodes of a patch (docs/theory.md, section 2). Allocates, does not throw.
 class StaticResponse {
  public:
   StaticResponse(const Body& body, const ElementSet& elements, const factor::BlockPattern& pattern);
 
-  /// `K`: tangent at the snapshot, `factor` its factorisation, positive with the held grasps.
+  /// `K`: tangent at the snapshot; `factor`: its factorisation, positive definite with the held
+  /// grasps.
   void compute(const Snapshot& at, const factor::BlockMatrix& K,
                const factor::SupernodalFactor& factor, Sensitivity& out);
 
@@ -42,7 +44,8 @@ class StaticResponse {
   const Body& body_;
   const factor::BlockPattern& pattern_;
   Eigen::VectorXd nodal_mass_;
-  MeshForces forces_, poisson_forces_;  // the second by Poisson's ratio
+  /// The latter with the derivative with respect to Poisson's ratio.
+  MeshForces forces_, poisson_forces_;
 };
 
 }  // namespace palpate::elasticity

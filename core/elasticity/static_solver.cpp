@@ -133,7 +133,7 @@ class StaticSolver::Newton {
 
 namespace {
 
-/// Pose a share of the way from one to another.
+/// Pose interpolated between two others.
 math::Pose between(const math::Pose& from, const math::Pose& to, double share) {
   const Vector3d turn = math::log_rotation(to.linear() * from.linear().transpose());
   return math::make_pose(math::exp_rotation(share * turn) * from.linear(),

@@ -2,8 +2,9 @@
 
 namespace palpate::elasticity {
 namespace {
-constexpr double kMove = 2e-3;  // of the body's size: single precision's noise stays below 1e-4
-}
+// Relative to the body's size: rounding errors in single precision stay below 1e-4.
+constexpr double kMove = 2e-3;
+}  // namespace
 
 TangentProduct::TangentProduct(const Body& body, const std::vector<Lame>& materials,
                                const std::vector<int>& numbering, Precision precision)

@@ -4,20 +4,20 @@
 
 namespace palpate::elasticity {
 
-/// Product of the exact static tangent of now and a column of a sensitivity, as a central
-/// difference of element forces, so that no matrix is assembled. Exact to some 1e-4, since forces
-/// bend that much over the difference.
+/// Product of the exact static tangent at the present shape and a sensitivity column, as a central
+/// difference of element forces without assembling a matrix. Relative error about 1e-4, from the
+/// nonlinearity of the forces over the difference.
 class TangentProduct {
  public:
   TangentProduct(const Body& body, const std::vector<Lame>& materials,
                  const std::vector<int>& numbering, Precision precision);
 
-  /// Product (N per unit of the column's motion) at positions `x` (m), nodes numbered as there.
+  /// Product (N per unit of the column's motion) at positions `x` (m), in their node numbering.
   const NodalField& multiply(const NodalField& x, const NodalField& column) noexcept;
 
  private:
   std::unique_ptr<ElementForces> forces_;
-  double move_;  // m, that the node which moves most is moved by
+  double move_;  // m, displacement of the node that moves most
   NodalField x_, forward_, backward_;
 };
 

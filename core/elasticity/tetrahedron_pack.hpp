@@ -27,9 +27,9 @@ inline PackMatrix<Pack> turned(const PackMatrix<Pack>& R, const PackSymmetric<Pa
   return out;
 }
 
-/// Four straight-sided tetrahedra side by side, with the gradients of all shape functions at their
-/// quadrature points. Unlike ElementBlock, which streams little for the loop, it is made for work
-/// that needs those gradients many times over.
+/// Four straight-sided tetrahedra, one per lane, with the gradients of all shape functions at their
+/// quadrature points. Intended for work that uses these gradients many times, unlike ElementBlock,
+/// which minimises memory traffic for the loop.
 template <int kNodes>
 class alignas(64) TetrahedronPack {
  public:
@@ -40,7 +40,7 @@ class alignas(64) TetrahedronPack {
   template <class T>
   using PerPoint = std::array<T, kPoints>;
 
-  /// Elements `first` to `first` + 3. Lanes beyond the last one repeat it, without weight.
+  /// Elements `first` to `first` + 3. Lanes beyond the last element repeat it with weight zero.
   TetrahedronPack(const ElementSet& elements, int first) : first_(first) {
     const mesh::ElementMesh& mesh = elements.mesh();
     for (int lane = 0; lane < kWidth; ++lane) {
@@ -61,17 +61,17 @@ class alignas(64) TetrahedronPack {
   }
 
   int first() const { return first_; }
-  int count() const { return count_; }  // of elements, which stand in the first lanes
+  int count() const { return count_; }  // number of elements, which occupy the first lanes
   const PerPoint<Gradients>& gradients() const { return gradients_; }
   Pack weight() const { return weight_; }  // volume of a point, m^3
-  /// Lame's constants times the volume of a point, J.
+  /// Lame parameters times the volume of a point, J.
   Pack mu() const { return mu_; }
   Pack lambda() const { return lambda_; }
 
-  /// F at each point, from nodal positions in the order of the mesh.
+  /// F at each point, from node positions in mesh order.
   PerPoint<PackMatrix<Pack>> deformation(const NodalField& x) const {
     PerPoint<PackMatrix<Pack>> F{};
-    for (int a = 1; a < kNodes; ++a) {  // relative to the first node, gradients sum to zero
+    for (int a = 1; a < kNodes; ++a) {  // relative to the first node, because gradients sum to zero
       PackVector<Pack> d;
       gather_difference(x.data(), offsets_[a].data(), offsets_[0].data(), d);
       for (int p = 0; p < kPoints; ++p) {
@@ -86,12 +86,12 @@ class alignas(64) TetrahedronPack {
 
  private:
   int first_, count_ = 0;
-  std::array<std::array<int, kWidth>, kNodes> offsets_{};  // in nodal fields
+  std::array<std::array<int, kWidth>, kNodes> offsets_{};  // offsets in nodal fields
   PerPoint<Gradients> gradients_{};                        // 1/m
   Pack weight_{}, mu_{}, lambda_{};
 };
 
-/// All elements of a body, four by four, and what their points remember.
+/// All elements of a body in packs of four, and the state of their points.
 template <int kNodes>
 struct TetrahedronPacks {
   using Block = TetrahedronPack<kNodes>;

@@ -12,7 +12,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kSmallestVolume = 0.01;  // of that at rest, as in StressEvaluator
+constexpr double kSmallestVolume = 0.01;  // relative to that at rest, as in StressEvaluator
 
 Vector3d vee(const Matrix3d& m) {
   return {m(2, 1) - m(1, 2), m(0, 2) - m(2, 0), m(1, 0) - m(0, 1)};
@@ -29,7 +29,7 @@ Matrix3d cofactor(const Matrix3d& F) {
 
 struct PointStress {
   Matrix3d F, R, P;    // deformation gradient, its rotation, first Piola-Kirchhoff stress, Pa
-  double trace_E = 0;  // of R^T F - I
+  double trace_E = 0;  // trace of R^T F - I
 };
 
 PointStress point_stress(const Matrix3d& F, const Lame& lame, Eigen::Quaterniond& rotation) {
@@ -112,7 +112,7 @@ void WorstElements::evaluate_stress(const Eigen::Matrix3Xd& x, ElementStrain& ou
   const Matrix3d deviator = sigma - sigma.trace() / 3 * Matrix3d::Identity();
   out.value = std::sqrt(1.5) * deviator.norm();
   out.by_node.setZero();
-  if (!(out.value > 1e-12 * lame.mu)) return;  // where it has a corner, at rest
+  if (!(out.value > 1e-12 * lame.mu)) return;  // at rest, where the value has a kink
   const Matrix3d A = 1.5 / out.value * deviator;
   for (int p = 0; p < points_per_element_; ++p) {
     Matrix3d by_F = by_deformation(A, at[p], lame);

@@ -8,7 +8,8 @@
 namespace palpate::estimation {
 namespace {
 
-/// Barycentric middles of the cells of a triangle whose sides are cut into `parts`.
+/// Visits the barycentric coordinates of the centres of the cells of a triangle whose sides are
+/// divided into `parts`.
 template <class Visit>
 void for_each_cell(int parts, Visit&& visit) {
   const double h = 1.0 / (3 * parts);
@@ -120,7 +121,7 @@ ContactSearch::Found ContactSearch::judge(int index, const elasticity::Deformati
   const Eigen::Vector3d force = A.ldlt().solve(b);
   const double normal = inward.dot(force);
   const double across = (force - normal * inward).norm();
-  if (!(across <= options_.friction * normal)) return pressed;  // what touches cannot do that
+  if (!(across <= options_.friction * normal)) return pressed;  // outside the friction cone
   const double slope = across / (options_.usual * normal);
   const Found rubbed = explained_by(force, slope * slope);
   return rubbed.cost < pressed.cost ? rubbed : pressed;

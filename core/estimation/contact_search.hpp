@@ -8,58 +8,64 @@
 
 namespace palpate::estimation {
 
-/// Looks on the surface for one force that would explain why the wrenches of the hands differ from
-/// what is predicted. By reciprocity (Betti) the wrench of a hand follows a force at a point as the
-/// point follows the motion of the hand: dw / df = -(dx / dxi)^T, so that the columns which the
-/// controller has anyway answer for every point at once. A hand whose grasp gives way feels that
-/// much less. One hand gives six numbers for five
-/// unknowns. Reference: control.md 6.4, 6.9. Nothing allocates after construction.
+/// Searches the surface for a single external force that explains the difference between measured
+/// and predicted wrenches of the hands. By Betti's reciprocity the change of a hand's wrench under
+/// a force at a point is the negative transpose of the point's motion under the hand's motion: dw /
+/// df = -(dx / dxi)^T. The sensitivity columns that the controller needs anyway therefore evaluate
+/// every candidate point at once. The compliance of a grasp attenuates what its hand measures. One
+/// hand provides six measurements for five unknowns. Reference: docs/theory.md, sections 4, 8 and
+/// 9. Nothing allocates after construction.
 class ContactSearch {
  public:
   struct Options {
-    double spacing = 0.02;  // m, at most, of the places looked at
-    double friction = 1;    // the force lies within this cone about the inward normal,
-    double usual = 0.2;     // and most often within this one: one hand's wrench alone tells place
-                            // and direction apart only poorly
-    double deviation = 5;   // N, prior of each axis of the force
-    double observable = 0.025;  // m: a place that is known less exactly is not observable
+    double spacing = 0.02;  // m, maximum distance between candidate points
+    /// Tangent of the half angle of the cone about the inward normal that contains the force.
+    double friction = 1;
+    /// Tangent of the half angle of the cone that usually contains the force (prior): the wrench of
+    /// one hand separates location and direction only poorly.
+    double usual = 0.2;
+    double deviation = 5;  // N, prior standard deviation of each component of the force
+    /// m, largest standard deviation of a location that counts as observable
+    double observable = 0.025;
   };
-  /// A place on the surface, with the corners of its triangle, outward.
+  /// Candidate point on the surface, with the corners of its triangle, oriented outward.
   struct Place {
     mesh::PointWeights point;
     Eigen::Vector3i corners = Eigen::Vector3i::Zero();
   };
   struct Found {
-    int place = -1;                                        // -1: none
-    Eigen::Vector3d force_O = Eigen::Vector3d::Zero();     // N
-    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();  // N^2, prior of the force at that place
-    double share = 0;  // of the normalised square of the innovation: what the force explains
-    double cost = 0;   // what remains of it, the force's own improbability included
+    int place = -1;                                     // index of the candidate; -1: none
+    Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
+    /// N^2, prior covariance of the force at that candidate
+    Eigen::Matrix3d covariance = Eigen::Matrix3d::Zero();
+    double share = 0;  // fraction of the squared normalised innovation that the force explains
+    double cost = 0;   // remaining squared normalised innovation plus the prior cost of the force
   };
 
-  /// Places on the surface that are neither fixed nor held. Throws std::invalid_argument where an
-  /// option is not positive or no place is left.
+  /// Creates candidates on those parts of the surface that are neither fixed nor held. Throws
+  /// std::invalid_argument if an option is not positive or no candidate remains.
   ContactSearch(const elasticity::Body& body, const mesh::Surface& surface, const Options& options);
 
-  /// `y`, `S`: innovation and its covariance without any unknown force, six rows a held grasp in
-  /// order; `held`: which grasps these are.
+  /// Starts a search. `y`, `S`: innovation without any unknown force and its covariance, six rows
+  /// per held grasp, in order of the grasps; `held`: the grasps concerned.
   void begin(const WrenchFilter::Wrenches& y, const WrenchFilter::Noise& S,
              const std::array<bool, 2>& held) noexcept;
-  /// Looks at the next `places`, so that a search can be spread over ticks. True when all have been
-  /// looked at; found() is then the best. The model's sensitivity must be valid.
+  /// Evaluates the next `places` candidates, so that a search can be spread over several ticks.
+  /// Returns true when all candidates have been evaluated; found() is then the best. The model's
+  /// sensitivity must be valid.
   bool advance(const elasticity::DeformationModel& model, const PatchMotion& motion,
                int places) noexcept;
   bool is_searching() const noexcept { return next_ < static_cast<int>(places_.size()); }
   const Found& found() const noexcept { return best_; }
-  /// Deviation of the force's place from `place`, m: over all places, each as probable as it
-  /// explains what the search began with. Of a search that has ended.
+  /// Standard deviation of the location about candidate `place`, m, over all candidates weighted by
+  /// their likelihood. Call after a search has ended.
   double spread(int place, const elasticity::DeformationModel& model) const noexcept;
   const Options& options() const noexcept { return options_; }
-  /// How well another place explains what the search began with.
+  /// Evaluates how well candidate `place` explains the innovation passed to begin().
   Found judge(int place, const elasticity::DeformationModel& model,
               const PatchMotion& motion) const noexcept;
 
-  /// dw / df at a place, 6 x 3, of a hand.
+  /// dw / df of one hand for a force at a point, 6 x 3.
   static Eigen::Matrix<double, 6, 3> response(const mesh::PointWeights& point,
                                               const elasticity::Sensitivity& sensitivity,
                                               const PatchMotion& motion, int grasp) noexcept;
@@ -72,10 +78,10 @@ class ContactSearch {
   std::vector<Place> places_;
   int next_ = 0;
   Found best_;
-  // Of the places looked at, each weighted by exp((best cost - its cost) / 2): sums of 1, p, p p.
+  // Sums of 1, p and p p^T over the candidates, each weighted by exp((best cost - cost) / 2).
   double weight_ = 0, squared_ = 0;
   Eigen::Vector3d weighted_ = Eigen::Vector3d::Zero();
-  // The innovation, whitened by the inverse of the Cholesky factor of its covariance.
+  // Inverse Cholesky factor of the innovation covariance, which whitens the innovation.
   WrenchFilter::Noise whiten_;
   WrenchFilter::Wrenches whitened_;
   std::array<bool, 2> held_{};

@@ -6,23 +6,24 @@
 
 namespace palpate::estimation {
 
-/// What is known of one grasp in a tick.
+/// Inputs of one grasp in one tick.
 struct GraspInput {
   sensing::Freshness pose_freshness = sensing::Freshness::kNoData;
   bool holding = false;
-  math::Pose X_OG = math::Pose::Identity();  // of the hand, by the robot's kinematics
+  math::Pose X_OG = math::Pose::Identity();  // pose of the hand, from the forward kinematics
   bool wrench_valid = false;
-  math::Wrench F_G_O;  // of the hand on the object at the origin of G, in O, tared
+  math::Wrench F_G_O;  // tared wrench of the hand on the object at the origin of G, in O
 };
 
-/// Points that something sees on the object's surface; nothing is wrong where there are none.
+/// Observed points on the object's surface. May be empty.
 struct ObservationInput {
   static constexpr int kMostPoints = sensing::ShapeObservation::kMostPoints;
   using Points = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostPoints>;
-  sensing::Freshness freshness = sensing::Freshness::kNoData;  // new in the tick of its arrival
-  double age = 0;                                              // s since it came
-  double time = 0;       // s, when seen, by the sender's clock
-  double deviation = 0;  // m, of each coordinate
+  /// kNewData only in the tick of arrival
+  sensing::Freshness freshness = sensing::Freshness::kNoData;
+  double age = 0;        // s since arrival
+  double time = 0;       // s, acquisition time by the sender's clock
+  double deviation = 0;  // m, standard deviation of each coordinate
   Points points_O;       // m
 };
 
@@ -31,44 +32,50 @@ struct EstimationInputs {
   int grasp_count = 0;
   std::array<GraspInput, 2> grasps{};
   int contact_count = 0;
-  const contact::ContactLoads* contacts = nullptr;  // contact_count of them
+  const contact::ContactLoads* contacts = nullptr;  // array of contact_count loads
   ObservationInput observation;
 };
 
-/// A force on the object that no sensor tells of, found by what it does to the wrenches.
+/// External force on the object that no sensor measures directly, estimated from its effect on the
+/// wrenches.
 struct UnknownContact {
   bool found = false;
   Eigen::Vector3d location_O = Eigen::Vector3d::Zero();
   Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
-  double deviation = -1;                              // N, of the force's worst direction
-  double location_deviation = -1;  // m, along the surface; below zero: it is not observable
+  /// N, standard deviation in the worst direction
+  double deviation = -1;
+  /// m, standard deviation along the surface; negative: not observable
+  double location_deviation = -1;
 };
 
-/// What the estimator holds to be true beside the shape itself, which stands in the model.
-/// A negative deviation: not estimated, or not observable.
+/// Estimated quantities other than the shape itself, which the model holds. A negative deviation
+/// means "not estimated" or "not observable".
 struct Estimate {
   elasticity::StepReport step;
-  bool jumped = false;  // what the shape did in this cycle is no motion (ShapeJump, or a restart)
+  /// The change of shape in this cycle is a discontinuity, not a motion (ShapeJump, or a restart).
+  bool jumped = false;
   std::array<math::Pose, 2> X_OG{math::Pose::Identity(), math::Pose::Identity()};
   std::array<math::Wrench, 2> reaction{};
   double log_young_modulus = 0;
   double poisson_ratio = 0;
 
-  /// From where the kinematics have the hand to X_OG; (m, rad), in G.
+  /// Offset from the kinematic pose of the hand to X_OG; (m, rad), in G.
   std::array<math::Vector6d, 2> pose_offset{math::Vector6d::Zero(), math::Vector6d::Zero()};
-  /// (m, rad), in G; (N, N m), at G in O; bias of the wrench of the hand, at G in G.
+  /// Standard deviations: pose (m, rad), in G; reaction (N, N m), at G in O; bias of the wrench of
+  /// the hand, at G in G.
   std::array<math::Vector6d, 2> pose_deviation{kNotEstimated, kNotEstimated};
   std::array<math::Vector6d, 2> reaction_deviation{kNotEstimated, kNotEstimated};
   std::array<math::Vector6d, 2> bias{math::Vector6d::Zero(), math::Vector6d::Zero()};
   std::array<math::Vector6d, 2> bias_deviation{kNotEstimated, kNotEstimated};
   double log_young_modulus_deviation = -1;
-  double innovation_test = -1;  // normalised innovation squared, over its degrees of freedom
+  double innovation_test = -1;  // normalised innovation squared per degree of freedom
   UnknownContact unknown_contact;
-  /// Of each mesh node's position, m, root mean square of the axes; nullptr: not estimated.
+  /// Standard deviation of each mesh node's position, m, root mean square over the axes; nullptr:
+  /// not estimated.
   const std::vector<float>* node_deviation = nullptr;
 
-  /// What another estimator goes on from: where the hands are and what they feel. What this one
-  /// alone told, and what lies in its own memory, is left out.
+  /// Part of the estimate that is handed to a replacement estimator: poses and wrenches of the
+  /// hands. Excludes quantities specific to this estimator and pointers into its memory.
   Estimate handed_over() const noexcept {
     Estimate next;
     next.step = step;
@@ -83,19 +90,20 @@ struct Estimate {
   static inline const math::Vector6d kNotEstimated = math::Vector6d::Constant(-1);
 };
 
-/// Decides what drives the deformation model and steps it once per update.
+/// Determines the boundary conditions of the deformation model from the measurements and steps the
+/// model once per update.
 class Estimator {
  public:
   virtual ~Estimator() = default;
-  /// Sets grasps held or released as this estimator needs them; called before the first update and
-  /// before the model factors, so it must not step.
+  /// Sets grasps held or released as this estimator needs them. Called before the first update and
+  /// before the model factors, therefore it must not step the model.
   virtual void activate(elasticity::DeformationModel& model) noexcept = 0;
   virtual sensing::UpdateResult update(const EstimationInputs& inputs,
                                        elasticity::DeformationModel& model,
                                        Estimate& estimate) noexcept = 0;
   virtual void reset() noexcept {}
-  /// Takes the place of another estimator that held `last` to be true, beside a model that has been
-  /// given the shape: activate(), but going on from there. Must not step.
+  /// Replaces another estimator whose last estimate was `last`; the model already has the shape.
+  /// Like activate(), but continues from that state. Must not step the model.
   virtual void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept {
     static_cast<void>(last);
     activate(model);

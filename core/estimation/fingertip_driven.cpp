@@ -13,10 +13,10 @@
 namespace palpate::estimation {
 namespace {
 
-/// Share of a Newton step. The model follows a force over some ticks, as long as it takes its
-/// iterations to converge: full steps would swing about the end for ever.
+/// Fraction of a Newton step. The model needs several ticks to converge after a change of force;
+/// full steps would oscillate about the solution.
 constexpr double kGain = 0.2;
-constexpr double kNothing = 1e-3;  // N, of a force that goes
+constexpr double kNothing = 1e-3;  // N, below which a decaying force is removed
 
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
@@ -41,7 +41,7 @@ std::vector<std::array<int, 3>> midsides_of(const elasticity::Body& body,
   return midsides;
 }
 
-/// The part of it that lies in the plane with this normal.
+/// Component of a vector in the plane with this normal.
 Vector3d along(const Vector3d& way, const Vector3d& normal) noexcept {
   return way - normal.dot(way) * normal;
 }
@@ -51,7 +51,7 @@ Vector3d limited(const Vector3d& way, double farthest) noexcept {
   return length > farthest ? Vector3d(farthest / length * way) : way;
 }
 
-/// Motion of the material at `point` by a force in a slot.
+/// Displacement of the material at `point` per unit force in a contact slot.
 Matrix3d response(const mesh::PointWeights& point,
                   const Eigen::Matrix<double, Eigen::Dynamic, 3>& dx_dforce) noexcept {
   Matrix3d motion = Matrix3d::Zero();
@@ -111,7 +111,7 @@ sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
   return {sensing::Status::kDegraded, trouble};
 }
 
-/// Where the fingers touch in this tick; begins and ends touches.
+/// Reads the contact locations of this tick; begins and ends contacts.
 void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
                              elasticity::DeformationModel& model) noexcept {
   for (Touch& known : touches_) {
@@ -136,7 +136,7 @@ void FingertipDriven::gather(const EstimationInputs& inputs, double dt,
     if (known.touching && known.missing > options_.patience) let_go(known, dt, model);
 }
 
-/// Puts a touch on the material nearest to its place; its force is kept.
+/// Moves a contact to the material point nearest to its location; its force is kept.
 void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) noexcept {
   const contact::SurfacePoint found =
       contact::closest_point_on_surface(touch.place, triangles_, model.positions());
@@ -162,7 +162,8 @@ void FingertipDriven::touch(Touch& touch, elasticity::DeformationModel& model) n
   if (touch.slot >= 0) model.watch_contact(touch.slot, point);
 }
 
-/// What a finger held springs back when it leaves, but no faster than it could be moved.
+/// The force of a finger that leaves decays; the speed of the material is bounded as during
+/// contact.
 void FingertipDriven::let_go(Touch& touch, double dt,
                              elasticity::DeformationModel& model) noexcept {
   touch.leaving = true;
@@ -188,7 +189,8 @@ int FingertipDriven::free_slot() const noexcept {
   return -1;
 }
 
-/// A slot may still hold what another touch left: only a snapshot taken since this one counts.
+/// A slot may still hold the compliance of a previous contact: only a snapshot taken after this
+/// contact began is valid.
 bool FingertipDriven::has_compliance(const Touch& touch,
                                      const elasticity::Sensitivity& known) const noexcept {
   if (!touch.touching || touch.slot < 0 || !known.valid) return false;
@@ -196,7 +198,7 @@ bool FingertipDriven::has_compliance(const Touch& touch,
          response(touch.point, known.dx_dforce[touch.slot]).squaredNorm() > 0;
 }
 
-/// Fills compliance_ and order_ for the touches that are ready; returns how many.
+/// Fills compliance_ and order_ for the contacts that are ready and returns their number.
 int FingertipDriven::gather_compliance(const elasticity::DeformationModel& model) noexcept {
   const elasticity::Sensitivity& known = model.sensitivity();
   int count = 0;
@@ -227,10 +229,11 @@ int FingertipDriven::gather_compliance(const elasticity::DeformationModel& model
   return count;
 }
 
-/// One Newton step of the forces towards  place - force / stiffness = material.  Which touches
-/// slide is told by the step that would let all of them stick; those then take what friction bears,
-/// and their normal forces are found with it: a step that is cut off afterwards would leave these
-/// wrong, and chatter between sticking and sliding.
+/// One Newton step of the forces towards  place - force / stiffness = material.  The step computed
+/// with all contacts sticking decides which contacts slide. Sliding contacts then receive the
+/// friction limit, and their normal forces are solved for under that condition. Truncating the
+/// tangential force after the solution would leave the normal forces wrong and make contacts
+/// chatter between sticking and sliding.
 void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noexcept {
   const int count = gather_compliance(model);
   if (count == 0) return;
@@ -239,12 +242,13 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   for (int i = 0; i < count; ++i)
     gap.segment<3>(3 * i) = limited(gap_of(touches_[order_[i]], model.positions()), farthest);
   const Matrix turned = compliance_.transpose();
-  compliance_ = 0.5 * (compliance_ + turned);  // the turned columns are not quite symmetric
+  compliance_ = 0.5 * (compliance_ + turned);  // the transformed columns are not exactly symmetric
   compliance_.diagonal().array() += 1 / options_.skin_stiffness;
   Vector change = solve(gap);
   if (!change.allFinite()) return;
 
-  Matrix frames = Matrix::Identity(3 * count, 3 * count);  // of touches that slide: normal, across
+  // Frames of sliding contacts: normal, tangential, tangential.
+  Matrix frames = Matrix::Identity(3 * count, 3 * count);
   Vector given = Vector::Constant(3 * count, std::numeric_limits<double>::quiet_NaN());
   for (int i = 0; i < count; ++i) {
     Touch& known = touches_[order_[i]];
@@ -284,7 +288,8 @@ void FingertipDriven::follow(double dt, elasticity::DeformationModel& model) noe
   }
 }
 
-/// Of compliance_, N. Near buckling, where it is not positive: smaller steps.
+/// Solves with compliance_, N. Near buckling, where the compliance is not positive definite, the
+/// steps are smaller.
 FingertipDriven::Vector FingertipDriven::solve(const Vector& gap) noexcept {
   Eigen::LDLT<Matrix> solver(compliance_);
   if (!solver.isPositive()) {
@@ -294,13 +299,13 @@ FingertipDriven::Vector FingertipDriven::solve(const Vector& gap) noexcept {
   return solver.solve(gap);
 }
 
-/// From the material to where finger and skin hold it, m.
+/// Distance from the material to where finger and skin hold it, m.
 Vector3d FingertipDriven::gap_of(const Touch& touch,
                                  const Eigen::Matrix3Xd& positions) const noexcept {
   return touch.place - touch.force / options_.skin_stiffness - touch.point.interpolate(positions);
 }
 
-/// Out of the object.
+/// Outward surface normal.
 Vector3d FingertipDriven::normal(const Touch& touch,
                                  const Eigen::Matrix3Xd& positions) const noexcept {
   const Vector3d a = positions.col(triangles_(0, touch.triangle));

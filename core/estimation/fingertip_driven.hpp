@@ -9,43 +9,45 @@
 
 namespace palpate::estimation {
 
-/// Where the fingertips are drives the mesh: a point of the surface that a finger has touched stays
-/// where the finger holds it, by the robot's kinematics and the place of the touch on the skin; the
-/// force felt only says that there is a touch. For a compliant object that is by far the better end
-/// (10 mN of force error move the end of a soft bar by millimetres, 0.1 mm of a finger by 0.1 mm).
+/// Estimator driven by fingertip positions. A surface point touched by a finger follows the finger,
+/// whose position comes from the kinematics and from the contact location on the skin; the measured
+/// force only indicates contact. For compliant objects position is by far the better input: an
+/// error of 10 mN moves the end of a soft bar by millimetres, an error of 0.1 mm in the finger
+/// position by 0.1 mm.
 ///
-/// Each touch is a spring from the skin to the material, to both sides, since the sensor says that
-/// there is a touch. Friction after Coulomb: what it cannot bear lets the touch slide to the place
-/// on the surface where the finger is now. Forces are found by Newton steps, one a tick, with the
-/// compliance of the object at its touches from the model's sensitivity (kContactSlots of them; a
-/// further touch borrows its own block from the others). Models without a sensitivity are refused
-/// by degraded status.
+/// Each contact is modelled as a bilateral spring between skin and material, because the sensor
+/// already indicates contact. Coulomb friction: where the tangential force exceeds the limit, the
+/// contact point slides to the current location of the finger on the surface. Forces are computed
+/// by Newton steps, one per tick, with the compliance of the object at its contacts from the
+/// model's sensitivity (kContactSlots contacts; a further contact uses the compliance block of
+/// another one). A model without a sensitivity leads to status "degraded".
 class FingertipDriven : public Estimator {
  public:
   struct Options {
-    double skin_stiffness = 4e3;  // N/m, of a fingertip: 0.25 mm at 1 N
-    double friction = 0.8;        // Coulomb
-    double slide = 1e-3;          // m that a sliding touch lags behind before it is moved
-    double patience = 0.1;        // s without a contact until the touch is over
-    double approach_speed = 0.2;  // m/s, at most, of material towards its finger, or away from
-                                  // where one has left
+    double skin_stiffness = 4e3;  // N/m, stiffness of a fingertip: 0.25 mm at 1 N
+    double friction = 0.8;        // Coulomb friction coefficient
+    /// m, lag of a sliding contact behind its finger at which the contact point is moved
+    double slide = 1e-3;
+    double patience = 0.1;  // s without a contact message until the contact has ended
+    /// m/s, maximum speed of the material towards its finger, or away from a finger that has left
+    double approach_speed = 0.2;
     StepWatch::Options step;
   };
 
-  /// Throws std::invalid_argument where an option is not positive. Allocates.
+  /// Throws std::invalid_argument if an option is not positive. Allocates.
   FingertipDriven(const elasticity::Body& body, const mesh::Surface& surface,
                   const Options& options);
 
-  /// Releases every grasp, sets gravity, forgets every touch.
+  /// Releases every grasp, sets gravity and clears all contacts.
   void activate(elasticity::DeformationModel& model) noexcept override;
 
-  /// Takes accepted contacts of fingers; others are passed over. Degraded while a touch waits for
-  /// the model's compliance.
+  /// Uses accepted contacts of fingers and ignores others. Degraded while a contact waits for the
+  /// model's compliance.
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
-  /// Force of a finger on the object as the model needs it, N, in O; zero where it does not touch.
+  /// Force of a finger on the object as computed by the model, N, in O; zero without contact.
   const Eigen::Vector3d& force(int finger) const noexcept { return touches_[finger].force; }
 
  private:
@@ -56,17 +58,18 @@ class FingertipDriven : public Estimator {
 
   struct Touch {
     bool touching = false;
-    bool ready = false;  // its compliance is there
+    bool ready = false;  // the compliance of this contact is available
     bool sliding = false;
-    bool leaving = false;  // the finger is gone, its force goes
-    int slot = -1;         // of the model's sensitivity
+    bool leaving = false;  // the finger has left; the force decays
+    int slot = -1;         // contact slot of the model's sensitivity
     int triangle = 0;
-    mesh::PointWeights point;                         // material that is touched
-    Eigen::Vector3d place = Eigen::Vector3d::Zero();  // m, of the skin there, in O
-    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, on the object
-    double felt = 0;                                  // N, by the sensor
-    double since = 0;                                 // s, that it touches
-    double missing = 0;                               // s since the last contact
+    mesh::PointWeights point;  // material point in contact
+    /// m, position of the skin at the contact, in O
+    Eigen::Vector3d place = Eigen::Vector3d::Zero();
+    Eigen::Vector3d force = Eigen::Vector3d::Zero();  // N, force on the object
+    double felt = 0;                                  // N, measured by the sensor
+    double since = 0;                                 // s since the contact began
+    double missing = 0;                               // s since the last contact message
   };
 
   void gather(const EstimationInputs& inputs, double dt,
@@ -84,9 +87,10 @@ class FingertipDriven : public Estimator {
 
   Options options_;
   Eigen::Matrix3Xi triangles_;
-  std::vector<std::array<int, 3>> midsides_;  // of each triangle, between its corners 01, 12, 20
+  /// Midside nodes of each triangle, on the sides between corners 01, 12, 20.
+  std::vector<std::array<int, 3>> midsides_;
   std::array<Touch, kFingers> touches_;
-  std::array<int, kFingers> order_{};  // fingers of the rows of compliance_
+  std::array<int, kFingers> order_{};  // finger of each row of compliance_
   Matrix compliance_;
   StepGuard step_guard_;
   StepWatch step_watch_;

@@ -27,7 +27,7 @@ ForceDriven::ForceDriven(const elasticity::Body& body, const Options& options)
   for (int i = 0; i < kSources; ++i) {
     sources_.push_back(
         {{}, 0, false, false, math::DelayLine<3>(delay), math::MovingAverage<3>(window)});
-    // Several contacts of one source may load a node more than once.
+    // several contacts of one source may load the same node
     sources_.back().loads.reserve(2 * body.mesh.node_count());
   }
 }
@@ -88,7 +88,7 @@ sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
   return {sensing::Status::kDegraded, trouble};
 }
 
-/// Takes the loads of the contacts that came in this tick. Returns what is wrong, or "".
+/// Collects the loads of the contacts received in this tick. Returns an error message, or "".
 const char* ForceDriven::gather(const EstimationInputs& inputs, int node_count) noexcept {
   const char* trouble = "";
   for (SourceLoads& source : sources_) source.present = false;
@@ -117,7 +117,7 @@ void ForceDriven::fade(SourceLoads& source, double dt) const noexcept {
   source.factor = source.present ? 1.0 : std::max(0.0, source.factor - dt / options_.fade);
 }
 
-/// The averaged and delayed total force in place of the loads that came, spread like them.
+/// Replaces the received loads by the averaged and delayed total force, distributed as they were.
 void ForceDriven::refilter(SourceLoads& source) noexcept {
   Eigen::Vector3d total = Eigen::Vector3d::Zero();
   double magnitude = 0;
@@ -134,7 +134,7 @@ void ForceDriven::refilter(SourceLoads& source) noexcept {
   source.factor = 1;
 }
 
-/// What is applied for the wrist that holds `grasp`, about p_OG.
+/// Wrench of the loads applied for the wrist that holds `grasp`, about p_OG.
 math::Wrench ForceDriven::wrist_wrench(int grasp, const Eigen::Matrix3Xd& positions,
                                        const Eigen::Vector3d& p_OG) const noexcept {
   const SourceLoads& source = sources_[static_cast<int>(sensing::Source::kWrist0) + grasp];

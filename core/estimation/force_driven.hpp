@@ -8,36 +8,37 @@
 
 namespace palpate::estimation {
 
-/// The measured forces drive the mesh, which no hand holds (Sanchez 2019).
+/// Estimator driven by measured forces; no grasp is held (Sanchez 2019).
 ///
-/// Repaired: every accepted contact's nodal loads act, force and torque, with gravity, while they
-/// come; the loads of one that no longer comes fade to zero.
-/// As released: the force of each source is averaged and delayed, spread over the nodes of its last
-/// contact and held for ever; torque is dropped and there is no gravity.
+/// Repaired variant: the nodal loads of every accepted contact act on the mesh, force and torque,
+/// together with gravity; the loads of a contact that is no longer reported fade to zero. Variant
+/// as released by the author: the force of each source is averaged and delayed, distributed over
+/// the nodes of its last contact and held indefinitely; torque and gravity are omitted.
 class ForceDriven : public Estimator {
  public:
   enum class Variant { kAsReleased, kRepaired };
 
   struct Options {
     Variant variant = Variant::kRepaired;
-    double fade = 0.1;     // s, repaired: from a contact's last load to none
-    double period = 1e-3;  // s, of the updates; as released: sizes the filter
-    double average = 0.1;  // s, as released: 50 samples at 500 Hz, launch file for control
-    double delay = 0.012;  // s, as released: 6 samples at 500 Hz
+    double fade = 0.1;     // s, repaired variant: fade time from the last load of a contact to zero
+    double period = 1e-3;  // s, update period; sizes the filter of the released variant
+    double average = 0.1;  // s, released variant: 50 samples at 500 Hz, launch file for control
+    double delay = 0.012;  // s, released variant: 6 samples at 500 Hz
     StepWatch::Options step;
 
-    /// As released with the filters of the launch file for sensing: 300 and 80 samples at 500 Hz.
+    /// Released variant with the filters of the launch file for sensing: 300 and 80 samples at 500
+    /// Hz.
     static Options sensing_launch() noexcept;
   };
 
-  /// Throws std::invalid_argument where an option is out of range. Allocates for `body`.
+  /// Throws std::invalid_argument if an option is out of range. Allocates for `body`.
   ForceDriven(const elasticity::Body& body, const Options& options);
 
   /// Releases every grasp and sets gravity.
   void activate(elasticity::DeformationModel& model) noexcept override;
 
-  /// Repaired: degraded where a wrench at the wrist came and does so no longer. estimate.X_OG fits
-  /// the mesh; estimate.reaction is what has been applied for the wrist.
+  /// Repaired variant: degraded if the wrench at the wrist was received earlier and is now missing.
+  /// estimate.X_OG is fitted to the mesh; estimate.reaction is the load applied for the wrist.
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;
@@ -46,10 +47,10 @@ class ForceDriven : public Estimator {
   static constexpr int kSources = 8;
 
   struct SourceLoads {
-    std::vector<contact::NodalLoad> loads;  // what acts, before `factor`
+    std::vector<contact::NodalLoad> loads;  // applied loads, before multiplication by `factor`
     double factor = 0;                      // 1 while fresh, 0 once faded
     bool seen = false;
-    bool present = false;  // in this tick
+    bool present = false;  // received in this tick
     math::DelayLine<3> delay;
     math::MovingAverage<3> average;
   };
@@ -61,7 +62,7 @@ class ForceDriven : public Estimator {
                             const Eigen::Vector3d& p_OG) const noexcept;
 
   Options options_;
-  std::vector<SourceLoads> sources_;  // by sensing::Source
+  std::vector<SourceLoads> sources_;  // indexed by sensing::Source
   StepGuard step_guard_;
   StepWatch step_watch_;
 };

@@ -18,12 +18,13 @@ using Motions = Eigen::Matrix<double, Eigen::Dynamic, 6>;  // three rows a node
 
 constexpr int kMostNodes = 2000;
 
-/// Each tetrahedron in eight: four at its corners, four round a diagonal of the octahedron amid it.
+/// Each tetrahedron is divided into eight: four at its corners, four around a diagonal of the inner
+/// octahedron.
 constexpr int kParts[8][4] = {{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3},
                               {4, 6, 7, 9}, {4, 5, 6, 9}, {4, 8, 5, 9}, {4, 7, 8, 9}};
 
 struct Sets {
-  std::vector<bool> fixed, held;  // by node; held: by the grasp that is asked for
+  std::vector<bool> fixed, held;  // by node; held: by the grasp under consideration
 };
 
 Sets sets_of(const elasticity::Body& body, std::size_t grasp) {
@@ -36,7 +37,7 @@ Sets sets_of(const elasticity::Body& body, std::size_t grasp) {
   return sets;
 }
 
-/// The same body with edges half as long; a new node is of a set where both neighbours are.
+/// The same body with edges half as long. A new node belongs to a set if both its neighbours do.
 elasticity::Body refined(const elasticity::Body& body, Sets& sets) {
   const mesh::ElementMesh& coarse = body.mesh;
   mesh::TetrahedralMesh corners;
@@ -75,7 +76,8 @@ elasticity::Body refined(const elasticity::Body& body, Sets& sets) {
   return fine;
 }
 
-/// Motion of each node by the six of G, in G: three rows a node, zero for others than `moved`.
+/// Displacements of the nodes in `moved` for the six unit motions of G, in G: three rows per node;
+/// zero for other nodes.
 Motions motions(const elasticity::Body& body, const math::Pose& X_GO,
                 const std::vector<bool>& moved) {
   Motions G = Motions::Zero(3 * body.mesh.node_count(), 6);
@@ -87,8 +89,8 @@ Motions motions(const elasticity::Body& body, const math::Pose& X_GO,
   return G;
 }
 
-/// Shares of the pads' stiffness: those of their area, at the middles of sides, which integrates
-/// exactly what is quadratic over a face.
+/// Distribution of the pad stiffness over the nodes: by area, lumped at the midpoints of the sides,
+/// which integrates quadratic functions over a face exactly.
 Eigen::VectorXd pad_shares(const elasticity::Body& body, const std::vector<bool>& held) {
   Eigen::VectorXd shares = Eigen::VectorXd::Zero(body.mesh.node_count());
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
@@ -125,8 +127,8 @@ Eigen::SparseMatrix<double> stiffness(const elasticity::Body& body, const Eigen:
   return sum;
 }
 
-/// Columns of x with K x = b at the nodes that are not `given`, zero at those. False where nothing
-/// holds the rest.
+/// Solves K x = b for the nodes not in `given`; x is zero at the given nodes. False if the
+/// remaining nodes are not supported.
 bool solve(const Eigen::SparseMatrix<double>& K, const std::vector<bool>& given, Motions& x) {
   std::vector<int> places(static_cast<std::size_t>(K.cols()), -1);
   int count = 0;
@@ -156,7 +158,8 @@ bool solve(const Eigen::SparseMatrix<double>& K, const std::vector<bool>& given,
   return b.allFinite();
 }
 
-/// How all nodes follow the hand where the patch moves as one piece, and the wrench of the hand.
+/// Displacement of all nodes and wrench of the hand for unit motions of the hand, the patch moving
+/// as a rigid body.
 bool rigid_response(const elasticity::Body& body, const math::Pose& X_GO, const Sets& sets,
                     Motions& shape, math::Matrix6d& wrench) {
   const Eigen::SparseMatrix<double> K = stiffness(body, X_GO.linear());
@@ -170,7 +173,7 @@ bool rigid_response(const elasticity::Body& body, const math::Pose& X_GO, const 
   return true;
 }
 
-/// The same where springs of `pads` N/m all together hold the surface of the patch.
+/// The same with the surface of the patch held by springs with a total stiffness of `pads` N/m.
 bool sprung_response(const elasticity::Body& body, const math::Pose& X_GO, const Sets& sets,
                      double pads, Motions& shape) {
   Eigen::SparseMatrix<double> K = stiffness(body, X_GO.linear());
@@ -198,7 +201,7 @@ math::Matrix6d grasp_give(const elasticity::Body& body, std::size_t grasp,
   if (!rigid_response(body, X_GO, sets, S, wrench)) return pads;
   const double springs = pads.inverse().topLeftCorner<3, 3>().trace() / 3;
   if (!sprung_response(refined(body, sets), X_GO, sets, springs, fine)) return pads;
-  // Nodes of the coarse mesh are the first of the fine one.
+  // the nodes of the coarse mesh come first in the fine one
   const Motions off = fine.topRows(S.rows()) - S;
   const math::Matrix6d moved = (S.transpose() * S).ldlt().solve(S.transpose() * off);
   const math::Matrix6d give = -moved * wrench.inverse();

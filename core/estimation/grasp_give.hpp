@@ -4,21 +4,21 @@
 
 namespace palpate::estimation {
 
-/// What a grasp gives way by that the model does not know of. The model moves all nodes of the
-/// patch as one rigid piece, on a mesh that is coarse where strain gathers about it; in a hand only
-/// the surface of the patch hangs on the pads, and what lies between them bends a little way into
-/// the hand. Both make the model too stiff beside the grasp, and its shape is off all along.
+/// Unmodelled compliance of a grasp. The model moves all nodes of the grasp patch as one rigid
+/// body, on a mesh that is coarse where strain concentrates around the patch. In a real hand only
+/// the surface of the patch adheres to the pads, and the material between the pads deforms slightly
+/// into the hand. Both effects make the model too stiff near the grasp and bias the whole shape.
 ///
-/// Returned is the compliance, (m, rad) by (N, N m) at the origin of G, in G, pads included, by
-/// which the model's patch is to move in the hand so that its nodes are, in the sense of least
-/// squares, where a mesh with edges half as long has them, with springs on the surface of the patch
-/// and nothing held within. It holds for small motions from rest and goes with the wrench to large
-/// ones; it is no spring, and not symmetric.
+/// Returns the compliance, (m, rad) per (N, N m) at the origin of G, in G, pads included, by which
+/// the model's patch must move relative to the hand so that its nodes match, in the least-squares
+/// sense, those of a mesh with edges half as long, held by springs on the surface of the patch
+/// only. Valid for small motions about the rest shape and extrapolated with the wrench to large
+/// ones. It is not a spring and not symmetric.
 ///
-/// `pads`: pad_compliance() of the grasp. Other grasps are held meanwhile. `pads` as it is where
-/// that is zero, where elements are linear, whose errors lie elsewhere, where the mesh has more
-/// than 2000 nodes, or where nothing but this grasp holds the object. Takes 0.03 s for 189 nodes,
-/// 0.25 s for 363. Throws std::invalid_argument for a body whose elements are inside out.
+/// `pads`: pad_compliance() of the grasp. Other grasps remain held. Returns `pads` unchanged if it
+/// is zero, if elements are linear (whose errors lie elsewhere), if the mesh has more than 2000
+/// nodes, or if only this grasp holds the object. Takes 0.03 s for 189 nodes, 0.25 s for 363.
+/// Throws std::invalid_argument for a body with inverted elements.
 math::Matrix6d grasp_give(const elasticity::Body& body, std::size_t grasp,
                           const math::Matrix6d& pads);
 

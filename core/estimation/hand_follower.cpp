@@ -7,13 +7,13 @@
 namespace palpate::estimation {
 namespace {
 
-/// What gives way in the hand under the reaction of a model that the object is `stiffness` times as
-/// stiff as.
+/// Compliance of the grasp under the reaction predicted by the model, for an object `stiffness`
+/// times as stiff as the model.
 math::Matrix6d compliance_of(const elasticity::GraspRegion& grasp, double stiffness) noexcept {
   return stiffness * grasp.compliance + grasp.object_compliance;
 }
 
-/// (m, rad) from one pose to another one, in the axes of the first.
+/// Displacement (m, rad) from one pose to another, in the axes of the first.
 math::Vector6d way_between(const math::Pose& from, const math::Pose& to) noexcept {
   const math::Pose motion = from.inverse() * to;
   math::Vector6d way;
@@ -50,8 +50,8 @@ void HandFollower::take_over(const Estimate& last, elasticity::DeformationModel&
   }
 }
 
-/// Goes on by `share` towards where the object gives way to in the hand, under `reaction` of the
-/// hand at G, in O, as the model has it.
+/// Advances the pad deflection by the fraction `share` towards its equilibrium under `reaction`,
+/// the predicted wrench of the hand at G, in O.
 void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction,
                             double stiffness, const elasticity::Body& body) const noexcept {
   const math::Vector6d wrench =
@@ -61,13 +61,13 @@ void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wre
   hand.give += share * (goal - hand.give);
 }
 
-/// Going on by this share of what is left is stable with the eigenvalues c k of compliance times
-/// stiffness where share (1 + c k) < 2; their sum, the trace, is above the largest.
+/// The relaxation with this fraction is stable if share (1 + c k) < 2 for the eigenvalues c k of
+/// compliance times stiffness; the trace bounds the largest of them.
 double HandFollower::pad_share(int grasp, double dt, double stiffness,
                                const elasticity::DeformationModel& model) const noexcept {
   const elasticity::Sensitivity& sensitivity = model.sensitivity();
   const math::Matrix6d C = compliance_of(model.body().grasps[grasp], stiffness);
-  if (C(0, 0) == 0) return 1;  // held firmly
+  if (C(0, 0) == 0) return 1;  // rigid grasp
   if (!sensitivity.valid) return 0;
   const math::Matrix6d turn = math::both_halves(hands_[grasp].held.linear());
   const math::Matrix6d K = turn.transpose() * sensitivity.dw_dxi[grasp][grasp] * turn;
@@ -109,7 +109,7 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
     if (model.is_held(grasp)) model.release(grasp);
     hand.held = goal;
   } else {
-    // What was let go has moved on its own: take it up where it is.
+    // a released grasp has moved freely: continue from its present pose
     if (!model.is_held(grasp))
       hand.held = elasticity::grasp_pose(model.body(), grasp, model.positions());
     if (!approach(hand, goal, dt)) trouble = "model has not reached the hand's pose";
@@ -119,8 +119,8 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
   return trouble;
 }
 
-/// True where the held pose is the hand's, or will be in a few steps: after a gap between two poses
-/// the hand has gone on.
+/// True if the held pose equals the hand's or will within a few steps, as after a gap between two
+/// poses during which the hand has moved.
 bool HandFollower::approach(Hand& hand, const math::Pose& goal, double dt) const noexcept {
   const Eigen::Vector3d way = goal.translation() - hand.held.translation();
   const Eigen::Vector3d turn = math::log_rotation(goal.linear() * hand.held.linear().transpose());

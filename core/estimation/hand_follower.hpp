@@ -6,49 +6,51 @@
 
 namespace palpate::estimation {
 
-/// Holds the grasps of a model at the poses that the robot's kinematics give, corrected by what an
-/// estimator knows better and by how pads of known compliance give way under what the model says
-/// that the hand bears; lets go what the hand lets go.
+/// Holds the grasps of a model at the poses given by the robot's kinematics, corrected by the
+/// estimated grasp offset and by the deflection of pads of known compliance under the predicted
+/// reaction. Releases grasps that the hand releases.
 class HandFollower {
  public:
   struct Options {
-    double pose_timeout = 0.05;  // s without a new pose until it counts as stale
-    /// The held nodes approach a far pose, as at the start, no faster than this.
+    double pose_timeout = 0.05;  // s without a new pose until the pose counts as stale
+    /// Speed limits at which the held nodes approach a distant pose, as after a start.
     double approach_speed = 1.0;          // m/s
     double approach_angular_speed = 5.0;  // rad/s
-    /// In which pads are taken to give way; slower where they are softer than the object, so that
-    /// model and pads always come to rest.
+    /// Time constant of the pad deflection. It is longer where the pads are softer than the object,
+    /// so that model and pads always converge.
     double pad_time = 0.02;  // s
   };
 
-  /// Throws std::invalid_argument where an option is not positive.
+  /// Throws std::invalid_argument if an option is not positive.
   explicit HandFollower(const Options& options);
 
-  /// Holds every grasp at its rest pose; no pose of a hand is known.
+  /// Holds every grasp at its rest pose; no hand pose is known yet.
   void activate(elasticity::DeformationModel& model) noexcept;
-  /// Holds every grasp where `last` has it.
+  /// Holds every grasp at its pose in `last`.
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept;
   void reset() noexcept { hands_.fill(Hand()); }
 
-  /// Takes the hand's pose and lets the model hold or release the grasp. `correction`, in G: from
-  /// where the kinematics say the hand is to where it is held to be. `stiffness`: of the object
-  /// over that of the model, whose reactions are smaller by it. Returns what is wrong, or "".
+  /// Takes the hand's pose and holds or releases the grasp in the model. `correction`, in G: offset
+  /// from the kinematic pose of the hand to the pose to be held. `stiffness`: Young's modulus of
+  /// the object divided by that of the model, whose reactions are smaller by this factor. Returns
+  /// an error message, or "".
   const char* follow(int grasp, const GraspInput& input, double dt,
                      elasticity::DeformationModel& model,
                      const math::Pose& correction = math::Pose::Identity(),
                      double stiffness = 1) noexcept;
 
-  /// Where the model holds the grasp.
+  /// Pose at which the model holds the grasp.
   const math::Pose& X_OG(int grasp) const noexcept { return hands_[grasp].held; }
 
  private:
   struct Hand {
-    math::Pose hand = math::Pose::Identity();      // last good pose of the hand, in O
-    math::Pose held = math::Pose::Identity();      // where the model holds the grasp
-    double age = 0;                                // s since a new pose came
-    math::Vector6d give = math::Vector6d::Zero();  // of the pads: (m, rad) of the object, in G
+    math::Pose hand = math::Pose::Identity();  // last valid pose of the hand, in O
+    math::Pose held = math::Pose::Identity();  // pose at which the model holds the grasp
+    double age = 0;                            // s since the last new pose
+    /// Deflection of the pads: (m, rad) of the object, in G.
+    math::Vector6d give = math::Vector6d::Zero();
     bool seen = false;
-    bool inherited = false;  // held where another estimator had it, which may give way otherwise
+    bool inherited = false;  // pose taken over from another estimator, whose pad model may differ
   };
   void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
                 const elasticity::Body& body) const noexcept;

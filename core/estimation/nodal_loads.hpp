@@ -8,13 +8,13 @@ inline bool is_wrist(sensing::Source source) noexcept {
   return source == sensing::Source::kWrist0 || source == sensing::Source::kWrist1;
 }
 
-/// True where the node exists and the force is finite.
+/// True if the node exists and the force is finite.
 inline bool is_valid(const contact::NodalLoad& load, int node_count) noexcept {
   return load.node >= 0 && load.node < node_count && load.force.allFinite();
 }
 
-/// The loads of `model` become `scale` times those of the contacts but the wrists'. False where one
-/// was not valid and was left out.
+/// Sets the loads of `model` to `scale` times those of all contacts except the wrists'. False if an
+/// invalid load was skipped.
 inline bool load_with_contacts(const EstimationInputs& inputs, double scale,
                                elasticity::DeformationModel& model) noexcept {
   bool all_valid = true;

@@ -23,7 +23,7 @@ void PatchMotion::update(const elasticity::DeformationModel& model, const Wrench
     turn.block<6, 6>(6 * g, 6 * g) = R;
     C.block<6, 6>(6 * g, 6 * g) =
         R * (stiffness * grasp.compliance + grasp.object_compliance) * R.transpose();
-    // A stiffer object gives less by the same wrench.
+    // a stiffer object deflects the grasp less for the same model wrench
     scaled.segment<6>(6 * g) =
         R * grasp.object_compliance * (R.transpose() * model.reaction(g).vector());
     for (int other = 0; other < grasps; ++other)

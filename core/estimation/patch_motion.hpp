@@ -5,29 +5,31 @@
 
 namespace palpate::estimation {
 
-/// How held patches and the wrenches of their hands follow the states of a filter where a grasp
-/// gives way. A model's sensitivities are those of patches that move as they are told; a hand tells
-/// its patch only so much, since what lies between gives by the compliance C times the wrench w:
-/// with K = dw/dxi and B = dw/dp of firmly held patches, dw = (I + K C)^-1 (K dxi + B dp) and the
-/// patch moves by dxi - C dw. Pads and what grasp_give() adds both count. Nothing allocates.
+/// Derivatives of held patches and of the hands' wrenches with respect to the filter states, for
+/// compliant grasps. The model's sensitivities assume that a patch moves exactly as prescribed;
+/// with a compliance C between hand and patch it moves less by C w. With K = dw/dxi and B = dw/dp
+/// of rigidly held patches: dw = (I + K C)^-1 (K dxi + B dp), and the patch moves by dxi - C dw. C
+/// contains the pads and the compliance of grasp_give(). Nothing allocates.
 class PatchMotion {
  public:
   using Wrenches = Eigen::Matrix<double, 12, 12>;
 
-  /// No motion yet, of this many states that the shape follows (WrenchFilter::shape_size()).
+  /// `shape_size`: number of states that influence the shape (WrenchFilter::shape_size()). All
+  /// derivatives are zero before the first update().
   explicit PatchMotion(int shape_size);
 
-  /// `X_OG`: where the grasps are held; `stiffness`: Young's modulus over the model's. The model's
-  /// sensitivity must be valid.
+  /// `X_OG`: poses of the held grasps; `stiffness`: Young's modulus divided by that of the model.
+  /// The model's sensitivity must be valid.
   void update(const elasticity::DeformationModel& model, const WrenchFilter& filter,
               const std::array<math::Pose, 2>& X_OG, double stiffness) noexcept;
 
-  /// Derivative, by the states that the shape follows, of what a model's sensitivities are by: rows
-  /// of grasps are motions of their patches (m, rad, in O), others log E and virtual loads (N).
+  /// Derivative of the model's inputs with respect to the shape states: rows of grasps are motions
+  /// of their patches (m, rad, in O), the others log E and virtual loads (N).
   const WrenchFilter::ShapeMatrix& by_state() const noexcept { return by_state_; }
-  /// (I + K C)^-1, six rows a grasp: what hands feel of the wrenches of firmly held patches.
+  /// (I + K C)^-1, six rows per grasp: maps wrenches of rigidly held patches to those of the hands.
   const Wrenches& felt() const noexcept { return felt_; }
-  /// Derivative, by the same, of the hands' wrenches over `stiffness`, in O, six rows a grasp.
+  /// Derivative of the hands' wrenches divided by `stiffness` with respect to the same states, in
+  /// O, six rows per grasp.
   using WrenchRows = Eigen::Matrix<double, 12, Eigen::Dynamic, 0, 12, WrenchFilter::kMostShape>;
   const WrenchRows& wrench_by_state() const noexcept { return wrench_by_state_; }
 

@@ -32,7 +32,7 @@ sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
     const char* grasp_trouble = hands_.follow(i, inputs.grasps[i], dt, model);
     if (*grasp_trouble != '\0') trouble = grasp_trouble;
   }
-  // What the wrist feels is the reaction of the held grasp: it must not be applied again.
+  // The wrist wrench is the reaction of the held grasp and must not be applied again.
   if (!load_with_contacts(inputs, 1, model)) trouble = "a contact load is not valid";
 
   estimate.step = model.step(dt);

@@ -5,10 +5,10 @@
 
 namespace palpate::estimation {
 
-/// The hand's pose drives the mesh: the nodes of each holding grasp are held at the pose that the
-/// robot's kinematics give, gravity and the contacts other than the wrist's load it, and the wrench
-/// at the wrist is an output. Without body loads the shape of a homogeneous object does not depend
-/// on Young's modulus at all then.
+/// Estimator driven by the pose of the hand: the nodes of each closed grasp are held at the pose
+/// given by the robot's kinematics; gravity and the contacts other than the wrist's act as loads;
+/// the wrench at the wrist is an output. Without body loads the shape of a homogeneous object is
+/// then independent of Young's modulus.
 class PoseDriven : public Estimator {
  public:
   struct Options {
@@ -16,18 +16,18 @@ class PoseDriven : public Estimator {
     StepWatch::Options step;
   };
 
-  /// Throws std::invalid_argument where an option is not positive.
+  /// Throws std::invalid_argument if an option is not positive.
   explicit PoseDriven(const Options& options) : hands_(options.hand), step_watch_(options.step) {}
 
   /// Holds every grasp at its rest pose.
   void activate(elasticity::DeformationModel& model) noexcept override;
 
-  /// Degraded while a pose is missing, stale (the last one holds), not finite, or not to be reached
-  /// within some steps.
+  /// Degraded while a pose is missing, stale (the last one is held), not finite, or cannot be
+  /// reached within a few steps.
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;
-  /// Holds every grasp where the estimate has it.
+  /// Holds every grasp at its pose in the estimate.
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 
  private:

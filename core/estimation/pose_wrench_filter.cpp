@@ -9,10 +9,12 @@
 namespace palpate::estimation {
 namespace {
 
-/// Gives a state of a fresh filter this mean and deviation, by a measurement that leads there. One
-/// that was not observable (negative) or is no surer than the prior keeps most of the prior's.
+/// Gives a state of a newly reset filter this mean and deviation by an equivalent measurement. A
+/// state that was not observable (negative deviation) or no more certain than the prior keeps most
+/// of the prior's deviation.
 void carry_over(int state, double mean, double deviation, WrenchFilter& filter) noexcept {
-  constexpr double kMost = 0.95;  // of the prior's; beyond 0.9 a state counts as not observed
+  // Fraction of the prior's deviation; above 0.9 a state counts as not observed.
+  constexpr double kMost = 0.95;
   const double prior = filter.covariance()(state, state);
   const double wanted =
       deviation >= 0 ? std::min(deviation * deviation, kMost * prior) : kMost * prior;
@@ -36,7 +38,7 @@ PoseWrenchFilter::PoseWrenchFilter(const elasticity::Body& body, const mesh::Sur
       motion_(filter_.shape_size()),
       search_(body, surface, options.search),
       loads_(body),
-      sight_(body.mesh.nodes, surface, options.sight),
+      observation_fit_(body.mesh.nodes, surface, options.sight),
       history_(body.mesh.node_count()),
       shift_(WrenchFilter::ShapeState::Zero(filter_.shape_size())),
       node_deviation_(static_cast<std::size_t>(body.mesh.node_count()), 0.0F) {
@@ -59,20 +61,20 @@ void PoseWrenchFilter::reset() noexcept {
   follower_.reset();
   step_watch_.reset();
   filter_.reset();
-  sight_.reset();
+  observation_fit_.reset();
   history_.clear();
   is_seen_ = false;
   shift_.setZero();
   hands_.fill(Hand());
   since_taken_ = 0;
   innovation_test_ = -1;
-  suspicions_ = 0;
+  rejected_innovations_ = 0;
   place_ = -1;
   weak_for_ = unbelieved_for_ = 0;
   since_contact_ = kLongAgo;
   unexplained_count_ = 0;
   sudden_ = 0;
-  gone_ = false;
+  contact_released_ = false;
   rest_for_ = 0;
   at_rest_count_ = 0;
   std::fill(node_deviation_.begin(), node_deviation_.end(), 0.0F);
@@ -88,7 +90,7 @@ void PoseWrenchFilter::take_over(const Estimate& last,
                                  elasticity::DeformationModel& model) noexcept {
   activate(model);
   follower_.take_over(last, model);
-  if (!(last.pose_deviation[0][0] >= 0)) return;  // it knew no more than it was told
+  if (!(last.pose_deviation[0][0] >= 0)) return;  // not estimated before
   carry_over(filter_.log_young(),
              last.log_young_modulus - std::log(model.body().material.young_modulus),
              last.log_young_modulus_deviation, filter_);
@@ -145,19 +147,19 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   since_taken_ += dt;
   if (since_taken_ >= options_.period * (1 - 1e-9)) {
     since_taken_ = 0;
-    take(model);
+    update_wrench(model);
   }
-  see(inputs.observation, model, dt);
+  update_observation(inputs.observation, model, dt);
   if (search_.is_searching()) {
-    constexpr int kPlaces = 1000;  // a tick, 0.2 ms
+    constexpr int kPlaces = 1000;  // per tick, 0.2 ms
     if (search_.advance(model, motion_, kPlaces)) judge_search(model);
   }
   judge_contact(model, dt);
-  tell(model, grasps, estimate);
+  write_estimate(model, grasps, estimate);
 
   const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
   if (step.status != sensing::Status::kOk) return step;
-  if (suspicions_ * options_.period > kPatience / 2)
+  if (rejected_innovations_ * options_.period > kPatience / 2)
     trouble = "nothing explains the wrench of the hand";
   if (*trouble != '\0') return {sensing::Status::kDegraded, trouble};
   return {};
@@ -183,9 +185,10 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   speed << (X_OG.translation() - hand.X_OG_before.translation()) / dt,
       math::log_rotation(X_OG.linear() * hand.X_OG_before.linear().transpose()) / dt;
   hand.X_OG_before = X_OG;
-  hand.news = std::min(
-      1.0, hand.news + dt * (speed.head<3>().norm() / options_.way +
-                             speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
+  hand.information_gain =
+      std::min(1.0, hand.information_gain +
+                        dt * (speed.head<3>().norm() / options_.way +
+                              speed.tail<3>().norm() / options_.turn + 1 / options_.correlation));
   const double share = 1 - std::exp(-dt / options_.lag);
   hand.lagged += share * (wrench - hand.lagged);
   const math::Vector6d faster = share * (speed - hand.speed);
@@ -200,15 +203,15 @@ void PoseWrenchFilter::predict_wrench(int grasp, const GraspInput& input,
   ++hand.count;
 }
 
-void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept {
+void PoseWrenchFilter::update_wrench(const elasticity::DeformationModel& model) noexcept {
   const Innovation now = innovation(model);
   if (now.y.size() == 0) return;
   find_reaction_deviation(now);
-  if (rest_for_ < options_.period) {  // moved since the last wrench was taken
-    at_rest_count_ = suspicions_ = sudden_ = unexplained_count_ = 0;
-    drop_contact(model);  // of a moving hand's wrench it cannot be told any more
+  if (rest_for_ < options_.period) {  // moved since the last wrench update
+    at_rest_count_ = rejected_innovations_ = sudden_ = unexplained_count_ = 0;
+    drop_contact(model);  // the wrench of a moving hand can no longer identify the contact
   }
-  if (rest_for_ > options_.rest) remember(now);
+  if (rest_for_ > options_.rest) accumulate_innovation(now);
   if (filter_.has_contact()) {
     if (is_settled(now)) follow_contact(change(now));
     return;
@@ -217,12 +220,12 @@ void PoseWrenchFilter::take(const elasticity::DeformationModel& model) noexcept 
   innovation_test_ = test / static_cast<double>(now.y.size());
   if (test < 0) return;
   if (!options_.contacts) {
-    suspicions_ = 0;
+    rejected_innovations_ = 0;
   } else if (is_settled(now)) {
-    watch(change(now));
-    if (suspicions_ > 0) return;
+    detect_contact(change(now));
+    if (rejected_innovations_ > 0) return;
   }
-  if (rest_for_ > options_.rest) settle(now);
+  if (rest_for_ > options_.rest) update_rest_baseline(now);
   if (filter_.test(now.H, now.y, now.R) <= options_.gate / 6 * static_cast<double>(now.y.size()))
     correct(now);
 }
@@ -231,15 +234,16 @@ void PoseWrenchFilter::correct(const Innovation& now) noexcept {
   const WrenchFilter::Vector before = filter_.mean();
   filter_.correct();
   for (int g = 0; g < filter_.grasp_count(); ++g)
-    if (now.held[g]) hands_[g].news *= 1 - std::min(1.0, options_.period / kTelling);
+    if (now.held[g])
+      hands_[g].information_gain *= 1 - std::min(1.0, options_.period / kInformationTime);
   follow(now.held, now.H, filter_.mean() - before);
 }
 
-/// The prediction follows what is learnt at once, and means of what it was off by with it, so that
-/// nothing is learnt twice.
+/// The prediction follows a correction of the state at once; the means of the innovation are
+/// reduced accordingly, so that no information is used twice.
 void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilter::Rows& H,
                               WrenchFilter::Vector change) noexcept {
-  const WrenchFilter::Wrenches off = H * change;  // the bias is no part of the prediction,
+  const WrenchFilter::Wrenches off = H * change;  // the bias is not part of the prediction
   for (int g = 0; g < filter_.grasp_count(); ++g) change.segment<6>(filter_.bias(g)).setZero();
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     if (!held[g]) continue;
@@ -247,12 +251,12 @@ void PoseWrenchFilter::follow(const std::array<bool, 2>& held, const WrenchFilte
     row += 6;
   }
   if (at_rest_count_ == 0 || recent_.size() != off.size()) return;
-  recent_ -= off;  // but of what is off
+  recent_ -= off;  // the bias is part of the innovation
   if (!filter_.has_contact()) at_rest_ -= off;
 }
 
-void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasps,
-                            Estimate& estimate) noexcept {
+void PoseWrenchFilter::write_estimate(const elasticity::DeformationModel& model, int grasps,
+                                      Estimate& estimate) noexcept {
   const WrenchFilter::Vector& mean = filter_.mean();
   for (int g = 0; g < grasps; ++g) {
     estimate.X_OG[g] = follower_.X_OG(g);
@@ -284,17 +288,18 @@ void PoseWrenchFilter::tell(const elasticity::DeformationModel& model, int grasp
   } else {
     contact = UnknownContact();
   }
-  tell_nodes(model);
+  write_node_deviations(model);
   estimate.node_deviation = &node_deviation_;
 }
 
-/// A tenth of the nodes a tick.
-void PoseWrenchFilter::tell_nodes(const elasticity::DeformationModel& model) noexcept {
+/// Updates the deviation of one tenth of the nodes per tick.
+void PoseWrenchFilter::write_node_deviations(const elasticity::DeformationModel& model) noexcept {
   if (!model.sensitivity().valid) return;
   const SurfaceFit::Basis now = basis(model);
   const int columns = filter_.has_loads() ? filter_.shape_size() : filter_.load();
   SurfaceFit::NodeRows rows, J(3, columns), JP(3, columns);
-  const double own = options_.sight.surface * options_.sight.surface;  // of the model itself
+  const double own =
+      options_.sight.surface * options_.sight.surface;  // variance of the mesh itself
   const int nodes = static_cast<int>(node_deviation_.size());
   for (int i = 0; i < nodes / 10 + 1; ++i, next_node_ = (next_node_ + 1) % nodes) {
     rows.setZero(3, filter_.shape_size());

@@ -1,4 +1,4 @@
-// What of the filter says by how much wrenches differ from what it predicts, and how surely.
+// PoseWrenchFilter: innovation of the wrenches and its covariance.
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
@@ -24,7 +24,7 @@ WrenchFilter::Rows PoseWrenchFilter::wrench_rows(
   return H;
 }
 
-/// Of a hand's predicted wrench: what the states leave open. `H`: its six rows.
+/// Variance of a hand's predicted wrench from the state covariance. `H`: its six rows.
 math::Vector6d PoseWrenchFilter::wrench_variance(int grasp, WrenchFilter::Rows H) const noexcept {
   H.middleCols<6>(filter_.bias(grasp)).setZero();
   WrenchFilter::Rows HP(H.rows(), H.cols());
@@ -32,9 +32,9 @@ math::Vector6d PoseWrenchFilter::wrench_variance(int grasp, WrenchFilter::Rows H
   return HP.cwiseProduct(H).rowwise().sum().cwiseMax(0.0);
 }
 
-/// N, N m, of a hand's true wrench, of which its model's error is a share: of the one that is
-/// predicted, which may be too small by half, and the measured one together, with what they leave
-/// open. `H`, `y`: rows of the hand.
+/// N, N m, magnitude of a hand's true wrench, to which the model error is proportional: combines
+/// the predicted wrench, which may be too small by half, with the measured one and the uncertainty
+/// of both. `H`, `y`: rows of the hand.
 Eigen::Vector2d PoseWrenchFilter::size_of_wrench(int grasp, const WrenchFilter::Rows& H,
                                                  const math::Vector6d& y) const noexcept {
   const math::Vector6d& predicted = hands_[grasp].lagged;
@@ -58,9 +58,9 @@ Eigen::Vector2d PoseWrenchFilter::size_of_wrench(int grasp, const WrenchFilter::
           std::sqrt(wrench.tail<3>().squaredNorm() + left.tail<3>().sum())};
 }
 
-/// N, N m, deviation of what an accelerated hand's own mass leaves in its wrench.
+/// N, N m, standard deviation of the residual inertial wrench of an accelerating hand.
 Eigen::Vector2d PoseWrenchFilter::inertial_error(const Hand& hand) const noexcept {
-  constexpr double kReach = 0.2;  // m, from a grasp to the hand's mass
+  constexpr double kReach = 0.2;  // m, from a grasp to the centre of mass of the hand
   const double force = options_.payload_error * (hand.acceleration.head<3>().norm() +
                                                  kReach * hand.acceleration.tail<3>().norm());
   return {force, kReach * force};
@@ -83,7 +83,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     Hand& hand = hands_[g];
     if (!result.held[g]) continue;
-    math::Vector6d late = math::Vector6d::Zero();  // what the wrench changes by in lag_deviation
+    math::Vector6d late = math::Vector6d::Zero();  // change of the wrench within lag_deviation
     for (int other = 0; other < filter_.grasp_count(); ++other) {
       if (model.is_held(other))
         late += k * sensitivity.dw_dxi[g][other] * hands_[other].speed * options_.lag_deviation;
@@ -93,9 +93,10 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
         math::both_halves(follower_.X_OG(g).linear()) * filter_.mean().segment<6>(filter_.bias(g));
     const Eigen::Vector2d size =
         size_of_wrench(g, result.H.middleRows<6>(row), result.y.segment<6>(row));
-    // All wrenches until the model's error is another one tell as much as one.
-    const double told = hand.news * std::min(1.0, options_.period / kTelling);
-    const double lasting = options_.relative / std::sqrt(std::max(told, 1e-9));
+    // All wrenches until the model error decorrelates carry the information of one.
+    const double information =
+        hand.information_gain * std::min(1.0, options_.period / kInformationTime);
+    const double lasting = options_.relative / std::sqrt(std::max(information, 1e-9));
     const double force = lasting * size[0];
     const double torque = lasting * size[1] + lever_[g] * force;
     const Eigen::Vector2d inertial = inertial_error(hand);
@@ -113,7 +114,7 @@ PoseWrenchFilter::Innovation PoseWrenchFilter::innovation(
   return result;
 }
 
-/// Of the wrench that the model predicts: what the states leave open, and the model's own error.
+/// Standard deviation of the predicted wrench: state covariance and model error.
 void PoseWrenchFilter::find_reaction_deviation(const Innovation& now) noexcept {
   for (int g = 0, row = 0; g < filter_.grasp_count(); ++g) {
     if (!now.held[g]) continue;

@@ -7,8 +7,8 @@
 
 namespace palpate::estimation {
 
-/// The shapes of the last third of a second, with the state that each followed from: what arrives
-/// late tells of one of them. Nothing allocates after construction.
+/// Shapes of the last 0.3 s with the state that produced each, so that delayed observations are
+/// compared with the shape at their acquisition time. Nothing allocates after construction.
 class ShapeHistory {
  public:
   static constexpr double kPeriod = 0.005;  // s between two shapes
@@ -26,7 +26,7 @@ class ShapeHistory {
 
   void clear() noexcept { count_ = 0; }
 
-  /// Once a tick of `dt` seconds.
+  /// Call once per tick of `dt` seconds.
   void record(const Eigen::Matrix3Xd& positions, const WrenchFilter::ShapeState& state,
               double dt) noexcept {
     since_ += dt;
@@ -40,8 +40,8 @@ class ShapeHistory {
     since_ = 0;
   }
 
-  /// How it was `ago` seconds before the last record(), between two that are kept. False where that
-  /// is longer ago than anything that is known.
+  /// Shape `ago` seconds before the last record(), interpolated between two entries. False if that
+  /// is older than the oldest entry.
   bool recall(double ago, Moment& moment) const noexcept {
     double age = since_;
     for (std::size_t i = 0; i + 1 < count_; ++i) {
@@ -65,11 +65,11 @@ class ShapeHistory {
   struct Entry {
     Eigen::Matrix3Xf positions;
     WrenchFilter::ShapeState state;
-    double since = 0;  // s, from the entry before
+    double since = 0;  // s, from the previous entry
   };
   std::vector<Entry> entries_;
   std::size_t newest_ = 0, count_ = 0;
-  double since_ = 0;  // s, from the newest
+  double since_ = 0;  // s, since the newest entry
 };
 
 }  // namespace palpate::estimation

@@ -2,7 +2,8 @@
 
 namespace palpate::estimation {
 
-constexpr double kShare = 0.01, kSpeed = 2;  // of the longest side of the box round it; m/s
+// Fraction of the longest side of the bounding box; m/s.
+constexpr double kShare = 0.01, kSpeed = 2;
 
 ShapeJump::ShapeJump(const Eigen::Matrix3Xd& rest)
     : share_of_size_(kShare * (rest.rowwise().maxCoeff() - rest.rowwise().minCoeff()).maxCoeff()),

@@ -4,18 +4,18 @@
 
 namespace palpate::estimation {
 
-/// Tells a shape that jumps from one that moves: some node is further from where it was in the
-/// cycle before than 1 % of the object's size and 2 m/s explain. Whatever the cause, who reads the
-/// shape must know. Nothing allocates after construction.
+/// Detects discontinuities of the shape: a node has moved since the previous cycle by more than 1 %
+/// of the object's size plus the distance covered at 2 m/s. Consumers of the shape need this flag
+/// whatever the cause. Nothing allocates after construction.
 class ShapeJump {
  public:
-  /// `rest`: 3 x n, m, of the shapes to come.
+  /// `rest`: rest positions, 3 x n, m; later shapes have the same size.
   explicit ShapeJump(const Eigen::Matrix3Xd& rest);
   ShapeJump() = default;
 
-  /// What comes next is no jump, however far from the last.
+  /// The next shape is not a jump, however different.
   void forget() noexcept { known_ = false; }
-  /// Whether `positions`, 3 x n, have jumped within `dt` s. Not finite ones have.
+  /// True if `positions`, 3 x n, have jumped within `dt` s, or are not finite.
   bool update(const Eigen::Matrix3Xd& positions, double dt) noexcept;
 
  private:

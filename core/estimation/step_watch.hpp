@@ -8,13 +8,13 @@
 
 namespace palpate::estimation {
 
-/// Turns the reports of an incremental model into a status. A moving model seldom converges within
-/// one tick and may wait for a factor; neither counts as trouble until it lasts.
+/// Converts the step reports of an incremental model into a status. A moving model seldom converges
+/// within one tick and may wait for a factorisation; both are reported only when they persist.
 class StepWatch {
  public:
   struct Options {
-    double residual = 0.05;  // N, a step out of balance by less than this is good enough
-    double patience = 0.5;   // s that trouble may last before it is reported, or latched
+    double residual = 0.05;  // N, residual of a step below which it counts as converged
+    double patience = 0.5;   // s, duration of a problem before it is reported, or latched
   };
 
   explicit StepWatch(const Options& options) : options_(options) {}
@@ -44,7 +44,7 @@ class StepWatch {
   double unbalanced_for_ = 0;
 };
 
-/// The step that a model may be given: the last good one where `dt` is not positive and finite.
+/// Provides a valid time step to the model: the last valid one if `dt` is not positive and finite.
 class StepGuard {
  public:
   bool accepts(double dt) noexcept {

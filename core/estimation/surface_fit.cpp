@@ -10,7 +10,7 @@ using Eigen::Vector3d;
 
 namespace {
 
-/// Median distance from one of some of the points to the nearest other one, m.
+/// Median distance from a sample of the points to their nearest neighbours, m.
 double spacing_of(const ObservationInput::Points& points) noexcept {
   constexpr int kSome = 16;
   std::array<double, kSome> nearest{};
@@ -123,7 +123,7 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
   Ph.noalias() = filter.covariance().topLeftCorner(h.size(), h.size()) * h;
   if (!std::isfinite(z) || !h.allFinite()) return;
 
-  // Where most points are off by more than is expected, it is the state that is wrong.
+  // if most residuals exceed their expected size, the state is wrong rather than the points
   residuals_[static_cast<std::size_t>(residual_count_++)] = std::abs(y);
   const double plain = std::sqrt(own + options_.surface * options_.surface);
   const double expected = std::sqrt(plain * plain + h.dot(Ph));
@@ -133,10 +133,10 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
     ++information_.rejected;
     return;
   }
-  // Huber's weight: what is far off for a point pulls no harder than what is a little off.
+  // Huber weight: limits the influence of large residuals.
   const double usual = 1.5 * std::max(plain, scale_ < 0 ? expected : scale_);
   const double trust = std::min(1.0, usual / std::max(std::abs(y), 1e-12));
-  constexpr double kBeside = 9;  // times the surface's own variance, at most
+  constexpr double kBeside = 9;  // upper limit as a multiple of the variance of the surface
   double lasting = options_.surface * options_.surface;
   if (edges_.is_near(match, beside_)) lasting = std::clamp(own, lasting, kBeside * lasting);
   const double weight = trust / (own + alike_ * lasting);

@@ -8,41 +8,46 @@
 
 namespace palpate::estimation {
 
-/// Turns points that were seen on the surface, nobody knows where on it, into what they tell of the
-/// states that the shape follows: the sum over points of h h^T / s^2 and h z / s^2, where h is the
-/// derivative by the states of the surface's motion along its normal at the nearest point, z what
-/// is measured of h x and s the deviation (point to plane, Chen and Medioni 1992). The work of one
-/// message is spread over ticks. Nothing allocates after construction.
+/// Converts observed surface points, whose correspondence to material points is unknown, into
+/// information on the states that influence the shape: the sums over points of h h^T / s^2 and h z
+/// / s^2, where h is the derivative of the surface's motion along its normal at the nearest point
+/// with respect to the states, z the measurement of h x, and s the standard deviation
+/// (point-to-plane distance, Chen and Medioni 1992). The work of one message is spread over several
+/// ticks. Nothing allocates after construction.
 class SurfaceFit {
  public:
   struct Options {
-    double lag = 0.064;            // s, from when points are seen until they arrive
-    double lag_deviation = 0.005;  // s: what moves is seen less exactly
-    /// m, what mesh and calibration may be wrong by at a place. It is the same for all points near
-    /// it, a `places`-th of them, and for about `correlation` seconds, so that neither more points
-    /// nor more messages tell more of it. The correlation must be long: where the points tell
-    /// little, as of motion along the surface, what repeats itself would be believed in the end.
+    double lag = 0.064;            // s, latency from acquisition to arrival of the points
+    double lag_deviation = 0.005;  // s, its standard deviation: moving surfaces are weighted less
+    /// m, standard deviation of the local error of mesh and calibration. It is common to all
+    /// neighbouring points, one `places`-th of the total, for about `correlation` seconds, so that
+    /// neither more points nor more messages reduce it. The correlation time must be long: in
+    /// poorly observed directions, such as motion along the surface, a repeated error would
+    /// otherwise be accepted eventually.
     double surface = 5e-4;
-    /// Beside an edge the noise of the points themselves is such an error: it decides of which side
-    /// a point is taken to be, and who thins a cloud chooses among both sides.
-    double beside = 1.5;  // in distances between points seen
-    /// Nearer than this to an edge, in deviations of the points, their noise has a mean: a point
-    /// outside of a convex edge is off along some normal whichever side it is taken to be of, 0.6
-    /// deviations at a right angle. Such points are left out, unless most are such.
+    /// Near an edge the noise of the points acts as such an error: it decides to which face a point
+    /// is assigned, and the thinning of a point cloud selects among points of both faces.
+    double beside = 1.5;  // in units of the distance between observed points
+    /// Nearer than this to an edge, in standard deviations of the points, their noise has a
+    /// non-zero mean: a point outside a convex edge lies off the face it is assigned to, whichever
+    /// face that is, by 0.6 standard deviations at a right angle. Such points are omitted unless
+    /// most points are of this kind.
     double edge = 2;
     int places = 20;
     double correlation = 3;  // s
-    double gate = 3;         // deviations: points beyond are of something else, a hand or a table,
-    double reach = 0.02;     // m: and beyond this, whatever else is uncertain
+    /// Distance, in standard deviations, beyond which a point is attributed to another object (a
+    /// hand or a table).
+    double gate = 3;
+    double reach = 0.02;  // m, the same as an absolute distance, whatever the uncertainty
     int points_per_tick = 16;
   };
   struct Information {
     WrenchFilter::ShapeMatrix matrix;
     WrenchFilter::ShapeState vector;
     int used = 0;      // points
-    int rejected = 0;  // of something else
+    int rejected = 0;  // assigned to other objects
   };
-  /// What the derivatives follow from.
+  /// Quantities that the derivatives depend on.
   struct Basis {
     const elasticity::Sensitivity* sensitivity = nullptr;
     std::array<bool, 2> held{};
@@ -50,24 +55,26 @@ class SurfaceFit {
     const WrenchFilter* filter = nullptr;
   };
 
-  /// Throws std::invalid_argument where an option is out of range.
-  /// `rest`: nodes, 3 x n, m.
+  /// Throws std::invalid_argument if an option is out of range. `rest`: rest positions of the
+  /// nodes, 3 x n, m.
   SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surface, const Options& options);
 
   void reset() noexcept;
-  /// A new message; what was left of the one before is dropped. False where nothing is known of the
-  /// shape when it was seen.
+  /// Starts a new message; the remainder of the previous one is dropped. False if the shape at the
+  /// acquisition time is not available.
   bool begin(const ObservationInput& seen, const ShapeHistory& history) noexcept;
   bool is_busy() const noexcept { return next_ < points_.cols(); }
-  /// The next points. True when these were the last: then information() is whole.
+  /// Processes the next points. Returns true when they were the last; information() is then
+  /// complete.
   bool advance(const Basis& basis, double dt) noexcept;
-  /// Each tick in which there is nothing to do.
+  /// Call in each tick without work.
   void wait(double dt) noexcept { since_ += dt; }
   const Information& information() const noexcept { return information_; }
 
   using NodeRows = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, WrenchFilter::kMostShape>;
-  /// Adds a share of the derivative of a node's position by the patches' motions, log E and virtual
-  /// loads, 3 x shape_size(): times PatchMotion::by_state() it is that by the states.
+  /// Adds `weight` times the derivative of a node's position with respect to the patches' motions,
+  /// log E and virtual loads, 3 x shape_size(). Multiplied by PatchMotion::by_state() it is the
+  /// derivative with respect to the states.
   static void add_node(const Basis& basis, int node, double weight, NodeRows& rows) noexcept;
 
  private:
@@ -81,15 +88,17 @@ class SurfaceFit {
   ObservationInput::Points points_;
   Eigen::Index next_ = 0;
   double deviation_ = 0;
-  double since_ = 0;     // s, from the beginning of the last message
+  double since_ = 0;     // s since the last message began
   double interval_ = 0;  // s, between messages
-  double beside_ = 0;    // m, from an edge
-  double alike_ = 1;     // readings of the same error while it lasts
-  double scale_ = -1;  // m, robust deviation of the last message's residuals; below zero: none yet
+  double beside_ = 0;    // m, distance from an edge within which the noise acts as a common error
+  double alike_ = 1;     // number of measurements that share one realisation of the error
+  /// m, robust standard deviation of the residuals of the last message; negative: none yet
+  double scale_ = -1;
   std::array<double, ObservationInput::kMostPoints> residuals_{};
   int residual_count_ = 0;
-  int edge_count_ = 0;         // of this message, nearer to an edge than Options::edge
-  bool spares_edges_ = false;  // they are left out: most of the last message were not
+  int edge_count_ = 0;  // points of this message nearer to an edge than Options::edge
+  /// Such points are omitted, because most points of the last message were not of this kind.
+  bool spares_edges_ = false;
   NodeRows rows_;
   Information information_;
 };

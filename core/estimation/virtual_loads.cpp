@@ -32,7 +32,7 @@ VirtualLoads::VirtualLoads(const elasticity::Body& body) {
     from = std::min(from, x(axis_, node));
     to = std::max(to, x(axis_, node));
   }
-  constexpr int kStations = 10;  // as many as a pattern has room for
+  constexpr int kStations = 10;  // capacity of a pattern
   for (int i = 0; i < kStations; ++i) {
     const double along = (i + 0.5) / kStations;
     Vector3d station = 0.5 * (low + high);
@@ -43,7 +43,7 @@ VirtualLoads::VirtualLoads(const elasticity::Body& body) {
       if (best < 0 || (x.col(node) - station).norm() < (x.col(best) - station).norm()) best = node;
     }
     if (best < 0) return;
-    is_free[static_cast<std::size_t>(best)] = false;  // each once
+    is_free[static_cast<std::size_t>(best)] = false;  // each node once
     add_node(patterns_[0], best, 1.0 / kStations);
     add_node(patterns_[1], best, (2 * along - 1) / kStations);
   }

@@ -7,34 +7,37 @@
 
 namespace palpate::estimation {
 
-/// Two forces on the inside of the object, spread along its longest axis between what is fixed and
-/// what is held: one that is the same all along, and one that goes from -1 to 1, both over ten
-/// nodes near the axis, and of weights whose magnitudes sum to 1 or less. They bend the shape as
-/// smoothly as an unknown weight would. Nothing physical: they stand for what the model does not
-/// know (mesh, Poisson's ratio, uneven foam), so that a shape that is seen can be met exactly.
+/// Two non-physical force patterns in the interior of the object, distributed along its longest
+/// axis between fixed and held regions: one constant along the axis, one varying linearly from -1
+/// to 1. Each acts on ten nodes near the axis with weights whose absolute values sum to at most 1.
+/// They bend the shape as smoothly as an unknown body force and absorb model errors (mesh,
+/// Poisson's ratio, inhomogeneous material), so that an observed shape can be matched without
+/// residual error.
 class VirtualLoads {
  public:
   static constexpr int kCount = 2;
-  static constexpr int kStates = 3 * kCount;  // N, in O, one force after the other
+  static constexpr int kStates = 3 * kCount;  // N, in O, one force vector per pattern
   using Forces = math::Vector6d;
 
-  /// No force at all where no node is free.
+  /// All patterns are zero if no node is free.
   explicit VirtualLoads(const elasticity::Body& body);
 
-  /// The model answers for them in its first contact slots from its next factor on.
+  /// Assigns the patterns to the first contact slots of the model; valid from its next
+  /// factorisation on.
   void watch(elasticity::DeformationModel& model) const noexcept;
   static bool is_known(const elasticity::Sensitivity& sensitivity) noexcept;
-  /// N that move some node by as much as `distance`, m, in the direction that is softest; as much
-  /// in others, since what is unknown has no direction: within its plane a plate is a hundred times
-  /// as stiff as across, and its model's errors are as much smaller. None along the longest axis:
-  /// points on the sides do not tell how they slide along them, so that such loads would take up
-  /// whatever else is wrong and wander by millimetres unseen.
+  /// Forces, N, that displace some node by up to `distance`, m, in the most compliant direction.
+  /// The same magnitude is used for the other directions, because the unknown load has no preferred
+  /// direction: a plate is a hundred times stiffer in its plane than across it, and its model
+  /// errors are smaller by the same factor. Zero along the longest axis: surface points do not
+  /// observe sliding along the surface, and such loads would absorb other errors and drift by
+  /// millimetres.
   Forces for_distance(double distance, const elasticity::Sensitivity& sensitivity) const noexcept;
   void add_to(Eigen::Matrix3Xd& loads, const Forces& forces) const noexcept;
 
  private:
   std::array<mesh::PointWeights, kCount> patterns_;
-  int axis_ = 0;  // the longest
+  int axis_ = 0;  // index of the longest axis
 };
 
 }  // namespace palpate::estimation

@@ -11,7 +11,7 @@
 namespace palpate::estimation {
 namespace {
 
-constexpr double kFar = 0.2;  // of a wrench: another one by more than noise
+constexpr double kFar = 0.2;  // fraction of a wrench: a larger difference is not noise
 
 bool lets_go(const GraspInput& input) noexcept {
   return input.pose_freshness != sensing::Freshness::kNoData && !input.holding;
@@ -58,7 +58,8 @@ void WrenchDriven::take_over(const Estimate& last, elasticity::DeformationModel&
   }
 }
 
-/// Takes the hand's wrench and lets the model hold or release the grasp. Returns what is wrong.
+/// Takes the hand's wrench and holds or releases the grasp in the model. Returns an error message,
+/// or "".
 const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
                                elasticity::DeformationModel& model) noexcept {
   Hand& hand = hands_[grasp];
@@ -68,7 +69,7 @@ const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
     hand = Hand();
     return "";
   }
-  if (!model.is_held(grasp)) {  // what was let go has moved on its own
+  if (!model.is_held(grasp)) {  // a released grasp has moved freely
     hand = Hand();
     hand.held = elasticity::grasp_pose(model.body(), grasp, model.positions());
   }
@@ -86,9 +87,10 @@ const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
   return input.wrench_valid && !measured.allFinite() ? "wrench of the hand is not finite" : "";
 }
 
-/// Moves the grasps whose wrenches are known towards where the model's are the same.
+/// Moves the grasps with a known wrench towards the poses at which the model's wrenches are equal
+/// to it.
 void WrenchDriven::move(const elasticity::Sensitivity& sensitivity, double dt) noexcept {
-  math::Vector6d scale;  // of a motion and, inverted, of a wrench: all in m and N
+  math::Vector6d scale;  // scale of a motion and, inverted, of a wrench: all in m and N
   scale << 1, 1, 1, length_, length_, length_;
   const int rows = 6 * (follows_[0] + follows_[1]);
   if (rows == 0) return;
@@ -118,7 +120,7 @@ void WrenchDriven::move(const elasticity::Sensitivity& sensitivity, double dt) n
   motion *= 1 - std::exp(-dt / options_.time_constant);
   if (factor.info() != Eigen::Success || !motion.allFinite()) return;
 
-  double excess = 1;  // over what may be moved; all motions shrink alike
+  double excess = 1;  // ratio to the permitted motion; all motions are reduced by the same factor
   for (int row = 0; row < rows; row += 6) {
     motion.segment<6>(row) = motion.segment<6>(row).cwiseQuotient(scale).eval();
     excess = std::max({excess, motion.segment<3>(row).norm() / (options_.speed * dt),
@@ -159,7 +161,7 @@ sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
   for (int g = 0; g < grasps; ++g) {
     if (!lets_go(inputs.grasps[g])) model.hold(g, hands_[g].held);
   }
-  // What the wrist feels is what the grasp is moved for: it must not be applied again.
+  // The grasp is moved to reproduce the wrist wrench, which must not be applied again.
   if (!load_with_contacts(inputs, 1, model)) trouble = "a contact load is not valid";
 
   estimate.step = model.step(dt);

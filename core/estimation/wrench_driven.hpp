@@ -5,64 +5,65 @@
 
 namespace palpate::estimation {
 
-/// E1: the whole measured wrench of the hand, force and torque, drives the mesh. The grasp stays
-/// the rigid patch that it is and is moved, xi, until its reaction w is the wrench that the hand
-/// measures. Each update makes a part of a damped Newton step,
-///   d xi = (1 - e^(-dt / T)) K_w^T (K_w K_w^T + s^2)^-1 (w_measured - w),
-/// with the stiffness of the grasp K_w = dw / dxi that the model has anyway, so that the difference
-/// decays in a time T in all directions alike, however differently stiff they are (a soft bar: some
-/// 200 N/m along, 0.2 N/m across). Directions softer than s follow slower, as (K_w / s)^2: there
-/// the sensor's noise would move the grasp far. Both wrenches of two hands are met at once.
+/// Estimator E1: the full measured wrench of the hand, force and torque, drives the mesh. The grasp
+/// remains a rigid patch; its pose xi is moved until its reaction w equals the measured wrench.
+/// Each update performs a fraction of a damped Newton step, d xi = (1 - e^(-dt / T)) K_w^T (K_w
+/// K_w^T + s^2)^-1 (w_measured - w), with the grasp stiffness K_w = dw / dxi, which the model
+/// provides. The difference therefore decays with the time constant T in all directions, however
+/// different their stiffnesses (a soft bar: about 200 N/m axially, 0.2 N/m transversely).
+/// Directions softer than s converge more slowly, as (K_w / s)^2, because sensor noise would
+/// otherwise move the grasp far. The wrenches of two hands are matched simultaneously.
 ///
-/// The same wrench as dead loads on a free patch (ForceDriven behind a wrench patch) bends the
-/// patch, and runs away from equilibria which only the hand's stiffness keeps, as of a bar that is
-/// buckled: there K_w is not definite, but Newton's method does not ask for that.
+/// Applying the same wrench as dead loads on a free patch (ForceDriven with a wrench patch) deforms
+/// the patch and diverges at equilibria that are stabilised only by the stiffness of the hand, such
+/// as those of a buckled bar. There K_w is indefinite, which Newton's method tolerates.
 ///
-/// A wrench has many poses that answer it. The one is found that is near where the grasp has been:
-/// what the hand feels is followed from then on, and a wrench that jumps far may lead elsewhere.
+/// Several poses may produce the same wrench. The estimator finds the one near the previous pose of
+/// the grasp and follows the wrench from there; a large jump of the wrench may lead to a different
+/// solution.
 ///
-/// Gravity and the contacts other than the wrist's load the mesh. Needs a quasi-static model with a
-/// sensitivity. Reference: control.md 6.2, 6.3.
+/// Gravity and the contacts other than the wrist's act as loads. Requires a quasi-static model with
+/// a sensitivity. Reference: docs/theory.md, sections 2 and 3.
 class WrenchDriven : public Estimator {
  public:
   struct Options {
     double time_constant = 0.1;     // s, T
-    double average = 0.03;          // s, time constant of the measured wrench's filter
-    double least_stiffness = 0.02;  // N/m, s
-    double wrench_timeout = 0.05;   // s without a new wrench until it counts as stale
-    /// The grasp moves no faster than this, whatever the wrench says.
+    double average = 0.03;          // s, time constant of the filter of the measured wrench
+    double least_stiffness = 0.02;  // N/m, the damping s above
+    double wrench_timeout = 0.05;   // s without a new wrench until the wrench counts as stale
+    /// Speed limits of the grasp, whatever the wrench.
     double speed = 1.0;          // m/s
     double angular_speed = 5.0;  // rad/s
     StepWatch::Options step;
   };
 
-  /// Throws std::invalid_argument where an option is not positive, or where nothing fixes the body:
-  /// a wrench does not tell where a free one is.
+  /// Throws std::invalid_argument if an option is not positive, or if no part of the body is fixed:
+  /// a wrench does not determine the position of a free body.
   WrenchDriven(const elasticity::Body& body, const Options& options);
 
   /// Holds every grasp at its rest pose.
   void activate(elasticity::DeformationModel& model) noexcept override;
 
-  /// Degraded while a wrench is missing, stale or not finite, or there is no sensitivity: the grasp
-  /// stays where it is; also where the wrench is not met after some time. A fault where the model
-  /// moves by inertia, whose wrench is no stiffness'. estimate.X_OG: where the wrenches put the
-  /// grasps.
+  /// Degraded while a wrench is missing, stale or not finite, or no sensitivity is available; the
+  /// grasp then stays in place. Also degraded if the wrench is not matched for some time. Fault if
+  /// the model is dynamic, because its wrench contains inertial forces. estimate.X_OG: grasp poses
+  /// determined from the wrenches.
   sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
                                Estimate& estimate) noexcept override;
   void reset() noexcept override;
-  /// Goes on from where the estimate has the grasps.
+  /// Continues from the grasp poses of the estimate.
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 
  private:
   using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 12, 12>;
   using Column = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 12, 1>;
   struct Hand {
-    math::Pose held = math::Pose::Identity();          // where the model holds the grasp
+    math::Pose held = math::Pose::Identity();          // pose at which the model holds the grasp
     math::Vector6d wrench = math::Vector6d::Zero();    // measured, filtered
-    math::Vector6d reaction = math::Vector6d::Zero();  // of the model in the last step
-    double age = 0;                                    // s since a wrench came
-    bool seen = false;                                 // a wrench
-    bool answered = false;                             // the model has stepped with it held
+    math::Vector6d reaction = math::Vector6d::Zero();  // reaction of the model in the last step
+    double age = 0;                                    // s since the last wrench
+    bool seen = false;                                 // a wrench has been received
+    bool answered = false;                             // the model has stepped with this grasp held
   };
 
   const char* take(int grasp, const GraspInput& input, double dt,
@@ -70,10 +71,11 @@ class WrenchDriven : public Estimator {
   void move(const elasticity::Sensitivity& sensitivity, double dt) noexcept;
 
   Options options_;
-  double length_;  // m, by which rotations and torques compare with displacements and forces
+  /// m, length that makes rotations and torques comparable with displacements and forces
+  double length_;
   std::array<Hand, 2> hands_;
-  std::array<bool, 2> follows_{};  // in this update
-  double far_for_ = 0;             // s that the wrenches have not been met
+  std::array<bool, 2> follows_{};  // grasps moved in this update
+  double far_for_ = 0;             // s for which the wrenches have not been matched
   StepGuard step_guard_;
   StepWatch step_watch_;
 };

@@ -38,14 +38,14 @@ void WrenchFilter::reset() noexcept {
 
 void WrenchFilter::predict(double dt) noexcept {
   const double kept = std::exp(-dt / options_.memory);
-  const int steady = contact();  // what wanders within its prior; the contact's force comes after
+  const int steady = contact();  // stationary states; the contact's force follows
   mean_.head(steady) *= kept;
   P_.topRows(steady) *= kept;
   P_.leftCols(steady) *= kept;
   P_.diagonal().head(steady) += (1 - kept * kept) * prior_.head(steady);
   P_.diagonal().segment<kLoads>(load()) +=
       2 * dt / options_.load_memory * prior_.segment<kLoads>(load());
-  constexpr double kWander = 0.01;  // 1/s, of the prior's variance
+  constexpr double kWander = 0.01;  // 1/s, as a fraction of the prior's variance
   if (has_contact_) P_.bottomRightCorner<3, 3>() += kWander * dt * contact_prior_;
 }
 
@@ -73,7 +73,7 @@ void WrenchFilter::correct() noexcept {
   factor.solveInPlace(gain_transposed);
   if (has_contact_) gain_transposed.leftCols(contact()).setZero();
   mean_.noalias() += gain_transposed.transpose() * y_;
-  // Joseph's form keeps the covariance symmetric and positive whatever rounding does.
+  // the Joseph form keeps the covariance symmetric and positive semi-definite despite rounding
   Covariance keep = Covariance::Identity(size(), size());
   keep.noalias() -= gain_transposed.transpose() * H_;
   Covariance half = Covariance::Zero(size(), size());
@@ -94,7 +94,7 @@ void WrenchFilter::begin_loads(const math::Vector6d& deviation) noexcept {
 bool WrenchFilter::take(const ShapeMatrix& A, const ShapeState& b) noexcept {
   const int n = shape_size();
   if (A.rows() != n || b.size() != n || !A.allFinite() || !b.allFinite()) return false;
-  // P+ = P (I + A P)^-1 needs no inverse of P, which is singular where a state is certain.
+  // P+ = P (I + A P)^-1 needs no inverse of P, which is singular if a state is known exactly.
   ShapeMatrix whole = ShapeMatrix::Identity(n, n);
   whole.noalias() += P_.topLeftCorner(n, n) * A;
   Covariance gain_transposed = P_.topRows(n);

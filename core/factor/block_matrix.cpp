@@ -11,7 +11,7 @@ namespace palpate::factor {
 
 namespace {
 
-/// Which unknowns share an element.
+/// Graph of the unknowns that share an element.
 Graph mesh_graph(const Eigen::MatrixXi& elements, const std::vector<int>& unknown, int size) {
   std::vector<std::vector<int>> neighbours(size);
   for (int e = 0; e < elements.cols(); ++e) {
@@ -41,7 +41,7 @@ BlockPattern::BlockPattern(const Eigen::MatrixXi& elements, int node_count,
     : nodes_per_element_(static_cast<int>(elements.rows())), unknown_(node_count, 0) {
   if (border.size() > 2) throw std::invalid_argument("at most two grasp patches");
   for (int node : fixed) unknown_.at(node) = -1;
-  // A natural order first: the interior, then the groups.
+  // natural order first: the interior, then the groups
   for (const std::vector<int>& group : border) {
     for (int node : group) {
       if (node < 0 || node >= node_count || unknown_[node] != 0) {

@@ -6,11 +6,12 @@ namespace palpate::factor {
 namespace {
 
 constexpr int kBlock = 32;       // columns eliminated at once
-constexpr double kZero = 1e-11;  // of the scale: rounding leaves less of a pivot that vanishes
+constexpr double kZero = 1e-11;  // relative to the scale: rounding error of a vanishing pivot
 
-// Four doubles in a register where there are such, in two or four where not.
+// Four doubles in one register, or in two or four where registers are smaller.
 using Lanes = double __attribute__((vector_size(32)));
-// The same where a double may stand. Packed, since clang forgets the alignment of a type's name.
+// The same with the alignment of a double. Packed, because clang ignores the alignment of a type
+// alias.
 struct __attribute__((packed, may_alias)) Unaligned {
   Lanes all;
 };
@@ -44,7 +45,7 @@ void subtract_product(const double* a, const double* b, int depth, int rows, int
 }
 
 DenseLdl::DenseLdl(int size) {
-  // Strips begin anew below the eliminated columns.
+  // Strips restart below the eliminated columns.
   const std::size_t strips = size / kTileRows + 2;
   strips_.resize(strips);
   left_.resize(strips * kTileRows * kBlock);
@@ -80,7 +81,7 @@ bool DenseLdl::eliminate(double* panel, int rows, int columns, double* update, c
   return true;
 }
 
-/// The square at the top of a block.
+/// Factors the square at the top of a block.
 bool DenseLdl::factor_block(double* block, int rows, int width, const double* scale, double* d,
                             Pivots& pivots) noexcept {
   for (int j = 0; j < width; ++j) {
@@ -100,13 +101,14 @@ bool DenseLdl::factor_block(double* block, int rows, int width, const double* sc
   return true;
 }
 
-/// Solves for the rows below the square, strip by strip, and packs them; number of strips.
+/// Solves for the rows below the square, strip by strip, and packs them; returns the number of
+/// strips.
 int DenseLdl::pack(double* block, int rows, int from, int columns, int width,
                    const double* d) noexcept {
   const double* square = block + (from - width);
   double inverse[kBlock];
   for (int j = 0; j < width; ++j) inverse[j] = 1 / d[j];
-  // The square as the right factor of tiles, below its diagonal ones.
+  // The square as right factor of the tile products, without its diagonal tiles.
   for (int g = kTileColumns; g < width; g += kTileColumns) {
     double* target = &square_[g * kBlock];
     for (int k = 0; k < g; ++k, target += kTileColumns) {

@@ -7,10 +7,10 @@
 
 namespace palpate::factor {
 
-/// What the pivots of a factor say about its matrix.
+/// Pivots of a factorisation, as information on its matrix.
 struct Pivots {
-  int negative = 0;  // as many as negative eigenvalues
-  /// The smallest over the diagonal entry of the matrix that it came from, signed: near 0 the
+  int negative = 0;  // number of negative pivots, which equals that of negative eigenvalues
+  /// Smallest ratio of pivot to the corresponding diagonal entry of the matrix, signed: near 0 the
   /// matrix is close to losing definiteness.
   double smallest = std::numeric_limits<double>::infinity();
 
@@ -23,24 +23,24 @@ struct Pivots {
 /// Rows and columns of a tile of the product below.
 inline constexpr int kTileRows = 8, kTileColumns = 4;
 
-/// target -= a b^T for the first rows and columns of a tile. a's entry (r, k) is at
-/// k * kTileRows + r, b's entry (c, k) at k * kTileColumns + c, both whole tiles; the target's
-/// entry (r, c) at c * stride + r.
+/// target -= a b^T for the first `rows` rows and the columns of a tile. Entry (r, k) of a is at k *
+/// kTileRows + r, entry (c, k) of b at k * kTileColumns + c, both padded to whole tiles; entry (r,
+/// c) of the target is at c * stride + r.
 void subtract_product(const double* a, const double* b, int depth, int rows, int columns,
                       double* target, std::ptrdiff_t stride) noexcept;
 
 /// Eliminates the first columns of a dense symmetric matrix without pivoting, A = L D L^T, in
-/// double. Holds the work space: one thread at a time, nothing allocates after construction.
+/// double precision. Contains the workspace: not thread-safe; nothing allocates after construction.
 class DenseLdl {
  public:
   /// `size`: rows of the largest matrix.
   explicit DenseLdl(int size);
 
-  /// panel: the first `columns` columns of the matrix, `rows` long each; update: the lower half of
-  /// the other columns, (rows - columns)^2. Panel becomes L (its unit diagonal and what is above
-  /// are not written sensibly), d the pivots, update the Schur complement. `scale`: size of the
-  /// matrix' entries in each column; false, with everything in pieces, where a pivot vanishes
-  /// beside it to rounding or is not finite.
+  /// panel: the first `columns` columns of the matrix, each of length `rows`; update: the lower
+  /// half of the other columns, (rows - columns)^2. On return panel contains L (its unit diagonal
+  /// and the part above are undefined), d the pivots, update the Schur complement. `scale`:
+  /// magnitude of the matrix entries in each column. False, with undefined results, if a pivot
+  /// vanishes compared with `scale` to within rounding, or is not finite.
   bool eliminate(double* panel, int rows, int columns, double* update, const double* scale,
                  double* d, Pivots& pivots) noexcept;
 

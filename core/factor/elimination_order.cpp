@@ -11,7 +11,7 @@
 namespace palpate::factor {
 namespace {
 
-/// Dissections with different seeds; they differ by some 10 % in the size of the factor.
+/// Number of dissections with different seeds, whose factors differ in size by about 10 %.
 constexpr int kDissections = 12;
 
 struct EliminationTree {
@@ -41,17 +41,18 @@ EliminationTree elimination_tree(const Graph& graph, const std::vector<int>& ord
   return tree;
 }
 
-/// The same elimination with each subtree's columns together. The child with the longest column
-/// comes last, next to its parent, with which it is most likely to form a supernode.
+/// Equivalent elimination order in which the columns of each subtree are contiguous. The child with
+/// the longest column comes last, next to its parent, with which it is most likely to form a
+/// supernode.
 std::vector<int> postorder(const std::vector<int>& order, const EliminationTree& tree, int last) {
   const int n = static_cast<int>(order.size()), interior = n - last;
-  std::vector<std::vector<int>> children(interior + 1);  // of `interior`: the roots
+  std::vector<std::vector<int>> children(interior + 1);  // index `interior`: the roots
   for (int k = 0; k < interior; ++k) {
     const int parent = tree.parent[k];
     children[parent < 0 ? interior : std::min(parent, interior)].push_back(k);
   }
   for (std::vector<int>& c : children) {
-    // Taken from the end while the order is built from its end.
+    // entries are taken from the end while the order is built backwards
     std::stable_sort(c.begin(), c.end(),
                      [&](int a, int b) { return tree.count[a] < tree.count[b]; });
   }
@@ -93,7 +94,7 @@ std::vector<int> minimum_degree(const Graph& graph) {
   return {permutation.indices().data(), permutation.indices().data() + n};
 }
 
-/// METIS seeds and draws from rand(): while this lives, from a state of its own.
+/// METIS seeds and uses rand(): during the lifetime of this object rand() has a private state.
 class OwnRandomState {
  public:
   OwnRandomState() : previous_(initstate(1, state_, sizeof state_)) {}
@@ -105,7 +106,7 @@ class OwnRandomState {
   char* previous_;
 };
 
-/// Empty where METIS refuses.
+/// Empty if METIS reports an error.
 std::vector<int> nested_dissection(const Graph& graph, int seed) {
   std::vector<idx_t> start(graph.start.begin(), graph.start.end());
   std::vector<idx_t> neighbours(graph.neighbours.begin(), graph.neighbours.end());

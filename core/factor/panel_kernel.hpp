@@ -11,17 +11,17 @@
 #endif
 
 /// Products of a matrix stored in tiles of 8 rows with a vector. `Stored` is float or, where the
-/// processor converts it, std::uint16_t for half precision.
+/// processor can convert it, std::uint16_t for half precision.
 namespace palpate::factor::panel_kernel {
 
 inline constexpr int kTile = 8;
-inline constexpr int kGroup = 4;  // tiles interleaved at most
+inline constexpr int kGroup = 4;  // maximum number of interleaved tiles
 inline constexpr bool kHasHalf = PALPATE_HAS_HALF;
 
 inline int tiles_of(int rows) { return (rows + kTile - 1) / kTile; }
 inline int padded(int rows) { return (tiles_of(rows) + kGroup - 1) / kGroup * kGroup * kTile; }
 
-// Eight floats in a register where there are such, in two or more where not.
+// Eight floats in one register, or in two or more where registers are smaller.
 using Lanes = float __attribute__((vector_size(32)));
 
 inline void load(const float* source, Lanes& lanes) { std::memcpy(&lanes, source, sizeof lanes); }
@@ -40,10 +40,10 @@ inline void encode(const Lanes& lanes, std::uint16_t* target) {
 }
 #endif
 
-/// y += A b, or y = A b where `first`, for kHeight interleaved tiles.
+/// y += A b, or y = A b if `first`, for kHeight interleaved tiles.
 template <int kHeight, class Stored>
 inline void multiply(const Stored* a, const float* b, int columns, bool first, float* y) {
-  constexpr int kUnroll = 8 / kHeight;  // enough sums to hide the latency of an addition
+  constexpr int kUnroll = 8 / kHeight;  // enough partial sums to hide the latency of an addition
   Lanes sums[kUnroll][kHeight], column;
   for (int u = 0; u < kUnroll; ++u) {
     for (int h = 0; h < kHeight; ++h) sums[u][h] = Lanes{};
@@ -73,7 +73,7 @@ inline void multiply(const Stored* a, const float* b, int columns, bool first, f
   }
 }
 
-/// sums += A^T x before the eight lanes of each column's sum are added up.
+/// sums += A^T x, before the eight lanes of each column's sum are added.
 template <int kHeight, class Stored>
 inline void multiply_transposed(const Stored* a, const float* x, int columns, float* sums) {
   Lanes rows[kHeight], column, sum;
@@ -88,7 +88,7 @@ inline void multiply_transposed(const Stored* a, const float* x, int columns, fl
   }
 }
 
-/// Adds up the lanes of each of eight sums.
+/// Adds the lanes of each of eight sums.
 inline void add_lanes(const float* sums, float* totals) {
 #if PALPATE_HAS_HALF
   __m256 s[8];

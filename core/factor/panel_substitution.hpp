@@ -4,11 +4,11 @@
 
 #include "core/math/pack.hpp"
 
-/// Substitution with a dense panel of L (unit diagonal) for several right-hand sides side by side,
-/// a few rows at a time so that their sums stay in registers.
+/// Substitution with a dense panel of L (unit diagonal) for several right-hand sides at once, a few
+/// rows at a time so that their sums stay in registers.
 namespace palpate::factor::substitution {
 
-/// The right-hand sides of one row: kPacks packs of them.
+/// Right-hand sides of one row: kPacks packs.
 template <int kPacks>
 struct Lanes {
   static constexpr int kWidth = kPacks * math::kLanes<math::Pack4d>;
@@ -30,7 +30,7 @@ struct Lanes {
   math::Pack4d packs[kPacks];
 };
 
-/// Column-major, `stride` from one column to the next; the lanes of row i begin at
+/// Column-major, with distance `stride` between columns; the lanes of row i begin at
 /// lanes[offsets[i]].
 struct Panel {
   const double* entries;
@@ -75,7 +75,7 @@ inline void backward_columns(const Panel& p, int j) {
   for (int c = 0; c < kColumns; ++c) sums[c].store(p.row(j + c));
 }
 
-/// x <- L^-1 x over the panel's columns, which takes their part from the rows below them.
+/// x <- L^-1 x over the panel's columns; subtracts their contribution from the rows below them.
 template <int kPacks>
 inline void forward(const Panel& p) {
   int i = 0;
@@ -84,7 +84,7 @@ inline void forward(const Panel& p) {
   for (; i < p.rows; ++i) forward_rows<kPacks, 1>(p, i);
 }
 
-/// x <- L^-T x over the panel's columns, the rows below them being known.
+/// x <- L^-T x over the panel's columns, with the rows below them known.
 template <int kPacks>
 inline void backward(const Panel& p) {
   int j = p.columns;
@@ -93,7 +93,7 @@ inline void backward(const Panel& p) {
   for (; j >= 1; --j) backward_columns<kPacks, 1>(p, j - 1);
 }
 
-/// Divides rows that stand together by d.
+/// Divides consecutive rows by d.
 template <int kPacks>
 inline void divide(double* lanes, const double* d, int rows) {
   using Row = Lanes<kPacks>;

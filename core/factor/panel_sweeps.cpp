@@ -3,7 +3,7 @@
 #include "core/factor/panel_kernel.hpp"
 #include "core/factor/solve_panels.hpp"
 
-// The loop's side of the panels: who does what, and the two sweeps over them.
+// Solution phase of the panels: distribution of the work and the two sweeps.
 namespace palpate::factor {
 namespace {
 
@@ -11,7 +11,7 @@ using panel_kernel::kGroup;
 using panel_kernel::kTile;
 using panel_kernel::tiles_of;
 
-/// The level up to which the rows of panels are needed: 0 interior, 1 and group 0, 2 and group 1.
+/// Level up to which rows of the panels are needed: 0 interior, 1 also group 0, 2 also group 1.
 int level_of(Held held) { return !held[1] ? 2 : !held[0] ? 1 : 0; }
 
 template <class Stored>
@@ -62,8 +62,8 @@ void SolvePanels::share_out(const TreeShares& shares) {
   top_.push_back({{0, 0, interior_, size_of_b_}, {}});
 }
 
-/// Where the members' rectangles of a panel begin, and the last one's end: about as many bytes
-/// each, and no row in two of them.
+/// Starting rows of the members' rectangles of a panel, and the end of the last one: about equal
+/// numbers of bytes, and no row shared by two members.
 std::vector<int> SolvePanels::split(const Panel& panel) const {
   const std::size_t members = desks_.size();
   const int end = panel.rectangles_end.back();
@@ -95,7 +95,7 @@ void SolvePanels::multiply_rows(int begin, int end, const float* b, float* rows)
   }
 }
 
-/// The first `columns` of sums = P^T rows, over some rectangles.
+/// The first `columns` entries of sums = P^T rows, over some rectangles.
 template <class Stored>
 void SolvePanels::multiply_columns(int begin, int end, const float* rows, int columns,
                                    float* sums) const noexcept {
@@ -132,7 +132,7 @@ void SolvePanels::gather(const Panel& panel, int level, const float* b,
   std::fill(x, rows + tiles_of(panel.rows[level]) * kTile, 0.0f);
 }
 
-/// From the leaves to the root: (z; delta) = P b.
+/// Forward sweep from the leaves to the root: (z; delta) = P b.
 template <class Stored>
 void SolvePanels::sweep_up(const Span& span, int level, float* b, Desk& desk) const noexcept {
   float* rows = desk.rows.data();
@@ -143,7 +143,7 @@ void SolvePanels::sweep_up(const Span& span, int level, float* b, Desk& desk) co
   }
 }
 
-/// And back: x = P^T (z; x_rows).
+/// Backward sweep: x = P^T (z; x_rows).
 template <class Stored>
 void SolvePanels::sweep_down(const Span& span, int level, float* b, Desk& desk) const noexcept {
   float *rows = desk.rows.data(), *sums = desk.sums.data();
@@ -156,7 +156,7 @@ void SolvePanels::sweep_down(const Span& span, int level, float* b, Desk& desk) 
   }
 }
 
-/// One panel, its rows shared among the members.
+/// One panel whose rows are shared among the members.
 template <class Stored>
 void SolvePanels::sweep_up_together(const Top& top, int level, float* b) noexcept {
   const Panel& panel = panels_[top.span.panels_begin];

@@ -18,14 +18,14 @@ using panel_kernel::tiles_of;
 constexpr std::align_val_t kAlignment{64};
 static_assert(kTile == kTileRows);
 
-/// A symmetric matrix gets the absolute values of its eigenvalues, none above the largest that was
-/// positive: a grasp that is let go of leaves a stressed, unstable object, and corrections must go
-/// downhill from there until a factor of its own exists.
+/// Replaces the eigenvalues of a symmetric matrix by their absolute values, limited to the largest
+/// positive one: releasing a grasp leaves a stressed, unstable object, and corrections must be
+/// descent directions until a new factor is available.
 void make_positive(double* a, int size) {
   Eigen::Map<Eigen::MatrixXd> A(a, size, size);
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(A);
   const Eigen::VectorXd& values = eigen.eigenvalues();
-  const double largest = std::max(values(size - 1), 1.0);  // of a scaled matrix
+  const double largest = std::max(values(size - 1), 1.0);  // eigenvalues of a scaled matrix
   A = eigen.eigenvectors() * values.cwiseAbs().cwiseMin(largest).asDiagonal() *
       eigen.eigenvectors().transpose();
 }
@@ -92,7 +92,7 @@ void SolvePanels::lay_out(const Supernodes& nodes) {
     const int* row = nodes.rows_begin(s);
     int tile = 0, rows = panel.columns;
     for (int level = 0; level < kLevels; ++level) {
-      // Which rows?
+      // range of rows
       const int end = level == 0 ? pattern.interior_size() : pattern.border_end(level - 1);
       for (bool first = true; row != nodes.rows_end(s) && *row < end; ++row, first = false) {
         rows += 3;
@@ -104,7 +104,7 @@ void SolvePanels::lay_out(const Supernodes& nodes) {
       }
       panel.rows[level] = rows;
       panel.runs_end[level] = static_cast<int>(runs_.size());
-      // Their tiles, without those above the diagonal: stairs of rectangles.
+      // their tiles without those above the diagonal: a staircase of rectangles
       const int tiles = tiles_of(rows);
       while (tile < tiles) {
         const int height = std::min(kGroup, tiles - tile);
@@ -148,16 +148,17 @@ bool SolvePanels::assign(const SupernodalFactor& factor) noexcept {
   return any;
 }
 
-/// A panel in double, without D, into left_: tile by tile of kTileRows rows, column by column. What
-/// lies above the diagonal's tiles is not written. Into dense_ what each row is scaled by.
+/// Computes a panel in double precision, without D, into left_: tile by tile of kTileRows rows,
+/// column by column. Tiles above the diagonal are not written. The row scales go to dense_.
 void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& panel) noexcept {
   const int columns = panel.columns, rows = panel.rows.back();
   const double* lower = factor.panel(s);
   const auto l = [&](int row, int column) {
     return lower[static_cast<std::ptrdiff_t>(column) * rows + row];
   };
-  // X = [inv(L11); -L21 inv(L11)] solves X L11 = [1; -L21]: from the last columns to the first,
-  // four at once, each group loses the product of those behind it with their rows of L11.
+  // X = [inv(L11); -L21 inv(L11)] solves X L11 = [1; -L21]: from the last columns to the first, in
+  // groups of four; each group subtracts the product of the columns behind it with their rows of
+  // L11.
   for (int g = 0; g + kTileColumns < columns; g += kTileColumns) {
     double* target = &right_[g * columns];
     for (int k = g + kTileColumns; k < columns; ++k) {
@@ -165,7 +166,7 @@ void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& pan
     }
   }
   for (int first = 0; first < rows; first += kTileRows) {
-    const int end = std::min(columns, first + kTileRows);  // what is left of it is zero
+    const int end = std::min(columns, first + kTileRows);  // the remainder is zero
     double* x = &left_[static_cast<std::ptrdiff_t>(first) * columns];
     const bool is_below = first >= columns && first + kTileRows <= rows;
     for (int c = 0; c < end; ++c) {
@@ -207,7 +208,7 @@ void SolvePanels::invert(const SupernodalFactor& factor, int s, const Panel& pan
   std::fill(scale, dense_.data() + tiles_of(rows) * kTile, 0.0);
 }
 
-/// left_, scaled, into the layout of the sweeps; false where a number is too large.
+/// Converts left_, scaled, to the layout of the sweeps; false if a number is too large.
 template <class Stored>
 bool SolvePanels::store(const Panel& panel) noexcept {
   const float limit = sizeof(Stored) == sizeof(float) ? 1e30f : 6e4f;
@@ -239,7 +240,7 @@ bool SolvePanels::store(const Panel& panel) noexcept {
 void SolvePanels::assign_border(const SupernodalFactor& factor, Held held) noexcept {
   Border& b = border(held);
   factor.invert_border(held, dense_.data());
-  // Groups of tiles, row i of a group's column c at c * kGroup * kTile + i.
+  // Groups of tiles: row i of column c of a group at c * kGroup * kTile + i.
   std::fill(b.inverse.begin(), b.inverse.end(), 0.0f);
   for (int i = 0; i < b.size; ++i) left_[i] = 1 / static_cast<double>(scaling_[b.offset + i]);
   for (int c = 0; c < b.size; ++c) {

@@ -12,39 +12,38 @@
 
 namespace palpate::factor {
 
-/// How panels are stored; arithmetic is single precision. Half precision (where the processor
-/// converts it, else it is the same as single) reads half the memory, which is what a solve's time
-/// goes into, for a relative error of some 1e-4.
+/// Storage precision of panels; arithmetic is in single precision. Half precision (where the
+/// processor can convert it, else identical to single) halves the memory traffic, which dominates
+/// the time of a solve, at a relative error of about 1e-4.
 enum class PanelPrecision { kSingle, kHalf };
 
-/// What a 1 kHz loop solves with: the partitioned inverse of a positive definite factor. With
-/// C C^T = D A D, D_ii = 1 / sqrt(A_ii), each supernode has one panel
-///   P = [inv(C11); -C21 inv(C11)],
-/// so that both substitutions are products of matrix and vector that read memory once, in order:
-/// forward (z1; delta) = P b1, backward x1 = P^T (z1; x_rows). The free part of the border is
-/// solved with the explicit inverse of its Schur complement. Each member of a team sweeps over
-/// subtrees of its own; it has a part of the rows of each large panel above them; the rest is the
-/// calling thread's.
+/// Solver of the 1 kHz loop: the partitioned inverse of a positive definite factor. With C C^T = D
+/// A D, D_ii = 1 / sqrt(A_ii), each supernode has one panel P = [inv(C11); -C21 inv(C11)], so that
+/// both substitutions are matrix-vector products that read memory once, sequentially: forward (z1;
+/// delta) = P b1, backward x1 = P^T (z1; x_rows). The free part of the border is solved with the
+/// explicit inverse of its Schur complement. Each member of a team processes its own subtrees and a
+/// part of the rows of each large panel above them; the calling thread does the rest.
 class SolvePanels {
  public:
-  /// `team`, which outlives this, is used by solve() alone. Its size decides the order of sums.
+  /// `team` must outlive this object and is used by solve() only. Its size determines the summation
+  /// order.
   SolvePanels(const Supernodes& supernodes, PanelPrecision precision,
               math::Team& team = math::solo_team);
 
-  /// From a factor of these supernodes. False where it can be used for no set of held groups: the
-  /// interior is not positive definite, or too close to singular for the precision. Where only the
-  /// free part of the border is indefinite it is made positive, so that the panels lead downhill;
-  /// this alone allocates.
+  /// Assigns a factor of these supernodes. False if it cannot be used for any set of held groups:
+  /// the interior is not positive definite, or too close to singular for the precision. If only the
+  /// free part of the border is indefinite, it is made positive definite, so that solutions are
+  /// descent directions; only this case allocates.
   bool assign(const SupernodalFactor& factor) noexcept;
 
-  /// Whether solutions with these groups held may be had.
+  /// Whether solve() is available with these groups held.
   bool usable(Held held) const noexcept { return border(held).usable; }
 
-  /// b: 3 size() numbers in order of elimination, the axes of an unknown together; overwritten with
-  /// A^-1 b. Rows of held groups are not read and become zero. Needs usable(held).
+  /// b: 3 size() numbers in elimination order, the axes of an unknown adjacent; overwritten with
+  /// A^-1 b. Rows of held groups are not read and become zero. Requires usable(held).
   void solve(float* b, Held held) noexcept;
 
-  std::size_t bytes() const { return size_; }  // of all panels
+  std::size_t bytes() const { return size_; }  // total size of all panels
 
  private:
   /// Dense part of a panel: tiles of 8 rows, `height` of them interleaved, column by column.
@@ -56,7 +55,7 @@ class SolvePanels {
   struct Run {
     int target, count;
   };
-  /// A panel's rows end where the interior, group 0 and group 1 do.
+  /// The rows of a panel are ordered: interior, group 0, group 1.
   static constexpr int kLevels = 3;
   struct Panel {
     int first, columns, rectangles, runs;
@@ -65,19 +64,19 @@ class SolvePanels {
   struct Border {
     bool usable = false;
     int offset = 0, size = 0;    // scalars
-    std::vector<float> inverse;  // scaled as the panels are, in tiles
+    std::vector<float> inverse;  // scaled like the panels, in tiles
   };
   /// Consecutive panels and their rows of b.
   struct Span {
     int panels_begin, panels_end, begin, end;
   };
-  /// What one member works on and with.
+  /// Work and workspace of one member.
   struct Desk {
     std::vector<Span> spans;  // subtrees
     std::vector<float> rows, sums;
-    std::vector<float> vector;  // like b; instead of it, but not for the first member
+    std::vector<float> vector;  // used instead of b by all but the first member
   };
-  /// A panel above all subtrees, and where the members' rectangles begin, if they share it.
+  /// Panel above all subtrees, and the starts of the members' rectangles if they share it.
   struct Top {
     Span span;
     std::vector<int> shares;
@@ -129,11 +128,11 @@ class SolvePanels {
   std::vector<Run> runs_;
   std::size_t size_ = 0;
   std::unique_ptr<std::byte[], Free> memory_;
-  std::vector<float> scaling_;  // D
+  std::vector<float> scaling_;  // diagonal of D
   std::array<Border, 4> borders_;
   std::vector<Desk> desks_;
   std::vector<Top> top_;  // the border, which has no panels, comes last
-  // Work space of assign.
+  // Workspace of assign().
   std::vector<float> rows_;
   std::vector<double> dense_, left_, right_;
 };

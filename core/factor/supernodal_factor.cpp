@@ -7,7 +7,7 @@
 namespace palpate::factor {
 namespace {
 
-constexpr int kPacks = 2;  // of right-hand sides solved at once
+constexpr int kPacks = 2;  // packs of right-hand sides solved at once
 constexpr int kLanes = substitution::Lanes<kPacks>::kWidth;
 
 int largest_front(const Supernodes& nodes) {
@@ -116,7 +116,7 @@ bool SupernodalFactor::factorise(const BlockMatrix& A, double shift) noexcept {
   return true;
 }
 
-/// Zeroes a front: of the update the lower half, with as much above as tiles reach.
+/// Clears a front: the lower half of the update, and the part above it covered by tiles.
 void SupernodalFactor::clear(const Front& front) noexcept {
   const int height = 3 * front.rows;
   std::fill_n(front.panel, 9 * front.columns * (front.columns + front.rows), 0.0);
@@ -126,7 +126,7 @@ void SupernodalFactor::clear(const Front& front) noexcept {
   }
 }
 
-/// Adds the columns of A from `first` on to a front's, whose rows local_ knows.
+/// Adds the columns of A from `first` on to those of a front, whose rows are in local_.
 void SupernodalFactor::assemble(const BlockMatrix& A, int first, const Front& front) noexcept {
   const BlockPattern& pattern = A.pattern();
   const std::ptrdiff_t height = 3 * (front.columns + front.rows);
@@ -145,7 +145,7 @@ void SupernodalFactor::assemble(const BlockMatrix& A, int first, const Front& fr
   }
 }
 
-/// Takes the children's updates off their stack and adds them to a front.
+/// Pops the children's updates from their stack and adds them to a front.
 void SupernodalFactor::gather(const std::vector<int>& children, double*& top,
                               const Front& front) noexcept {
   const Supernodes& nodes = *supernodes_;
@@ -239,7 +239,7 @@ void SupernodalFactor::invert_border(Held held, double* inverse) const noexcept 
     const int count = std::min(kLanes, n - begin);
     std::fill(lanes_.begin(), lanes_.begin() + n * kLanes, 0.0);
     for (int l = 0; l < count; ++l) lanes_[(begin + l) * kLanes + l] = 1;
-    // What comes before is zero in every lane.
+    // all preceding entries are zero in every lane
     const double* lower = free.lower.data() + static_cast<std::ptrdiff_t>(begin) * (n + 1);
     substitution::forward<kPacks>(
         {lower, n, n - begin, n - begin, targets_.data(), lanes_.data() + begin * kLanes});

@@ -8,9 +8,9 @@
 
 namespace palpate::factor {
 
-/// A = L D L^T in double, multifrontal, without pivoting. The interior is factored once; what is
-/// left of the border (its Schur complement) is factored for each set of grasp patches that may be
-/// held, so that one factor serves them all. Work space is inside: one thread at a time, nothing
+/// A = L D L^T in double precision, multifrontal, without pivoting. The interior is factored once;
+/// the Schur complement of the border is factored for each set of grasp patches that may be held,
+/// so that one factor serves all of them. Contains the workspace: not thread-safe; nothing
 /// allocates after construction.
 class SupernodalFactor {
  public:
@@ -20,34 +20,33 @@ class SupernodalFactor {
 
   const Supernodes& supernodes() const { return *supernodes_; }
 
-  /// `shift` (N/m) is added to the diagonal. False where a pivot of the interior vanishes to
-  /// rounding: the matrix is singular, and nothing else may be asked of the factor.
+  /// `shift` (N/m) is added to the diagonal. False if a pivot of the interior vanishes to rounding:
+  /// the matrix is singular and the factor must not be used.
   bool factorise(const BlockMatrix& A, double shift = 0) noexcept;
 
-  /// Whether it can be used with these groups held; not where the free part of the border is
+  /// Whether solve() is available with these groups held; false if the free part of the border is
   /// singular to rounding.
   bool is_regular(Held held) const { return interior_regular_ && border(held).regular; }
-  /// Of interior and free border groups.
+  /// Pivots of interior and free border groups.
   Pivots pivots(Held held) const;
   bool is_positive(Held held) const { return is_regular(held) && pivots(held).negative == 0; }
   bool is_interior_positive() const { return interior_regular_ && interior_.negative == 0; }
 
-  /// Overwrites the columns of B (3 size() x k, in order of elimination, the axes of an unknown
-  /// together) with A^-1 B. Rows of held groups are not read and become zero. Needs is_regular.
+  /// Overwrites the columns of B (3 size() x k, in elimination order, the axes of an unknown
+  /// adjacent) with A^-1 B. Rows of held groups are not read and become zero. Requires
+  /// is_regular().
   void solve(Eigen::Ref<Eigen::MatrixXd> B, Held held) const noexcept;
 
-  /// Panel of supernode s: L of its columns, column-major, 3 (columns + rows) long each; the
-  /// diagonal and what lies above it are to be taken as 1 and 0.
+  /// Panel of supernode s: columns of L, column-major, each of length 3 (columns + rows); the
+  /// diagonal and the part above it are to be taken as 1 and 0.
   const double* panel(int s) const { return panels_.data() + panel_start_[s]; }
-  const std::vector<double>& d() const { return d_; }                // 3 interior_size()
-  const std::vector<double>& diagonal() const { return diagonal_; }  // of A + shift, 3 size()
+  const std::vector<double>& d() const { return d_; }  // length 3 interior_size()
+  // diagonal of A + shift, length 3 size()
+  const std::vector<double>& diagonal() const { return diagonal_; }
 
-  /// Inverse of the Schur complement over the free groups' rows, row and column 0 being the first
-  /// free unknown; both triangles. Into `inverse`, column-major. Needs is_regular.
+  /// Inverse of the Schur complement over the rows of the free groups, row and column 0 being the
+  /// first free unknown; both triangles, column-major, written to `inverse`. Requires is_regular().
   void invert_border(Held held, double* inverse) const noexcept;
-  int border_rows(Held held) const { return border(held).size; }
-  /// First scalar row of the free groups, counted from the first one of the border.
-  int border_offset(Held held) const { return border(held).offset; }
 
  private:
   struct Border {
@@ -57,7 +56,7 @@ class SupernodalFactor {
     std::vector<double> lower, d;
   };
 
-  /// Matrix under elimination: `columns` and `rows` unknowns, the panel 3 (columns + rows) long.
+  /// Matrix under elimination: `columns` and `rows` unknowns; panel length 3 (columns + rows).
   struct Front {
     double *panel, *update;
     int columns, rows;
@@ -81,13 +80,13 @@ class SupernodalFactor {
   std::array<Border, 4> borders_;
   DenseLdl dense_;
 
-  // Updates wait for their parent on two stacks, by the parity of their depth in the tree, so that
-  // those of a supernode's children lie on top of one while its own goes onto the other.
+  // Updates wait for their parent on two stacks, selected by the parity of their depth in the tree:
+  // those of a supernode's children lie on top of one stack while its own is pushed onto the other.
   std::vector<int> depth_;
   std::array<std::vector<double>, 2> stacks_;
-  std::vector<std::vector<int>> children_;  // of each supernode, and of the border
-  std::vector<int> local_;                  // by unknown: its place in the present front
-  // Work space: where the rows of a child or a panel are; right-hand sides, row by row.
+  std::vector<std::vector<int>> children_;  // children of each supernode, and of the border
+  std::vector<int> local_;                  // by unknown: its position in the present front
+  // Workspace: row positions of a child or a panel; right-hand sides, row by row.
   mutable std::vector<int> targets_;
   mutable std::vector<double> lanes_;
 };

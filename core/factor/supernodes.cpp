@@ -12,8 +12,8 @@ struct Run {
   std::vector<int> rows;
 };
 
-/// Cost of a panel to a solve, in scalars read: what it holds, what it gathers and scatters for
-/// each row, and what it takes to begin with it.
+/// Cost of a panel in a solve, in scalars read: its entries, gather and scatter per row, and a
+/// constant overhead.
 double panel_cost(int columns, std::size_t rows) {
   constexpr double kPanel = 500, kRow = 5;
   const double c = 3.0 * columns, r = 3.0 * static_cast<double>(rows);

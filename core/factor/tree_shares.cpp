@@ -8,10 +8,10 @@ namespace {
 
 using Range = TreeShares::Range;
 
-/// What it costs to call all members together for a panel and back, twice a solve, as the cost of a
-/// panel is counted: two or three microseconds.
+/// Cost of synchronising all members for a panel, twice per solve, in the unit of panel costs: two
+/// or three microseconds.
 constexpr double kTogether = 25000;
-/// Subtrees that are tried at most, for each member.
+/// Maximum number of subtrees evaluated per member.
 constexpr int kSubtreesPerMember = 12;
 
 struct Tree {
@@ -28,12 +28,13 @@ struct Tree {
     }
   }
 
-  std::vector<double> cost;                // of the subtree
-  std::vector<int> first;                  // of the subtree
-  std::vector<std::vector<int>> children;  // the last: roots
+  std::vector<double> cost;                // cost of the subtree
+  std::vector<int> first;                  // first supernode of the subtree
+  std::vector<std::vector<int>> children;  // last entry: the roots
 };
 
-/// The largest subtree first, each to the member that has least. Returns what the busiest has.
+/// Assigns the largest subtree first, each to the member with the least work. Returns the work of
+/// the busiest member.
 double deal(const Tree& tree, std::vector<int> roots, std::vector<std::vector<Range>>& members) {
   std::sort(roots.begin(), roots.end(), [&tree](int a, int b) {
     return tree.cost[a] != tree.cost[b] ? tree.cost[a] > tree.cost[b] : a < b;
@@ -61,7 +62,7 @@ TreeShares share_tree(const Supernodes& nodes, int members) {
   std::vector<int> roots = tree.children.back();
   std::vector<TreeShares::Top> top;
   double top_cost = 0, least = -1;
-  // The costliest subtree loses its root until that helps no more.
+  // Split the most expensive subtree at its root until this no longer helps.
   for (;;) {
     std::vector<std::vector<Range>> dealt(members);
     const double time = deal(tree, roots, dealt) + top_cost;

@@ -6,24 +6,24 @@
 
 namespace palpate::factor {
 
-/// An elimination tree parted among the members of a team. Subtrees do not touch each other in a
-/// solve, but add to what is above them.
+/// Elimination tree partitioned among the members of a team. Subtrees are independent in a solve,
+/// but contribute to the supernodes above them.
 struct TreeShares {
-  /// The supernodes of a subtree: it is a run of them, for they stand in postorder.
+  /// Supernodes of a subtree: a contiguous range, because they are in postorder.
   struct Range {
     int begin, end;
   };
-  /// A supernode above all subtrees.
+  /// Supernode above all subtrees.
   struct Top {
     int node;
-    bool is_shared;  // large enough for all members to work on at once
+    bool is_shared;  // large enough to be shared by all members
   };
-  std::vector<std::vector<Range>> members;  // rising
-  std::vector<Top> top;                     // rising
+  std::vector<std::vector<Range>> members;  // ascending
+  std::vector<Top> top;                     // ascending
 };
 
-/// Such that the members are done soonest, as far as the costs of panels tell. The same for the
-/// same arguments. One member has the whole tree.
+/// Partition that minimises the estimated completion time, from the costs of the panels.
+/// Deterministic. A single member receives the whole tree.
 TreeShares share_tree(const Supernodes& nodes, int members);
 
 }  // namespace palpate::factor

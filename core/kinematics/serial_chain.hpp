@@ -7,26 +7,28 @@
 
 namespace palpate::kinematics {
 
-/// One joint of an arm that moves, from the base on. What is fixed between two of them is part of
-/// the origin of the outer one.
+/// Actuated joint of an arm, in order from the base. Fixed joints are part of the origin of the
+/// next actuated joint.
 struct Joint {
   std::string name;
-  bool revolute = true;                               // else it slides
-  math::Pose X_PJ = math::Pose::Identity();           // of the joint in the one before, at q = 0
+  bool revolute = true;  // false: prismatic
+  /// Pose of the joint frame in the previous one, at q = 0.
+  math::Pose X_PJ = math::Pose::Identity();
   Eigen::Vector3d axis_J = Eigen::Vector3d::UnitZ();  // unit length
   double lower = 0, upper = 0;                        // rad or m
   double speed = 0;                                   // rad/s or m/s, > 0
 };
 
-/// An arm without branches, from its base W to its flange E.
+/// Serial arm from its base W to its flange E.
 class SerialChain {
  public:
   static constexpr int kMostJoints = 16;
   using Joints = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostJoints, 1>;
   using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic, 0, 6, kMostJoints>;
 
-  /// `X_JE`: the flange in the last joint. Throws std::invalid_argument, naming the joint, where
-  /// there are none or too many, limits are empty or not finite, or an axis is not of unit length.
+  /// `X_JE`: pose of the flange in the last joint's frame. Throws std::invalid_argument, naming the
+  /// joint, if there are no or too many joints, limits are empty or not finite, or an axis is not
+  /// of unit length.
   SerialChain(std::vector<Joint> joints, const math::Pose& X_JE);
 
   int joint_count() const noexcept { return static_cast<int>(joints_.size()); }
@@ -34,9 +36,9 @@ class SerialChain {
 
   struct State {
     math::Pose X_WE = math::Pose::Identity();
-    Jacobian J_W_E;  // twist of the origin of E in W by joint velocities, linear first
+    Jacobian J_W_E;  // twist of the origin of E in W per joint velocity, linear part first
   };
-  /// For joint_count() positions `q`. Allocates nothing.
+  /// Evaluates pose and Jacobian for joint_count() positions `q`. Does not allocate.
   void evaluate(const Eigen::Ref<const Eigen::VectorXd>& q, State& state) const noexcept;
 
  private:

@@ -15,7 +15,7 @@ void ColumnFactor::split(const Vector& column, Vector& inside, Vector& outside) 
   outside = column;
   const double size = column.squaredNorm();
   for (int pass = 0; pass < 2; ++pass) {
-    // What is left of most of a column has lost no digits.
+    // a remainder of comparable size has lost no digits
     if (pass > 0 && outside.squaredNorm() > 0.5 * size) break;
     for (int k = 0; k < count_; ++k) {
       const double along = Q_.col(k).dot(outside);
@@ -37,7 +37,7 @@ void ColumnFactor::append(const Vector& inside, const Vector& outside) noexcept 
 void ColumnFactor::remove(int index) noexcept {
   for (int k = index + 1; k < count_; ++k) R_.col(k - 1).head(k + 1) = R_.col(k).head(k + 1);
   --count_;
-  // Turns rows k and k + 1 until the entry below the diagonal is gone, and Q against it.
+  // Rotates rows k and k + 1 so that the entry below the diagonal vanishes, and Q by the inverse.
   for (int k = index; k < count_; ++k) {
     const double length = std::hypot(R_(k, k), R_(k + 1, k));
     const double c = R_(k, k) / length;

@@ -15,7 +15,7 @@ struct Screw {
   Eigen::Vector3d l = Eigen::Vector3d::UnitX();
   Eigen::Vector3d m = Eigen::Vector3d::Zero();
 
-  /// The constant twist, about the origin and in its axes, that makes this motion in unit time:
+  /// Constant twist, about the origin and in its axes, that produces this motion in unit time:
   /// linear theta m + d l, angular theta l.
   Twist twist() const { return {theta * m + d * l, theta * l}; }
 };
@@ -35,10 +35,10 @@ struct DualQuaternion {
   Eigen::Vector3d translation() const { return 2 * (dual * real.conjugate()).vec(); }
   Pose pose() const { return make_pose(real.toRotationMatrix(), translation()); }
 
-  /// The inverse motion.
+  /// Inverse motion.
   DualQuaternion conjugate() const { return {real.conjugate(), dual.conjugate()}; }
 
-  /// Screw of the motion; the shorter way round. Any angle is safe, 0 and pi included.
+  /// Screw of the motion with the smaller angle. Valid for every angle, including 0 and pi.
   Screw log() const {
     const Eigen::Vector3d t = translation();
     const double sine = real.vec().norm();
@@ -57,7 +57,7 @@ struct DualQuaternion {
   }
 };
 
-/// First b, then a, as with poses: X_AC = X_AB * X_BC.
+/// First b, then a, as for poses: X_AC = X_AB * X_BC.
 inline DualQuaternion operator*(const DualQuaternion& a, const DualQuaternion& b) {
   const Eigen::Quaterniond dual((a.real * b.dual).coeffs() + (a.dual * b.real).coeffs());
   return {a.real * b.real, dual};

@@ -6,7 +6,7 @@
 
 namespace palpate::math {
 
-/// Mean of the last `samples` vectors (of all so far while there are fewer).
+/// Mean of the last `samples` vectors (of all vectors so far while there are fewer).
 template <int kSize>
 class MovingAverage {
  public:
@@ -23,8 +23,8 @@ class MovingAverage {
     ring_[next_] = x;
     if (count_ < size()) ++count_;
     if (++next_ == size()) {
-      // A sum of differences gathers rounding for ever; the sum since the last wrap is the same
-      // sum without its past.
+      // The running sum accumulates rounding errors; at each wrap it is replaced by the sum since
+      // the last wrap.
       next_ = 0;
       sum_ = since_wrap_;
       since_wrap_.setZero();
@@ -54,7 +54,7 @@ class MovingAverage {
   int count_ = 0;
 };
 
-/// y += alpha (x - y), 0 < alpha <= 1; starts at the first sample.
+/// First-order low-pass y += alpha (x - y), 0 < alpha <= 1; initialised with the first sample.
 template <int kSize>
 class ExponentialAverage {
  public:
@@ -89,8 +89,8 @@ class ExponentialAverage {
   Vector value_ = Vector::Zero();
 };
 
-/// Gives back what went in `samples` updates ago, 0 or more; the first sample while there is none
-/// so old.
+/// Returns the input of `samples` updates ago, 0 or more; the first sample while there is none that
+/// old.
 template <int kSize>
 class DelayLine {
  public:

@@ -6,7 +6,7 @@
 
 namespace palpate::math {
 
-/// 64-bit FNV-1a over bytes: a name for content, not a protection against forgery.
+/// 64-bit FNV-1a hash of bytes: identifies content, does not protect against forgery.
 class Fnv1a {
  public:
   Fnv1a& add(const void* data, std::size_t size) {
@@ -21,7 +21,7 @@ class Fnv1a {
   Fnv1a& add(std::string_view text) { return add(text.data(), text.size()); }
 
   std::uint64_t value() const { return hash_; }
-  /// The same bits as LCM's int64_t holds them.
+  /// The same bits as LCM's int64_t stores them.
   std::int64_t signed_value() const { return static_cast<std::int64_t>(hash_); }
 
  private:

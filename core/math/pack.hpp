@@ -7,9 +7,8 @@
 
 namespace palpate::math {
 
-/// Numbers side by side that one instruction works on: 256 bits of the compiler's vector extension,
-/// so that + - * / and comparisons are written as for one number. A comparison gives a mask for
-/// select().
+/// Vector register of 256 bits (compiler vector extension): + - * / and comparisons are written as
+/// for a scalar. A comparison yields a mask for select().
 using Pack4d = double __attribute__((vector_size(32)));
 using Pack8f = float __attribute__((vector_size(32)));
 
@@ -35,7 +34,7 @@ inline Pack splat(double value) {
   return Pack{} + static_cast<typename PackTraits<Pack>::Real>(value);
 }
 
-/// Four doubles from and to memory of any alignment.
+/// Loads and stores four doubles at any alignment.
 inline Pack4d load(const double* from) {
   Pack4d x;
   std::memcpy(&x, from, sizeof(x));
@@ -43,7 +42,7 @@ inline Pack4d load(const double* from) {
 }
 inline void store(Pack4d x, double* to) { std::memcpy(to, &x, sizeof(x)); }
 
-/// Whether every lane of a comparison holds.
+/// True if a comparison holds in every lane.
 template <class Mask>
 inline bool all(Mask mask) {
 #if defined(__AVX__)

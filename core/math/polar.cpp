@@ -5,17 +5,15 @@
 #include <Eigen/SVD>
 #include <cmath>
 
-#include "core/math/rigid.hpp"
-
 namespace palpate::math {
 namespace {
 
-/// a with [a]x = B - B^T.
+/// Vector a with [a]x = B - B^T.
 Eigen::Vector3d skew_part(const Eigen::Matrix3d& B) {
   return {B(2, 1) - B(1, 2), B(0, 2) - B(2, 0), B(1, 0) - B(0, 1)};
 }
 
-/// tr(S) I - S with S the symmetric part of B: minus the second derivative of tr(R^T F).
+/// tr(S) I - S with S the symmetric part of B: the negative second derivative of tr(R^T F).
 Eigen::Matrix3d curvature(const Eigen::Matrix3d& B) {
   return B.trace() * Eigen::Matrix3d::Identity() - 0.5 * (B + B.transpose());
 }
@@ -23,19 +21,19 @@ Eigen::Matrix3d curvature(const Eigen::Matrix3d& B) {
 Eigen::Matrix3d rotation_by_svd(const Eigen::Matrix3d& F) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Matrix3d U = svd.matrixU();
-  // Singular values are sorted: the last one takes the sign.
+  // singular values are sorted: the smallest takes the sign
   if ((U * svd.matrixV().transpose()).determinant() < 0) U.col(2) *= -1;
   return U * svd.matrixV().transpose();
 }
 
-/// Newton's method for the maximum of tr(R^T F) over rotations; false where it is not safe. A
-/// stationary point with positive curvature is the global maximum, since in quaternions the trace
-/// is a quadratic form on the unit sphere.
+/// Newton's method for the maximum of tr(R^T F) over rotations; false if it is not safe. A
+/// stationary point with positive curvature is the global maximum, because the trace is a quadratic
+/// form on the unit sphere of quaternions.
 bool rotation_by_newton(const Eigen::Matrix3d& F, Eigen::Quaterniond& q) {
   constexpr int kMaxSteps = 12;
-  // Convergence is cubic, so what remains after a step this small is below rounding.
+  // Convergence is cubic: after a step this small the error is below rounding.
   constexpr double kSmallStep = 1e-5;
-  // Least determinant of the curvature in units of its mean eigenvalue cubed.
+  // Smallest determinant of the curvature, relative to its mean eigenvalue cubed.
   constexpr double kLeastCurvature = 1e-4;
   for (int k = 0; k < kMaxSteps; ++k) {
     const Eigen::Matrix3d B = q.toRotationMatrix().transpose() * F;
@@ -76,17 +74,12 @@ Eigen::Matrix3d polar_spin(const Eigen::Matrix3d& R, const Eigen::Matrix3d& F) n
   const double floor = 1e-6 * B.norm();
   const double mean = H.trace() / 3;
   if (H.determinant() > 1e-3 * mean * mean * mean) return H.inverse();
-  // Near a flip: bound the inverse, eigenvalue by eigenvalue.
+  // Near a flip: bound the inverse for each eigenvalue.
   if (!(floor > 0)) return Eigen::Matrix3d::Zero();
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> eigen;
   eigen.computeDirect(H);
   const Eigen::Vector3d inverse = eigen.eigenvalues().cwiseMax(floor).cwiseInverse();
   return eigen.eigenvectors() * inverse.asDiagonal() * eigen.eigenvectors().transpose();
-}
-
-Eigen::Matrix3d polar_rotation_derivative(const Eigen::Matrix3d& R, const Eigen::Matrix3d& A,
-                                          const Eigen::Matrix3d& dF) noexcept {
-  return R * cross_matrix(A * skew_part(R.transpose() * dF));
 }
 
 }  // namespace palpate::math

@@ -5,26 +5,22 @@
 
 namespace palpate::math {
 
-/// The rotation R nearest to F, the one that makes tr(R^T F) largest: that of the polar
-/// decomposition F = R S where det F > 0; always proper, also where F is inverted or singular
-/// (there the smallest stretch is negative or the choice is arbitrary). Identity where F is not
-/// finite.
+/// Rotation R nearest to F, i.e. the maximiser of tr(R^T F): the rotation of the polar
+/// decomposition F = R S if det F > 0. Always a proper rotation, also if F is inverted or singular
+/// (the smallest stretch is then negative, or the choice arbitrary). Identity if F is not finite.
 ///
-/// `warm` is where the search starts, for instance the answer of the last step, and becomes the
-/// answer: some 2 Newton steps when F has turned little (analytic polar decomposition, Kugelstadt,
-/// Koschier and Bender 2018), a singular value decomposition where Newton's method is not safe.
+/// `warm` is the starting point, for instance the result of the last step, and receives the result.
+/// About 2 Newton steps suffice if F has rotated little (analytic polar decomposition, Kugelstadt,
+/// Koschier and Bender 2018); a singular value decomposition is used where Newton's method is not
+/// safe.
 Eigen::Matrix3d polar_rotation(const Eigen::Matrix3d& F, Eigen::Quaterniond& warm) noexcept;
 
-/// Same, with a cold start.
+/// Same, without a starting point.
 Eigen::Matrix3d polar_rotation(const Eigen::Matrix3d& F) noexcept;
 
-/// Derivative of R = polar_rotation(F): with A = polar_spin(R, F), dR = R [w]x where
-/// w = A vee(R^T dF - dF^T R), A = (tr(S) I - S)^-1, S = R^T F. Where two stretches cancel (an
-/// inverted element about to flip) R jumps; there A is bounded by 1e6 divided by the size of S.
+/// Derivative of R = polar_rotation(F): dR = R [w]x with w = A vee(R^T dF - dF^T R), A = (tr(S) I -
+/// S)^-1, S = R^T F; returns A. Where two stretches cancel (an inverted element about to flip) R is
+/// discontinuous; there A is bounded by 1e6 divided by the norm of S.
 Eigen::Matrix3d polar_spin(const Eigen::Matrix3d& R, const Eigen::Matrix3d& F) noexcept;
-
-/// dR for a change dF of F; A from polar_spin, shared by all dF at the same F.
-Eigen::Matrix3d polar_rotation_derivative(const Eigen::Matrix3d& R, const Eigen::Matrix3d& A,
-                                          const Eigen::Matrix3d& dF) noexcept;
 
 }  // namespace palpate::math

@@ -9,13 +9,13 @@ namespace palpate::math {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-/// Length of the part of a unit normal outside the active ones below which it depends on them.
+/// A unit normal depends on the active ones if its part outside them is shorter than this.
 constexpr double kDependent = 1e-11;
-/// The same for a row of the last optimum, which can also be found again if it is left out.
+/// The same for a row of the last optimum, which is found again if it is omitted here.
 constexpr double kDependentAtStart = 1e-7;
-/// A multiplier that changes less along a unit step does not change.
+/// A multiplier that changes by less along a unit step counts as constant.
 constexpr double kUnchanged = 1e-13;
-/// Bounds that cross by less, relative to their size, are equal.
+/// Bounds that cross by less, relative to their size, count as equal.
 constexpr double kEqual = 1e-12;
 constexpr double kPrices[] = {kInfinity, 1e6, 1e4, 1e2};  // by level
 
@@ -49,7 +49,7 @@ QuadraticProgramSolver::Status QuadraticProgramSolver::solve(const QuadraticProg
   violations_.setZero(m_);
   const bool warm = start == Start::kWarm && last_variables_ == n_ && last_rows_ == m_;
   last_variables_ = n_;
-  last_rows_ = -1;  // until this one has been solved
+  last_rows_ = -1;  // until this program has been solved
   if (!is_valid(program)) return Status::kNotFinite;
   if (!scale(program)) return Status::kNotConvex;
   if (!set_bounds(program)) return Status::kInfeasible;
@@ -86,7 +86,7 @@ bool QuadraticProgramSolver::is_valid(const QuadraticProgram& program) const noe
                      });
 }
 
-/// L, y0 and the unit normals.
+/// Computes L, y0 and the unit normals.
 bool QuadraticProgramSolver::scale(const QuadraticProgram& program) noexcept {
   const Eigen::LLT<ColumnFactor::Matrix> cholesky(program.H);
   if (cholesky.info() != Eigen::Success) return false;
@@ -110,12 +110,12 @@ bool QuadraticProgramSolver::scale(const QuadraticProgram& program) noexcept {
   return y0_.allFinite() && values_.allFinite();
 }
 
-/// False where a hard row cannot hold whatever the others say.
+/// False if a hard row is infeasible by itself.
 bool QuadraticProgramSolver::set_bounds(const QuadraticProgram& program) noexcept {
   for (int i = 0; i < m_; ++i) {
     auto [lower, upper, priority] = program.bounds[i];
     if (lower > upper) {
-      // Anywhere between its bounds a soft row is broken by the same sum.
+      // between its bounds a soft row has a constant total violation
       std::swap(lower, upper);
       if (upper - lower <= kEqual * std::max(std::abs(lower), std::abs(upper))) {
         lower = upper = 0.5 * (lower + upper);
@@ -154,8 +154,8 @@ void QuadraticProgramSolver::price(const QuadraticProgram& program) noexcept {
   }
 }
 
-/// Warm start: the rows that were active, as far as they are still independent, and those that
-/// gave way. project() then drops what is not optimal, which leaves a start that is.
+/// Warm start: the rows that were active, as far as they are still independent, and those that were
+/// relaxed. project() then drops those that are not optimal, so that the start is dual feasible.
 void QuadraticProgramSolver::take_active_rows() noexcept {
   const int count = factor_.count();
   const auto before = active_;
@@ -195,7 +195,7 @@ QuadraticProgramSolver::Status QuadraticProgramSolver::iterate() noexcept {
       if (status != Status::kOptimal) return status;
       projected = false;
     } else if (!projected) {
-      project();  // steps add up rounding; this does not
+      project();  // removes the rounding errors accumulated by the steps
       projected = true;
     } else {
       return Status::kOptimal;
@@ -203,8 +203,8 @@ QuadraticProgramSolver::Status QuadraticProgramSolver::iterate() noexcept {
   }
 }
 
-/// The row whose multiplier has most to gain, and the direction in which it is to change: broken,
-/// or giving way although it holds. -1 where there is none.
+/// Row whose multiplier has the largest possible gain, and the sign of its change: violated, or
+/// relaxed although it holds. -1 if there is none.
 int QuadraticProgramSolver::most_broken(double& sign) const noexcept {
   int worst = -1;
   double most = tolerance_;
@@ -235,8 +235,8 @@ int QuadraticProgramSolver::most_broken(double& sign) const noexcept {
   return worst;
 }
 
-/// Changes the multiplier of `index` until the row holds and becomes active or until its multiplier
-/// reaches a bound; active rows whose multipliers reach theirs on the way leave.
+/// Changes the multiplier of `index` until the row holds and becomes active or its multiplier
+/// reaches a bound; active rows whose multipliers reach a bound on the way are removed.
 QuadraticProgramSolver::Status QuadraticProgramSolver::settle(int index, double sign) noexcept {
   Row& row = row_[index];
   if (row.state == State::kFree) row.at_upper = sign > 0;
@@ -297,7 +297,7 @@ QuadraticProgramSolver::Status QuadraticProgramSolver::settle(int index, double 
   }
 }
 
-/// Multipliers can grow for ever along this ray: the rows on it contradict each other (Farkas).
+/// Multipliers can grow without bound along this ray: its rows contradict each other (Farkas).
 void QuadraticProgramSolver::set_ray(int index, double sign, const Vector& follow) noexcept {
   multipliers_[index] = sign / row_[index].norm;
   for (int k = 0; k < factor_.count(); ++k) {
@@ -308,7 +308,7 @@ void QuadraticProgramSolver::set_ray(int index, double sign, const Vector& follo
   multipliers_ /= multipliers_.cwiseAbs().maxCoeff();
 }
 
-/// The active row at `position` of the factor, whose multiplier is at a bound, is active no more.
+/// Deactivates the active row at `position` of the factor, whose multiplier is at a bound.
 void QuadraticProgramSolver::leave(int position) noexcept {
   Row& row = row_[active_[position]];
   row.state = row.multiplier > 0   ? State::kAbove
@@ -323,8 +323,8 @@ void QuadraticProgramSolver::release(Row& row) noexcept {
   row.multiplier = 0;
 }
 
-/// y and the multipliers of the active rows from these rows alone, without those whose multipliers
-/// would be out of bounds.
+/// Recomputes y and the multipliers of the active rows from these rows alone, without those whose
+/// multipliers would be out of bounds.
 void QuadraticProgramSolver::project() noexcept {
   for (;;) {
     Vector start = y0_;

@@ -8,17 +8,17 @@
 
 namespace palpate::math {
 
-/// How a row of a quadratic program is meant. Level 0 is hard: it holds or the program is
-/// infeasible. Rows of levels 1 to 3 may give way: first those of level 3, then 2, then 1; within a
-/// level the row of the smaller weight.
+/// Priority of a row of a quadratic program. Level 0 is hard: it holds or the program is
+/// infeasible. Rows of levels 1 to 3 are soft and are relaxed if necessary: first level 3, then 2,
+/// then 1; within a level the row with the smaller weight.
 struct RowPriority {
   static constexpr int kSoftest = 3;
   int level = 0;      // 0 to kSoftest
-  double weight = 1;  // above 0, of order 1; of no effect at level 0
+  double weight = 1;  // > 0, of order 1; no effect at level 0
 };
 
-/// min 1/2 u^T H u + g^T u  subject to  lower <= a_i^T u <= upper  for each row i, some of which
-/// may give way. Units are the caller's. Filled anew each cycle without allocating:
+/// Quadratic program: min 1/2 u^T H u + g^T u  subject to  lower <= a_i^T u <= upper  for each row
+/// i, some of which may be soft. Units are the caller's. Refilled each cycle without allocation:
 ///
 ///   QuadraticProgram program(6);
 ///   program.H = ...; program.g = ...;         // H positive definite; its lower triangle is read
@@ -26,8 +26,8 @@ struct RowPriority {
 ///   program.add_bound(0, -0.1, 0.1);          // a limit on one variable
 ///   program.add_row(J.row(2), low, high, {2, 1.0});
 ///
-/// Rows are told apart by their order alone, so for a warm start the same limit must be the same
-/// row in each cycle; a limit that is not wanted now stays as a row with infinite bounds.
+/// Rows are identified by their index only: for a warm start a limit must occupy the same row in
+/// each cycle. A limit that is inactive in this cycle remains as a row with infinite bounds.
 struct QuadraticProgram {
   static constexpr int kMostVariables = ColumnFactor::kMost;
   static constexpr int kMostRows = 144;
@@ -40,9 +40,9 @@ struct QuadraticProgram {
   int rows() const noexcept { return row_count; }
   void clear_rows() noexcept { row_count = 0; }
 
-  /// Adds lower <= a^T u <= upper, equal for an equation, -kNoBound or kNoBound where there is no
-  /// limit. `a` holds variables() numbers, as row or column; a product of matrices given for it
-  /// would allocate. Its index, or -1 where kMostRows are there already.
+  /// Adds lower <= a^T u <= upper; equal bounds make an equation, -kNoBound or kNoBound no limit.
+  /// `a`: variables() numbers, row or column; an unevaluated matrix product would allocate. Returns
+  /// the row's index, or -1 if kMostRows rows exist already.
   template <class Vector>
   int add_row(const Eigen::MatrixBase<Vector>& a, double lower, double upper,
               const RowPriority& priority = {}) noexcept {
@@ -72,20 +72,20 @@ struct QuadraticProgram {
       A;
 };
 
-/// Solver of small dense quadratic programs: the dual active-set method of Goldfarb and Idnani
-/// (1983) with bounded multipliers and a warm start. It fits here because it starts from the
-/// unconstrained optimum, which in a servo loop breaks few limits, needs no feasible point, proves
-/// infeasibility, and every iterate is the optimum of the limits looked at so far.
+/// Solver of small dense quadratic programs: dual active-set method of Goldfarb and Idnani (1983)
+/// with bounded multipliers and a warm start. It starts from the unconstrained optimum, which in a
+/// servo loop violates few limits, needs no feasible point, proves infeasibility, and every iterate
+/// is the optimum of the limits considered so far.
 ///
-/// Soft rows are exact penalties: a row that gives way costs `price` for each unit by which it is
-/// broken, so its multiplier is bounded by the price, and that bound is all that the solver has
-/// to know: there are no slack variables, the program stays as small and as well-conditioned, and
-/// soft rows that can hold without a multiplier beyond the price hold exactly. In units of H (row
-/// i's value divided by (a_i^T H^-1 a_i)^1/2) the prices of levels 1, 2, 3 are 1e6, 1e4, 1e2 times
-/// the distance from the unconstrained optimum to 0 and to the worst row, times the weight. So a
-/// level gives way before the next one unless it buys that one less than a hundredth of its own
-/// violation. A sequence of programs, one a level, would have no such exception, but would cost
-/// several solves in the very cycles where limits conflict.
+/// Soft rows are exact penalties: a violated row costs `price` per unit of violation, so its
+/// multiplier is bounded by the price. The solver needs no slack variables, the program keeps its
+/// size and conditioning, and soft rows that can hold with a multiplier below the price hold
+/// exactly. In units of H (row i's value divided by (a_i^T H^-1 a_i)^1/2) the prices of levels 1,
+/// 2, 3 are 1e6, 1e4, 1e2 times the distance from the unconstrained optimum to 0 and to the worst
+/// row, times the weight. A level is therefore relaxed before the next more important one unless it
+/// would reduce that one's violation by less than a hundredth of its own. A sequence of programs,
+/// one per level, would have no such exception, but would cost several solves in exactly those
+/// cycles in which limits conflict.
 class QuadraticProgramSolver {
  public:
   using Vector = ColumnFactor::Vector;
@@ -93,36 +93,36 @@ class QuadraticProgramSolver {
 
   enum class Status {
     kOptimal,
-    kInfeasible,      // no u meets the hard rows; multipliers() proves it
-    kIterationLimit,  // u() is optimal for some of the rows only
-    kNotFinite,       // a number is not finite, or a level or weight is not allowed
+    kInfeasible,      // no u satisfies the hard rows; multipliers() proves it
+    kIterationLimit,  // u() is optimal for a subset of the rows
+    kNotFinite,       // a number is not finite, or a level or weight is invalid
     kNotConvex        // H is not positive definite
   };
   enum class Start { kWarm, kCold };
 
-  /// Relative to the scale that prices use: what counts as broken.
+  /// Tolerance of a violation, relative to the scale of the prices.
   static constexpr double kTolerance = 1e-10;
   static constexpr int kMostIterations = 600;
 
-  /// kWarm starts from the rows that were active in the last optimum, where that had as many
-  /// variables and rows, else as kCold; the answer is the same. Only the numbers of kOptimal may be
-  /// used for motion. With l > u an equation is meant where they differ by rounding; else a hard
-  /// row is infeasible, a soft one gives way evenly.
+  /// kWarm starts from the active rows of the last optimum, if that had as many variables and rows,
+  /// else as kCold; the result is the same. Only results with status kOptimal may be used for
+  /// motion. Bounds with l > u: an equation if they differ only by rounding; otherwise a hard row
+  /// is infeasible, and a soft one is violated on both sides.
   Status solve(const QuadraticProgram& program, Start start = Start::kWarm) noexcept;
 
-  /// The next solve starts cold.
+  /// The next solve is a cold start.
   void reset() noexcept { last_rows_ = -1; }
 
   const Vector& u() const noexcept { return u_; }
 
-  /// One a row, H u + g + sum_i multiplier_i a_i = 0: above 0 where the row presses at its upper
-  /// bound, below 0 at its lower. After kInfeasible a proof of it, greatest entry 1: sum_i
-  /// multiplier_i a_i = 0 while sum_i multiplier_i bound_i < 0, with the bound of the side that the
-  /// sign tells; all zero where one row's bounds contradict each other.
+  /// One per row, H u + g + sum_i multiplier_i a_i = 0: positive if the upper bound is active,
+  /// negative if the lower. After kInfeasible a certificate, largest entry 1: sum_i multiplier_i
+  /// a_i = 0 while sum_i multiplier_i bound_i < 0, with the bound selected by the sign; all zero if
+  /// the bounds of a single row contradict each other.
   const RowVector& multipliers() const noexcept { return multipliers_; }
 
-  /// One a row, in its units: above 0 by how much a_i^T u exceeds the upper bound, below 0 by how
-  /// much it falls short of the lower one; 0 where the row holds to within kTolerance.
+  /// One per row, in its units: positive by how much a_i^T u exceeds the upper bound, negative by
+  /// how much it falls below the lower one; 0 if the row holds to within kTolerance.
   const RowVector& violations() const noexcept { return violations_; }
 
   /// Largest |violation| among the rows of one level.
@@ -133,11 +133,11 @@ class QuadraticProgramSolver {
  private:
   enum class State : signed char { kBelow = -1, kFree = 0, kAbove = 1, kActive = 2 };
   struct Row {
-    double lower, upper;  // of n^T y
-    double norm;          // of L^-1 a
+    double lower, upper;  // bounds of n^T y
+    double norm;          // norm of L^-1 a
     double price;         // bound of |multiplier|
     double multiplier;
-    State state;  // kBelow, kAbove: gives way, the multiplier is at its bound
+    State state;  // kBelow, kAbove: relaxed, the multiplier is at its bound
     bool at_upper;
     double least() const noexcept;  // bounds of the multiplier while the row is on its side
     double greatest() const noexcept;
@@ -165,14 +165,14 @@ class QuadraticProgramSolver {
   int iterations_ = 0;
   double scale_ = 0;
   double tolerance_ = 0;
-  // y = L^T u with H = L L^T, so that the program is to project y0 onto the rows N^T y.
+  // y = L^T u with H = L L^T: the program becomes the projection of y0 onto the rows N^T y.
   ColumnFactor::Matrix L_;
   decltype(QuadraticProgram::A) N_;  // unit columns
   Vector y0_, y_, normal_, inside_, outside_;
   RowVector values_;  // N^T y
   std::array<Row, QuadraticProgram::kMostRows> row_;
   ColumnFactor factor_;
-  std::array<int, QuadraticProgram::kMostVariables> active_{};  // rows, as columns of factor_
+  std::array<int, QuadraticProgram::kMostVariables> active_{};  // rows that are columns of factor_
   Vector u_;
   RowVector multipliers_, violations_;
 };

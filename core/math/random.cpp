@@ -16,8 +16,8 @@ std::uint64_t split_mix(std::uint64_t& state) {
   return z ^ (z >> 31);
 }
 
-/// Natural logarithm for 0 < x < 1 by arithmetic alone: libm's rounds differently from one
-/// processor to the next. Relative error below 1e-15.
+/// Natural logarithm for 0 < x < 1 by arithmetic operations only, because the rounding of libm
+/// differs between processors. Relative error below 1e-15.
 double portable_log(double x) {
   constexpr double kLog2 = 0.69314718055994530942;
   constexpr double kSqrtHalf = 0.70710678118654752440;
@@ -63,7 +63,7 @@ double Random::uniform(double lower, double upper) noexcept {
 }
 
 std::uint64_t Random::below(std::uint64_t count) noexcept {
-  // Numbers above the last whole multiple of count are thrown away.
+  // reject numbers above the last whole multiple of count
   const std::uint64_t excess = (~std::uint64_t{0} % count + 1) % count;
   std::uint64_t x = next();
   while (x > ~std::uint64_t{0} - excess) x = next();
@@ -75,7 +75,7 @@ double Random::normal() noexcept {
     has_spare_ = false;
     return spare_;
   }
-  // Marsaglia's polar method.
+  // Marsaglia's polar method
   double u = 0, v = 0, s = 0;
   do {
     u = 2 * uniform() - 1;

@@ -6,25 +6,26 @@
 
 namespace palpate::math {
 
-/// Seeded generator (xoshiro256++, Blackman and Vigna 2021) that gives the same numbers on every
-/// machine: integer arithmetic, and doubles by operations that IEEE 754 rounds exactly.
+/// Seeded generator (xoshiro256++, Blackman and Vigna 2021) with identical numbers on every
+/// machine: integer arithmetic, and floating-point operations that IEEE 754 rounds exactly.
 class Random {
  public:
-  /// Streams of one seed with unlike names are independent of each other.
+  /// Streams of one seed with different names are independent.
   explicit Random(std::uint64_t seed, std::string_view stream = "");
 
-  /// The stream `name` below this one. Depends on seed and names alone, not on what was drawn.
+  /// Stream `name` derived from this one. Depends on seed and names only, not on numbers drawn so
+  /// far.
   Random split(std::string_view name) const { return Random(seed_, name); }
 
   std::uint64_t next() noexcept;
 
-  /// In [0, 1), 53 bits.
+  /// Uniform in [0, 1), 53 bits.
   double uniform() noexcept;
-  /// In [lower, upper).
+  /// Uniform in [lower, upper).
   double uniform(double lower, double upper) noexcept;
-  /// In {0, ..., count - 1}, without bias; count at least 1.
+  /// Uniform in {0, ..., count - 1}, without bias; count >= 1.
   std::uint64_t below(std::uint64_t count) noexcept;
-  /// Mean 0, standard deviation 1.
+  /// Normal with mean 0 and standard deviation 1.
   double normal() noexcept;
 
  private:

@@ -12,8 +12,8 @@ Pose make_pose(const Eigen::Matrix3d& rotation, const Eigen::Vector3d& translati
 }
 
 Eigen::Matrix3d exp_rotation(const Eigen::Vector3d& omega) {
-  // I + a [w] + b [w]^2 with a = sin t / t and b = (1 - cos t) / t^2, where b is written by the
-  // half angle, which does not cancel.
+  // I + a [w] + b [w]^2 with a = sin t / t and b = (1 - cos t) / t^2, b in terms of the half angle
+  // to avoid cancellation.
   const double t = omega.norm();
   const auto sinc = [](double x) { return x < 1e-4 ? 1 - x * x / 6 : std::sin(x) / x; };
   const double half = sinc(0.5 * t);
@@ -22,7 +22,7 @@ Eigen::Matrix3d exp_rotation(const Eigen::Vector3d& omega) {
 }
 
 Eigen::Vector3d log_rotation(const Eigen::Matrix3d& rotation) {
-  // Through the quaternion, which is well conditioned at every angle, pi included.
+  // via the quaternion, which is well conditioned at every angle, including pi
   const Eigen::Quaterniond q = Eigen::Quaterniond(rotation).normalized();
   const double s = q.vec().norm();
   const double sign = q.w() < 0 ? -1 : 1;
@@ -56,7 +56,7 @@ Twist move_reference(const Twist& V, const Eigen::Vector3d& offset) {
 bool is_unit_quaternion(const double* wxyz) noexcept {
   double squared = 0;
   for (int i = 0; i < 4; ++i) squared += wxyz[i] * wxyz[i];
-  // A NaN or an infinite component fails the comparison.
+  // false for NaN and infinite components
   return std::abs(squared - 1) <= 1e-3;
 }
 

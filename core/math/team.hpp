@@ -2,8 +2,8 @@
 
 namespace palpate::math {
 
-/// What a team is asked to do: a reference to anything that is called as `work(member, size)` and
-/// does not throw. It must outlive the run, so give run() a named function object.
+/// Task of a team: a reference to an object callable as `work(member, size)` that does not throw.
+/// The object must outlive the run, so pass a named function object to run().
 class TeamTask {
  public:
   template <class Work>
@@ -20,34 +20,34 @@ class TeamTask {
   void (*call_)(const void*, int, int) noexcept = nullptr;
 };
 
-/// Shares one piece of work among so many members. Results are the same from run to run as long as
-/// they depend on `member` and `size` alone: which processor does a member's share does not matter.
+/// Divides work among a fixed number of members. Results are reproducible if they depend on
+/// `member` and `size` only, whichever processor runs a member's share.
 class Team {
  public:
   virtual ~Team() = default;
 
   virtual int size() const noexcept = 0;
 
-  /// Calls `task` once for every member, member 0 in the calling thread, and returns when all have
-  /// finished; each sees what was written before. Shares may run one after the other in one
-  /// thread, so they must not wait for one another. One thread at a time may call.
+  /// Calls `task` once per member, member 0 in the calling thread, and returns when all have
+  /// finished; writes before the call are visible to all members. Shares may run sequentially in
+  /// one thread and must not wait for one another. Not thread-safe.
   virtual void run(TeamTask task) noexcept = 0;
 
-  /// Says that work comes within some 100 microseconds, so that members are awake by then.
+  /// Announces work within about 100 microseconds, so that members can wake up.
   virtual void call_up() noexcept {}
 };
 
-/// The calling thread alone.
+/// Team of the calling thread only.
 class SoloTeam final : public Team {
  public:
   int size() const noexcept override { return 1; }
   void run(TeamTask task) noexcept override { task(0, 1); }
 };
 
-/// For all who are given no other; it has no state.
+/// Default team; stateless.
 inline SoloTeam solo_team;
 
-/// A member's part of `count` things in a row, begin to end - 1.
+/// Part of `count` consecutive items assigned to a member, begin to end - 1.
 struct Share {
   Share(int count, int member, int size) noexcept
       : begin(static_cast<int>(static_cast<long>(count) * member / size)),

@@ -10,7 +10,7 @@ namespace {
 using Tetrahedron = std::array<int, 4>;
 using Quadrilateral = std::array<int, 4>;
 
-/// Two triangles of a rectangle, cut from its corner with the lowest number.
+/// Two triangles of a rectangle, divided at its corner with the lowest number.
 std::array<std::array<int, 3>, 2> cut(const Quadrilateral& q) {
   const int low = static_cast<int>(std::min_element(q.begin(), q.end()) - q.begin());
   const auto at = [&](int i) { return q[(low + i) % 4]; };
@@ -21,8 +21,8 @@ void add_pyramid(const Quadrilateral& base, int tip, std::vector<Tetrahedron>& a
   for (const auto& [a, b, c] : cut(base)) all.push_back({a, b, c, tip});
 }
 
-/// Seen from its corner with the lowest number a prism is a tetrahedron to the far triangle and a
-/// pyramid to the far rectangle.
+/// With respect to its corner with the lowest number, a prism consists of a tetrahedron over the
+/// opposite triangle and a pyramid over the opposite rectangle.
 void add_prism(const std::array<int, 8>& c, std::vector<Tetrahedron>& all) {
   const int low = static_cast<int>(std::min_element(c.begin(), c.begin() + 6) - c.begin());
   const int side = low / 3, turn = low % 3;
@@ -70,7 +70,7 @@ int split_cells(MeshWithGroups& mesh) {
     }
     for (const Tetrahedron& part : parts) {
       m.tetrahedra.col(t) << part[0], part[1], part[2], part[3];
-      // The parts' order of corners is not that of the cell.
+      // the order of corners of the parts may differ in orientation
       if (volume(m, t) < 0) std::swap(m.tetrahedra(2, t), m.tetrahedra(3, t));
       mesh.tetrahedron_numbers.push_back(cell.number);
       ++t;

@@ -4,10 +4,10 @@
 
 namespace palpate::mesh {
 
-/// Cuts the cells that are no tetrahedra: pyramids in two, prisms in three, hexahedra in twelve
-/// about a new node in their middle. A rectangle is cut from its corner with the lowest number, so
-/// that neighbours match. Returns how many cells were cut; one that names a node which is not
-/// there stays. The new tetrahedra have the number of their cell and stand behind the others.
+/// Divides non-tetrahedral cells: pyramids into two tetrahedra, prisms into three, hexahedra into
+/// twelve around a new node at their centre. A rectangle is divided at its corner with the lowest
+/// number, so that neighbours match. Returns the number of divided cells; a cell with an invalid
+/// node is unchanged. New tetrahedra have the number of their cell and are appended.
 int split_cells(MeshWithGroups& mesh);
 
 }  // namespace palpate::mesh

@@ -11,12 +11,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Of an edge's length: rounding of a file, and more than any sensible mesh has (a square for a
-// circle: 0.2).
+// Relative to an edge's length: rounding errors of a file, and more than any sensible mesh has (a
+// square for a circle: 0.2).
 constexpr double kFlat = 1e-7, kMostBulge = 0.25;
 
-/// Sides of the boundary: corners (outward by the right-hand rule), then the middles of the edges
-/// 01, 12, 20.
+/// Boundary sides: corners (outward by the right-hand rule), then the midpoints of the edges 01,
+/// 12, 20.
 using Side = Eigen::Matrix<double, 3, 6>;
 
 Vector3d middle(const TetrahedralMesh& mesh, const EdgeMiddles& middles, int a, int b) {
@@ -34,8 +34,8 @@ Side side_of(const TetrahedralMesh& mesh, const EdgeMiddles& middles, const Eige
   return side;
 }
 
-/// 1/3 of the integral of x . n over a quadratic triangle, exact: Strang and Fix's rule of six
-/// points integrates polynomials of degree four.
+/// 1/3 of the integral of x . n over a quadratic triangle, exact: the six-point rule of Strang and
+/// Fix integrates polynomials of degree four.
 double volume_below(const Side& side) {
   constexpr double kA[] = {0.445948490915965, 0.091576213509771};
   constexpr double kWeight[] = {0.223381589678011 / 2, 0.109951743655322 / 2};
@@ -69,7 +69,7 @@ double curved_volume(const TetrahedralMesh& mesh, const EdgeMiddles& middles) {
 
 double keep_curved_volume(TetrahedralMesh& mesh, const EdgeMiddles& middles) {
   const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
-  // Each corner goes along the mean normal of its curved sides, by the mean of their bulge.
+  // each corner moves along the mean normal of its curved sides, by their mean deviation
   Eigen::Matrix3Xd outward = Eigen::Matrix3Xd::Zero(3, mesh.node_count());
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(mesh.node_count());
   for (int t = 0; t < surface.triangles.cols(); ++t) {
@@ -105,7 +105,7 @@ double keep_curved_volume(TetrahedralMesh& mesh, const EdgeMiddles& middles) {
     mesh.nodes = inscribed.nodes + share * outward;
     return curved_volume(mesh, {});
   };
-  // The volume is a cubic in the share, close to a line.
+  // the volume is a cubic function of the share, nearly linear
   double before = 0, share = 1, volume_before = volume_at(0);
   for (int i = 0; i < 20; ++i) {
     const double volume_now = volume_at(share);

@@ -7,18 +7,19 @@
 
 namespace palpate::mesh {
 
-/// Where a file puts the middle of an edge (m), by the edge's corners in rising order.
+/// Edge midpoints from a file (m), by the edge's corners in ascending order.
 using EdgeMiddles = std::map<std::pair<int, int>, Eigen::Vector3d>;
 
-/// Straight sides between points of a round surface cut volume off a body, and the more of its
+/// Straight sides between points of a curved surface reduce the volume of a body, and even more its
 /// bending stiffness: a coarse cylinder loses a fifth. Moves the corners of curved boundary sides
-/// outward until straight ones hold the volume that the curved ones held; sides that are flat keep
-/// their plane. Tetrahedra must be positive. Largest distance moved, m; 0 where no side is curved.
-/// Throws std::invalid_argument where sides are curved too much for their size.
+/// outward until the volume within straight sides equals that within the curved ones; planar sides
+/// remain in their plane. Tetrahedra must be positively oriented. Returns the largest displacement,
+/// m; 0 without curved sides. Throws std::invalid_argument if sides are too strongly curved for
+/// their size.
 double keep_curved_volume(TetrahedralMesh& mesh, const EdgeMiddles& middles);
 
-/// Volume within the boundary, m^3, its sides bent through the middles of their edges (edges that
-/// are not listed are straight).
+/// Volume within the boundary, m^3, with sides curved through their edge midpoints (edges that are
+/// not listed are straight).
 double curved_volume(const TetrahedralMesh& mesh, const EdgeMiddles& middles);
 
 }  // namespace palpate::mesh

@@ -37,13 +37,13 @@ std::map<Face, int> count_faces(const TetrahedralMesh& mesh) {
   return faces;
 }
 
-/// By the bound of check(): what is flat there is flat here.
+/// same criterion as check()
 bool is_flat(const TetrahedralMesh& mesh, int t) { return measure(mesh, t).radius_ratio == 0; }
 
-/// A flat tetrahedron has two sides, each of one to three faces. Where all faces of one are on the
-/// surface and none of the other, it lies on the surface like paint.
+/// A flat tetrahedron has two sides, each of one to three faces. If all faces of one side and none
+/// of the other are on the surface, it covers the surface.
 bool lies_on_surface(const TetrahedralMesh& mesh, int t, const std::map<Face, int>& faces) {
-  std::array<Vector3d, 4> normals;  // seen from the corner that the face leaves out
+  std::array<Vector3d, 4> normals;  // oriented by the corner opposite to the face
   const auto corner = [&](int i) -> Vector3d { return mesh.nodes.col(mesh.tetrahedra(i, t)); };
   constexpr int kFaces[4][3] = {{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}};
   Vector3d up = Vector3d::Zero();
@@ -55,14 +55,14 @@ bool lies_on_surface(const TetrahedralMesh& mesh, int t, const std::map<Face, in
   int inside[2] = {0, 0}, outside[2] = {0, 0};
   for (int i = 0; i < 4; ++i) {
     const double along = normals[i].dot(up);
-    if (std::abs(along) < 1e-9 * up.squaredNorm()) return false;  // three corners on a line
+    if (std::abs(along) < 1e-9 * up.squaredNorm()) return false;  // three collinear corners
     const int side = along > 0 ? 1 : 0;
     ++(faces.at(face_of(mesh, t, i)) == 1 ? outside : inside)[side];
   }
   return (inside[0] == 0 && outside[1] == 0) || (inside[1] == 0 && outside[0] == 0);
 }
 
-/// Collapses of one edge onto one of its ends.
+/// Collapse of an edge to one of its ends.
 class Collapse {
  public:
   explicit Collapse(const TetrahedralMesh& mesh) : mesh_(mesh), around_(mesh.node_count()) {
@@ -84,12 +84,13 @@ class Collapse {
     }
   }
 
-  /// Worst radius ratio about `from` after it has become `to`; nothing where that is not allowed.
+  /// Worst radius ratio around `from` after its replacement by `to`; empty if that is not
+  /// permitted.
   std::optional<double> worst_after(int from, int to) const {
     const Vector3d way = mesh_.nodes.col(to) - mesh_.nodes.col(from);
     if (on_surface_.count(from) > 0) {
       if (edges_.count(std::minmax(from, to)) == 0) return {};
-      // The surface stays where it is only where the node moves within it.
+      // The surface is unchanged only if the node moves within it.
       for (const Vector3d& normal : normals_[from]) {
         if (std::abs(normal.dot(way)) > 1e-9 * way.norm()) return {};
       }
@@ -102,7 +103,7 @@ class Collapse {
       if ((one.tetrahedra.array() == to).any()) continue;
       const bool was_flat = is_flat(one, 0);
       for (int& n : one.tetrahedra.reshaped()) n = n == from ? to : n;
-      if (is_flat(one, 0) && was_flat) continue;  // another's turn will come
+      if (is_flat(one, 0) && was_flat) continue;  // handled separately
       if (is_flat(one, 0) || volume(one, 0) < 0) return {};
       worst = std::min(worst, measure(one, 0).radius_ratio);
     }
@@ -110,7 +111,7 @@ class Collapse {
   }
 
  private:
-  /// The ends of an edge may have no neighbours in common but those of the elements round it.
+  /// The ends of an edge must have no common neighbours except those in the elements around it.
   bool keeps_topology(int from, int to) const {
     std::set<int> near_from, near_to, common, round;
     for (const int t : around_[from]) {
@@ -180,7 +181,7 @@ void peel(MeshWithGroups& mesh, FlatElements& result) {
       gone[t] = true;
       drop(mesh, gone);
       again = true;
-      break;  // others may lie on the surface now, or no longer
+      break;  // the set of elements on the surface may have changed
     }
   }
 }

@@ -10,7 +10,7 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr int kMostGroups = 100;  // of an entity
+constexpr int kMostGroups = 100;  // maximum per entity
 
 class GmshReader {
  public:
@@ -73,7 +73,7 @@ class GmshReader {
     is_binary_ = reader_.integer(1) != 0;
   }
 
-  /// Version 4: which physical groups each entity is in.
+  /// Version 4: physical groups of each entity.
   void read_entities() {
     reader_.require("the numbers of entities");
     std::array<int, 4> counts;
@@ -84,9 +84,9 @@ class GmshReader {
         reader_.require("an entity");
         std::vector<long>& groups = content_.entity_groups[{d, reader_.integer(0)}];
         const int number = reader_.count(1 + box);
-        // Each element gets its entity's groups, so that long lists of both would multiply.
+        // each element receives its entity's groups, so that long lists of both would multiply
         if (number > kMostGroups) reader_.fail("an entity is in too many physical groups");
-        // A negative number: the entity is turned in that group.
+        // a negative number: the entity has reversed orientation in that group
         for (int g = 0; g < number; ++g) groups.push_back(std::abs(reader_.integer(2 + box + g)));
       }
     }
@@ -129,7 +129,7 @@ class GmshReader {
     }
   }
 
-  /// The element on the present line, whose nodes start at a column.
+  /// Element on the present line, whose nodes start at a column.
   void add_element(long type, int first_column, const std::vector<long>& groups) {
     std::vector<long> nodes;
     for (int i = 0; i < gmsh_node_count(type); ++i)

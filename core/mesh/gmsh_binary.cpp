@@ -9,7 +9,7 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr std::uint64_t kMostGroups = 100;  // of an entity
+constexpr std::uint64_t kMostGroups = 100;  // maximum per entity
 
 class BinaryReader {
  public:
@@ -60,14 +60,14 @@ class BinaryReader {
     return number;
   }
 
-  /// A count of things of at least `size` bytes each, which the file must be able to hold.
+  /// Reads a count of items of at least `size` bytes each, checked against the size of the file.
   std::uint64_t take_count(std::size_t size) {
     const auto count = take<std::uint64_t>();
     if (count > (bytes_.size() - at_) / size) fail("the file ends too early");
     return count;
   }
 
-  /// The next line with anything on it; must begin a section.
+  /// Next non-empty line, which must begin a section.
   bool next_line() {
     while (at_ < bytes_.size() && (bytes_[at_] == '\n' || bytes_[at_] == '\r')) ++at_;
     if (at_ >= bytes_.size()) return false;
@@ -211,7 +211,7 @@ class BinaryReader {
   }
 
   const std::string& name_;
-  std::size_t first_;  // byte of the file at which `bytes_` begins
+  std::size_t first_;  // offset in the file at which `bytes_` begins
   std::string bytes_;
   int version_;
   GmshContent& content_;

@@ -7,12 +7,12 @@
 
 namespace palpate::mesh {
 
-/// Reads what follows the format line of a binary .msh, version 2 or 4(.1), little-endian. Throws
-/// ParseError that names file and byte.
+/// Reads the part of a binary .msh after the format line, version 2 or 4(.1), little-endian. Throws
+/// ParseError naming file and byte.
 void read_gmsh_binary(std::istream& stream, const std::string& name, int version,
                       GmshContent& content);
 
-/// The body of $PhysicalNames, which is text in either form.
+/// Body of $PhysicalNames, which is text in both forms.
 void read_gmsh_names(LineReader& reader, GmshContent& content);
 
 }  // namespace palpate::mesh

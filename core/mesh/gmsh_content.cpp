@@ -6,10 +6,10 @@
 namespace palpate::mesh {
 namespace {
 
-// Numbers of Gmsh's element types.
+// Gmsh's element type numbers.
 constexpr long kTenNodes = 11;
 bool is_triangle(long type) { return type == 2 || type == 9; }  // 3 or 6 nodes
-/// Corners of a solid that is no tetrahedron; 0 otherwise.
+/// Number of corners of a solid cell that is not a tetrahedron; 0 otherwise.
 int other_corners(long type) {
   switch (type) {
     case 5:
@@ -77,7 +77,7 @@ std::string GmshContent::add_element(long number, long type, const std::vector<l
   return "";
 }
 
-/// The nodes that the mesh is to have, in rising order of their numbers.
+/// Nodes of the resulting mesh, in ascending order of their numbers.
 std::map<long, int> GmshContent::numbered_nodes() const {
   std::map<long, int> index;
   for (const Element& element : tetrahedra_) {
@@ -131,7 +131,7 @@ void GmshContent::add_groups(const std::map<long, int>& index, MeshWithGroups& r
       inside = inside && found != index.end();
       corners[i] = inside ? found->second : -1;
     }
-    if (!inside) continue;  // a surface that bounds no tetrahedron
+    if (!inside) continue;  // a surface that does not bound a tetrahedron
     for (const long number : element.groups) {
       Members& group = groups[name(2, number)];
       group.triangles.push_back(corners);

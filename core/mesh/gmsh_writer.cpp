@@ -11,12 +11,12 @@
 namespace palpate::mesh {
 namespace {
 
-using Groups = std::vector<int>;  // physical numbers, rising
+using Groups = std::vector<int>;  // physical numbers, ascending
 
-// Where kGmshEdges stand in an element's own order of midside nodes (kTetrahedronEdges).
+// Positions of kGmshEdges in an element's own order of midside nodes (kTetrahedronEdges).
 constexpr int kMiddles[6] = {4, 5, 6, 7, 9, 8};
 
-/// Elements of one dimension that are in the same groups: an entity of version 4.1.
+/// Elements of one dimension with the same groups: an entity of version 4.1.
 struct Block {
   int dimension = 3;
   int entity = 1;
@@ -61,7 +61,7 @@ class GmshWriter {
     return element_mesh(mesh, order);
   }
 
-  /// Blocks by the groups that their elements are in; triangles of surfaces first.
+  /// Creates blocks by the groups of their elements; surface triangles first.
   void gather() {
     std::map<std::vector<int>, Groups> triangles;
     std::vector<Groups> of_tetrahedron(mesh_.mesh.tetrahedron_count());
@@ -99,7 +99,7 @@ class GmshWriter {
     }
   }
 
-  /// Corners of a triangle and, in a quadratic mesh, the middles of its edges 01, 12, 20.
+  /// Corners of a triangle and, in a quadratic mesh, its midside nodes on edges 01, 12, 20.
   std::vector<int> with_middles(std::vector<int> corners) {
     if (format_.order == ElementOrder::kLinear) return corners;
     if (middles_.empty()) {
@@ -130,7 +130,7 @@ class GmshWriter {
   void put(Number value) {
     out_.write(reinterpret_cast<const char*>(&value), sizeof value);
   }
-  /// A number and what parts it from the next, in text; of a type's own bytes otherwise.
+  /// Writes a number and a separator as text; the bytes of the type otherwise.
   template <typename Number>
   void item(Number value, char end = ' ') {
     binary_ ? put(value) : static_cast<void>(out_ << value << end);
@@ -143,7 +143,7 @@ class GmshWriter {
 
   void write_names() {
     if (mesh_.groups.empty()) return;
-    // A name may be that of a surface and of a solid.
+    // a surface and a solid may have the same name
     std::vector<std::string> lines;
     int number = 0;
     for (const auto& [name, group] : mesh_.groups) {

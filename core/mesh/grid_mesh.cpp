@@ -10,15 +10,15 @@ namespace {
 
 using Cell = std::array<int, 3>;
 
-/// Corner `c` of a cell: bit k set where it lies on the far side along axis k.
+/// Corner `c` of a cell: bit k is set if it lies on the far side along axis k.
 Cell corner(const Cell& cell, int c) {
   return {cell[0] + (c & 1), cell[1] + ((c >> 1) & 1), cell[2] + ((c >> 2) & 1)};
 }
 
 using Tetrahedra = std::vector<std::array<int, 4>>;  // corners of one cell
 
-/// One tetrahedron for each order in which a path from corner 000 to 111 takes the axes; odd
-/// orders have two corners exchanged to stay positively oriented.
+/// One tetrahedron per order in which a path from corner 000 to 111 follows the axes; odd orders
+/// have two corners exchanged for positive orientation.
 Tetrahedra six() {
   constexpr int kOrders[6][3] = {{0, 1, 2}, {1, 2, 0}, {2, 0, 1}, {0, 2, 1}, {1, 0, 2}, {2, 1, 0}};
   Tetrahedra all;
@@ -31,8 +31,8 @@ Tetrahedra six() {
   return all;
 }
 
-/// The corners with an even number of far sides hold the inner tetrahedron, each other corner one
-/// more. Mirrored along x in every second cell.
+/// The corners with an even number of far sides form the inner tetrahedron; each other corner forms
+/// one more. Mirrored along x in every second cell.
 Tetrahedra five(bool mirrored) {
   Tetrahedra all = {{0, 3, 6, 5}, {1, 3, 0, 5}, {2, 0, 3, 6}, {4, 0, 6, 5}, {7, 3, 5, 6}};
   if (!mirrored) return all;
@@ -66,7 +66,7 @@ TetrahedralMesh make_grid(const GridPlanes& planes, CellCut cut,
                                              ? std::array<Tetrahedra, 2>{six(), six()}
                                              : std::array<Tetrahedra, 2>{five(false), five(true)};
   std::vector<Eigen::Vector4i> tetrahedra;
-  std::vector<int> number(index(cells) + 1, -1);  // of each grid point; -1: not used
+  std::vector<int> number(index(cells) + 1, -1);  // number of each grid point; -1: not used
   for (int k = 0; k < cells[2]; ++k) {
     for (int j = 0; j < cells[1]; ++j) {
       for (int i = 0; i < cells[0]; ++i) {

@@ -7,18 +7,18 @@
 
 namespace palpate::mesh {
 
-/// How a cell of a grid becomes tetrahedra; faces of neighbours match in each.
+/// Decomposition of a grid cell into tetrahedra; faces of neighbours match in each case.
 enum class CellCut {
-  kSix,   // Kuhn: all cells alike, with a diagonal through the cell
-  kFive,  // one inside and four at corners, mirrored from cell to cell; needs the fewest edges
+  kSix,   // Kuhn: identical cells, with a diagonal through the cell
+  kFive,  // one in the centre and four at corners, mirrored from cell to cell; fewest edges
 };
 
-/// Planes of a grid along each axis, m, strictly rising, at least two.
+/// Grid planes along each axis, m, strictly ascending, at least two.
 using GridPlanes = std::array<std::vector<double>, 3>;
 
-/// Tetrahedra of those cells of a grid whose centre `keep` accepts (all where it is empty), nodes
-/// and cells ordered with x running fastest. Throws std::invalid_argument for bad planes, or where
-/// no cell is left.
+/// Tetrahedra of those grid cells whose centre `keep` accepts (all if it is empty); nodes and cells
+/// are ordered with x running fastest. Throws std::invalid_argument for invalid planes or if no
+/// cell remains.
 TetrahedralMesh make_grid(const GridPlanes& planes, CellCut cut,
                           const std::function<bool(const Eigen::Vector3d&)>& keep = {});
 

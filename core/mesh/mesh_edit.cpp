@@ -19,7 +19,7 @@ void rebuild_nodes(const TetrahedralMesh& mesh, MeshGroup& group) {
   group.nodes.assign(nodes.begin(), nodes.end());
 }
 
-/// Triangles by new numbers; those with a corner that is gone (-1) or twice are dropped.
+/// Triangles with new node numbers; those with a removed (-1) or repeated corner are dropped.
 Eigen::Matrix3Xi renumbered(const Eigen::Matrix3Xi& triangles, const std::vector<int>& number) {
   Eigen::Matrix3Xi result(3, triangles.cols());
   int count = 0;

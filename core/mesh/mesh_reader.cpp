@@ -6,7 +6,7 @@
 namespace palpate::mesh {
 namespace {
 
-/// True where the whole of `text` is a number of this type, whatever the locale.
+/// True if the whole of `text` is a number of this type, independent of the locale.
 template <typename Number>
 bool parse(const std::string& text, Number& number) {
   const char* begin = text.data();

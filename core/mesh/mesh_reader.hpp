@@ -12,27 +12,27 @@
 
 namespace palpate::mesh {
 
-/// A mesh file that cannot be read: what() reads "name:line: what is wrong".
+/// Unreadable mesh file: what() is "name:line: error".
 class ParseError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// What a reader does where an element names a node that is not there, a coordinate is not finite,
-/// or a cell of a volume is no tetrahedron.
+/// Behaviour of a reader if an element refers to a missing node, a coordinate is not finite, or a
+/// cell of a volume is not a tetrahedron.
 enum class OnFault {
   kThrow,  // ParseError
-  kKeep,   // for who mends it: index -1, the number as it stands, the cell among the `others`
+  kKeep,   // keep for a later repair: index -1, the number as read, the cell among the `others`
 };
 
-/// A pyramid (5 corners, its tip the last), prism (6) or hexahedron (8), corners in VTK's order.
+/// Pyramid (5 corners, apex last), prism (6) or hexahedron (8), corners in VTK's order.
 struct OtherCell {
   int corner_count = 0;
   std::array<int, 8> corners{};
-  long number = 0;  // in the file
+  long number = 0;  // number in the file
 };
 
-/// Named parts of a mesh, as Gmsh's physical groups and Vega's sets hold them.
+/// Named part of a mesh: a physical group of Gmsh or a set of Vega.
 struct MeshGroup {
   Eigen::Matrix3Xi triangles;   // node indices; orientation as in the file
   std::vector<int> tetrahedra;  // sorted
@@ -42,37 +42,37 @@ struct MeshGroup {
 struct MeshWithGroups {
   TetrahedralMesh mesh;
   std::map<std::string, MeshGroup> groups;
-  EdgeMiddles middles = {};  // of 10-node tetrahedra
-  // What the file calls nodes and tetrahedra, for messages; empty where a mesh was made.
+  EdgeMiddles middles = {};  // edge midpoints of 10-node tetrahedra
+  // Numbers of nodes and tetrahedra in the file, for messages; empty for a generated mesh.
   std::vector<long> node_numbers = {};
   std::vector<long> tetrahedron_numbers = {};
   std::vector<OtherCell> others = {};  // OnFault::kKeep only
 
-  /// What the file calls a node or tetrahedron, or the index where no file is known.
+  /// Number of a node or tetrahedron in the file, or its index if there is no file.
   long node_number(int n) const { return node_numbers.empty() ? n : node_numbers[n]; }
   long tetrahedron_number(int t) const {
     return tetrahedron_numbers.empty() ? t : tetrahedron_numbers[t];
   }
 };
 
-/// Reads a text line by line into words, with the line number for errors. Empty lines and what
-/// follows `comment` are passed over ('\0': no comments).
+/// Reads a text line by line into words, with line numbers for errors. Ignores empty lines and
+/// everything after `comment` ('\0': no comments).
 class LineReader {
  public:
   LineReader(std::istream& stream, const std::string& name, char comment)
       : stream_(stream), name_(name), comment_(comment) {}
 
-  /// Goes to the next line that has words; false at the end.
+  /// Advances to the next line with words; false at the end.
   bool next();
-  /// Same, throws ParseError at the end: `expected` says what should have come.
+  /// Same, but throws ParseError at the end; `expected` names the missing item.
   void require(const std::string& expected);
 
   const std::vector<std::string>& words() const { return words_; }
   int size() const { return static_cast<int>(words_.size()); }
-  /// The line without white space at its ends.
+  /// Line without leading and trailing white space.
   const std::string& line() const { return line_; }
 
-  /// Word `i` as a number; ParseError where it is none or absent.
+  /// Word `i` as a number; throws ParseError if it is missing or not a number.
   double number(int i) const;
   long integer(int i) const;
   /// Word `i` as a count from 0 to 100 million.

@@ -45,7 +45,7 @@ void write_tetgen(const TetrahedralMesh& mesh, int first, std::ostream& node, st
 void write_vega(const MeshWithGroups& mesh, const VegaMaterial& material, int first,
                 std::ostream& out) {
   out << "# numbers from " << first << ", lengths in m\n\n*VERTICES\n";
-  // A pair of TetGen in one stream, with the section of the elements before their header.
+  // TetGen's pair in one stream, with the header of the element section in between.
   const TetrahedralMesh nodes{mesh.mesh.nodes, Eigen::Matrix4Xi(4, 0)};
   struct Nowhere : std::streambuf {
     int overflow(int c) override { return c; }
@@ -56,7 +56,7 @@ void write_vega(const MeshWithGroups& mesh, const VegaMaterial& material, int fi
   write_tetgen(mesh.mesh, first, none, out);
   for (const auto& [name, group] : mesh.groups) {
     if (group.tetrahedra.empty()) continue;
-    std::string word = name;  // Vega takes a name of one word
+    std::string word = name;  // Vega requires single-word names
     std::replace_if(
         word.begin(), word.end(), [](unsigned char c) { return c <= ' ' || c == ','; }, '_');
     out << "\n*SET " << word << '\n';

@@ -8,8 +8,8 @@
 
 namespace palpate::mesh {
 
-// Numbers are written with the fewest digits that give the same double again, so that a mesh read
-// back is the same to the bit. Streams must be open for binary output where that is asked for.
+// Numbers are written with the fewest digits that reproduce the same double, so that a mesh is read
+// back bit for bit. Streams must be open in binary mode for binary output.
 
 enum class GmshVersion { k2_2, k4_1 };
 enum class Encoding { kText, kBinary };
@@ -20,16 +20,16 @@ struct GmshFormat {
   ElementOrder order = ElementOrder::kLinear;
 };
 
-/// Tetrahedra and groups as Gmsh's physical groups, numbers from 1. An element in several groups is
-/// written in all of them by version 4.1; version 2.2 can name one, the first by name. Throws
+/// Tetrahedra and groups as Gmsh's physical groups, numbers from 1. Version 4.1 writes an element
+/// of several groups in all of them; version 2.2 permits one, the first by name. Throws
 /// std::invalid_argument for an index out of range.
 void write_gmsh(const MeshWithGroups& mesh, const GmshFormat& format, std::ostream& out);
 
-/// The pair of TetGen, linear, numbers from `first` (0 or 1).
+/// TetGen's pair of files, linear elements, numbers from `first` (0 or 1).
 void write_tetgen(const TetrahedralMesh& mesh, int first, std::ostream& node, std::ostream& ele);
 
-/// Vega's .veg, linear, numbers from `first`: groups of tetrahedra become *SET, and everything is
-/// of the material given (E in Pa, density in kg/m^3), which Vega cannot do without.
+/// Vega's .veg, linear elements, numbers from `first`: groups of tetrahedra become *SET; all
+/// elements get the given material (E in Pa, density in kg/m^3), which the format requires.
 struct VegaMaterial {
   double young_modulus = 30e3;
   double poisson_ratio = 0.3;
@@ -38,11 +38,11 @@ struct VegaMaterial {
 void write_vega(const MeshWithGroups& mesh, const VegaMaterial& material, int first,
                 std::ostream& out);
 
-/// The nodes that elements of an order need: straight-sided, but for the edges whose middles the
-/// mesh knows.
+/// Nodes required by elements of an order: straight-sided, except for edges whose midpoints the
+/// mesh contains.
 ElementMesh element_mesh(const MeshWithGroups& mesh, ElementOrder order);
 
-/// The shortest text that reads as the same double, whatever the locale.
+/// Shortest text that reads as the same double, independent of the locale.
 std::string shortest(double value);
 
 }  // namespace palpate::mesh

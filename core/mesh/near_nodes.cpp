@@ -18,7 +18,7 @@ double diagonal(const Eigen::Matrix3Xd& points) {
 
 std::vector<int> near_nodes(const Eigen::Matrix3Xd& points, double tolerance) {
   const int count = static_cast<int>(points.cols());
-  // Along a line that no grid has planes across few points have the same place.
+  // Along a direction that is not normal to grid planes few points have equal coordinates.
   const Eigen::Vector3d line = Eigen::Vector3d(1, std::sqrt(2) - 1, std::sqrt(3) - 1).normalized();
   std::vector<int> by(count), order;
   std::vector<double> place(count);
@@ -41,7 +41,7 @@ std::vector<int> near_nodes(const Eigen::Matrix3Xd& points, double tolerance) {
       if ((points.col(order[i]) - points.col(order[j])).norm() > tolerance) continue;
       const int a = root(order[i]), b = root(order[j]);
       by[std::max(a, b)] = std::min(a, b);
-      if (points.col(order[i]) == points.col(order[j])) break;  // that one meets the others for us
+      if (points.col(order[i]) == points.col(order[j])) break;  // identical, same neighbours
     }
   }
   for (int n = 0; n < count; ++n) by[n] = root(n);

@@ -5,11 +5,11 @@
 
 namespace palpate::mesh {
 
-/// Diagonal of the box round those points that are finite, m.
+/// Diagonal of the bounding box of the finite points, m.
 double diagonal(const Eigen::Matrix3Xd& points);
 
-/// For each point the first one that it is within `tolerance` of, itself where there is none. What
-/// is not finite is near to nothing.
+/// For each point the first one within `tolerance` of it, or itself. Non-finite points have no
+/// neighbours.
 std::vector<int> near_nodes(const Eigen::Matrix3Xd& points, double tolerance);
 
 }  // namespace palpate::mesh

@@ -12,12 +12,12 @@ namespace {
 
 using Eigen::Vector3d;
 
-// Sine of the angle by which sides may differ and still be one plane; of an edge's length, by which
-// its middle may lie beside it and the edge still be straight.
+// Sine of the angle between sides that count as coplanar; deviation of an edge's midpoint, relative
+// to its length, for which it counts as straight.
 constexpr double kFlat = 1e-6, kStraight = 1e-7;
 constexpr double kFlatQuality = 1e-3;
 
-/// Directions, orthonormal, in which a node may go.
+/// Orthonormal directions in which a node may move.
 using Freedom = std::vector<Vector3d>;
 
 class NodeMotion {
@@ -38,7 +38,7 @@ class NodeMotion {
     keep_groups();
   }
 
-  /// Whether any node found a better place.
+  /// One pass over all nodes; true if any was moved.
   bool sweep() {
     bool better = false;
     for (int n = 0; n < mesh_.mesh.node_count(); ++n) {
@@ -60,7 +60,7 @@ class NodeMotion {
  private:
   void keep_shape() {
     const TetrahedralMesh& mesh = mesh_.mesh;
-    // Which side of a face is outside does not matter here, so that elements inside out do no harm.
+    // the orientation of a face is irrelevant here, so that inverted elements do no harm
     const Surface surface = extract_surface(make_element_mesh(mesh, ElementOrder::kLinear));
     std::vector<std::vector<Vector3d>> normals(mesh.node_count());
     for (int t = 0; t < surface.triangles.cols(); ++t) {
@@ -68,7 +68,7 @@ class NodeMotion {
       const Vector3d a = mesh.nodes.col(c[0]), b = mesh.nodes.col(c[1]), d = mesh.nodes.col(c[2]);
       const Vector3d normal = (b - a).cross(d - a);
       for (const int n : c) {
-        // A side without area tells no plane: its nodes stay.
+        // a side without area defines no plane: its nodes are fixed
         if (!(normal.norm() > kFlat * (b - a).norm() * (d - a).norm())) freedom_[n].clear();
         if (!freedom_[n].empty()) normals[n].push_back(normal.normalized());
       }
@@ -84,7 +84,7 @@ class NodeMotion {
     }
   }
 
-  /// What is left of a freedom across a direction.
+  /// Removes a direction from a node's freedom.
   static void take_away(Vector3d normal, Freedom& freedom) {
     Vector3d inside = Vector3d::Zero();
     for (const Vector3d& d : freedom) inside += d.dot(normal) * d;
@@ -106,7 +106,7 @@ class NodeMotion {
     for (const auto& [name, group] : mesh_.groups) {
       for (const int t : group.tetrahedra) groups[t].push_back(number);
       ++number;
-      // The edge of a marked part of the surface is part of the shape too.
+      // the edge of a marked part of the surface must be preserved as well
       std::vector<char> marked(mesh_.mesh.node_count(), 0);
       for (const int n : group.triangles.reshaped()) marked[n] = 1;
       for (int n = 0; n < mesh_.mesh.node_count(); ++n) {
@@ -120,7 +120,7 @@ class NodeMotion {
     }
   }
 
-  /// Whether an edge of only one of these triangles leads through a node.
+  /// Whether an edge that belongs to only one of these triangles contains the node.
   static bool on_rim(int n, const Eigen::Matrix3Xi& triangles) {
     std::vector<int> ends;
     for (int t = 0; t < triangles.cols(); ++t) {
@@ -133,7 +133,7 @@ class NodeMotion {
                        [&](int end) { return std::count(ends.begin(), ends.end(), end) != 2; });
   }
 
-  /// 1 for a regular tetrahedron, negative for one inside out; smooth through zero.
+  /// 1 for a regular tetrahedron, negative for an inverted one; smooth through zero.
   double quality(int t) const {
     double squares = 0;
     for (const auto& [a, b] : kTetrahedronEdges) {
@@ -143,8 +143,9 @@ class NodeMotion {
     return squares > 0 ? 6 * std::sqrt(2.0) * volume(mesh_.mesh, t) / std::pow(squares, 1.5) : 0;
   }
 
-  /// Of the elements about a node: the worst quality as long as one is flat or inside out, then
-  /// their power mean of exponent -4, which is near the worst but does not spoil all others for it.
+  /// Quality of the elements around a node: the worst one as long as any is flat or inverted,
+  /// otherwise their power mean with exponent -4, which is close to the worst but still sensitive
+  /// to the others.
   double goodness(int n) const {
     double worst = 1, sum = 0;
     for (const int t : around_[n]) {
@@ -158,7 +159,7 @@ class NodeMotion {
 
   bool improve(int n) {
     auto place = mesh_.mesh.nodes.col(n);
-    double reach = 0;  // mean distance of neighbours
+    double reach = 0;  // mean distance from the neighbours
     Vector3d centre = Vector3d::Zero();
     for (const int t : around_[n]) {
       for (const int other : mesh_.mesh.tetrahedra.col(t)) {
@@ -196,7 +197,7 @@ class NodeMotion {
   }
 
   MeshWithGroups& mesh_;
-  std::vector<std::vector<int>> around_;  // tetrahedra of a node
+  std::vector<std::vector<int>> around_;  // tetrahedra around each node
   std::vector<Freedom> freedom_;
   std::set<int> moved_;
 };

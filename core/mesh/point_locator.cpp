@@ -15,7 +15,7 @@ Corners corners_of(const ElementMesh& mesh, int element) {
   return corners;
 }
 
-/// Barycentric coordinates of p; not finite where the tetrahedron has no volume.
+/// Barycentric coordinates of p; not finite if the tetrahedron has no volume.
 Eigen::Vector4d barycentric(const Corners& x, const Eigen::Vector3d& p) {
   Eigen::Matrix3d edges;
   for (int i = 0; i < 3; ++i) edges.col(i) = x[i + 1] - x[0];
@@ -66,7 +66,7 @@ PointWeights PointLocator::locate(const Eigen::Vector3d& p_O) const {
     const Eigen::Vector4d candidate = barycentric(corners, p_O);
     if (!candidate.allFinite()) continue;
     const double outside = distance_outside(corners, candidate, p_O);
-    // On a face that several share: the one that holds the point most deeply.
+    // on a shared face: the element in which the point lies deepest
     if (outside < nearest || (outside == nearest && candidate.minCoeff() > b.minCoeff())) {
       nearest = outside;
       b = candidate;
@@ -74,7 +74,7 @@ PointWeights PointLocator::locate(const Eigen::Vector3d& p_O) const {
     }
   }
 
-  constexpr double kBorder = 1e-9;  // m, rounding of a point on the border
+  constexpr double kBorder = 1e-9;  // m, rounding error of a point on the boundary
   PointWeights result;
   result.outside = nearest < kBorder ? 0 : nearest;
   result.count = mesh_.nodes_per_element();

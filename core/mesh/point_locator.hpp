@@ -8,12 +8,12 @@
 
 namespace palpate::mesh {
 
-/// A material point as a weighted sum of nodal positions: the shape functions of its element.
+/// Material point as a weighted sum of node positions: the shape functions of its element.
 struct PointWeights {
   int count = 0;  // 4 or 10
   std::array<int, 10> nodes{};
   std::array<double, 10> weights{};
-  double outside = 0;  // m, how far the point lies outside the mesh; 0 inside
+  double outside = 0;  // m, distance of the point from the mesh; 0 inside
 
   Eigen::Vector3d interpolate(const Eigen::Matrix3Xd& positions) const {
     Eigen::Vector3d p = Eigen::Vector3d::Zero();
@@ -22,9 +22,9 @@ struct PointWeights {
   }
 };
 
-/// Finds the element that holds a rest point. A point outside is extrapolated from the element
-/// nearest to it, and `outside` says how far away it is. The mesh must outlive the locator and have
-/// at least one element; elements without volume are passed over.
+/// Finds the element that contains a rest point. A point outside is extrapolated from the nearest
+/// element, and `outside` is its distance. The mesh must outlive the locator and have at least one
+/// element; elements without volume are ignored.
 class PointLocator {
  public:
   explicit PointLocator(const ElementMesh& mesh);

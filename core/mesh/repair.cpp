@@ -31,11 +31,11 @@ class Repair {
   std::vector<RepairStep> run() {
     split_others();
     std::vector<long> stray = unused();
-    // Before nodes are merged: a stray one that lies on another is no reason to do so.
+    // before nodes are merged: an unused node at the position of another is no reason for a merge
     if (!stray.empty()) drop(mesh_, std::vector<bool>(mesh_.mesh.tetrahedron_count(), false));
     merge_nodes();
     drop_degenerate_and_repeated();
-    // What follows needs numbers that can be computed with.
+    // the following steps require finite numbers
     const MeshReport before = check(mesh_.mesh);
     if (before.not_finite.empty() && before.index_out_of_range.empty()) {
       turn();
@@ -90,7 +90,7 @@ class Repair {
       std::array<int, 4> c{};
       std::copy_n(m.tetrahedra.col(t).begin(), 4, c.begin());
       std::sort(c.begin(), c.end());
-      if (c[0] < 0) continue;  // a corner that is not there: not for us
+      if (c[0] < 0) continue;  // a missing corner is not handled here
       if (std::adjacent_find(c.begin(), c.end()) != c.end()) {
         degenerate.push_back(t);
         continue;
@@ -98,7 +98,7 @@ class Repair {
       const auto [found, is_new] = known.try_emplace(c, t);
       if (is_new) continue;
       repeated.push_back(t);
-      for (auto& [name, group] : mesh_.groups) {  // the one that stays is in the groups of both
+      for (auto& [name, group] : mesh_.groups) {  // the remaining one belongs to the groups of both
         auto& members = group.tetrahedra;
         if (!std::binary_search(members.begin(), members.end(), t)) continue;
         const auto at = std::lower_bound(members.begin(), members.end(), found->second);
@@ -116,7 +116,7 @@ class Repair {
 
   std::vector<int> negative() const { return check(mesh_.mesh).negative_volume; }
 
-  /// Files have their convention: where most elements are inside out, all are exchanged.
+  /// Files differ in orientation: if most elements are inverted, all are reversed.
   void turn() {
     std::vector<int> wrong = negative();
     if (wrong.empty()) return;
@@ -129,7 +129,7 @@ class Repair {
       add("elements turned: their order of corners was the mirror image", numbers(turned));
       wrong = others;
     }
-    untangle(wrong);
+    recover_inverted_elements(wrong);
     const std::vector<int> left = negative();
     for (const int t : left) exchange(t);
     add("elements turned: their order of corners was the mirror image", numbers(left));
@@ -137,9 +137,9 @@ class Repair {
 
   void exchange(int t) { std::swap(mesh_.mesh.tetrahedra(2, t), mesh_.mesh.tetrahedra(3, t)); }
 
-  /// An element whose neighbours lie on the other sides of its faces is only written the wrong way;
-  /// one that covers a neighbour was turned by a node that strayed.
-  void untangle(const std::vector<int>& wrong) {
+  /// An element whose neighbours lie on the other sides of its faces merely has reversed
+  /// orientation; one that overlaps a neighbour was inverted by a misplaced node.
+  void recover_inverted_elements(const std::vector<int>& wrong) {
     const std::vector<int> overlapping = check(mesh_.mesh).overlapping;
     std::vector<int> tangled;
     std::set_intersection(wrong.begin(), wrong.end(), overlapping.begin(), overlapping.end(),
@@ -158,7 +158,7 @@ class Repair {
       if (volume(mesh_.mesh, t) > 0) righted.push_back(mesh_.tetrahedron_number(t));
     }
     if (righted.size() < tangled.size()) {
-      mesh_ = kept;  // in vain: what is reported shall be the file's own fault
+      mesh_ = kept;  // without success: report the original state
     } else {
       add("elements that a strayed node had turned inside out, righted by moving nodes inside",
           std::move(righted));

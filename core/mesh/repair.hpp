@@ -7,38 +7,38 @@
 
 namespace palpate::mesh {
 
-/// What is to become of a mesh in several parts (parts share no face; those that share an edge or a
-/// node alone hang on a hinge without stiffness).
+/// Treatment of a mesh with several parts (parts share no face; those that share only an edge or a
+/// node are connected by a hinge without stiffness).
 enum class Parts { kKeepAll, kKeepLargest };
 
 struct RepairOptions {
-  double merge_tolerance = 1e-9;  // nodes so near are one, by the diagonal of the mesh's box
+  /// Nodes within this distance, relative to the mesh's bounding box diagonal, are merged.
+  double merge_tolerance = 1e-9;
   Parts parts = Parts::kKeepAll;
 };
 
-/// One thing that was mended.
+/// One repair.
 struct RepairStep {
-  std::string what;           // "nodes merged ...", with how
-  std::vector<long> numbers;  // of the nodes or elements in the file
+  std::string what;           // for instance "nodes merged ..."
+  std::vector<long> numbers;  // numbers of the nodes or elements in the file
 };
 
-/// Mends what can be mended without a guess at what was meant, in this order: cells that are no
-/// tetrahedra are cut; nodes that lie on another are merged; elements that are there twice, or lost
-/// a corner by merging, are dropped; elements turned inside out are turned back, those that a
-/// strayed node turned inside out by moving nodes; elements without volume are peeled off the
-/// surface, given volume by moving nodes, or collapsed; small parts are dropped where that is asked
-/// for; then nodes in no element. What check() still finds cannot be mended. Groups follow.
+/// Repairs faults whose intended state is unambiguous, in this order: non-tetrahedral cells are
+/// divided; coincident nodes are merged; repeated elements and those that lost a corner by merging
+/// are dropped; wrongly oriented elements are reversed, those inverted by a misplaced node are
+/// corrected by moving nodes; elements without volume are removed from the surface, given volume by
+/// moving nodes, or collapsed; small parts are dropped on request; finally nodes in no element.
+/// Faults that check() still reports cannot be repaired. Groups are updated.
 std::vector<RepairStep> repair(MeshWithGroups& mesh, const RepairOptions& options);
 
-/// Part of each tetrahedron, from 0, the one with most volume first: of one part are those that
-/// share faces.
+/// Part of each tetrahedron, from 0, ordered by descending volume; a part is connected by shared
+/// faces.
 std::vector<int> parts_by_faces(const TetrahedralMesh& mesh);
 
-/// Drops tetrahedra, and the nodes that then are in none; renumbers groups and middles.
+/// Drops tetrahedra and the nodes that are then unused; renumbers groups and edge midpoints.
 void drop(MeshWithGroups& mesh, const std::vector<bool>& tetrahedra);
 
-/// Makes every node stand for the one given (itself, or one with a lower index), which takes its
-/// place in elements and groups.
+/// Replaces each node by the given one (itself, or one with a lower index) in elements and groups.
 void replace_nodes(MeshWithGroups& mesh, const std::vector<int>& by);
 
 }  // namespace palpate::mesh

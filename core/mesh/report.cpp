@@ -24,8 +24,8 @@ double longest_edge(const TetrahedralMesh& mesh, int t) {
   return longest;
 }
 
-/// Nodes that lie on another, found among neighbours along a line that no grid has planes across:
-/// along an axis, a grid of a million nodes has ten thousand at every place.
+/// Coincident nodes, found among neighbours along a direction that is not normal to grid planes:
+/// along an axis, a grid of a million nodes has ten thousand at every coordinate.
 std::vector<int> find_duplicates(const Eigen::Matrix3Xd& nodes) {
   const int count = static_cast<int>(nodes.cols());
   const double tolerance = 1e-9 * (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).norm();
@@ -38,7 +38,7 @@ std::vector<int> find_duplicates(const Eigen::Matrix3Xd& nodes) {
   });
   std::vector<bool> marked(count, false);
   for (int i = 0; i < count; ++i) {
-    // Who is marked needs no company of its own: of a heap of nodes, one is compared with all.
+    // nodes already marked are skipped: of many coincident nodes, only one is compared with all
     for (int j = i + 1; j < count && !marked[order[i]]; ++j) {
       if (!(place[order[j]] - place[order[i]] <= tolerance)) break;
       if ((nodes.col(order[i]) - nodes.col(order[j])).norm() <= tolerance) {
@@ -83,7 +83,7 @@ int count_non_manifold_edges(const Surface& surface) {
                                         [](const auto& edge) { return edge.second != 2; }));
 }
 
-/// Surface nodes whose triangles are more than one fan: there the parts touch in a point.
+/// Surface nodes whose triangles form more than one fan: parts touch in this point.
 int count_non_manifold_nodes(const Surface& surface) {
   std::map<int, std::map<int, int>> around;  // of a node: each neighbour's root
   const auto root = [](std::map<int, int>& parent, int n) {
@@ -106,8 +106,7 @@ int count_non_manifold_nodes(const Surface& surface) {
   }));
 }
 
-/// Tetrahedra at a face that more than two share, or two on the same side of it: they fill the same
-/// space.
+/// Tetrahedra at a face shared by more than two, or by two on the same side of it: they overlap.
 std::vector<int> find_overlapping(const TetrahedralMesh& mesh) {
   std::map<std::array<int, 3>, std::vector<int>> faces;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
@@ -122,7 +121,7 @@ std::vector<int> find_overlapping(const TetrahedralMesh& mesh) {
   }
   std::set<int> overlapping;
   for (const auto& [face, at] : faces) {
-    const auto side = [&mesh, &face = face](int t) {  // of the face, where the tetrahedron lies
+    const auto side = [&mesh, &face = face](int t) {  // of the face
       const Eigen::Vector3d a = mesh.nodes.col(face[0]);
       const Eigen::Vector3d normal =
           (mesh.nodes.col(face[1]) - a).cross(mesh.nodes.col(face[2]) - a);
@@ -180,7 +179,7 @@ MeshReport check(const TetrahedralMesh& mesh) {
   report.quality_min = 1;
   for (int t = 0; t < mesh.tetrahedron_count(); ++t) {
     const double v = volume(mesh, t);
-    // Also where sizes are so large that the volume is no number.
+    // also true if sizes are so large that the volume is not finite
     if (!(std::abs(v) > 1e-12 * std::pow(longest_edge(mesh, t), 3))) {
       report.zero_volume.push_back(t);
     } else if (v < 0) {

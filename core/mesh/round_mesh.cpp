@@ -17,16 +17,16 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-constexpr double kOnSurface = 1e-9;  // by the body's size
+constexpr double kOnSurface = 1e-9;  // relative to the body's size
 
-/// The rings of a disc of radius 1.
+/// Rings of a disc of radius 1.
 struct Disc {
   std::vector<Vector2d> nodes;
   std::vector<std::array<int, 3>> triangles;
 };
 
 Disc make_disc(int rings) {
-  // Ring k begins at node 1 + 3 k (k - 1); its nodes go round at equal angles.
+  // ring k begins at node 1 + 3 k (k - 1); its nodes are at equal angles
   const auto node = [](int ring, int i) {
     return ring == 0 ? 0 : 1 + 3 * ring * (ring - 1) + i % (6 * ring);
   };
@@ -59,9 +59,10 @@ double total_volume(const TetrahedralMesh& mesh) {
 }
 
 using Place = std::function<Vector3d(const Vector3d&)>;
-using IsRound = std::function<bool(const Vector3d&)>;  // of a corner
+// Whether a corner lies on the curved surface.
+using IsRound = std::function<bool(const Vector3d&)>;
 
-/// Middles of the edges between round corners on the boundary, put onto the surface.
+/// Midpoints of boundary edges between corners on the curved surface, projected onto it.
 void curve(MeshWithGroups& result, const IsRound& is_round, const Place& onto_surface) {
   const Surface surface = extract_surface(make_element_mesh(result.mesh, ElementOrder::kLinear));
   for (int t = 0; t < surface.triangles.cols(); ++t) {
@@ -90,7 +91,7 @@ Icosahedron make_icosahedron() {
     solid.corners.emplace_back(i % 2 == 0 ? x : -x, r * std::cos(angle), r * std::sin(angle));
   }
   solid.corners.emplace_back(-1, 0, 0);
-  // Those whose corners are all neighbours; of the others the nearest two are 1.7 apart.
+  // faces are triples of neighbours; other corners are at least 1.7 apart
   const double edge = (solid.corners[0] - solid.corners[1]).norm();
   const auto are_near = [&](int i, int j) {
     return (solid.corners[i] - solid.corners[j]).norm() < 1.1 * edge;
@@ -105,8 +106,8 @@ Icosahedron make_icosahedron() {
   return solid;
 }
 
-/// The tetrahedron 1 >= x >= y >= z >= 0 cut into cells^3, by whole coordinates from 0 to `cells`:
-/// Kuhn's cut of the cube's cells, of which it is a union.
+/// The tetrahedron 1 >= x >= y >= z >= 0 divided into cells^3 parts, in integer coordinates from 0
+/// to `cells`: Kuhn's decomposition of the cube's cells, of which it is a union.
 std::vector<std::array<Eigen::Vector3i, 4>> cut_simplex(int cells) {
   constexpr int kOrders[6][3] = {{0, 1, 2}, {0, 2, 1}, {1, 0, 2}, {1, 2, 0}, {2, 0, 1}, {2, 1, 0}};
   std::vector<std::array<Eigen::Vector3i, 4>> all;
@@ -152,8 +153,8 @@ MeshWithGroups make_cylinder(double radius, double length, int rings, int layers
   for (int layer = 0; layer < layers; ++layer) {
     const int below = layer * in_layer, above = below + in_layer;
     for (std::array<int, 3> c : disc.triangles) {
-      // The path from (lowest, below) to (highest, above) rises at each corner in turn, so that
-      // rectangles are cut alike from both sides.
+      // the path from (lowest, below) to (highest, above) rises at each corner in turn, so that
+      // rectangles are divided alike from both sides
       std::sort(c.begin(), c.end());
       mesh.tetrahedra.col(t++) << below + c[0], below + c[1], below + c[2], above + c[2];
       mesh.tetrahedra.col(t++) << below + c[0], below + c[1], above + c[1], above + c[2];
@@ -186,11 +187,11 @@ MeshWithGroups make_ellipsoid(const Vector3d& half_axes, int cells, RoundSides s
   }
   const Icosahedron solid = make_icosahedron();
   const auto simplex = cut_simplex(cells);
-  std::map<std::array<long, 3>, int> known;  // by place in the icosahedron
+  std::map<std::array<long, 3>, int> known;  // by position in the icosahedron
   std::vector<Vector3d> nodes;               // in the unit ball
   std::vector<Eigen::Vector4i> tetrahedra;
   const auto node = [&](const std::array<int, 3>& face, const Eigen::Vector3i& at) {
-    // Corners of the tetrahedron in turn: the centre, then the face's.
+    // corners of the tetrahedron in order: the centre, then those of the face
     const Vector3d p = (at[0] - at[1]) * solid.corners[face[0]] +
                        (at[1] - at[2]) * solid.corners[face[1]] + at[2] * solid.corners[face[2]];
     const auto rounded = [](double v) { return std::lround(1e6 * v); };

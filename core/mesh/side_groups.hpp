@@ -7,8 +7,8 @@
 
 namespace palpate::mesh {
 
-/// Makes groups of a mesh's boundary triangles, each in the one that `name` calls by its corners
-/// (columns, m); an empty name is none. All tetrahedra become the group `body`.
+/// Groups the boundary triangles of a mesh by the name that `name` returns for their corners
+/// (columns, m); an empty name means no group. All tetrahedra become the group `body`.
 void group_sides(MeshWithGroups& mesh,
                  const std::function<std::string(const Eigen::Matrix3d&)>& name);
 

@@ -9,7 +9,7 @@ namespace palpate::mesh {
 namespace {
 
 // Faces seen from outside, corners counter-clockwise, with the midside nodes of edges 01, 12, 20 of
-// the face (positions in a quadratic element).
+// the face (local positions in a quadratic element).
 struct Face {
   int corners[3];
   int midside[3];

@@ -9,7 +9,7 @@ namespace palpate::mesh {
 /// Boundary of a tetrahedral mesh.
 struct Surface {
   Eigen::Matrix3Xi triangles;  // corner nodes, outward normal by the right-hand rule
-  std::vector<int> nodes;      // sorted, every node of the boundary, midside ones too
+  std::vector<int> nodes;      // all nodes of the boundary including midside nodes, sorted
   std::vector<std::vector<int>>
       triangle_nodes;  // per triangle: 3 corners, or 3 corners + 3 midside
 };

@@ -14,10 +14,10 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr std::size_t kHeader = 84, kFacet = 50;  // bytes of a binary STL
+constexpr std::size_t kHeader = 84, kFacet = 50;  // sizes in a binary STL, bytes
 
-/// Points by their coordinates, so that triangles share them. Numbers that are not finite, which
-/// compare with nothing, are each a point of their own.
+/// Points by their coordinates, so that triangles share them. Each non-finite point, which is equal
+/// to none, is separate.
 class PointSet {
  public:
   int add(const Eigen::Vector3d& p) {
@@ -110,7 +110,7 @@ double enclosed_volume(const TriangleSurface& surface) {
 
 TriangleSurface read_stl(std::istream& stream, const std::string& name) {
   const std::string bytes(std::istreambuf_iterator<char>(stream), {});
-  // Headers of binary files may begin with "solid" too: the length tells.
+  // headers of binary files may also begin with "solid": the length decides
   if (bytes.size() >= kHeader) {
     std::uint32_t count = 0;
     std::memcpy(&count, &bytes[kHeader - sizeof count], sizeof count);
@@ -130,7 +130,7 @@ TriangleSurface read_stl(std::istream& stream, const std::string& name) {
 TriangleSurface read_obj(std::istream& stream, const std::string& name) {
   LineReader reader(stream, name, '#');
   std::vector<Eigen::Vector3d> points;
-  std::vector<std::vector<long>> faces;  // numbers of vertices, from 0; -1: not there
+  std::vector<std::vector<long>> faces;  // indices of vertices, from 0; -1: missing
   while (reader.next()) {
     const std::string& word = reader.words()[0];
     if (word == "v") {

@@ -73,7 +73,7 @@ class SurfaceRepair {
     return result;
   }
 
-  /// Drops triangles, and points that then are in none.
+  /// Drops triangles, and points that are then unused.
   void drop(const std::vector<int>& triangles) {
     std::vector<bool> gone(surface_.triangle_count(), false);
     for (const int t : triangles) gone[t] = true;
@@ -116,8 +116,8 @@ class SurfaceRepair {
     return c[0] == c[1] || c[1] == c[2] || c[2] == c[0];
   }
 
-  /// A triangle whose one corner lies on the opposite edge: that edge is turned, so that the
-  /// neighbour behind it is cut in two at the corner.
+  /// For a triangle with one corner on the opposite edge: that edge is flipped, so that the
+  /// neighbour behind it is divided at the corner.
   void turn_thin_triangles() {
     std::vector<long> done;
     for (int round = 0; round < 10; ++round) {
@@ -171,7 +171,7 @@ class SurfaceRepair {
 
   void drop_bodies() {
     if (options_.parts != Parts::kKeepLargest) return;
-    // By area: an open part has no volume. Where all are closed, cavities stay.
+    // By area, because an open part has no volume. If all parts are closed, cavities are kept.
     const SurfaceReport report = check(surface_);
     std::vector<double> areas(report.parts(), 0);
     for (int t = 0; t < surface_.triangle_count(); ++t)
@@ -219,7 +219,7 @@ class SurfaceRepair {
     return 0.5 * (b - a).cross(c - a).norm();
   }
 
-  /// What is held by an edge of three triangles sticks out: its rim is no hole.
+  /// A loop attached to an edge of three triangles bounds a protruding sheet, not a hole.
   static bool is_rim_of_sheet(const std::vector<int>& loop, const SurfaceTopology& topology) {
     for (std::size_t i = 0; i < loop.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
@@ -258,7 +258,7 @@ class SurfaceRepair {
 }  // namespace
 
 Eigen::Matrix3Xi close_loop(const Eigen::Matrix3Xd& points, const std::vector<int>& loop) {
-  // Best triangulation of each stretch of the loop out of those of shorter ones.
+  // best triangulation of each section of the loop from those of shorter sections
   const int n = static_cast<int>(loop.size());
   if (n < 3) return {};
   std::vector<std::vector<double>> area(n, std::vector<double>(n, 0));
@@ -271,7 +271,7 @@ Eigen::Matrix3Xi close_loop(const Eigen::Matrix3Xd& points, const std::vector<in
       const Vector3d a = points.col(loop[i]), b = points.col(loop[j]);
       for (int k = i + 1; k < j; ++k) {
         const Vector3d c = points.col(loop[k]);
-        // Of those of equal area, the ones without needles.
+        // among equal areas, prefer triangulations without needles
         const double sides = (b - a).squaredNorm() + (c - a).squaredNorm() + (c - b).squaredNorm();
         const double sum =
             area[i][k] + area[k][j] + 0.5 * (c - a).cross(b - a).norm() + 1e-6 * sides;

@@ -59,7 +59,7 @@ void look_at_triangles(const TriangleSurface& surface, SurfaceReport& report) {
   }
 }
 
-/// Points whose triangles are more than one fan joined by edges.
+/// Points whose triangles form more than one fan connected by edges.
 std::vector<int> pinched_points(const TriangleSurface& surface) {
   std::vector<std::vector<SurfaceEdge>> opposite(surface.point_count());
   for (int t = 0; t < surface.triangle_count(); ++t) {
@@ -85,7 +85,7 @@ std::vector<int> pinched_points(const TriangleSurface& surface) {
   return pinched;
 }
 
-/// Solid angle of a triangle seen from a point, by 4 pi (van Oosterom and Strackee 1983).
+/// Solid angle of a triangle seen from a point, divided by 4 pi (van Oosterom and Strackee 1983).
 double winding(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   const double la = a.norm(), lb = b.norm(), lc = c.norm();
   const double over = a.dot(b.cross(c));
@@ -93,12 +93,13 @@ double winding(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return std::atan2(over, under) / (2 * EIGEN_PI);
 }
 
-/// How the parts lie within one another, and which are inside out, once each is turned one way.
+/// Determines the nesting of the parts, and inward orientation, once each part is consistently
+/// oriented.
 void nest(const TriangleSurface& turned, SurfaceReport& report) {
   const int parts = 1 + *std::max_element(report.part.begin(), report.part.end());
   report.depth.assign(parts, 0);
   std::vector<double> volumes(parts, 0);
-  std::vector<Vector3d> seat(parts);  // a point of each part
+  std::vector<Vector3d> seat(parts);  // one point of each part
   std::vector<bool> has_seat(parts, false);
   const Vector3d origin = turned.points.rowwise().mean();
   const auto corner = [&](int i, int t) -> Vector3d {

@@ -22,10 +22,10 @@ bool SurfaceTopology::runs_along(int t, int from, int to) const {
 }
 
 std::vector<std::vector<int>> SurfaceTopology::holes() const {
-  std::map<int, std::vector<int>> next;  // of a point of the rim
+  std::map<int, std::vector<int>> next;  // successors of a point on the rim
   for (const auto& [edge, at] : edges_) {
     if (at.size() != 1) continue;
-    // Against the direction of the triangle that is there.
+    // against the direction of the existing triangle
     const bool forth = runs_along(at[0], edge.first, edge.second);
     next[forth ? edge.second : edge.first].push_back(forth ? edge.first : edge.second);
   }
@@ -35,11 +35,11 @@ std::vector<std::vector<int>> SurfaceTopology::holes() const {
       std::vector<int> loop{start};
       for (int at = start;;) {
         auto& out = next[at];
-        if (out.empty()) break;  // neighbours are turned against each other: no loop
+        if (out.empty()) break;  // neighbours with opposite orientation: no loop
         at = out.back();
         out.pop_back();
         if (at == start) break;
-        // Where rims touch, what has come round is a loop of its own.
+        // where rims touch, a completed section is a loop of its own
         const auto again = std::find(loop.begin(), loop.end(), at);
         if (again != loop.end()) {
           loops.emplace_back(again, loop.end());
@@ -64,12 +64,14 @@ std::vector<std::pair<int, int>> SurfaceTopology::crowded_edges() const {
 
 SurfaceSides SurfaceTopology::sides() const {
   const int count = surface_.triangle_count();
-  std::vector<std::vector<std::pair<int, bool>>> neighbours(count);  // and whether turned alike
+  // neighbours of each triangle, and whether they have the same orientation
+  std::vector<std::vector<std::pair<int, bool>>> neighbours(count);
   for (const auto& [edge, at] : edges_) {
     for (std::size_t i = 1; i < at.size(); ++i) {
       const bool alike =
           runs_along(at[0], edge.first, edge.second) != runs_along(at[i], edge.first, edge.second);
-      // Round a crowded edge there is no telling what is alike, but it joins all the same.
+      // at an edge of more than two triangles orientation is undefined, but the triangles are
+      // connected
       if (at.size() > 2) continue;
       neighbours[at[0]].emplace_back(at[i], alike);
       neighbours[at[i]].emplace_back(at[0], alike);

@@ -8,24 +8,24 @@
 
 namespace palpate::mesh {
 
-/// How the triangles of a surface are turned among each other.
+/// Relative orientation of the triangles of a surface.
 struct SurfaceSides {
-  std::vector<int> part;       // of each triangle, joined by edges, from 0
-  std::vector<bool> turned;    // triangles that face the other way than most of their part
-  std::vector<int> one_sided;  // parts in which no order fits all edges
+  std::vector<int> part;       // part of each triangle, connected by edges, from 0
+  std::vector<bool> turned;    // triangles oriented against the majority of their part
+  std::vector<int> one_sided;  // parts without a consistent orientation
 };
 
-/// Which triangles meet in which edges. Indices must be in range; triangles that name a point twice
-/// are passed over.
+/// Adjacency of triangles and edges. Indices must be in range; triangles with a repeated point are
+/// ignored.
 class SurfaceTopology {
  public:
   explicit SurfaceTopology(const TriangleSurface& surface);
 
-  /// Triangles at each edge (points in rising order).
+  /// Triangles at each edge (points in ascending order).
   const std::map<std::pair<int, int>, std::vector<int>>& edges() const { return edges_; }
 
-  /// Loops of points round holes: edges of one triangle, in the direction that a triangle which
-  /// closes the hole would have them.
+  /// Loops of points around holes: edges of a single triangle, in the direction of a triangle that
+  /// would close the hole.
   std::vector<std::vector<int>> holes() const;
   /// Edges of more than two triangles.
   std::vector<std::pair<int, int>> crowded_edges() const;

@@ -6,7 +6,7 @@
 namespace palpate::mesh {
 namespace {
 
-/// A header may promise more than the file holds, so room is made as lines come.
+/// A header may announce more than the file contains, so memory is allocated as lines are read.
 template <typename Matrix>
 void make_room(Matrix& matrix, int column, int count) {
   if (column < matrix.cols()) return;

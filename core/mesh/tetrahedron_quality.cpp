@@ -27,7 +27,7 @@ Matrix6d stiffness_root() {
   return D.llt().matrixL();
 }
 
-/// Largest eigenvalue of V B^T D B, which is that of the smaller V L^T B B^T L, by V^(1/3).
+/// Largest eigenvalue of V B^T D B, equal to that of the smaller V L^T B B^T L, divided by V^(1/3).
 double largest_stiffness(const Corners& x) {
   static const Matrix6d kRoot = stiffness_root();
   Eigen::Matrix3d edges;
@@ -69,7 +69,7 @@ TetrahedronQuality measure(const TetrahedralMesh& mesh, int t) {
     quality.longest_edge = std::max(quality.longest_edge, length);
   }
   quality.stiffness = std::numeric_limits<double>::infinity();
-  // The mesh's own bound, so that check() and this agree on what is flat.
+  // same criterion for flat elements as check()
   if (!(std::abs(quality.volume) > 1e-12 * std::pow(quality.longest_edge, 3))) return quality;
 
   quality.smallest_angle = EIGEN_PI;

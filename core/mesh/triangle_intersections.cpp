@@ -14,18 +14,18 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using Triangle = std::array<Vector3d, 3>;
 
-/// Lengths below this, by the size of the two triangles, are rounding.
+/// relative to the size of the two triangles: smaller lengths are rounding errors
 constexpr double kRounding = 1e-9;
 
 struct Candidate {
   Triangle x;
   Eigen::Vector3i corners;
-  Vector3d normal;  // unit
+  Vector3d normal;  // unit normal
   Eigen::AlignedBox3d box;
   double size = 0;  // longest edge
 };
 
-/// Whether a point of the triangle's plane lies within it, by more than `margin` from its edges.
+/// Whether a point in the triangle's plane lies inside it, by more than `margin` from its edges.
 bool is_within(const Candidate& c, const Vector3d& p, double margin) {
   for (int i = 0; i < 3; ++i) {
     const Vector3d along = (c.x[(i + 1) % 3] - c.x[i]).normalized();
@@ -34,17 +34,18 @@ bool is_within(const Candidate& c, const Vector3d& p, double margin) {
   return true;
 }
 
-/// Whether a segment goes through the inside of a triangle, or only touches it with `margin` < 0.
+/// Whether a segment intersects the interior of a triangle, or touches it if `margin` < 0.
 bool crosses(const Candidate& c, const Vector3d& from, const Vector3d& to, double rounding,
              double margin) {
   const double a = c.normal.dot(from - c.x[0]), b = c.normal.dot(to - c.x[0]);
   if ((a > rounding && b > rounding) || (a < -rounding && b < -rounding)) return false;
-  if (std::abs(a) <= rounding && std::abs(b) <= rounding) return false;  // in the plane
+  if (std::abs(a) <= rounding && std::abs(b) <= rounding)
+    return false;  // the segment lies in the plane
   const double share = std::clamp(a / (a - b), 0.0, 1.0);
   return is_within(c, from + share * (to - from), margin);
 }
 
-/// Whether triangles of one plane overlap: no edge of either parts them.
+/// Whether coplanar triangles overlap: no edge of either separates them.
 bool overlaps_in_plane(const Candidate& c, const Candidate& d, double rounding) {
   const auto parts = [rounding](const Candidate& one, const Candidate& other) {
     for (int i = 0; i < 3; ++i) {
@@ -67,15 +68,15 @@ bool intersect(const Candidate& c, const Candidate& d) {
   const auto is_shared = [&shared](int n) {
     return std::find(shared.begin(), shared.end(), n) != shared.end();
   };
-  if (shared.size() == 3) return true;  // the same triangle again
+  if (shared.size() == 3) return true;  // identical triangles
   bool in_plane = true;
   for (const Vector3d& p : d.x) {
     in_plane = in_plane && std::abs(c.normal.dot(p - c.x[0])) <= rounding;
   }
   if (in_plane) return overlaps_in_plane(c, d, rounding);
-  if (shared.size() == 2) return false;  // they meet in the edge alone, folded or not
-  // Where they share a corner only the opposite edges can go through; touching counts where they
-  // share nothing.
+  if (shared.size() == 2) return false;  // they meet in the edge only, folded or not
+  // Triangles with a shared corner can intersect only in the opposite edges; touching counts for
+  // triangles without shared corners.
   const double margin = shared.empty() ? -rounding : rounding;
   const auto goes_through = [&](const Candidate& one, const Candidate& other) {
     for (int i = 0; i < 3; ++i) {
@@ -107,7 +108,7 @@ std::vector<std::pair<int, int>> find_intersections(const TriangleSurface& surfa
     all.push_back(c);
     index.push_back(t);
   }
-  // Sweep along the axis on which the surface is longest.
+  // sweep along the longest axis of the surface
   Eigen::AlignedBox3d whole;
   for (const Candidate& c : all) whole.extend(c.box);
   int axis = 0;

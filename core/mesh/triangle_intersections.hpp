@@ -7,9 +7,9 @@
 
 namespace palpate::mesh {
 
-/// Pairs of triangles that meet elsewhere than in corners and edges that they share: the surface
-/// goes through itself, or lies on itself. Triangles without area are passed over. All indices
-/// must be in range and coordinates finite.
+/// Pairs of triangles that meet elsewhere than in shared corners and edges: self-intersections and
+/// overlaps of the surface. Triangles without area are ignored. All indices must be in range and
+/// coordinates finite.
 std::vector<std::pair<int, int>> find_intersections(const TriangleSurface& surface);
 
 }  // namespace palpate::mesh

@@ -9,8 +9,8 @@
 namespace palpate::mesh {
 namespace {
 
-/// Text of a .veg with every *INCLUDE replaced by what it names cannot keep line numbers, so a
-/// section that is included is read by a reader of its own.
+/// Replacing every *INCLUDE in the text would lose line numbers, so an included section is read by
+/// a separate reader.
 class VegaReader {
  public:
   VegaReader(std::istream& stream, const std::string& name, const Includer& include,
@@ -36,7 +36,7 @@ class VegaReader {
       } else if (section == "*INCLUDE") {
         reader_.fail("*INCLUDE is only known right below *VERTICES and *ELEMENTS");
       } else {
-        more = reader_.next();  // materials, regions
+        more = reader_.next();  // skip materials, regions
       }
     }
     if (!has_nodes_) reader_.fail("there is no *VERTICES");
@@ -84,7 +84,7 @@ class VegaReader {
     has_elements_ = true;
   }
 
-  /// "*SET name", then element numbers by commas; true where another section follows.
+  /// "*SET name", then comma-separated element numbers; true if another section follows.
   bool read_set() {
     if (!has_elements_) reader_.fail("*SET comes before *ELEMENTS");
     if (reader_.size() < 2) reader_.fail("*SET needs a name");

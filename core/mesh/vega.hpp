@@ -8,12 +8,12 @@
 
 namespace palpate::mesh {
 
-/// What an *INCLUDE line names, opened and read to its end; throws where it cannot be.
+/// Opens the file named in an *INCLUDE line and returns its content; throws if that fails.
 using Includer = std::function<std::string(const std::string& name)>;
 
-/// Reads Vega's .veg: *VERTICES and *ELEMENTS (TETS), in place or by *INCLUDE, 0- or 1-based as the
-/// first vertex says. *SET of elements become groups; *MATERIAL, *REGION and other sections are
-/// passed over. `name` stands in errors. Throws ParseError.
+/// Reads Vega's .veg: *VERTICES and *ELEMENTS (TETS), directly or by *INCLUDE, 0- or 1-based as
+/// given by the first vertex. *SET of elements become groups; *MATERIAL, *REGION and other sections
+/// are ignored. `name` is used in error messages. Throws ParseError.
 MeshWithGroups read_vega(std::istream& stream, const std::string& name, const Includer& include,
                          OnFault on_fault = OnFault::kThrow);
 

@@ -16,7 +16,7 @@ InverseSolution plan_with_chain(const elasticity::Body& body, int grasp,
     throw std::invalid_argument("the target has another size than the feature");
   const RheologicalChain at_rest(options.chain, body, grasp);
   const math::Pose X_rest = body.grasps[grasp].X_OG_rest;
-  // (m, rad scaled) from rest to pose.
+  // pose from a displacement from rest (m, scaled rotation)
   const auto pose = [&](const math::Vector6d& way) {
     math::Pose X = X_rest;
     X.translation() += way.head<3>();

@@ -9,7 +9,8 @@
 namespace palpate::published_control {
 namespace {
 
-/// Way of the hand, m, by which its direction is judged: more than an arm at rest trembles.
+/// m, smallest displacement of the hand that defines a direction of motion: above the tremor of an
+/// arm at rest.
 constexpr double kLeastWay = 1e-4;
 
 }  // namespace

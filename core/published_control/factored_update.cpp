@@ -17,7 +17,8 @@ void FactoredUpdate::resize(int rows) {
   split_ = false;
 }
 
-/// Nothing tells the factors apart at first: B takes over how much each motion does, A which way.
+/// Initial factorisation, which is not unique: B takes the relative norms of the columns of J, A
+/// the scaled columns.
 void FactoredUpdate::split(const Eigen::MatrixXd& J) noexcept {
   double largest = 0;
   for (int k = 0; k < 6; ++k) largest = std::max(largest, J.col(k).norm());
@@ -47,7 +48,7 @@ void FactoredUpdate::learn(const ScaledMotion& motion, const Eigen::VectorXd& ch
     step_ = residual_ / between.squaredNorm();
     image_.noalias() += step_.lazyProduct(between.transpose());
   }
-  // The change of the middle that explains the rest best, along the steepest descent.
+  // Change of the inner factor that best explains the remainder, along the steepest descent.
   const math::Vector6d down = image_.transpose().lazyProduct(residual_);
   step_.noalias() = image_.lazyProduct(down);
   const double curvature = step_.squaredNorm();

@@ -6,16 +6,17 @@ namespace palpate::published_control {
 
 /// Alambeigi, Wang, Hegeman, Liu and Armand, "A robust data-driven approach for online learning and
 /// manipulation of unmodeled 3-D heterogeneous compliant objects", IEEE Robotics and Automation
-/// Letters 3(4), 2018: row [54] of Table 2.2.
+/// Letters 3(4), 2018: row [54] of Table 2.2 in Sanchez 2019.
 ///
-/// Consumes: image features (vision, see TwoCameraView), the hand's pose, six probes; no model.
-/// Kept: the Jacobian is a product of two unknown ones, of the image by the deformation and of the
-/// deformation by the hand, J = A B, both learnt on line as the object changes: each by the
-/// rank-one update that is smallest given the other, with half of what is left to explain. Left
-/// out: the constrained least squares by which the paper estimates both, their continuum robot.
+/// Consumes: image features (vision, see TwoCameraView), pose of the hand, six probing motions; no
+/// model. Kept: the Jacobian is a product of two unknown ones, of the image with respect to the
+/// deformation and of the deformation with respect to the hand, J = A B, both learnt online as the
+/// object changes: each by the minimum-norm rank-one update for a given other factor, with half of
+/// the remaining prediction error. Left out: the constrained least squares by which the paper
+/// estimates both, and their continuum robot.
 class FactoredUpdate final : public JacobianUpdate {
  public:
-  /// Throws std::invalid_argument where gain is not in (0, 1].
+  /// Throws std::invalid_argument if gain is not in (0, 1].
   explicit FactoredUpdate(double gain);
   void resize(int rows) override;
   void forget() noexcept override { split_ = false; }

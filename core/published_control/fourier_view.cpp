@@ -5,10 +5,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::published_control {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 
 }  // namespace
 

@@ -71,15 +71,16 @@ void GaussianProcess::fit() noexcept {
     size_ += changes_.col(i).norm() / count_;
     motion_size_ += motions_.row(i).norm() / count_;
   }
-  // Targets are in units of their mean size, so the prior's deviation is about 1. Without noise a
-  // sample and its mirror image would be all that the process believes in.
+  // Targets are in units of their mean norm, so the prior's deviation is about 1. Without noise the
+  // process would interpolate each sample and its mirror image exactly.
   const double noise = options_.noise * options_.noise;
   for (int j = 0; j < count_; ++j) {
     for (int i = j; i < count_; ++i)
       gram_(i, j) = kernel((changes_.col(i) - changes_.col(j)).squaredNorm());
     gram_(j, j) += noise;
   }
-  // Cholesky, then both substitutions, in place: Eigen's own would allocate for this size.
+  // Cholesky factorisation and both substitutions in place, because Eigen's would allocate for this
+  // size.
   for (int j = 0; j < count_; ++j) {
     double pivot = gram_(j, j);
     for (int k = 0; k < j; ++k) pivot -= factor_(j, k) * factor_(j, k);
@@ -119,7 +120,7 @@ void GaussianProcess::observe(const control::Experience& now) noexcept {
   if (!first) {
     change_ = *now.value - last_;
     add(motion, change_);
-    // The other way round it is the same function: a linear one is odd.
+    // the mirrored sample is valid as well: a linear function is odd
     if (probed) {
       change_ = -change_;
       add(-motion, change_);

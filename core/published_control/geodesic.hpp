@@ -6,9 +6,9 @@
 
 namespace palpate::published_control {
 
-/// Length of the shortest way from each node to the nearest of `sources`, m, along edges of
-/// elements (all pairs of nodes of one element) at rest; by Dijkstra's algorithm. Too long by what
-/// edges go aside, at most some 15 % on the meshes in use. Infinite where no way leads.
+/// Length of the shortest path from each node to the nearest of `sources`, m, along edges of
+/// elements (all pairs of nodes of one element) at rest, by Dijkstra's algorithm. Overestimates the
+/// geodesic distance by at most about 15 % on the meshes in use. Infinite if there is no path.
 std::vector<double> geodesic_distances(const mesh::ElementMesh& mesh,
                                        const std::vector<int>& sources);
 

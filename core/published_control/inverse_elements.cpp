@@ -51,7 +51,7 @@ InverseSolution solve_inverse(const elasticity::Body& body, int grasp, shape::Fe
       feature.error(value, target, error);
       better = error.norm() < best.error;
     }
-    if (!better) {  // back, and less far
+    if (!better) {  // undo, and reduce the step
       step *= 0.5;
       if (!(step.norm() > options.tolerance)) break;
       X = moved(best.X_OG, step);

@@ -4,18 +4,18 @@
 
 namespace palpate::published_control {
 
-/// A motion of the hand with lengths alone: displacement in m, rotation times a length in m.
+/// Motion of the hand in lengths only: displacement in m, rotation times a length in m.
 using ScaledMotion = math::Vector6d;
 
-/// How a Jacobian is learnt from pairs of a hand's motion and what it has done to a feature. J:
-/// rows x 6, by ScaledMotion.
+/// Learns a Jacobian from pairs of a hand's motion and the resulting change of a feature. J: rows x
+/// 6, with respect to ScaledMotion.
 class JacobianUpdate {
  public:
   virtual ~JacobianUpdate() = default;
-  /// Room for a feature of so many rows; forgets. Allocates.
+  /// Allocates for a feature with this number of rows and clears the state.
   virtual void resize(int rows) = 0;
   virtual void forget() noexcept {}
-  /// `probe`: one of the first motions, from whose whole J has been found already.
+  /// `probe`: one of the initial probing motions, from which J has been computed already.
   virtual void learn(const ScaledMotion& motion, const Eigen::VectorXd& change, bool probe,
                      Eigen::MatrixXd& J) noexcept = 0;
 };

@@ -10,17 +10,18 @@ namespace palpate::published_control {
 
 struct LearningOptions {
   ProbeOptions probes;
-  double period = 1.0 / 30;    // s between two motions that are learnt from, at least
-  double least_motion = 1e-3;  // m, of a ScaledMotion that is learnt from: the dead zone
-  double length = 0.1;         // m, by which rotations are scaled
+  double period = 1.0 / 30;    // s, minimum interval between two motions used for learning
+  double least_motion = 1e-3;  // m, dead zone: minimum ScaledMotion used for learning
+  double length = 0.1;         // m, length that scales rotations
 };
 
-/// What all model-free methods have in common: six probes for a first Jacobian, then a law steers
-/// and the Jacobian is updated by what the hand's motions have done to the feature. The time that
-/// probes take is the method's own. Learns from new looks at the feature alone.
+/// Common part of all model-free methods: six probing motions provide an initial Jacobian, then a
+/// law controls the hand and the Jacobian is updated from motions of the hand and the resulting
+/// changes of the feature. The time of the probing motions counts for the method. Learns from new
+/// observations of the feature only.
 class LearningJacobian final : public control::JacobianProvider {
  public:
-  /// Throws std::invalid_argument where an option is out of range or the feature cannot be learnt.
+  /// Throws std::invalid_argument if an option is out of range or the feature is not supported.
   LearningJacobian(const LearningOptions& options, std::unique_ptr<FeatureView> view,
                    std::unique_ptr<JacobianUpdate> update, const shape::Feature& feature);
 
@@ -30,7 +31,8 @@ class LearningJacobian final : public control::JacobianProvider {
   bool commands(const control::LawInputs& inputs, math::Twist& V_O_G) noexcept override;
   void reset() noexcept override;
 
-  const Eigen::MatrixXd& scaled_jacobian() const noexcept { return J_; }  // of what is seen
+  // Jacobian of the representation
+  const Eigen::MatrixXd& scaled_jacobian() const noexcept { return J_; }
 
  private:
   ScaledMotion motion_since(const math::Pose& X_OG) const noexcept;
@@ -40,7 +42,7 @@ class LearningJacobian final : public control::JacobianProvider {
   std::unique_ptr<FeatureView> view_;
   std::unique_ptr<JacobianUpdate> update_;
   Probes probes_;
-  Eigen::MatrixXd J_, J_seen_;     // by ScaledMotion; by (m, rad)
+  Eigen::MatrixXd J_, J_seen_;     // with respect to ScaledMotion; with respect to (m, rad)
   Eigen::MatrixXd probe_changes_;  // rows x 6
   math::Matrix6d probe_motions_;   // by column
   Eigen::VectorXd seen_, last_, change_;

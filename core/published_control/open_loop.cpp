@@ -8,7 +8,7 @@
 namespace palpate::published_control {
 namespace {
 
-constexpr double kLength = 0.25;  // m, by which rotations are weighed against displacements
+constexpr double kLength = 0.25;  // m, length that makes rotations comparable with displacements
 
 }  // namespace
 

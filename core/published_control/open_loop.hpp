@@ -5,32 +5,32 @@
 
 namespace palpate::published_control {
 
-/// Plans found by inverse finite elements before the hand moves, and then carried out without a
-/// look at the shape:
+/// Plans computed by inverse finite elements before the motion and executed without observation of
+/// the shape:
 /// - by displacement: Duenser, Bern, Poranne and Coros, "Interactive robotic manipulation of
-/// elastic
-///   objects", IROS 2018: row [50]. Consumes: the model, the hand's pose. Kept: the hand's pose is
-///   what an elastic model in equilibrium, differentiated by sensitivity analysis, brings to the
-///   target by Gauss-Newton. Left out: their Neo-Hookean material (the model here is palpate's
-///   co-rotated one), joints in place of poses, terms against contact, a second arm.
+///   elastic objects", IROS 2018: row [50] of Table 2.2 in Sanchez 2019. Consumes: the model, the
+///   pose of the hand. Kept: the pose of the hand for which an elastic model in equilibrium reaches
+///   the target, by Gauss-Newton with sensitivity analysis. Left out: their neo-Hookean material
+///   (here the co-rotational one), joints instead of poses, collision terms, a second arm.
 /// - by force: Ficuciello, Migliozzi, Coevoet, Petit and Duriez, "FEM-based deformation control for
 ///   dexterous manipulation of 3D soft objects", IROS 2018: row [49]. Consumes: the model, the
-///   wrist's force. Kept: the actuator of the inverse problem is the force of the contacts, here
-///   the hand's wrench, and the hand is moved until it exerts that. Left out: several fingers with
-///   friction and bounds on each (one rigid grasp), their quadratic program (without bounds its
-///   minimum is the equilibrium of the solution by displacement). An admittance with the model's
-///   own stiffness turns what the wrench misses into a motion.
+///   force at the wrist. Kept: the actuator of the inverse problem is the contact force, here the
+///   wrench of the hand, and the hand moves until it exerts this wrench. Left out: several fingers
+///   with friction and bounds on each (one rigid grasp), their quadratic program (without bounds
+///   its minimum is the equilibrium of the solution by displacement). An admittance with the
+///   model's own stiffness converts the wrench error to a motion.
 class OpenLoop final : public control::JacobianProvider {
  public:
   struct Options {
     bool by_force = false;
-    double gain = 1;             // 1/s, of what is left of the pose or the wrench
+    double gain = 1;             // 1/s, gain on the remaining pose or wrench error
     double linear_speed = 0.08;  // m/s
     double angular_speed = 0.5;  // rad/s
-    double filter = 0.2;         // s, of the wrench
-    double dead_band = 1e-4;     // m (rotations times 0.25 m), where the pose counts as reached
+    double filter = 0.2;         // s, time constant of the wrench filter
+    /// m (rotations times 0.25 m), error at which the pose counts as reached
+    double dead_band = 1e-4;
   };
-  /// Throws std::invalid_argument where an option is out of range or the plan has no solution.
+  /// Throws std::invalid_argument if an option is out of range or the plan has no solution.
   OpenLoop(const Options& options, const InverseSolution& plan);
 
   void observe(const control::Experience& now) noexcept override;

@@ -3,10 +3,12 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::published_control {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 
 }  // namespace
 
@@ -21,7 +23,7 @@ math::Twist Probes::step(double dt) noexcept {
   math::Vector6d twist = math::Vector6d::Zero();
   if (time_ < options_.move) {
     const double amplitude = count_ < 3 ? options_.distance : options_.angle;
-    // The integral of 1 - cos over its period is that period.
+    // the integral of 1 - cos over its period equals the period
     twist[count_] = amplitude / options_.move * (1 - std::cos(2 * kPi * time_ / options_.move));
   }
   time_ += dt;

@@ -7,22 +7,22 @@
 namespace palpate::published_control {
 
 struct ProbeOptions {
-  double distance = 0.01;  // m, of a probe along an axis
-  double angle = 0.08;     // rad, of one about an axis
-  double move = 0.3;       // s that the hand takes
-  double settle = 0.2;     // s that it then waits for the object to come to rest
+  double distance = 0.01;  // m, probing motion along an axis
+  double angle = 0.08;     // rad, probing motion about an axis
+  double move = 0.3;       // s, duration of a motion
+  double settle = 0.2;     // s, subsequent waiting time for the object to settle
 };
 
-/// Six small motions of the hand one after the other, along x, y, z of O and about them, smoothly,
-/// each from where the one before has ended.
+/// Six small, smooth motions of the hand in sequence, along x, y, z of O and about them, each
+/// starting where the previous one ended.
 class Probes {
  public:
-  /// Throws std::invalid_argument where an option is not positive.
+  /// Throws std::invalid_argument if an option is not positive.
   explicit Probes(const ProbeOptions& options);
 
-  /// The twist of this tick. Needs !done().
+  /// Twist of this tick. Requires !done().
   math::Twist step(double dt) noexcept;
-  /// True once after each probe that has settled; count() says how many have.
+  /// True once after each settled probing motion; count() is the number of settled motions.
   bool take_settled() noexcept { return std::exchange(settled_, false); }
   int count() const noexcept { return count_; }
   bool done() const noexcept { return count_ == 6; }
@@ -36,7 +36,7 @@ class Probes {
  private:
   ProbeOptions options_;
   int count_ = 0;
-  double time_ = 0;  // s, of the present probe
+  double time_ = 0;  // s, since the start of the present motion
   bool settled_ = false;
 };
 

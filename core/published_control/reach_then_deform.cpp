@@ -11,8 +11,9 @@
 namespace palpate::published_control {
 namespace {
 
-constexpr double kInner = 0.5;    // of the region's radius, within which it is reached
-constexpr double kDamping = 0.1;  // of the Jacobian's size
+// Fraction of the region's radius within which it counts as reached.
+constexpr double kInner = 0.5;
+constexpr double kDamping = 0.1;  // relative to the norm of the Jacobian
 
 }  // namespace
 
@@ -63,7 +64,7 @@ void ReachThenDeform::observe(const control::Experience& now) noexcept {
     weight_ = std::max(weight_, 1e-6);
   if (weight_ > 0) weight_ = std::min(1.0, weight_ + now.dt / options_.hand_over);
   if (!now.fresh || since_ < options_.period) return;
-  // What does not touch moves nothing, and nothing is to be learnt of that.
+  // Without contact the points do not move, and there is nothing to learn.
   touching_ = touching_ || (value - first_).norm() > options_.touch * std::sqrt(points_);
   const Eigen::Vector3d motion = tip() - last_tip_;
   if (touching_ && weight_ > 0 && motion.norm() >= options_.least_motion) {

@@ -40,7 +40,7 @@ RheologicalChain::RheologicalChain(const Options& options, const elasticity::Bod
   along_.cwiseAbs().maxCoeff(&axis);
   const int u = (axis + 1) % 3, v = (axis + 2) % 3;
   const double area = size[u] * size[v];
-  // The object's stiffness is that at once, of both springs together.
+  // instantaneous stiffness of the object, that of both springs together
   const double spring = body.material.young_modulus / (1 + options.relaxation);
   stretching_ = spring * area / link_;
   const double by_moment = spring * area / 12 / std::pow(link_, 3);
@@ -56,7 +56,7 @@ void RheologicalChain::reset() {
   stretch_crept_.setZero(count() - 1);
   bending_crept_.setZero(3, count());
   torsion_ = 0;
-  // After ever so long the dashpots bear nothing.
+  // after a very long time the dashpots bear no load
   for (int i = 0; i < 4; ++i) step(X_rest_, 1e6 * options_.relaxation_time);
 }
 
@@ -65,7 +65,7 @@ void RheologicalChain::set_ends(const math::Pose& X_OG) {
   const int n = count();
   for (const int i : {0, 1}) x_.col(i) = rest_.col(i);
   for (const int i : {n - 2, n - 1}) x_.col(i) = moved * rest_.col(i);
-  // Of the hand's rotation, that which does not turn the axis.
+  // component of the hand's rotation that does not rotate the axis
   const Eigen::Vector3d to = moved.linear() * along_;
   const Eigen::Quaterniond swing = Eigen::Quaterniond::FromTwoVectors(along_, to);
   torsion_ = math::log_rotation(swing.toRotationMatrix().transpose() * moved.linear()).dot(along_);
@@ -95,7 +95,8 @@ void RheologicalChain::derivatives(double share, Eigen::VectorXd& gradient,
     const double length = std::max(1e-9, way.norm()), e = length - link_;
     const Eigen::Vector3d d = way / length;
     const double force = stretching_ * (e + share * (e - stretch_crept_[i]));
-    // A push turns links aside; without its share the matrix stays positive.
+    // Compression destabilises links laterally; without this contribution the matrix remains
+    // positive definite.
     const Eigen::Matrix3d K =
         stretching_ * (1 + share) * d * d.transpose() +
         std::max(0.0, force) / length * (Eigen::Matrix3d::Identity() - d * d.transpose());
@@ -121,7 +122,8 @@ void RheologicalChain::derivatives(double share, Eigen::VectorXd& gradient,
 
 bool RheologicalChain::step(const math::Pose& X_OG, double dt) {
   set_ends(X_OG);
-  // Backward Euler of v' = (e - v) / time: the dashpot's spring acts about v, softened.
+  // Backward Euler for v' = (e - v) / time: the dashpot's spring acts about v, with reduced
+  // stiffness.
   const double way = dt / options_.relaxation_time, share = options_.relaxation / (1 + way);
   Eigen::VectorXd gradient;
   Eigen::MatrixXd hessian;

@@ -7,9 +7,9 @@
 namespace palpate::published_control {
 namespace {
 
-constexpr double kNearest = 0.05;  // m, depth below which a pinhole is not looked through
+constexpr double kNearest = 0.05;  // m, minimum depth of a projected point
 
-/// A camera at `eye` with its z axis towards `target`.
+/// Camera at `eye` with its z axis towards `target`.
 math::Pose camera_at(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
   const Eigen::Vector3d z = (target - eye).normalized();
   const Eigen::Vector3d aside = z.cross(Eigen::Vector3d::UnitZ());

@@ -9,13 +9,14 @@
 namespace palpate::published_control {
 
 /// Navarro-Alarcon, Liu, Romero and Li, "On the visual deformation servoing of compliant objects:
-/// uncalibrated control methods and experiments", Int. J. Robotics Research 33(11), 2014: row [45].
+/// uncalibrated control methods and experiments", Int. J. Robotics Research 33(11), 2014: row [45]
+/// of Table 2.2 in Sanchez 2019.
 ///
-/// Consumes: points in the images of two cameras (vision), the hand's pose, six probes. Kept: image
-/// features of several views in one stack, whose Jacobian is learnt without calibration (see
-/// GradientUpdate). Left out: real images; two ideal pinholes project the tracked points. The
-/// task's error is given in 3-D, so what is learnt in the images is brought there by the pinholes'
-/// own Jacobian, where the paper servoes in the images.
+/// Consumes: points in the images of two cameras (vision), pose of the hand, six probing motions.
+/// Kept: stacked image features of several views, whose Jacobian is learnt without calibration (see
+/// GradientUpdate). Left out: real images; two ideal pinhole cameras project the tracked points.
+/// The task error is 3-D, therefore the Jacobian learnt in the images is converted by the cameras'
+/// own Jacobian, whereas the paper controls in the images.
 class TwoCameraView final : public FeatureView {
  public:
   struct Options {
@@ -24,7 +25,8 @@ class TwoCameraView final : public FeatureView {
     Eigen::Vector3d target_O{0.25, 0.03, 0.03};
     double focal = 600;  // px
   };
-  /// Throws std::invalid_argument where an eye is in the target or the focal length not positive.
+  /// Throws std::invalid_argument if an eye coincides with the target or the focal length is not
+  /// positive.
   explicit TwoCameraView(const Options& options);
   void resize(const shape::Feature& feature) override;
   int rows() const noexcept override { return 4 * points_; }

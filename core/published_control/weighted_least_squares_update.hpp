@@ -7,21 +7,21 @@
 namespace palpate::published_control {
 
 /// Lagneau, Krupa and Marchal, "Active deformation through visual servoing of soft objects", ICRA
-/// 2020: later work beside Table 2.2.
+/// 2020: later than Table 2.2 in Sanchez 2019.
 ///
-/// Consumes: feature values (vision), the hand's pose, six probes. Kept: weighted least squares
-/// over a sliding window of motions, the newer ones weighing more; J is changed only along
-/// directions in which the window's motions say enough, judged by the eigenvalues of their
-/// covariance. Left out: segmentation and tracking of the RGB-D camera, the choice of the number of
-/// features.
+/// Consumes: feature values (vision), pose of the hand, six probing motions. Kept: weighted least
+/// squares over a sliding window of motions with larger weights for newer ones; J is changed only
+/// along directions sufficiently excited by the window's motions, judged by the eigenvalues of
+/// their covariance. Left out: segmentation and tracking by the RGB-D camera, the selection of the
+/// number of features.
 class WeightedLeastSquaresUpdate final : public JacobianUpdate {
  public:
   struct Options {
-    int window = 25;           // motions, 6 to 500
-    double forgetting = 0.95;  // weight of a motion by that of the next one, (0, 1]
-    double confidence = 0.05;  // least eigenvalue that is trusted, as a share of the largest
+    int window = 25;           // number of motions, 6 to 500
+    double forgetting = 0.95;  // weight of a motion relative to the next newer one, (0, 1]
+    double confidence = 0.05;  // smallest accepted eigenvalue relative to the largest
   };
-  /// Throws std::invalid_argument where an option is out of range.
+  /// Throws std::invalid_argument if an option is out of range.
   explicit WeightedLeastSquaresUpdate(const Options& options);
   void resize(int rows) override;
   void forget() noexcept override { count_ = next_ = 0; }

@@ -20,7 +20,7 @@ BarAxis find_bar_axis(const elasticity::Body& body) {
   if (body.fixed_nodes.empty())
     throw std::invalid_argument("a model of beams wants a bar that is clamped at one end");
   bar.root = 0.5 * (lower + upper);
-  double farthest_low = 0, farthest_high = 0;  // m, of fixed nodes from either end
+  double farthest_low = 0, farthest_high = 0;  // m, distance of fixed nodes from either end
   for (const int node : body.fixed_nodes) {
     farthest_low = std::max(farthest_low, nodes(bar.axis, node) - lower[bar.axis]);
     farthest_high = std::max(farthest_high, upper[bar.axis] - nodes(bar.axis, node));

@@ -64,7 +64,8 @@ sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
   unseen_for_ = is_new ? 0 : unseen_for_ + dt;
   if (unseen_for_ > options_.patience) {
     trouble = "nothing is seen of the shape";
-    // A hand that is known goes on; what was seen long ago would hold the shape back.
+    // With a known pose of the hand the model continues; old observations would only hold the shape
+    // back.
     if (options_.hand) matches_.reset();
   }
   if (is_new) matches_.begin(inputs.observation.points_O);

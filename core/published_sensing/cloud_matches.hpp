@@ -5,12 +5,12 @@
 
 namespace palpate::published_sensing {
 
-/// A point that was seen, and the place of the surface that was nearest to it.
+/// Observed point and the surface point nearest to it.
 struct CloudMatch {
   contact::SurfaceMatch place;
   Eigen::Vector3d point = Eigen::Vector3d::Zero();  // m, in O
 
-  /// Of the place's nodes, positions or velocities.
+  /// Value of a nodal field (positions or velocities) at the surface point.
   Eigen::Vector3d of(const Eigen::Matrix3Xd& nodal) const noexcept {
     Eigen::Vector3d sum = Eigen::Vector3d::Zero();
     for (int i = 0; i < place.count; ++i) sum += place.weights[i] * nodal.col(place.nodes[i]);
@@ -18,24 +18,25 @@ struct CloudMatch {
   }
 };
 
-/// The correspondence step of iterated closest points, spread over ticks: each point of a cloud
-/// gets the nearest place of the surface as that is in the tick of its turn. A cloud's matches are
-/// given out when all are there. Nothing allocates after construction.
+/// Correspondence step of iterative closest points, spread over ticks: each point of a cloud is
+/// assigned the surface point that is nearest in the tick of its processing. The matches of a cloud
+/// are published when all are available. Nothing allocates after construction.
 class CloudMatches {
  public:
-  /// `reach`: m, points farther off the surface are of something else.
+  /// `reach`: m, points farther from the surface belong to other objects.
   CloudMatches(const mesh::Surface& surface, double reach, int points_per_tick);
 
   void reset() noexcept;
-  /// A new cloud; what was left of the one before is dropped.
+  /// Starts a new cloud; the remainder of the previous one is dropped.
   void begin(const estimation::ObservationInput::Points& points) noexcept;
   bool is_busy() const noexcept { return next_ < points_.cols(); }
-  /// The next points. True when these were the last: from then on matches() is of this cloud.
+  /// Processes the next points. Returns true when they were the last; matches() then refers to this
+  /// cloud.
   bool advance(const Eigen::Matrix3Xd& positions) noexcept;
 
   int count() const noexcept { return count_; }
   const CloudMatch& operator[](int i) const noexcept { return matches_[i]; }
-  /// Root mean square distance of points from their places when they were found, m.
+  /// Root mean square distance between points and their matches at the time of matching, m.
   double distance() const noexcept { return distance_; }
 
  private:

@@ -6,32 +6,32 @@
 
 namespace palpate::published_sensing {
 
-/// A Gaussian process over places of a surface, of the logarithm of how far each gives way by a
-/// newton: mean 0 about `mean`, squared-exponential kernel. Room for a fixed number of touches.
+/// Gaussian process over surface points for the logarithm of the local compliance: mean
+/// log(`mean`), squared-exponential kernel. Fixed capacity of contacts.
 class ComplianceProcess {
  public:
   static constexpr int kMost = 48;
   struct Options {
-    double length = 0.03;  // m, over which compliance is alike
-    double deviation = 1;  // of its logarithm, prior
-    double noise = 0.15;   // of the logarithm of one touch
+    double length = 0.03;  // m, correlation length of the compliance
+    double deviation = 1;  // of the logarithm, prior standard deviation
+    double noise = 0.15;   // of the logarithm of one contact's measurement
     double mean = 1e-3;    // m/N, prior
   };
   struct Prediction {
     double compliance = 0;  // m/N, the median
-    double deviation = 0;   // of its logarithm
+    double deviation = 0;   // standard deviation of its logarithm
   };
 
-  /// Throws std::invalid_argument where an option is not positive.
+  /// Throws std::invalid_argument if an option is not positive.
   explicit ComplianceProcess(const Options& options);
   void clear() noexcept { count_ = 0; }
   int count() const noexcept { return count_; }
-  /// A touch at `place` (rest, m) that found `compliance` (m/N, > 0). Where the room is full, or
-  /// one was felt within a tenth of the kernel's length, the nearest one is replaced by the mean of
-  /// both.
+  /// Adds a contact at `place` (rest position, m) with measured `compliance` (m/N, > 0). If the
+  /// capacity is reached, or a contact within a tenth of the kernel's length exists, the nearest
+  /// one is replaced by the mean of both.
   void add(const Eigen::Vector3d& place, double compliance) noexcept;
   Prediction at(const Eigen::Vector3d& place) const noexcept;
-  /// Of `places`, 3 x n, the one that is known least: where to touch next.
+  /// Column of `places`, 3 x n, with the largest uncertainty: the next contact point.
   Eigen::Index least_known(const Eigen::Matrix3Xd& places) const noexcept;
 
  private:
@@ -44,33 +44,33 @@ class ComplianceProcess {
   std::array<Eigen::Vector3d, kMost> places_;
   std::array<double, kMost> values_{};
   int count_ = 0;
-  Square lower_;    // Cholesky factor of the kernel's matrix with noise
-  Column weights_;  // its inverse times the values
+  Square lower_;    // Cholesky factor of the kernel matrix with noise
+  Column weights_;  // inverse of that matrix times the values
 };
 
-/// A map of how a surface gives way: S. Caccamo, P. Gueler, H. Kjellstroem and D. Kragic, "Active
+/// Map of the compliance of a surface: S. Caccamo, P. Gueler, H. Kjellstroem and D. Kragic, "Active
 /// perception and modeling of deformable surfaces using Gaussian processes and position-based
-/// dynamics", Humanoids 2016 (thesis [35]).
+/// dynamics", Humanoids 2016 (Sanchez 2019, Table 2.1 [35]).
 ///
-/// Consumes: force and place of touches by fingertips (or by hand), which are its probes; mesh. No
-/// camera here (see below), no material.
-/// Kept: each touch gives a local deformability; a Gaussian process over the surface interpolates
-/// it and says where it is known least, which is where to touch next; the map predicts how the
-/// surface deforms under a further touch.
-/// Left out: the RGB-D camera that gives the paper its surface (the mesh at rest is known here);
-/// position-based dynamics, whose parameter the paper fits at each touch: here a touch gives way by
-/// its compliance, and the surface about it by a Gaussian as wide as `footprint`. The choice of the
-/// next touch is told, not made: the robot belongs to the controller.
+/// Consumes: force and location of contacts of fingertips (or by hand), which are its probing
+/// motions; mesh. No camera here (see below), no material. Kept: each contact yields a local
+/// compliance; a Gaussian process over the surface interpolates it and provides its uncertainty,
+/// which determines the next contact point; the map predicts the deformation under a further
+/// contact. Left out: the RGB-D camera that measures the surface in the paper (here the rest mesh
+/// is known); position-based dynamics, whose parameter the paper fits at each contact: here a
+/// contact yields by its compliance, and the surrounding surface by a Gaussian of width
+/// `footprint`. The next contact point is reported, not approached: the controller commands the
+/// robot.
 class ComplianceMap final : public estimation::Estimator {
  public:
   struct Options {
     ComplianceProcess::Options process;
     double footprint = 0.015;  // m
-    double least_force = 0.1;  // N, below which a touch tells nothing
-    double every = 0.1;        // s, between two of a touch
+    double least_force = 0.1;  // N, minimum force of a usable contact
+    double every = 0.1;        // s, between two measurements of a contact
   };
 
-  /// Throws std::invalid_argument where an option is not positive.
+  /// Throws std::invalid_argument if an option is not positive.
   ComplianceMap(const elasticity::Body& body, const mesh::Surface& surface, const Options& options);
 
   const ComplianceProcess& process() const noexcept { return process_; }

@@ -64,7 +64,7 @@ void CurveFit::take(elasticity::DeformationModel&) noexcept {
       for (Eigen::Index b = 0; b <= a; ++b) information_(a, b) += slopes_(a, i) * slopes_(b, i);
     }
   }
-  // What was found before holds on, so that what is not seen for a moment does not jump.
+  // The previous parameters act as a prior, so that temporarily unobserved parts do not jump.
   for (Eigen::Index a = 0; a < size; ++a) information_(a, a) += options_.memory + 1e-9;
   const Eigen::LDLT<Eigen::Ref<Square>> factor(information_);
   factor.solveInPlace(vector);

@@ -5,35 +5,37 @@
 
 namespace palpate::published_sensing {
 
-/// A shape with a few parameters, fitted to clouds: one step of Gauss and Newton for each cloud,
-/// with the points' distances along the normal of the surface and what the shape itself asks for.
-/// Derivatives are by differences. Allocates nothing after construction.
+/// Shape with a few parameters, fitted to point clouds: one Gauss-Newton step per cloud with the
+/// points' distances along the surface normal and residuals of the shape itself. Numerical
+/// derivatives. Nothing allocates after construction.
 class CurveFit : public CloudEstimator {
  public:
-  static constexpr int kMost = 36;     // parameters
-  static constexpr int kMostOwn = 80;  // residuals of the shape itself
+  static constexpr int kMost = 36;     // maximum number of parameters
+  static constexpr int kMostOwn = 80;  // maximum number of residuals of the shape itself
   using Parameters = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMost, 1>;
   using Own = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kMostOwn, 1>;
 
   struct Options : CloudEstimator::Options {
-    double deviation = 1e-3;  // m, of a point from the surface: weighs points against the prior
-    double memory = 1;        // of the last parameters, as so many clouds' worth; >= 0
-    double step = 1e-5;       // of a scaled parameter, for its derivative
+    /// m, standard deviation of a point's distance from the surface: weighs points against the
+    /// prior
+    double deviation = 1e-3;
+    double memory = 1;   // weight of the last parameters in units of clouds; >= 0
+    double step = 1e-5;  // increment of a scaled parameter for its derivative
   };
 
   const Parameters& parameters() const noexcept { return parameters_; }
 
  protected:
-  /// Throws std::invalid_argument where an option is out of range or there are too many parameters.
+  /// Throws std::invalid_argument if an option is out of range or there are too many parameters.
   CurveFit(const elasticity::Body& body, const mesh::Surface& surface, const Options& options,
            int parameters, int own);
 
-  /// Of the parameters, which are of order one: nodes of the mesh in O, m.
+  /// Node positions of the mesh in O, m, for parameters of order one.
   virtual void draw(const Parameters& parameters, Eigen::Matrix3Xd& shape) const noexcept = 0;
-  /// Residuals beside the points', each over its deviation.
+  /// Residuals in addition to those of the points, each divided by its standard deviation.
   virtual void judge(const Parameters& parameters, Own& residuals) const noexcept = 0;
   const BarAxis& bar() const noexcept { return bar_; }
-  /// Where the fit begins; to be called by the constructor of what draws.
+  /// Initial parameters; call from the constructor of the derived class.
   void begin_from(const Parameters& parameters) noexcept;
 
  private:

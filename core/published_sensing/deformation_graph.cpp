@@ -11,7 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-/// Columns of `points` from the nearest to `p` on.
+/// Columns of `points` in order of their distance from `p`.
 std::vector<int> by_distance(const Eigen::Matrix3Xd& points, const Vector3d& p) {
   std::vector<int> order(points.cols());
   std::iota(order.begin(), order.end(), 0);

@@ -10,8 +10,9 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double kClampDeviation = 2e-4;  // m
-constexpr double kArm = 0.05;             // m, by which turns are measured against shifts
-constexpr double kLargestStep = 0.02;     // m, of a shift, or of a turn times kArm
+// m, length that makes rotations comparable with translations
+constexpr double kArm = 0.05;
+constexpr double kLargestStep = 0.02;  // m, limit of a translation, or of a rotation times kArm
 
 }  // namespace
 
@@ -69,7 +70,7 @@ void DeformationGraphFit::add_points() noexcept {
   }
 }
 
-/// Each node's turn is to carry it to where its neighbour is.
+/// Each node's rotation and translation must predict the positions of its neighbours.
 void DeformationGraphFit::add_edges() noexcept {
   for (const auto& [a, b] : graph_.edges()) {
     const Vector3d arm = graph_.arm_to_node(a, b);
@@ -94,7 +95,7 @@ void DeformationGraphFit::add_clamp() noexcept {
   }
 }
 
-/// What was found before holds on, so that what is not seen for a moment does not jump.
+/// The previous shape acts as a prior, so that temporarily unobserved parts do not jump.
 void DeformationGraphFit::add_memory() noexcept {
   const double kept = (options_.memory + 1e-6) / (options_.deviation * options_.deviation);
   for (int node = 0; node < graph_.size(); ++node) {

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double kCurvature = 5;  // 1/m, of a parameter of 1
+constexpr double kCurvature = 5;  // 1/m, for a parameter of 1
 
 }  // namespace
 
@@ -24,7 +24,7 @@ EulerBernoulliFit::EulerBernoulliFit(const elasticity::Body& body, const mesh::S
   for (int i = 0; i < 2; ++i)
     weight_[i] = body.material.density * bar().area * body.gravity_O.dot(bar().across(i)) /
                  (2 * nominal_young_ * bar().second_moment[i]);
-  // A free end bears nothing. A hand bears the weight at first: no curvature at either end.
+  // A free end bears no load. A hand initially bears the weight: no curvature at either end.
   Parameters first = Parameters::Zero(5);
   for (int i = 0; i < 2 && !body.grasps.empty(); ++i)
     first[2 * i] = -weight_[i] * bar().free_length * bar().free_length / kCurvature;
@@ -35,8 +35,8 @@ double EulerBernoulliFit::young_modulus() const noexcept {
   return nominal_young_ * std::exp(-parameters()[4]);
 }
 
-/// Curvature towards across(i) at s: linear by end loads, and quadratic by weight, none where the
-/// hand holds. The line's frame turns by across(i) x along for each.
+/// Curvature towards across(i) at s: linear due to end loads, quadratic due to weight, zero in the
+/// grasped part. The line's frame rotates about across(i) x along for each.
 void EulerBernoulliFit::draw(const Parameters& p, Eigen::Matrix3Xd& shape) const noexcept {
   std::array<Vector3d, kSteps + 1> line;
   std::array<Matrix3d, kSteps + 1> frame;

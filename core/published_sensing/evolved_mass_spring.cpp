@@ -9,9 +9,10 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kGrip = 20;      // springs of the hand, in lattice edges
-constexpr double kWeight = 1e-3;  // of a node over a spring stretched by an edge, of a gene of 0
-constexpr double kFarthest = 3;   // of a gene
+constexpr double kGrip = 20;  // stiffness of the hand's springs relative to a lattice edge
+// Weight of a node relative to the force of a spring stretched by one edge, for a gene of 0.
+constexpr double kWeight = 1e-3;
+constexpr double kFarthest = 3;  // limit of a gene
 
 }  // namespace
 
@@ -66,7 +67,8 @@ void EvolvedMassSpring::take(elasticity::DeformationModel&) noexcept {
   }
 }
 
-/// The worst gives way to a child of the best and another, which goes on from the best one's shape.
+/// The worst model is replaced by a child of the best and another one, starting from the best one's
+/// shape.
 void EvolvedMassSpring::breed() noexcept {
   since_ = 0;
   if (creatures_[0].looks == 0) return;
@@ -90,13 +92,14 @@ void EvolvedMassSpring::breed() noexcept {
   }
 }
 
-/// A tick, as VoxelMassSpring's: masses are twice the sum of a node's springs.
+/// One tick, as in VoxelMassSpring: a mass is twice the sum of its node's spring stiffnesses.
 void EvolvedMassSpring::live(Creature& creature,
                              const elasticity::DeformationModel& model) noexcept {
   const elasticity::Body& body = model.body();
   const std::array<double, 3> stiffness{1, std::exp(creature.genes[0]),
                                         std::exp(creature.genes[1])};
-  const double largest = 6 + 12 * stiffness[1] + 8 * stiffness[2];  // of a node's springs, summed
+  // Sum of a node's spring stiffnesses.
+  const double largest = 6 + 12 * stiffness[1] + 8 * stiffness[2];
   pull_.setZero();
   for (int g = 0; g < static_cast<int>(body.grasps.size()); ++g) {
     if (!model.is_held(g)) continue;
@@ -112,7 +115,7 @@ void EvolvedMassSpring::live(Creature& creature,
     force_.col(s.a) -= f;
     force_.col(s.b) += f;
   }
-  // The hand's springs are as stiff as many of the lattice's.
+  // the hand's springs are as stiff as several of the lattice's
   creature.velocity =
       (1 - options_.damping) * (creature.velocity + force_ / (2 * (largest + kGrip)));
   creature.lattice += creature.velocity;

@@ -34,7 +34,8 @@ LearnedShape::LearnedShape(const elasticity::Body& body, const Model& model, dou
   input_.setZero(model_.network.inputs());
   room_.setZero(model_.network.hidden.rows());
   output_.setZero(model_.network.outputs());
-  // Gaussians as wide as the units lie apart, so that a linear field of units is drawn smoothly.
+  // Gaussians as wide as the distance between units, so that a linear field of the units is
+  // interpolated smoothly.
   const Eigen::Index units = model_.units.cols();
   double apart = 0;
   for (Eigen::Index u = 0; u < units; ++u) {

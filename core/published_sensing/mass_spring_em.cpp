@@ -24,11 +24,10 @@ void MassSpringEm::begin(const Eigen::Matrix3Xd&) noexcept {
   next_ = 0;
   weight_.setZero();
   attractor_.setZero();
-  belonging_ = 0;
 }
 
-/// Adds one point's responsibilities. The noise has the density that `noise` of the points would
-/// have if they were spread two widths about a node.
+/// Adds the responsibilities of one point. The density of the noise is that of a fraction `noise`
+/// of the points distributed within two widths of a node.
 void MassSpringEm::expect(const Eigen::Vector3d& point,
                           const Eigen::Matrix3Xd& positions) noexcept {
   const double scale = -0.5 / (options_.width * options_.width);
@@ -61,7 +60,6 @@ elasticity::StepReport MassSpringEm::advance(double dt, const estimation::Estima
       const double share = 1.0 / static_cast<double>(points_.cols());
       weight_ = share * weight_next_;
       attractor_ = share * attractor_next_;
-      belonging_ = weight_.sum();
     }
   }
   Eigen::Matrix3Xd& loads = model.loads();

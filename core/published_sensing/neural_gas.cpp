@@ -75,8 +75,8 @@ class Gas {
     for (double& error : errors_) error *= options_.forget;
   }
 
-  /// A unit between the one with the largest error and its worst neighbour, or where it stands
-  /// alone the nearest one.
+  /// Adds a unit between the one with the largest error and its worst neighbour, or the nearest
+  /// unit if it has no neighbour.
   void grow() {
     const int worst =
         static_cast<int>(std::max_element(errors_.begin(), errors_.end()) - errors_.begin());

@@ -10,7 +10,7 @@ using elasticity::Sensitivity;
 
 namespace {
 
-constexpr double kKept = 0.1;  // share of a round's data that the next one keeps
+constexpr double kKept = 0.1;  // weight of previous data in the next round
 
 }  // namespace
 
@@ -36,9 +36,10 @@ void ProbeAndFit::begin(const Eigen::Matrix3Xd&) noexcept {
   vector_.setZero();
 }
 
-/// What is measured minus what the model says, which has E as found but its own nu.
+/// Adds a difference between measurement and model, which uses the estimated E but its configured
+/// nu.
 void ProbeAndFit::add(const Eigen::Vector2d& slope, double residual, double deviation) noexcept {
-  const double at_zero = residual + slope[0] * found_[0];  // what (0, nominal nu) leaves over
+  const double at_zero = residual + slope[0] * found_[0];  // residual for (0, nominal nu)
   if (!slope.allFinite() || !std::isfinite(at_zero)) return;
   information_ += slope * slope.transpose() / (deviation * deviation);
   vector_ += slope * (at_zero / (deviation * deviation));
@@ -49,8 +50,8 @@ void ProbeAndFit::add_wrench(int grasp, const estimation::GraspInput& input,
   if (!input.wrench_valid || !model.is_held(grasp)) return;
   const double k = std::exp(found_[0]);
   const math::Vector6d residual = input.F_G_O.vector() - k * model.reaction(grasp).vector();
-  // The model stands for an object k times as stiff under 1 / k of its weight: its wrench by log E
-  // is its own derivative, k times, whatever k.
+  // The model represents an object k times as stiff under 1 / k of its weight: the derivative of
+  // the wrench with respect to log E is the model's own times k.
   const Eigen::Matrix<double, 6, 3>& by = model.sensitivity().dw_dparameter[grasp];
   for (int i = 0; i < 6; ++i)
     add({k * by(i, Sensitivity::kLogYoung), k * by(i, Sensitivity::kPoisson)}, residual[i],
@@ -81,7 +82,7 @@ void ProbeAndFit::solve() noexcept {
   found_[0] = std::clamp(change[0], -3.0, 3.0);
   found_[1] = std::clamp(nominal_poisson_ + change[1], -0.99, 0.499);
   deviation_ = covariance.diagonal().cwiseSqrt();
-  // What follows is linearised at a better place: what was gathered before counts less.
+  // The next data are linearised at a better estimate: previous data are weighted less.
   information_ *= kKept;
   vector_ *= kKept;
 }

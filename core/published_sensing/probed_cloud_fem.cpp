@@ -8,8 +8,9 @@
 namespace palpate::published_sensing {
 namespace {
 
-constexpr double kSettled = 0.5;   // s, until the model hangs in its weight
-constexpr double kMostChange = 5;  // of E, either way: beyond, the cloud's springs are not stable
+constexpr double kSettled = 0.5;  // s, until the model has settled under its weight
+// Limit of the factor on E in either direction, beyond which the cloud's springs are unstable.
+constexpr double kMostChange = 5;
 
 }  // namespace
 
@@ -31,7 +32,7 @@ void ProbedCloudFem::begin(const Eigen::Matrix3Xd&) noexcept {
   first_measured_.setConstant(std::numeric_limits<double>::quiet_NaN());
 }
 
-/// As changes since the first, so that a sensor's tare and its bias do not count.
+/// as changes since the first one, so that tare and bias of a sensor cancel
 void ProbedCloudFem::compare_forces(const estimation::EstimationInputs& inputs,
                                     const elasticity::DeformationModel& model) noexcept {
   if (since_start_ < kSettled || inputs.grasp_count == 0 || !inputs.grasps[0].wrench_valid ||
@@ -45,7 +46,8 @@ void ProbedCloudFem::compare_forces(const estimation::EstimationInputs& inputs,
     first_simulated_ = simulated;
   }
   const Eigen::Vector3d change = simulated - first_simulated_;
-  const double noise = options_.force * options_.force;  // holds E where little has changed
+  // Keeps the configured E if the force has hardly changed.
+  const double noise = options_.force * options_.force;
   common_ += change.dot(measured - first_measured_) + noise;
   simulated_ += change.squaredNorm() + noise;
 }
@@ -62,7 +64,7 @@ elasticity::StepReport ProbedCloudFem::advance(double dt,
   }
   model.set_gravity(model.body().gravity_O / found_);
   model.loads().setZero();
-  // A cloud that pulls would bear a part of the force that is compared.
+  // springs to the cloud would bear a part of the compared force
   if (!probing)
     pull_to_cloud(matches(), options_.stiffness / found_, options_.damping / found_,
                   model.positions(), model.velocities(), model.loads());

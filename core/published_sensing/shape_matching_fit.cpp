@@ -25,15 +25,14 @@ ShapeMatchingFit::ShapeMatchingFit(const elasticity::Body& body, const mesh::Sur
   const Vector3d lower = rest_.rowwise().minCoeff();
   const Vector3d size = Vector3d(rest_.rowwise().maxCoeff()) - lower;
   size.maxCoeff(&axis);
-  // Hats along the axis: the weights of a node sum to 1.
+  // linear hat functions along the axis: the weights of a node sum to 1
   const double width = size[axis] / (options.regions + 1);
   for (int r = 0; r < options.regions; ++r) {
     Region region;
     Vector3d centre = Vector3d::Zero();
     double sum = 0;
     for (int n = 0; n < rest_.cols(); ++n) {
-      const double place =
-          (rest_(axis, n) - lower[axis]) / width - 1;  // of centres: 0 to count - 1
+      const double place = (rest_(axis, n) - lower[axis]) / width - 1;  // 0 to count - 1
       double weight = 1 - std::abs(place - r);
       if (r == 0 && place < 0) weight = 1;
       if (r == options.regions - 1 && place > r) weight = 1;
@@ -74,7 +73,7 @@ void ShapeMatchingFit::begin(const Eigen::Matrix3Xd& positions) noexcept {
   since_ = 0;
 }
 
-/// All candidates are compared at the places that the told one's surface matched.
+/// All candidates are evaluated at the surface points matched by the reported one.
 void ShapeMatchingFit::take(elasticity::DeformationModel&) noexcept {
   const double share = 1 - std::exp(-since_ / options_.memory);
   since_ = 0;
@@ -94,7 +93,7 @@ void ShapeMatchingFit::take(elasticity::DeformationModel&) noexcept {
   }
 }
 
-/// One iteration of all regions: nodes go to the mean of their regions' goals.
+/// One iteration of all regions: nodes move to the mean of their regions' goals.
 void ShapeMatchingFit::match(Candidate& candidate) noexcept {
   goal_.setZero();
   for (std::size_t r = 0; r < regions_.size(); ++r) {
@@ -112,7 +111,8 @@ void ShapeMatchingFit::match(Candidate& candidate) noexcept {
     Matrix3d linear = moment * region.inverse_moment;
     const Matrix3d R = math::polar_rotation(linear, candidate.rotations[r]);
     const double volume = linear.determinant();
-    linear *= volume > 1e-3 ? 1 / std::cbrt(volume) : 1.0;  // as Mueller et al. 2005, 4.3
+    // as in Mueller et al. 2005, section 4.3
+    linear *= volume > 1e-3 ? 1 / std::cbrt(volume) : 1.0;
     const Matrix3d T = candidate.beta * linear + (1 - candidate.beta) * R;
     for (const Member& m : region.members) goal_.col(m.node) += m.weight * (centre + T * m.rest);
   }

@@ -7,33 +7,33 @@
 
 namespace palpate::published_sensing {
 
-/// Position-based dynamics with one fitted parameter: P. Gueler, K. Pauwels, A. Pieropan,
-/// H. Kjellstroem and D. Kragic, "Estimating the deformability of elastic materials using optical
-/// flow and position-based dynamics", Humanoids 2015; the same with ground truth from finite
-/// elements, IROS 2017 (thesis [34], [39]).
+/// Position-based dynamics with one fitted parameter: P. Gueler, K. Pauwels, A. Pieropan, H.
+/// Kjellstroem and D. Kragic, "Estimating the deformability of elastic materials using optical flow
+/// and position-based dynamics", Humanoids 2015; the same with ground truth from finite elements,
+/// IROS 2017 (Sanchez 2019, Table 2.1 [34], [39]).
 ///
-/// Consumes: vision, the hand's pose (the papers know where the manipulator touches), mesh, clamp.
-/// No material. No probes of its own: what the hand does anyway is the experiment.
-/// Kept: meshless shape matching, goal (beta A + (1 - beta) R) q + t with A the best linear and R
-/// the best rotation, as its only mechanics; material that the hand holds is prescribed; the
-/// deformability beta is the one under which the predicted shape is nearest to what is seen.
-/// Left out: optical flow (the port gives points, not pixels), by which the papers get their
-/// points; instead points compare with the predicted surface along its normal. The search over beta
-/// runs as equally spaced candidates beside each other, and the best of late is told. Regions:
-/// slabs along the longest side, each overlapping its neighbours by half (the papers: one or a
-/// few).
+/// Consumes: vision, pose of the hand (in the papers the contact point of the manipulator), mesh,
+/// clamp. No material. No dedicated probing motions: the motion of the hand is the experiment.
+/// Kept: meshless shape matching, goal (beta A + (1 - beta) R) q + t with A the best linear map and
+/// R the best rotation, as its only mechanics; grasped material is prescribed; the deformability
+/// beta minimises the distance between predicted and observed shape. Left out: optical flow, from
+/// which the papers obtain their points (the input consists of points, not pixels); here points are
+/// compared with the predicted surface along its normal. The search over beta runs concurrently on
+/// equally spaced candidates, and the recently best one is reported. Regions: slabs along the
+/// longest side, each overlapping its neighbours by half (the papers: one or a few).
 class ShapeMatchingFit final : public CloudEstimator {
  public:
   struct Options : CloudEstimator::Options {
     Options() { hand = true; }
     int regions = 6;
-    int candidates = 5;     // of beta, from 0 to 0.98
-    int iterations = 2;     // of all regions in a tick
-    double rigidity = 0.9;  // share of the way to its goals that a node goes in an iteration
-    double memory = 1;      // s, over which distances are compared
+    int candidates = 5;  // values of beta, from 0 to 0.98
+    int iterations = 2;  // iterations of all regions per tick
+    /// Fraction of the distance to its goals by which a node moves per iteration.
+    double rigidity = 0.9;
+    double memory = 1;  // s, averaging time of the compared distances
   };
 
-  /// Throws std::invalid_argument where an option is out of range.
+  /// Throws std::invalid_argument if an option is out of range.
   ShapeMatchingFit(const elasticity::Body& body, const mesh::Surface& surface,
                    const Options& options);
 
@@ -42,8 +42,8 @@ class ShapeMatchingFit final : public CloudEstimator {
  private:
   struct Member {
     int node;
-    double weight;         // of the region's among those of the node
-    Eigen::Vector3d rest;  // from the region's centre, m
+    double weight;         // weight of the region among those of the node
+    Eigen::Vector3d rest;  // m, relative to the region's centre
   };
   struct Region {
     std::vector<Member> members;
@@ -51,7 +51,7 @@ class ShapeMatchingFit final : public CloudEstimator {
   };
   struct Candidate {
     double beta = 0;
-    double squared = 0;  // m^2, mean of late
+    double squared = 0;  // m^2, recent mean
     Eigen::Matrix3Xd x;
     std::vector<Eigen::Quaterniond> rotations;
   };
@@ -65,7 +65,7 @@ class ShapeMatchingFit final : public CloudEstimator {
   std::vector<Region> regions_;
   std::vector<Candidate> candidates_;
   int best_ = 0;
-  double since_ = 0;  // s, from the last cloud
+  double since_ = 0;  // s, since the last cloud
   Eigen::Matrix3Xd rest_, goal_;
   std::vector<int> fixed_;
 };

@@ -105,7 +105,7 @@ ShapeNetwork train_shape_network(const MatrixXd& inputs, const MatrixXd& outputs
                    net.output);
     of_hidden.step(inner * x.transpose() + options.decay * net.hidden, options.rate, epoch,
                    net.hidden);
-    // In the outputs' own units.
+    // in the units of the outputs
     MatrixXd off = net.output * hidden_layer(net.hidden, x_held);
     off = (off.array().colwise() * net.output_scale.array()).matrix();
     off.colwise() += net.output_mean;

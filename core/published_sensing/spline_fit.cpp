@@ -9,7 +9,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kScale = 0.1;  // m, of a control point's displacement that is a parameter of 1
+constexpr double kScale = 0.1;  // m, displacement of a control point for a parameter of 1
 
 }  // namespace
 
@@ -27,7 +27,7 @@ SplineFit::SplineFit(const elasticity::Body& body, const mesh::Surface& surface,
 }
 
 /// Displacement of control point `index`, counted from one spacing before the clamp. The first two
-/// follow from the third: neither displacement nor slope at the clamp.
+/// follow from the third by zero displacement and slope at the clamp.
 Vector3d SplineFit::control(const Parameters& p, int index) const noexcept {
   if (index == 1) return -0.5 * kScale * p.head<3>();
   return kScale * p.segment<3>(3 * std::max(0, index - 2));

@@ -12,7 +12,7 @@ using Eigen::Array3d;
 using Eigen::Array3i;
 using Eigen::Vector3d;
 
-/// The lattice's nodes are those of voxels that hold a node of the mesh, or lie within it.
+/// The lattice consists of the voxels that contain a node of the mesh or lie inside it.
 VoxelLattice::VoxelLattice(const elasticity::Body& body, double voxel) {
   if (!(voxel > 0)) throw std::invalid_argument("voxels want a side above 0");
   const Eigen::Matrix3Xd& nodes = body.mesh.nodes;

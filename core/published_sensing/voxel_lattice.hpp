@@ -7,25 +7,25 @@
 
 namespace palpate::published_sensing {
 
-/// A lattice of voxels that fills an object, with springs between neighbours and the object's mesh
-/// embedded in it (trilinear).
+/// Voxel lattice that fills an object, with springs between neighbours; the object's mesh is
+/// embedded by trilinear interpolation.
 class VoxelLattice {
  public:
   struct Spring {
     int a, b;
     double length;  // m
-    int kind;       // 0: along an edge of a voxel; 1: diagonal of a face; 2: through the voxel
+    int kind;       // 0: along an edge of a voxel; 1: face diagonal; 2: voxel diagonal
   };
 
-  /// `voxel`: m, side, rounded so that whole voxels fill the object's box. Throws
-  /// std::invalid_argument where it is not positive, or gives more than 20000 nodes.
+  /// `voxel`: m, edge length, rounded so that an integer number of voxels fills the object's box.
+  /// Throws std::invalid_argument if it is not positive or results in more than 20000 nodes.
   VoxelLattice(const elasticity::Body& body, double voxel);
 
-  const Eigen::Matrix3Xd& rest() const noexcept { return rest_; }  // of its nodes, m
+  const Eigen::Matrix3Xd& rest() const noexcept { return rest_; }  // rest positions of its nodes, m
   const std::vector<Spring>& springs() const noexcept { return springs_; }
-  const std::vector<int>& fixed() const noexcept { return fixed_; }  // nodes that the clamp holds
+  const std::vector<int>& fixed() const noexcept { return fixed_; }  // nodes at the clamp
 
-  /// Positions of the mesh's nodes, 3 x n, from those of the lattice.
+  /// Interpolates the positions of the mesh's nodes, 3 x n, from those of the lattice.
   void embed(const Eigen::Matrix3Xd& lattice, Eigen::Matrix3Xd& shape) const noexcept;
   /// Adds forces on the mesh's nodes to those on the lattice's.
   void spread(const Eigen::Matrix3Xd& on_mesh, Eigen::Matrix3Xd& on_lattice) const noexcept;

@@ -8,7 +8,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double kScale = 20;  // of the cloud's and the hand's springs, in lattice edges
+// Stiffness of the cloud's and the hand's springs relative to a lattice edge.
+constexpr double kScale = 20;
 
 }  // namespace
 
@@ -36,8 +37,8 @@ void VoxelMassSpring::begin(const Eigen::Matrix3Xd&) noexcept {
   voxels_.embed(lattice_, shape_);
 }
 
-/// In ticks and lattice springs: a step of 1, springs of stiffness 1, masses twice the sum of a
-/// node's springs, so that no mode is faster than the step.
+/// In units of ticks and lattice springs: step 1, spring stiffness 1, masses twice the sum of a
+/// node's spring stiffnesses, so that no mode is faster than the step.
 elasticity::StepReport VoxelMassSpring::advance(double, const estimation::EstimationInputs&,
                                                 elasticity::DeformationModel& model) noexcept {
   const elasticity::Body& body = model.body();

@@ -5,27 +5,28 @@
 
 namespace palpate::published_sensing {
 
-/// Masses and springs on a lattice of voxels, drawn along by a camera's cloud: I. Leizea,
-/// H. Alvarez, I. Aguinaga and D. Borro, "Real-time deformation, registration and tracking of
-/// solids based on physical simulation", ISMAR 2014 (thesis [30]).
+/// Mass-spring model on a voxel lattice, driven by a camera's point cloud: I. Leizea, H. Alvarez,
+/// I. Aguinaga and D. Borro, "Real-time deformation, registration and tracking of solids based on
+/// physical simulation", ISMAR 2014 (Sanchez 2019, Table 2.1 [30]).
 ///
-/// Consumes: vision, model (mesh, clamp). Not the hand's pose, unless `hand`. No probes. Stiffness
-/// counts against that of the cloud's springs alone, so that E, nu and density are not used.
-/// Kept: voxels instead of the object's own elements; springs along edges and diagonals of voxels;
-/// the displacement between the surface and what is seen of it as force on the lattice, integrated
-/// in time; the mesh embedded in the lattice (trilinear).
-/// Left out: the initial registration (the rest shape's place is known here); the paper's own
-/// relation of spring constants to E and nu, and gravity, whose effect the cloud shows. Masses are
-/// such that a step of the loop is stable (each node's is the sum of its springs' stiffness).
+/// Consumes: vision, model (mesh, clamp). The pose of the hand only with `hand`. No probing
+/// motions. Only the stiffness relative to the cloud's springs matters, therefore E, nu and density
+/// are not used. Kept: voxels instead of the object's own elements; springs along edges and
+/// diagonals of voxels; the displacement between the surface and its observation acts as a force on
+/// the lattice, integrated in time; the mesh is embedded in the lattice (trilinear). Left out: the
+/// initial registration (here the rest pose is known); the paper's relation of spring constants to
+/// E and nu; gravity, whose effect is observed in the cloud. Masses are chosen such that a step of
+/// the loop is stable (each node's is proportional to the sum of its springs' stiffnesses).
 class VoxelMassSpring final : public CloudEstimator {
  public:
   struct Options : CloudEstimator::Options {
-    double voxel = 0.03;     // m, side, rounded so that whole voxels fill the object's box
-    double stiffness = 0.3;  // of the cloud's springs together over that of one lattice edge
-    double damping = 0.03;   // share of a velocity that is lost in a tick, in (0, 1)
+    /// m, edge length, rounded so that an integer number of voxels fills the object's box
+    double voxel = 0.03;
+    double stiffness = 0.3;  // total stiffness of the cloud's springs relative to one lattice edge
+    double damping = 0.03;   // fraction of a velocity lost per tick, in (0, 1)
   };
 
-  /// Throws std::invalid_argument where an option is out of range, or the lattice beyond 20000
+  /// Throws std::invalid_argument if an option is out of range, or the lattice has more than 20000
   /// nodes.
   VoxelMassSpring(const elasticity::Body& body, const mesh::Surface& surface,
                   const Options& options);
@@ -40,7 +41,7 @@ class VoxelMassSpring final : public CloudEstimator {
   Options options_;
   VoxelLattice voxels_;
   Eigen::Matrix3Xd lattice_, velocity_, force_;
-  Eigen::VectorXd mass_;                   // of springs
+  Eigen::VectorXd mass_;                   // sums of spring stiffnesses
   Eigen::Matrix3Xd shape_, still_, pull_;  // at the mesh's nodes
 };
 

@@ -6,8 +6,9 @@ namespace palpate::sensing {
 
 void AccelerometerOffset::follow(const Eigen::Vector3d& acceleration_S, double step,
                                  const Velocity& velocity) noexcept {
-  constexpr double kLongestGap = 0.1;     // s between two velocities, or the clock has jumped
-  constexpr double kShortestMean = 0.03;  // s, for the noise of two velocities
+  // s, largest gap between two velocities; beyond it the clock has jumped
+  constexpr double kLongestGap = 0.1;
+  constexpr double kShortestMean = 0.03;  // s, limits the effect of the noise of two velocities
   if (!(memory_ > 0) || !(step > 0)) return;
   if (!velocity.linear.allFinite()) {
     pause();
@@ -20,7 +21,7 @@ void AccelerometerOffset::follow(const Eigen::Vector3d& acceleration_S, double s
   has_velocity_ = true;
   if (!follows) return;
   age_ += step;
-  // The changes of the velocity add up to its whole change, however late and noisy each is.
+  // The changes of the velocity sum to its total change, regardless of delay and noise of each.
   const double over = std::max({step, kShortestMean, std::min(age_, memory_)});
   value_S_ += (step * (acceleration_S - value_S_) - velocity.R_WS.transpose() * change) / over;
 }

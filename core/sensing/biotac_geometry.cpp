@@ -45,7 +45,7 @@ Eigen::Matrix<double, 3, kElectrodeCount> table(const double (Electrode::*field)
 const Eigen::Matrix<double, 3, kElectrodeCount> kPositions = table(&Electrode::position_mm, 1e-3);
 const Eigen::Matrix<double, 3, kElectrodeCount> kNormals = table(&Electrode::normal, 1.0);
 
-// The published file gives area 8 the y of area 9; they are mirror images as 4, 5 and 6, 7 are.
+// The published file gives area 8 the y of area 9; they are mirror images, as are 4 and 5, 6 and 7.
 const Eigen::Matrix<double, 3, kAreaCount> kAreas =
     1e-3 * (Eigen::Matrix<double, 3, kAreaCount>() <<  //
                 -11.7,
@@ -66,7 +66,7 @@ Eigen::Vector3d skin_normal(const Eigen::Vector3d& p) noexcept {
   Eigen::Vector3d radius = p;
   if (p.x() < 0) radius.x() = 0;
   const double length = radius.norm();
-  // On the axis every direction is as near: take the middle of the pad.
+  // on the axis the direction is undefined: use the middle of the pad
   if (length < 1e-9) return -Eigen::Vector3d::UnitZ();
   return radius / length;
 }

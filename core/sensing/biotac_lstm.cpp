@@ -7,9 +7,9 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr std::uint64_t kSeed = 1;       // of the scattered electrodes
-constexpr double kIntervalShare = 0.02;  // of a new interval in the smoothed one
-constexpr double kRateTolerance = 0.2;   // of the interval between samples
+constexpr std::uint64_t kSeed = 1;       // seed of the scattered electrode positions
+constexpr double kIntervalShare = 0.02;  // weight of a new interval in the smoothed one
+constexpr double kRateTolerance = 0.2;   // relative deviation of the sample interval
 
 void check_inputs(const std::vector<int>& inputs) {
   for (const int input : inputs)
@@ -90,7 +90,7 @@ void BiotacLstm::take(const BioTac& sample) noexcept {
   if (direction_) direction_->step(inputs_);
 }
 
-/// False where there is nothing to go by.
+/// False without sufficient information.
 bool BiotacLstm::locate() noexcept {
   const ElectrodeVector counts = inputs_.head<kElectrodeCount>();
   const Localization found =
@@ -109,7 +109,7 @@ bool BiotacLstm::locate() noexcept {
   return true;
 }
 
-/// What there is to say of a contact that is reported, or of there being none.
+/// Status of a reported contact, or of its absence.
 UpdateResult BiotacLstm::verdict() const noexcept {
   if (limited_) return {Status::kDegraded, "force beyond what can be: shortened to largest_force"};
   if (direction_ && direction_->has_failed())
@@ -127,7 +127,7 @@ UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) no
   if (stream.freshness == Freshness::kNoData || !has_time_)
     return {Status::kDegraded, "no tactile sample yet"};
   if (stream.age > options_.max_age) {
-    // What the network remembers is of another time.
+    // the network's state belongs to the time before the gap
     force_.restart();
     if (direction_) direction_->restart();
     has_time_ = in_contact_ = has_location_ = false;
@@ -146,7 +146,7 @@ UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) no
     placeless_.reset();
     return verdict();
   }
-  // Between samples nothing has changed.
+  // nothing changes between samples
   if (stream.fresh_count > 0 || !has_location_) has_location_ = locate() || has_location_;
   if (!has_location_) {
     const UpdateResult placeless = placeless_.judge(stream.fresh_count);

@@ -5,16 +5,16 @@
 
 namespace palpate::sensing {
 
-/// Where the centre of an active electrode is taken to be (thesis 3.2, Fig. 3.13).
+/// Assumed position of the centre of an active electrode (Sanchez 2019, section 3.2, Fig. 3.13).
 enum class ElectrodeScatter {
-  kNominal,           // where it is
-  kGaussian,          // drawn about it, in its plane; the more it is pressed, the wider
-  kInvertedGaussian,  // the less it is pressed, the wider
+  kNominal,           // nominal position
+  kGaussian,          // random in its plane; the spread increases with pressure
+  kInvertedGaussian,  // random in its plane; the spread decreases with pressure
 };
 
-/// One draw: an active electrode lies in its plane at a distance whose two components are normal
-/// with a variance of 0.1 + 0.9 s mm^2, s being its intensity (inverted: 1 - s). Draws for all
-/// electrodes, active or not, so that each takes as many numbers of `random`.
+/// Draws one sample: an active electrode is displaced in its plane by two normal components with a
+/// variance of 0.1 + 0.9 s mm^2, s being its intensity (inverted: 1 - s). Numbers are drawn for all
+/// electrodes, active or not, so that each call consumes the same count from `random`.
 Eigen::Matrix<double, 3, kElectrodeCount> scatter_electrodes(const ElectrodeVector& counts,
                                                              const LocalizationOptions& options,
                                                              ElectrodeScatter scatter,

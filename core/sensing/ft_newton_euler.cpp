@@ -13,7 +13,7 @@ double smoothing(double cutoff, double rate) {
   return cutoff > 0 ? 1 - std::exp(-2 * M_PI * cutoff / rate) : 1.0;
 }
 
-/// Share of a new value in a first-order low-pass.
+/// Weight of a new value in a first-order low-pass.
 double share(double dt, double time_constant) noexcept {
   return dt >= time_constant ? 1.0 : dt / time_constant;
 }
@@ -55,7 +55,7 @@ void FtNewtonEuler::reset() noexcept {
 
 void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
   inertial_step_ = 0;
-  // After a pause the one before is none before: the age is of this side's clock.
+  // After a gap there is no previous sample; the age is measured by the local clock.
   if (stream.fresh_count == 0 && stream.age > options_.imu_max_age) has_inertial_ = false;
   for (int i = 0; i < stream.fresh_count; ++i) {
     const Inertial& sample = stream.fresh[i];
@@ -80,16 +80,16 @@ void FtNewtonEuler::follow_imu(const Stream<Inertial>& stream) noexcept {
   }
 }
 
-/// s between two samples in a row, 0 where it is not known. The sender's clock may jump: that only
-/// what is near the usual step can change it, and that what cannot be counts as the usual step,
-/// leaves nothing of the jump behind.
+/// s between two consecutive samples, 0 if unknown. The sender's clock may jump: only intervals
+/// near the usual one update it, and implausible intervals are replaced by it, so that a jump has
+/// no lasting effect.
 double FtNewtonEuler::step_between(double before, double now) noexcept {
   constexpr double kNear = 0.6, kFollows = 0.05;
   const double dt = now - before;
   const bool can_be = dt > 0 && dt < options_.imu_max_age;
   if (usual_step_ == 0) return usual_step_ = can_be ? dt : 0;
   if (!can_be) return usual_step_;
-  if (std::abs(dt - usual_step_) > kNear * usual_step_) return dt;  // some were lost
+  if (std::abs(dt - usual_step_) > kNear * usual_step_) return dt;  // some samples were lost
   usual_step_ += kFollows * (dt - usual_step_);
   return usual_step_;
 }
@@ -123,7 +123,7 @@ void FtNewtonEuler::smooth(const RobotState& robot, Eigen::Vector3d& acceleratio
   angular_acceleration = both.tail<3>();
 }
 
-/// Of the origin of S, as the robot has it.
+/// Velocity of the origin of S as reported by the robot.
 AccelerometerOffset::Velocity FtNewtonEuler::velocity(const RobotState& robot,
                                                       const Eigen::Matrix3d& R_WS) const noexcept {
   const Eigen::Vector3d p_ES_W = robot.X_WE.linear() * options_.X_ES.translation();
@@ -141,13 +141,14 @@ LoadMotion FtNewtonEuler::motion(const Signals& signals) noexcept {
 
   motion.angular_velocity = R_SI_ * inertial_.angular_velocity_I;
   motion.angular_acceleration = R_SI_ * angular_acceleration_I_;
-  // From the origin of I to that of S of the same rigid body.
+  // from the origin of I to that of S on the same rigid body
   const Eigen::Vector3d offset = -p_SI_;
   const Eigen::Vector3d specific_force =
       R_SI_ * inertial_.acceleration_I + motion.angular_acceleration.cross(offset) +
       motion.angular_velocity.cross(motion.angular_velocity.cross(offset));
   const Eigen::Vector3d acceleration = specific_force - motion.specific_force;
-  constexpr double kLargestMotion = 30;  // m/s^2 of an arm; more is an overload, or no measurement
+  // m/s^2, plausible maximum for an arm; more is an overload or an invalid measurement
+  constexpr double kLargestMotion = 30;
   if (acceleration.norm() < kLargestMotion)
     offset_.follow(acceleration, inertial_step_, velocity(signals.robot.latest, R_WS));
   else
@@ -193,7 +194,7 @@ UpdateResult FtNewtonEuler::update(const Signals& signals, ContactSet& contacts)
   contact.wrench = math::Wrench::from(low_pass_.value() - tare_.offset());
   contact.force_deviation = options_.force_deviation;
   if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
-  // Gravity alone goes on explaining the payload, but no longer what moves it.
+  // gravity remains compensated, but not the inertial forces
   const Stream<Inertial>& inertial = signals.inertial;
   if (options_.use_imu && inertial.freshness != Freshness::kNoData &&
       inertial.age > options_.imu_max_age)

@@ -10,43 +10,44 @@
 
 namespace palpate::sensing {
 
-/// Contact wrench at the wrist = reading minus what a rigid payload explains (load_wrench): gravity
-/// from the robot's orientation and, while an inertial unit delivers, inertial forces from it. What
-/// the sensor exerts on the hand beyond that is what the hand exerts on the object.
+/// Contact wrench at the wrist = reading minus load of a rigid payload (load_wrench): gravity from
+/// the robot's orientation and, while an IMU delivers data, inertial forces from it. The remainder
+/// of the wrench of the sensor on the hand equals the wrench of the hand on the object.
 class FtNewtonEuler : public SensorModel {
  public:
   struct Options {
     PayloadParameters payload;
     Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
-    math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
-    math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
+    math::Pose X_ES = math::Pose::Identity();  // pose of the force-torque sensor in the flange
+    math::Pose X_EI = math::Pose::Identity();  // pose of the IMU in the flange
     bool use_imu = true;
-    /// s: offsets of the accelerometer and of the mounting angles are followed with this time
-    /// constant, as what remains in the mean of acceleration beyond what the robot's velocity
-    /// changes by; 0: the accelerometer is trusted as is.
+    /// s, time constant of the estimates of the accelerometer's offset and of the IMU's mounting
+    /// angles, from the mean difference between its acceleration and the change of the robot's
+    /// velocity; 0: the accelerometer is used without correction.
     double imu_offset_time = 5;
-    /// m/s, and rad/s over 0.3 m: where the robot says that its hand is slower, accelerations are
-    /// smoothed. The noise of an accelerometer times the mass of a hand of 5 kg is six times that
-    /// of a good force sensor, and would hide there what touches the object. 0: never.
+    /// m/s, and rad/s over 0.3 m: below this speed of the hand, as reported by the robot,
+    /// accelerations are smoothed. The noise of an accelerometer times the mass of a hand of 5 kg
+    /// is six times that of a good force sensor and would mask contact forces. 0: never.
     double rest_speed = 0;
     double rest_smoothing = 0.1;  // s
-    /// m/s^2 beyond what is smoothed: a hand that sets off is not at rest, though it is still slow.
+    /// m/s^2 above the smoothed value: a larger acceleration counts as the start of a motion,
+    /// although the hand is still slow.
     double rest_acceleration = 0.15;
-    double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope
+    double angular_acceleration_time = 0.01;  // s, smoothing of the differentiated gyroscope signal
     int tare_samples = 500;
     bool tare_at_start = false;
     double cutoff = 0;          // Hz, first-order low-pass of the output; 0: none
-    double sample_rate = 1000;  // Hz, of the readings, for the cutoff
-    double polarity = 1;        // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.025;     // s, of the latest reading and robot state
-    // s; with older inertial data gravity alone is used: degraded. A burst of 20 ms without
-    // messages, one period of 300 Hz and what jitter adds are no reason yet.
+    double sample_rate = 1000;  // Hz, rate of the readings, for the cutoff
+    double polarity = 1;        // -1 for a sensor that reports the wrench of the load on it
+    double max_age = 0.025;     // s, maximum age of the latest reading and robot state
+    // s; with older inertial data only gravity is compensated: degraded. Covers a gap of 20 ms
+    // without messages, one period of 300 Hz and jitter.
     double imu_max_age = 0.027;
-    double force_deviation = 0.1;  // N, standard, of each axis of the output
+    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
     Source source = Source::kWrist0;
   };
 
-  /// Throws std::invalid_argument naming the option that is wrong.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit FtNewtonEuler(const Options& options);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
@@ -59,9 +60,9 @@ class FtNewtonEuler : public SensorModel {
     return sensing::restore(state, SensorState::Offset::kBesidePayload, tare_);
   }
 
-  /// Samples passed over since construction because a number was not finite.
+  /// Samples rejected since construction because a number was not finite.
   std::int64_t skipped() const noexcept { return skipped_; }
-  /// Whether the last update took inertial forces into account.
+  /// Whether the last update compensated inertial forces.
   bool used_imu() const noexcept { return used_imu_; }
 
  private:
@@ -83,15 +84,16 @@ class FtNewtonEuler : public SensorModel {
   bool used_imu_ = false;
 
   bool has_inertial_ = false;
-  bool has_inertial_pair_ = false;  // two samples, so that the gyroscope can be differentiated
+  /// Two samples are available, so that the gyroscope can be differentiated.
+  bool has_inertial_pair_ = false;
   Inertial inertial_;
-  double inertial_step_ = 0;  // s of inertial data in this tick
-  double usual_step_ = 0;     // s between two inertial samples; 0: not known
+  double inertial_step_ = 0;  // s covered by the inertial data of this tick
+  double usual_step_ = 0;     // s, usual interval of inertial samples; 0: not known
   Eigen::Vector3d angular_acceleration_I_ = Eigen::Vector3d::Zero();
   AccelerometerOffset offset_;
   math::Vector6d smoothed_ = math::Vector6d::Zero();  // accelerations, linear first, in S
-  math::Vector6d speed_ = math::Vector6d::Zero();     // of the flange, smoothed
-  double speed_time_ = 0;                             // s, of the robot's clock
+  math::Vector6d speed_ = math::Vector6d::Zero();     // velocity of the flange, smoothed
+  double speed_time_ = 0;                             // s, by the robot's clock
   std::int64_t skipped_ = 0;
 };
 

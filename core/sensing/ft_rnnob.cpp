@@ -8,8 +8,8 @@
 namespace palpate::sensing {
 namespace {
 
-// Places in a row of the history. Quaternion: x, y, z, w of S in W; velocity and position of S in
-// W; rate and specific force at I in the axes of S; reading in S.
+// Column offsets in a row of the history. Quaternion x, y, z, w of S in W; velocity and position of
+// S in W; angular velocity and specific force at I in the axes of S; reading in S.
 constexpr int kPose = 0, kVelocity = 4, kPosition = 7, kInertial = 10, kWrench = 16;
 constexpr int kPoseSize = 10, kInertialSize = 6, kWrenchSize = 6;
 
@@ -25,7 +25,7 @@ int checked_ticks(const FtRnnob::Options& options) {
   return static_cast<int>(whole);
 }
 
-/// s by which the latest stream lags behind the pose.
+/// s, delay of the latest stream relative to the pose.
 double latest(const FtRnnob::Options& options) {
   return std::max({0.0, options.inertial_delay, options.force_torque_delay});
 }
@@ -82,7 +82,7 @@ void FtRnnob::reset() noexcept {
   if (options_.tare_at_start) tare_.start();
 }
 
-/// Why there is nothing to go on with; nullptr where there is.
+/// Reason why no output is possible; nullptr if it is.
 const char* FtRnnob::missing(const Signals& signals) const noexcept {
   const auto stale = [this](const auto& stream) {
     return stream.freshness == Freshness::kNoData || !(stream.age <= options_.max_age);
@@ -95,7 +95,7 @@ const char* FtRnnob::missing(const Signals& signals) const noexcept {
   return nullptr;
 }
 
-/// Brings the row up to date: the pose as it is, means of what came since the last tick.
+/// Updates the row: the present pose, and means of the samples received since the last tick.
 void FtRnnob::take(const Signals& signals) noexcept {
   const RobotState& robot = signals.robot.latest;
   const Eigen::Matrix3d R_WS = robot.X_WE.linear() * options_.X_ES.linear();
@@ -140,7 +140,7 @@ void FtRnnob::take(const Signals& signals) noexcept {
   }
 }
 
-/// Motion of S from means of rate and specific force at I.
+/// Motion of S from the means of angular velocity and specific force at I.
 LoadMotion FtRnnob::mean_motion(const Eigen::Matrix<double, 6, 1>& inertial) noexcept {
   LoadMotion motion;
   motion.angular_velocity = inertial.head<3>();
@@ -148,7 +148,7 @@ LoadMotion FtRnnob::mean_motion(const Eigen::Matrix<double, 6, 1>& inertial) noe
   if (has_previous)
     motion.angular_acceleration = options_.rate * (motion.angular_velocity - previous_rate_S_);
   previous_rate_S_ = motion.angular_velocity;
-  // From the origin of I to that of S of the same rigid body.
+  // from the origin of I to that of S on the same rigid body
   const Eigen::Vector3d offset = -p_SI_;
   motion.specific_force = inertial.tail<3>() + motion.angular_acceleration.cross(offset) +
                           motion.angular_velocity.cross(motion.angular_velocity.cross(offset));
@@ -176,7 +176,7 @@ void FtRnnob::step() noexcept {
 
   for (std::size_t i = 0; i < options_.inputs.size(); ++i)
     input_[static_cast<Eigen::Index>(i)] = inputs[options_.inputs[i]];
-  // The answer is of zeros where the network has failed.
+  // the network's output is zero after a failure
   rest_ = reading - options_.domain.trust(input_) * network_.answer();
   if (options_.network_gives_rest || network_.has_failed())
     rest_ -= load_wrench(options_.payload, motion).vector();

@@ -12,44 +12,47 @@
 
 namespace palpate::sensing {
 
-/// Contact wrench at the wrist = reading minus what a rigid payload explains minus what a recurrent
-/// network says of the rest (thesis 3.4, there without a payload). All streams are delayed to the
-/// latest of them and averaged alike; the network takes a step every so many ticks, between which
-/// the contact stands. Times are those of arrival, on the loop's own grid.
+/// Contact wrench at the wrist = reading minus load of a rigid payload minus a recurrent network's
+/// prediction of the residual (Sanchez 2019, section 3.4, there without a payload). All streams are
+/// delayed to the latest of them and averaged over the same window; the network steps once every
+/// fixed number of ticks, and the contact is held in between. Times are arrival times on the grid
+/// of the loop.
 class FtRnnob : public SensorModel {
  public:
   struct Options {
-    /// Of observer_inputs(), those that the network takes, in its order.
+    /// Indices into observer_inputs() of the network's inputs, in its order.
     std::vector<int> inputs;
-    /// Places of force and torque (x, y, z each) among the network's outputs.
+    /// Indices of force and torque (x, y, z each) among the network's outputs.
     std::vector<int> outputs{0, 1, 2, 3, 4, 5};
-    double rate = 100;   // Hz, of the network's steps; the loop's rate is a multiple of it
-    double average = 0;  // s, trailing mean of all streams; 0: none
-    /// s, by which a stream lags behind the robot's pose; below 0: it leads.
+    double rate = 100;   // Hz, rate of the network's steps; the loop's rate is a multiple of it
+    double average = 0;  // s, trailing average of all streams; 0: none
+    /// s, delay of a stream relative to the robot's pose; negative: it leads.
     double inertial_delay = 0;
     double force_torque_delay = 0;
-    /// False: the network's outputs are all that is no contact, and `payload` serves the fallback.
+    /// False: the network's outputs contain the complete non-contact wrench, and `payload` is used
+    /// for the fallback only.
     bool network_gives_rest = true;
     PayloadParameters payload;
-    /// Of the network's inputs: away from it the network's part fades, and the payload alone is
-    /// left. Only where the network gives the rest.
+    /// Domain of the network's inputs: outside it the network's part fades to zero and only the
+    /// payload is compensated. Used only if the network predicts the residual.
     InputDomain domain;
-    /// Goes on with the payload alone, degraded, where the network fails. False: that is a fault.
+    /// Continues with the payload only, degraded, if the network fails. False: a failure is a
+    /// fault.
     bool fall_back = false;
 
-    double period = 1e-3;                      // s, of the loop
+    double period = 1e-3;                      // s, period of the loop
     Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
-    math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
-    math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
-    int tare_samples = 50;                     // steps
+    math::Pose X_ES = math::Pose::Identity();  // pose of the force-torque sensor in the flange
+    math::Pose X_EI = math::Pose::Identity();  // pose of the IMU in the flange
+    int tare_samples = 50;                     // number of network steps
     bool tare_at_start = false;
-    double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.025;        // s, of every stream
-    double force_deviation = 0.1;  // N, standard, of each axis of the output
+    double polarity = 1;           // -1 for a sensor that reports the wrench of the load on it
+    double max_age = 0.025;        // s, maximum age of every stream
+    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
     Source source = Source::kWrist0;
   };
 
-  /// Throws std::invalid_argument naming the option that is wrong.
+  /// Throws std::invalid_argument naming the invalid option.
   FtRnnob(const Options& options, std::unique_ptr<Executor> executor);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
@@ -65,11 +68,11 @@ class FtRnnob : public SensorModel {
     return index == 0 ? &network_.executor() : nullptr;
   }
 
-  /// Samples passed over since construction because a number was not finite.
+  /// Samples rejected since construction because a number was not finite.
   std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
-  static constexpr int kWidth = 22;  // numbers in a row of the history
+  static constexpr int kWidth = 22;  // columns of the history
   using Row = Eigen::Matrix<double, kWidth, 1>;
 
   const char* missing(const Signals& signals) const noexcept;
@@ -82,19 +85,21 @@ class FtRnnob : public SensorModel {
   Eigen::Matrix3d R_SI_;
   Eigen::Vector3d p_SI_;  // origin of I in S
   int ticks_per_step_;
-  double pose_delay_, inertial_delay_, wrench_delay_;  // ticks, behind the latest stream
-  Eigen::VectorXd input_;                              // of the network, as the domain has them
+  double pose_delay_, inertial_delay_, wrench_delay_;  // ticks, relative to the latest stream
+  Eigen::VectorXd input_;                              // network inputs, as passed to the domain
   StreamedModel network_;
   SignalHistory history_;
   Tare<6> tare_;
 
-  Row row_ = Row::Zero();                                    // the present one
-  bool has_inertial_ = false;                                // a finite one, since the last restart
-  bool has_wrench_ = false;                                  // likewise
-  Eigen::Vector4d previous_xyzw_ = Eigen::Vector4d::Zero();  // of the step before; zero: none
+  Row row_ = Row::Zero();  // row of this tick
+  /// a finite value was received since the last restart
+  bool has_inertial_ = false;
+  bool has_wrench_ = false;  // likewise
+  /// Orientation at the previous step; zero: none.
+  Eigen::Vector4d previous_xyzw_ = Eigen::Vector4d::Zero();
   Eigen::Vector3d previous_rate_S_ = Eigen::Vector3d::Zero();
   bool has_rest_ = false;
-  math::Vector6d rest_ = math::Vector6d::Zero();  // of the last step
+  math::Vector6d rest_ = math::Vector6d::Zero();  // result of the last step
   std::int64_t skipped_ = 0;
 };
 

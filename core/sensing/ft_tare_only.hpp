@@ -8,22 +8,23 @@
 
 namespace palpate::sensing {
 
-/// Contact wrench at the wrist = reading minus what was read at zero(). Right only while the hand
+/// Contact wrench at the wrist = reading minus the reading at zero(). Valid only while the hand
 /// keeps its orientation and does not accelerate.
 class FtTareOnly : public SensorModel {
  public:
   struct Options {
     int tare_samples = 500;
-    bool tare_at_start = true;     // zero() at construction and after reset()
-    int moving_average = 1;        // samples; 1: none (2018: 50 for control)
-    int delay = 0;                 // samples, to align with a slower signal (2018: 6 for control)
-    double polarity = 1;           // -1 for a sensor that reports what the load exerts on it
-    double max_age = 0.025;        // s, of the latest reading
-    double force_deviation = 0.1;  // N, standard, of each axis of the output
+    bool tare_at_start = true;  // zero() at construction and after reset()
+    int moving_average = 1;     // samples; 1: none (thesis software of 2018: 50 for control)
+    /// samples, for alignment with a slower signal (thesis software of 2018: 6 for control)
+    int delay = 0;
+    double polarity = 1;           // -1 for a sensor that reports the wrench of the load on it
+    double max_age = 0.025;        // s, maximum age of the latest reading
+    double force_deviation = 0.1;  // N, standard deviation of each axis of the output
     Source source = Source::kWrist0;
   };
 
-  /// Throws std::invalid_argument naming the option that is wrong.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit FtTareOnly(const Options& options);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
@@ -36,7 +37,7 @@ class FtTareOnly : public SensorModel {
     return sensing::restore(state, SensorState::Offset::kReading, tare_);
   }
 
-  /// Readings passed over since construction because a number was not finite.
+  /// Readings rejected since construction because a number was not finite.
   std::int64_t skipped() const noexcept { return skipped_; }
 
  private:

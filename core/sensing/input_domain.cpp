@@ -16,7 +16,7 @@ double InputDomain::trust(const Eigen::Ref<const Eigen::VectorXd>& input) const 
       const double distance = (input[i] - points(i, p)) / deviation[i];
       square += distance * distance;
     }
-    if (square < nearest) nearest = square;  // never of NaN
+    if (square < nearest) nearest = square;  // false for NaN
   }
   const double way = std::clamp((std::sqrt(nearest) - near) / (far - near), 0.0, 1.0);
   return 1 - way * way * (3 - 2 * way);
@@ -56,7 +56,8 @@ InputDomain cover(const Eigen::MatrixXd& rows, const Eigen::VectorXd& deviation,
     nearest = nearest.cwiseMin(square_distances(scaled.row(next)));
     nearest.maxCoeff(&next);
   }
-  // Rows that are all points leave no distance; a step from trust to none is not wanted.
+  // If all rows are points, the remaining distance is zero, and the weight would be a step
+  // function.
   const double left = std::max(std::sqrt(nearest.maxCoeff()), 1e-3);
   domain.near = near_factor * left;
   domain.far = far_factor * left;

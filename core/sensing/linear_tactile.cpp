@@ -19,7 +19,7 @@ int feature_count(TactileFeatures features) noexcept {
 
 FeatureVector tactile_features(TactileFeatures features, const TactileInputs& inputs) noexcept {
   if (features == TactileFeatures::kCounts) return inputs;
-  constexpr int kUsed = kElectrodeCount + 1;  // PAC is silent while a touch lasts
+  constexpr int kUsed = kElectrodeCount + 1;  // PAC is zero during a sustained contact
   Eigen::Matrix<double, kUsed, 1> u;
   u << inputs.head<kElectrodeCount>(), inputs[kElectrodeCount + 1];
   const double size = std::max(u.norm(), 1e-9);
@@ -46,7 +46,7 @@ Eigen::Vector3d LinearTactileModel::location(const TactileInputs& inputs) const 
 
 namespace {
 
-/// A linear map and what it is off by.
+/// Linear map with offset.
 struct Ridge {
   LinearTactileModel::Matrix matrix;
   Eigen::Vector3d offset = Eigen::Vector3d::Zero();
@@ -85,7 +85,7 @@ Ridge ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y, double penalty,
   return result;
 }
 
-/// The penalty by cross-validation over blocks of rows.
+/// Penalty by cross-validation over blocks of rows.
 Ridge best_ridge(const Eigen::MatrixXd& x, const Eigen::MatrixXd& y,
                  const LinearTactileFitOptions& options, double deviation_floor, bool with_offset) {
   const Eigen::Index n = x.rows();
@@ -159,7 +159,7 @@ void fit_tactile_place(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& pla
   check(inputs, places, options);
   const Eigen::VectorXd size = inputs.leftCols<kElectrodeCount>().rowwise().norm().cwiseMax(1e-9);
   const Eigen::MatrixXd x = size.cwiseInverse().asDiagonal() * feature_rows(inputs, model.features);
-  constexpr double kFloor = 1e-3;  // of features whose size is one
+  constexpr double kFloor = 1e-3;  // relative to features of norm one
   model.place = best_ridge(x, places, options, kFloor, false).matrix;
 }
 

@@ -4,16 +4,16 @@
 
 namespace palpate::sensing {
 
-/// Forces that a person or a program applies to the object (thesis, Fig. 4.4). A force ends by
-/// itself unless it is renewed, so that a lost "release" does not push for ever.
+/// External forces applied to the object by a person or a program (Sanchez 2019, Fig. 4.4). A force
+/// expires unless it is repeated, so that a lost release message does not leave it active.
 class Manual : public SensorModel {
  public:
   struct Options {
     double expires_after = 0.1;  // s since the last message
-    double max_force = 100;      // N, of the norm; longer forces are shortened
+    double max_force = 100;      // N, limit of the norm; larger forces are scaled down
   };
 
-  /// Throws std::invalid_argument naming the option that is wrong.
+  /// Throws std::invalid_argument naming the invalid option.
   explicit Manual(const Options& options);
   Manual() : Manual(Options{}) {}
 

@@ -8,10 +8,12 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr double kHuber = 1.345;  // standard deviations; 95 % efficient on normal noise
-constexpr int kPlainPasses = 3;   // force and torque noise settle in two
+constexpr double kHuber = 1.345;  // standard deviations; 95 % efficiency for normal noise
+// Unweighted passes; the ratio of force and torque noise converges in two.
+constexpr int kPlainPasses = 3;
 constexpr int kRobustPasses = 20;
-constexpr double kUntoldShare = 0.1;  // of a unit vector
+// Component of a unit vector above which a parameter counts as not identifiable.
+constexpr double kUntoldShare = 0.1;
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -19,7 +21,7 @@ double median(std::vector<double>& values) {
   return *middle;
 }
 
-/// Root mean square, or its robust counterpart, of the residuals of one kind of axis.
+/// Root mean square, or its robust counterpart, of the residuals of force or torque axes.
 double scale_of(const Eigen::Matrix<double, 6, Eigen::Dynamic>& residuals, int first_row,
                 bool robust) {
   const auto rows = residuals.middleRows<3>(first_row);
@@ -31,7 +33,7 @@ double scale_of(const Eigen::Matrix<double, 6, Eigen::Dynamic>& residuals, int f
   return 1.4826 * median(magnitudes);
 }
 
-constexpr int kColumnCount = kPayloadParameterCount + 6;  // and six of drift
+constexpr int kColumnCount = kPayloadParameterCount + 6;  // plus six of drift
 
 Eigen::Matrix<double, 6, kColumnCount> columns_of(const MotionSample& sample) {
   Eigen::Matrix<double, 6, kColumnCount> columns;
@@ -42,12 +44,12 @@ Eigen::Matrix<double, 6, kColumnCount> columns_of(const MotionSample& sample) {
 
 std::string column_name(int column) {
   if (column < kPayloadParameterCount) return payload_parameter_name(column);
-  // A drift is named after its bias, "bias_fx".
+  // drift parameters are named after their bias, "bias_fx"
   return std::string("drift_of_") + payload_parameter_name(column - 6);
 }
 
-/// Least squares over `columns` of the regressor, rows weighted by the inverse of the residuals'
-/// scale, found by repeating the solution: force and torque have neither unit nor noise in common.
+/// Least squares over `columns` of the regressor; rows are weighted by the inverse scale of their
+/// residuals, determined iteratively, because force and torque differ in unit and noise.
 PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> columns,
                     const IdentificationOptions& options) {
   if (options.bias_drifts)
@@ -70,7 +72,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
   fit.sample_count = n;
   Eigen::Matrix<double, 6, Eigen::Dynamic> residuals(6, n);
   Eigen::Matrix<double, 6, Eigen::Dynamic> weights(6, n);
-  // A torque's error is about its force's times a lever of a tenth of a metre, to begin with.
+  // Initial guess: the error of a torque is that of a force times a lever of 0.1 m.
   weights.topRows<3>().setConstant(1.0);
   weights.bottomRows<3>().setConstant(10.0);
   Eigen::VectorXd solution(k), variance(k);
@@ -80,7 +82,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
     Eigen::MatrixXd weighted = row_weights.asDiagonal() * regressor;
     const Eigen::VectorXd column_norms = weighted.colwise().norm().transpose();
     const double largest_norm = column_norms.maxCoeff();
-    // A column that is not excited at all keeps its scale and shows up as a small singular value.
+    // a column without excitation keeps its scale and appears as a small singular value
     Eigen::VectorXd scale(k);
     for (int c = 0; c < k; ++c)
       scale[c] = column_norms[c] > 1e-12 * largest_norm ? 1.0 / column_norms[c] : 1.0;
@@ -126,7 +128,7 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
   Eigen::Matrix<double, kColumnCount, 1> parameters, deviations;
   parameters.setZero();
   deviations.setZero();
-  // Rows are scaled to unit noise, so that the variance needs only the degrees of freedom spent.
+  // rows are scaled to unit noise: the variance needs only the correction for degrees of freedom
   const double inflation = 6.0 * n > k ? 6.0 * n / (6.0 * n - k) : 1.0;
   for (int c = 0; c < k; ++c) {
     parameters[columns[c]] = solution[c];
@@ -155,7 +157,7 @@ PayloadFit identify_static(const std::vector<StaticPose>& poses, const Eigen::Ve
 Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses) {
   const int n = static_cast<int>(poses.size());
   if (n < 4) throw std::invalid_argument("gravity's direction needs at least four poses");
-  // F = bias - R_SW (m g): linear in the weight in W and the bias in S.
+  // F = bias - R_SW (m g): linear in the weight in W and the bias in S
   Eigen::MatrixXd regressor(3 * n, 6);
   Eigen::VectorXd measured(3 * n);
   for (int i = 0; i < n; ++i) {

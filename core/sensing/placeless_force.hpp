@@ -4,14 +4,14 @@
 
 namespace palpate::sensing {
 
-/// Whether a fingertip that feels a force, and has no active electrode to place it, has lost
-/// something: what one reading's noise does is no contact, a force that lasts must be somewhere.
+/// Judges a fingertip force without an active electrode to locate it: for a single reading it is
+/// noise, not a contact; a lasting one indicates a lost location.
 class PlacelessForce {
  public:
-  static constexpr int kMost = 10;  // readings in a row, 0.1 s of a BioTac's 100 Hz
+  static constexpr int kMost = 10;  // consecutive readings, 0.1 s at the BioTac's 100 Hz
 
   void reset() noexcept { readings_ = 0; }
-  /// Of `readings` more.
+  /// Adds `readings` more.
   UpdateResult judge(int readings) noexcept {
     readings_ = readings_ > kMost ? readings_ : readings_ + readings;
     if (readings_ <= kMost) return {};

@@ -24,7 +24,7 @@ SignalHistory::SignalHistory(int width, int window, double largest_delay)
 
 void SignalHistory::push(const Eigen::Ref<const Eigen::VectorXd>& row) noexcept {
   const int capacity = static_cast<int>(rows_.cols());
-  // Weeks of a loop at 1 kHz: what matters of the count stays the same.
+  // After weeks at 1 kHz: reduces the count without changing its effect.
   if (count_ == std::numeric_limits<int>::max()) count_ = capacity + (count_ % capacity);
   rows_.col(count_ % capacity) = row;
   ++count_;

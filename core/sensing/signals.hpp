@@ -9,20 +9,20 @@ namespace palpate::sensing {
 
 enum class Freshness { kNoData, kOld, kNew };
 
-/// What one channel has brought: every sample since the last tick, oldest first, and the latest one
-/// with its age. Capacity is fixed; the receiver drops and counts what does not fit.
+/// Samples of one channel: all since the last tick, oldest first, and the latest one with its age.
+/// Capacity is fixed; the receiver drops and counts excess samples.
 template <class T, int kCapacity = 32>
 struct Stream {
   Freshness freshness = Freshness::kNoData;
   double age = 1e9;  // s since the arrival of `latest`, monotonic clock
   T latest{};
-  int fresh_count = 0;  // samples of this tick
+  int fresh_count = 0;  // number of samples in this tick
   std::array<T, kCapacity> fresh{};
 };
 
 struct ForceTorque {
   double time = 0;   // s, clock of the sender
-  math::Wrench F_S;  // what the sensor exerts on the hand, at the origin of S, in S
+  math::Wrench F_S;  // wrench of the sensor on the hand, at the origin of S, in S
 };
 
 struct Inertial {
@@ -52,7 +52,7 @@ struct HandState {
 struct BioTac {
   double time = 0;
   Eigen::Matrix<double, 19, 1> electrodes = Eigen::Matrix<double, 19, 1>::Zero();  // counts
-  double pac = 0;  // counts, first valid sample of the slot
+  double pac = 0;  // counts, first valid sample of the message
   double pdc = 0;
   double tac = 0;
   double tdc = 0;
@@ -63,16 +63,16 @@ struct ManualForce {
   Eigen::Vector3d force_O = Eigen::Vector3d::Zero();  // N
 };
 
-/// Points seen on the object's surface; which material points they are nobody knows.
+/// Observed points on the object's surface; correspondence to material points is unknown.
 struct ShapeObservation {
   static constexpr int kMostPoints = 256;
-  double time = 0;       // s, clock of the sender, when they were seen
+  double time = 0;       // s, acquisition time by the clock of the sender
   double deviation = 0;  // m, standard deviation of each coordinate
   int count = 0;
   Eigen::Matrix<float, 3, kMostPoints> points_W = Eigen::Matrix<float, 3, kMostPoints>::Zero();
 };
 
-/// All that the sensing slot may look at in one tick, and what the estimator sees.
+/// All inputs of the sensing stage in one tick, and the observations for the estimator.
 struct Signals {
   double dt = 1e-3;  // s
   Stream<ForceTorque> force_torque;

@@ -30,7 +30,7 @@ void StreamedModel::step(const Eigen::Ref<const Eigen::VectorXd>& offered) noexc
     case Answer::kLate:
       for (std::size_t i = 0; i < outputs_.size(); ++i)
         answer_[static_cast<Eigen::Index>(i)] = output_[outputs_[i]];
-      // An executor of somebody else's might let such a number through.
+      // guards against executors that do not check their output
       failed_ = !answer_.allFinite();
       has_answer_ = !failed_;
       break;

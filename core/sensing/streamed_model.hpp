@@ -8,27 +8,27 @@
 
 namespace palpate::sensing {
 
-/// A learned model within a component: picks its inputs out of all that the component can offer and
-/// brings its outputs into the component's order.
+/// Learned model within a component: selects its inputs from those the component offers and
+/// arranges its outputs in the component's order.
 class StreamedModel {
  public:
-  /// `inputs`: for each input of the model its place in what step() is offered, none below 0;
-  /// `outputs`: for each answer that the component wants its place among the model's outputs.
-  /// Throws std::invalid_argument where the executor is absent or sizes or places do not fit it.
+  /// `inputs`: for each input of the model its index in the argument of step(), >= 0; `outputs`:
+  /// for each output that the component needs its index among the model's outputs. Throws
+  /// std::invalid_argument if the executor is null or sizes or indices do not match it.
   StreamedModel(std::unique_ptr<Executor> executor, const std::vector<int>& inputs,
                 const std::vector<int>& outputs);
 
-  /// Runs one step on `offered`. After a fault it does nothing until reset().
+  /// Runs one step on `offered`. After a fault it has no effect until reset().
   void step(const Eigen::Ref<const Eigen::VectorXd>& offered) noexcept;
-  /// Begins a new sequence; a fault stays.
+  /// Starts a new sequence; a fault persists.
   void restart() noexcept;
-  /// Begins a new sequence, after a fault also.
+  /// Starts a new sequence, also after a fault.
   void reset() noexcept;
 
   bool has_failed() const noexcept { return failed_; }
-  /// Of this sequence.
+  /// An output of this sequence is available.
   bool has_answer() const noexcept { return has_answer_; }
-  /// The answer taken last; zero before the first.
+  /// Latest output; zero before the first.
   const Eigen::VectorXd& answer() const noexcept { return answer_; }
   const Executor& executor() const noexcept { return *executor_; }
 

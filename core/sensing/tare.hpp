@@ -8,8 +8,8 @@
 
 namespace palpate::sensing {
 
-/// The offset of a sensor at rest: mean of the next `samples` samples after each start(). Until the
-/// mean is complete the offset before it stands, so that taring again leaves no gap.
+/// Offset of a sensor at rest: mean of the next `samples` samples after each start(). Until the
+/// mean is complete the previous offset remains valid, so that repeated taring causes no gap.
 template <int kSize>
 class Tare {
  public:
@@ -32,14 +32,14 @@ class Tare {
     known_ = true;
   }
 
-  /// Forgets the offset.
+  /// Clears the offset.
   void reset() noexcept {
     remaining_ = 0;
     known_ = false;
     offset_.setZero();
   }
 
-  /// Takes an offset over, e.g. of the model that this one's replaces.
+  /// Sets the offset, e.g. one handed over by the replaced model.
   void set(const Vector& offset) noexcept {
     reset();
     offset_ = offset;
@@ -48,7 +48,7 @@ class Tare {
 
   bool is_known() const noexcept { return known_; }
   bool is_running() const noexcept { return remaining_ > 0; }
-  const Vector& offset() const noexcept { return offset_; }  // zero where not known
+  const Vector& offset() const noexcept { return offset_; }  // zero if not known
 
  private:
   int samples_;
@@ -58,7 +58,7 @@ class Tare {
   Vector offset_ = Vector::Zero();
 };
 
-/// The offset as what a model hands on, and back.
+/// Converts the offset to and from the state that a model hands over.
 template <int kSize>
 SensorState save(const Tare<kSize>& tare, SensorState::Offset meaning) noexcept {
   SensorState state;

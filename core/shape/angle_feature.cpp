@@ -6,7 +6,7 @@
 namespace palpate::shape {
 namespace {
 
-/// Where four points name two directions, pairs may share or nearly share a point.
+/// The two directions of four points may share a point, or nearly so.
 const std::vector<Eigen::Vector3d>& checked(const std::vector<Eigen::Vector3d>& points) {
   if (points.size() != 4) return checked_points("angle", points, 3, 4);
   checked_points("angle", {points[0], points[1]}, 2, 2);
@@ -47,8 +47,8 @@ void AngleFeature::evaluate(const Eigen::Matrix3Xd& positions,
   value[0] = angle_;
 }
 
-/// A direction turns by its part along m, the turning sense of the plane of both, divided by its
-/// length: d angle = (m x b / |b|^2) . db - (m x a / |a|^2) . da.
+/// Rotation of a direction: its displacement along m, the tangential direction in the plane of
+/// both, divided by its length: d angle = (m x b / |b|^2) . db - (m x a / |a|^2) . da.
 bool AngleFeature::measure(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept {
   Eigen::Vector3d m, a_seen = a, b_seen = b;
   if (axis_) {

@@ -6,14 +6,14 @@
 
 namespace palpate::shape {
 
-/// Angle between two directions in the material, rad. Of three points p1, p2, p3: at p2, from
-/// a = p1 - p2 to b = p3 - p2. Of four: from a = p2 - p1 to b = p4 - p3.
+/// Angle between two directions in the material, rad. Three points p1, p2, p3: at p2, from a = p1 -
+/// p2 to b = p3 - p2. Four points: from a = p2 - p1 to b = p4 - p3.
 ///
-/// Without an axis: 0 to pi, atan2(|a x b|, a . b); that of a straight line cannot be steered, for
-/// every bending makes it smaller. With the axis n, fixed in O: of a and b as seen along n, counted
-/// by the right hand about n, atan2(n . (a x b), a . b - (n . a)(n . b)) in (-pi, pi], and smooth
-/// through the straight line; error = target - value is then wrapped to [-pi, pi), the shorter way
-/// round. Targets lie within pi of 0, without an axis from 0 to pi.
+/// Without an axis: range 0 to pi, atan2(|a x b|, a . b). At pi (a straight line) it cannot be
+/// controlled, because every bending reduces it. With an axis n, fixed in O: angle of a and b
+/// projected along n, right-handed about n, atan2(n . (a x b), a . b - (n . a)(n . b)) in (-pi,
+/// pi], smooth through the straight line; error = target - value is then wrapped to [-pi, pi).
+/// Targets lie within pi of 0; without an axis from 0 to pi.
 class AngleFeature : public MaterialFeature {
  public:
   struct Options {
@@ -21,13 +21,13 @@ class AngleFeature : public MaterialFeature {
     std::optional<Eigen::Vector3d> axis;       // in O, any length but 0
   };
 
-  /// Throws std::invalid_argument unless there are three or four points of the mesh, and, without
-  /// an axis, directions that are not on one line; with one, directions not along it.
+  /// Throws std::invalid_argument unless there are three or four points on the mesh whose
+  /// directions are not collinear (without an axis) or not parallel to the axis (with one).
   AngleFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "angle"; }
   Unit unit(int /*row*/) const noexcept override { return Unit::kRadian; }
-  /// Where the angle is not defined, value and Jacobian are the last ones.
+  /// Where the angle is undefined, value and Jacobian keep their last values.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
   bool is_defined() const noexcept override { return is_defined_; }

@@ -59,7 +59,7 @@ bool CurvatureFeature::measure(const Eigen::Vector3d& a, const Eigen::Vector3d& 
   const Eigen::Vector3d& m = triple.normal;
   const double factor = 2 / (length_a * length_b * length_c);
   triple.curvature = factor * m.dot(cross);
-  // The normal of its own turns without a part along itself: it counts as fixed.
+  // the line's own normal has no rotation component along itself and counts as fixed
   const Eigen::Vector3d shorter_c = c / (length_c * length_c);
   triple.by_a = factor * b.cross(m) - triple.curvature * (a / (length_a * length_a) + shorter_c);
   triple.by_b = factor * m.cross(a) - triple.curvature * (b / (length_b * length_b) + shorter_c);

@@ -7,16 +7,16 @@
 
 namespace palpate::shape {
 
-/// Curvature of a line through three or five material points in their order, 1/m. Three points give
-/// that of the circle through them (Menger):
+/// Curvature of a line through three or five ordered material points, 1/m. Three points: curvature
+/// of their circumscribed circle (Menger),
 ///   kappa = 2 m . (a x b) / (|a| |b| |a + b|),   a = p2 - p1,   b = p3 - p2;
-/// five the mean over their three triples of neighbours. Points on one circle give 1 / radius
-/// however they are spaced.
+/// five points: mean over the three triples of neighbours. Points on one circle give 1 / radius for
+/// any spacing.
 ///
-/// Without an axis m is the line's own normal (a x b) / |a x b|, so kappa >= 0, and a straight line
-/// cannot be steered. With the axis, fixed in O, m is that: the line's curvature about it, positive
-/// where the line turns left seen from its tip, and smooth through the straight line. The error is
-/// target - value.
+/// Without an axis m is the line's own normal (a x b) / |a x b|, so that kappa >= 0, and a straight
+/// line cannot be controlled. With an axis, fixed in O, m is the axis: kappa is positive for a left
+/// turn seen from the tip of the axis, and smooth through the straight line. The error is target -
+/// value.
 class CurvatureFeature : public MaterialFeature {
  public:
   struct Options {
@@ -24,14 +24,14 @@ class CurvatureFeature : public MaterialFeature {
     std::optional<Eigen::Vector3d> axis;       // in O, any length but 0
   };
 
-  /// Throws std::invalid_argument unless there are three or five points of the mesh, kNearestPair
-  /// apart, and, without an axis, each three neighbours not on a straight line.
+  /// Throws std::invalid_argument unless there are three or five points on the mesh, at least
+  /// kNearestPair apart, and, without an axis, no three neighbours are collinear.
   CurvatureFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "curvature"; }
   Unit unit(int /*row*/) const noexcept override { return Unit::kPerMetre; }
-  /// Where two points come together, a triple's part of value and Jacobian is its last one; where
-  /// a triple becomes straight, without an axis, it goes by its last normal.
+  /// If two points coincide, the triple's contribution to value and Jacobian keeps its last value;
+  /// if a triple becomes collinear, without an axis, its last normal is used.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
   bool is_defined() const noexcept override { return is_defined_; }

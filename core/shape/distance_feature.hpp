@@ -11,11 +11,11 @@ class DistanceFeature : public MaterialFeature {
     std::vector<Eigen::Vector3d> rest_points;  // p1, p2 in O, m
   };
 
-  /// Throws std::invalid_argument unless there are two points of the mesh, kNearestPair apart.
+  /// Throws std::invalid_argument unless there are two points on the mesh, kNearestPair apart.
   DistanceFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "distance"; }
-  /// Of points that coincide the Jacobian keeps their last direction.
+  /// If the points coincide, the Jacobian keeps their last direction.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
   bool is_defined() const noexcept override { return is_defined_; }

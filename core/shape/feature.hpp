@@ -8,44 +8,44 @@
 
 namespace palpate::shape {
 
-/// What a row of a feature's error counts in.
+/// Unit of a row of a feature's error.
 enum class Unit { kMetre, kRadian, kPerMetre };
 
-/// A function of the shape that can be steered: its value, its error to a target, and how it
-/// follows the nodes. Points are named by rest position, so that a mesh can change beneath it.
-/// After construction nothing allocates.
+/// Controllable function of the shape: its value, its error with respect to a target, and its
+/// Jacobian with respect to the nodes. Points are identified by their rest position, independent of
+/// the mesh. Nothing allocates after construction.
 class Feature {
  public:
   virtual ~Feature() = default;
   /// "point", "points", "pose", "distance", "angle", "curvature" or "fourier_contour".
   virtual const char* kind() const noexcept = 0;
-  virtual int dimension() const noexcept = 0;    // of error and Jacobian rows
-  virtual int value_count() const noexcept = 0;  // of value and target; a pose has 7
+  virtual int dimension() const noexcept = 0;    // number of rows of error and Jacobian
+  virtual int value_count() const noexcept = 0;  // length of value and target; 7 for a pose
   virtual Unit unit(int /*row*/) const noexcept { return Unit::kMetre; }
   virtual const std::vector<Eigen::Vector3d>& rest_points() const noexcept = 0;
 
-  /// Current value from nodal positions, 3 x n in O. A pose: p_O, then w, x, y, z.
+  /// Current value from node positions, 3 x n in O, m. A pose: p_O, then w, x, y, z.
   virtual void evaluate(const Eigen::Matrix3Xd& positions,
                         Eigen::Ref<Eigen::VectorXd> value) noexcept = 0;
 
-  /// False where the last evaluate() met points that have come together or lined up such that the
-  /// feature or its Jacobian means nothing. Both are finite then too: they are what the last sound
-  /// shape had, as far as this one does not give them.
+  /// False if the last evaluate() met coincident or collinear points for which the feature or its
+  /// Jacobian is undefined. Both are finite nevertheless: undefined parts keep the values of the
+  /// last valid shape.
   virtual bool is_defined() const noexcept { return true; }
 
-  /// target minus value as a small motion, dimension() long: m; rad as rotation vector in O.
+  /// target minus value as a small motion, length dimension(): m; rad as a rotation vector in O.
   virtual void error(const Eigen::Ref<const Eigen::VectorXd>& value,
                      const Eigen::Ref<const Eigen::VectorXd>& target,
                      Eigen::Ref<Eigen::VectorXd> error) const noexcept = 0;
 
-  /// Nodes that the feature depends on.
+  /// Nodes on which the feature depends.
   virtual const std::vector<int>& support() const noexcept = 0;
 
-  /// d feature / d positions of the support, dimension() x 3 |support|, in the same small-motion
-  /// coordinates as error(), at the last evaluate(). Compressed; its pattern never changes.
+  /// d feature / d positions of the support, dimension() x 3 |support|, in the small-motion
+  /// coordinates of error(), at the last evaluate(). Compressed, with a constant pattern.
   virtual const Eigen::SparseMatrix<double>& jacobian() const noexcept = 0;
 
-  /// True where `target` has value_count() finite numbers that make a valid value.
+  /// True if `target` contains value_count() finite numbers that form a valid value.
   virtual bool is_valid_target(const double* target, int count) const noexcept = 0;
 };
 

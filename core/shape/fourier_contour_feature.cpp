@@ -10,10 +10,10 @@
 namespace palpate::shape {
 namespace {
 
-/// Condition number of the least-squares fit beyond which coefficients are guesses.
+/// Condition number of the least-squares fit above which the coefficients are not determined.
 constexpr double kWorstCondition = 20;
 
-/// Length along the polygon up to each point, as a part of the whole.
+/// Arc length along the polygon up to each point, as a fraction of the total.
 Eigen::VectorXd arc_of(const std::vector<Eigen::Vector3d>& points, bool closed) {
   Eigen::VectorXd arc(points.size());
   arc[0] = 0;
@@ -22,7 +22,7 @@ Eigen::VectorXd arc_of(const std::vector<Eigen::Vector3d>& points, bool closed) 
   return arc / (arc[arc.size() - 1] + closing);
 }
 
-/// Row p: what each coefficient adds to the contour at point p.
+/// Row p: contribution of each coefficient to the contour at point p.
 Eigen::MatrixXd waves_at(const Eigen::VectorXd& arc, int harmonics, bool closed) {
   Eigen::MatrixXd waves(arc.size(), 1 + (closed ? 2 : 1) * harmonics);
   waves.col(0).setOnes();

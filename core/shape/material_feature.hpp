@@ -7,16 +7,15 @@
 
 namespace palpate::shape {
 
-/// Points of a feature that are nearer to one another than this at rest count as one, m.
+/// m: points of a feature nearer to each other than this at rest count as coincident.
 inline constexpr double kNearestPair = 1e-3;
-/// Present distance of two points below which they have no direction, m.
+/// m: current distance of two points below which their direction is undefined.
 inline constexpr double kShortestEdge = 1e-9;
-/// Sine of an angle below which its sides are on one line.
+/// Sine of an angle below which its sides count as collinear.
 inline constexpr double kFlattest = 1e-3;
 
-/// A feature of the present places of a few material points: what follows from that alone. One that
-/// says no more has value_count() = dimension(), the plain difference for an error, and takes any
-/// finite target.
+/// Base of features that depend on the current positions of a few material points only. Defaults
+/// for derived classes: value_count() = dimension(), error = difference, every finite target valid.
 class MaterialFeature : public Feature {
  public:
   int dimension() const noexcept override { return static_cast<int>(jacobian_.rows()); }
@@ -34,10 +33,10 @@ class MaterialFeature : public Feature {
  protected:
   MaterialFeature(const mesh::ElementMesh& mesh, std::vector<Eigen::Vector3d> rest_points);
 
-  /// Of a feature linear in its points: `by_points` is d error coordinates / d (x, y, z of one
-  /// point after the other), for good.
+  /// For a feature linear in its points: `by_points` is the constant derivative of the error
+  /// coordinates with respect to (x, y, z of one point after the other).
   void set_constant(const Eigen::MatrixXd& by_points);
-  /// Of any other: room for a Jacobian that chain() then sets at each evaluate().
+  /// For any other feature: allocates a Jacobian that chain() sets at each evaluate().
   void set_dimension(int dimension);
   void chain(const Eigen::Ref<const Eigen::MatrixXd>& by_points) noexcept;
 
@@ -54,15 +53,16 @@ class MaterialFeature : public Feature {
 
   MaterialPoints points_;
   std::vector<Carrier> carriers_;
-  Eigen::SparseMatrix<double> jacobian_;  // after set_dimension() with every entry, zeros too
+  Eigen::SparseMatrix<double> jacobian_;  // after set_dimension() with every entry, including zeros
 };
 
-/// `axis` at length 1, if there is one. Throws std::invalid_argument where it is not a direction.
+/// `axis` normalised to length 1, if present. Throws std::invalid_argument if it is not a
+/// direction.
 std::optional<Eigen::Vector3d> unit_axis(const char* kind,
                                          const std::optional<Eigen::Vector3d>& axis);
 
-/// Throws std::invalid_argument unless there are `least` to `most` points, each pair of them
-/// kNearestPair apart; `kind` is the feature's name for the text.
+/// Throws std::invalid_argument unless there are `least` to `most` points with pairwise distances
+/// of at least kNearestPair; `kind` is the feature's name for the message.
 const std::vector<Eigen::Vector3d>& checked_points(const char* kind,
                                                    const std::vector<Eigen::Vector3d>& points,
                                                    std::size_t least, std::size_t most);

@@ -5,16 +5,17 @@
 namespace palpate::shape {
 
 /// Position of one material point in O, m. Value and target are the whole position (3); error and
-/// Jacobian hold only the components that are to be controlled.
+/// Jacobian contain only the controlled components.
 class PointFeature : public MaterialFeature {
  public:
   struct Options {
     Eigen::Vector3d rest_point = Eigen::Vector3d::Zero();  // in O, m
-    std::vector<int> components{0, 1, 2};                  // of 0 = x, 1 = y, 2 = z; each once
+    /// Distinct entries of 0 = x, 1 = y, 2 = z.
+    std::vector<int> components{0, 1, 2};
   };
 
-  /// Throws std::invalid_argument where the point is not of the mesh or the components are not
-  /// a non-empty list of different axes.
+  /// Throws std::invalid_argument if the point is not on the mesh or the components are not a
+  /// non-empty list of different axes.
   PointFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "point"; }
@@ -29,8 +30,8 @@ class PointFeature : public MaterialFeature {
   std::vector<int> components_;
 };
 
-/// Throws std::invalid_argument unless `components` is a non-empty list of different ones of 0, 1,
-/// 2; `kind` is the feature's name for the text.
+/// Throws std::invalid_argument unless `components` is a non-empty list of distinct values of 0, 1,
+/// 2; `kind` is the feature's name for the message.
 const std::vector<int>& checked_components(const char* kind, const std::vector<int>& components);
 
 }  // namespace palpate::shape

@@ -37,8 +37,8 @@ void PoseFeature::evaluate(const Eigen::Matrix3Xd& positions,
   math::wxyz_from_rotation(R_OC_, value.data() + 3);
 }
 
-/// Orientation from the edges a = p2 - p1, b = p3 - p1 and how it turns with them. From dx = w x x
-/// and dz = w x z, with n = a x b, the turn is
+/// Orientation from the edges a = p2 - p1, b = p3 - p1 and its derivative. From dx = w x x and dz =
+/// w x z, with n = a x b, the rotation is
 ///   dw/da = x (y x b)^T / |n| + (z y^T - y z^T) / |a|,   dw/db = -x (y x a)^T / |n|.
 void PoseFeature::turn_with(const Eigen::Vector3d& a, const Eigen::Vector3d& b) noexcept {
   const Eigen::Vector3d n = a.cross(b);

@@ -17,13 +17,13 @@ class PoseFeature : public MaterialFeature {
                                                Eigen::Vector3d::Zero()};  // in O, m
   };
 
-  /// Throws std::invalid_argument where a point is not of the mesh or the three lie on a line.
+  /// Throws std::invalid_argument if a point is not on the mesh or the three are collinear.
   PoseFeature(const mesh::ElementMesh& mesh, const Options& options);
 
   const char* kind() const noexcept override { return "pose"; }
   int value_count() const noexcept override { return 7; }
   Unit unit(int row) const noexcept override { return row < 3 ? Unit::kMetre : Unit::kRadian; }
-  /// Keeps the last orientation while the points have collapsed onto a line.
+  /// Keeps the last orientation while the points are collinear.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
   bool is_defined() const noexcept override { return is_defined_; }

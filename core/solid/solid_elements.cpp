@@ -11,7 +11,7 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Column = Eigen::Matrix<double, 30, 1>;
 using Square = Eigen::Matrix<double, 30, 30>;
-using Strain = Eigen::Matrix<double, 9, 30>;  // F by nodes
+using Strain = Eigen::Matrix<double, 9, 30>;  // derivative of F with respect to the nodes
 
 Strain strain(const elasticity::Tetrahedron<10>::Gradients& gradients) {
   Strain B = Strain::Zero();
@@ -39,7 +39,7 @@ SolidElements::SolidElements(const mesh::ElementMesh& mesh) : mesh_(mesh) {
 }
 
 SolidElements::Nodes SolidElements::gather(int element, const Matrix3Xd& x) const {
-  Nodes d;  // from the first node, so that a body far from the origin loses no digits
+  Nodes d;  // relative to the first node, for accuracy far from the origin
   for (int a = 0; a < 10; ++a) {
     d.col(a) = x.col(mesh_.elements(a, element)) - x.col(mesh_.elements(0, element));
   }

@@ -18,12 +18,12 @@ class SolidElements {
 
   const mesh::ElementMesh& mesh() const { return mesh_; }
 
-  /// Energy (J) at positions x, with `forces` = dEnergy/dx (N), both 3 x n. Infinity, and forces
-  /// that mean nothing, where a point is turned inside out.
+  /// Energy, J, at positions x, and `forces` = dEnergy/dx, N, both 3 x n. Returns infinity, with
+  /// undefined forces, if a point is inverted.
   double forces(const Eigen::Matrix3Xd& x, const SolidCoefficients& c,
                 Eigen::Matrix3Xd& forces) const;
 
-  /// Adds `factor` times the second derivative of the energy. x must not be inside out anywhere.
+  /// Adds `factor` times the second derivative of the energy. No point may be inverted at x.
   void add_tangent(const Eigen::Matrix3Xd& x, const SolidCoefficients& c, double factor,
                    factor::BlockMatrix& tangent) const;
 
@@ -32,7 +32,7 @@ class SolidElements {
   using Nodes = Element::Gradients;
   struct Shape {
     std::array<Nodes, Element::kPoints> gradients;  // 1/m
-    double weight = 0;                              // m^3, of a point
+    double weight = 0;                              // m^3, volume of a point
   };
 
   Nodes gather(int element, const Eigen::Matrix3Xd& x) const;

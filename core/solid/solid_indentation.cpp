@@ -18,10 +18,12 @@ using Eigen::Vector2d;
 using Eigen::VectorXd;
 using Local = Eigen::Matrix<double, 18, 1>;
 using LocalMatrix = Eigen::Matrix<double, 18, 18>;
-using Strain = Eigen::Matrix<double, 9, 18>;  // F, axes r, z, around, by (r, z) of each node
+// Derivative of F, axes r, z, circumferential, with respect to (r, z) of each node.
+using Strain = Eigen::Matrix<double, 9, 18>;
 
-constexpr double kPenalty = 2000;  // N/m^3 over (Young's modulus / R): dents the surface by 1e-3 R
-/// Lines of a grid from 0 to `length` whose spacing begins with `first` and grows by `growth`.
+constexpr double kPenalty = 2000;  // N/m^3 divided by (Young's modulus / R): penetration of 1e-3 R
+/// Grid lines from 0 to `length` whose spacing starts with `first` and grows by the factor
+/// `growth`.
 std::vector<double> graded(double length, double first, double growth) {
   std::vector<double> sizes;
   double sum = 0;
@@ -38,7 +40,7 @@ class Layer {
  public:
   Layer(const SolidCoefficients& c, double thickness, double finest) : c_(c) {
     const std::vector<double> r = graded(std::max(10.0, 3 * thickness), finest, 1.13);
-    const std::vector<double> z = graded(thickness, finest, 1.25);  // down from the surface
+    const std::vector<double> z = graded(thickness, finest, 1.25);  // downwards from the surface
     columns_ = static_cast<int>(r.size()) - 1;
     rows_ = static_cast<int>(z.size()) - 1;
     across_ = 2 * columns_ + 1;
@@ -64,7 +66,7 @@ class Layer {
     }
   }
 
-  /// Presses the ball on to `depth`; false without equilibrium, the layer being as it was then.
+  /// Presses the ball to `depth`; false if no equilibrium is found, with the layer unchanged.
   bool press(double depth) {
     const VectorXd begin = u_;
     foresee(depth - depth_);
@@ -76,7 +78,8 @@ class Layer {
       const VectorXd step = newton_step(u_, forces);
       if (step.size() == 0) break;
       const double descent = forces.dot(step);
-      // Points on the brink of contact come and go in the end, below any accuracy that matters.
+      // near convergence points alternate between contact and no contact, below any relevant
+      // accuracy
       if (std::abs(descent) < 1e-11 * energy) return true;
       if (forces.cwiseAbs().maxCoeff() < 1e-6 * force()) return true;
       const VectorXd from = u_;
@@ -86,7 +89,7 @@ class Layer {
         u_ = from;
         add(alpha * step, u_);
         next = evaluate(u_, &forces, nullptr);
-        // Where rounding hides the energy's fall the forces decide.
+        // Where rounding errors exceed the decrease of the energy, the forces decide.
         if (next <= energy + 1e-4 * alpha * descent ||
             (next <= energy + rounding_ && forces.cwiseAbs().maxCoeff() < imbalance)) {
           break;
@@ -99,7 +102,7 @@ class Layer {
     return false;
   }
 
-  /// On the ball, upwards.
+  /// Force on the ball, upwards.
   double force() const {
     double sum = 0;
     contact(u_, [&](const std::array<int, 3>&, const std::array<double, 3>&, double pressure,
@@ -122,7 +125,7 @@ class Layer {
     Element element;
     const int i = 2 * (e % columns_), j = 2 * (e / columns_);
     for (int a = 0; a < 9; ++a) element.nodes[a] = i + a % 3 + across_ * (j + a / 3);
-    // Rectangles: r along the first index, depth along the second.
+    // rectangles: r along the first index, depth along the second
     const double width = rest_(0, element.nodes[2]) - rest_(0, element.nodes[0]);
     const double height = rest_(1, element.nodes[6]) - rest_(1, element.nodes[0]);  // < 0
     const double middle = rest_(0, element.nodes[1]);
@@ -145,7 +148,8 @@ class Layer {
     return element;
   }
 
-  /// Follows the ball `deeper` with the points that it holds down already, by the present factor.
+  /// Predicts the shape after the ball has moved by `deeper` with the present contact points, using
+  /// the present factor.
   void foresee(double deeper) {
     VectorXd push = VectorXd::Zero(size_);
     contact(u_, [&](const std::array<int, 3>& nodes, const std::array<double, 3>& n, double,
@@ -165,8 +169,8 @@ class Layer {
     }
   }
 
-  /// Calls f(nodes, shape, force along the normal, normal off the ball, stiffness, distance from
-  /// the ball's centre) at each point of the surface that the ball holds down.
+  /// Calls f(nodes, shape, force along the normal, normal away from the ball, stiffness, distance
+  /// from the ball's centre) for each surface point in contact with the ball.
   template <class Function>
   void contact(const VectorXd& u, const Function& f) const {
     for (int e = 0; e < columns_; ++e) {
@@ -190,10 +194,10 @@ class Layer {
     }
   }
 
-  /// Of small strain, to measure by.
+  /// Young's modulus at small strain, for scaling.
   double young() const { return 6 * (c_.c10 + c_.c01); }
 
-  /// Energy at u; forces out of balance over unknowns and triplets of the tangent where given.
+  /// Energy at u; unbalanced forces over the unknowns and triplets of the tangent, if requested.
   double evaluate(const VectorXd& u, VectorXd* forces,
                   std::vector<Eigen::Triplet<double>>* tangent) const {
     double energy = 0;
@@ -277,7 +281,7 @@ class Layer {
     }
   }
 
-  /// Empty where the tangent is not positive definite whatever is added to it.
+  /// Empty if the tangent is not positive definite even after regularisation.
   VectorXd newton_step(const VectorXd& u, const VectorXd& forces) {
     std::vector<Eigen::Triplet<double>> triplets;
     evaluate(u, nullptr, &triplets);

@@ -6,23 +6,24 @@
 
 namespace palpate::solid {
 
-/// Force on a rigid ball by the depth to which it is pressed into a layer.
+/// Force on a rigid ball as a function of its indentation depth into a layer.
 struct IndentationCurve {
-  Eigen::VectorXd depth;  // over the ball's radius R, rising, from above 0
-  Eigen::VectorXd force;  // over (the unit of the constants) R^2
+  Eigen::VectorXd depth;  // divided by the ball's radius R, ascending, > 0
+  Eigen::VectorXd force;  // divided by (the unit of the constants) R^2
 };
 
 struct IndentationOptions {
-  double deepest = 1.2;  // over R
-  int steps = 16;        // depths, evenly spaced in their square root
-  double finest = 0.05;  // over R: elements below the ball's pole; they grow away from there
+  double deepest = 1.2;  // divided by R
+  int steps = 16;        // number of depths, evenly spaced in their square root
+  /// Divided by R: element size below the ball's pole; elements grow away from there.
+  double finest = 0.05;
 };
 
-/// A frictionless ball of radius 1 pressed into a layer of `thickness` (over R), bonded to a rigid
-/// ground, of a hyperelastic solid at large strain. Axisymmetric nine-node quadrilaterals that keep
-/// their volume as SolidElements do; contact by penalty at points of the surface. Ends before
-/// `deepest` where no equilibrium is found any more. Throws std::invalid_argument for what is no
-/// layer. Off line: seconds.
+/// Frictionless indentation by a ball of radius 1 of a hyperelastic layer of `thickness` (divided
+/// by R), bonded to a rigid ground, at large strain. Axisymmetric nine-node quadrilaterals with the
+/// volume treatment of SolidElements; contact by penalty at points of the surface. Ends before
+/// `deepest` if no equilibrium is found. Throws std::invalid_argument for an invalid layer.
+/// Offline: takes seconds.
 IndentationCurve indent_layer(const SolidCoefficients& c, double thickness,
                               const IndentationOptions& options = {});
 

@@ -33,7 +33,7 @@ SolidMaterial make_solid_material(double E, double nu, double mooney, double sti
   m.coefficients = spread(mu, point, bulk - point);
   m.by_young = m.coefficients * (1 / E);
   const double mu_slope = -mu / (1 + nu), bulk_slope = 2 * bulk / (1 - 2 * nu);
-  // bulk_point is half the harmonic mean of K and c mu.
+  // bulk_point is half the harmonic mean of K and c mu
   const double of_bulk = std::pow(point / bulk, 2);
   const double of_shear = kPointBulk * std::pow(point / (kPointBulk * mu), 2);
   const double point_slope = of_bulk * bulk_slope + of_shear * mu_slope;
@@ -70,8 +70,8 @@ bool point_response(const Matrix3d& F, const SolidCoefficients& c, bool with_tan
   const double i1 = C.trace(), i2 = 0.5 * (i1 * i1 - C.squaredNorm());
   const double a = std::pow(J, -2.0 / 3), b = a * a;
   const Matrix3d i2_slope = 2 * (i1 * F - F * C);
-  const Matrix3d first = 2 * a * (F - i1 / 3 * G);           // of the isochoric I1
-  const Matrix3d other = b * (i2_slope - 4.0 / 3 * i2 * G);  // of the isochoric I2
+  const Matrix3d first = 2 * a * (F - i1 / 3 * G);           // derivative of the isochoric I1
+  const Matrix3d other = b * (i2_slope - 4.0 / 3 * i2 * G);  // derivative of the isochoric I2
   const double e1 = a * i1 - 3, e2 = b * i2 - 3;
   const double w1 = c.c10 + 2 * c.c20 * e1;
   response.energy =

@@ -20,7 +20,7 @@ namespace {
 
 Vector4d flat(const Matrix2d& m) { return Eigen::Map<const Vector4d>(m.data()); }
 
-/// What holds a membrane back that has moved by u, per area.
+/// Foundation traction per area of a membrane displaced by u.
 struct Hold {
   Hold(const Vector2d& u, const MembraneVector& p) {
     const double grip = p[kGrip], q = u.squaredNorm() / (grip * grip);
@@ -81,10 +81,10 @@ bool membrane_response(const Matrix2d& F, const MembraneVector& p, MembraneRespo
   return true;
 }
 
-/// Equations over the unknowns. Forces are of all coordinates.
+/// Equations over the unknowns; forces of all coordinates.
 struct SolidMembrane::System {
   VectorXd forces;
-  std::vector<Eigen::Triplet<double>> tangent, border;  // border: rows of given coordinates
+  std::vector<Eigen::Triplet<double>> tangent, border;  // border: rows of prescribed coordinates
   Eigen::Matrix<double, Eigen::Dynamic, kMembraneParameters> by_parameter;
 };
 
@@ -246,8 +246,8 @@ bool SolidMembrane::press_on(const MembraneVector& p, const std::vector<Vector2d
     }
     return to;
   };
-  // J; at small strain the energy is a difference of numbers so much larger that rounding hides
-  // descents below this, and the forces decide.
+  // J; at small strain the energy is a small difference of large numbers, and rounding errors
+  // exceed decreases below this; the forces decide then
   const double blind = 1e-14 * p[kShear] * (x_.back() - x_.front()) * (y_.back() - y_.front());
   bool converged = false;
   for (int iteration = 0; iteration < 60 && !converged; ++iteration) {
@@ -272,7 +272,7 @@ bool SolidMembrane::press_on(const MembraneVector& p, const std::vector<Vector2d
                   gathered().cwiseAbs().maxCoeff() < imbalance);
     }
     if (!accepted) {
-      // As far as rounding lets it come.
+      // converged to rounding accuracy
       u = from;
       evaluate(u, p, system, true, with_slopes);
       if (imbalance > 1e-8 * system.forces.cwiseAbs().maxCoeff()) return false;

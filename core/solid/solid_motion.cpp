@@ -9,9 +9,9 @@ namespace {
 
 using Eigen::Matrix3Xd;
 
-constexpr int kIterations = 40;       // Newton steps at most
-constexpr double kTolerance = 1e-11;  // forces out of balance over the largest force
-constexpr double kSlow = 0.2;         // contraction of an old factor that asks for a new one
+constexpr int kIterations = 40;       // maximum number of Newton steps
+constexpr double kTolerance = 1e-11;  // unbalanced forces relative to the largest force
+constexpr double kSlow = 0.2;         // contraction above which a new factor is computed
 
 double largest(const Matrix3Xd& field) { return field.colwise().norm().maxCoeff(); }
 
@@ -104,9 +104,9 @@ bool SolidMotion::correct(Matrix3Xd& x, Matrix3Xd& forces) {
 }
 
 bool SolidMotion::advance() {
-  Matrix3Xd x = x_ + h_ * v_, forces;  // the old velocity held
+  Matrix3Xd x = x_ + h_ * v_, forces;  // prediction with constant velocity
   if (!correct(x, forces)) {
-    // The guess may lie inside out or far away.
+    // the prediction may be inverted or far from the solution
     x = x_;
     if (!factorise(solver_.tangent(x_, problem_.coefficients)) || !correct(x, forces)) return false;
   }

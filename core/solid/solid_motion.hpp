@@ -5,39 +5,39 @@
 
 namespace palpate::solid {
 
-/// What moves: the solid with its constants, loads that stay, point masses that ride on nodes.
+/// Dynamic problem: the solid with its constants, constant loads, and point masses attached to
+/// nodes.
 struct SolidMotionProblem {
   SolidCoefficients coefficients;
   Eigen::Matrix3Xd loads;             // N, 3 x n
   double density = 0;                 // kg/m^3
-  Eigen::VectorXd nodal_mass;         // kg, of points fixed to nodes; empty: none
-  elasticity::Damping damping{0, 0};  // Rayleigh
+  Eigen::VectorXd nodal_mass;         // kg, point masses attached to nodes; empty: none
+  elasticity::Damping damping{0, 0};  // Rayleigh damping
 };
 
-/// Motion of a hyperelastic solid, with forward derivatives by parameters. Trapezoidal rule,
+/// Motion of a hyperelastic solid, with forward derivatives by parameter. Trapezoidal rule,
 ///   M (v' - v)/h + a M (v + v')/2 + (f(x) + f(x'))/2 + b (f(x') - f(x))/h = loads,
 ///   x' = x + h (v + v')/2,
-/// of second order and without damping of its own. The term of b is the mean over the step of
-/// b df/dt = b K v: Rayleigh damping with the tangent as it is, solved for exactly.
+/// of second order and without numerical damping. The term with b is the mean of b df/dt = b K v
+/// over the step: Rayleigh damping with the current tangent, solved exactly.
 class SolidMotion {
  public:
-  /// Starts at rest at x; `slopes` are the parameters by which derivatives are carried along.
-  /// `solver` outlives this, and nobody else uses it meanwhile.
+  /// Starts at rest at x; derivatives are computed for the parameters in `slopes`. `solver` must
+  /// outlive this object, which uses it exclusively.
   SolidMotion(SolidSolver& solver, SolidMotionProblem problem, const Eigen::Matrix3Xd& x,
               double step, std::vector<SolidSlope> slopes);
 
-  /// One step; false where Newton finds no solution.
+  /// Advances by one step; false if Newton's method finds no solution.
   bool advance();
 
   const Eigen::Matrix3Xd& positions() const { return x_; }
   const Eigen::Matrix3Xd& velocities() const { return v_; }
-  double energy() const;  // J, of strain and motion less the work of the loads
-  /// Of positions and velocities by parameter.
+  double energy() const;  // J, strain and kinetic energy minus the work of the loads
+  /// Derivatives of positions by parameter.
   const Eigen::Matrix3Xd& position_slope(int parameter) const { return dx_[parameter]; }
-  const Eigen::Matrix3Xd& velocity_slope(int parameter) const { return dv_[parameter]; }
 
  private:
-  /// Forces out of balance at the end of a step to x, whose forces are given.
+  /// Unbalanced forces at the end of a step to x, whose forces are given.
   Eigen::Matrix3Xd imbalance(const Eigen::Matrix3Xd& x, const Eigen::Matrix3Xd& forces) const;
   bool factorise(const factor::BlockMatrix& stiffness);
   bool correct(Eigen::Matrix3Xd& x, Eigen::Matrix3Xd& forces);
@@ -47,9 +47,10 @@ class SolidMotion {
   SolidSolver& solver_;
   SolidMotionProblem problem_;
   double h_;
-  double now_, before_;  // shares of the forces at the end and the beginning of a step
+  double now_, before_;  // weights of the forces at the end and the beginning of a step
   std::vector<SolidSlope> slopes_;
-  factor::BlockMatrix volume_, mass_, stiffness_;  // m^3; kg; N/m at x_, where there are slopes
+  /// m^3; kg; N/m at x_, if derivatives are requested
+  factor::BlockMatrix volume_, mass_, stiffness_;
   Eigen::Matrix3Xd x_, v_, forces_;
   std::vector<Eigen::Matrix3Xd> dx_, dv_;
 };

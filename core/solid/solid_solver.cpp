@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Matrix3Xd;
 
-/// The mesh as a body of unit density.
+/// Body of unit density with this mesh.
 elasticity::Body unit_body(const mesh::ElementMesh& mesh, const std::vector<int>& fixed_nodes) {
   if (fixed_nodes.empty()) throw std::invalid_argument("a solid needs nodes that are fixed");
   elasticity::Body body;
@@ -95,7 +95,7 @@ bool SolidSolver::newton(const SolidCoefficients& c, const Matrix3Xd& loads, Mat
     for (double alpha = 1; alpha > 1e-4 && !accepted; alpha /= 2) {
       x = start + alpha * step;
       const double next = evaluate();
-      // Near the end the energy is blind by rounding, and the forces decide.
+      // near convergence rounding errors exceed the changes of the energy, and the forces decide
       const double blind = rounding() * body_.extent();
       accepted = next <= energy + 1e-4 * alpha * slope ||
                  (std::abs(next - energy) <= blind && largest(forces) < begin);

@@ -11,7 +11,7 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// mu and lambda and their derivatives; lambda = 0 where nu = 0.5.
+/// mu and lambda and their derivatives; lambda = 0 for nu = 0.5.
 struct Lame {
   double mu, mu_E, mu_nu;
   double lambda, lambda_E, lambda_nu;
@@ -35,7 +35,7 @@ struct Power {
   Power(double a, double x) {
     const double y = a * x;
     by_x = std::exp(y);
-    if (std::abs(y) < 1e-3) {  // series where the closed forms cancel
+    if (std::abs(y) < 1e-3) {  // series where the closed forms suffer from cancellation
       value = x * (1 + y / 2 + y * y / 6 + y * y * y / 24);
       by_a = x * x * (1.0 / 2 + y / 3 + y * y / 8 + y * y * y / 30);
       integral = x * x * (1.0 / 2 + y / 6 + y * y / 24 + y * y * y / 120);
@@ -47,7 +47,7 @@ struct Power {
   }
 };
 
-/// Adds `lambda` l^2 / 2 to the energy, and what follows.
+/// Adds `lambda` l^2 / 2 to the energy, and its contributions to the derivatives.
 void add_volume(double lambda, double l, PrincipalStress& r) {
   r.energy += lambda * l * l / 2;
   r.stress.array() += lambda * l;
@@ -94,7 +94,7 @@ class MooneyRivlin final : public StrainEnergy {
 
     reset(3, r);
     r.energy = c10 * (I1 - 3) + c01 * (I2 - 3) - (2 * c10 + 4 * c01) * l;
-    // By c10 and by c01, the latter with its part of the volume's.
+    // derivatives with respect to c10 and c01, the latter including its part of the volume term
     const Vector3d by_c10 = 2 * square.array() - 2;
     const Vector3d by_c01 = 2 * square.array() * others.array() - 4;
     r.stress = c10 * by_c10 + c01 * by_c01;
@@ -111,10 +111,10 @@ class MooneyRivlin final : public StrainEnergy {
   }
 };
 
-/// Sums of powers: Ogden's, of which the Neo-Hookean one is a case, and the foams.
+/// Sums of powers: Ogden's materials, including the neo-Hookean one, and the foams.
 class Powers final : public StrainEnergy {
  public:
-  /// Exponents are known where `known` is given, else terms of them and shares are constants.
+  /// Exponents are `known` if given; otherwise exponents and shares of the terms are constants.
   Powers(std::string name, int terms, bool is_foam, const double* known)
       : StrainEnergy(std::move(name), shape(terms, is_foam, known != nullptr)),
         terms_(terms),
@@ -153,7 +153,8 @@ class Powers final : public StrainEnergy {
     return result;
   }
 
-  /// Gives the stress by twice the term's shear modulus.
+  /// Adds a term and returns the derivative of the stress with respect to twice the term's shear
+  /// modulus.
   Vector3d add_term(const Vector3d& x, const VectorXd& c, const Lame& lame, double weight,
                     double exponent, int exponent_index, PrincipalStress& r) const {
     const double mu = 2 * weight * lame.mu, mu_nu = 2 * weight * lame.mu_nu;
@@ -170,7 +171,7 @@ class Powers final : public StrainEnergy {
       const Power q(exponent, -beta * l);
       value.array() -= q.value;
       by_a.array() -= q.by_a;
-      // Minus the integral of q(a, -beta l) over l.
+      // negative integral of q(a, -beta l) over l
       r.energy += beta != 0 ? mu * q.integral / beta : 0;
       r.tangent.array() += mu * beta * q.by_x;
       r.by_constant.col(1).array() += mu * q.by_x * l / (b * b);

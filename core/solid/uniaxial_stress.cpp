@@ -7,7 +7,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// The co-rotational material is linear along the axis, for any nu.
+/// The co-rotational material is linear along the axis for any nu.
 void respond_linearly(const VectorXd& constants, double stretch, UniaxialStress& r) {
   const double E = constants[0], nu = constants[1], strain = stretch - 1;
   r.stress = E * strain;
@@ -18,7 +18,7 @@ void respond_linearly(const VectorXd& constants, double stretch, UniaxialStress&
   r.lateral_by_constant = Eigen::Vector2d(0, -strain);
 }
 
-/// The volume is kept by a pressure, which the sides tell.
+/// A pressure conserves the volume; it follows from the stress-free sides.
 void respond_at_constant_volume(const StrainEnergy& material, const VectorXd& constants,
                                 double stretch, UniaxialStress& r) {
   const double x = std::log(stretch);
@@ -32,11 +32,11 @@ void respond_at_constant_volume(const StrainEnergy& material, const VectorXd& co
   r.by_stretch = (tau_x - tau) / (stretch * stretch);
   r.lateral_by_stretch = -0.5 * r.lateral / stretch;
   r.by_constant = (s.by_constant.row(0) - s.by_constant.row(1)).transpose() / stretch;
-  r.by_constant[1] = 0;  // nu does not vary
+  r.by_constant[1] = 0;  // nu is constant
   r.lateral_by_constant = VectorXd::Zero(constants.size());
 }
 
-/// Newton's method for the lateral logarithm y at which tau_2(x, y, y) = 0.
+/// Newton's method for the lateral logarithmic stretch y at which tau_2(x, y, y) = 0.
 bool find_lateral(const StrainEnergy& material, const VectorXd& constants, double x, double& y,
                   PrincipalStress& s) {
   constexpr int kSteps = 60;

@@ -42,7 +42,7 @@ class File {
 
 Key read_key_file(const std::string& path) {
   require_sodium();
-  // A pipe in its place must not make us wait.
+  // non-blocking, in case the path is a pipe
   const File file(path, O_RDONLY | O_NONBLOCK);
   if (file.fd() < 0) fail(path, std::string("cannot be opened: ") + std::strerror(errno));
   struct stat status {};
@@ -51,7 +51,7 @@ Key read_key_file(const std::string& path) {
     fail(path, "others than its owner have access to it; chmod 600 " + path);
 
   constexpr int kDigits = 2 * kKeySize;
-  char text[kDigits + 3];  // digits, an end of line, and one byte to see that there is more
+  char text[kDigits + 3];  // digits, an end of line, and one byte to detect longer content
   ssize_t size = read(file.fd(), text, sizeof(text));
   Key key;
   bool good = size == kKeySize;

@@ -8,8 +8,8 @@
 
 namespace palpate::bus {
 
-/// Where an encoded type holds arrays of a length of its own, all of numbers of 4 bytes: how many
-/// bytes lie in front of each array's count, since the array before or the fingerprint's begin.
+/// For encoded types with variable arrays, all of 4-byte numbers: number of bytes before each
+/// array's count, from the end of the previous array or of the fingerprint.
 template <class Message>
 inline constexpr std::array<int, 0> kBeforeCounts{};
 template <>
@@ -17,9 +17,9 @@ inline constexpr std::array<int, 2> kBeforeCounts<shape_t>{48, 0};
 template <>
 inline constexpr std::array<int, 4> kBeforeCounts<shape_mesh_t>{52, 4, 0, 0};
 
-/// Whether `size` bytes hold exactly what the counts among them say. Generated code makes room for
-/// as many numbers as a count says before it looks for them, and reads beyond the end where their
-/// size does not go into an int.
+/// True if `size` bytes match exactly the counts they contain. Generated code allocates as many
+/// numbers as a count announces before it checks for them, and reads beyond the end if their size
+/// exceeds an int.
 template <class Message>
 bool counts_fit(const std::uint8_t* data, std::int64_t size) noexcept {
   std::int64_t place = 0;
@@ -35,7 +35,7 @@ bool counts_fit(const std::uint8_t* data, std::int64_t size) noexcept {
   return place == size;
 }
 
-/// Decodes one whole message, of any bytes. False where it is of another type or size.
+/// Decodes one complete message from untrusted bytes. False if it has another type or size.
 template <class Message>
 bool checked_decode(Message& message, const void* data, int size) {
   if (size < 8) return false;

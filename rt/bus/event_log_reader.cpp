@@ -16,7 +16,7 @@
 namespace palpate::bus {
 namespace {
 
-constexpr std::int64_t kWindow = 1 << 16;  // bytes that are read from the file at once
+constexpr std::int64_t kWindow = 1 << 16;  // bytes read from the file at once
 constexpr std::array<std::uint8_t, 4> kSyncBytes = {kSyncWord >> 24, kSyncWord >> 16 & 0xff,
                                                     kSyncWord >> 8 & 0xff, kSyncWord & 0xff};
 
@@ -80,7 +80,7 @@ const LoggedEvent* EventLogReader::next() {
   return nullptr;
 }
 
-/// Of the event that begins at `place`; not a possible one where none does.
+/// Header of the event at `place`; an invalid one if there is none.
 EventLogReader::Header EventLogReader::header_at(std::int64_t place) {
   Header header;
   if (size_ - place < kEventHeaderSize) return header;
@@ -92,20 +92,20 @@ EventLogReader::Header EventLogReader::header_at(std::int64_t place) {
   return header;
 }
 
-/// A length that is wrong ends where nothing begins.
+/// With an invalid length the next event is not found where this one ends.
 bool EventLogReader::is_event(std::int64_t place, const Header& header) const {
   const std::int64_t end = place + header.size();
   return header.is_possible() && end <= size_ && is_sync_word(end);
 }
 
-/// Or as much of one as the file has room for.
+/// Also true for a truncated sync word at the end of the file.
 bool EventLogReader::is_sync_word(std::int64_t place) const {
   std::array<std::uint8_t, kSyncBytes.size()> bytes = kSyncBytes;
   copy(place, std::min<std::int64_t>(kSyncBytes.size(), size_ - place), bytes.data());
   return bytes == kSyncBytes;
 }
 
-/// Where the first sync word of an event from `place` on begins; the file's end without one.
+/// Offset of the first sync word from `place` on; the end of the file if there is none.
 std::int64_t EventLogReader::next_sync_word(std::int64_t place) {
   while (size_ - place >= kEventHeaderSize) {
     const std::uint8_t* begin = view(place, kEventHeaderSize);
@@ -117,7 +117,7 @@ std::int64_t EventLogReader::next_sync_word(std::int64_t place) {
   return size_;
 }
 
-/// Bytes of the file, kWindow at most, until the next call.
+/// Bytes of the file, at most kWindow, valid until the next call.
 const std::uint8_t* EventLogReader::view(std::int64_t place, std::int64_t size) {
   if (place < window_begin_ || place + size > window_begin_ + window_size_) {
     window_size_ = 0;
@@ -147,7 +147,7 @@ void EventLogReader::copy(std::int64_t place, std::int64_t size, std::uint8_t* i
   }
 }
 
-/// Counts what lies between the last event and `place` as damage.
+/// Counts the bytes between the last event and `place` as damage.
 void EventLogReader::skip_to(std::int64_t place) {
   if (place == place_) return;
   if (damage_.places++ == 0) damage_.first_place = place_;
@@ -155,7 +155,7 @@ void EventLogReader::skip_to(std::int64_t place) {
   place_ = place;
 }
 
-/// What is left holds no whole event: none, the beginning of one, or damage.
+/// The remainder contains no complete event: it is empty, a truncated event, or damage.
 void EventLogReader::finish() {
   if (place_ == size_) return;
   const Header header = header_at(place_);

@@ -6,45 +6,45 @@
 
 namespace palpate::bus {
 
-/// A message of a log; valid until its reader goes on.
+/// Logged message; valid until the reader's next call.
 struct LoggedEvent {
-  std::int64_t utime = 0;  // us, when it was recorded: 0 to kLatestEventTime
+  std::int64_t utime = 0;  // us, recording time: 0 to kLatestEventTime
   std::string channel;     // 1 to kLongestChannel bytes
   const std::uint8_t* data = nullptr;
-  int size = 0;         // of the data, bytes
-  std::int64_t at = 0;  // byte of the file where the event begins
+  int size = 0;         // bytes of data
+  std::int64_t at = 0;  // offset of the event in the file
 };
 
-/// What of a log was no whole event.
+/// Parts of a log that are not complete events.
 struct LogDamage {
-  long places = 0;               // pieces that were skipped
-  std::int64_t skipped = 0;      // bytes in them
-  std::int64_t first_place = 0;  // byte where the first of them begins
-  bool cut_short = false;        // the last event: who recorded was killed while writing it
+  long places = 0;               // number of skipped parts
+  std::int64_t skipped = 0;      // their total size, bytes
+  std::int64_t first_place = 0;  // offset of the first one in the file
+  bool cut_short = false;        // the last event is incomplete: recording was interrupted
 };
 
-/// Reads an LCM event log and believes nothing that it says of itself: an event counts where its
-/// lengths and time are possible, it fits the file, and the next one or the end follows. All else
-/// is skipped up to the next event, and told by damage(). Never holds more than the largest event.
+/// Reads an untrusted LCM event log: an event is valid if its lengths and time are possible, it
+/// fits into the file, and another event or the end of file follows. Everything else is skipped up
+/// to the next event and reported by damage(). Memory use is limited to the largest event.
 class EventLogReader {
  public:
-  /// What is added to the file later is not read. Throws std::runtime_error where `path` is no
-  /// file that can be read.
+  /// Data appended to the file later is not read. Throws std::runtime_error if `path` is not a
+  /// readable file.
   explicit EventLogReader(std::string path);
   ~EventLogReader();
   EventLogReader(const EventLogReader&) = delete;
   EventLogReader& operator=(const EventLogReader&) = delete;
 
-  /// The next event; nullptr at the end. Throws std::runtime_error, with the file's name and the
-  /// byte, where the file cannot be read on, and where it holds bytes but no event at all.
+  /// Next event; nullptr at the end. Throws std::runtime_error, with file name and offset, if the
+  /// file cannot be read further, or contains bytes but no event.
   const LoggedEvent* next();
 
-  /// Back to the first event.
+  /// Returns to the first event.
   void rewind();
 
-  /// Of what has been read since the beginning.
+  /// Damage in the part read so far.
   const LogDamage& damage() const { return damage_; }
-  /// The same in a line that names the file; empty where the log is whole.
+  /// The same as a one-line message naming the file; empty if the log is intact.
   std::string complaint() const;
 
  private:
@@ -61,12 +61,12 @@ class EventLogReader {
 
   std::string path_;
   int descriptor_;
-  std::int64_t size_ = 0;   // of the file
-  std::int64_t place_ = 0;  // where what has not been read begins
-  bool any_ = false;        // event was found
+  std::int64_t size_ = 0;   // file size
+  std::int64_t place_ = 0;  // offset of the unread part
+  bool any_ = false;        // an event has been found
   LoggedEvent event_;
   std::vector<std::uint8_t> data_;
-  std::vector<std::uint8_t> window_;  // bytes of the file from window_begin_ on
+  std::vector<std::uint8_t> window_;  // bytes of the file from offset window_begin_ on
   std::int64_t window_begin_ = 0, window_size_ = 0;
   LogDamage damage_;
 };

@@ -22,7 +22,7 @@ struct Address {
   const sockaddr* get() const { return reinterpret_cast<const sockaddr*>(&value); }
 };
 
-/// Abstract names begin with a zero and end with the length, not with a zero.
+/// Abstract names begin with a zero byte and are delimited by the length.
 Address abstract_address(const std::string& name) {
   Address address;
   address.value.sun_family = AF_UNIX;
@@ -31,7 +31,7 @@ Address abstract_address(const std::string& name) {
   return address;
 }
 
-/// " (process N)" of who listens at the address; empty where it cannot be told.
+/// " (process N)" for the process that listens at the address; empty if unknown.
 std::string holder(const Address& address) {
   const int fd = socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   if (fd < 0) return {};

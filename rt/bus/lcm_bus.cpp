@@ -1,8 +1,5 @@
 #include <lcm/lcm.h>
-#include <sys/socket.h>
-#include <unistd.h>
 
-#include <cerrno>
 #include <stdexcept>
 
 #include "rt/bus/message_bus.hpp"
@@ -13,22 +10,13 @@
 namespace palpate::bus {
 namespace {
 
-/// liblcm finds a missing route as well, but says so on stderr and returns nothing to explain.
-void require_route(const UdpmUrl& url) {
-  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  const sockaddr_in address = url.socket_address();
-  const bool reachable =
-      fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
-  const int error = errno;
-  if (fd >= 0) close(fd);
-  if (!reachable) throw std::runtime_error(explain_socket_error("open", url, error));
-}
-
-/// liblcm, which starts its own receiver only for a subscription that is never made here,
-/// publishes.
+/// Publishes through liblcm, which starts its own receiver only for a subscription, and none is
+/// made here.
 class LcmBus final : public MessageBus {
  public:
   explicit LcmBus(const UdpmUrl& url) : url_(url), receiver_(datagrams_) {
+    // liblcm finds a missing route as well, but reports it on stderr and returns nothing to
+    // explain.
     require_route(url);
     lcm_.reset(lcm_create(url.text().c_str()));
     if (!lcm_)
@@ -52,7 +40,7 @@ class LcmBus final : public MessageBus {
     return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
   }
   void start_publisher(int depth, int largest) override {
-    // liblcm locks while it sends: one of the publisher's own never makes a command wait.
+    // liblcm locks while it sends: a separate instance for the publisher never delays a command
     outlet_ = std::make_unique<LcmBus>(url_);
     publisher_ = std::make_unique<TelemetryPublisher>(*outlet_, depth, largest);
   }

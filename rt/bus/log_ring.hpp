@@ -8,21 +8,21 @@
 
 namespace palpate::bus {
 
-/// The last messages that passed by, kept ready as the bytes of an LCM event log. One thread
-/// writes; nothing allocates after construction. The limits are a span of time and the room.
+/// Ring buffer of the most recent messages, stored as the bytes of an LCM event log. One writing
+/// thread; nothing allocates after construction. Limited by a time span and by its capacity.
 class LogRing {
  public:
-  /// `room`: bytes; `span`: s. Throws std::invalid_argument unless both are positive.
+  /// `room`: capacity, bytes; `span`: s. Throws std::invalid_argument unless both are positive.
   LogRing(std::size_t room, double span);
 
-  /// Appends an event at `time_us` of the log's clock, which should not go back, and forgets what
-  /// is older than the span or in the way. An event larger than the room is left out.
+  /// Appends an event at `time_us` of the log's clock, which should be monotonic, and removes
+  /// events older than the span or in the way. An event larger than the capacity is omitted.
   void add(std::int64_t time_us, const std::string& channel, const void* data, int size) noexcept;
 
   void clear() noexcept;
 
-  /// The log: two pieces, either of which may be empty. Of a ring that is written meanwhile (by a
-  /// thread that crashes beside it) the oldest event may be broken, which readers of logs skip.
+  /// Log content in two pieces, either of which may be empty. If another thread writes concurrently
+  /// (the reader being a crash handler), the oldest event may be corrupt; readers of logs skip it.
   struct Piece {
     const std::uint8_t* data;
     std::size_t size;
@@ -39,8 +39,8 @@ class LogRing {
   std::vector<std::uint8_t> bytes_;
   std::int64_t span_us_;
   std::int64_t events_ = 0;
-  // Of the stream of all bytes ever written: where the oldest event begins, where the next one
-  // will.
+  // positions in the stream of all bytes ever written: start of the oldest event, start of the next
+  // one
   std::atomic<std::uint64_t> tail_{0}, head_{0};
 };
 

@@ -8,46 +8,48 @@
 
 namespace palpate::bus {
 
-/// Counters of one subscription, written by the receiver, read by anyone.
+/// Counters of one subscription; written by the receiver, readable by any thread.
 struct SubscriptionCounters {
   std::atomic<std::int64_t> received{0};  // accepted into the queue
-  std::atomic<std::int64_t> dropped{0};   // the queue was full: the oldest went
+  std::atomic<std::int64_t> dropped{0};   // queue full: the oldest message was dropped
   std::atomic<std::int64_t> wrong_size{0};
   std::atomic<std::int64_t> wrong_type{0};  // fingerprint of another type or version
   std::atomic<std::int64_t> last_wrong_fingerprint{0};
-  std::atomic<std::int64_t> other_sender{0};  // beside the one that is heard
+  std::atomic<std::int64_t> other_sender{0};  // from a publisher other than the accepted one
 };
 
-/// What a receiver saw of whole datagrams, before any subscription; zero on a bus without
+/// Counters of whole datagrams at the receiver, before any subscription; zero on a bus without
 /// datagrams.
 struct DatagramCounters {
   std::atomic<std::int64_t> received{0};
-  std::atomic<std::int64_t> malformed{0};     // not an LCM message: framing, channel name, size
-  std::atomic<std::int64_t> fragmented{0};    // part of a larger message, which nobody here takes
-  std::atomic<std::int64_t> unsubscribed{0};  // of a channel that is not on the list
-  std::atomic<std::int64_t> overflowed{0};    // lost because the socket's buffer was full
+  std::atomic<std::int64_t> malformed{0};  // not an LCM message: framing, channel name or size
+  /// Fragment of a larger message, which is not supported.
+  std::atomic<std::int64_t> fragmented{0};
+  std::atomic<std::int64_t> unsubscribed{0};  // channel without a subscription
+  std::atomic<std::int64_t> overflowed{0};    // lost because the socket buffer was full
 };
 
-/// A bounded queue of encoded messages of one channel and one fixed size, from the receiver's
-/// thread to one consumer, lock-free. Messages of another size or fingerprint never enter it.
+/// Bounded lock-free queue of encoded messages of one channel and one fixed size, from the
+/// receiver's thread to one consumer. Messages of another size or fingerprint are rejected.
 class Subscription {
  public:
   /// encoded_size includes the 8 bytes of the fingerprint. Throws std::invalid_argument for a name
-  /// that is not [A-Z0-9_]+ of at most 63 characters, a size below 8 or above 65000, or a depth
+  /// other than [A-Z0-9_]+ of at most 63 characters, a size below 8 or above 65000, or a depth
   /// below 1.
   Subscription(std::string channel, int encoded_size, std::int64_t fingerprint, int depth);
   ~Subscription();
 
-  /// Before the bus starts: of several senders, told apart by the session of their messages, only
-  /// one is heard, until nothing has come from it for `silence_ns`; should it go on after all
-  /// within five times that, it is heard again. What a stray one sends, however much, takes no
-  /// place in the queue.
-  void hear_one_sender(std::int64_t silence_ns) noexcept { silence_ns_ = silence_ns; }
+  /// Call before the bus starts. Locks the subscription to the first of several publishers,
+  /// identified by the session of their messages, until it has been silent for `silence_ns`; if it
+  /// resumes within five times that, it is accepted again. Messages of other publishers, however
+  /// many, do not enter the queue.
+  void lock_to_first_publisher(std::int64_t silence_ns) noexcept { silence_ns_ = silence_ns; }
 
-  /// Receiver's side. `arrival_ns`: CLOCK_MONOTONIC (or virtual time).
+  /// Called by the receiver. `arrival_ns`: CLOCK_MONOTONIC (or virtual time).
   void offer(const void* data, int size, std::int64_t arrival_ns) noexcept;
 
-  /// Consumer's side: copies the oldest message to `buffer` (encoded_size long). False when empty.
+  /// Called by the consumer: copies the oldest message to `buffer` (of length encoded_size). False
+  /// if the queue is empty.
   bool take(void* buffer, std::int64_t& arrival_ns) noexcept;
 
   const std::string& channel() const noexcept { return channel_; }
@@ -63,64 +65,66 @@ class Subscription {
   std::int64_t fingerprint_;
   struct Sender {
     std::int64_t session = 0;
-    std::int64_t heard_ns = 0;  // its last message
+    std::int64_t heard_ns = 0;  // arrival of its last message
     bool any = false;
   };
-  std::int64_t silence_ns_ = -1;  // below zero: everybody is heard
+  std::int64_t silence_ns_ = -1;  // negative: all publishers are accepted
   Sender heard_, before_;
   SubscriptionCounters counters_;
   struct Queue;
   std::unique_ptr<Queue> queue_;
 };
 
-/// Hears of messages that pass by, in the thread that takes or publishes them.
+/// Observer of messages, called in the thread that takes or publishes them.
 class MessageTap {
  public:
-  /// `data`: the encoded message with its fingerprint.
+  /// `data`: encoded message with its fingerprint.
   virtual void note(const std::string& channel, const void* data, int size) noexcept = 0;
 
  protected:
   ~MessageTap() = default;
 };
 
-/// Where messages go to and come from. Set-up: subscribe, then start. publish() neither allocates
-/// nor throws and may be called by one thread at a time.
+/// Message transport. Set-up: subscribe, then start. publish() neither allocates nor throws and may
+/// be called by one thread at a time.
 class MessageBus {
  public:
   virtual ~MessageBus() = default;
-  /// Before start(). The bus owns the subscription.
+  /// Call before start(). The bus owns the subscription.
   virtual Subscription& subscribe(const std::string& channel, int encoded_size,
                                   std::int64_t fingerprint, int depth) = 0;
-  /// Before start(): SCHED_FIFO for the receiver's thread, as far as the system grants it, so that
-  /// a busy machine does not make inputs old; 0, as it is without this call: ordinary scheduling.
+  /// Call before start(): SCHED_FIFO priority of the receiver's thread, if the system grants it, so
+  /// that inputs are not delayed on a loaded machine; 0 (default): ordinary scheduling.
   virtual void set_receiver_priority(int) noexcept {}
-  virtual void start() = 0;  // receiver's thread, where there is one; throws std::runtime_error
-  /// In place of start(), for a program that waits for messages: no thread receives but the one
-  /// that calls receive(), so that none has to be woken for another. Throws as start() does.
+  /// Starts the receiver's thread, if there is one; throws std::runtime_error.
+  virtual void start() = 0;
+  /// Alternative to start() for a program that waits for messages: the thread that calls receive()
+  /// also receives, which saves waking another one. Throws as start() does.
   virtual void start_without_thread() = 0;
-  /// After start_without_thread(): all that has come goes to the subscriptions. Where nothing has,
-  /// waits for it, at most `timeout_ns`. False where nothing came, and at once on a bus whose
-  /// messages are there as soon as they are published.
+  /// After start_without_thread(): delivers all available messages to the subscriptions, after
+  /// waiting at most `timeout_ns` for the first one. False if there was none; returns false at once
+  /// on a bus that delivers synchronously.
   virtual bool receive(std::int64_t timeout_ns) noexcept = 0;
   virtual void stop() noexcept = 0;
-  /// False where the message does not fit one datagram or the system refuses it.
+  /// False if the message does not fit into one datagram or the system rejects it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
-  /// Set-up: from now on publish_later() leaves to a thread of the bus's own, which has room for
-  /// `depth` messages of at most `largest` encoded bytes. Without this call, and on a bus whose
-  /// messages are there as soon as they are published, publish_later() is publish().
+  /// Set-up: publish_later() uses a thread of the bus from now on, with a queue of `depth` messages
+  /// of at most `largest` encoded bytes. Without this call, and on a bus that delivers
+  /// synchronously, publish_later() equals publish().
   virtual void start_publisher(int /*depth*/, int /*largest*/) {}
-  /// As publish(), for what nobody acts upon within the cycle: costs the caller a copy. What is
-  /// lost later is counted by unpublished().
+  /// As publish(), for messages that are not required within the cycle: costs the caller a copy.
+  /// Messages lost later are counted by unpublished().
   virtual bool publish_later(const char* channel, const void* data, int size) noexcept {
     return publish(channel, data, size);
   }
-  /// Messages handed to publish_later() that never reached the network.
+  /// Number of messages passed to publish_later() that were not sent.
   virtual std::int64_t unpublished() const noexcept { return 0; }
   const DatagramCounters& datagrams() const noexcept { return datagrams_; }
-  /// In the order of subscribing.
+  /// In order of subscription.
   const std::vector<const Subscription*>& subscriptions() const noexcept { return listed_; }
 
-  /// Hears of all that the typed views of this bus take and publish; nullptr: nobody does.
+  /// Sets the observer of all messages that typed subscriptions and publishers of this bus take and
+  /// publish; nullptr: none.
   void set_tap(MessageTap* tap) noexcept { tap_ = tap; }
   MessageTap* tap() const noexcept { return tap_; }
 
@@ -136,29 +140,30 @@ class MessageBus {
   MessageTap* tap_ = nullptr;
 };
 
-/// LCM's UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. liblcm publishes; receiving
-/// is our own, since one malformed packet kills a process that receives through liblcm: short
-/// messages of subscribed channels only, size and fingerprint checked before anyone decodes. Throws
-/// std::invalid_argument for a URL that is wrong and std::runtime_error with the remedy for one
-/// that cannot be opened here.
+/// LCM UDP multicast, udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES. Publishes through liblcm;
+/// reception is implemented here, because a single malformed packet terminates a process that
+/// receives through liblcm: only short messages of subscribed channels are accepted, and size and
+/// fingerprint are checked before decoding. Throws std::invalid_argument for an invalid URL, and
+/// std::runtime_error with the remedy if it cannot be opened.
 std::unique_ptr<MessageBus> make_lcm_bus(const std::string& url);
 
-/// In-process bus for tests and stepped runs: publish() offers to every subscription of the channel
-/// at once, with the time of `clock_ns` as arrival. Several participants attach to one hub.
+/// In-process bus for tests and stepped runs: publish() delivers synchronously to every
+/// subscription of the channel, with the time of `clock_ns` as arrival. Several participants attach
+/// to one hub.
 class MemoryHub;
 std::shared_ptr<MemoryHub> make_memory_hub();
 std::unique_ptr<MessageBus> make_memory_bus(std::shared_ptr<MemoryHub> hub);
-/// Virtual time that messages arrive at; also lets a test look at everything that was published.
+/// Sets the virtual time at which messages arrive.
 void set_time(MemoryHub& hub, std::int64_t now_ns) noexcept;
 struct Published {
   std::string channel;
   std::vector<std::uint8_t> data;
   std::int64_t time_ns;
 };
-/// From now on keep a copy of each message (allocates; tests and replay).
+/// Stores a copy of each message from now on (allocates; for tests and replay).
 void record(MemoryHub& hub, std::vector<Published>* into) noexcept;
 
-/// A typed view: T is a type generated by lcm-gen whose size is fixed.
+/// Typed subscription: T is a type generated by lcm-gen with a fixed size.
 template <class T>
 class TypedSubscription {
  public:
@@ -167,7 +172,7 @@ class TypedSubscription {
         raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)),
         buffer_(raw_->encoded_size()) {}
 
-  /// False when there is none. Does not allocate for types of fixed size.
+  /// False if there is no message. Does not allocate for types of fixed size.
   bool take(T& message, std::int64_t& arrival_ns) noexcept {
     if (!raw_->take(buffer_.data(), arrival_ns)) return false;
     if (MessageTap* tap = bus_->tap())
@@ -175,7 +180,9 @@ class TypedSubscription {
     return message.decode(buffer_.data(), 0, static_cast<int>(buffer_.size())) >= 0;
   }
   const SubscriptionCounters& counters() const noexcept { return raw_->counters(); }
-  void hear_one_sender(std::int64_t silence_ns) noexcept { raw_->hear_one_sender(silence_ns); }
+  void lock_to_first_publisher(std::int64_t silence_ns) noexcept {
+    raw_->lock_to_first_publisher(silence_ns);
+  }
 
  private:
   MessageBus* bus_;
@@ -183,11 +190,11 @@ class TypedSubscription {
   std::vector<std::uint8_t> buffer_;
 };
 
-/// kNow: in the thread that publishes; kLater: by the bus's own thread, where it has one.
+/// kNow: in the publishing thread; kLater: in the bus's own thread, if it has one.
 enum class Urgency { kNow, kLater };
 
-/// Encodes into a buffer of its own and publishes; a type of fixed size never allocates after the
-/// first construction. Variable types allocate when they grow.
+/// Encodes into its own buffer and publishes; for types of fixed size nothing allocates after
+/// construction. Variable types allocate when they grow.
 template <class T>
 class TypedPublisher {
  public:
@@ -197,7 +204,8 @@ class TypedPublisher {
         buffer_(T().getEncodedSize()),
         urgency_(urgency) {}
 
-  /// Room for messages of `size` encoded bytes, so that publishing them does not allocate.
+  /// Reserves capacity for messages of `size` encoded bytes, so that publishing them does not
+  /// allocate.
   void reserve(int size) {
     if (size > static_cast<int>(buffer_.size())) buffer_.resize(size);
   }

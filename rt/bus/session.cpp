@@ -6,7 +6,7 @@
 namespace palpate::bus {
 namespace {
 
-/// How much newer `a` is than `b`, modulo 2^32: below zero where it is older.
+/// Signed distance from `b` to `a`, modulo 2^32: negative if `a` is older.
 std::int32_t distance(std::int32_t a, std::int32_t b) noexcept {
   return static_cast<std::int32_t>(static_cast<std::uint32_t>(a) - static_cast<std::uint32_t>(b));
 }
@@ -41,7 +41,8 @@ bool SequenceTracker::accept(std::int64_t session, std::int32_t seq) noexcept {
 
 void SequenceTracker::begin(std::int64_t session, std::int32_t seq) noexcept {
   if (sessions_ > 0 && session != session_) {
-    // The session that begins is left no more; the one that ends is the newest of those left.
+    // the session that starts is removed from the previous ones; the one that ends becomes the
+    // newest of them
     const auto rest = std::remove(left_.begin(), left_.begin() + left_count_, session);
     left_count_ = std::min<std::ptrdiff_t>(rest - left_.begin() + 1, left_.size());
     std::move_backward(left_.begin(), left_.begin() + left_count_ - 1, left_.begin() + left_count_);

@@ -6,16 +6,16 @@
 
 namespace palpate::bus {
 
-/// A session number for this start of a program: random and positive. Deterministic runs use a
-/// fixed number in its place.
+/// Session ID for this start of a program: random and positive. Deterministic runs use a fixed
+/// number instead.
 std::int64_t random_session();
 
-/// Fills utime, seq and session of the messages of one outgoing channel.
-class Stamp {
+/// Sets utime, seq and session of the messages of one outgoing channel.
+class HeaderStamper {
  public:
-  explicit Stamp(std::int64_t session) noexcept : session_(session) {}
+  explicit HeaderStamper(std::int64_t session) noexcept : session_(session) {}
 
-  /// `utime`: us, this program's clock.
+  /// `utime`: us, clock of this program.
   template <class Message>
   void put(Message& message, std::int64_t utime) noexcept {
     message.utime = utime;
@@ -28,19 +28,19 @@ class Stamp {
   std::uint32_t seq_ = 0;  // wraps after 50 days at 1 kHz; receivers compare modulo 2^32
 };
 
-/// Decides which messages of one incoming channel are newer than all before. The newest session
-/// counts: one never seen is accepted at once (the sender restarted), and what still comes from a
-/// session left before is old. Where nothing but old messages comes, 20 of one session in rising
-/// order, their sender is believed to be the one there is (a log played once more).
+/// Accepts messages of one incoming channel that are newer than all previous ones. Messages of the
+/// newest session are valid: an unknown session is accepted at once (restart of the sender), and
+/// messages of previous sessions are outdated. If only outdated messages arrive, 20 of one session
+/// in ascending order, that session becomes valid (replay of a log).
 class SequenceTracker {
  public:
-  /// False for a message that is older than the last accepted one, or the same again.
+  /// False for a message that is older than the last accepted one, or identical to it.
   bool accept(std::int64_t session, std::int32_t seq) noexcept;
 
-  /// Sequence numbers skipped; a message that comes late stays counted here and is rejected.
+  /// Number of skipped sequence numbers; a late message remains counted here and is rejected.
   std::int64_t lost() const noexcept { return lost_; }
   std::int64_t rejected() const noexcept { return rejected_; }
-  /// How often a session began, the first included: above 1 the sender has restarted.
+  /// Number of sessions including the first; above 1 the sender has restarted.
   std::int64_t sessions() const noexcept { return sessions_; }
 
  private:
@@ -51,7 +51,7 @@ class SequenceTracker {
 
   std::int64_t session_ = 0;
   std::int32_t seq_ = 0;
-  std::array<std::int64_t, 4> left_{};  // the sessions before, newest first
+  std::array<std::int64_t, 4> left_{};  // previous sessions, newest first
   std::ptrdiff_t left_count_ = 0;
   std::int64_t old_session_ = 0;
   std::int32_t old_seq_ = 0;

@@ -9,7 +9,7 @@ namespace palpate::bus {
 namespace {
 
 constexpr int kFingerprintSize = 8;
-constexpr int kSessionAt = kFingerprintSize + 8 + 4;  // behind utime and seq
+constexpr int kSessionAt = kFingerprintSize + 8 + 4;  // after utime and seq
 constexpr int kLargestEncodedSize = 65000;
 
 struct Slot {
@@ -17,7 +17,7 @@ struct Slot {
   std::int64_t arrival_ns = 0;
 };
 
-/// The number at `data`, in network order. Encoded messages begin with their type's fingerprint.
+/// Number at `data`, in network order. Encoded messages begin with the fingerprint of their type.
 std::int64_t number_at(const void* data) noexcept {
   std::uint64_t big_endian = 0;
   std::memcpy(&big_endian, data, sizeof(big_endian));
@@ -60,7 +60,8 @@ Subscription::~Subscription() = default;
 
 void Subscription::offer(const void* data, int size, std::int64_t arrival_ns) noexcept {
   if (size < kFingerprintSize) return increment(counters_.wrong_size);
-  // The type first: another version of a type differs in size as well, and its name is of more use.
+  // The type is checked first: another version of a type usually differs in size as well, and the
+  // type is the more useful diagnosis.
   if (const std::int64_t fingerprint = number_at(data); fingerprint != fingerprint_) {
     counters_.last_wrong_fingerprint.store(fingerprint, std::memory_order_relaxed);
     return increment(counters_.wrong_type);

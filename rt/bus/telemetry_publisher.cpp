@@ -29,8 +29,8 @@ bool TelemetryPublisher::publish(const char* channel, const void* data, int size
   return true;
 }
 
-/// Either the thread finds what has been handed over when it looks once more before it sleeps, or
-/// this exchange finds it asleep: both are read-modify-writes of one flag.
+/// Both sides use read-modify-write operations on one flag: either the thread finds the new message
+/// in its last check before it sleeps, or this exchange finds it asleep.
 void TelemetryPublisher::wake() noexcept {
   if (asleep_.exchange(false, std::memory_order_acq_rel)) sem_post(&wake_);
 }
@@ -46,8 +46,8 @@ bool TelemetryPublisher::publish_queued() noexcept {
 }
 
 void TelemetryPublisher::work() noexcept {
-  // Between a loop's cycles the thread naps rather than sleeps: to wake a sleeping thread is a
-  // system call, and an interrupt of another processor, in the loop's time.
+  // Between cycles of the loop the thread polls at short intervals instead of waiting on a futex:
+  // waking a thread costs the loop a system call and an inter-processor interrupt.
   constexpr timespec kNap{0, 1'000'000};
   constexpr int kNapsBeforeSleep = 2;
   int naps = 0;

@@ -10,24 +10,24 @@
 
 namespace palpate::bus {
 
-/// Publishes from a thread of its own what the loop hands over: sending to a multicast group runs
-/// the receiving side of the network in the sender's time, ten times that of the copy that the loop
-/// pays here. What is lost is counted, never waited for.
+/// Publishes messages of the loop from a thread of its own: sending to a multicast group executes
+/// the receiving side of the network stack in the sender's time, ten times that of the copy which
+/// the loop makes here. Lost messages are counted; the loop never waits.
 class TelemetryPublisher {
  public:
-  /// Room for `depth` messages of at most `largest` encoded bytes. From now on the publisher's
-  /// thread is the one that publishes on `bus`, which must outlive it.
+  /// Queue of `depth` messages of at most `largest` encoded bytes. From now on the publisher's
+  /// thread is the one that publishes on `bus`, which must outlive this object.
   TelemetryPublisher(MessageBus& bus, int depth, int largest);
-  /// Publishes what is queued, then ends.
+  /// Publishes the queued messages, then ends.
   ~TelemetryPublisher();
   TelemetryPublisher(const TelemetryPublisher&) = delete;
   TelemetryPublisher& operator=(const TelemetryPublisher&) = delete;
 
-  /// From the loop's thread: an encoded message. False where it is larger than `largest` or the
-  /// channel's name too long.
+  /// Called by the loop's thread with an encoded message. False if it is larger than `largest` or
+  /// the channel name is too long.
   bool publish(const char* channel, const void* data, int size) noexcept;
 
-  /// Messages that did not reach the network: queue full, too large, or refused by the bus.
+  /// Number of messages that were not sent: queue full, too large, or rejected by the bus.
   std::int64_t lost() const noexcept {
     return queue_.dropped() + queue_.refused() + failed_.load(std::memory_order_relaxed);
   }
@@ -35,7 +35,7 @@ class TelemetryPublisher {
  private:
   void wake() noexcept;
   void work() noexcept;
-  bool publish_queued() noexcept;  // false where there was nothing
+  bool publish_queued() noexcept;  // false if the queue was empty
 
   MessageBus& bus_;
   loop::TelemetryQueue queue_;

@@ -16,7 +16,7 @@
 namespace palpate::bus {
 namespace {
 
-constexpr std::int64_t kLongestWork = 800'000;  // ns, without a rest
+constexpr std::int64_t kLongestWork = 800'000;  // ns, maximum continuous work
 
 void increment(std::atomic<std::int64_t>& counter) noexcept {
   counter.fetch_add(1, std::memory_order_relaxed);
@@ -73,8 +73,8 @@ void UdpmReceiver::receive_until_stopped() noexcept {
   }
 }
 
-/// With the priority of a real-time thread, whoever floods could take a processor from all others,
-/// and what the system then allows such threads from the loop.
+/// With a real-time priority, a message flood could monopolise a processor and consume the loop's
+/// share of the system's real-time budget.
 void UdpmReceiver::rest_if_flooded() noexcept {
   if (fifo_priority_ == 0 || arrival_ns_ - busy_since_ns_ < kLongestWork) return;
   constexpr timespec kRest{0, 200'000};
@@ -86,7 +86,7 @@ bool UdpmReceiver::receive(std::int64_t timeout_ns) noexcept {
   if (!started()) return false;
   if (receive_all()) return true;
   if (timeout_ns <= 0) return false;
-  // Asleep at once: on a busy machine who yields or spins waits longest.
+  // Sleeps immediately: on a loaded machine a thread that yields or spins waits longest.
   pollfd watched{socket_.descriptor(), POLLIN, 0};
   const timespec most{timeout_ns / 1'000'000'000, timeout_ns % 1'000'000'000};
   ppoll(&watched, 1, &most, nullptr);

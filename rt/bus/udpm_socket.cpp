@@ -11,9 +11,9 @@
 namespace palpate::bus {
 namespace {
 
-// More than any UDP datagram, so that none is cut short.
+// larger than any UDP datagram, so that none is truncated
 constexpr std::size_t kBufferSize = 65536;
-// Without recv_buf_size; without privilege the kernel cuts it down to net.core.rmem_max.
+// Requested without recv_buf_size; without privilege the kernel limits it to net.core.rmem_max.
 constexpr int kWantedReceiveBuffer = 16 << 20;
 
 }  // namespace
@@ -47,17 +47,18 @@ void UdpmSocket::join(const UdpmUrl& url) {
           "share the port of");
   setsockopt(descriptor_, SOL_SOCKET, SO_RXQ_OVFL, &on, sizeof(on));
   const int wanted = url.receive_buffer_size > 0 ? url.receive_buffer_size : kWantedReceiveBuffer;
-  // The second takes a privilege, and then no limit holds.
+  // the second option requires a privilege and then ignores the limit
   for (const int option : {SO_RCVBUF, SO_RCVBUFFORCE}) {
     setsockopt(descriptor_, SOL_SOCKET, option, &wanted, sizeof(wanted));
     int given = 0;
     socklen_t length = sizeof(given);
     getsockopt(descriptor_, SOL_SOCKET, SO_RCVBUF, &given, &length);
-    receive_buffer_size_ = given / 2;  // the kernel doubles what is asked for, for its own needs
+    receive_buffer_size_ = given / 2;  // the kernel doubles the requested size for its own overhead
     if (receive_buffer_size_ >= wanted) break;
   }
 
-  // Bound to the group, not to any address, the socket sees this group alone.
+  // Bound to the group rather than to any address, the socket receives datagrams of this group
+  // only.
   const sockaddr_in address = url.socket_address();
   require(bind(descriptor_, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0,
           "listen to");

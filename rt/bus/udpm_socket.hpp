@@ -8,7 +8,8 @@
 
 namespace palpate::bus {
 
-/// Hears the datagrams of one LCM URL, without waiting. No datagram can make it allocate or throw.
+/// Non-blocking receiver of the datagrams of one LCM URL. No datagram can cause an allocation or an
+/// exception.
 class UdpmSocket {
  public:
   UdpmSocket() = default;
@@ -16,19 +17,20 @@ class UdpmSocket {
   UdpmSocket(const UdpmSocket&) = delete;
   UdpmSocket& operator=(const UdpmSocket&) = delete;
 
-  /// Joins the group. Throws std::runtime_error with the remedy, and is closed, where that fails.
+  /// Joins the group. Throws std::runtime_error with the remedy and closes the socket on failure.
   void open(const UdpmUrl& url);
   void close() noexcept;
   bool is_open() const noexcept { return descriptor_ >= 0; }
 
-  /// Takes the next datagram to data(), and counts those that the kernel dropped. Its size in
-  /// bytes; -1 where none waits.
+  /// Reads the next datagram into data(), and counts those that the kernel dropped. Returns its
+  /// size in bytes; -1 if there is none.
   int receive(DatagramCounters& counters) noexcept;
   const std::uint8_t* data() const noexcept { return buffer_.data(); }
 
-  /// To poll for.
+  /// for poll()
   int descriptor() const noexcept { return descriptor_; }
-  /// Bytes that the system gave the socket for its queue, as the URL counts them; 0 before open().
+  /// Size of the socket's receive buffer granted by the system, bytes, as in the URL; 0 before
+  /// open().
   int receive_buffer_size() const noexcept { return receive_buffer_size_; }
 
  private:
@@ -36,7 +38,7 @@ class UdpmSocket {
 
   int descriptor_ = -1;
   int receive_buffer_size_ = 0;
-  std::uint32_t overflows_seen_ = 0;  // the kernel's running number
+  std::uint32_t overflows_seen_ = 0;  // last value of the kernel's drop counter
   std::vector<std::uint8_t> buffer_;
 };
 

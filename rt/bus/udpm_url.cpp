@@ -1,6 +1,8 @@
 #include "rt/bus/udpm_url.hpp"
 
 #include <arpa/inet.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <charconv>
@@ -102,6 +104,16 @@ std::string explain_socket_error(const std::string& doing, const UdpmUrl& url, i
         "  ip link set lo multicast on\n"
         "  ip route add 224.0.0.0/4 dev lo";
   return text;
+}
+
+void require_route(const UdpmUrl& url) {
+  const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
+  const sockaddr_in address = url.socket_address();
+  const bool reachable =
+      fd >= 0 && connect(fd, reinterpret_cast<const sockaddr*>(&address), sizeof(address)) == 0;
+  const int error = errno;
+  if (fd >= 0) close(fd);
+  if (!reachable) throw std::runtime_error(explain_socket_error("open", url, error));
 }
 
 }  // namespace palpate::bus

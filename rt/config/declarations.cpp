@@ -21,8 +21,8 @@ DeclarationList* DeclarationList::current() { return the_list; }
 
 void DeclarationList::add(Declaration declaration) {
   if (Declaration* known = find(declaration.document, declaration.path, declaration.name)) {
-    // Asked for once more, as a getter with a default asks one without. Whoever knows its meaning
-    // declares it.
+    // The same key read again, e.g. by a getter without a default on behalf of one with a default.
+    // The reader that knows the meaning declares it.
     if (known->meaning.empty()) known->meaning = declaration.meaning;
     if (known->unit.empty()) known->unit = declaration.unit;
     return;

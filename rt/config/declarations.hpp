@@ -5,24 +5,23 @@
 
 namespace palpate::config {
 
-/// One parameter as its reader declares it.
+/// Configuration parameter as declared by its reader.
 struct Declaration {
-  std::string document;  // name of the file that was read
-  std::string path;      // of the mapping that the key is in; items of lists by number
+  std::string document;  // name of the configuration file
+  std::string path;      // path of the mapping that contains the key; list items by number
   std::string name;
-  std::string type;     // number, whole number, flag, text, file, one of, section, ...
-  std::string unit;     // "": none
-  std::string meaning;  // "": not told
-  std::string allowed;  // range or choices; "": anything of the type
-  std::string
-      fallback;  // what an absent key means, as YAML; "" where it must be there, or a section
+  std::string type;      // number, whole number, flag, text, file, one of, section, ...
+  std::string unit;      // "": none
+  std::string meaning;   // "": not given
+  std::string allowed;   // range or choices; "": any value of the type
+  std::string fallback;  // meaning of an absent key, as YAML; "" for a required key or a section
   bool required = false;
-  bool present = false;  // in the document that was read
-  std::string value;     // of a choice, as read
+  bool present = false;  // present in the configuration
+  std::string value;     // value read, for a choice
 };
 
-/// While it lives, everything that this thread asks of any Node is listed, each key of a document
-/// once. One at a time.
+/// During its lifetime, lists every parameter that this thread reads from any Node, each key of a
+/// document once. At most one per thread.
 class DeclarationList {
  public:
   DeclarationList();
@@ -32,10 +31,10 @@ class DeclarationList {
 
   const std::vector<Declaration>& all() const { return declarations_; }
 
-  /// The list that is being made by this thread; nullptr: none is.
+  /// The active list of this thread; nullptr: none.
   static DeclarationList* current();
   void add(Declaration declaration);
-  /// What it has of this key; nullptr: nothing.
+  /// The entry for this key; nullptr: none.
   Declaration* find(const std::string& document, const std::string& path, const std::string& name);
 
  private:

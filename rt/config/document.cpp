@@ -12,7 +12,7 @@
 namespace palpate::config {
 namespace {
 
-/// Far beyond what any configuration has; texts that replace components come from the network.
+/// far above any real configuration; texts that replace components come from the network
 constexpr YamlLimits kLimits{"configuration", 50, 100000, true};
 constexpr std::size_t kLargestFile = std::size_t{4} << 20;  // bytes
 
@@ -39,8 +39,8 @@ std::string read_text(const std::string& path) {
   return text;
 }
 
-/// `upper` over `lower`, both mappings; an empty entry takes away that below. The nodes of keys are
-/// kept, since they know their lines.
+/// Merges `upper` over `lower`, both mappings; an empty entry removes that of `lower`. Key nodes
+/// are kept, because they contain their line numbers.
 YAML::Node merged(const YAML::Node& lower, const YAML::Node& upper) {
   YAML::Node result(YAML::NodeType::Map);
   for (const auto& entry : lower) {
@@ -66,7 +66,7 @@ bool starts_with(const std::string& text, const std::string& start) {
   return text.compare(0, start.size(), start) == 0;
 }
 
-/// Place of the item that `part` names in a list.
+/// Index of the list item named by `part`.
 std::size_t item_of(const YAML::Node& list, const std::string& part, const std::string& where) {
   std::size_t index = 0;
   const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), index);
@@ -77,8 +77,8 @@ std::size_t item_of(const YAML::Node& list, const std::string& part, const std::
   return index;
 }
 
-/// Sets the value at parts[i...] below `node`, a handle to the tree itself; an empty value takes
-/// the key away.
+/// Sets the value at parts[i...] below `node`, a handle to the tree itself; an empty value removes
+/// the key.
 void assign(YAML::Node node, const std::vector<std::string>& parts, std::size_t i,
             const YAML::Node& value, const std::string& where) {
   const std::string& part = parts[i];
@@ -167,7 +167,8 @@ std::string Document::take_base(std::string& where) {
 
 void Document::put_over(const Document& base) {
   root_ = merged(base.root_, root_);
-  sources_.insert(base.sources_.begin(), base.sources_.end());  // but for keys that are there
+  // Except for keys that exist already.
+  sources_.insert(base.sources_.begin(), base.sources_.end());
 }
 
 void Document::claim(const YAML::Node& node, const std::string& path) {
@@ -201,7 +202,7 @@ void Document::check_keys(const YAML::Node& node, const std::string& path) const
                   ": a key is not plain text");
     }
     const std::string key = join(path, entry.first.Scalar());
-    // yaml-cpp would silently keep the first of two.
+    // yaml-cpp would silently keep the first of two
     if (!seen.insert(key).second) {
       throw Error(location(key, entry.first.Mark().line) + ": " + key + ": given twice");
     }
@@ -227,7 +228,7 @@ void Document::apply_override(const std::string& text) {
   } catch (const YAML::Exception& error) {
     throw Error(where + ": not valid YAML: " + error.msg);
   }
-  if (value.IsNull() && equals + 1 == text.size())  // a shell's variable that was not set
+  if (value.IsNull() && equals + 1 == text.size())  // an unset shell variable
     throw Error(where + ": has no value; path.to.key=~ takes a key away");
   assign(root_, parts, 0, value, where);
   add_override(path, text);
@@ -251,7 +252,7 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
   if (!replace) {
     YAML::Node present = result->root_;
     for (const std::string& part : split(path)) {
-      // Assignment would write to the tree; a handle is moved on by reset().
+      // Assignment would modify the tree; reset() moves the handle.
       const bool in_list = present.IsSequence();
       const bool known = in_list || (present.IsMap() && present[part].IsDefined());
       if (!known) throw Error(name + ": there is no " + path);
@@ -267,7 +268,7 @@ std::shared_ptr<Document> Document::changed(const std::string& path, const std::
 }
 
 void Document::add_override(const std::string& path, const std::string& text) {
-  // However often something is changed, it is remembered once.
+  // a value changed repeatedly is stored once
   overrides_.erase(std::remove_if(overrides_.begin(), overrides_.end(),
                                   [&](const Override& before) {
                                     return before.path == path && before.text == text;
@@ -279,7 +280,7 @@ void Document::add_override(const std::string& path, const std::string& text) {
 std::string Document::location(const std::string& path, int line) const {
   for (auto it = overrides_.rbegin(); it != overrides_.rend(); ++it) {
     const bool at_or_below = path == it->path || starts_with(path, it->path + ".");
-    // A mapping without a line was made on the way to an overridden key.
+    // A mapping without a line was created on the path to an overridden key.
     const bool made_for_it = line < 0 && starts_with(it->path, path + ".");
     if (at_or_below || made_for_it) return "override '" + it->text + "'";
   }

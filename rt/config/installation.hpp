@@ -12,11 +12,10 @@ inline std::filesystem::path program_folder() {
   return std::filesystem::read_symlink("/proc/self/exe").parent_path();
 }
 
-/// Folder below which scenes, examples and presets lie as in the source tree ("sim/scenes",
+/// Folder that contains scenes, examples and presets as in the source tree ("sim/scenes",
 /// "rt/config/examples", "tools/fit/presets"): the source tree itself for a program in its build
-/// folder, which the file palpate.source beside it names, or else share/palpate of the prefix that
-/// the program was installed to, wherever that has been moved. Throws std::runtime_error where
-/// there is neither.
+/// folder, named by the file palpate.source next to it, otherwise share/palpate of the installation
+/// prefix, wherever that has been moved. Throws std::runtime_error if neither exists.
 inline std::filesystem::path data_folder() {
   const std::filesystem::path here = program_folder();
   std::ifstream named(here / "palpate.source");
@@ -28,7 +27,7 @@ inline std::filesystem::path data_folder() {
                            shared.string());
 }
 
-/// A library or helper program that comes with the running one: beside it in a build folder, in
+/// Library or helper program that belongs to the running one: next to it in a build folder, in
 /// lib/palpate of the prefix after installation.
 inline std::filesystem::path companion(const std::string& name) {
   const std::filesystem::path here = program_folder();

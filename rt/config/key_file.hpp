@@ -7,8 +7,9 @@
 
 namespace palpate::config {
 
-/// Section `access: {key_file: FILE}` of a configuration or a scene: the key that commands must be
-/// sealed with; none where the section is absent, and then anybody may command. Throws Error.
+/// Section `access: {key_file: FILE}` of a configuration or a scene: key with which commands must
+/// be signed; empty if the section is absent, and commands are then accepted without
+/// authentication. Throws Error.
 std::optional<bus::Key> read_key(const Node& root);
 
 }  // namespace palpate::config

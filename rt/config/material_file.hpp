@@ -6,21 +6,21 @@
 
 namespace palpate::config {
 
-/// A material as palpate-fit writes it: section `material` with its model and what was told of its
-/// constants, and, where Young's modulus was, section `corotational` with the linear one that comes
-/// closest to it. What the file tells goes over an object's own section `material`.
+/// Material file written by palpate-fit: section `material` with its model and the identified
+/// constants and, if Young's modulus was identified, section `corotational` with the closest linear
+/// material. Values in the file override the object's own section `material`.
 class MaterialFile {
  public:
-  /// Reads the file that the key `material_file` of `object` names; nothing where there is no such
-  /// key. Throws Error where it cannot be read or is no such file.
+  /// Reads the file named by the key `material_file` of `object`; empty without that key. Throws
+  /// Error if it cannot be read or is not a material file.
   static std::optional<MaterialFile> read(const Node& object);
 
   std::string model() const;
   Node constants() const { return root_.child("material"); }
-  /// Throws Error at `material_file` where it has none.
+  /// Throws Error at `material_file` if the section is absent.
   Node corotational() const;
 
-  /// The constant, or `otherwise` where the file does not tell it. Throws Error outside the range.
+  /// The constant, or `otherwise` if the file does not contain it. Throws Error outside the range.
   double constant(const Key& key, Range range, double otherwise) const;
 
  private:
@@ -29,11 +29,11 @@ class MaterialFile {
   Node holder_, root_;
 };
 
-/// Section `material` of an object, which may be absent beside a file.
+/// Section `material` of an object, which may be absent if there is a material file.
 Node material_section(const Node& object);
 
-/// Number `key` of the file's section `fitted`, where there is one that has it, else of `material`.
-/// Throws Error where neither has it, or it is out of range in either.
+/// Number `key` of the file's section `fitted`, if present there, otherwise of `material`. Throws
+/// Error if both lack it, or if it is out of range in either.
 double material_number(const Node& material, const std::optional<Node>& fitted, const Key& key,
                        Range range);
 

@@ -17,7 +17,7 @@ using std::filesystem::path;
 
 std::ifstream open(const path& file) {
   std::ifstream stream(file);
-  // Neither a folder nor a device that never ends.
+  // neither a folder nor an endless device
   if (!stream || !std::filesystem::is_regular_file(file)) {
     throw Error(file.string() + ": cannot be read");
   }

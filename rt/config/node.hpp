@@ -12,38 +12,38 @@
 
 namespace palpate::config {
 
-/// Exit code of a program whose configuration is wrong (sysexits' EX_CONFIG).
+/// Exit code of a program with an invalid configuration (EX_CONFIG of sysexits).
 inline constexpr int kExitCode = 78;
 
-/// A wrong configuration: what() reads "file:line: key: what is wrong; allowed: ...".
+/// Configuration error: what() is "file:line: key: error; allowed: ...".
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Closed range of an allowed number.
+/// Closed range of a number.
 struct Range {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
 };
 
 /// Strict view of one YAML node. Every getter throws Error with file, line, full key and allowed
-/// range; getters with a default return it where the key is absent. A key that nobody asked for is
-/// an error when check_all_used() is called on the root. A Key with unit and meaning declares the
-/// parameter for the reference.
+/// range; getters with a default return it if the key is absent. Keys that were not read by any
+/// getter are an error when check_all_used() is called on the root. A Key with unit and meaning
+/// declares the parameter for the reference.
 class Node {
  public:
-  /// Reads a file and what it builds on (`base: FILE`: its entries go over those of that file; see
-  /// Document::load), then applies overrides "path.to.key=value" (value is YAML; list items by
-  /// index: "sensing.0.component=ft_tare_only"). The overridden key need not exist.
+  /// Loads a file and its bases (`base: FILE`: see Document::load), then applies overrides
+  /// "path.to.key=value" (value is YAML; list items by index: "sensing.0.component=ft_tare_only").
+  /// The overridden key need not exist.
   static Node load_file(const std::string& path, const std::vector<std::string>& overrides = {});
   static Node from_text(const std::string& text, const std::string& name = "<text>");
 
   bool has(const std::string& key) const;
-  bool is_mapping(const std::string& key) const;  // false where absent
-  Node child(const Key& key) const;               // mapping; throws where absent
-  Node child_or_empty(const Key& key) const;      // an empty mapping where absent
-  std::vector<Node> list(const Key& key) const;   // sequence of mappings; empty where absent
+  bool is_mapping(const std::string& key) const;  // false if absent
+  Node child(const Key& key) const;               // mapping; throws if absent
+  Node child_or_empty(const Key& key) const;      // an empty mapping if absent
+  std::vector<Node> list(const Key& key) const;   // sequence of mappings; empty if absent
   std::vector<std::string> keys() const;
 
   double number(const Key& key, Range range) const;
@@ -57,42 +57,42 @@ class Node {
   std::string choice(const Key& key, const std::vector<std::string>& allowed) const;
   std::string choice(const Key& key, const std::vector<std::string>& allowed,
                      const std::string& otherwise) const;
-  /// A sequence of texts, none of them empty.
+  /// A sequence of non-empty texts.
   std::vector<std::string> texts(const Key& key) const;
-  /// A sequence of `count` numbers (any count where -1).
+  /// A sequence of `count` numbers (any count if -1).
   std::vector<double> numbers(const Key& key, int count, Range range = {}) const;
   Eigen::Vector3d vector3(const Key& key, Range range = {}) const;
   Eigen::Vector3d vector3(const Key& key, Range range, const Eigen::Vector3d& otherwise) const;
   std::vector<Eigen::Vector3d> points(const Key& key) const;  // sequence of [x, y, z]
   /// {position: [x, y, z], quaternion: [w, x, y, z]} or {position: ..., rpy_deg: [r, p, y]};
-  /// identity where absent.
+  /// identity if absent.
   math::Pose pose(const Key& key) const;
-  /// A path, taken relative to the folder of the file that gives it.
+  /// A path, relative to the folder of the file that defines it.
   std::string path(const Key& key) const;
 
-  /// Declares a number that comes with a unit ("10 mm"), which its reader takes apart himself;
-  /// `otherwise` tells what its absence means, where it need not be there and that is known.
+  /// Declares a number with a unit ("10 mm") that its reader parses; `otherwise` describes the
+  /// meaning of an absent key that is not required.
   void declare_quantity(const Key& key, Range range, bool is_required,
                         const std::string& otherwise = "") const;
 
-  /// Throws Error naming the first key below this node that no getter has asked for, with the keys
-  /// that are known beside it.
+  /// Throws Error naming the first key below this node that no getter has read, with the known keys
+  /// of the same mapping.
   void check_all_used() const;
 
-  /// Counts everything in the mapping `key` as asked for, where it is there: another reader of the
-  /// same text checks it.
+  /// Marks everything in the mapping `key`, if present, as read, because another reader of the same
+  /// text checks it.
   void leave_to_another(const std::string& key) const;
 
-  /// Throws Error at `key` of this node (or at the node itself where it is empty).
+  /// Throws Error at `key` of this node (or at the node itself if it is empty).
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
 
-  /// A copy of the whole document, which this is the root of, where the mapping `text` (YAML) has
-  /// been put over that at `path` ("sensing.0"; "": the root), or has taken its place. Nothing in
-  /// it counts as asked for. Throws Error, which calls the text `name`.
+  /// A copy of the whole document, of which this is the root, with the mapping `text` (YAML) merged
+  /// over that at `path` ("sensing.0"; "": the root), or replacing it. Nothing in it is marked as
+  /// read. Throws Error, in which the text is called `name`.
   Node changed(const std::string& path, const std::string& text, bool replace,
                const std::string& name) const;
 
-  /// The entry as YAML, to compare it with another's; empty where it is absent.
+  /// The entry as YAML, for comparison; empty if absent.
   std::string dump(const std::string& key) const;
   /// The node itself.
   std::string dump() const;

@@ -9,7 +9,7 @@
 #include "rt/config/document.hpp"
 #include "rt/config/node.hpp"
 
-// What the getters of Node share; for node.cpp and node_values.cpp alone.
+// Helpers shared by the getters of Node; for node.cpp and node_values.cpp only.
 namespace palpate::config {
 
 inline std::string range_text(Range range) {
@@ -36,7 +36,7 @@ inline std::string number_text(double number) {
   return text.str();
 }
 
-/// While it lives, nothing is listed: what is asked for is part of a parameter.
+/// During its lifetime no declarations are listed, because what is read is part of one parameter.
 class Undeclared {
  public:
   Undeclared() { ++depth(); }
@@ -61,10 +61,10 @@ inline std::string listed(const List& items) {
   return text.empty() ? "nothing" : text;
 }
 
-/// The text of a plain, unquoted scalar (a quoted number is text).
+/// True for an unquoted scalar (a quoted number is text).
 inline bool is_plain(const YAML::Node& node) { return node.IsScalar() && node.Tag() != "!"; }
 
-/// True where the whole of `text` is a number of this type, written without regard to locale.
+/// True if the whole of `text` is a number of this type, independent of the locale.
 template <typename Number>
 inline bool parse(const std::string& text, Number& number) {
   const char* begin = text.data();
@@ -82,7 +82,7 @@ inline std::string shown(const YAML::Node& node) {
 
 struct Node::Impl {
   std::shared_ptr<Document> document;
-  YAML::Node node;   // a mapping; null where the key is absent
+  YAML::Node node;   // mapping; null if the key is absent
   std::string path;  // full key
   int line = -1;     // 0-based
 
@@ -107,7 +107,8 @@ struct Node::Impl {
     return peek(key);
   }
 
-  /// Lists the parameter where somebody makes a list; what is returned may be filled in further.
+  /// Lists the parameter if a list is active; the returned declaration may be completed by the
+  /// caller.
   Declaration& declare(const Key& key, const std::string& type, Range range = {}) const {
     static thread_local Declaration nobodys;
     DeclarationList* list = DeclarationList::current();
@@ -117,7 +118,7 @@ struct Node::Impl {
     const std::string name = key.kind != nullptr ? key.kind : key.name;
     Declaration* known = list->find(document->name(), path, name);
     if (known != nullptr && known->type == "text" && type == "one of") {
-      known->type = type;  // a text to who looks first, a choice to who knows the words
+      known->type = type;  // read as text at first, then as a choice with known alternatives
       if (*key.meaning != '\0') known->meaning = key.meaning;
       return *known;
     }

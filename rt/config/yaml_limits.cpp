@@ -50,7 +50,7 @@ class Inspector final : public YAML::EventHandler {
   void OnMapEnd() override { OnSequenceEnd(); }
 
  private:
-  /// Of a node with all below it.
+  /// Extent of a node including all nodes below it.
   struct Extent {
     int items;
     int depth;
@@ -69,7 +69,7 @@ class Inspector final : public YAML::EventHandler {
     items_ += extent.items;
   }
 
-  /// A node is whole: aliases may stand for it, and what is around it grows by it.
+  /// A node is complete: aliases may refer to it, and its parent grows by its extent.
   void close(const Extent& extent, YAML::anchor_t anchor) {
     if (anchor != 0) anchored_[anchor] = extent;
     if (open_.empty()) return;

@@ -4,17 +4,17 @@
 
 namespace palpate::config {
 
-/// How large a YAML text may become. Items and depth count what aliases (*name) stand for, by which
-/// a few lines can mean a billion texts.
+/// Limits of a YAML text. Items and depth count the content of aliases (*name), because with these
+/// a few lines can expand to a billion texts.
 struct YamlLimits {
-  const char* what = "document";  // what errors call it
+  const char* what = "document";  // name of the kind of text in error messages
   int depth = 50;
   int items = 100000;
   bool aliases = true;
 };
 
-/// Looks at a text as it is written, before anything is built of it. Throws Error, which names
-/// `name`, the line and the limit, where the text is not valid YAML or beyond a limit.
+/// Checks a text before it is parsed into nodes. Throws Error, with `name`, line and limit, if the
+/// text is invalid YAML or exceeds a limit.
 void check_limits(const std::string& text, const std::string& name, const YamlLimits& limits);
 
 }  // namespace palpate::config

@@ -14,10 +14,10 @@ using pipeline::LifeCycle;
 
 namespace {
 
-// Whoever sends without end shall not hold up the cycle.
+// Bounds the work per cycle under a message flood.
 constexpr int kMostPerCycle = 4;
 
-/// Appends to `text` as far as there is room; returns the new end.
+/// Appends to `text` up to the available capacity; returns the new end.
 char* append(char* at, char* end, std::string_view text) noexcept {
   const std::size_t length = std::min(text.size(), static_cast<std::size_t>(end - at));
   return std::copy_n(text.data(), length, at);
@@ -61,8 +61,8 @@ void Commands::handle_command(pipeline::Pipeline& pipeline, Replacing& replacing
   const char* slot = bus::get_text(command_.slot);
   const Event event = pipeline::event_from(bus::get_text(command_.event));
   if (command_.session == last_session_ && command_.counter == last_counter_) {
-    // Whoever sends again has not heard the answer. Not for the log, which a sender that repeats
-    // itself without end would fill.
+    // A repeated command means that the acknowledgement was lost. Not logged, because a sender that
+    // repeats itself indefinitely would fill the log.
     say(slot, last_answer_.data(), command_.counter, last_reason_.data(), utime);
     return;
   }
@@ -116,11 +116,11 @@ void Commands::handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) n
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
-void Commands::announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+void Commands::announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
                                 std::int64_t utime) noexcept {
   constexpr std::int64_t kInterval = 1'000'000'000;  // ns
   if (refused_told_ns_ != 0 && monotonic_ns - refused_told_ns_ < kInterval) return;
-  const bus::Admission* admissions[] = {&command_admission_, &target_admission_, &manual};
+  const bus::ReplayGuard* admissions[] = {&command_admission_, &target_admission_, &manual};
   for (std::size_t i = 0; i < refused_told_.size(); ++i) {
     const std::int64_t more = admissions[i]->refused() - refused_told_[i];
     if (more == 0) continue;
@@ -130,11 +130,12 @@ void Commands::announce_refused(const bus::Admission& manual, std::int64_t monot
     std::snprintf(reason, sizeof(reason), "%lld of %s, the last one: %s",
                   static_cast<long long>(more), admissions[i]->channel().c_str(),
                   admissions[i]->reason());
-    // With its counter a sender can tell that this one was of before the start, and seal it anew.
+    // With this counter a sender can recognise that its message preceded the start, and sign it
+    // again.
     const std::int64_t counter =
         admissions[i] == &command_admission_ ? command_admission_.before_start() : -1;
     answer("all", "no_access", counter, reason, utime);
-    return;  // the next channel a second later
+    return;  // the next channel follows one second later
   }
 }
 

@@ -16,47 +16,47 @@
 
 namespace palpate::daemon {
 
-/// What happened, for the log.
+/// Life-cycle event for the log.
 struct EventRecord {
   std::array<char, 32> event{};
-  std::array<char, 32> component{};  // the instance, "" where it is the whole
+  std::array<char, 32> component{};  // the instance; "" for the whole pipeline
   std::array<char, 256> reason{};
 };
 
-/// Commands and targets of users: checked, carried out once however often they are sent, answered
-/// by COMPONENT_EVENT. Where a key is configured, those that are not sealed with it, or come again,
-/// are refused.
+/// Commands and targets of users: validated, executed once however often they are repeated,
+/// acknowledged by COMPONENT_EVENT. With a configured key, unsigned and replayed commands are
+/// rejected.
 class Commands {
  public:
   Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
            const bus::Access& access = {});
 
-  /// Carries out what has arrived since the last cycle.
+  /// Executes the commands received since the last cycle.
   void handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
               std::int64_t utime) noexcept;
 
-  /// Tells, once a second at most, that messages were refused: its own and those of `manual`.
-  void announce_refused(const bus::Admission& manual, std::int64_t monotonic_ns,
+  /// Reports, at most once per second, that commands or manual forces (`manual`) were rejected.
+  void announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
                         std::int64_t utime) noexcept;
-  /// Commands and targets without a valid code or with an old counter.
+  /// Number of commands and targets without a valid code or with an old counter.
   std::int64_t refused() const noexcept {
     return command_admission_.refused() + target_admission_.refused();
   }
 
-  /// Says how a replacement ended.
+  /// Publishes the outcome of a replacement.
   void announce(const Replacing& replacing, Replacing::Outcome outcome,
                 std::int64_t utime) noexcept;
 
-  /// Announces a change of the whole's condition that nobody asked for.
+  /// Publishes a change of the pipeline's state that was not commanded.
   void announce(const pipeline::Condition& condition, std::int64_t utime) noexcept;
 
-  /// The same of one component.
+  /// The same for one component.
   void announce(const char* slot, const char* instance, const char* component, const char* event,
                 const char* reason, std::int64_t utime) noexcept;
-  /// Announces that messages of another type come on a channel, and of which.
+  /// Publishes that messages of a different type arrive on a channel, and their type.
   void announce_wrong_type(const bus::Subscription& channel, std::int64_t utime) noexcept;
 
-  /// For the thread that writes the log.
+  /// Called by the thread that writes the log.
   bool take_record(EventRecord& record) noexcept { return log_.pop(record); }
 
  private:
@@ -64,7 +64,7 @@ class Commands {
                       std::int64_t utime) noexcept;
   void handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) noexcept;
   void remember_answer(const char* event, const char* reason) noexcept;
-  /// By COMPONENT_EVENT, and in the log.
+  /// Publishes COMPONENT_EVENT and adds a log entry.
   void answer(const char* slot, const char* event, std::int64_t counter, const char* reason,
               std::int64_t utime) noexcept;
   void say(const char* slot, const char* event, std::int64_t counter, const char* reason,
@@ -72,7 +72,7 @@ class Commands {
 
   bus::TypedSubscription<component_command_t> commands_;
   bus::TypedSubscription<shape_target_t> targets_;
-  bus::Admission command_admission_, target_admission_;
+  bus::ReplayGuard command_admission_, target_admission_;
   component_command_t command_{};
   shape_target_t target_{};
   std::int64_t last_session_ = 0;
@@ -80,10 +80,10 @@ class Commands {
   std::array<char, 32> last_answer_{};  // to the last command
   std::array<char, 256> last_reason_{};
   TargetAssembly assembly_;
-  std::array<std::int64_t, 3> refused_told_{};  // commands, targets, manual forces
+  std::array<std::int64_t, 3> refused_told_{};  // for commands, targets, manual forces
   std::int64_t refused_told_ns_ = 0;
 
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
   bus::TypedPublisher<component_event_t> events_;
   component_event_t event_{};
   boost::lockfree::spsc_queue<EventRecord, boost::lockfree::capacity<256>> log_;

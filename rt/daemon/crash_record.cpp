@@ -22,13 +22,13 @@ namespace fs = std::filesystem;
 constexpr char kPrefix[] = "palpated-";
 constexpr char kExtension[] = ".lcmlog";
 
-/// Bytes: messages of every cycle with their framing, and those that come at rates of their own.
+/// Bytes for the messages of every cycle with their framing, and for those with their own rates.
 std::size_t room_for(double seconds, double period) {
   constexpr double kEachCycle = 4000, kEachSecond = 2e6;
   return static_cast<std::size_t>(seconds * (kEachSecond + kEachCycle / period));
 }
 
-/// Such that no two records of this machine have the same one.
+/// File name that is unique on this machine.
 std::string file_name(const char* cause) {
   timespec now{};
   clock_gettime(CLOCK_REALTIME, &now);
@@ -65,7 +65,7 @@ void say(const char* text) noexcept {
   write_all(STDERR_FILENO, reinterpret_cast<const std::uint8_t*>(text), std::strlen(text));
 }
 
-/// Only calls what POSIX allows in a handler.
+/// calls only functions that POSIX permits in a handler
 void on_crash(int signal) {
   if (CrashRecord* record = record_of_process.exchange(nullptr)) {
     const bool written = record->write_in_crash() == 0;
@@ -73,7 +73,7 @@ void on_crash(int signal) {
     say(record->crash_path());
     say("\n");
   }
-  // The default action, taken as soon as this handler returns.
+  // the default action follows as soon as this handler returns
   raise(signal);
 }
 

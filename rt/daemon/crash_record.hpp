@@ -10,41 +10,45 @@
 
 namespace palpate::daemon {
 
-/// Section `record`.
+/// Section `record` of the configuration.
 struct RecordSettings {
-  std::string folder;  // empty: nothing is recorded
+  std::string folder;  // empty: recording is disabled
   double seconds = 2;
-  int keep = 20;  // records in the folder; the oldest go
+  int keep = 20;  // number of records kept in the folder; the oldest are deleted
 };
 
-/// What the daemon took and said on one bus in its last seconds, for when it faults or crashes. The
-/// loop's thread writes it to memory without lock or allocation; another one writes the file, an
-/// LCM event log, in which every message has the time of the cycle that took or published it.
+/// Records the messages received and published on one bus during the last seconds, for a fault or a
+/// crash. The loop's thread writes to memory without lock or allocation; another thread writes the
+/// file, an LCM event log in which every message has the time of the cycle that received or
+/// published it.
 class CrashRecord final : public bus::MessageTap {
  public:
-  /// Taps `bus`, which must live longer, and makes the folder. `period`: of the loop, s, for the
-  /// room that is taken. Throws std::runtime_error where the folder cannot be made or written.
+  /// Observes `bus`, which must outlive this object, and creates the folder. `period`: of the loop,
+  /// s, determines the memory. Throws std::runtime_error if the folder cannot be created or
+  /// written.
   CrashRecord(const RecordSettings& settings, double period, bus::MessageBus& bus);
   ~CrashRecord();
   CrashRecord(const CrashRecord&) = delete;
   CrashRecord& operator=(const CrashRecord&) = delete;
 
-  /// Loop: at the start of a cycle. The log's clock is the wall clock of the first one, then runs
-  /// with the monotonic clock.
+  /// Loop: call at the start of a cycle. The log's clock is the wall clock of the first cycle and
+  /// then follows the monotonic clock.
   void begin_cycle(std::int64_t monotonic_ns, std::int64_t utime) noexcept;
   void note(const std::string& channel, const void* data, int size) noexcept override;
-  /// Loop: hands over what is there when this cycle is done, to be written; `cause` ("fault"), a
-  /// string literal, is part of the file's name. Nothing where the last one is not written yet.
+  /// Loop: hands over the recorded messages at the end of this cycle for writing; `cause`
+  /// ("fault"), a string literal, becomes part of the file name. No effect while the previous
+  /// record is still being written.
   void hand_over(const char* cause) noexcept { wanted_ = cause; }
 
-  /// Any thread: a record is wanted without a fault.
+  /// Any thread: requests a record without a fault.
   void request() noexcept { requested_.store(true, std::memory_order_relaxed); }
 
-  /// Writing thread: the file that was written, empty where there was nothing to write. Throws
-  /// std::runtime_error where it cannot be; then it is not tried again.
+  /// Writing thread: returns the file written, empty if there was nothing to write. Throws
+  /// std::runtime_error on failure, which is not retried.
   std::string write_handed_over();
 
-  /// From a signal handler of a crash: stops the recording and writes what there is. -1: failed.
+  /// From the signal handler of a crash: stops recording and writes the available messages. -1:
+  /// failure.
   int write_in_crash() noexcept;
   const char* crash_path() const noexcept { return crash_path_.c_str(); }
 
@@ -62,17 +66,17 @@ class CrashRecord final : public bus::MessageTap {
   std::atomic<int> handed_over_{kNone};
   std::atomic<const char*> cause_{""};
   std::atomic<bool> requested_{false}, stopped_{false};
-  const char* wanted_ = nullptr;  // why a record shall be handed over
+  const char* wanted_ = nullptr;  // cause of the requested record
   bool clock_set_ = false;
   std::int64_t clock_offset_us_ = 0;
   std::int64_t now_us_ = 0;
 };
 
-/// While it lives, SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT write the record before they end the
-/// process as they would have. There can be one.
+/// During its lifetime SIGSEGV, SIGBUS, SIGFPE, SIGILL and SIGABRT write the record before they end
+/// the process as usual. At most one instance.
 class CrashHandler {
  public:
-  /// nullptr: does nothing.
+  /// nullptr: no effect.
   explicit CrashHandler(CrashRecord* record);
   ~CrashHandler();
   CrashHandler(const CrashHandler&) = delete;

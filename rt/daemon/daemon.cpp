@@ -47,8 +47,8 @@ void Daemon::supervise(const Now& now) noexcept {
   if (mode_ != Mode::kRealTime) return;
   counters_.latency[static_cast<int>(Phase::kWakeUp)].record(now.lateness_ns);
   const auto period_ns = static_cast<std::int64_t>(settings_.loop.period * 1e9);
-  // A wake-up that came late, or a cycle that lasted beyond the next one's time. The cycle of a
-  // late wake-up may well do so: that is no overrun of its own.
+  // A late wake-up, or a cycle that exceeded its period. A late wake-up may cause its own cycle to
+  // end late, which is not another overrun.
   const std::int64_t late_ns = std::max(now.lateness_ns, now.missed * period_ns);
   const bool woke_late = now.lateness_ns >= period_ns;
   if (late_ns >= period_ns) {
@@ -176,7 +176,7 @@ void Daemon::publish(const Now& now) noexcept {
   }
 }
 
-/// Once a second at most, however often it jumps.
+/// At most once per second, however often the shape jumps.
 void Daemon::tell_jump(const Now& now) noexcept {
   constexpr std::int64_t kSecond = 1'000'000'000;
   if (told_jump_ns_ != 0 && now.monotonic_ns - told_jump_ns_ < kSecond) return;

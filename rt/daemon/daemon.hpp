@@ -16,42 +16,44 @@
 
 namespace palpate::daemon {
 
-/// Real time: wall-clock message times, latencies measured, factors made by a background thread.
-/// Deterministic: all of these follow from the cycle count and the inputs alone.
+/// Real time: message times from the wall clock, measured latencies, factorisation in a background
+/// thread. Deterministic: all of these follow from the cycle count and the inputs.
 enum class Mode { kRealTime, kDeterministic };
 
-/// One moment of the clock that drives the daemon.
+/// Reading of the clock that drives the daemon.
 struct Now {
   std::int64_t monotonic_ns = 0;  // CLOCK_MONOTONIC, or virtual
   std::int64_t utime = 0;         // us, for messages
-  std::int64_t lateness_ns = 0;   // of this wake-up
-  std::int64_t missed = 0;        // grid points without a cycle, since the last one took too long
-  bool stepped = false;           // messages count as arrived now, whenever that was
+  std::int64_t lateness_ns = 0;   // ns, of this wake-up
+  /// Periods without a cycle, because the previous cycle took too long.
+  std::int64_t missed = 0;
+  bool stepped = false;  // messages count as arrived now, whatever their actual arrival
 };
 
-/// All of palpated but its threads and its clock: messages in, pipeline, messages out. The same
-/// object runs in palpated, in palpate-replay and in tests.
+/// All of palpated except its threads and its clock: input messages, pipeline, output messages. The
+/// same class runs in palpated, in palpate-replay and in tests.
 class Daemon {
  public:
   /// Subscribes; call start() of both buses afterwards. Throws config::Error.
   Daemon(const config::Node& root, bus::MessageBus& control, bus::MessageBus& housekeeping,
          Mode mode, std::int64_t session);
 
-  /// One cycle. Neither allocates, locks, logs nor throws.
+  /// Runs one cycle. Neither allocates, locks, logs nor throws.
   void tick(const Now& now) noexcept;
 
-  /// Whether no arm is commanded to move.
+  /// True if no arm is commanded to move.
   bool is_still() const noexcept;
 
-  /// Zero command, once more, before the process ends.
+  /// Publishes a zero command before the process ends.
   void finish(const Now& now) noexcept;
 
   const Settings& settings() const noexcept { return settings_; }
   pipeline::Pipeline& pipeline() noexcept { return pipeline_; }
+  const pipeline::Pipeline& pipeline() const noexcept { return pipeline_; }
   const Counters& counters() const noexcept { return counters_; }
   const Replacing& replacing() const noexcept { return replacing_; }
   const Inputs& inputs() const noexcept { return inputs_; }
-  /// nullptr where none is kept: in deterministic mode, or without a folder.
+  /// nullptr if disabled: in deterministic mode, or without a folder.
   CrashRecord* crash_record() noexcept { return record_.get(); }
   bool take_record(EventRecord& record) noexcept { return commands_.take_record(record); }
 
@@ -78,10 +80,10 @@ class Daemon {
   OverrunMonitor overruns_;
   Counters counters_;
   pipeline::LifeCycle announced_ = pipeline::LifeCycle::kUnconfigured;
-  bool woke_late_ = false;  // in the last cycle
+  bool woke_late_ = false;  // in the previous cycle
   int told_fallbacks_ = 0;
   std::int64_t phase_began_ns_ = 0;
-  std::int64_t shape_ns_ = 0;  // when the shape was last brought up to date
+  std::int64_t shape_ns_ = 0;  // time of the last update of the shape
   std::int64_t told_jump_ns_ = 0;
   std::int64_t faults_at_start_ = 0;
   std::int64_t allocations_at_start_ = 0;

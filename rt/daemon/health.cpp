@@ -6,9 +6,10 @@
 
 namespace palpate::daemon {
 
-constexpr int kMostModels = 12;                        // that the message has room for
-constexpr std::int64_t kBetweenStates = 10'000'000;    // ns, from one news to the next
-constexpr std::int64_t kBetweenTroubles = 50'000'000;  // ns
+constexpr int kMostModels = 12;                      // capacity of the message
+constexpr std::int64_t kBetweenStates = 10'000'000;  // ns, minimum interval of state changes
+// ns, minimum interval of losses and rejections
+constexpr std::int64_t kBetweenTroubles = 50'000'000;
 
 namespace {
 

@@ -12,7 +12,8 @@
 
 namespace palpate::daemon {
 
-/// Phases of a cycle in the order of health_t; kAll is the whole cycle, kWakeUp the lateness.
+/// Phases of a cycle in the order of health_t; kAll is the whole cycle, kWakeUp the wake-up
+/// latency.
 enum class Phase {
   kAll,
   kRead,
@@ -28,7 +29,7 @@ enum class Phase {
 inline constexpr int kPhases = 10;
 const char* name(Phase phase) noexcept;
 
-/// Everything that HEALTH counts.
+/// Counters published in HEALTH.
 struct Counters {
   std::int64_t cycles = 0;
   std::int64_t overruns = 0;
@@ -42,31 +43,32 @@ struct Counters {
   std::array<loop::LatencyHistogram, kPhases> latency;
 };
 
-/// HEALTH (10 Hz, and at once where it has news) and CONFIG (1 Hz) on the housekeeping bus.
+/// Publishes HEALTH (10 Hz, and immediately after an important change) and CONFIG (1 Hz) on the
+/// housekeeping bus.
 class Health {
  public:
-  /// Tells of both buses what they lost; publishes on the second one.
+  /// Reports the losses of both buses; publishes on the second one.
   Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
          std::int64_t configuration_hash, std::int64_t mesh_hash);
   void publish(const Counters& counters, const pipeline::Condition& condition, const Inputs& inputs,
                const std::vector<pipeline::RunningModel>& models, std::int64_t utime) noexcept;
-  /// Asked once a cycle: whether there is something to tell that must not wait for the next regular
-  /// message: another state, or a loss or a refused message after a while without. Seldom enough
-  /// that whatever comes and goes cannot flood anybody.
+  /// Called once per cycle: whether a change must be published before the next regular message: a
+  /// different state, or a loss or rejected message after a period without any. Rate-limited, so
+  /// that alternating conditions do not cause a message flood.
   bool has_news(const pipeline::Condition& condition, const Inputs& inputs,
                 std::int64_t now_ns) noexcept;
-  /// What CONFIG says from now on.
+  /// Sets the content of CONFIG.
   void describe(std::int64_t configuration_hash, std::int64_t mesh_hash) noexcept;
   void publish_config(std::int64_t utime) noexcept;
 
  private:
   const bus::MessageBus& control_;
   const bus::MessageBus& housekeeping_;
-  bus::Stamp health_stamp_, config_stamp_;
+  bus::HeaderStamper health_stamp_, config_stamp_;
   bus::TypedPublisher<health_t> health_;
   bus::TypedPublisher<config_t> config_;
-  std::int64_t news_ns_ = 0;    // when there was some
-  std::int64_t troubles_ = -1;  // of inputs, by then
+  std::int64_t news_ns_ = 0;    // time of the last important change
+  std::int64_t troubles_ = -1;  // losses and rejections of inputs at that time
   health_t message_{};
   config_t config_message_{};
 };

@@ -5,19 +5,19 @@
 namespace palpate::daemon {
 namespace {
 
-// Of one channel; whoever sends without end shall not hold up the cycle.
+// Per channel; bounds the work per cycle under a message flood.
 constexpr int kMostPerCycle = 64;
 
 constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
                                                         "BIOTAC_3", "BIOTAC_4"};
 
-/// By arm: force-torque, inertial, robot, hand.
+/// By arm: force-torque, IMU, robot, hand.
 constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
     {{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"},
      {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"}}};
 
-/// Beyond every force, speed and length of a robot's cell in SI units: no measurement. What is
-/// finite but larger overflows where it is squared.
+/// Larger than any force, speed and length of a robot cell in SI units, hence not a measurement.
+/// Larger finite numbers would overflow when squared.
 constexpr double kLargest = 1e6;
 
 bool all_plausible(const double* numbers, int count) noexcept {
@@ -98,10 +98,10 @@ bool convert(const biotac_t& m, sensing::BioTac& out) noexcept {
   return true;
 }
 
-/// A camera that sees nothing of the object says so with no points, which is no news of the shape
-/// but a sign of life.
+/// A camera that does not see the object publishes zero points: no information on the shape, but a
+/// sign of life.
 bool convert(const shape_observation_t& m, sensing::ShapeObservation& out) noexcept {
-  constexpr double kCoarsest = 1;  // m
+  constexpr double kCoarsest = 1;  // m, largest plausible deviation
   if (m.count < 0 || m.count > sensing::ShapeObservation::kMostPoints) return false;
   if (m.count > 0 && !(m.deviation > 0 && m.deviation <= kCoarsest)) return false;
   for (int i = 0; i < m.count; ++i) {
@@ -120,7 +120,7 @@ constexpr auto kConvert = [](const auto& message, auto& out) noexcept {
   return convert(message, out);
 };
 
-/// Whether two samples hold the same numbers, whatever their times.
+/// True if two samples have the same values, whatever their times.
 bool same(const sensing::ForceTorque& a, const sensing::ForceTorque& b) noexcept {
   return a.F_S.force == b.F_S.force && a.F_S.torque == b.F_S.torque;
 }
@@ -148,10 +148,10 @@ Inputs::ArmChannels::ArmChannels(bus::MessageBus& bus, const std::array<const ch
       inertial(bus, names[1], 32, frozen_after.inertial),
       robot(bus, names[2], 32, frozen_after.robot),
       hand(bus, names[3], 8) {
-  force_torque.hear_one_sender();
-  inertial.hear_one_sender();
-  robot.hear_one_sender();
-  hand.hear_one_sender();
+  force_torque.lock_to_first_publisher();
+  inertial.lock_to_first_publisher();
+  robot.lock_to_first_publisher();
+  hand.lock_to_first_publisher();
 }
 
 Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_after,
@@ -162,18 +162,18 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
       manual_(control, "MANUAL_FORCE", 8),
       manual_admission_("MANUAL_FORCE", access),
       observation_(control, "SHAPE_OBSERVATION", 4) {
-  observation_.hear_one_sender();
+  observation_.lock_to_first_publisher();
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =
         std::make_unique<Channel<biotac_t>>(control, kBiotacChannels[i], 8, frozen_after.biotac);
-    biotac_[i]->hear_one_sender();
+    biotac_[i]->lock_to_first_publisher();
   }
 }
 
 template <class Message, class Sample>
 bool Inputs::is_frozen(Channel<Message>& channel, const Sample& before, const Sample& now,
                        std::int64_t arrival_ns) noexcept {
-  constexpr int kRepeats = 10;  // at least, so that a gap between two messages is none
+  constexpr int kRepeats = 10;  // minimum count, so that a gap between two messages does not count
   if (channel.frozen_after_ns == 0 || !same(before, now)) {
     channel.changed_ns = arrival_ns;
     channel.repeats = 0;
@@ -195,7 +195,7 @@ template <class Message, class Stream, class Convert>
 void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_ns, bool stepped,
                    Convert to_signal) noexcept {
   stream.fresh_count = 0;
-  channel.began_anew = false;
+  channel.session_restarted = false;
   std::int64_t arrival_ns = 0;
   for (int i = 0; i < kMostPerCycle && channel.queue.take(channel.message, arrival_ns); ++i) {
     if (!admitted(channel.message)) {
@@ -204,7 +204,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
     }
     if (!channel.sequence.accept(channel.message.session, channel.message.seq)) continue;
     if (channel.sequence.sessions() > channel.sessions) {
-      channel.began_anew = channel.sessions > 0;
+      channel.session_restarted = channel.sessions > 0;
       channel.sessions = channel.sequence.sessions();
     }
     auto candidate = stream.latest;
@@ -221,7 +221,7 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
     channel.arrival_ns = arrival_ns;
     if (stream.fresh_count < static_cast<int>(stream.fresh.size())) {
       stream.fresh[stream.fresh_count++] = stream.latest;
-    } else {  // keep the newest ones
+    } else {  // keep the newest
       std::move(stream.fresh.begin() + 1, stream.fresh.end(), stream.fresh.begin());
       stream.fresh.back() = stream.latest;
     }
@@ -253,11 +253,11 @@ void Inputs::read(std::int64_t now_ns, double dt, bool stepped) noexcept {
 }
 
 bool Inputs::any_began_anew() const noexcept {
-  const auto began_anew = [](const ArmChannels& arm) {
-    return arm.force_torque.began_anew || arm.inertial.began_anew || arm.robot.began_anew ||
-           arm.hand.began_anew;
+  const auto session_restarted = [](const ArmChannels& arm) {
+    return arm.force_torque.session_restarted || arm.inertial.session_restarted ||
+           arm.robot.session_restarted || arm.hand.session_restarted;
   };
-  return began_anew(first_) || (second_ && began_anew(*second_));
+  return session_restarted(first_) || (second_ && session_restarted(*second_));
 }
 
 template <class Message>

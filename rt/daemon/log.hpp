@@ -11,8 +11,8 @@
 
 namespace palpate::daemon {
 
-/// From now on spdlog writes from a thread of its own, and what finds its queue full goes: a disk
-/// may be full and a journal may hang, but nobody here waits for them. Block signals before.
+/// Makes spdlog write from a separate thread and drop lines if its queue is full, so that a full
+/// disk or a blocked journal never delays the daemon. Block signals before this call.
 inline void start_log() {
   constexpr std::size_t kRoom = 1024;  // lines
   spdlog::init_thread_pool(kRoom, 1);
@@ -21,8 +21,8 @@ inline void start_log() {
   spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
 }
 
-/// Waits a little for the last lines to be written; where they cannot be, ends the process without
-/// them. Otherwise returns the exit code.
+/// Waits briefly for the last lines to be written; if that fails, ends the process without them.
+/// Otherwise returns the exit code.
 inline int end_log(int exit_code) {
   auto written = std::make_shared<std::promise<void>>();
   auto future = written->get_future();

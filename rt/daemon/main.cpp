@@ -1,4 +1,4 @@
-// palpated: feels the shape of a soft object and steers it. See README.md and --help.
+// palpated: estimates and controls the shape of a soft object. See README.md and --help.
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -10,6 +10,7 @@
 
 #include "rt/bus/instance_lock.hpp"
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
 #include "rt/daemon/log.hpp"
 #include "rt/daemon/service_manager.hpp"
@@ -22,8 +23,8 @@ using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
 
-/// Blocks the signals that end the program or ask for a record, for all threads; wait_for_end()
-/// then receives them.
+/// Blocks, in all threads, the signals that end the program or request a record; wait_for_end()
+/// receives them.
 sigset_t block_signals() {
   sigset_t set;
   sigemptyset(&set);
@@ -34,7 +35,7 @@ sigset_t block_signals() {
   return set;
 }
 
-/// Says what the loop has to tell.
+/// Logs the events of the loop.
 void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
   palpate::daemon::EventRecord record;
   while (daemon.take_record(record)) {
@@ -47,7 +48,7 @@ void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
   }
 }
 
-/// Writes the record that a fault or somebody asked for, where there is one to be written.
+/// Writes a record requested by a fault or a user, if available.
 void write_record(Daemon& daemon) {
   if (daemon.crash_record() == nullptr) return;
   try {
@@ -58,7 +59,8 @@ void write_record(Daemon& daemon) {
   }
 }
 
-/// Supervises the loop until a signal asks to end or the loop has ended. `cycles`: of the loop.
+/// Supervises the loop until a signal requests the end or the loop has ended. `cycles`: count of
+/// the loop.
 void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<bool>& stop,
                   const std::atomic<std::int64_t>& cycles) {
   using palpate::daemon::LoopWatch;
@@ -89,7 +91,7 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
   manager.tell("STOPPING=1");
 }
 
-/// Pairs of a fraction of cycles and the us that it exceeds; the fractions four a decade.
+/// Pairs of a fraction of cycles and the latency, us, which it exceeds; four fractions per decade.
 nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
   nlohmann::json pairs = nlohmann::json::array();
   for (double above = 1; above * static_cast<double>(latency.count()) >= 1; above /= 1.7782794)
@@ -97,7 +99,7 @@ nlohmann::json tail(const palpate::loop::LatencyHistogram& latency) {
   return pairs;
 }
 
-/// Share of cycles that exceed a period, in s.
+/// Fraction of cycles that exceed a period, in s.
 double above_period(const palpate::loop::LatencyHistogram& latency, double period) {
   const auto all = static_cast<double>(std::max<std::int64_t>(1, latency.count()));
   return static_cast<double>(latency.count_above(std::llround(period * 1e9))) / all;
@@ -132,7 +134,7 @@ nlohmann::json statistics(const Daemon& daemon) {
   return json;
 }
 
-/// Lock-step repeats its ticks, but not what sensors say.
+/// Lock-step repeats ticks, but not sensor messages.
 void warn_of_losses(const Daemon& daemon) {
   for (int i = 0; i < daemon.inputs().channel_count(); ++i) {
     const palpate::daemon::InputReport report = daemon.inputs().report(i);
@@ -147,12 +149,13 @@ struct Options {
   std::vector<std::string> overrides;
   std::string json;
   bool stepped = false;
+  bool check = false;
 };
 
 void name_this_thread(const char* name) { pthread_setname_np(pthread_self(), name); }
 
 void run_real_time(Daemon& daemon, const sigset_t& signals) {
-  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate promises half of it
+  constexpr std::int64_t kLongestRamp = 200'000'000;  // ns; the gate guarantees half of it
   std::atomic<bool> stop{false};
   std::atomic<std::int64_t> cycles{0};
   std::thread thread([&] {
@@ -182,7 +185,7 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
                  palpate::bus::MessageBus& control, const sigset_t& signals) {
   constexpr std::int64_t kLookAtStop = 50'000'000;  // ns
   std::atomic<bool> stop{false};
-  std::atomic<std::int64_t> rounds{0};  // which go on where no tick comes
+  std::atomic<std::int64_t> rounds{0};  // continues without ticks
   std::thread thread([&] {
     name_this_thread("palpated-loop");
     while (!stop) {
@@ -195,32 +198,48 @@ void run_stepped(Daemon& daemon, palpate::daemon::SteppedClock& clock,
   thread.join();
 }
 
+std::string extent_of(const palpate::registry::Object& object) {
+  return fmt::format("{} nodes, {} elements, {} grasped, {} fixed", object.body.mesh.node_count(),
+                     object.body.mesh.element_count(),
+                     object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
+                     object.body.fixed_nodes.size());
+}
+
+/// Builds all that a start would build, beside the network and the folder of records.
+int check(const Options& options) {
+  const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
+  const auto bus = palpate::bus::make_memory_bus(palpate::bus::make_memory_hub());
+  const Daemon daemon(root, *bus, *bus, Mode::kDeterministic, 1);
+  for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
+  spdlog::info("{}: valid configuration; {}", options.configuration,
+               extent_of(daemon.pipeline().object()));
+  return 0;
+}
+
 int run(const Options& options, const sigset_t& signals) {
   namespace bus = palpate::bus;
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const palpate::daemon::Settings settings = palpate::daemon::read_settings(root);
-  const bus::InstanceLock lock(settings.control_url);
   const auto control = bus::make_lcm_bus(settings.control_url);
   const auto housekeeping = bus::make_lcm_bus(settings.housekeeping_url);
   const std::int64_t session = bus::random_session();
   Daemon daemon(root, *control, *housekeeping,
                 options.stepped ? Mode::kDeterministic : Mode::kRealTime, session);
+  // After the configuration has been read to its end: that is what is wrong first. Nothing has been
+  // sent or received until here.
+  const bus::InstanceLock lock(settings.control_url);
   palpate::daemon::SteppedClock clock(*control, session);
   control->set_receiver_priority(std::max(0, settings.loop.fifo_priority - 1));
   if (!options.stepped) {
-    // Contacts, estimate and feature of a hundred cycles; half a second of shapes.
+    // queue for contacts, estimate and feature of a hundred cycles, and half a second of shapes
     control->start_publisher(300, 4096);
     housekeeping->start_publisher(64, bus::kLargestShortMessage);
   }
-  // Nothing is read from the housekeeping bus.
+  // the housekeeping bus is not read
   options.stepped ? control->start_without_thread() : control->start();
 
-  const palpate::registry::Object& object = daemon.pipeline().object();
-  spdlog::info(
-      "palpated {}: {} nodes, {} elements, {} grasped, {} fixed; inactive, waits for start",
-      PALPATE_VERSION, object.body.mesh.node_count(), object.body.mesh.element_count(),
-      object.body.grasps.empty() ? 0 : object.body.grasps[0].nodes.size(),
-      object.body.fixed_nodes.size());
+  spdlog::info("palpated {}: {}; inactive, waits for start", PALPATE_VERSION,
+               extent_of(daemon.pipeline().object()));
   for (const std::string& remark : daemon.pipeline().remarks()) spdlog::warn("{}", remark);
   const palpate::daemon::CrashHandler crash_handler(daemon.crash_record());
   options.stepped ? run_stepped(daemon, clock, *control, signals) : run_real_time(daemon, signals);
@@ -244,29 +263,40 @@ int main(int argc, char** argv) {
       "robot only after COMPONENT_COMMAND start and with a SHAPE_TARGET.\n"
       "With record.folder it writes its last seconds there as an LCM log when it faults, on "
       "SIGUSR1,\n"
-      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.\n"
-      "Exit codes: 0 ended by a signal, 1 run-time error, 78 wrong configuration.");
+      "and when it crashes. It answers systemd's Type=notify and WatchdogSec.");
   Options options;
-  app.add_option("configuration", options.configuration, "YAML file, see rt/config/examples")
-      ->required();
+  app.add_option("--config", options.configuration,
+                 "configuration, YAML, see rt/config/examples; required");
+  palpate::config::add_deprecated_positional(app, "configuration", options.configuration,
+                                             "--config");
   app.add_option("--set", options.overrides,
                  "override a key: path.to.key=value (repeatable), e.g. "
                  "object.material.young_modulus=39e3; a value of ~ takes the key away")
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write statistics to this file at the end");
+  app.add_flag("--check", options.check,
+               "validate the configuration completely, without network or robot, and end");
   app.add_flag("--stepped", options.stepped,
                "run one cycle for each SIM_TICK (palpate-sim --fast) instead of in real time");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpated bar.yaml --set loop.fifo_priority=60 --json statistics.json");
-  CLI11_PARSE(app, argc, argv);
+      "  palpated --config bar.yaml --check\n"
+      "  palpated --config bar.yaml --set loop.fifo_priority=60 --json statistics.json");
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{0, "ended by a signal, or the configuration is valid (--check)"},
+            {78,
+             "wrong configuration; the message names file, line, key, value and allowed range"}}}))
+    return *code;
+  if (options.configuration.empty())
+    return palpate::config::usage_error(app, "--config is required");
 
   const sigset_t signals = block_signals();
   palpate::daemon::start_log();
   int code = 1;
   try {
-    code = run(options, signals);
+    code = options.check ? check(options) : run(options, signals);
   } catch (const palpate::config::Error& error) {
     spdlog::error("{}", error.what());
     code = palpate::config::kExitCode;

@@ -26,7 +26,7 @@ MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const registry::Obje
   shape_message_.node_count = object.corners.node_count();
   shape_message_.xyz_count = 3 * shape_message_.node_count;
   shape_message_.xyz.resize(shape_message_.xyz_count);
-  // Deviations go along where a datagram has room for them.
+  // deviations are included if the datagram has room for them
   constexpr int kBytesPerNode = 16, kRoom = 60'000;
   if (kBytesPerNode * shape_message_.node_count < kRoom)
     shape_message_.deviation.resize(shape_message_.node_count);
@@ -36,7 +36,7 @@ MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const registry::Obje
 }
 
 void MeshTelemetry::publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
-                                  bus::Stamp& stamp, std::int64_t utime) noexcept {
+                                  bus::HeaderStamper& stamp, std::int64_t utime) noexcept {
   stamp.put(shape_message_, utime);
   shape_message_.status = shape_status(pipeline.estimate().step.status);
   shape_message_.age_us = static_cast<std::int32_t>(std::min<std::int64_t>(age_us, 2'000'000'000));
@@ -52,7 +52,7 @@ void MeshTelemetry::publish_shape(const pipeline::Pipeline& pipeline, std::int64
   shape_.publish(shape_message_);
 }
 
-/// Chunks of at most 1,000 nodes and as many elements and triangles: below 60 kB each.
+/// Chunks of at most 1,000 nodes, elements and triangles: below 60 kB each.
 void MeshTelemetry::prepare_mesh(const registry::Object& object) {
   constexpr int kPerChunk = 1000;
   const mesh::TetrahedralMesh& corners = object.corners;
@@ -97,7 +97,7 @@ void MeshTelemetry::prepare_mesh(const registry::Object& object) {
   }
 }
 
-void MeshTelemetry::publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept {
+void MeshTelemetry::publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept {
   if (mesh_.empty()) return;
   shape_mesh_t& message = mesh_[next_chunk_];
   next_chunk_ = (next_chunk_ + 1) % mesh_.size();

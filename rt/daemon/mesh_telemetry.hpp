@@ -11,17 +11,17 @@
 
 namespace palpate::daemon {
 
-/// SHAPE and SHAPE_MESH of one mesh: everything whose size follows from it. Sized by the
-/// constructor; nothing allocates afterwards.
+/// Publishes SHAPE and SHAPE_MESH of one mesh; owns everything whose size depends on it. Allocates
+/// in the constructor only.
 class MeshTelemetry {
  public:
   MeshTelemetry(bus::MessageBus& housekeeping, const registry::Object& object);
 
-  /// `age_us`: how old the shape is.
-  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us, bus::Stamp& stamp,
-                     std::int64_t utime) noexcept;
-  /// One chunk of SHAPE_MESH; call again for the next one.
-  void publish_mesh_chunk(bus::Stamp& stamp, std::int64_t utime) noexcept;
+  /// `age_us`: age of the shape.
+  void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
+                     bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
+  /// Publishes one chunk of SHAPE_MESH; the next call publishes the next one.
+  void publish_mesh_chunk(bus::HeaderStamper& stamp, std::int64_t utime) noexcept;
   int mesh_chunks() const noexcept { return static_cast<int>(mesh_.size()); }
 
  private:

@@ -8,16 +8,16 @@
 
 namespace palpate::daemon {
 
-/// Applies the overrun policy: lateness within a sliding window, and time without a command.
-/// One late wake-up is one overrun however long.
+/// Implements the overrun policy: lateness within a sliding window, and time without a command. One
+/// late wake-up counts as one overrun, however late.
 class OverrunMonitor {
  public:
   enum class Verdict { kFine, kDegraded, kSafeStop };
 
   explicit OverrunMonitor(const OverrunPolicy& policy) : policy_(policy) {}
 
-  /// Once a cycle: when it woke up, and how late (ns). Lateness below a tenth of a period is
-  /// jitter.
+  /// Call once per cycle with wake-up time and lateness (ns). Lateness below a tenth of a period is
+  /// jitter and ignored.
   Verdict record(std::int64_t now_ns, std::int64_t lateness_ns, double period) noexcept {
     const bool first = last_ns_ == 0;
     const double gap = first ? 0 : static_cast<double>(now_ns - last_ns_) * 1e-9 - period;

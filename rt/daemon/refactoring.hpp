@@ -7,15 +7,15 @@
 
 namespace palpate::daemon {
 
-/// Runs the factorisations that the deformation model asks for, in a background thread. Each is
-/// installed once it is there or, in deterministic mode, `delay` cycles after it was asked for and
-/// waited for where need be, so that nothing depends on scheduling.
+/// Runs the factorisations requested by the deformation model in a background thread. A result is
+/// installed as soon as it is available or, in deterministic mode, `delay` cycles after the
+/// request, waiting if necessary, so that results do not depend on scheduling.
 class Refactoring {
  public:
-  /// `delay` < 0: as soon as it is there.
+  /// `delay` < 0: as soon as available.
   explicit Refactoring(int delay) : delay_(delay) {}
 
-  /// Once a cycle, by the loop.
+  /// Called once per cycle by the loop.
   void service(elasticity::DeformationModel& model, std::int64_t cycle) noexcept {
     if (delay_ < 0 || cycle >= due_) {
       void* done = delay_ < 0 ? worker_.finished() : worker_.wait();
@@ -33,14 +33,14 @@ class Refactoring {
     }
   }
 
-  /// While paused none is begun.
+  /// No factorisation is started while paused.
   void pause(bool paused) noexcept { paused_ = paused; }
   bool idle() const noexcept { return !worker_.busy(); }
 
  private:
   int delay_;
   bool paused_ = false;
-  elasticity::DeformationModel* of_ = nullptr;  // that the job is for, also where a fallback runs
+  elasticity::DeformationModel* of_ = nullptr;  // model of the job, also while a fallback runs
   loop::BackgroundWorker worker_;
   std::int64_t due_ = 0;
 };

@@ -25,7 +25,7 @@ const char* Replacing::request(const component_command_t& command, std::int64_t 
   return "";
 }
 
-/// In the worker's thread.
+/// Runs in the worker's thread.
 void Replacing::build() noexcept {
   try {
     pipeline::ReplaceRequest request;
@@ -84,7 +84,7 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
         refactoring.pause(true);
     }
   }
-  // The present model must not be destroyed under the thread that makes a factor for it.
+  // the present model must not be destroyed while a thread factors for it
   if (!refactoring.idle()) return Outcome::kNothing;
   return put_in(refactoring);
 }

@@ -12,26 +12,26 @@
 
 namespace palpate::daemon {
 
-/// Replaces components while the loop runs, one request after the other: the new ones are built and
-/// warmed up by a thread of their own, run along in the loop where they are sensor models, are put
-/// in at once between two phases of a cycle, and the old ones are destroyed by that thread. The
-/// loop's side neither allocates nor waits.
+/// Replaces components while the loop runs, one request at a time: a separate thread constructs and
+/// warms up the new components; sensor models run in parallel in the loop first; the components are
+/// exchanged together between two phases of a cycle; the thread destroys the old ones. The loop
+/// neither allocates nor waits.
 class Replacing {
  public:
   enum class Outcome { kNothing, kReplaced, kRefused };
 
-  /// `delay` >= 0, in deterministic mode: cycles from a request to when the new components must be
-  /// there, which are waited for; below 0: as soon as they are.
+  /// `delay` >= 0, in deterministic mode: cycles from a request to the exchange, waiting if
+  /// necessary; negative: as soon as available.
   Replacing(const config::Node& root, pipeline::Pipeline& pipeline, Telemetry& telemetry,
             bus::MessageBus& housekeeping, int delay);
 
-  /// Takes the event "replace" of a command; "" or why it is refused at once.
+  /// Accepts the event "replace" of a command; "" or the reason for immediate rejection.
   const char* request(const component_command_t& command, std::int64_t cycle) noexcept;
 
-  /// Once a cycle, after the sensors were read. After kRefused nothing has changed.
+  /// Called once per cycle, after the sensors were read. After kRefused nothing has changed.
   Outcome service(Refactoring& refactoring, std::int64_t cycle) noexcept;
 
-  /// Of the last outcome.
+  /// Command of the last outcome.
   const component_command_t& command() const noexcept { return command_; }
   const char* reason() const noexcept { return reason_.data(); }
   std::int64_t configuration_hash() const noexcept { return root_.hash; }
@@ -61,9 +61,9 @@ class Replacing {
   std::array<char, 256> reason_{};
   std::int64_t replaced_ = 0;
 
-  Root root_;  // of what runs
+  Root root_;  // configuration of the running components
   pipeline::ShapeSnapshot snapshot_;
-  // Made by the worker.
+  // created by the worker
   std::unique_ptr<Root> wanted_;
   std::unique_ptr<pipeline::Replacement> replacement_;
   std::unique_ptr<pipeline::Fallbacks> fallbacks_;

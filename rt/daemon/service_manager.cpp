@@ -18,7 +18,7 @@ std::string variable(const char* name) {
   return value != nullptr ? value : "";
 }
 
-/// Only where it is meant for this process and not for its parent.
+/// Only if intended for this process rather than its parent.
 std::int64_t watchdog_us() {
   const std::string process = variable("WATCHDOG_PID");
   if (!process.empty() && process != std::to_string(getpid())) return 0;

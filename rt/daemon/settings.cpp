@@ -2,10 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "rt/bus/udpm_url.hpp"
 #include "rt/config/key_file.hpp"
 
 namespace palpate::daemon {
+namespace {
+
+void check_url(const config::Node& bus, const char* key, const std::string& url) {
+  try {
+    palpate::bus::parse_udpm_url(url);
+  } catch (const std::invalid_argument& error) {
+    bus.fail(key, error.what());
+  }
+}
+
+}  // namespace
 
 Settings read_settings(const config::Node& root) {
   Settings settings;
@@ -80,6 +93,8 @@ Settings read_settings(const config::Node& root) {
   settings.housekeeping_url =
       bus.text({"housekeeping", "", "SHAPE, SHAPE_MESH, HEALTH, CONFIG and COMPONENT_EVENT"},
                settings.housekeeping_url);
+  check_url(bus, "control", settings.control_url);
+  check_url(bus, "housekeeping", settings.housekeeping_url);
   settings.key = config::read_key(root);
   return settings;
 }

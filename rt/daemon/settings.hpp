@@ -11,14 +11,14 @@
 
 namespace palpate::daemon {
 
-/// Lateness within which the loop goes on, degrades, or stops the robot.
+/// Limits of lateness for continuing, degraded operation and safe stop.
 struct OverrunPolicy {
   double degraded_after = 6e-3;    // s of lateness within `window`
   double window = 20e-3;           // s
-  double safe_stop_after = 20e-3;  // s without a command; latched
+  double safe_stop_after = 20e-3;  // s without a command; the stop is latched
 };
 
-/// Sections `loop`, `inputs`, `record`, `bus` and `access`.
+/// Sections `loop`, `inputs`, `record`, `bus` and `access` of the configuration.
 struct Settings {
   loop::LoopOptions loop;
   OverrunPolicy overruns;
@@ -26,10 +26,11 @@ struct Settings {
   RecordSettings record;
   std::string control_url = "udpm://239.255.76.67:7667?ttl=0";
   std::string housekeeping_url = "udpm://239.255.76.68:7668?ttl=0";
-  std::optional<bus::Key> key;  // of commands, in and out; none: nothing is checked
+  std::optional<bus::Key> key;  // key of incoming and outgoing commands; empty: no authentication
   int shape_every = 10;         // cycles between two SHAPE messages
-  int refactor_delay = 5;   // deterministic mode: cycles between asking for a factor and taking it
-  int replace_delay = 200;  // likewise for new components
+  int refactor_delay = 5;  // deterministic mode: cycles between requesting and installing a factor
+  int replace_delay =
+      200;  // deterministic mode: cycles between requesting and installing new components
 };
 
 /// Throws config::Error.

@@ -8,15 +8,15 @@
 
 namespace palpate::daemon {
 
-/// Lock-step with a simulator: one cycle for each SIM_TICK, answered by TICK_DONE. A repeated tick
-/// is answered again but not run again, so that either message may be lost. Create before the bus
-/// starts.
+/// Lock-step with a simulator: one cycle per SIM_TICK, acknowledged by TICK_DONE. A repeated tick
+/// is acknowledged again but not executed again, so that either message may be lost. Create before
+/// the bus starts.
 class SteppedClock {
  public:
   SteppedClock(bus::MessageBus& control, std::int64_t session)
       : ticks_(control, "SIM_TICK", 8), done_(control, "TICK_DONE"), stamp_(session) {}
 
-  /// Runs what has arrived; false where nothing had.
+  /// Executes received ticks; false if there were none.
   bool run_pending(Daemon& daemon) noexcept {
     std::int64_t arrival_ns = 0;
     bool any = false;
@@ -28,7 +28,8 @@ class SteppedClock {
       }
       if (tick_.tick > last_tick_) {
         last_tick_ = tick_.tick;
-        // Ages are of simulated time; counted here, it goes on where a new simulator begins anew.
+        // Ages are in simulated time, which is accumulated here and therefore continues when a
+        // simulator restarts.
         now_ns_ += 1000 * tick_.period_us;
         Now now;
         now.monotonic_ns = now_ns_;
@@ -46,7 +47,7 @@ class SteppedClock {
  private:
   bus::TypedSubscription<sim_tick_t> ticks_;
   bus::TypedPublisher<tick_done_t> done_;
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
   sim_tick_t tick_{};
   tick_done_t answer_{};
   std::int64_t sim_session_ = 0;

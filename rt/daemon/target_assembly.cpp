@@ -14,7 +14,7 @@ TargetAssembly::TargetAssembly()
 
 const char* TargetAssembly::kind() const noexcept { return bus::get_text(begun_.kind); }
 
-/// Why a chunk cannot be one of the present target; "" where it can.
+/// Reason why a chunk does not belong to the present target; "" if it does.
 const char* TargetAssembly::wrong(const shape_target_t& chunk) const noexcept {
   if (chunk.point_count < 0 || chunk.point_count > kPointsPerChunk || chunk.value_count < 0 ||
       chunk.value_count > kValuesPerChunk || chunk.revision < 0)

@@ -8,9 +8,9 @@
 
 namespace palpate::daemon {
 
-/// Puts a target together from its chunks, in whatever order they come, however often each does:
-/// one that is lost comes with the target's next repetition. Every chunk but the last is full; a
-/// target without points has none in any. Nothing allocates after construction.
+/// Assembles a target from its chunks, in any order and with repetitions: a lost chunk comes with
+/// the next repetition of the target. Every chunk but the last is full; a target without points has
+/// none in any chunk. Nothing allocates after construction.
 class TargetAssembly {
  public:
   static constexpr int kPointsPerChunk = 64, kValuesPerChunk = 192;
@@ -19,14 +19,14 @@ class TargetAssembly {
   TargetAssembly();
 
   enum class Taken {
-    kWaits,   // for chunks that have not come yet
-    kKnown,   // older than, or of, a target that is whole or refused
-    kWhole,   // and now known
-    kRefused  // the whole target, for `reason`; now known
+    kWaits,   // further chunks are missing
+    kKnown,   // older than, or part of, a target that is complete or rejected
+    kWhole,   // complete
+    kRefused  // the complete target is rejected, see `reason`
   };
   Taken take(const shape_target_t& chunk, const char*& reason) noexcept;
 
-  // Of the target that take() said is whole.
+  // Revision of the target that take() reported as complete.
   std::int32_t revision() const noexcept { return begun_.revision; }
   const char* kind() const noexcept;
   const double (*rest_points() const noexcept)[3] {
@@ -39,9 +39,9 @@ class TargetAssembly {
  private:
   const char* wrong(const shape_target_t& chunk) const noexcept;
 
-  shape_target_t begun_{};  // the first chunk that came of the present target
+  shape_target_t begun_{};  // first received chunk of the present target
   bool any_ = false;
-  bool known_ = false;  // the present target is whole or refused
+  bool known_ = false;  // the present target is complete or rejected
   std::uint32_t here_ = 0;
   std::vector<double> rest_points_, values_;
   int point_count_ = 0, value_count_ = 0;

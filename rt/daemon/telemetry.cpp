@@ -12,6 +12,18 @@ constexpr const char* kCommandChannels[] = {"TWIST_COMMAND", "TWIST_COMMAND_1"};
 
 void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 6, out); }
 
+/// estimate_t.status. A slot that never ran has no estimate that anybody may use.
+std::int32_t estimate_status(pipeline::LifeCycle state) noexcept {
+  switch (state) {
+    case pipeline::LifeCycle::kActive:
+      return static_cast<std::int32_t>(sensing::Status::kOk);
+    case pipeline::LifeCycle::kDegraded:
+      return static_cast<std::int32_t>(sensing::Status::kDegraded);
+    default:
+      return static_cast<std::int32_t>(sensing::Status::kFault);
+  }
+}
+
 }  // namespace
 
 Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
@@ -57,7 +69,7 @@ void Telemetry::publish_command(int arm, const control::GateOutput& gate, bool v
   commands_[arm].publish(arm, valid, utime);
 }
 
-/// Said while there is something to say.
+/// Published while a contact is detected, and once when it ends.
 void Telemetry::publish_unknown_contact(const estimation::UnknownContact& contact,
                                         std::int64_t utime) noexcept {
   const bool is_new = contact.found || unknown_message_.force_deviation >= 0;
@@ -85,7 +97,7 @@ void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t u
 
   const estimation::Estimate& estimate = pipeline.estimate();
   estimate_stamp_.put(estimate_message_, utime);
-  estimate_message_.status = static_cast<int>(estimate.step.status);
+  estimate_message_.status = estimate_status(pipeline.slots().estimation_condition.state);
   estimate_message_.grasp_count = static_cast<int>(pipeline.object().body.grasps.size());
   for (int g = 0; g < estimate_message_.grasp_count; ++g) {
     std::copy_n(estimate.X_OG[g].translation().data(), 3, estimate_message_.grasp_position[g]);

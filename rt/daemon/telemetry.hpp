@@ -18,32 +18,32 @@
 
 namespace palpate::daemon {
 
-/// The daemon's own messages about shape and control. Buffers are sized by the constructor; nothing
-/// allocates afterwards.
+/// Publishes the daemon's messages on shape and control. Buffers are sized by the constructor;
+/// nothing allocates afterwards.
 class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
             const pipeline::Pipeline& pipeline, std::int64_t session,
             const bus::Access& access = {});
 
-  /// Each cycle, on the control bus: TWIST_COMMAND, or JOINT_VELOCITY_COMMAND where the gate
-  /// gives joint velocities. `arm`: 0, or 1 where the pipeline has a second one.
+  /// Each cycle, on the control bus: TWIST_COMMAND, or JOINT_VELOCITY_COMMAND if the gate outputs
+  /// joint velocities. `arm`: 0, or 1 if the pipeline has a second one.
   void publish_command(int arm, const control::GateOutput& gate, bool valid,
                        std::int64_t utime) noexcept;
   void publish_state(const pipeline::Pipeline& pipeline, std::int64_t utime) noexcept;
-  /// At the rate of SHAPE. `age_us`: how old the shape is.
+  /// At the rate of SHAPE. `age_us`: age of the shape.
   void publish_shape(const pipeline::Pipeline& pipeline, std::int64_t age_us,
                      std::int64_t utime) noexcept {
     mesh_->publish_shape(pipeline, age_us, shape_stamp_, utime);
   }
-  /// One chunk of SHAPE_MESH; call again for the next one.
+  /// Publishes one chunk of SHAPE_MESH; the next call publishes the next one.
   void publish_mesh_chunk(std::int64_t utime) noexcept {
     mesh_->publish_mesh_chunk(mesh_stamp_, utime);
   }
   int mesh_chunks() const noexcept { return mesh_->mesh_chunks(); }
 
-  /// After components of the pipeline have been replaced; with the messages of its new mesh, which
-  /// are exchanged for those of the old one.
+  /// Call after components of the pipeline have been replaced; with the messages of its new mesh,
+  /// which are exchanged for those of the old one.
   void take(const pipeline::Pipeline& pipeline) noexcept;
   void take(std::unique_ptr<MeshTelemetry>& mesh) noexcept { mesh_.swap(mesh); }
 
@@ -61,8 +61,8 @@ class Telemetry {
       sealer.put(message, utime);
       publisher.publish(message);
     }
-    bus::Stamp stamp;
-    bus::Sealer sealer;
+    bus::HeaderStamper stamp;
+    bus::MessageSigner sealer;
     bus::TypedPublisher<Message> publisher;
     Message message{};
   };
@@ -71,9 +71,9 @@ class Telemetry {
                                std::int64_t utime) noexcept;
 
   std::vector<Command<twist_command_t>> commands_;             // by arm
-  std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, where known
+  std::unique_ptr<Command<joint_velocity_command_t>> joints_;  // of the first arm, if modelled
   bool tells_joints_ = false;
-  bus::Stamp contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
+  bus::HeaderStamper contacts_stamp_, unknown_stamp_, estimate_stamp_, feature_stamp_, shape_stamp_,
       mesh_stamp_;
   bus::TypedPublisher<contacts_t> contacts_;
   bus::TypedPublisher<unknown_contact_t> unknown_;

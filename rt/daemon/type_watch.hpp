@@ -7,13 +7,13 @@
 
 namespace palpate::daemon {
 
-/// Notices messages of another type, or another version of it, on the channels of a bus. Each
-/// channel is told of at once and then at most once a second.
+/// Detects messages of a different type, or a different version of it, on the channels of a bus.
+/// Each channel is reported at once and then at most once per second.
 class TypeWatch {
  public:
   explicit TypeWatch(const bus::MessageBus& bus) : bus_(bus) {}
 
-  /// A channel to tell of now; null where there is none. `now_ns`: as messages arrive.
+  /// Next channel to report; nullptr if there is none. `now_ns`: clock of the arrival times.
   const bus::Subscription* look(std::int64_t now_ns) noexcept {
     const auto& channels = bus_.subscriptions();
     for (std::size_t i = 0; i < channels.size() && i < told_.size(); ++i) {

@@ -8,7 +8,7 @@
 
 namespace palpate::inference {
 
-/// palpate's own kernel, without libtorch and without allocation.
+/// Network kernel without libtorch and without allocation.
 class CompiledModel final : public SequenceModel {
  public:
   /// Throws std::invalid_argument as RecurrentWeights::check.
@@ -39,13 +39,14 @@ class DirectExecutor final : public Executor {
   ExecutorCounters counters_;
 };
 
-/// Largest difference of the answers of two models over `steps` random samples in sequence, in
-/// units of output_deviation. The samples are normal, with the mean and twice the deviation of the
-/// training, the same for each seed. Throws std::runtime_error where a model fails.
+/// Largest difference between the outputs of two models over `steps` random samples in sequence, in
+/// units of output_deviation. The samples are normal, with the mean and twice the standard
+/// deviation of the training data, reproducible by seed. Throws std::runtime_error if a model
+/// fails.
 double largest_difference(CompiledModel& compiled, SequenceModel& other, int steps = 200,
                           unsigned seed = 1);
 
-/// Largest such difference that a compiled model may have from libtorch.
+/// Maximum such difference of a compiled model from libtorch.
 inline constexpr double kAgreement = 1e-5;
 
 }  // namespace palpate::inference

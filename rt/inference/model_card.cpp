@@ -15,7 +15,7 @@
 namespace palpate::inference {
 namespace {
 
-// Far beyond what a 1 kHz loop could run, yet small enough that nothing is allocated in earnest.
+// far above what a 1 kHz loop can evaluate, yet small enough for a harmless allocation
 constexpr int kLargestInputs = 256;
 constexpr int kLargestOutputs = 64;
 constexpr int kLargestStates = 8192;

@@ -11,7 +11,7 @@
 namespace palpate::inference {
 namespace {
 
-/// Neither a directory nor a pipe that nobody writes to.
+/// Neither a directory nor a pipe without a writer.
 void require_file(const std::string& path) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(path, error)) throw ModelError(path + ": is not a file");
@@ -32,7 +32,7 @@ std::string read_bytes(const std::string& path, std::size_t largest) {
   return bytes;
 }
 
-/// Runs `make`, naming the file where it throws.
+/// Runs `make`; adds the file name to exceptions.
 template <class Make>
 auto named(const ModelFile& file, Make make) {
   try {
@@ -42,7 +42,7 @@ auto named(const ModelFile& file, Make make) {
   }
 }
 
-/// In libtorch, once another process has come through the same unharmed.
+/// Loads the module in libtorch after a separate process has done so successfully.
 std::unique_ptr<SequenceModel> load(const ModelFile& file) {
   probe_module(file.bytes, file.card.sizes());
   return load_torch_module(file.bytes, file.card.sizes());
@@ -69,7 +69,7 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string&, const Model
 sensing::RecurrentWeights read_recurrent_weights(const std::string&) { throw ModelError(kWithout); }
 std::string write_torch_module(const sensing::RecurrentWeights&) { throw ModelError(kWithout); }
 std::string torch_version() { return "none"; }
-void probe_module(const std::string&, const ModelSizes&) {}  // loading says what is missing
+void probe_module(const std::string&, const ModelSizes&) {}  // loading reports what is missing
 #endif
 
 ModelFile read_model_file(const std::string& path) {

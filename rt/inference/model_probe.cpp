@@ -26,14 +26,14 @@ extern char** environ;
 namespace palpate::inference {
 namespace {
 
-constexpr std::chrono::seconds kPatience(120);  // of wall clock, for a machine that is very busy
+constexpr std::chrono::seconds kPatience(120);  // wall-clock limit for a heavily loaded machine
 constexpr std::size_t kLongestReason = 1000;
 
 [[noreturn]] void fail(const std::string& what, int error) {
   throw ModelError("it cannot be tried: " + what + ": " + std::strerror(error));
 }
 
-/// A file descriptor, closed at the end.
+/// File descriptor that is closed by the destructor.
 class Descriptor {
  public:
   Descriptor(int number, const char* what) : number_(number) {
@@ -61,7 +61,7 @@ void fill(const Descriptor& file, const std::string& bytes) {
   lseek(file.number(), 0, SEEK_SET);
 }
 
-/// Starts `command` with these as its standard input and output, all signals as by default.
+/// Starts `command` with these descriptors as standard input and output and default signal actions.
 pid_t start(std::vector<std::string> command, int input, int output) {
   std::vector<char*> words;
   for (std::string& word : command) words.push_back(word.data());
@@ -85,7 +85,7 @@ pid_t start(std::vector<std::string> command, int input, int output) {
   return process;
 }
 
-/// All that comes until the other end closes; killed where that takes too long.
+/// Reads until the other end closes; kills the process on timeout.
 std::string listen(int pipe, pid_t process) {
   const auto end = std::chrono::steady_clock::now() + kPatience;
   std::string text;
@@ -111,7 +111,7 @@ int wait_for(pid_t process) {
   return status;
 }
 
-/// Why the module is refused; "" where it is not.
+/// Reason for rejecting the module; "" if it is accepted.
 std::string verdict(const std::string& bytes, const ModelSizes& sizes) {
   const std::string program = config::companion("palpate-probe");
   const Descriptor module(memfd_create("palpate-module", MFD_CLOEXEC), "memory file");

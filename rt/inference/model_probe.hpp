@@ -6,10 +6,10 @@
 
 namespace palpate::inference {
 
-/// Has a module loaded and tried on zeros in a process of its own (bin/palpate-probe) with limits
-/// of time and memory, since libtorch's reader crashes on some damaged files and hangs on others,
-/// and a module may loop without end. What has passed once is not tried again by this process.
-/// Throws ModelError saying why the module cannot be used.
+/// Loads a module and evaluates it on zeros in a separate process (bin/palpate-probe) with limits
+/// of time and memory, because libtorch's reader crashes on some corrupt files and hangs on others,
+/// and a module may loop indefinitely. A module that has passed is not probed again by this
+/// process. Throws ModelError with the reason for rejection.
 void probe_module(const std::string& bytes, const ModelSizes& sizes);
 
 }  // namespace palpate::inference

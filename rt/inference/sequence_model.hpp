@@ -9,16 +9,16 @@ using sensing::Executor;
 using sensing::ExecutorCounters;
 using sensing::ModelSizes;
 
-/// A sensor model that is streamed: one sample in, one answer out, the state in the caller's hands.
-/// Not for two threads at once.
+/// Streaming sensor model: one sample in, one output out; the caller keeps the state. Not
+/// thread-safe.
 class SequenceModel {
  public:
   virtual ~SequenceModel() = default;
   virtual ModelSizes sizes() const noexcept = 0;
-  /// Zero is the state at the start of a sequence; the state is overwritten. False where the model
-  /// failed or an output is not finite, which leaves output and state undefined.
+  /// Zero is the initial state of a sequence; the state is overwritten. False if the model failed
+  /// or an output is not finite; output and state are then undefined.
   virtual bool step(const float* input, float* state, float* output) noexcept = 0;
-  /// "torch" or "compiled", as HEALTH shows it.
+  /// "torch" or "compiled", as published in HEALTH.
   virtual const char* kind() const noexcept = 0;
 };
 

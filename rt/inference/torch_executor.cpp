@@ -22,10 +22,10 @@ namespace {
 constexpr std::int64_t kSecond = 1000000000;
 constexpr std::int64_t kWarmUpLimit = 30 * kSecond;
 
-/// What goes to the thread, or comes back from it.
+/// Item exchanged with the thread.
 struct Parcel {
-  std::int64_t number = 0;    // of the sample
-  std::int64_t sequence = 0;  // the state is zeroed where it changes
+  std::int64_t number = 0;    // number of the sample
+  std::int64_t sequence = 0;  // the state is reset when it changes
   bool good = true;
   std::vector<float> values;
 };
@@ -36,7 +36,7 @@ std::int64_t now() noexcept {
   return time.tv_sec * kSecond + time.tv_nsec;
 }
 
-/// Counts posts between two threads; waiting takes no lock and may be bounded.
+/// Counting semaphore between two threads; waiting takes no lock and may be bounded.
 class Bell {
  public:
   Bell() {
@@ -52,7 +52,7 @@ class Bell {
     while (sem_wait(&semaphore_) != 0 && errno == EINTR) {
     }
   }
-  /// False at `deadline`, ns of the monotonic clock.
+  /// False on timeout; `deadline`: ns of the monotonic clock.
   bool wait_until(std::int64_t deadline) noexcept {
     const timespec time{static_cast<time_t>(deadline / kSecond),
                         static_cast<long>(deadline % kSecond)};
@@ -84,7 +84,7 @@ struct TorchExecutor::Shared {
     ready.ring();
   }
 
-  /// Of this thread, as far as granted.
+  /// Sets the scheduling of this thread, as far as granted.
   void take_schedule(const TorchExecutorOptions& options) {
     if (options.cpu >= 0) refusals.push_back(loop::take_cpu(options.cpu));
     if (options.fifo_priority > 0) refusals.push_back(loop::take_fifo(options.fifo_priority));
@@ -117,9 +117,9 @@ struct TorchExecutor::Shared {
   loop::HandoverRing<Parcel> samples;
   loop::HandoverRing<Parcel> answers;
   Bell sample_bell, answer_bell, ready, ended;
-  std::vector<std::string> refusals;  // written before `ready` is rung
+  std::vector<std::string> refusals;  // written before `ready` is posted
   std::atomic<bool> demoted{false};
-  std::atomic<bool> warm{true};  // false where a step of the warm-up failed
+  std::atomic<bool> warm{true};  // false if a step of the warm-up failed
   std::atomic<bool> stop{false};
   std::thread thread;
 };
@@ -170,7 +170,7 @@ void TorchExecutor::report_refusals() {
 void TorchExecutor::demote() noexcept {
   if (options_.fifo_priority == 0) return;
   const sched_param none{};
-  // Without the flag, which take_fifo() set, this is a privilege.
+  // Without the flag, which take_fifo() set, this would require a privilege.
   pthread_setschedparam(shared_->thread.native_handle(), SCHED_OTHER | SCHED_RESET_ON_FORK, &none);
   shared_->demoted = true;
 }
@@ -205,7 +205,7 @@ Answer TorchExecutor::step(const float* input, float* output) noexcept {
   for (;;) {
     while (Parcel* answer = shared_->answers.take()) {
       answered_ = answer->number;
-      since_ = start;  // no later than the next unanswered sample, as far as patience goes
+      since_ = start;  // patience with the next sample without a result starts here
       if (answer->sequence != sequence_) continue;
       if (!answer->good) {
         failed_ = true;

@@ -4,9 +4,9 @@
 
 namespace palpate::inference {
 
-/// What bin/libpalpate_torch.so offers under the name palpate_torch_functions. It is loaded when
-/// the first model is: libtorch is a gigabyte that a daemon with locked memory pays for in full,
-/// and only one with a learned model shall.
+/// Function table exported by bin/libpalpate_torch.so under the name palpate_torch_functions. The
+/// library is loaded with the first model, because libtorch occupies a gigabyte, all of it resident
+/// in a daemon with locked memory; daemons without a learned model never load it.
 struct TorchFunctions {
   decltype(&load_torch_module) load;
   decltype(&read_recurrent_weights) read;
@@ -16,4 +16,5 @@ struct TorchFunctions {
 
 }  // namespace palpate::inference
 
-extern "C" __attribute__((visibility("default"))) const palpate::inference::TorchFunctions* palpate_torch_functions();
+extern "C" __attribute__((visibility("default"))) const palpate::inference::TorchFunctions*
+palpate_torch_functions();

@@ -2,13 +2,15 @@
 
 #include <dlfcn.h>
 
+#include <stdexcept>
+
 #include "rt/config/installation.hpp"
 #include "rt/inference/torch_functions.hpp"
 
 namespace palpate::inference {
 namespace {
 
-/// Loads the library that comes with the program, once. Throws ModelError.
+/// Loads the library of the program, once. Throws ModelError.
 const TorchFunctions& functions() {
   static const TorchFunctions* const kFunctions = [] {
     const std::filesystem::path path = config::companion("libpalpate_torch.so");
@@ -30,11 +32,19 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes,
   return functions().load(bytes, sizes);
 }
 
+// Weights are checked here, because the library with libtorch contains no code of core.
 sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
-  return functions().read(bytes);
+  sensing::RecurrentWeights weights = functions().read(bytes);
+  try {
+    weights.check();
+  } catch (const std::invalid_argument& error) {
+    throw ModelError(error.what());
+  }
+  return weights;
 }
 
 std::string write_torch_module(const sensing::RecurrentWeights& weights) {
+  weights.check();
   return functions().write(weights);
 }
 

@@ -15,14 +15,15 @@ namespace {
 
 constexpr int kWarmUpSteps = 30;
 
-/// One thread for each pool: that between operators once for all, that within them once a thread.
+/// Limits each thread pool to one thread: the inter-operator pool once per process, the
+/// intra-operator pool once per thread.
 void hold_pools_to_one_thread() {
   static std::once_flag once;
   std::call_once(once, [] {
     try {
       at::set_num_interop_threads(1);
     } catch (const std::exception&) {
-      // Set already, by somebody who has begun to use it.
+      // already set by an earlier user
     }
   });
   thread_local bool done = false;
@@ -31,8 +32,8 @@ void hold_pools_to_one_thread() {
   done = true;
 }
 
-/// One line of what libtorch says: the first, or, where TorchScript itself failed, the last; all
-/// else is where in the code it was.
+/// One line of libtorch's message: the first or, if TorchScript itself failed, the last; the others
+/// are locations in the code.
 std::string gist(const std::exception& error) {
   std::istringstream text(error.what());
   std::string first, last;
@@ -97,7 +98,7 @@ class TorchModel final : public SequenceModel {
   }
 
  private:
-  /// Throws ModelError where the answer has not the shapes that were said.
+  /// Throws ModelError if the outputs do not have the declared shapes.
   std::pair<at::Tensor, at::Tensor> run() {
     const c10::IValue answer = module_.forward({x_, state_});
     if (!answer.isTuple()) throw ModelError("forward() must return (y, next_state)");
@@ -159,7 +160,8 @@ class Reader {
   }
 
  private:
-  static constexpr std::int64_t kLargest = 4 * 512 * 512;  // numbers in one parameter
+  // Maximum count of numbers in one parameter.
+  static constexpr std::int64_t kLargest = 4 * 512 * 512;
 
   at::Tensor find(const std::string& name, int dimensions) const {
     if (!has(name) || !module_.attr(name).isTensor())
@@ -189,7 +191,7 @@ at::Tensor to_tensor(const Eigen::VectorXf& vector) {
   return tensor;
 }
 
-/// The forward() of a network with these layers, in TorchScript.
+/// TorchScript source of forward() for a network with these layers.
 std::string forward_source(const std::vector<sensing::LstmWeights>& layers) {
   std::ostringstream text;
   text << R"(
@@ -225,7 +227,7 @@ std::unique_ptr<SequenceModel> load_torch_module(const std::string& bytes,
   const torch::jit::Module module = load(bytes);
   const auto method = module.find_method("forward");
   if (!method) throw ModelError("it has no method forward(x, state)");
-  if (method->num_inputs() != 3)  // self among them
+  if (method->num_inputs() != 3)  // including self
     throw ModelError("forward() must take two arguments, (x, state), not " +
                      std::to_string(method->num_inputs() - 1));
   return std::make_unique<TorchModel>(module, sizes);
@@ -252,16 +254,10 @@ sensing::RecurrentWeights read_recurrent_weights(const std::string& bytes) {
   weights.offset = reader.vector("offset");
   weights.output_mean = reader.vector("output_mean");
   weights.output_deviation = reader.vector("output_deviation");
-  try {
-    weights.check();
-  } catch (const std::invalid_argument& error) {
-    throw ModelError(error.what());
-  }
   return weights;
 }
 
 std::string write_torch_module(const sensing::RecurrentWeights& weights) {
-  weights.check();
   hold_pools_to_one_thread();
   torch::jit::Module module("RecurrentNetwork");
   const auto add = [&](const std::string& name, const auto& value) {

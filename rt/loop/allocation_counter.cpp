@@ -17,7 +17,7 @@
 namespace palpate::loop {
 namespace {
 
-// Zero-initialised and trivial: reading them allocates nothing, not even at a thread's start.
+// zero-initialised and trivial: access never allocates, not even at the start of a thread
 thread_local std::int64_t allocations = 0;
 thread_local int forbidden = 0;
 
@@ -28,7 +28,7 @@ constexpr bool kChecked = false;
 #endif
 std::atomic<bool> abort_at_once{kChecked};
 
-/// Ends the process where this thread is in a scope.
+/// Aborts if this thread is inside a scope.
 [[maybe_unused]] void forbid(const char* what) noexcept {
   if (forbidden == 0 || !abort_at_once.load(std::memory_order_relaxed)) return;
   forbidden = 0;
@@ -89,8 +89,9 @@ void abort_on_allocation(bool abort) noexcept {
 
 #if !PALPATE_SANITIZED
 
-// The C library's own entry points under their other names. free() is here only so that all memory
-// goes back to where it came from, even where a preloaded library has a free() of its own.
+// The C library's own entry points under their alternative names. free() is defined here only to
+// ensure that memory is returned to the allocator it came from, even if a preloaded library defines
+// free().
 extern "C" {
 
 // NOLINTBEGIN(bugprone-reserved-identifier): these are the C library's names.
@@ -152,7 +153,7 @@ void* valloc(std::size_t size) noexcept {
 
 namespace {
 
-/// The C library's own function behind the one of this name here.
+/// The C library's function that is overridden here.
 template <class Function>
 Function behind(const char* name) noexcept {
   return reinterpret_cast<Function>(dlsym(RTLD_NEXT, name));

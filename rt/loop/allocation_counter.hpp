@@ -4,21 +4,21 @@
 
 namespace palpate::loop {
 
-/// Heap allocations that the calling thread has made since it started: every malloc, calloc,
-/// realloc, memalign, aligned_alloc, posix_memalign and valloc of the process, be it of our code,
-/// of operator new, or of a library; not free, not mmap. -1 where they are not counted, which is in
-/// builds with an address or thread sanitizer. Using it is what makes a program count: this file's
-/// definitions of the malloc family, which pass on to the C library's, are then linked in.
+/// Number of heap allocations of the calling thread since its start: every malloc, calloc, realloc,
+/// memalign, aligned_alloc, posix_memalign and valloc of the process, including operator new and
+/// libraries; not free, not mmap. -1 if not counted, i.e. in builds with address or thread
+/// sanitizer. A program counts only if it uses this function: the definitions of the malloc family
+/// in this file, which forward to the C library's, are then linked.
 std::int64_t allocations_of_this_thread() noexcept;
 
-/// Page faults of the calling thread since it started, minor and major together.
+/// Page faults of the calling thread since its start, minor and major.
 std::int64_t page_faults_of_this_thread() noexcept;
 
-/// A stretch of code that must not allocate in this thread. Counts; aborts with a line on stderr at
-/// the first allocation in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). With
-/// PALPATE_RTCHECK taking a mutex or a read-write lock ends it likewise, and a page fault does at
-/// the end of the scope, where the memory of the process is locked. Scopes nest and stay in their
-/// thread.
+/// Scope in which this thread must not allocate. Counts allocations; aborts with a message on
+/// stderr at the first one in builds with PALPATE_RTCHECK, or after abort_on_allocation(true). With
+/// PALPATE_RTCHECK locking a mutex or a read-write lock also aborts, as does, at the end of the
+/// scope, a page fault if the memory of the process is locked. Scopes may be nested and must not
+/// change threads.
 class NoAllocationScope {
  public:
   NoAllocationScope() noexcept;
@@ -26,16 +26,16 @@ class NoAllocationScope {
   NoAllocationScope(const NoAllocationScope&) = delete;
   NoAllocationScope& operator=(const NoAllocationScope&) = delete;
 
-  /// Allocations since the scope began; 0 where they are not counted.
+  /// Allocations since the scope began; 0 if not counted.
   std::int64_t count() const noexcept;
 
  private:
   std::int64_t before_;
-  std::int64_t page_faults_before_ = 0;  // looked at with PALPATE_RTCHECK only
+  std::int64_t page_faults_before_ = 0;  // used with PALPATE_RTCHECK only
 };
 
-/// Within a NoAllocationScope, a stretch that is not of the loop but watches it, and so may
-/// allocate and lock: it is neither counted nor ended.
+/// Exempts monitoring code within a NoAllocationScope, which is not part of the loop: its
+/// allocations and locks are neither counted nor fatal.
 class WatcherScope {
  public:
   WatcherScope() noexcept;

@@ -12,7 +12,7 @@
 namespace palpate::loop {
 namespace {
 
-// Behind the receiver and publisher threads, still ahead of what a person runs with `nice`.
+// after the receiver and publisher threads, before user processes run with `nice`
 constexpr int kNice = 5;
 
 }  // namespace
@@ -48,7 +48,7 @@ bool BackgroundWorker::submit(Job job, void* argument) noexcept {
 
 void* BackgroundWorker::finished() noexcept {
   if (state_.load(std::memory_order_acquire) != kFinished) return nullptr;
-  sem_trywait(&ended_);  // what it misses, posted a moment later, wait() sees through
+  sem_trywait(&ended_);  // if the post arrives only after this call, wait() handles it
   void* argument = argument_;
   state_.store(kIdle, std::memory_order_release);
   return argument;

@@ -7,24 +7,24 @@
 
 namespace palpate::loop {
 
-/// One low-priority thread that runs one job at a time for the loop. The loop's side neither locks
-/// nor allocates: submit() hands over a pointer and posts a semaphore; finished() polls.
+/// Low-priority thread that runs one job at a time for the loop. The loop neither locks nor
+/// allocates: submit() passes a pointer and posts a semaphore; finished() polls.
 class BackgroundWorker {
  public:
   using Job = void (*)(void* argument) noexcept;
 
-  /// To be made before the loop takes an affinity, which the worker would inherit.
+  /// Construct before the loop sets its affinity, which the worker would inherit.
   BackgroundWorker();
-  /// Waits for a running job; one that has not begun is not run.
+  /// Waits for a running job; a job that has not started is discarded.
   ~BackgroundWorker();
   BackgroundWorker(const BackgroundWorker&) = delete;
   BackgroundWorker& operator=(const BackgroundWorker&) = delete;
 
-  /// False while a job is running or its end has not been collected.
+  /// False while a job is running or its completion has not been collected.
   bool submit(Job job, void* argument) noexcept;
-  /// The argument of the finished job once, then nullptr until another has finished.
+  /// Returns the argument of the finished job once, then nullptr until another has finished.
   void* finished() noexcept;
-  /// The same, but waits for a job that is running. Not for a loop in real time.
+  /// The same, but waits for a running job. Not for a real-time loop.
   void* wait() noexcept;
   bool busy() const noexcept;
 

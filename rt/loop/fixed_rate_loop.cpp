@@ -44,7 +44,7 @@ RealTimeGrant FixedRateLoop::acquire_real_time() {
     if (!refusal.empty()) grant.remarks += (grant.remarks.empty() ? "" : "\n") + refusal;
     return refusal.empty();
   };
-  // Affinity and priority come last, so that prefaulting does not hold up others.
+  // Affinity and priority come last, so that prefaulting does not delay other threads.
   if (options_.lock_memory) grant.memory_locked = granted(lock_and_prefault_memory());
   if (options_.cpu >= 0) grant.affinity = granted(take_cpu(options_.cpu));
   if (options_.fifo_priority > 0) grant.fifo = granted(take_fifo(options_.fifo_priority));

@@ -9,37 +9,39 @@
 
 namespace palpate::loop {
 
-/// What the operating system granted, one line each for the log.
+/// Real-time settings granted by the operating system, one line each for the log.
 struct RealTimeGrant {
   bool memory_locked = false;
   bool fifo = false;
   bool affinity = false;
-  std::string remarks;  // what was refused, why, and how to get it; empty where all was granted
+  std::string remarks;  // rejected settings with reason and remedy; empty if all were granted
 };
 
 struct LoopOptions {
   double period = 1e-3;    // s
-  int fifo_priority = 50;  // 0: stay SCHED_OTHER
+  int fifo_priority = 50;  // 0: SCHED_OTHER
   int cpu = -1;            // -1: any
   bool lock_memory = true;
 };
 
 struct LoopStatistics {
   std::int64_t cycles = 0;
-  std::int64_t overruns = 0;    // wake-ups a period late or cycles past their end, each once
-  std::int64_t overrun_ns = 0;  // their lateness in all
-  LatencyHistogram wake_up;     // lateness of the wake-up
+  /// Wake-ups late by a period or more, and cycles beyond their period; each counts once.
+  std::int64_t overruns = 0;
+  std::int64_t overrun_ns = 0;  // their total lateness
+  LatencyHistogram wake_up;     // wake-up latency
 };
 
 /// Calls `tick(now_ns)` on an absolute CLOCK_MONOTONIC grid in the calling thread until `stop` is
-/// set. After an overrun the grid is re-aligned to the next point in the future; nothing is caught
-/// up. `tick` must be noexcept in spirit: it neither allocates, locks, logs nor throws. It gets the
-/// lateness of this wake-up, so that the caller can apply its own overrun policy.
+/// set. After an overrun the grid is aligned to the next point in the future; missed cycles are not
+/// repeated. `tick` must behave as noexcept: it neither allocates, locks, logs nor throws. It
+/// receives the lateness of this wake-up, so that the caller can apply its own overrun policy.
 class FixedRateLoop {
  public:
   explicit FixedRateLoop(const LoopOptions& options);
 
-  /// Locks and prefaults memory, takes FIFO and affinity for the calling thread, as far as granted.
+  /// Locks and prefaults memory, sets FIFO priority and affinity for the calling thread, as far as
+  /// granted.
   RealTimeGrant acquire_real_time();
 
   using Tick = loop::Tick;

@@ -9,27 +9,28 @@
 
 namespace palpate::loop {
 
-/// Bounded first-in-first-out hand-over of slots from one producer to one consumer. When it is
-/// full, publishing drops the oldest. The producer is wait-free, the consumer lock-free; nothing
-/// allocates after construction.
+/// Bounded FIFO hand-over of slots from one producer to one consumer. If it is full, publishing
+/// drops the oldest slot. The producer is wait-free, the consumer lock-free; nothing allocates
+/// after construction.
 ///
-/// There are `depth` cells and depth + 2 slots. At any moment each slot is owned by exactly one of
-/// the producer (its back slot), the consumer (the slot last taken) or one cell, and slots move
-/// only by an atomic read-modify-write of a cell:
-///   - Publication number n (from 1) exchanges cell n mod depth: the back slot goes in marked full,
-///     what was in the cell comes out as the next back slot. Was that full, it is the oldest,
-///     dropped.
-///   - The consumer, expecting number n, compare-exchanges cell n mod depth from (n, full) to (n,
-///     empty) with the slot it is done with. This fails only where the producer has overwritten the
-///     cell meanwhile with a number s > n; then all up to s - depth are gone and the consumer goes
-///     on with s - depth + 1, so that order is kept and nothing is seen twice.
-/// Both steps are acquire-release, hence whoever gets a slot sees all that its last owner wrote. A
-/// cell holds 48 bits of number, so a cell value recurs after 89 years at 100 kHz.
+/// There are `depth` cells and depth + 2 slots. At any time each slot is owned by exactly one of
+/// the producer (its back slot), the consumer (the slot last taken) or one cell, and ownership
+/// changes only by an atomic read-modify-write of a cell:
+/// - Publication number n (from 1) exchanges cell n mod depth: the back slot is stored marked full,
+///   and the previous content of the cell becomes the next back slot. If that was full, the oldest
+///   slot has been dropped.
+/// - The consumer, expecting number n, compare-exchanges cell n mod depth from (n, full) to (n,
+///   empty) with the slot it has finished with. This fails only if the producer has meanwhile
+///   overwritten the cell with a number s > n; then all slots up to s - depth are lost and the
+///   consumer continues with s - depth + 1, so that order is preserved and no slot is received
+///   twice. Both steps are acquire-release, hence the new owner of a slot sees all writes of its
+///   previous owner. A cell holds 48 bits of the number, so that a cell value recurs after 89 years
+///   at 100 kHz.
 template <class Slot>
 class HandoverRing {
  public:
-  /// Every slot starts as a copy of `prototype`. Throws std::invalid_argument unless
-  /// 1 <= depth <= 30000.
+  /// Every slot is initialised as a copy of `prototype`. Throws std::invalid_argument unless 1 <=
+  /// depth <= 30000.
   HandoverRing(int depth, const Slot& prototype) {
     if (depth < 1 || depth > kLargestDepth)
       throw std::invalid_argument("depth of a queue must be 1 to 30000, not " +
@@ -42,10 +43,10 @@ class HandoverRing {
     front_ = depth_ + 1;
   }
 
-  /// Producer: the slot to fill next.
+  /// Producer: slot to fill next.
   Slot& back() noexcept { return slots_[back_]; }
 
-  /// Producer: hands over back(). True where the oldest had to go for it.
+  /// Producer: publishes back(). True if the oldest slot was dropped.
   bool publish() noexcept {
     ++published_;
     const std::uint64_t old = cells_[published_ % depth_].exchange(pack(published_, back_, true),
@@ -54,7 +55,7 @@ class HandoverRing {
     return is_full(old);
   }
 
-  /// Consumer: the oldest slot, valid until the next call; nullptr when empty.
+  /// Consumer: oldest slot, valid until the next call; nullptr if empty.
   Slot* take() noexcept {
     for (;;) {
       std::atomic<std::uint64_t>& cell = cells_[expected_ % depth_];
@@ -87,7 +88,7 @@ class HandoverRing {
   std::uint64_t depth_ = 0;
   std::vector<Slot> slots_;
   std::unique_ptr<std::atomic<std::uint64_t>[]> cells_;
-  // Each side's own numbers, a cache line apart.
+  // state of each side, on separate cache lines
   alignas(64) std::uint64_t back_ = 0;
   std::uint64_t published_ = 0;
   alignas(64) std::uint64_t front_ = 0;

@@ -9,9 +9,9 @@
 
 namespace palpate::loop {
 
-/// Starts a thread beside the loop: named (at most 15 characters), scheduled as SCHED_OTHER whoever
-/// starts it, and with all signals blocked, so that SIGTERM and its like reach the main thread.
-/// Throws std::system_error where the system has no thread left.
+/// Starts a non-real-time thread: named (at most 15 characters), scheduled as SCHED_OTHER
+/// regardless of its creator, and with all signals blocked, so that SIGTERM and similar signals
+/// reach the main thread. Throws std::system_error if no thread can be created.
 template <class F>
 std::thread start_helper_thread(const char* name, F&& body) {
   sigset_t all;

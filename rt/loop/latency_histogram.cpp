@@ -8,7 +8,7 @@ namespace {
 
 constexpr int kPerOctave = 32;
 constexpr int kPerOctaveLog2 = 5;
-// Below this the buckets are 2 ns wide; it is where 1/32 of an octave becomes 2 ns.
+// Below this the buckets are 2 ns wide, the value that 1/32 of an octave reaches there.
 constexpr std::int64_t kLinearBelow = 64;
 
 int bucket_of(std::int64_t nanoseconds) noexcept {
@@ -44,7 +44,7 @@ void LatencyHistogram::clear() noexcept { *this = LatencyHistogram(); }
 
 std::int64_t LatencyHistogram::quantile_ns(double fraction) const noexcept {
   if (count_ == 0) return 0;
-  // The factor keeps a product such as 0.07 * 100 from being rounded up to the next sample.
+  // The factor prevents a product such as 0.07 * 100 from being rounded up to the next sample.
   const double wanted = std::clamp(fraction, 0.0, 1.0) * static_cast<double>(count_) * (1 - 1e-13);
   const auto rank = std::max<std::int64_t>(1, static_cast<std::int64_t>(std::ceil(wanted)));
   std::int64_t below = 0;

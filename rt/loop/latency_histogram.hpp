@@ -14,9 +14,10 @@ class LatencyHistogram {
   void clear() noexcept;
   std::int64_t count() const noexcept { return count_; }
   std::int64_t max_ns() const noexcept { return max_ns_; }
-  /// Smallest bucket bound that at least `fraction` of the samples do not exceed; 0 when empty.
+  /// Smallest bucket bound that at least a fraction `fraction` of the samples does not exceed; 0 if
+  /// empty.
   std::int64_t quantile_ns(double fraction) const noexcept;
-  /// How many lie above, to the width of a bucket.
+  /// Number of samples above a duration, to the width of a bucket.
   std::int64_t count_above(std::int64_t nanoseconds) const noexcept;
 
  private:

@@ -56,11 +56,11 @@ void prefault_heap() {
 std::string lock_and_prefault_memory() {
   if (kSanitized)
     return "memory is not locked: a sanitizer's shadow memory is larger than any machine";
-  // Freed memory stays with the process, so that a later allocation of set-up code faults no page.
+  // Freed memory remains with the process, so that later set-up code causes no page faults.
   mallopt(M_TRIM_THRESHOLD, -1);
   mallopt(M_MMAP_MAX, 0);
   std::string refusal;
-  // With a finite limit, locking the future as well would make some later allocation fail instead.
+  // With a finite limit, locking future memory would make a later allocation fail instead.
   if (!may_lock_without_limit())
     refusal =
         "memory is not locked: the limit is finite; raise it with LimitMEMLOCK=infinity (systemd), "

@@ -4,17 +4,17 @@
 
 namespace palpate::loop {
 
-/// The steps of FixedRateLoop::acquire_real_time(), one by one. Each returns an empty text where
-/// the system granted it, else one line: what was refused, why, and how to get it.
+/// Individual steps of FixedRateLoop::acquire_real_time(). Each returns an empty text if the system
+/// granted it, otherwise one line: the rejected setting, reason, and remedy.
 
-/// Keeps the heap from being given back to the system, makes the heap and this thread's stack
-/// present, and locks all memory of the process, present and future.
+/// Prevents the heap from being returned to the system, prefaults the heap and this thread's stack,
+/// and locks all present and future memory of the process.
 std::string lock_and_prefault_memory();
 
-/// Whether lock_and_prefault_memory() has locked this process: a page fault is then a defect.
+/// Whether lock_and_prefault_memory() has locked this process; a page fault is then an error.
 bool memory_is_locked() noexcept;
 
-/// SCHED_FIFO for the calling thread; threads that it starts later do not inherit it.
+/// Sets SCHED_FIFO for the calling thread; threads that it starts later do not inherit it.
 std::string take_fifo(int priority);
 
 /// Binds the calling thread to one processor.

@@ -2,8 +2,7 @@
 
 namespace palpate::loop {
 
-/// True in builds with an address or thread sanitizer, which bring their own malloc and map
-/// terabytes.
+/// True in builds with address or thread sanitizer, which replace malloc and map terabytes.
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
 #define PALPATE_SANITIZED 1
 #elif defined(__has_feature)

@@ -19,10 +19,10 @@ namespace palpate::loop {
 namespace {
 
 constexpr int kLargestSize = 64;
-constexpr int kSpinsPerLook = 32;  // at the clock
-// How the calling thread waits for a share that has begun: at first it pauses, for some 100
-// microseconds, then it lets others of its priority run, then all others, since the worker may
-// need this very processor.
+constexpr int kSpinsPerLook = 32;  // between two readings of the clock
+// Waiting strategy of the calling thread for a share that has begun: it pauses for about 100
+// microseconds, then yields to threads of its priority, then to all others, because the worker may
+// need this processor.
 constexpr int kPauses = 4000;
 constexpr int kYields = 200;
 constexpr timespec kNap{0, 20'000};
@@ -47,7 +47,7 @@ bool has_fewer_processors_than(int size) {
   return sched_getaffinity(0, sizeof(set), &set) == 0 && CPU_COUNT(&set) < size;
 }
 
-/// Affinity and priority for the calling thread; what was refused, a line each.
+/// Sets affinity and priority of the calling thread; returns rejected settings, a line each.
 std::string take_place(int cpu, int fifo_priority) {
   std::string refusals;
   const auto note = [&refusals](const std::string& refusal) {
@@ -110,13 +110,13 @@ bool SpinTeam::claim(Post& post, Number number) noexcept {
                                               std::memory_order_relaxed);
 }
 
-// Between two runs all shares are claimed and finished, so that nobody reads task_ when it changes:
-// a worker that is late finds its share claimed.
+// Between two runs all shares are claimed and finished, so that no thread reads task_ while it
+// changes: a late worker finds its share claimed.
 void SpinTeam::run(math::TeamTask task) noexcept {
   task_ = task;
   const Number number = number_.load(std::memory_order_relaxed) + 1;
-  // Either this thread sees a sleeper or the sleeper sees the number: both are sequentially
-  // consistent.
+  // Either this thread sees the sleeping worker or that worker sees the number: both accesses are
+  // sequentially consistent.
   number_.store(number);
   if (sleepers_.load() > 0) ring();
   task(0, size_);
@@ -163,7 +163,7 @@ void SpinTeam::work(int member) noexcept {
   }
 }
 
-/// True when there has been a run since number `seen`, false at the end.
+/// True after a run later than number `seen`, false at shutdown.
 bool SpinTeam::wait_for_work(Number seen) noexcept {
   std::uint32_t heard = bell_.load();
   std::int64_t end = monotonic_ns() + patience_ns_;

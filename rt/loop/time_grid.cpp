@@ -32,7 +32,7 @@ std::int64_t TimeGrid::begin_wait(std::int64_t now_ns) noexcept {
 Tick TimeGrid::end_wait(std::int64_t now_ns) noexcept {
   const Tick tick{now_ns, now_ns - next_ns_, missed_};
   if (tick.lateness_ns < period_ns_) return tick;
-  // The cycle that starts now stands for the last grid point that has passed.
+  // the cycle that starts now belongs to the last grid point that has passed
   ++overruns_;
   overrun_ns_ += tick.lateness_ns;
   const std::int64_t slept_through = tick.lateness_ns / period_ns_;

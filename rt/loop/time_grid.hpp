@@ -7,29 +7,30 @@ namespace palpate::loop {
 /// One cycle of a fixed-rate loop.
 struct Tick {
   std::int64_t now_ns;       // CLOCK_MONOTONIC at wake-up
-  std::int64_t lateness_ns;  // after the grid point
+  std::int64_t lateness_ns;  // delay after the grid point
   std::int64_t missed;       // grid points skipped before this one
 };
 
-/// The absolute time grid of a fixed-rate loop, as arithmetic on a clock that somebody else reads.
-/// A cycle that ends after the next grid point, or a wake-up a period or more late, is one overrun;
-/// the grid points it covers are skipped, so that nothing is caught up and the grid never drifts.
+/// Absolute time grid of a fixed-rate loop, as pure arithmetic on clock readings. A cycle that ends
+/// after the next grid point, or a wake-up late by a period or more, is one overrun; the grid
+/// points that it covers are skipped, so that missed cycles are not repeated and the grid never
+/// drifts.
 class TimeGrid {
  public:
   /// Throws std::invalid_argument unless period_ns > 0.
   explicit TimeGrid(std::int64_t period_ns);
 
-  /// Forgets the grid; the next begin_wait() starts another one.
+  /// Resets the grid; the next begin_wait() starts a new one.
   void restart() noexcept { started_ = false; }
 
-  /// The cycle is over at `now_ns`: returns when to wake up.
+  /// Ends the cycle at `now_ns`; returns the next wake-up time.
   std::int64_t begin_wait(std::int64_t now_ns) noexcept;
 
-  /// Woken up at `now_ns`, not before what begin_wait() returned.
+  /// Wake-up at `now_ns`, not before the time returned by begin_wait().
   Tick end_wait(std::int64_t now_ns) noexcept;
 
   std::int64_t overruns() const noexcept { return overruns_; }
-  /// Lateness of all overruns together.
+  /// Total lateness of all overruns.
   std::int64_t overrun_ns() const noexcept { return overrun_ns_; }
 
  private:

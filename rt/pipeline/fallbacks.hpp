@@ -6,16 +6,16 @@
 
 namespace palpate::pipeline {
 
-/// Components that wait beside those in the slots for one of them to fault; while they are in use
-/// the first ones wait here.
+/// Standby components that replace those in the slots after a fault; while they are active the
+/// original ones are stored here.
 struct Fallback {
-  std::unique_ptr<Replacement> components;  // nullptr: none is configured
+  std::unique_ptr<Replacement> components;  // nullptr: not configured
   bool in_use = false;
 };
 
-/// What the key `fallback` of estimation and deformation, which change together, of feature and of
-/// control names: a section as that slot's own. Built, given the shape and warmed up beforehand.
-/// (Those of sensing and contact, which have lists, are part of the slots.)
+/// Components named by the key `fallback` of estimation and deformation, which change together, of
+/// feature and of control: a section like that of the slot itself. Built, given the shape and
+/// warmed up in advance. (Those of sensing and contact, which have lists, belong to the slots.)
 struct Fallbacks {
   /// For any thread but the loop's. Throws config::Error, also for unknown keys.
   Fallbacks(const config::Node& root, const Slots& present, const ShapeSnapshot& snapshot);
@@ -23,7 +23,8 @@ struct Fallbacks {
   bool in_use() const noexcept { return mechanics.in_use || feature.in_use || steering.in_use; }
 
   Fallback mechanics;
-  Fallback feature;  // with a controller of its own; not both this and the controller's at a time
+  /// With its own controller; this and the controller's fallback are never active together.
+  Fallback feature;
   Fallback steering;
 };
 

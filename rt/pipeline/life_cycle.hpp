@@ -6,36 +6,36 @@
 
 namespace palpate::pipeline {
 
-/// One life-cycle for every component; numbers are those of health_t.state.
+/// Life-cycle of every component; values as in health_t.state.
 enum class LifeCycle {
   kUnconfigured = 0,
-  kInactive = 1,  // configured, not updated; the daemon's state at every start
+  kInactive = 1,  // configured, not updated; initial state of the daemon
   kActive = 2,
-  kDegraded = 3,  // an input is old or late; recovers by itself
+  kDegraded = 3,  // an input is stale or late; recovers automatically
   kFaulted = 4,   // latched until reset
   kFinalized = 5,
 };
 
-/// Events that a user sends; the thesis' names.
+/// Events sent by users, named as in Sanchez 2019.
 enum class Event { kStart, kStop, kReset, kZero, kCalibrate, kReplace, kUnknown };
 
 const char* name(LifeCycle state) noexcept;
 const char* name(Event event) noexcept;
 
-/// kUnknown where the text is none of the names.
+/// kUnknown if the text is not one of the names.
 Event event_from(const char* text) noexcept;
 
-/// State and the reason for it, of one slot or of the whole.
+/// State of a slot or of the whole pipeline, and its reason.
 struct Condition {
   LifeCycle state = LifeCycle::kUnconfigured;
   const char* reason = "";     // a string literal
-  const char* component = "";  // name of the instance that is so; "" where it is the whole
+  const char* component = "";  // name of the instance concerned; "" for the whole pipeline
 
-  /// Takes over the outcome of an update: kFault latches, kDegraded passes.
+  /// Applies the outcome of an update: kFault latches, kDegraded does not.
   void apply(const sensing::UpdateResult& result) noexcept;
 };
 
-/// The reason of a condition, with the component that is in it where one is.
+/// Writes the reason of a condition, with the component concerned if there is one.
 template <std::size_t kSize>
 void put_reason(const Condition& condition, char (&text)[kSize]) noexcept {
   const char* separator = *condition.component != '\0' && *condition.reason != '\0' ? ": " : "";

@@ -1,4 +1,4 @@
-// The phases of a tick, in their order: sense, distribute, estimate, evaluate, control, gate.
+// Phases of a tick in order: sense, distribute, estimate, evaluate, control, gate.
 #include "rt/pipeline/pipeline.hpp"
 
 #include <algorithm>
@@ -35,7 +35,7 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
     if (instance.fallback != nullptr && instance.fallback->in_use() &&
         !std::exchange(instance.told, true))
       tell_fallback(instance.name.c_str(), "its sensor model has faulted");
-    // A model knows one arm, its own.
+    // a model knows only its own arm
     for (int i = first; instance.arm == 1 && i < contacts_.count; ++i) {
       if (is_wrist(contacts_.contacts[i].source)) contacts_.contacts[i].source = Source::kWrist1;
     }
@@ -44,7 +44,8 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
 }
 
 void Pipeline::find_joints(Arm& arm) noexcept {
-  constexpr double kApart = 0.02, kTurned = 0.1;  // m, rad: of another arm or another flange
+  // m, rad: larger deviations indicate another arm or flange
+  constexpr double kApart = 0.02, kTurned = 0.1;
   if (!arm.model) return;
   const sensing::RobotState& robot = arm.signals->robot.latest;
   const int n = arm.model->chain.joint_count();
@@ -69,7 +70,7 @@ void Pipeline::to_object_frame(const sensing::ContactSet& contacts) noexcept {
   }
 }
 
-/// False where nobody knows where it is.
+/// False if its location is unknown.
 bool Pipeline::locate_wrist(sensing::Contact& contact) const noexcept {
   const Arm& arm = arms_[wrist(contact.source)];
   if (!arm.known) return false;
@@ -121,7 +122,7 @@ estimation::GraspInput Pipeline::grasp_input(int grasp) const noexcept {
   estimation::GraspInput input;
   input.pose_freshness = arm.signals->robot.freshness;
   input.X_OG = arm.X_OE() * arm.frames.X_EG;
-  // Without a hand that reports its grasp, a robot that reports its pose is taken to hold.
+  // Without a hand that reports its grasp, an arm that reports its pose counts as holding.
   const sensing::Stream<sensing::HandState, 4>& hand = arm.signals->hand;
   const bool hand_known = hand.freshness != sensing::Freshness::kNoData;
   input.holding = arm.known && (!hand_known || hand.latest.grasp != sensing::Grasp::kNone);
@@ -212,7 +213,7 @@ void Pipeline::control(double dt) noexcept {
   if (slots_->moving == registry::MovingArms::kBoth) request(1, slots_->law_output.V_O_G_second);
 }
 
-/// False where the controller has no command.
+/// False if the controller provides no command.
 bool Pipeline::steer(double dt, int first) noexcept {
   Slots& slots = *slots_;
   if (slots.control_condition.state == LifeCycle::kFaulted) return false;
@@ -267,7 +268,7 @@ bool Pipeline::steer(double dt, int first) noexcept {
   const char* remark = slots.law_output.remark;
   slots.control_condition.apply(
       {*remark == '\0' ? sensing::Status::kOk : sensing::Status::kDegraded, remark});
-  // Where that overflows, the target is beyond all reach.
+  // if it overflows, the target is far out of reach
   if (slots.law_output.unreachable.allFinite()) {
     slots.feature_state.unreachable = slots.law_output.unreachable;
   } else {
@@ -276,7 +277,8 @@ bool Pipeline::steer(double dt, int first) noexcept {
   return true;
 }
 
-/// A shape that is not known well must not move the robot, nor must a hand that does not feel.
+/// The robot must not move with an unreliable shape estimate, nor with a hand without valid force
+/// measurement.
 bool Pipeline::is_trusted() const noexcept {
   for (const Slots::Sensing& instance : slots_->sensing) {
     if (instance.condition.state != LifeCycle::kActive) return false;
@@ -320,7 +322,7 @@ control::JointInputs Pipeline::joint_inputs(const Arm& arm) const noexcept {
   return joints;
 }
 
-/// In the tick before, while this one's own did not.
+/// In the previous tick, while this arm's own gate did not reject its command.
 bool Pipeline::other_refused(int arm) const noexcept {
   return arm_count() > 1 && arms_[1 - arm].output.refused && !arms_[arm].output.refused;
 }

@@ -11,79 +11,80 @@
 
 namespace palpate::pipeline {
 
-/// The phases of a tick over the components in the six slots, for one or two arms with their gates.
+/// Phases of a tick over the components in the six slots, for one or two arms with their gates.
 /// Everything is built and configured by the constructor; the phases neither allocate, lock, log
 /// nor throw.
 class Pipeline {
  public:
-  /// Reads frames, object, sensing, contact, estimation, deformation, feature, control, gate.
-  /// `deterministic`: what follows depends on the inputs alone, not on how threads are scheduled.
-  /// Throws config::Error.
+  /// Reads the sections frames, object, sensing, contact, estimation, deformation, feature, control
+  /// and gate. `deterministic`: results depend on the inputs only, not on thread scheduling. Throws
+  /// config::Error.
   Pipeline(const config::Node& root, double period, bool deterministic = false);
   ~Pipeline();
 
-  /// Set-up, before the first tick: puts a sensor model that was made elsewhere in the place of the
-  /// one that `instance` holds, and gives that one away.
+  /// Set-up, before the first tick: replaces the sensor model of `instance` by an externally
+  /// constructed one, and returns the previous one.
   std::unique_ptr<sensing::SensorModel> exchange_sensor_model(
       int instance, std::unique_ptr<sensing::SensorModel> model);
 
-  /// Set-up, before the first tick: to put in what was made elsewhere.
+  /// Set-up, before the first tick: access for inserting externally constructed components.
   Slots& slots_at_setup() noexcept { return *slots_; }
 
-  // Events; each is safe in the loop.
+  // Life-cycle events; safe in the loop.
   void start() noexcept;
   void stop(const char* reason = "stopped") noexcept;
   void reset() noexcept;                    // rest shape, faults cleared, inactive
-  void zero() noexcept;                     // tare of every sensor model
-  void fault(const char* reason) noexcept;  // latched by a supervisor outside
-  /// Said by a supervisor outside each tick; nullptr when nothing is wrong (any more).
+  void zero() noexcept;                     // tares every sensor model
+  void fault(const char* reason) noexcept;  // fault latched by an external supervisor
+  /// Set by an external supervisor in each tick; nullptr without a timing problem.
   void set_timing_trouble(const char* reason) noexcept;
 
-  /// False, with the reason, where kind, points or values do not fit the feature in its slot.
+  /// False, with the reason, if kind, points or values do not match the feature in its slot.
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
                   const double* values, int value_count, const char*& reason) noexcept;
 
-  /// For a Replacement, which is built elsewhere. The snapshot has the present mesh's size already
-  /// and is filled by the loop's thread.
+  /// For a Replacement, which is built elsewhere. The snapshot has the present mesh's size and is
+  /// filled by the loop's thread.
   const Slots& slots() const noexcept { return *slots_; }
   ShapeSnapshot room_for_shape() const;
   void copy_shape(ShapeSnapshot& snapshot) const noexcept;
 
-  /// Once a tick from when it has been built, after sense(): lets new sensor models run along until
-  /// they are ready. kReady: take() it; kRefused: `reason` says why, and nothing has changed.
+  /// Called once per tick after a replacement has been built, after sense(): runs new sensor models
+  /// in parallel until they are ready. kReady: call take(); kRefused: `reason` contains the reason,
+  /// and nothing has changed.
   enum class Along { kWaits, kReady, kRefused };
   Along run_along(Replacement& replacement, const char*& reason) noexcept;
 
-  /// Between two ticks: puts the new components in, which go on from the present ones' state, all
-  /// at once; `replacement` then holds those that were replaced, for another thread to destroy. No
-  /// factor for the present model may be under way. False where the state cannot be carried; then
-  /// nothing has changed.
+  /// Called between two ticks: exchanges all new components together; they continue from the state
+  /// of the previous ones, which `replacement` then holds for destruction by another thread. No
+  /// factorisation for the present model may be in progress. False if the state cannot be
+  /// transferred; then nothing has changed.
   bool take(Replacement& replacement) noexcept;
 
-  /// Where a component faults that has a `fallback`, that one takes its place in the same tick and
-  /// the whole is degraded until reset(), which puts the first one back. How many did so far, and
-  /// why the last one did: "slot: fallback, since ...".
+  /// A component that faults is replaced within the same tick by its `fallback`, if configured, and
+  /// the pipeline is degraded until reset(), which restores the original one. Number of such
+  /// replacements, and reason of the last one: "slot: fallback, since ...".
   int fallbacks_taken() const noexcept { return fallbacks_taken_; }
   const char* fallback_reason() const noexcept { return fallback_reason_.data(); }
   bool on_fallback() const noexcept { return fallbacks_->in_use() || slots_->on_fallback(); }
-  /// After components were replaced: those that fit the new ones.
+  /// Sets fallbacks that match the components after a replacement.
   void take(std::unique_ptr<Fallbacks>& fallbacks) noexcept { fallbacks_.swap(fallbacks); }
 
-  // Phases of one tick, in this order. While inactive they keep estimating nothing and the gate
-  // gives zero.
-  /// `second`: what the second arm says; ignored where there is none.
+  // Phases of one tick, in this order. While inactive nothing is estimated and the gate outputs
+  // zero.
+  /// `second`: signals of the second arm; ignored without one.
   void sense(const sensing::Signals& signals, const sensing::Signals& second) noexcept;
   void sense(const sensing::Signals& signals) noexcept { sense(signals, signals); }
   void distribute() noexcept;
   void estimate(double dt) noexcept;
   void evaluate_feature() noexcept;
   void control(double dt) noexcept;
-  /// Of the first arm. Where one arm's gate refuses, the other arm stops as well: both may hold the
-  /// same object.
+  /// Output for the first arm. If the gate of one arm rejects a command, the other arm stops as
+  /// well, because both may hold the same object.
   const control::GateOutput& gate(double dt) noexcept;
   const control::GateOutput& gate_output(int arm) const noexcept { return arms_[arm].output; }
 
-  Condition condition() const noexcept;  // the worst of all slots
+  Condition condition() const noexcept;  // worst condition of all slots
   bool is_running() const noexcept;
 
   const registry::Object& object() const noexcept { return *slots_->object; }
@@ -92,12 +93,13 @@ class Pipeline {
   }
   int sensor_count() const noexcept { return static_cast<int>(slots_->sensing.size()); }
   SensorReport sensor_report(int index) const noexcept { return slots_->sensor_report(index); }
-  /// What the system did not grant to threads of components, a line each; of the constructor.
+  /// Warnings of the constructor, a line each: settings that the system rejected for threads of
+  /// components, and values of the configuration that hardly mean what was intended.
   const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
-  /// Whether joint velocities are what an arm is told, not a twist.
+  /// Whether an arm is commanded by joint velocities rather than a twist.
   bool commands_joints(int arm) const noexcept { return arm == 0 && slots_->commands_joints; }
-  /// Of the first arm; 0 where there is no model of it.
+  /// Number of joints of the first arm; 0 without a model of it.
   int joint_count() const noexcept {
     return cell_.arm_model ? cell_.arm_model->chain.joint_count() : 0;
   }
@@ -108,7 +110,7 @@ class Pipeline {
   const shape::Feature& feature() const noexcept { return *slots_->feature; }
   const FeatureState& feature_state() const noexcept { return slots_->feature_state; }
   const Target& target() const noexcept { return slots_->target; }
-  /// In O, for display and estimation.
+  /// Contacts in O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
 
  private:
@@ -118,15 +120,15 @@ class Pipeline {
 
     registry::Frames frames;
     control::SafetyGate gate;
-    const sensing::Signals* signals = nullptr;  // of this tick
-    bool known = false;                         // its robot has told where it is
+    const sensing::Signals* signals = nullptr;  // signals of this tick
+    bool known = false;                         // its robot has reported a pose
     math::Twist requested_W_E;
     control::GateOutput output;
-    // Where there is a model of the arm.
+    // Set if the arm is modelled.
     std::shared_ptr<const registry::ArmModel> model;
     std::optional<control::JointGate> joint_gate;
     kinematics::SerialChain::State kinematics;
-    bool joints_known = false;  // and put the flange where the robot says that it is
+    bool joints_known = false;  // known and consistent with the reported flange pose
     kinematics::SerialChain::Joints requested_joints;
 
     math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
@@ -163,7 +165,7 @@ class Pipeline {
   int fallbacks_taken_ = 0;
   std::array<char, 200> fallback_reason_{};
 
-  sensing::ContactSet contacts_;    // in the sensors' frames
+  sensing::ContactSet contacts_;    // in the frames of the sensors
   sensing::ContactSet contacts_O_;  // in O
   estimation::EstimationInputs estimation_inputs_;
 };

@@ -1,4 +1,4 @@
-// What becomes of the pipeline between its ticks: set-up, events, targets, replacements.
+// Changes of the pipeline between ticks: set-up, events, targets, replacements.
 #include <utility>
 
 #include "rt/pipeline/pipeline.hpp"
@@ -96,8 +96,9 @@ void Pipeline::copy_shape(ShapeSnapshot& snapshot) const noexcept {
 }
 
 Pipeline::Along Pipeline::run_along(Replacement& replacement, const char*& reason) noexcept {
-  constexpr int kTicks = 100;      // that a new sensor model runs along at least
-  constexpr int kPatience = 2000;  // and at most, where the present one has nothing to say either
+  // Minimum number of ticks for which a new sensor model runs in parallel.
+  constexpr int kTicks = 100;
+  constexpr int kPatience = 2000;  // maximum number, if the present one has no output either
   const bool first = replacement.ticks_along_++ == 0;
   bool ready = true, waits_with_present = true;
   std::vector<Slots::Sensing>& models = replacement.slots_->sensing;

@@ -1,4 +1,4 @@
-// What the pipeline does where a component errs.
+// Reaction of the pipeline to faults of components.
 
 #include <cstdio>
 #include <utility>
@@ -13,13 +13,13 @@ void Pipeline::tell_fallback(const char* slot, const char* reason) noexcept {
   ++fallbacks_taken_;
 }
 
-/// False where there is none, or it runs already.
+/// False if there is no fallback or it is active already.
 bool Pipeline::fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept {
   if (!fallback.components || fallback.in_use) return false;
   fallback.in_use = true;
   tell_fallback(slot, reason);
   if (take(*fallback.components)) return true;
-  // Nothing is left of the shape.
+  // the shape is lost
   Slots& incoming = *fallback.components->slots_;
   incoming.estimator->reset();
   incoming.model->reset();
@@ -38,7 +38,7 @@ void Pipeline::check_loads(Slots::Contact& instance, contact::ContactLoads& load
   instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
 }
 
-/// The shape as far as the controller may know it.
+/// Shape available to the controller.
 const Eigen::Matrix3Xd& Pipeline::seen_positions() const noexcept {
   return slots_->sight ? slots_->sight->positions() : slots_->model->positions();
 }
@@ -50,7 +50,7 @@ void Pipeline::look_at_markers() noexcept {
                       observation.points_O, slots_->model->positions());
 }
 
-/// False where it is not finite, which then nobody sees.
+/// False if the feature is not finite; it is then treated as not observed.
 bool Pipeline::feature_is_sound() noexcept {
   Slots& slots = *slots_;
   if (slots.feature_condition.state == LifeCycle::kFaulted) return false;
@@ -61,7 +61,7 @@ bool Pipeline::feature_is_sound() noexcept {
   return false;
 }
 
-/// False where nothing is seen of the feature.
+/// False if the feature is not observed.
 bool Pipeline::look_and_learn(double dt, int first) noexcept {
   Slots& slots = *slots_;
   if (slots.sight && !slots.sight->sees()) {

@@ -6,20 +6,20 @@
 namespace palpate::pipeline {
 namespace {
 
-/// Remarks are for a start; nobody may read them while another thread writes.
+/// Remarks are collected at start-up only; they must not be read while another thread writes.
 registry::Context without_remarks(registry::Context context) {
   context.remarks = nullptr;
   return context;
 }
 
-/// Of the new mesh beyond the present one, as a share of the present one's size: what is farther
-/// out belongs to another object, whose shape nobody knows.
+/// Limit of the distance of the new mesh from the present one, relative to the latter's size:
+/// anything farther belongs to another object, whose shape is unknown.
 constexpr double kReach = 0.02;
 constexpr int kWarmUpRounds = 4;
 
 struct Place {
   std::string path;
-  std::string name;  // that the instance has in the configuration; empty: none
+  std::string name;  // name of the instance in the configuration; empty: none
 };
 
 Place place_of(const config::Node& root, const ReplaceRequest& request) {
@@ -51,7 +51,7 @@ config::Node apply_request(const config::Node& root, const ReplaceRequest& reque
   if (request.component.empty()) return root.changed(place.path, parameters, false, "replace");
   const config::Node whole = config::Node::from_text(parameters, "replace")
                                  .changed("", "component: " + request.component, false, "replace");
-  // The name of an instance stays.
+  // the name of an instance does not change
   const config::Node named =
       place.name.empty() ? whole : whole.changed("", "name: " + place.name, false, "replace");
   return root.changed(place.path, named.dump(), true, "replace");
@@ -107,7 +107,7 @@ void Replacement::name_successors(const Slots& present) {
     const bool known = at != present.sensing.end();
     successors_.push_back(known ? static_cast<int>(at - present.sensing.begin()) : -1);
     if (instance.model) continue;
-    // Its models go on with it.
+    // its learned models are transferred with it
     for (const RunningModel& running : present.running_models)
       if (running.name == instance.name || running.name.rfind(instance.name + "/", 0) == 0)
         slots_->running_models.push_back(running);

@@ -10,35 +10,35 @@
 
 namespace palpate::pipeline {
 
-/// What somebody wants in a slot.
+/// Request to replace the component of a slot.
 struct ReplaceRequest {
   std::string slot;      // object, sensing, contact, estimation, deformation, feature, control; all
-  std::string instance;  // in sensing and contact, where there are several
-  std::string component;   // empty: the present one with other parameters
-  std::string parameters;  // YAML mapping; slot all: sections
+  std::string instance;  // for sensing and contact, which have several instances
+  std::string component;   // empty: the present component with other parameters
+  std::string parameters;  // YAML mapping; for slot all: sections
 };
 
-/// `root` as `request` wants it. A new component takes its slot with the parameters given; without
-/// one, parameters are put over the present ones. Throws config::Error.
+/// `root` modified by `request`. A new component uses the given parameters; without a component,
+/// they are merged over the present ones. Throws config::Error.
 config::Node apply_request(const config::Node& root, const ReplaceRequest& request);
 
-/// What has to be built to come from one configuration to another. Throws config::Error where
-/// something else than slots and object differs.
+/// Components that must be built to change from one configuration to another. Throws config::Error
+/// if anything other than slots and object differs.
 Changes find_changes(const config::Node& present, const config::Node& wanted);
 
-/// The shape that a pipeline had at some moment; sized beforehand, so that taking it is one copy.
+/// Shape of a pipeline at one time; allocated in advance, so that filling it is a copy.
 struct ShapeSnapshot {
   Eigen::Matrix3Xd positions, velocities;  // 3 x n, in O
   estimation::Estimate estimate;
 };
 
-/// New components for one or more slots, to be built beside a pipeline that runs and then to be put
-/// in at once (Pipeline::take). Sensor models first run along for a while on what the sensors say.
+/// New components for one or more slots, built while a pipeline runs and then exchanged together
+/// (Pipeline::take). Sensor models first run in parallel for a while on the signals.
 class Replacement {
  public:
-  /// Builds, configures, gives new mechanics the shape of `snapshot` and factors for it. For any
-  /// thread but the loop's. Throws config::Error, also for a shape that cannot be carried.
-  /// Of the present slots it reads what never changes.
+  /// Builds and configures the components, initialises new mechanics with the shape of `snapshot`
+  /// and factors for it. For any thread but the loop's. Throws config::Error, also for a shape that
+  /// cannot be transferred. Accesses only constant parts of the present slots.
   Replacement(const config::Node& present_root, const config::Node& wanted, const Slots& present,
               const ShapeSnapshot& snapshot);
 
@@ -55,11 +55,13 @@ class Replacement {
                   const estimation::Estimate& estimate) noexcept;
 
   Changes changes_;
-  std::unique_ptr<Slots> slots_;             // afterwards: the ones that were replaced
-  std::vector<int> successors_;              // by new sensor model: the present one's index, or -1
-  std::vector<mesh::PointWeights> nodes_;    // of the new mesh in the present one; empty: the same
-  Eigen::Matrix3Xd positions_, velocities_;  // room for the transfer
-  int ticks_along_ = 0;                      // that new sensor models have run along
+  std::unique_ptr<Slots> slots_;  // after the exchange: the replaced ones
+  /// by new sensor model: index of the one that it replaces, or -1
+  std::vector<int> successors_;
+  /// Nodes of the new mesh in the present one; empty: the same mesh.
+  std::vector<mesh::PointWeights> nodes_;
+  Eigen::Matrix3Xd positions_, velocities_;  // workspace of the transfer
+  int ticks_along_ = 0;                      // for which new sensor models have run in parallel
 };
 
 }  // namespace palpate::pipeline

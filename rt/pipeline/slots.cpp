@@ -11,7 +11,7 @@ namespace {
 const config::Key kFallback("fallback", "",
                             "what stands in where this one errs, as its slot's own");
 
-/// Which sources a contact instance serves, by the words of its list `sources`.
+/// Sources served by a contact instance, from the words of its list `sources`.
 std::array<bool, 8> read_sources(const config::Node& node) {
   std::array<bool, 8> served{};
   const std::string text =
@@ -42,7 +42,8 @@ Slots::Slots(const config::Node& root, const registry::Context& cell, const Chan
              std::shared_ptr<const registry::Object> present)
     : object(std::move(present)), context(cell) {
   if (changes.object)
-    object = std::make_shared<registry::Object>(registry::read_object(root, context.frames));
+    object = std::make_shared<registry::Object>(
+        registry::read_object(root, context.frames, context.remarks));
   context.object = object.get();
   build_sensing(root, changes);
   if (changes.contact) build_contact(root);
@@ -135,7 +136,7 @@ void Slots::build_steering(const config::Node& root) {
   feature =
       registry::make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
   provider = registry::make_jacobian_provider(control, context, *feature);
-  sight = registry::make_marker_sight(control, context, *feature);
+  sight = registry::make_marker_observer(control, context, *feature);
   law = registry::make_control_law(control, context, *feature);
   moving = registry::read_moving_arms(control, context);
   commands_joints = registry::read_commands_joints(control, context);
@@ -173,7 +174,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
       std::swap(sensing[i].fallback, before.fallback);
       sensing[i].told = before.told;
     } else if (before.condition.state == LifeCycle::kFaulted) {
-      sensing[i].condition = {LifeCycle::kActive, ""};  // a sound one has come in its place
+      sensing[i].condition = {LifeCycle::kActive, ""};  // a valid component has replaced it
     }
   }
   if (!changes.contact) {

@@ -13,36 +13,36 @@
 
 namespace palpate::pipeline {
 
-/// Where the feature shall go.
+/// Target of the feature.
 struct Target {
   int revision = -1;  // -1: none
   Eigen::VectorXd value;
 };
 
-/// What the feature and control slots hold after a tick.
+/// Outputs of the feature and control slots after a tick.
 struct FeatureState {
   Eigen::VectorXd value;
   Eigen::VectorXd error;        // target minus value; zero without a target
-  Eigen::VectorXd unreachable;  // the part of error that no motion of the grasp removes
+  Eigen::VectorXd unreachable;  // component of the error that no grasp motion removes
 };
 
-/// A learned model that a component runs.
+/// Learned model of a component.
 struct RunningModel {
-  std::string name;  // of the component's instance, "name/1" for its second model
+  std::string name;  // name of the component's instance, "name/1" for its second model
   const sensing::Executor* executor = nullptr;
 };
 
-/// How one instance of the sensing slot does.
+/// State of one instance of the sensing slot.
 struct SensorReport {
-  const char* name = "";       // of the instance
-  const char* component = "";  // what it is, e.g. ft_rnnob
+  const char* name = "";       // name of the instance
+  const char* component = "";  // component type, e.g. ft_rnnob
   Condition condition;
   const sensing::SensorModel* model = nullptr;
 };
 
-/// What of a configuration is to be built. Components that refer to each other are built together:
-/// estimator and deformation model, feature and controller; a new object takes all of them and the
-/// contacts.
+/// Components to be built for a configuration. Components that refer to each other are built
+/// together: estimator and deformation model, feature and controller; a new object requires all of
+/// them and the contacts.
 struct Changes {
   bool object = false;
   bool contact = false;
@@ -53,8 +53,8 @@ struct Changes {
   bool any() const noexcept;
 };
 
-/// The components in the six slots, the object that they speak of and the room that they compute
-/// in. Sensing and contact hold lists, the other slots one component each.
+/// Components in the six slots, the object to which they refer, and their workspace. Sensing and
+/// contact contain lists, the other slots one component each.
 struct Slots {
   static constexpr std::size_t kMostSensors = 16;
   struct Sensing {
@@ -62,37 +62,37 @@ struct Slots {
     std::string component;
     int arm = 0;
     std::unique_ptr<sensing::SensorModel> model;
-    registry::SensorFallback* fallback = nullptr;  // the model, where it has one to fall back on
+    registry::SensorFallback* fallback = nullptr;  // the model, if it has a fallback
     Condition condition{LifeCycle::kInactive, ""};
-    bool told = false;  // that the fallback is in use
+    bool told = false;  // use of the fallback has been reported
   };
   struct Contact {
     std::string name;
     std::unique_ptr<contact::ForceTransformer> transformer;
-    registry::ContactFallback* fallback =
-        nullptr;                    // the transformer, where it has one to fall back on
-    std::array<bool, 8> sources{};  // by sensing::Source
+    registry::ContactFallback* fallback = nullptr;  // the transformer, if it has a fallback
+    std::array<bool, 8> sources{};                  // by sensing::Source
     Condition condition{LifeCycle::kInactive, ""};
-    bool told = false;  // that the fallback is in use
+    bool told = false;  // use of the fallback has been reported
   };
 
-  /// Builds and configures what `changes` names; the rest stays empty. `cell` tells frames, period
-  /// and mode; `present`: the object that stays where it does not change. Throws config::Error.
+  /// Builds and configures the components selected by `changes`; others remain empty. `cell`:
+  /// frames, period and mode; `present`: the object to keep if it does not change. Throws
+  /// config::Error.
   Slots(const config::Node& root, const registry::Context& cell, const Changes& changes,
         std::shared_ptr<const registry::Object> present);
 
-  /// Gives the model the grasps that the estimator holds, factors for them and lets every component
-  /// compute once, so that nothing is done for the first time in the loop. Of those that were
-  /// built.
+  /// Sets the grasps held as required by the estimator, factors for them and evaluates every
+  /// component once, so that no operation is executed for the first time in the loop. Applies to
+  /// the components that were built.
   void warm_up();
 
-  /// Takes from `other` the components that `changes` does not name, and the state of those that it
-  /// does. `successors`: by sensor model, that of the other in whose place it comes, or -1.
+  /// Takes from `other` the components not selected by `changes`, and the state of the selected
+  /// ones. `successors`: by sensor model, index of the one in `other` that it replaces, or -1.
   void adopt(Slots& other, const Changes& changes, const std::vector<int>& successors) noexcept;
 
   void start() noexcept;
   void reset() noexcept;
-  /// False, with the reason, where kind, points or values do not fit the feature.
+  /// False, with the reason, if kind, points or values do not match the feature.
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
                   const double* values, int value_count, const char*& reason) noexcept;
   SensorReport sensor_report(int index) const noexcept;
@@ -109,9 +109,10 @@ struct Slots {
   std::unique_ptr<shape::Feature> feature;
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
-  std::unique_ptr<published_control::MarkerSight> sight;  // null: the feature is the model's
+  /// Null: the feature is evaluated on the model.
+  std::unique_ptr<published_control::MarkerObserver> sight;
   registry::MovingArms moving = registry::MovingArms::kFirst;
-  bool commands_joints = false;  // of the first arm, in place of its hand's twist
+  bool commands_joints = false;  // of the first arm, instead of its hand's twist
 
   Condition estimation_condition;
   Condition feature_condition;
@@ -119,7 +120,7 @@ struct Slots {
 
   std::vector<contact::ContactLoads> loads;  // by contact of the tick
   estimation::Estimate estimate;
-  estimation::ShapeJump jump;  // of the model's shape
+  estimation::ShapeJump jump;  // detects discontinuities of the model's shape
   Target target;
   FeatureState feature_state;
   Eigen::MatrixXd jacobian;
@@ -127,7 +128,7 @@ struct Slots {
 
  private:
   void list_running_models(const Sensing& instance);
-  /// With the fallback that the section names, where it names one.
+  /// Includes the fallback, if the section names one.
   void make_model(const config::Node& node, Sensing& instance);
   void make_transformer(const config::Node& node, Contact& instance);
   void build_sensing(const config::Node& root, const Changes& changes);

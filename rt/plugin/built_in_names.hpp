@@ -4,8 +4,7 @@
 
 namespace palpate::plugin {
 
-/// Names of built-in components of the slots that plug-ins add to, none of which a plug-in may
-/// take.
+/// Names of built-in components in the slots that accept plug-ins; a plug-in must not use them.
 inline constexpr std::array<const char*, 6> kSensorModels = {
     "ft_newton_euler", "ft_rnnob", "ft_tare_only", "biotac_linear", "biotac_lstm", "manual"};
 inline constexpr std::array<const char*, 2> kForceTransformers = {"area_coordinates",

@@ -10,18 +10,18 @@
 
 namespace palpate::plugin {
 
-/// Changes whenever a header that a plug-in includes does so that libraries built before no longer
-/// fit.
+/// Incremented whenever a header included by plug-ins changes incompatibly.
 inline constexpr int kPluginInterface = 1;
 
-/// What must be the same in the host and in a library that it loads: C++ classes are handed over.
+/// Properties that must match between the host and a library, because C++ classes cross the
+/// boundary.
 struct PluginAbi {
   std::uint32_t magic;
-  std::uint32_t size;  // of this
+  std::uint32_t size;  // of this structure
   std::int32_t interface;
   std::int32_t compiler;                                         // version of the C++ ABI
-  std::int32_t strings;                                          // which std::string
-  std::int32_t eigen;                                            // version
+  std::int32_t strings;                                          // variant of std::string
+  std::int32_t eigen;                                            // version of Eigen
   std::int32_t alignment;                                        // of Eigen's types
   std::int32_t signals, contacts, inputs, outputs, cell, model;  // sizes of structures
   char version[16];                                              // of palpate
@@ -43,21 +43,22 @@ inline constexpr PluginAbi kPluginAbi = {
     sizeof(elasticity::Body),
     PALPATE_VERSION};
 
-/// What a sensor model listens to: a fallback must be of the same sensor, and only a wrist's can be
-/// of the second arm. A model of kFinger has the key `finger`, see PluginCell.
+/// Kind of sensor of a sensor model: a fallback must be of the same kind, and only wrist models may
+/// belong to the second arm. A model of kFinger has the key `finger`, see PluginCell.
 enum class SensorKind { kWrist, kFinger, kOther };
 
-/// One component of a library: its name in the configuration, its keys, and what makes it, which
-/// may throw any std::exception with what is wrong.
+/// Component of a library: its name in the configuration, its keys, and its factory function, which
+/// may throw any std::exception with an error message.
 template <class Component>
 struct PluginEntry {
-  std::string name;  // a-z, 0-9 and _, 31 characters at the most
+  std::string name;  // a-z, 0-9 and _, at most 31 characters
   std::vector<Parameter> parameters;
   std::function<std::unique_ptr<Component>(const Parameters&, const PluginCell&)> make;
   SensorKind sensor = SensorKind::kOther;  // of sensor models
 };
 
-/// Takes the components of a library; each name once in its slot, and not that of a built-in one.
+/// Receives the components of a library; a name must be unique in its slot and differ from those of
+/// built-in components.
 struct PluginRegistrar {
   std::vector<PluginEntry<PluginSensorModel>> sensor_models;            // slot sensing
   std::vector<PluginEntry<PluginForceTransformer>> force_transformers;  // slot contact
@@ -67,9 +68,9 @@ struct PluginRegistrar {
 
 }  // namespace palpate::plugin
 
-/// Once in a library, followed by a body that fills the registrar:
+/// Use once in a library, followed by a body that fills the registrar:
 ///   PALPATE_PLUGIN(registrar) { registrar.control_laws.push_back({"mine", {...}, make_mine}); }
-/// Where that throws, the daemon does not start and says what was thrown.
+/// If the body throws, the daemon does not start and reports the exception.
 #define PALPATE_PLUGIN(registrar)                                                           \
   extern "C" {                                                                              \
   __attribute__((                                                                           \

@@ -7,27 +7,29 @@
 
 namespace palpate::plugin {
 
-/// What a plug-in's component may know of the cell when it is made. What is pointed to outlives it.
+/// Information on the workcell for the construction of a plug-in's component. Pointees outlive the
+/// component.
 struct PluginCell {
   double period = 1e-3;        // s, of the loop
-  bool deterministic = false;  // nothing may depend on threads or wall clocks
-  int arm = 0;                 // of a sensor model: 0, or 1 for the second arm, whose frames follow
-  int finger = 0;              // of a sensor model of a finger: 0 to 4
+  bool deterministic = false;  // results must not depend on threads or wall clocks
+  /// Arm of a sensor model: 0, or 1 for the second arm, whose frames follow.
+  int arm = 0;
+  int finger = 0;                            // finger of a sensor model: 0 to 4
   math::Pose X_WO = math::Pose::Identity();  // object's rest frame in the robot base
-  math::Pose X_ES = math::Pose::Identity();  // force-torque sensor in the flange
-  math::Pose X_EI = math::Pose::Identity();  // inertial unit in the flange
-  math::Pose X_EG = math::Pose::Identity();  // grasp in the flange
+  math::Pose X_ES = math::Pose::Identity();  // pose of the force-torque sensor in the flange
+  math::Pose X_EI = math::Pose::Identity();  // pose of the IMU in the flange
+  math::Pose X_EG = math::Pose::Identity();  // pose of the grasp in the flange
   Eigen::Vector3d gravity_W{0, 0, -9.81};    // m/s^2
-  const elasticity::Body* body = nullptr;    // the object as the daemon believes it to be
+  const elasticity::Body* body = nullptr;    // the daemon's model of the object
   const mesh::Surface* surface = nullptr;    // its surface
 };
 
-// The interfaces below are those of the built-in components (their headers say what each call
-// means), but may throw: the host catches whatever they throw, faults the component and takes its
-// fallback or the safe reaction. They run on the loop's thread, where no call but a constructor's
-// and configure_for() may allocate, lock, log, sleep, or throw in earnest: HEALTH.allocations
-// counts allocations, the phase's latency shows what is slow, and what crashes takes the daemon
-// with it. `reason` and `remark` are string literals.
+// The interfaces below correspond to those of the built-in components (see their headers), but may
+// throw: the host catches exceptions, sets the component to fault and uses its fallback or the safe
+// reaction. They run on the loop's thread, where only constructors and configure_for() may
+// allocate, lock, log, sleep, or routinely throw: HEALTH.allocations counts allocations, the
+// latency of the phase reveals slow code, and a crash terminates the daemon. `reason` and `remark`
+// are string literals.
 
 class PluginSensorModel {
  public:
@@ -61,7 +63,7 @@ class PluginControlLaw {
  public:
   virtual ~PluginControlLaw() = default;
   virtual void configure_for(const shape::Feature& feature) = 0;
-  /// `output` comes zero; the length of `unreachable` must stay.
+  /// `output` is zero on entry; the length of `unreachable` must not change.
   virtual void compute(const control::LawInputs& inputs, control::LawOutput& output) = 0;
   virtual void reset() {}
 };

@@ -18,7 +18,7 @@ class GuardedSensorModel final : public sensing::SensorModel {
   sensing::UpdateResult update(const sensing::Signals& signals,
                                sensing::ContactSet& contacts) noexcept override {
     const int others = contacts.count;
-    // One that threw is not asked again before reset(): who knows what state it is in.
+    // A component that threw is not called again before reset(), because its state is undefined.
     if (!threw_) {
       try {
         const sensing::UpdateResult result = model_->update(signals, contacts);
@@ -98,7 +98,7 @@ class GuardedForceTransformer final : public contact::ForceTransformer {
       if (sound) return;
     } catch (...) {
     }
-    // A load that is no number is what the pipeline takes for a fault.
+    // the pipeline treats a non-finite load as a fault
     out.loads.clear();
     out.push(0, Eigen::Vector3d::Constant(kNan));
   }
@@ -157,7 +157,7 @@ class GuardedControlLaw final : public control::ControlLaw {
         threw_ = true;
       }
     }
-    // A command that is no number is what the pipeline takes for a fault, of which this says why.
+    // The pipeline treats a non-finite command as a fault, of which this is the reason.
     output.V_O_G.linear.setConstant(kNan);
     output.unreachable.setZero(dimension_);
     output.remark = wrong;

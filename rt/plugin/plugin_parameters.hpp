@@ -11,21 +11,21 @@ namespace palpate::plugin {
 
 using ParameterValue = std::variant<double, int, bool, std::string, std::vector<double>>;
 
-/// A key that a plug-in's component takes from its section of the configuration. The host reads and
-/// checks it; a key that no component declares is an error.
+/// Configuration key of a plug-in's component. The host reads and validates it; keys that no
+/// component declares are an error.
 struct Parameter {
   enum class Kind { kNumber, kInteger, kFlag, kChoice, kNumbers };
   Kind kind = Kind::kNumber;
   std::string key;
   std::string description;           // meaning and unit
-  double lower = 0, upper = 0;       // allowed range, closed, of numbers
-  int count = 0;                     // of kNumbers
-  std::vector<std::string> allowed;  // of kChoice
-  ParameterValue otherwise;          // what it is where the key is absent
+  double lower = 0, upper = 0;       // permitted closed range of numbers
+  int count = 0;                     // length, for kNumbers
+  std::vector<std::string> allowed;  // choices, for kChoice
+  ParameterValue otherwise;          // value if the key is absent
   bool required = false;             // an absent key is an error
 };
 
-/// Each declares one key; `required()` makes of it one that must be given.
+/// Each function declares one key; `required()` makes it mandatory.
 inline Parameter number(std::string key, double lower, double upper, double otherwise,
                         std::string description) {
   return {Parameter::Kind::kNumber,
@@ -67,7 +67,7 @@ inline Parameter choice(std::string key, std::vector<std::string> allowed, std::
       Parameter::Kind::kChoice, std::move(key), std::move(description), 0, 0, 1, std::move(allowed),
       std::move(otherwise),     false};
 }
-/// As many numbers as `otherwise` has.
+/// The count of numbers is that of `otherwise`.
 inline Parameter numbers(std::string key, double lower, double upper, std::vector<double> otherwise,
                          std::string description) {
   const int count = static_cast<int>(otherwise.size());
@@ -80,8 +80,8 @@ inline Parameter required(Parameter parameter) {
   return parameter;
 }
 
-/// What the configuration says for the keys that a component declared, in range. A getter throws
-/// std::logic_error for a key that was not declared, or not of that kind.
+/// Values of the keys declared by a component, within their ranges. A getter throws
+/// std::logic_error for a key that was not declared or has another kind.
 class Parameters {
  public:
   void put(const std::string& key, ParameterValue value) { values_[key] = std::move(value); }

@@ -1,14 +1,14 @@
-# palpate::plugin: what a library of a user's own components is built with. `plugin.hpp` and the
-# headers that it includes, all of them of core; nothing to link.
+# palpate::plugin: interface target for libraries with user components: `plugin.hpp` and the headers
+# of core that it includes; nothing to link.
 add_library(palpate_plugin INTERFACE)
 add_library(palpate::plugin ALIAS palpate_plugin)
 set_target_properties(palpate_plugin PROPERTIES EXPORT_NAME plugin)
 target_link_libraries(palpate_plugin INTERFACE Eigen3::Eigen)
 target_compile_features(palpate_plugin INTERFACE cxx_std_17)
-# The alignment is part of what host and library must agree on.
+# host and library must agree on the alignment
 target_compile_definitions(palpate_plugin INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
-# What is in a library shall not be mixed up with what the host has under the same name.
+# symbols of the library must not be merged with equally named ones of the host
 target_compile_options(palpate_plugin INTERFACE -fvisibility=hidden)
 target_link_options(palpate_plugin INTERFACE -Wl,-Bsymbolic)
 target_include_directories(palpate_plugin INTERFACE

@@ -12,14 +12,14 @@
 namespace palpate::plugin {
 namespace {
 
-constexpr int kLongestName = 31;  // that a message holds
+constexpr int kLongestName = 31;  // capacity of the message field
 
 [[noreturn]] void refuse(const config::Node& item, const std::string& path,
                          const std::string& what) {
   item.fail("library", path + ": " + what);
 }
 
-/// dlerror() tells the path as well, or some library that this one needs.
+/// dlerror() also contains the path, or a library required by this one.
 std::string why_not_loaded(const std::string& path) {
   const char* error = dlerror();
   std::string text = error == nullptr ? "unknown error" : error;
@@ -27,8 +27,8 @@ std::string why_not_loaded(const std::string& path) {
   return text;
 }
 
-/// What differs, in words; empty where nothing does. Sizes beyond those of a short structure are
-/// not looked at.
+/// Description of the difference; empty if there is none. Sizes are not compared if the structure
+/// is too short.
 std::string difference(const PluginAbi& theirs) {
   const PluginAbi& ours = kPluginAbi;
   if (theirs.magic != ours.magic) return "its palpate_plugin_abi is none";
@@ -57,7 +57,7 @@ std::string difference(const PluginAbi& theirs) {
   return text;
 }
 
-/// Of names of components and keys.
+/// For names of components and keys.
 bool is_name(const std::string& text) {
   const auto is_word = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') || c == '_';
@@ -107,7 +107,7 @@ std::string complaint(const Parameter& parameter) {
   return good ? "" : key + "has a default that it does not allow";
 }
 
-/// "" or what is wrong with one of `entries`, whose names must differ from those of `before`.
+/// "" or the error in one of `entries`, whose names must differ from those of `before`.
 template <class Component, std::size_t kCount>
 std::string complaint(const char* slot, const std::vector<PluginEntry<Component>>& entries,
                       const std::array<const char*, kCount>& built_in,
@@ -149,7 +149,7 @@ std::shared_ptr<const Plugins> Plugins::load(const config::Node& root) {
 }
 
 void Plugins::add(const std::string& path, const config::Node& item) {
-  // Without a slash it would be looked for elsewhere.
+  // without a slash the library would be searched for in the system's path
   const std::string place = path.find('/') == std::string::npos ? "./" + path : path;
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(place, ignored))

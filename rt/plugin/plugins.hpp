@@ -9,15 +9,16 @@
 
 namespace palpate::plugin {
 
-/// The components of a user's own libraries, which the list `plugins` of the configuration names:
+/// Components of the user's libraries in the list `plugins` of the configuration:
 ///   plugins:
-///     - library: path/libmine.so   # relative to the file that says it
-/// A library stays loaded until the process ends, since what it made may live as long.
+///     - library: path/libmine.so   # relative to the configuration file
+/// A library stays loaded until the process ends, because its components may live as long.
 class Plugins {
  public:
-  /// Loads and registers. Throws config::Error with file and key: a library that cannot be loaded,
-  /// is none of palpate's, was built for another palpate, or whose registration throws, or names a
-  /// component or key wrongly or twice. No key: no components.
+  /// Loads the libraries and registers their components. Throws config::Error with file and key for
+  /// a library that cannot be loaded, is not a plug-in, was built for another version of palpate,
+  /// or whose registration throws or contains an invalid or repeated name of a component or key.
+  /// Without the key there are no components.
   static std::shared_ptr<const Plugins> load(const config::Node& root);
 
   const PluginRegistrar& components() const noexcept { return components_; }
@@ -28,7 +29,7 @@ class Plugins {
   PluginRegistrar components_;
 };
 
-/// The built-in names, and after them those of plug-ins.
+/// Built-in names followed by those of plug-ins.
 template <class Component>
 std::vector<std::string> with_plugins(std::vector<std::string> names,
                                       const std::vector<PluginEntry<Component>>& entries) {
@@ -36,7 +37,7 @@ std::vector<std::string> with_plugins(std::vector<std::string> names,
   return names;
 }
 
-/// The entry of that name; nullptr where no plug-in has it.
+/// Entry of that name; nullptr if no plug-in has it.
 template <class Component>
 const PluginEntry<Component>* find_plugin(const std::vector<PluginEntry<Component>>& entries,
                                           const std::string& name) {

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "rt/registry/urdf_file.hpp"
 
 namespace palpate::registry {
 namespace {
 
 using kinematics::SerialChain;
-constexpr double kDegree = 0.017453292519943295;
-constexpr double kTurn = 2 * 3.14159265358979323846;
+using math::kDegree;
+constexpr double kTurn = 2 * math::kPi;
 
 kinematics::Joint to_joint(const urdf::Joint& from) {
   const bool turns_on = from.type == urdf::Joint::CONTINUOUS;
@@ -29,7 +30,7 @@ kinematics::Joint to_joint(const urdf::Joint& from) {
   return joint;
 }
 
-/// Limits that the section names come in the place of the file's, all joints at once.
+/// Joint limits of the section replace those of the file, for all joints at once.
 void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
   if (!node.has(key)) return;
   const std::vector<double> degrees =
@@ -45,7 +46,7 @@ SerialChain read_urdf(const std::string& path, const std::string& flange) {
   urdf::LinkConstSharedPtr link = model->getLink(flange);
   if (!link) throw std::invalid_argument(path + ": has no link '" + flange + "'");
   std::vector<kinematics::Joint> joints;         // from the flange to the base
-  math::Pose X_beyond = math::Pose::Identity();  // what is fixed beyond the joint before
+  math::Pose X_beyond = math::Pose::Identity();  // fixed transform beyond the previous joint
   math::Pose X_JE = math::Pose::Identity();
   try {
     for (; link->parent_joint; link = link->getParent()) {

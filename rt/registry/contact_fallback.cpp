@@ -5,7 +5,7 @@
 namespace palpate::registry {
 
 bool are_plausible(const contact::ContactLoads& loads) noexcept {
-  constexpr double kLargest = 1e9;  // N; what a plausible wrench may make of a short lever
+  constexpr double kLargest = 1e9;  // N; a plausible wrench with a short lever arm stays below it
   return std::all_of(loads.loads.begin(), loads.loads.end(), [](const contact::NodalLoad& load) {
     return load.force.allFinite() && load.force.lpNorm<Eigen::Infinity>() <= kLargest;
   });

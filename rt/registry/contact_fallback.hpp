@@ -6,11 +6,11 @@
 
 namespace palpate::registry {
 
-/// Whether every load is finite and one that a contact may have.
+/// True if every load is finite and of plausible magnitude.
 bool are_plausible(const contact::ContactLoads& loads) noexcept;
 
-/// A force transformer with another one to fall back on: where the first gives loads that cannot
-/// be, the second takes its place for the same contact, and goes on until reset().
+/// Force transformer with a fallback: if the first one returns implausible loads, the second one
+/// processes the same contact and remains active until reset().
 class ContactFallback final : public contact::ForceTransformer {
  public:
   ContactFallback(std::unique_ptr<contact::ForceTransformer> first,
@@ -23,7 +23,7 @@ class ContactFallback final : public contact::ForceTransformer {
   void reset() noexcept { in_use_ = false; }
   bool in_use() const noexcept { return in_use_; }
 
-  /// Set-up: puts another first one in, and gives the present one away.
+  /// Set-up: replaces the first transformer and returns the previous one.
   void exchange(std::unique_ptr<contact::ForceTransformer>& first) noexcept { first_.swap(first); }
 
  private:

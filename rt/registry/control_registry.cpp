@@ -5,6 +5,7 @@
 #include "core/control/kinematic_jacobian.hpp"
 #include "core/control/proportional_twist.hpp"
 #include "core/control/quadratic_program.hpp"
+#include "core/math/constants.hpp"
 #include "rt/plugin/built_in_names.hpp"
 #include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/published_control_registry.hpp"
@@ -13,7 +14,7 @@
 namespace palpate::registry {
 namespace {
 
-constexpr double kDegree = 0.017453292519943295;
+using math::kDegree;
 
 control::TwistLawOptions read_twist_law(const config::Node& node) {
   control::TwistLawOptions options;

@@ -1,9 +1,9 @@
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
-#include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "core/elasticity/comparison/thesis2018.hpp"
+#include "core/elasticity/corotational_model.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "rt/registry/registry.hpp"
@@ -13,9 +13,9 @@ namespace {
 
 using Model = std::unique_ptr<elasticity::DeformationModel>;
 
-/// `threads` that share a step, the loop's among them; none for one. The others take
-/// `threads_fifo_priority`, which is best the loop's own. Where it is refused, so is the loop's,
-/// and the daemon says so.
+/// `threads`: number of threads that share a step, including the loop's; null for one. The others
+/// get `threads_fifo_priority`, which should equal the loop's. If it is rejected, so is the loop's,
+/// and the daemon reports it.
 std::shared_ptr<math::Team> make_team(const config::Node& node) {
   loop::SpinTeamOptions options;
   options.size = node.integer(
@@ -66,8 +66,8 @@ Model make_corotational(const config::Node& node, const std::string& name, const
       {"confirm", "",
        "whether forces are evaluated once more after a correction that is expected to end a step"},
       options.confirm);
-  // A tick that runs out of time keeps its last good shape, and says so. What is dropped depends on
-  // the machine: runs with a budget are not alike to the bit.
+  // A step that exceeds its time budget keeps the last valid shape, which is reported. Because the
+  // timing depends on the machine, runs with a budget are not bitwise reproducible.
   options.budget = node.number(
       {"budget", "s", "after which a step keeps what it has, and the shape is marked old; 0: none"},
       {0, 1}, options.budget);

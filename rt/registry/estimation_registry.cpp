@@ -93,7 +93,7 @@ estimation::HandFollower::Options read_hand(const config::Node& node) {
   return options;
 }
 
-/// Of what is seen of the shape, where anything is.
+/// Options of shape observations, if configured.
 void read_sight(const config::Node& node, estimation::PoseWrenchFilter::Options& options) {
   estimation::SurfaceFit::Options& sight = options.sight;
   sight.lag =

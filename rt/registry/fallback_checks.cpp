@@ -7,7 +7,7 @@
 namespace palpate::registry {
 namespace {
 
-/// What a sensor model listens to, in words.
+/// Description of a sensor model's kind of sensor.
 std::string sensor_of(const config::Node& node, const Context& context) {
   const std::string name = node.text("component");
   switch (listens_to(name, context)) {

@@ -4,16 +4,15 @@
 
 namespace palpate::registry {
 
-/// Whether the section `node` of a slot names a fallback as a section of its own.
+/// Whether the section `node` of a slot contains a fallback section.
 bool has_fallback(const config::Node& node);
 
-/// What a fallback must be to stand in for the component of `node`, which has one; each throws
-/// config::Error that names what does not fit.
-/// Of any slot: another component, or the same with other parameters.
+/// Checks that a fallback can replace the component of `node`; each throws config::Error naming the
+/// mismatch. For any slot: a different component, or the same with other parameters.
 void check_differs(const config::Node& node);
-/// Of the same sensor.
+/// Same sensor.
 void check_sensor(const config::Node& node, const Context& context);
-/// Of the same kind and points, so that a target stays what it was.
+/// Same kind and points, so that a target remains valid.
 void check_feature(const config::Node& node, const Context& context);
 
 }  // namespace palpate::registry

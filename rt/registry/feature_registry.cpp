@@ -38,7 +38,7 @@ std::optional<Eigen::Vector3d> axis(const config::Node& node) {
       {"axis", "", "about which the angle or curvature is signed, in O; absent: it is not signed"});
 }
 
-/// Those listed, or some spread over the whole surface.
+/// The listed points, or a sample of the whole surface.
 std::vector<Eigen::Vector3d> set_of_points(const config::Node& node,
                                            const mesh::ElementMesh& mesh) {
   if (!node.has("surface"))

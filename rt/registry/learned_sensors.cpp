@@ -10,9 +10,10 @@
 namespace palpate::registry {
 namespace {
 
-constexpr double kPatience = 10;  // s, for an answer in deterministic mode; then it is a fault
+// s, maximum wait for a result in deterministic mode; then a fault
+constexpr double kPatience = 10;
 
-/// A model named by a key, read and found whole, with what is needed to run it.
+/// Validated model named by a key, with everything required to run it.
 class Model {
  public:
   Model(const config::Node& node, const std::string& key, const Context& context)
@@ -43,7 +44,7 @@ class Model {
 
   const inference::ModelCard& card() const { return file_.card; }
 
-  /// Warmed up.
+  /// Creates a warmed-up executor.
   std::unique_ptr<sensing::Executor> make_executor() const {
     try {
       return inference::make_executor(file_, kind_, options_);
@@ -52,7 +53,7 @@ class Model {
     }
   }
 
-  /// Where `place_of` finds each of the card's inputs.
+  /// Indices by `place_of` of the card's inputs.
   template <class Place>
   std::vector<int> inputs(Place place_of, const std::string& known) const {
     std::vector<int> places;
@@ -66,7 +67,7 @@ class Model {
     return places;
   }
 
-  /// Places of wanted outputs in the card.
+  /// Indices of the required outputs in the card.
   std::vector<int> outputs(const std::vector<inference::Channel>& wanted) const {
     std::vector<int> places;
     for (const inference::Channel& want : wanted) {
@@ -138,7 +139,7 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
 
 }  // namespace
 
-/// Null where the section names none.
+/// Null if the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
   if (has_fallback(node) || node.choice({"fallback", "", "what stands in where the network fails"},
                                         {"none", "biotac_linear"}, "none") == "none") {

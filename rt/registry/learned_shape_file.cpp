@@ -11,7 +11,7 @@ Eigen::VectorXd vector(const config::Node& node, const std::string& key, int cou
                                            static_cast<Eigen::Index>(numbers.size()));
 }
 
-/// Row by row.
+/// Row-major.
 Eigen::MatrixXd matrix(const config::Node& node, const std::string& key, int rows, int columns) {
   return vector(node, key, rows * columns).reshaped(columns, rows).transpose();
 }

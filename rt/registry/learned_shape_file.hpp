@@ -6,7 +6,8 @@
 
 namespace palpate::registry {
 
-/// What palpate-evaluate train-sensing has written, YAML. Throws config::Error with file and key.
+/// Reads a model written by palpate-evaluate train-sensing, YAML. Throws config::Error with file
+/// and key.
 published_sensing::LearnedShape::Model read_learned_shape(const std::string& file);
 
 }  // namespace palpate::registry

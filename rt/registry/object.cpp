@@ -1,6 +1,8 @@
 #include "rt/registry/object.hpp"
 
 #include <cmath>
+#include <cstdio>
+#include <limits>
 
 #include "core/elasticity/pad_compliance.hpp"
 #include "core/estimation/grasp_give.hpp"
@@ -11,8 +13,8 @@
 namespace palpate::registry {
 namespace {
 
-/// Ten times what a loop can follow in any way. Beyond it factors would take all memory there is,
-/// and objects can be replaced from the network.
+/// Ten times what a loop can process. Above it factors would exhaust the memory, and objects can be
+/// replaced over the network.
 constexpr int kMostNodes = 100000;
 
 void check_size(const config::Node& node, const std::string& key, double count) {
@@ -49,8 +51,50 @@ mesh::TetrahedralMesh read_mesh(const config::Node& object) {
   return mesh;
 }
 
+std::string in_metres(char axis, double value) {
+  char text[48];
+  std::snprintf(text, sizeof(text), "%c = %.6g m", axis, value);
+  return text;
+}
+
+/// A bound of a box that cuts the body between two rows of nodes holds less of it than it says:
+/// 6.7 mm of 200 mm cost 0.3 mm of shape error on average and 2 mm at worst.
+void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
+                      const Eigen::Vector3d& lower, const Eigen::Vector3d& upper,
+                      const std::vector<int>& nodes, std::vector<std::string>& remarks) {
+  constexpr double kSmallShare = 0.02;  // of the body's side
+  const Eigen::Matrix3Xd selected = mesh.nodes(Eigen::all, nodes);
+  for (int axis = 0; axis < 3; ++axis) {
+    const double side = mesh.nodes.row(axis).maxCoeff() - mesh.nodes.row(axis).minCoeff();
+    for (const bool at_lower : {true, false}) {
+      const double bound = at_lower ? lower[axis] : upper[axis];
+      const double end = at_lower ? selected.row(axis).minCoeff() : selected.row(axis).maxCoeff();
+      if (std::abs(end - bound) <= kSmallShare * side) continue;
+      // The body goes on beyond the bound where the box would hold more without it.
+      Eigen::Vector3d wider_lower = lower, wider_upper = upper;
+      (at_lower ? wider_lower : wider_upper)[axis] =
+          at_lower ? mesh.nodes.row(axis).minCoeff() : mesh.nodes.row(axis).maxCoeff();
+      double outside = at_lower ? -std::numeric_limits<double>::infinity()
+                                : std::numeric_limits<double>::infinity();
+      for (const int node : mesh::nodes_in_box(mesh, wider_lower, wider_upper)) {
+        const double at = mesh.nodes(axis, node);
+        if (at_lower && at < bound) outside = std::max(outside, at);
+        if (!at_lower && at > bound) outside = std::min(outside, at);
+      }
+      if (!std::isfinite(outside)) continue;
+      const char name = "xyz"[axis];
+      remarks.push_back("object." + key + (at_lower ? ".lower: " : ".upper: ") +
+                        in_metres(name, bound) + " lies between rows of mesh nodes; the " +
+                        (key == "fixed_box" ? "fixed" : "held") + " nodes " +
+                        (at_lower ? "begin" : "end") + " at " + in_metres(name, end) +
+                        ", the next nodes outside the box are at " + in_metres(name, outside) +
+                        ": move the bound to a row of nodes or refine the mesh");
+    }
+  }
+}
+
 std::vector<int> nodes_in(const config::Node& object, const std::string& key,
-                          const mesh::ElementMesh& mesh) {
+                          const mesh::ElementMesh& mesh, std::vector<std::string>* remarks) {
   if (!object.has(key)) return {};
   const config::Node box = object.child(
       {key, "", key == "fixed_box" ? "nodes within it never move" : "nodes within it are held"});
@@ -58,14 +102,15 @@ std::vector<int> nodes_in(const config::Node& object, const std::string& key,
   const Eigen::Vector3d upper = box.vector3({"upper", "m", "highest corner, in O at rest"});
   std::vector<int> nodes = mesh::nodes_in_box(mesh, lower, upper);
   if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
+  if (remarks != nullptr) remark_on_bounds(key, mesh, lower, upper, nodes, *remarks);
   return nodes;
 }
 
 elasticity::GraspRegion read_grasp(const config::Node& object, const Object& solid,
-                                   const std::string& prefix) {
+                                   const std::string& prefix, std::vector<std::string>* remarks) {
   const mesh::ElementMesh& mesh = solid.body.mesh;
   elasticity::GraspRegion grasp;
-  grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh);
+  grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh, remarks);
   if (object.has(prefix + "grasp_at_rest")) {
     grasp.X_OG_rest = object.pose(
         {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: amid the nodes that are held"});
@@ -86,7 +131,7 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const Object& sol
   return grasp;
 }
 
-/// Section `material`, what `material_file` puts over it, and section `damping`.
+/// Section `material`, overridden by `material_file`, and section `damping`.
 void read_material(const config::Node& object, elasticity::Body& body) {
   const config::Node node = config::material_section(object);
   const auto file = config::MaterialFile::read(object);
@@ -119,7 +164,8 @@ void read_material(const config::Node& object, elasticity::Body& body) {
 
 }  // namespace
 
-Object read_object(const config::Node& root, const Frames& frames) {
+Object read_object(const config::Node& root, const Frames& frames,
+                   std::vector<std::string>* remarks) {
   const config::Node node = root.child({"object", "", "the soft object"});
   Object object;
   object.corners = read_mesh(node);
@@ -136,11 +182,11 @@ Object read_object(const config::Node& root, const Frames& frames) {
   object.surface = mesh::extract_surface(body.mesh);
 
   read_material(node, body);
-  body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh);
-  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, object, ""));
+  body.fixed_nodes = nodes_in(node, "fixed_box", body.mesh, remarks);
+  if (node.has("grasp_box")) body.grasps.push_back(read_grasp(node, object, "", remarks));
   if (node.has("second_grasp_box")) {
     if (body.grasps.empty()) node.fail("second_grasp_box", "needs a grasp_box as well");
-    body.grasps.push_back(read_grasp(node, object, "second_"));
+    body.grasps.push_back(read_grasp(node, object, "second_", remarks));
   }
   if ((body.grasps.size() > 1) != root.has("second_arm"))
     node.fail("second_grasp_box", "goes with a section second_arm, whose hand holds there");

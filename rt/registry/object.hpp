@@ -1,26 +1,30 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
 #include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/registry/frames.hpp"
 
 namespace palpate::registry {
 
-/// The object as the daemon believes it to be, from the section `object`.
+/// Model of the object, from the section `object`.
 struct Object {
-  mesh::TetrahedralMesh corners;  // the linear mesh that SHAPE and SHAPE_MESH speak of
+  mesh::TetrahedralMesh corners;  // linear mesh of SHAPE and SHAPE_MESH
   std::int64_t hash = 0;
   elasticity::Body body;
   mesh::Surface surface;
 };
 
 /// Reads `object`: mesh (box or file), order, material (young_modulus, poisson_ratio, density),
-/// material_file (of palpate-fit: its co-rotational constants, density and damping, as far as it
-/// tells them, go over `material` and stand where `damping` says nothing), damping, fixed_box,
-/// grasp_box, second_grasp_box, gravity. The rest pose of a grasp is `grasp_at_rest`
-/// (`second_grasp_at_rest`) or the middle of the grasped nodes with the axes of O;
-/// `grasp_stiffness` is that of its pads, N/m of the whole patch (absent: rigid). Throws
-/// config::Error.
-Object read_object(const config::Node& root, const Frames& frames);
+/// material_file (of palpate-fit: its co-rotational constants, density and damping, if present,
+/// override `material`, and `damping` where that has no value), damping, fixed_box, grasp_box,
+/// second_grasp_box, gravity. The rest pose of a grasp is `grasp_at_rest` (`second_grasp_at_rest`)
+/// or the centre of the grasped nodes with the axes of O; `grasp_stiffness` is that of its pads,
+/// N/m for the whole patch (absent: rigid). `remarks` receives a line for each bound of a box that
+/// lies between rows of the mesh's nodes; may be null. Throws config::Error.
+Object read_object(const config::Node& root, const Frames& frames,
+                   std::vector<std::string>* remarks = nullptr);
 
 }  // namespace palpate::registry

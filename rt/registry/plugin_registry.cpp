@@ -6,7 +6,7 @@
 namespace palpate::registry {
 namespace {
 
-/// Getters with a default count a key as known where it is absent.
+/// Getters with a default mark a key as read even if it is absent.
 plugin::ParameterValue read(const config::Node& node, const plugin::Parameter& parameter) {
   const std::string& key = parameter.key;
   const config::Range range{parameter.lower, parameter.upper};
@@ -59,7 +59,7 @@ std::unique_ptr<Component> make(const plugin::PluginEntry<Component>& entry,
   return made;
 }
 
-/// Calls what may throw std::invalid_argument or anything else of the plug-in's.
+/// Calls a function that may throw std::invalid_argument or any exception of the plug-in.
 template <class Call>
 auto guarded(const config::Node& node, const char* key, const std::string& name, Call call) {
   try {

@@ -8,10 +8,11 @@ namespace palpate::registry {
 
 struct Context;
 
-/// What plug-ins have; empty where `context` knows of none.
+/// Components of plug-ins; empty if `context` has none.
 const plugin::PluginRegistrar& plugins_of(const Context& context);
 
-/// Makes a component with its keys from `node`. Throws config::Error, also with what it throws.
+/// Creates a component with its keys from `node`. Throws config::Error, also for exceptions of the
+/// plug-in.
 std::unique_ptr<sensing::SensorModel> make_plugin(
     const plugin::PluginEntry<plugin::PluginSensorModel>& entry, const config::Node& node,
     const Context& context);

@@ -5,6 +5,7 @@
 
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
+#include "core/math/constants.hpp"
 #include "core/published_control/broyden_update.hpp"
 #include "core/published_control/chain_plan.hpp"
 #include "core/published_control/constant_jacobian.hpp"
@@ -25,9 +26,9 @@ namespace {
 
 using Provider = std::unique_ptr<control::JacobianProvider>;
 
-constexpr double kDegree = 0.017453292519943295;
+using math::kDegree;
 
-/// What a maker may look at.
+/// Inputs of a factory function.
 struct Wanted {
   const config::Node& node;
   const Context& context;
@@ -72,7 +73,7 @@ std::unique_ptr<published_control::FeatureView> make_fourier_view(const config::
 
 std::unique_ptr<published_control::FeatureView> make_two_camera_view(const Wanted& wanted) {
   published_control::TwoCameraView::Options options;
-  // Wherever the object stands, both look at its middle: from the side, and from above.
+  // Both cameras point at the centre of the object: from the side, and from above.
   const Eigen::Matrix3Xd& nodes = wanted.context.object->body.mesh.nodes;
   options.target_O = 0.5 * (nodes.rowwise().minCoeff() + nodes.rowwise().maxCoeff());
   options.eyes_O[0] = options.target_O + Eigen::Vector3d(0, -1, 0.4);
@@ -143,7 +144,7 @@ Provider make_as_rigid_as_possible(const Wanted& wanted) {
 
 Provider make_mass_spring(const Wanted& wanted) {
   published_control::DifferenceJacobian::Options options;
-  options.dt = 10;  // inertia and damping out of the way
+  options.dt = 10;  // suppresses inertia and damping
   return std::make_unique<published_control::DifferenceJacobian>(
       options, wanted.context.object->body, 0, [](const elasticity::Body& body) {
         elasticity::MassSpringOptions springs;
@@ -173,7 +174,7 @@ Provider make_gaussian_process(const Wanted& wanted) {
   return std::make_unique<published_control::GaussianProcess>(options, wanted.feature);
 }
 
-/// The feature's value on the rest shape, moved as key `goal` says.
+/// Value of the feature on the rest shape moved by key `goal`.
 Eigen::VectorXd read_goal(const Wanted& wanted) {
   const config::Node goal = wanted.node.child(
       {"goal", "", "where the feature shall be, for a plan that is made at the start"});
@@ -315,20 +316,19 @@ Provider make_published_provider(const std::string& name, const config::Node& no
   }
 }
 
-std::unique_ptr<published_control::MarkerSight> make_marker_sight(const config::Node& node,
-                                                                  const Context& context,
-                                                                  const shape::Feature& feature) {
+std::unique_ptr<published_control::MarkerObserver> make_marker_observer(
+    const config::Node& node, const Context& context, const shape::Feature& feature) {
   const std::string kind = node.choice({"sight", "",
                                         "whether the feature is read off tracked markers, and "
                                         "whether the model stands in while they are hidden"},
                                        {"none", "markers", "markers_and_model"}, "none");
   if (kind == "none") return nullptr;
-  published_control::MarkerSight::Options options;
-  if (kind == "markers_and_model") options.kind = published_control::MarkerSight::Kind::kOffset;
+  published_control::MarkerObserver::Options options;
+  if (kind == "markers_and_model") options.kind = published_control::MarkerObserver::Kind::kOffset;
   options.patience = node.number({"sight_patience", "s", "that sight may be lost for"},
                                  {0.001, 100}, options.patience);
-  return std::make_unique<published_control::MarkerSight>(context.object->body.mesh,
-                                                          feature.rest_points(), options);
+  return std::make_unique<published_control::MarkerObserver>(context.object->body.mesh,
+                                                             feature.rest_points(), options);
 }
 
 }  // namespace palpate::registry

@@ -7,7 +7,7 @@
 
 namespace palpate::registry {
 
-/// Names of the Jacobian providers of published methods, rivals of our own.
+/// Names of the Jacobian providers of published methods, which serve as baselines.
 const std::vector<std::string>& published_providers();
 
 /// The provider `name` of that list, from the other keys of `node`.

@@ -18,7 +18,7 @@ namespace {
 
 using namespace published_sensing;
 
-/// What all of them share.
+/// Common keys.
 void read_cloud(const config::Node& node, CloudEstimator::Options& options) {
   options.hand =
       node.flag({"hand", "", "whether the pose of the hand is taken as well"}, options.hand);
@@ -46,7 +46,7 @@ std::unique_ptr<estimation::Estimator> make(const typename Method::Options& opti
   return std::make_unique<Method>(context.object->body, context.object->surface, options);
 }
 
-/// A cloud with springs to the shape.
+/// Keys of methods with springs between cloud and shape.
 template <class Options>
 void read_springs(const config::Node& node, Options& options) {
   read_cloud(node, options);

@@ -7,7 +7,7 @@
 #include "core/control/control_law.hpp"
 #include "core/control/safety_gate.hpp"
 #include "core/estimation/estimator.hpp"
-#include "core/published_control/marker_sight.hpp"
+#include "core/published_control/marker_observer.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/shape/feature.hpp"
 #include "rt/config/node.hpp"
@@ -22,25 +22,26 @@ class Plugins;
 
 namespace palpate::registry {
 
-/// What a component may need to know of the cell beside its own parameters.
+/// Information on the workcell for the construction of components, in addition to their own
+/// parameters.
 struct Context {
   Frames frames;
-  std::optional<Frames> second_frames;        // of the second arm, where there is one
-  std::shared_ptr<const ArmModel> arm_model;  // of the first arm, where its joints are known
+  std::optional<Frames> second_frames;        // of the second arm, if present
+  std::shared_ptr<const ArmModel> arm_model;  // of the first arm, if modelled
   std::array<control::GateLimits, 2> gate;    // of each arm
   const Object* object = nullptr;             // outlives the component
   double period = 1e-3;                       // s, of the loop
-  /// Nothing may depend on scheduling: an inference is awaited however long it takes.
+  /// Results must not depend on scheduling: inferences are awaited without limit.
   bool deterministic = false;
   InferenceSettings inference;
-  std::shared_ptr<const plugin::Plugins> plugins;  // components of the user's own libraries; may be none
-  std::vector<std::string>* remarks = nullptr;  // what the system did not grant, a line each
+  std::shared_ptr<const plugin::Plugins> plugins;  // user components; may be null
+  std::vector<std::string>* remarks = nullptr;     // receives warnings, a line each; may be null
 };
 
-/// One function a slot: builds the component that `node` names under the key "component" (the
+/// One function per slot: creates the component named by the key "component" of `node` (the
 /// controller: "provider" and "law") from the other keys of `node`. Throws config::Error, also for
-/// an unknown name, with the names that exist. To add a component: add it to its slot's .cpp, or
-/// load it from a library of your own (plugins.hpp).
+/// an unknown name, listing the known ones. To add a component: add it to its slot's .cpp, or load
+/// it from a library (plugins.hpp).
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context);
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
@@ -50,34 +51,33 @@ std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
 std::unique_ptr<elasticity::DeformationModel> make_deformation_model(const config::Node& node,
                                                                      const Context& context);
 std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context);
-/// `feature`: what it speaks of, evaluated on the rest shape.
+/// `feature`: the feature concerned, evaluated on the rest shape.
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context,
                                                                   shape::Feature& feature);
-/// Key `sight` of the controller; null where it is blind.
-std::unique_ptr<published_control::MarkerSight> make_marker_sight(const config::Node& node,
-                                                                  const Context& context,
-                                                                  const shape::Feature& feature);
+/// Key `sight` of the controller; null without vision.
+std::unique_ptr<published_control::MarkerObserver> make_marker_observer(
+    const config::Node& node, const Context& context, const shape::Feature& feature);
 /// Configured for `feature`.
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature);
 
-/// Limits from the section `gate`; what it does not name is as in `otherwise`.
+/// Limits from the section `gate`; missing entries are taken from `otherwise`.
 control::GateLimits read_gate_limits(const config::Node& root,
                                      const control::GateLimits& otherwise = {});
 
-/// Which arms the controller moves.
+/// Arms moved by the controller.
 enum class MovingArms { kFirst, kSecond, kBoth };
 MovingArms read_moving_arms(const config::Node& control, const Context& context);
 
-/// Key `command` of the controller: whether it commands joints in place of the hand's twist.
+/// Key `command` of the controller: whether it commands joints instead of the hand's twist.
 bool read_commands_joints(const config::Node& control, const Context& context);
 
 /// Key `arm` of a sensor model: 0, or 1 with a second arm.
 int read_arm(const config::Node& node, const Context& context);
 
-/// What the sensor model of that name listens to.
+/// Kind of sensor of the sensor model of that name.
 enum class Listens { kWrist, kFinger, kOther };
 Listens listens_to(const std::string& name, const Context& context);
 

@@ -70,10 +70,9 @@ sensing::LinearTactileModel::Matrix read_rows(const config::Node& node, const st
   return matrix;
 }
 
-/// Section `model`, of this file or of the one that `file_key` names, as written by
-/// palpate-evaluate tactile: features (counts: E1 to E19, PAC, PDC; products: see TactileFeatures);
-/// force_x, force_y, force_z (N, a number a feature), offset (N); and place_x, place_y, place_z,
-/// which may be absent.
+/// Section `model`, of this file or of the one named by `file_key`, as written by palpate-evaluate
+/// tactile: features (counts: E1 to E19, PAC, PDC; products: see TactileFeatures); force_x,
+/// force_y, force_z (N per feature), offset (N); and optionally place_x, place_y, place_z.
 sensing::LinearTactileModel read_tactile_model(const config::Node& node,
                                                const std::string& file_key) {
   const config::Node holder =

@@ -6,18 +6,18 @@
 
 namespace palpate::registry {
 
-/// What is larger overflows where wrenches change their frame.
+/// True if no component exceeds a plausible magnitude; larger ones overflow in frame
+/// transformations.
 bool is_plausible(const sensing::Contact& contact) noexcept;
 
-/// A sensor model with another one of the same sensor to fall back on. Both see all signals, so
-/// that the second is tared and warm when it is wanted; only one of them reports contacts. Where
-/// the first faults, or reports what cannot be, the second goes on until reset().
-/// Whether the second is as good as the first, so that what it feels may move a robot, is for who
-/// makes the pair to say.
+/// Sensor model with a fallback for the same sensor. Both process all signals, so that the fallback
+/// is tared and warmed up when required; only one reports contacts. If the first one faults or
+/// reports implausible contacts, the fallback is active until reset(). Whether the fallback is good
+/// enough for commanding a robot is decided by the creator of the pair.
 class SensorFallback final : public sensing::SensorModel {
  public:
-  /// `reason`, a string literal: what to say while the fallback runs, which then counts as
-  /// degraded; nullptr: it counts as what it says itself.
+  /// `reason`, a string literal: status reason while the fallback is active, which then counts as
+  /// degraded; nullptr: the fallback's own status is used.
   SensorFallback(std::unique_ptr<sensing::SensorModel> first,
                  std::unique_ptr<sensing::SensorModel> second, const char* reason)
       : first_(std::move(first)), second_(std::move(second)), reason_(reason) {}
@@ -31,7 +31,7 @@ class SensorFallback final : public sensing::SensorModel {
     return first_->restore(state) && second_->restore(state);
   }
   bool in_use() const noexcept { return in_use_; }
-  /// Set-up: puts another first one in, and gives the present one away.
+  /// Set-up: replaces the first model and returns the previous one.
   void exchange(std::unique_ptr<sensing::SensorModel>& first) noexcept { first_.swap(first); }
   const sensing::Executor* executor(int index) const noexcept override {
     return first_->executor(index);

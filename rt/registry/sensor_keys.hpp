@@ -4,10 +4,10 @@
 #include "core/sensing/payload.hpp"
 #include "rt/registry/registry.hpp"
 
-// The keys that several sensor models share, each declared once. All throw config::Error.
+// Keys common to several sensor models, each declared once. All functions throw config::Error.
 namespace palpate::registry {
 
-/// Keys tare_samples, max_age_ms (kept in s) and force_deviation of any sensor model.
+/// Keys tare_samples, max_age_ms (stored in s) and force_deviation of any sensor model.
 template <class Options>
 void read_sensor_keys(const config::Node& node, Options& options) {
   options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
@@ -25,7 +25,7 @@ void read_sensor_keys(const config::Node& node, Options& options) {
 /// Key polarity: -1 or 1.
 int read_polarity(const config::Node& node);
 
-/// Those of read_sensor_keys(), tare_at_start and polarity, of a sensor in the wrist.
+/// The keys of read_sensor_keys(), tare_at_start and polarity, for wrist sensors.
 template <class Options>
 void read_wrist_keys(const config::Node& node, Options& options) {
   read_sensor_keys(node, options);
@@ -39,8 +39,8 @@ void read_wrist_keys(const config::Node& node, Options& options) {
 /// Keys polarity, threshold, saturation, weighting of a fingertip.
 sensing::LocalizationOptions read_localization(const config::Node& node);
 
-/// Those of read_sensor_keys() and read_localization(), finger, contact_force and
-/// release_force, of a fingertip.
+/// The keys of read_sensor_keys() and read_localization(), finger, contact_force and release_force,
+/// for fingertips.
 template <class Options>
 void read_fingertip_keys(const config::Node& node, Options& options) {
   read_sensor_keys(node, options);

@@ -9,11 +9,11 @@
 
 namespace palpate::registry {
 
-/// The robot that a URDF file describes; never null, has a root link. Throws std::invalid_argument
-/// with the path where it cannot be read.
+/// Robot described by a URDF file; never null, has a root link. Throws std::invalid_argument with
+/// the path if it cannot be read.
 urdf::ModelInterfaceSharedPtr parse_urdf(const std::string& path);
 
-/// Of a joint's or a visual's origin, in the frame that the file gives it in.
+/// Pose of the origin of a joint or a visual, in the file's parent frame.
 math::Pose to_pose(const urdf::Pose& pose);
 
 }  // namespace palpate::registry

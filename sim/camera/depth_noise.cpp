@@ -4,11 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::camera {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kSteep = kPi / 3;  // angle above which it adds to the axial noise
+using math::kPi;
+constexpr double kSteep = kPi / 3;  // from here on the angle adds to axial noise
 
 /// Tends to infinity for a surface seen edge-on.
 double steepness(double angle) { return angle / (kPi / 2 - angle); }

@@ -53,7 +53,7 @@ class CameraPublisher {
   bool may_lag_ = false;
   std::int64_t start_utime_;
   bus::TypedPublisher<shape_observation_t> publisher_;
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
 };
 
 }  // namespace palpate::scenes

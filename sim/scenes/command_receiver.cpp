@@ -18,7 +18,7 @@ CommandReceiver::CommandReceiver(bus::MessageBus& control, int arm,
       hand_admission_(channel_of("HAND_COMMAND", arm), {key, 0}) {}
 
 void CommandReceiver::begin(std::int64_t start_us) {
-  for (bus::Admission* admission : {&twist_admission_, &joint_admission_, &hand_admission_})
+  for (bus::ReplayGuard* admission : {&twist_admission_, &joint_admission_, &hand_admission_})
     admission->begin(start_us);
 }
 

@@ -45,7 +45,7 @@ class CommandReceiver {
   bus::TypedSubscription<twist_command_t> twists_;
   bus::TypedSubscription<joint_velocity_command_t> joints_;
   bus::TypedSubscription<hand_command_t> hands_;
-  bus::Admission twist_admission_, joint_admission_, hand_admission_;
+  bus::ReplayGuard twist_admission_, joint_admission_, hand_admission_;
   bus::SequenceTracker twist_order_, joint_order_, hand_order_;
   std::int64_t accepted_ = 0;
   std::int64_t rejected_ = 0;

@@ -41,7 +41,7 @@ class LockStep {
   bus::MessageBus& control_;
   bus::TypedPublisher<sim_tick_t> ticks_;
   bus::TypedSubscription<tick_done_t> done_;
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
   Clock::duration patience_;
   Clock::time_point sent_;
   sim_tick_t tick_{};

@@ -17,6 +17,7 @@
 
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/instance_lock.hpp"
+#include "rt/config/command_line.hpp"
 #include "sim/scenes/lock_step.hpp"
 #include "sim/scenes/real_time_pacer.hpp"
 #include "sim/scenes/simulation.hpp"
@@ -160,8 +161,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "palpate-sim simulates arm, hand, soft object and sensors, and speaks the channels that "
       "real\n"
-      "hardware would.\n"
-      "Exit codes: 0 ended by a signal or after --duration, 1 run-time error, 78 wrong scene.");
+      "hardware would.");
   Options options;
   app.add_option("scene", options.scene, "YAML file, see sim/scenes")->required();
   app.add_option("--set", options.overrides,
@@ -177,7 +177,9 @@ int main(int argc, char** argv) {
   app.footer(
       "Example:\n"
       "  palpate-sim scene.yaml --duration 30 --set seed=2");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv, {{{0, "ended by a signal or after --duration"}, {78, "wrong scene"}}}))
+    return *code;
 
   struct sigaction action {};
   action.sa_handler = [](int) { stop = true; };

@@ -44,7 +44,7 @@ class MarkerPublisher {
   math::Random noise_;
   std::int64_t start_utime_;
   bus::TypedPublisher<shape_observation_t> publisher_;
-  bus::Stamp stamp_;
+  bus::HeaderStamper stamp_;
 };
 
 }  // namespace palpate::scenes

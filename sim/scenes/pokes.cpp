@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::scenes {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 
 }  // namespace
 

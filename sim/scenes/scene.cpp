@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/math/constants.hpp"
 #include "rt/config/key_file.hpp"
 #include "rt/config/material_file.hpp"
 #include "sim/scenes/camera_settings.hpp"
@@ -11,7 +12,7 @@
 namespace palpate::scenes {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 constexpr double kSmallest = 1e-6;
 
 object::Box read_box(const config::Node& node) {

@@ -36,8 +36,8 @@ class SensorPublisher {
   bus::TypedPublisher<robot_state_t> robot_;
   bus::TypedPublisher<hand_state_t> hand_;
   std::vector<bus::TypedPublisher<biotac_t>> biotacs_;
-  std::vector<bus::Stamp> biotac_stamps_;
-  bus::Stamp ft_stamp_, imu_stamp_, robot_stamp_, hand_stamp_;
+  std::vector<bus::HeaderStamper> biotac_stamps_;
+  bus::HeaderStamper ft_stamp_, imu_stamp_, robot_stamp_, hand_stamp_;
 };
 
 }  // namespace palpate::scenes

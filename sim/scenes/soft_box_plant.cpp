@@ -5,13 +5,15 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::scenes {
 namespace {
 
 constexpr double kPeriod = 1e-3;      // s
 constexpr double kSettlingTime = 10;  // s, simulated, at most
-constexpr double kRest = 1e-8;        // m per step
-constexpr double kPi = 3.14159265358979323846;
+constexpr double kRest = 1e-8;        // m in a step
+using math::kPi;
 constexpr double kSticking = 0.99;  // of the friction cone
 
 }  // namespace

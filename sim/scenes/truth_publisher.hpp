@@ -35,7 +35,7 @@ class TruthPublisher {
   bus::TypedPublisher<truth_contact_t> contacts_;
   bus::TypedPublisher<truth_touch_t> touches_;
   bus::TypedPublisher<shape_mesh_t> meshes_;
-  bus::Stamp shape_stamp_, contact_stamp_, touch_stamp_, mesh_stamp_;
+  bus::HeaderStamper shape_stamp_, contact_stamp_, touch_stamp_, mesh_stamp_;
   shape_t shape_;
   std::vector<shape_mesh_t> chunks_;  // of the mesh, which is constant
 };

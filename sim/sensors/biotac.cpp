@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::sensors {
 namespace {
 
 using sensing::kElectrodeCount;
 
-constexpr double kPi = 3.14159265358979323846;
-constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa per count
+using math::kPi;
+constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa a count
 constexpr double kHighPass = 2 * kPi * 10;                     // rad/s
 constexpr double kLeast = 0, kMost = 4095;
 

@@ -3,13 +3,15 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::sensors {
 namespace {
 
 using sensing::kElectrodeCount;
 using sensing::kSkinRadius;
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 // Half a cylinder from its root to the sphere of the tip, then a quarter of that sphere.
 constexpr double kLength = 16e-3;
 constexpr int kAlong = 8, kRings = 5, kAround = 11;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/constants.hpp"
 #include "sim/sensors/biotac_film.hpp"
 
 namespace palpate::sensors {
@@ -12,7 +13,7 @@ using Eigen::ArrayXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 // Fractions of the rest depth: folds of the skin keep the film open, the nail limits bulges.
 constexpr double kLeastDepth = 0.05, kMostDepth = 1.5;
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/math/constants.hpp"
 #include "sensors_yaml.hpp"
 
 namespace palpate::sensors {
@@ -102,7 +103,7 @@ void read(const config::Node& node, BiotacTable& table) {
 }
 
 void read(const config::Node& node, camera::DepthNoiseOptions& noise) {
-  constexpr double kDegree = 3.14159265358979323846 / 180;
+  using math::kDegree;
   noise.scale = node.number({"noise", "", "scale of the noise of the depth, 1 as measured"},
                             {0, 100}, noise.scale);
   noise.disparity_step = node.number({"disparity_step", "pixels", "resolution of the disparity"},

@@ -123,7 +123,7 @@ class LogCollection : public CollectionFile {
 
   log::EventLog log_;
   std::int64_t session_ = bus::random_session();
-  bus::Stamp mark_stamp_{session_}, wrench_stamp_{session_}, biotac_stamp_{session_};
+  bus::HeaderStamper mark_stamp_{session_}, wrench_stamp_{session_}, biotac_stamp_{session_};
   std::int64_t start_us_ = 1000000;
   int trials_ = 0;
 };

@@ -8,9 +8,9 @@
 #include <stdexcept>
 
 #include "rt/bus/session.hpp"
-#include "tools/log/event_log.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::collect {
 namespace {
@@ -94,8 +94,8 @@ class Hand {
   bus::TypedSubscription<biotac_t> touches_;
   bus::TypedSubscription<ft_wrench_t> wrenches_;
   bus::TypedPublisher<hand_command_t> commands_;
-  bus::Sealer sealer_;
-  bus::Stamp stamp_{bus::random_session()}, marks_{bus::random_session()};
+  bus::MessageSigner sealer_;
+  bus::HeaderStamper stamp_{bus::random_session()}, marks_{bus::random_session()};
   log::EventLog log_;
   HandCount count_;
 };

@@ -107,7 +107,7 @@ void run_localise(const std::filesystem::path& file, const sensing::Localization
                   std::ostream& out) {
   using common::number;
   common::Table rows({"variant", "weighting", "samples", "X mean mm", "|X|", "Y mean mm", "|Y|",
-                        "Z mean mm", "|Z|", "median mm", "right area %"});
+                      "Z mean mm", "|Z|", "median mm", "right area %"});
   for (const auto weighting : {sensing::Weighting::kPublished, sensing::Weighting::kCentroid}) {
     sensing::LocalizationOptions with = options;
     with.weighting = weighting;

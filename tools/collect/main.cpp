@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/collect/collection.hpp"
 #include "tools/collect/compare.hpp"
@@ -47,9 +48,7 @@ void run_emulate(const EmulateOptions& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "Collects recordings to train tactile models on, and scores what emulates them.\n"
-      "Exit codes: 0 done, 1 an error, 78 wrong configuration.");
+  CLI::App app("Collects recordings to train tactile models on, and scores what emulates them.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -78,7 +77,7 @@ int main(int argc, char** argv) {
   CLI::App* emulate = app.add_subcommand(
       "emulate", "The probe protocol on emulated fingers: 945 trials, or 1890 with --extended");
   EmulateOptions emulation;
-  emulate->add_option("-o,--out", emulation.out, "CSV, or an LCM log where it ends in .log")
+  emulate->add_option("-o,--output", emulation.out, "CSV, or an LCM log where it ends in .log")
       ->capture_default_str();
   emulate->add_option("--seed", emulation.seed)
       ->check(CLI::Range(0, 1 << 30))
@@ -121,8 +120,8 @@ int main(int argc, char** argv) {
       "Presses of a hand over LCM, a real one or palpate-sim's: HAND_COMMAND, log of what comes");
   collect::HandProtocol protocol;
   std::string url = "udpm://239.255.76.67:7667?ttl=0", log = "presses.log", name = "presses";
-  hand->add_option("--url", url, "Of the control bus")->capture_default_str();
-  hand->add_option("-o,--out", log, "LCM log to write")->capture_default_str();
+  config::add_url_option(*hand, {{"control", &url}});
+  hand->add_option("-o,--output", log, "LCM log to write")->capture_default_str();
   hand->add_option("--name", name, "Of probe and area, for the log")->capture_default_str();
   hand->add_option("--finger", protocol.finger)->check(CLI::Range(0, 4))->capture_default_str();
   hand->add_option("--trials", protocol.trials)->check(CLI::Range(1, 10000))->capture_default_str();
@@ -137,7 +136,11 @@ int main(int argc, char** argv) {
   hand->add_option("--release", protocol.release, "s")
       ->check(CLI::Range(0.1, 600.0))
       ->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code =
+          config::parse(app, argc, argv,
+                        {{{78, "wrong configuration"}, {config::kExitInterrupted, "interrupted"}},
+                         {{"--out", "--output"}}}))
+    return *code;
   try {
     if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
@@ -151,6 +154,9 @@ int main(int argc, char** argv) {
     }
     if (*localise) collect::run_localise(collection, localization, std::cout);
     return 0;
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-collect: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-collect: " << error.what() << "\n";
     return config::kExitCode;

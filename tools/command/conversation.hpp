@@ -47,8 +47,8 @@ class Conversation {
   bus::TypedSubscription<component_event_t> events_;
   bus::TypedPublisher<component_command_t> commands_;
   bus::TypedPublisher<shape_target_t> targets_;
-  bus::Sealer command_sealer_, target_sealer_;
-  bus::Stamp command_stamp_, target_stamp_;
+  bus::MessageSigner command_sealer_, target_sealer_;
+  bus::HeaderStamper command_stamp_, target_stamp_;
   int revision_ = -1;  // of the last target
 };
 

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "rt/config/command_line.hpp"
 #include "tools/command/conversation.hpp"
 #include "tools/command/request.hpp"
 
@@ -116,13 +117,10 @@ int run(const CLI::App& app, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app(
-      "palpate-command tells a running palpated what to do, and prints what it answers.\n"
-      "Exit codes: 0 done, 1 refused, no answer, or wrong arguments.");
+  CLI::App app("palpate-command tells a running palpated what to do, and prints what it answers.");
   Options options;
-  app.add_option("--url", options.control, "control URL of the daemon")->capture_default_str();
-  app.add_option("--housekeeping", options.housekeeping, "its housekeeping URL")
-      ->capture_default_str();
+  palpate::config::add_url_option(
+      app, {{"control", &options.control}, {"housekeeping", &options.housekeeping}});
   app.add_option("--key", options.key_file, "file of the key that the daemon has");
   app.add_option("--timeout", options.timeout, "s, to wait for an answer")
       ->check(CLI::PositiveNumber)
@@ -137,12 +135,12 @@ int main(int argc, char** argv) {
       "  palpate-command target point 0.25 0.03 0.08 --reach 2e-3\n"
       "  palpate-command replace control --set provider=kinematic");
   add_events(app, options);
-  try {
-    app.parse(argc, argv);
-    if (make_key->empty() && app.get_subcommands().empty()) throw CLI::RequiredError("A command");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
+  if (const auto code = palpate::config::parse(app, argc, argv,
+                                               {{{1, "refused, no answer, or an error"}},
+                                                {{"--housekeeping", "--url", "housekeeping="}}}))
+    return *code;
+  if (make_key->empty() && app.get_subcommands().empty())
+    return palpate::config::usage_error(app, "a command is required");
   try {
     return run(app, options);
   } catch (const std::exception& error) {

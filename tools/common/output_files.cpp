@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
@@ -27,6 +28,10 @@ std::string file_name(const std::string& title) {
 }
 
 void write_json(const nlohmann::json& json, const std::filesystem::path& file) {
+  if (file == "-") {
+    std::cout << json.dump(2) << '\n' << std::flush;
+    return;
+  }
   std::ofstream out(file);
   out << json.dump(2) << '\n';
   out.close();

@@ -8,6 +8,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/doctor/channels.hpp"
 #include "tools/doctor/checks.hpp"
@@ -28,17 +29,15 @@ constexpr char kHelp[] =
     "palpate-doctor looks for what on this machine would hurt palpated: kernel, priorities, "
     "locked\n"
     "memory, frequency, idle states, isolation, clock, instructions; socket buffer, multicast\n"
-    "route, ttl, who listens and loses, other daemons; LCM, Java, disk; and with CONFIG whether\n"
+    "route, ttl, who listens and loses, other daemons; LCM, Java, disk; and with --config whether\n"
     "palpated would take that, with every mesh and model that it names. Of each it says ok, warn\n"
     "or fail, why it matters, and the command that mends it. It changes nothing.";
 constexpr char kExamples[] =
     "Examples:\n"
     "  palpate-doctor\n"
-    "  palpate-doctor rt/config/examples/bar_long_soft.yaml --only-bad\n"
-    "  palpate-doctor my.yaml --strict --json -\n"
-    "  palpate-doctor my.yaml --channels\n"
-    "Exit codes: 0 nothing fails, 1 something fails (with --strict: or warns), 2 an error,\n"
-    "78 --channels of a wrong configuration.";
+    "  palpate-doctor --config rt/config/examples/bar_long_soft.yaml --only-bad\n"
+    "  palpate-doctor --config my.yaml --strict --json -\n"
+    "  palpate-doctor --config my.yaml --channels";
 
 /// Relative to this program, both in the build tree and installed; from the root.
 std::string spy_jar() {
@@ -110,8 +109,9 @@ int list_channels(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
-  CLI::Option* configuration =
-      app.add_option("configuration", options.configuration, "of palpated: YAML file");
+  app.add_option("--config", options.configuration, "configuration of palpated, YAML");
+  palpate::config::add_deprecated_positional(app, "configuration", options.configuration,
+                                             "--config");
   app.add_option("--set", options.overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.add_option("--json", options.json, "write JSON to this file, or - for standard output alone")
@@ -129,24 +129,30 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_flag("--channels", options.channels,
                "instead of all that: which channels palpated would hear and speak on with the "
-               "configuration, of which type, on which URL, how often")
-      ->needs(configuration);
+               "configuration, of which type, on which URL, how often; requires --config");
   app.add_flag("--plain", options.plain, "no colours");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv,
+                                               {{{0, "no check fails"},
+                                                 {1, "a check fails (with --strict: or warns)"},
+                                                 {palpate::config::kExitSoftware, "an error"},
+                                                 {78, "wrong configuration with --channels"}}}))
+    return *code;
+  if (options.channels && options.configuration.empty())
+    return palpate::config::usage_error(app, "--channels requires --config");
   if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
   try {
     const std::string extension = std::filesystem::path(options.json).extension().string();
     if (extension == ".yaml" || extension == ".yml")
-      throw std::invalid_argument("--json " + options.json +
-                                  ": would overwrite a configuration; name that before --json");
+      return palpate::config::usage_error(
+          app, "--json " + options.json + ": would overwrite a configuration");
     return options.channels ? list_channels(options) : run(options);
   } catch (const palpate::config::Error& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return palpate::config::kExitCode;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
-    return 2;
+    return palpate::config::kExitSoftware;
   }
 }

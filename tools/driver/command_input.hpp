@@ -46,7 +46,7 @@ class CommandInput {
     Channel(bus::MessageBus& control, const char* name, const bus::Access& access)
         : commands(control, name, 64), admission(name, access) {}
     bus::TypedSubscription<Message> commands;
-    bus::Admission admission;
+    bus::ReplayGuard admission;
     bus::SequenceTracker order;
   };
 

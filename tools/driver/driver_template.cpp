@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "joint_guard.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/registry/arm_model.hpp"
 #include "simulated_arm.hpp"
@@ -72,7 +73,7 @@ class Telemetry {
   bus::TypedPublisher<palpate::robot_state_t> states_;
   bus::TypedPublisher<palpate::ft_wrench_t> wrenches_;
   const std::int64_t session_ = bus::random_session();
-  bus::Stamp state_stamp_{session_}, wrench_stamp_{session_};
+  bus::HeaderStamper state_stamp_{session_}, wrench_stamp_{session_};
   int tick_ = 0;
 };
 
@@ -156,10 +157,9 @@ int run(Options options) {
 int main(int argc, char** argv) {
   CLI::App app(
       "driver_template moves a simulated arm as palpated commands: a driver to copy.\n"
-      "SIGUSR1 presses the emergency stop of the simulated arm, SIGUSR2 releases it.\n"
-      "Exit codes: 0 ended by a signal, 1 an error.");
+      "SIGUSR1 presses the emergency stop of the simulated arm, SIGUSR2 releases it.");
   Options options;
-  app.add_option("--url", options.url, "control URL")->capture_default_str();
+  palpate::config::add_url_option(app, {{"control", &options.url}});
   app.add_option("--key", options.key_file, "file of the key that the daemon has");
   app.add_option("--urdf", options.urdf, "expanded URDF of the arm (default: palpate's own)");
   app.add_option("--flange", options.flange, "link of it that is E")->capture_default_str();
@@ -172,7 +172,8 @@ int main(int argc, char** argv) {
   app.add_option("--mass", options.arm.mass, "kg, of the hand")->check(CLI::Range(0.0, 50.0));
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer("Example:\n  driver_template --key robot.key --linear-limit 0.1");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv, {{{0, "ended by a signal"}}}))
+    return *code;
   for (const int signal : {SIGINT, SIGTERM}) std::signal(signal, [](int) { ended = 1; });
   std::signal(SIGUSR1, [](int) {
     if (simulated != nullptr) simulated->press_stop(true);

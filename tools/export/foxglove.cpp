@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "sim/draw/annotate.hpp"
+#include "tools/common/base64.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/mesh_edges.hpp"
 
@@ -175,9 +176,7 @@ std::string point_cloud(const log::Record& observation, std::int64_t utime) {
   std::vector<float> points;
   for (int i = 0; i < observation.used(field); ++i)
     points.push_back(static_cast<float>(observation.number(field, i)));
-  std::string data;
-  append_base64(reinterpret_cast<const std::uint8_t*>(points.data()), points.size() * sizeof(float),
-                data);
+  const std::string data = common::to_base64(points.data(), points.size() * sizeof(float));
   Json fields = Json::array();
   for (const auto& [name, offset] : {std::pair{"x", 0}, {"y", 4}, {"z", 8}})
     fields.push_back({{"name", name}, {"offset", offset}, {"type", kFloat32}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tools/common/base64.hpp"
 #include "tools/export/columns.hpp"
 
 namespace palpate::exporting {
@@ -72,7 +73,7 @@ void append_field(const log::Record& record, int field, std::string& text) {
     for (std::size_t i = 0; i < bytes.size(); ++i)
       bytes[i] = static_cast<std::uint8_t>(record.integer(field, static_cast<int>(i)));
     text += '"';
-    append_base64(bytes.data(), bytes.size(), text);
+    text += common::to_base64(bytes.data(), bytes.size());
     text += '"';
   } else if (info.is_scalar()) {
     append_value(record, field, 0, text);
@@ -136,18 +137,6 @@ void append_json(const log::Record& record, std::string& text) {
     append_field(record, static_cast<int>(f), text);
   }
   text += '}';
-}
-
-void append_base64(const std::uint8_t* bytes, std::size_t size, std::string& text) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < size; i += 3) {
-    const std::size_t count = std::min<std::size_t>(3, size - i);
-    std::uint32_t bits = 0;
-    for (std::size_t k = 0; k < 3; ++k) bits = bits << 8 | (k < count ? bytes[i + k] : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += k <= count ? kDigits[bits >> (18 - 6 * k) & 0x3f] : '=';
-  }
 }
 
 void append_json_string(const std::string& value, std::string& text) {

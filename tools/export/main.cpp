@@ -1,5 +1,6 @@
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/export/commands.hpp"
 
@@ -19,9 +20,7 @@ int main(int argc, char** argv) {
       "  palpate-export mcap control.log housekeeping.log --output run.mcap\n"
       "  palpate-export vtu housekeeping.log --rate 20 --output out\n"
       "  palpate-export png housekeeping.log --at 2.5 --colour stress --output shape.png\n"
-      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4"
-      "\nExit codes: 0 done, 1 a log cannot be read or nothing can be written, 78 a wrong "
-      "configuration.");
+      "  palpate-export mp4 control.log housekeeping.log --colour deviation --output run.mp4");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.require_subcommand(1);
   std::function<void()> chosen;
@@ -32,7 +31,11 @@ int main(int argc, char** argv) {
   exporting::add_vtu(app, chosen);
   exporting::add_png(app, chosen);
   exporting::add_mp4(app, chosen);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = config::parse(
+          app, argc, argv,
+          {{{1, "a log cannot be read or nothing can be written"}, {78, "wrong configuration"}},
+           {{"--configuration", "--config"}}}))
+    return *code;
   try {
     chosen();
   } catch (const config::Error& error) {

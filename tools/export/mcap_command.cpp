@@ -40,7 +40,7 @@ void add_mcap(CLI::App& app, std::function<void()>& chosen) {
       ->check(CLI::Range(0.0, 1000.0))
       ->capture_default_str();
   command
-      ->add_option("--configuration", options->configuration,
+      ->add_option("--config", options->configuration,
                    "Configuration of palpated: says where the object is, so that arm and object "
                    "share a frame")
       ->check(CLI::ExistingFile);

@@ -58,7 +58,7 @@ void add_drawing(CLI::App& command, Options& options) {
   command.add_option("--title", drawing.title, "Stands before the time");
   command
       .add_option(
-          "--configuration", drawing.configuration,
+          "--config", drawing.configuration,
           "Configuration of palpated: says where the object is in the arm's base W, so that "
           "z is up and the arm is drawn (default: drawn in the object's frame O)")
       ->check(CLI::ExistingFile);

@@ -63,7 +63,7 @@ SceneDrawing::SceneDrawing(const DrawingOptions& options)
   const config::Node configuration = config::Node::load_file(options_.configuration);
   X_WO_ = registry::read_frames(configuration).X_WO;
   if (!options_.urdf.empty())
-    arm_ = std::make_unique<robot::Robot>(robot::load_model(options_.urdf), robot::RobotOptions());
+    arm_ = std::make_unique<drawing::RobotDrawing>(options_.urdf, "flange");
 }
 
 Eigen::Matrix3Xd SceneDrawing::in_world(const Eigen::Matrix3Xd& points_O) const {
@@ -306,23 +306,23 @@ void SceneDrawing::draw_floor() {
 }
 
 void SceneDrawing::draw_arm(const robot_state_t& state) {
-  if (arm_->joint_count() != state.joint_count) return;
-  arm_->set_joints(Eigen::Map<const Eigen::VectorXd>(state.q, state.joint_count));
-  for (const robot::VisualShape& visual : arm_->visuals()) {
-    const math::Pose X_WV = arm_->link_pose(visual.link) * visual.X_LV;
-    const Eigen::Vector3f c = visual.colour.cast<float>();
+  if (arm_->arm_joint_count() != state.joint_count) return;
+  link_poses_.clear();
+  arm_->place(math::Pose::Identity(), state.q, state.joint_count, nullptr, 0, link_poses_);
+  for (const drawing::LinkShape& shape : arm_->shapes()) {
+    const float* at = link_poses_.data() + static_cast<std::size_t>(7) * shape.link;
+    math::Pose X_WL = math::Pose::Identity();
+    X_WL.translation() = Eigen::Vector3f::Map(at).cast<double>();
+    X_WL.linear() = Eigen::Quaterniond(at[6], at[3], at[4], at[5]).normalized().toRotationMatrix();
+    const math::Pose X_WV = X_WL * shape.X_LV;
+    const Eigen::Vector3f c = shape.colour.cast<float>();
     const Colour colour{c.x(), c.y(), c.z(), 1};
-    switch (visual.kind) {
-      case robot::ShapeKind::kBox:
-        renderer_.draw_box(X_WV, visual.size, colour);
-        break;
-      case robot::ShapeKind::kCylinder:
-        renderer_.draw_cylinder(X_WV, visual.size.x(), visual.size.y(), colour);
-        break;
-      case robot::ShapeKind::kSphere:
-        renderer_.draw_sphere(X_WV, visual.size.x(), colour);
-        break;
-    }
+    if (shape.kind == "box")
+      renderer_.draw_box(X_WV, shape.size, colour);
+    else if (shape.kind == "cylinder")
+      renderer_.draw_cylinder(X_WV, shape.size.x(), shape.size.y(), colour);
+    else
+      renderer_.draw_sphere(X_WV, shape.size.x(), colour);
   }
 }
 

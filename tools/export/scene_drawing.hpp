@@ -7,7 +7,7 @@
 
 #include "core/math/rigid.hpp"
 #include "sim/draw/renderer.hpp"
-#include "sim/robot/robot.hpp"
+#include "tools/drawing/robot_drawing.hpp"
 #include "tools/export/mesh_edges.hpp"
 #include "tools/export/quantity.hpp"
 #include "tools/export/shape_follower.hpp"
@@ -67,8 +67,9 @@ class SceneDrawing {
   draw::Renderer renderer_;
   draw::Image image_;
   math::Pose X_WO_ = math::Pose::Identity();
-  std::unique_ptr<robot::Robot> arm_;
-  Eigen::AlignedBox3d bounds_W_;                        // of all shapes
+  std::unique_ptr<drawing::RobotDrawing> arm_;
+  std::vector<float> link_poses_;  // position and quaternion x, y, z, w of each link of arm_, in W
+  Eigen::AlignedBox3d bounds_W_;   // of all shapes
   Eigen::Vector3d middle_W_ = Eigen::Vector3d::Zero();  // of the shape that is drawn
   Eigen::VectorXd values_;    // of the quantity, of the instant that is drawn
   double size_ = 0;           // m, of the object

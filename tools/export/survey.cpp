@@ -6,7 +6,7 @@
 namespace palpate::exporting {
 namespace {
 
-constexpr std::int64_t kReportEvery = 20'000;  // events
+constexpr std::int64_t kSurveyReportEvery = 20'000;  // events
 
 std::uint64_t fingerprint_of(const bus::LoggedEvent& event) {
   std::uint64_t fingerprint = 0;
@@ -112,7 +112,7 @@ Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) 
   Survey result;
   result.bytes = log.size();
   while (const bus::LoggedEvent* event = log.next()) {
-    if (progress && result.events % kReportEvery == 0)
+    if (progress && result.events % kSurveyReportEvery == 0)
       progress(static_cast<double>(log.place()) / static_cast<double>(log.size()));
     ++result.events;
     result.received.add(event->utime);

@@ -3,6 +3,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "tools/common/base64.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/output_file.hpp"
 #include "tools/log/record.hpp"
@@ -19,9 +20,7 @@ std::string encoded(const Number* numbers, std::size_t count) {
   std::vector<std::uint8_t> bytes(sizeof size + size);
   std::memcpy(bytes.data(), &size, sizeof size);
   if (size > 0) std::memcpy(bytes.data() + sizeof size, numbers, size);
-  std::string text;
-  append_base64(bytes.data(), bytes.size(), text);
-  return text;
+  return common::to_base64(bytes.data(), bytes.size());
 }
 
 std::string opening(const std::string& type, const std::string& name, Eigen::Index components) {

@@ -4,11 +4,11 @@
 
 #include "tools/fit/experiments/ball.hpp"
 #include "tools/fit/experiments/beam.hpp"
-#include "tools/fit/held/held_decay.hpp"
-#include "tools/fit/held/held_object.hpp"
 #include "tools/fit/experiments/hertz.hpp"
 #include "tools/fit/experiments/skin.hpp"
 #include "tools/fit/experiments/uniaxial.hpp"
+#include "tools/fit/held/held_decay.hpp"
+#include "tools/fit/held/held_object.hpp"
 
 namespace palpate::fit {
 

@@ -1,14 +1,15 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/fit/findings.hpp"
 #include "tools/fit/held/held_plan_command.hpp"
@@ -66,8 +67,7 @@ std::string footer() {
   std::sort(names.begin(), names.end());
   for (const std::string& name : names) text += " " + name;
   return text +
-         "\n\nExample:\n  palpate-fit foam.yaml --data recordings --out out/foam --details\n\n"
-         "Exit codes: 0 done, 1 a fit failed or derivatives are wrong, 78 a wrong plan.";
+         "\n\nExample:\n  palpate-fit foam.yaml --data recordings --output out/foam --details";
 }
 
 std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Options& options) {
@@ -88,19 +88,9 @@ std::vector<fit::JobResult> run_with_progress(const fit::Plan& plan, const Optio
   return results;
 }
 
-void write_json(const nlohmann::json& json, const std::string& file) {
-  if (file == "-") {
-    std::cout << json.dump(1) << "\n";
-    return;
-  }
-  std::ofstream out(file);
-  out << json.dump(1) << "\n";
-  if (!out.flush()) throw std::runtime_error("cannot write " + file);
-}
-
 int run(const Options& options) {
   if (options.resume && options.out.empty())
-    throw config::Error("--resume needs --out, where the checkpoint lies");
+    throw config::Error("--resume needs --output, where the checkpoint lies");
   const fit::Plan plan = fit::read_plan(
       config::Node::load_file(plan_path(options.plan), options.overrides), options.data);
   const std::vector<fit::JobResult> results = run_with_progress(plan, options);
@@ -117,7 +107,7 @@ int run(const Options& options) {
       fit::print_findings(plan.jobs[k], results[k], out);
   if (options.check_gradients) is_good = fit::print_gradients(results, out) && is_good;
   if (options.numeric) fit::print_comparison(results, out);
-  if (!options.json.empty()) write_json(fit::to_json(plan, results), options.json);
+  if (!options.json.empty()) common::write_json(fit::to_json(plan, results), options.json);
   if (!options.out.empty()) fit::write_files(plan, results, options.out);
   return is_good ? 0 : 1;
 }
@@ -135,12 +125,12 @@ int main(int argc, char** argv) {
   app.add_option("--data", options.data, "Folder that the plan's files lie below")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
-  app.add_option("-o,--out", options.out,
+  app.add_option("-o,--output", options.out,
                  "Folder for material.yaml, samples.csv, fit.png and fits.csv, and the checkpoint");
   app.add_option("--json", options.json, "File for all results as JSON; - for the standard output");
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_flag("--details", options.details, "Every fit's parameters, series and what is not told");
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint in --out");
+  app.add_flag("--resume", options.resume, "Go on from the checkpoint in --output");
   app.add_flag("--check-gradients", options.check_gradients,
                "Compare derivatives with Ridders' differences; above 1e-6 is an error");
   app.add_flag("--numeric", options.numeric,
@@ -152,10 +142,18 @@ int main(int argc, char** argv) {
   fit::add_held_plan_command(app, code);
   common::catch_interruptions();
   try {
-    CLI11_PARSE(app, argc, argv);
+    if (const auto ended = config::parse(app, argc, argv,
+                                         {{{1, "an error, a fit that failed, or wrong derivatives"},
+                                           {78, "wrong plan"},
+                                           {config::kExitInterrupted, "interrupted"}},
+                                          {{"--out", "--output"}}}))
+      return *ended;
     if (!app.get_subcommands().empty()) return code;
-    if (options.plan.empty()) throw config::Error("a plan is needed, or a command; see --help");
+    if (options.plan.empty()) return config::usage_error(app, "a plan or a command is required");
     return run(options);
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-fit: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-fit: " << error.what() << "\n";
     return config::kExitCode;

@@ -1,7 +1,7 @@
 #include "tools/fit/noise.hpp"
 
 #include <algorithm>
-#include <array>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 namespace palpate::fit {
@@ -27,19 +27,7 @@ double autocorrelation_factor(const Eigen::VectorXd& residuals) {
 }
 
 double student_quantile(double freedom) {
-  // Exact below 5; above, the Cornish-Fisher expansion (Abramowitz and Stegun 26.7.5).
-  constexpr std::array<double, 5> kFew = {12.7062, 12.7062, 4.30265, 3.18245, 2.77645};
-  if (freedom < 5) {
-    const double v = std::max(freedom, 1.0);
-    const auto below = static_cast<std::size_t>(v);
-    const double above = below + 1 < kFew.size() ? kFew[below + 1] : 2.57058;
-    return kFew[below] + (v - static_cast<double>(below)) * (above - kFew[below]);
-  }
-  const double z = 1.959964, v = freedom;
-  return z + (std::pow(z, 3) + z) / (4 * v) +
-         (5 * std::pow(z, 5) + 16 * std::pow(z, 3) + 3 * z) / (96 * v * v) +
-         (3 * std::pow(z, 7) + 19 * std::pow(z, 5) + 17 * std::pow(z, 3) - 15 * z) /
-             (384 * v * v * v);
+  return boost::math::quantile(boost::math::students_t(std::max(freedom, 1.0)), 0.975);
 }
 
 }  // namespace palpate::fit

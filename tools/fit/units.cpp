@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::fit {
 namespace {
 
@@ -11,7 +13,7 @@ struct DimensionUnits {
 };
 
 const DimensionUnits& table(Dimension dimension) {
-  constexpr double kDegree = 3.14159265358979323846 / 180;
+  using math::kDegree;
   constexpr double kGravity = 9.80665;  // standard, m/s^2
   // In the order of the enumeration.
   static const std::vector<DimensionUnits> all = {

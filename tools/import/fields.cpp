@@ -9,6 +9,8 @@ namespace {
 
 using Units = std::map<std::string, double>;
 
+constexpr const char* kQuaternionEffect = "orientation of the flange in the base, unit quaternion";
+
 const Units& units_of(Dimension dimension) {
   static const std::map<Dimension, Units> kUnits = {
       {Dimension::kForce, {{"N", 1}, {"mN", 1e-3}, {"kN", 1e3}}},
@@ -23,17 +25,27 @@ const Units& units_of(Dimension dimension) {
   return kUnits.at(dimension);
 }
 
-std::vector<Field> vector_fields(const std::string& prefix, Dimension dimension, bool required) {
+std::vector<Field> vector_fields(const std::string& prefix, Dimension dimension, bool required,
+                                 const std::string& effect) {
   std::vector<Field> fields;
-  for (const char* axis : {"x", "y", "z"}) fields.push_back({prefix + axis, dimension, required});
+  for (const char* axis : {"x", "y", "z"})
+    fields.push_back({prefix + axis, dimension, required, effect});
   return fields;
 }
 
-std::vector<Field> numbered(const std::string& prefix, int first, int count, Dimension dimension) {
+std::vector<Field> numbered(const std::string& prefix, int first, int count, Dimension dimension,
+                            const std::string& effect) {
   std::vector<Field> fields;
   for (int i = first; i < first + count; ++i)
-    fields.push_back({prefix + std::to_string(i), dimension, false});
+    fields.push_back({prefix + std::to_string(i), dimension, false, effect});
   return fields;
+}
+
+/// The column of "[-]column[:unit]"; empty for "=constant".
+std::string column_of(const std::string& description) {
+  if (!description.empty() && description.front() == '=') return "";
+  const std::size_t begin = !description.empty() && description.front() == '-' ? 1 : 0;
+  return description.substr(begin, description.find(':') - begin);
 }
 
 std::vector<Field> joined(const std::vector<std::vector<Field>>& groups) {
@@ -45,23 +57,35 @@ std::vector<Field> joined(const std::vector<std::vector<Field>>& groups) {
 /// The encoders index into these lists.
 const std::map<std::string, std::vector<Field>>& formats() {
   static const std::map<std::string, std::vector<Field>> kFormats = {
-      {"force_torque", joined({vector_fields("f", Dimension::kForce, true),
-                               vector_fields("t", Dimension::kTorque, true)})},
-      {"imu", joined({vector_fields("a", Dimension::kAcceleration, true),
-                      vector_fields("w", Dimension::kAngularSpeed, false)})},
-      {"robot_state", joined({vector_fields("p", Dimension::kLength, true),
-                              {{"qw", Dimension::kNone, true}},
-                              vector_fields("q", Dimension::kNone, true),
-                              vector_fields("v", Dimension::kSpeed, false),
-                              vector_fields("w", Dimension::kAngularSpeed, false),
-                              numbered("q", 1, 16, Dimension::kAngle),
-                              numbered("dq", 1, 16, Dimension::kAngularSpeed),
-                              numbered("tau", 1, 16, Dimension::kTorque)})},
-      {"biotac", joined({numbered("e", 1, 19, Dimension::kNone),
-                         numbered("pac", 0, 22, Dimension::kNone),
-                         {{"pdc", Dimension::kNone, false},
-                          {"tac", Dimension::kNone, false},
-                          {"tdc", Dimension::kNone, false}}})},
+      {"force_torque",
+       joined({vector_fields("f", Dimension::kForce, true,
+                             "force of the sensor on its load, in the sensor's frame"),
+               vector_fields("t", Dimension::kTorque, true,
+                             "torque of the sensor on its load, about the sensor's origin")})},
+      {"imu", joined({vector_fields("a", Dimension::kAcceleration, true,
+                                    "specific force in the unit's frame: at rest minus gravity"),
+                      vector_fields("w", Dimension::kAngularSpeed, false,
+                                    "angular velocity in the unit's frame")})},
+      {"robot_state",
+       joined({vector_fields("p", Dimension::kLength, true,
+                             "position of the flange in the robot's base"),
+               {{"qw", Dimension::kNone, true, kQuaternionEffect}},
+               vector_fields("q", Dimension::kNone, true, kQuaternionEffect),
+               vector_fields("v", Dimension::kSpeed, false,
+                             "linear velocity of the flange's origin, in the base's axes"),
+               vector_fields("w", Dimension::kAngularSpeed, false,
+                             "angular velocity of the flange, in the base's axes"),
+               numbered("q", 1, 16, Dimension::kAngle,
+                        "joint positions; the last one that has a column sets the joint count"),
+               numbered("dq", 1, 16, Dimension::kAngularSpeed, "joint velocities"),
+               numbered("tau", 1, 16, Dimension::kTorque, "joint torques")})},
+      {"biotac",
+       joined({numbered("e", 1, 19, Dimension::kNone, "electrodes, counts; all of them or none"),
+               numbered("pac", 0, 22, Dimension::kNone,
+                        "dynamic pressure, counts, oldest first; without gaps from `pac0` on"),
+               {{"pdc", Dimension::kNone, false, "static pressure, counts"},
+                {"tac", Dimension::kNone, false, "thermal flux, counts; valid with `tdc` only"},
+                {"tdc", Dimension::kNone, false, "temperature, counts; valid with `tac` only"}}})},
   };
   return kFormats;
 }
@@ -82,6 +106,34 @@ double unit_factor(Dimension dimension, const std::string& unit) {
     throw std::invalid_argument("unknown unit '" + unit + "'; allowed: " +
                                 listed(units, [](const auto& item) { return item.first; }));
   return found->second;
+}
+
+std::string units_text(Dimension dimension) {
+  if (dimension == Dimension::kNone) return "-";
+  std::string si, others;
+  for (const auto& [unit, factor] : units_of(dimension)) {
+    if (factor == 1) {
+      si = unit;
+    } else {
+      others += (others.empty() ? "" : ", ") + unit;
+    }
+  }
+  return si + " (" + others + ")";
+}
+
+std::vector<std::string> needed_columns(const std::string& format,
+                                        const std::map<std::string, std::string>& described) {
+  std::vector<std::string> columns;
+  for (const Field& field : fields_of(format)) {
+    const auto found = described.find(field.name);
+    if (found != described.end()) {
+      const std::string column = column_of(found->second);
+      if (!column.empty()) columns.push_back(column);
+    } else if (field.required) {
+      columns.push_back(field.name);
+    }
+  }
+  return columns;
 }
 
 const std::vector<std::string>& format_names() {
@@ -125,7 +177,7 @@ FieldMapping::FieldMapping(const std::string& format,
       sources_.push_back(source);
       continue;
     }
-    std::string text = found->second;
+    const std::string& text = found->second;
     source.known = true;
     try {
       if (!text.empty() && text.front() == '=') {
@@ -134,14 +186,11 @@ FieldMapping::FieldMapping(const std::string& format,
         if (used + 1 != text.size() || !std::isfinite(source.constant))
           throw std::invalid_argument("not a number");
       } else {
-        if (!text.empty() && text.front() == '-') {
-          source.factor = -1;
-          text.erase(0, 1);
-        }
+        if (!text.empty() && text.front() == '-') source.factor = -1;
         const std::size_t colon = text.find(':');
         if (colon != std::string::npos)
           source.factor *= unit_factor(field.dimension, text.substr(colon + 1));
-        source.column = csv.column(text.substr(0, colon));
+        source.column = csv.column(column_of(text));
       }
     } catch (const std::logic_error& error) {
       throw std::invalid_argument("field " + field.name + ": '" + found->second +

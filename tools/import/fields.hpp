@@ -23,11 +23,15 @@ enum class Dimension {
 /// Factor from `unit` to SI; throws std::invalid_argument listing the units.
 double unit_factor(Dimension dimension, const std::string& unit);
 
+/// The units of a dimension, SI first: "N (mN, kN)"; "-" where it has none.
+std::string units_text(Dimension dimension);
+
 /// One number of a message.
 struct Field {
   std::string name;
   Dimension dimension = Dimension::kNone;
   bool required = false;
+  std::string effect;  // what it sets; alike for fields that belong together
 };
 
 /// Message types that can be imported: force_torque, imu, robot_state, biotac.
@@ -35,9 +39,13 @@ const std::vector<std::string>& format_names();
 /// Fields of a format; throws std::invalid_argument listing the formats.
 const std::vector<Field>& fields_of(const std::string& format);
 
-/// Sources of the fields of one format in one file. A field is described by "[-]column[:unit]" or
-/// "=constant" (in SI); by default it is read from the column of its own name, in SI, if there is
-/// one.
+/// The columns that a file must have for a format described so: see FieldMapping.
+std::vector<std::string> needed_columns(const std::string& format,
+                                        const std::map<std::string, std::string>& described);
+
+/// Where the fields of one format come from in one file. A field is described by "[-]column[:unit]"
+/// or "=constant" (in SI); one that is not described takes the column of its own name, in SI, if
+/// there is one.
 class FieldMapping {
  public:
   /// Throws CsvError or std::invalid_argument: unknown field, column or unit, or a required field

@@ -30,7 +30,24 @@ void check_channel(const std::string& channel) {
     throw std::invalid_argument("channel '" + channel + "' must be 1 to 63 of A-Z, 0-9 and _");
 }
 
-/// A log that is renamed to its final name when complete.
+/// All that a file lacks is one error, so that it is mended once.
+void require_columns(const recordings::CsvReader& csv, const ImportOptions& options) {
+  std::vector<std::string> columns;
+  if (options.rate <= 0) columns.push_back(options.time_column);
+  for (const auto& item : options.where) columns.push_back(item.first);
+  for (const Stream& stream : options.streams) {
+    const std::vector<std::string> needed = needed_columns(stream.format, stream.columns);
+    columns.insert(columns.end(), needed.begin(), needed.end());
+  }
+  try {
+    csv.require_columns(columns);
+  } catch (const recordings::CsvError& error) {
+    throw recordings::CsvError(std::string(error.what()) +
+                               "; palpate-import --formats lists the fields of each format");
+  }
+}
+
+/// A log that takes its name when it is complete.
 class NewLog {
  public:
   explicit NewLog(const std::string& path) : path_(path), part_(path + ".part") {
@@ -70,7 +87,8 @@ class NewLog {
 ImportSummary import_csv(const ImportOptions& options) {
   if (options.streams.empty()) throw std::invalid_argument("no stream to import");
   const double unit = seconds_in(options.time_unit);
-  recordings::CsvReader csv(options.input);
+  recordings::CsvReader csv(options.input, {options.delimiter});
+  require_columns(csv, options);
   const int time_column = options.rate > 0 ? -1 : csv.column(options.time_column);
   std::vector<std::pair<int, std::string>> where;
   for (const auto& [column, text] : options.where) where.emplace_back(csv.column(column), text);
@@ -127,7 +145,18 @@ std::vector<Stream> preset_streams(const std::string& name) {
   throw std::invalid_argument("unknown preset '" + name + "'; allowed: " + preset_names().front());
 }
 
+char delimiter_of(const std::string& name) {
+  static const std::map<std::string, char> kDelimiters = {
+      {"auto", 0}, {"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}};
+  const auto found = kDelimiters.find(name);
+  if (found != kDelimiters.end()) return found->second;
+  throw std::invalid_argument("unknown delimiter '" + name +
+                              "'; allowed: auto, comma, semicolon, tab");
+}
+
 void read_map(const config::Node& root, ImportOptions& options) {
+  options.delimiter =
+      delimiter_of(root.choice("delimiter", {"auto", "comma", "semicolon", "tab"}, "auto"));
   options.time_column = root.text("time_column", options.time_column);
   options.time_unit = root.choice("time_unit", {"s", "ms", "us", "ns"}, options.time_unit);
   options.rate = root.number("rate", {0, 1e6}, options.rate);

@@ -24,6 +24,7 @@ struct ImportOptions {
   std::string time_unit = "s";  // s, ms, us or ns
   double rate = 0;              // Hz: if > 0, rows are equidistant and time_column is not read
   double start = 0;             // s, added to every time
+  char delimiter = 0;           // ',', ';' or '\t'; 0: found from the header line
   std::int64_t session = 0;
   /// Only rows with this text in a column; empty: all.
   std::map<std::string, std::string> where;
@@ -45,8 +46,11 @@ ImportSummary import_csv(const ImportOptions& options);
 std::vector<Stream> preset_streams(const std::string& name);
 const std::vector<std::string>& preset_names();
 
-/// Reads keys time_column, time_unit, rate, start, where {column: text} and streams, a list of
-/// {channel, format, columns: {field: description}}, into `options`. Throws config::Error.
+/// Delimiter by its name: comma, semicolon, tab; 0 for auto. Throws std::invalid_argument.
+char delimiter_of(const std::string& name);
+
+/// Reads keys delimiter, time_column, time_unit, rate, start, where {column: text} and streams, a
+/// list of {channel, format, columns: {field: description}}, into `options`. Throws config::Error.
 void read_map(const config::Node& root, ImportOptions& options);
 
 }  // namespace palpate::import

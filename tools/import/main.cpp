@@ -4,7 +4,9 @@
 #include <nlohmann/json.hpp>
 #include <random>
 
+#include "rt/config/command_line.hpp"
 #include "tools/import/fields.hpp"
+#include "tools/import/formats_page.hpp"
 #include "tools/import/import_csv.hpp"
 
 namespace {
@@ -45,9 +47,7 @@ int main(int argc, char** argv) {
   std::string preset, map_file, json_file;
   std::vector<std::string> columns, where;
 
-  CLI::App app(
-      "Turns a CSV recording, plain or .gz, into an LCM log.\n"
-      "Exit codes: 0 done, 1 an error, 78 a wrong map.");
+  CLI::App app("Turns a CSV recording, plain or .gz, into an LCM log.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -59,8 +59,9 @@ int main(int argc, char** argv) {
           ->check(CLI::IsMember(import::preset_names()));
   auto* const map_option =
       app.add_option("--map", map_file, "YAML: streams of {channel, format, columns}");
-  auto* const format_option = app.add_option("--format", stream.format, "Message type")
-                                  ->check(CLI::IsMember(import::format_names()));
+  auto* const format_option =
+      app.add_option("--format", stream.format, "Message type; --formats lists their fields")
+          ->check(CLI::IsMember(import::format_names()));
   auto* const channel_option =
       app.add_option("--channel", stream.channel, "LCM channel of --format");
   app.add_option("--column", columns,
@@ -70,6 +71,11 @@ int main(int argc, char** argv) {
   format_option->needs(channel_option)->excludes(preset_option)->excludes(map_option);
   channel_option->needs(format_option);
   preset_option->excludes(map_option);
+  std::string delimiter = "auto";
+  auto* const delimiter_option =
+      app.add_option("--delimiter", delimiter, "Between cells; auto: found from the header line")
+          ->check(CLI::IsMember({"auto", "comma", "semicolon", "tab"}))
+          ->capture_default_str();
   app.add_option("--time-column", options.time_column, "Column of the time")->capture_default_str();
   app.add_option("--time-unit", options.time_unit, "Its unit")
       ->check(CLI::IsMember({"s", "ms", "us", "ns"}))
@@ -81,7 +87,15 @@ int main(int argc, char** argv) {
   auto* const session_option =
       app.add_option("--session", options.session, "Session of the messages (default: random)");
   app.add_option("--json", json_file, "Write a summary");
-  CLI11_PARSE(app, argc, argv);
+  app.add_flag_callback(
+      "--formats",
+      [] {
+        std::string page = import::formats_page();
+        page.pop_back();  // CLI11 ends the line
+        throw CLI::CallForVersion(page, 0);
+      },
+      "Print the fields of each --format with unit and effect, and whether it is required");
+  if (const auto code = config::parse(app, argc, argv, {{{78, "wrong map"}}})) return *code;
 
   try {
     options.where = pairs(where, "--where");
@@ -95,6 +109,7 @@ int main(int argc, char** argv) {
     } else {
       throw std::invalid_argument("one of --preset, --map, --format is needed");
     }
+    if (delimiter_option->count() > 0) options.delimiter = import::delimiter_of(delimiter);
     if (session_option->count() == 0) {
       std::random_device device;
       options.session = static_cast<std::int64_t>(device()) << 31 | device();

@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
@@ -36,8 +37,6 @@ using namespace palpate::scores;
 using namespace palpate::sensor_models;
 using namespace palpate::studies;
 
-constexpr int kInterrupted = 130;
-
 std::string default_data(const std::string& root) {
   if (const char* folder = std::getenv("PALPATE_DATA")) return folder;
   return root + "/../shared/data";
@@ -51,7 +50,7 @@ int run(CLI::App& app, int argc, char** argv) {
   app.footer(
       "Examples:\n"
       "  palpate-evaluate demo --output out/demo\n"
-      "  palpate-evaluate thesis --quick --out out/thesis");
+      "  palpate-evaluate thesis --quick --output out/thesis");
   app.add_option("--root", root, "folder with scenes and configurations (default: palpate's own)");
   app.fallthrough();
 
@@ -185,7 +184,14 @@ int run(CLI::App& app, int argc, char** argv) {
 
   CaseCommands cases(app);
 
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code =
+          palpate::config::parse(app, argc, argv,
+                                 {{{0, "all passed"},
+                                   {1, "an error, or a run failed or missed its figure"},
+                                   {78, "wrong configuration"},
+                                   {palpate::config::kExitInterrupted, "interrupted"}},
+                                  {{"--out", "--output"}}}))
+    return *code;
   if (data.empty()) data = default_data(root);
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
@@ -238,13 +244,12 @@ int run(CLI::App& app, int argc, char** argv) {
 int main(int argc, char** argv) {
   CLI::App app(
       "palpate-evaluate runs palpated against the simulator or a recording and scores it on the "
-      "truth.\nExit codes: 0 all passed, 1 a run failed or missed its figure, 78 wrong "
-      "configuration, 130 interrupted.");
+      "truth.");
   try {
     return run(app, argc, argv);
   } catch (const palpate::common::Interrupted&) {
     std::fprintf(stderr, "\ninterrupted; every program has been stopped\n");
-    return kInterrupted;
+    return palpate::config::kExitInterrupted;
   } catch (const palpate::config::Error& error) {
     std::fprintf(stderr, "error: %s\n", error.what());
     return palpate::config::kExitCode;

@@ -2,10 +2,12 @@
 
 #include <CLI/CLI.hpp>
 
+#include "rt/config/command_line.hpp"
+
 namespace palpate::mesh_tool {
 
 // Exit codes.
-inline constexpr int kGood = 0, kFailed = 1, kBroken = 2;
+inline constexpr int kGood = 0, kFailed = 1, kBroken = config::kExitData;
 
 /// box, cylinder, ellipsoid, surface: `code` becomes the exit code of the one that runs.
 void add_make_commands(CLI::App& app, int& code);

@@ -11,8 +11,9 @@ namespace {
 
 using draw::Colour;
 
-constexpr int kColumns = 2, kPanelWidth = 780, kPanelHeight = 330, kTitle = 34, kBins = 36;  // px
-constexpr int kLeft = 70, kRight = 20, kTop = 44, kBottom = 44;                              // px
+constexpr int kColumns = 2, kPanelWidth = 780, kPanelHeight = 330, kHistogramTitle = 34,
+              kBins = 36;                                        // px
+constexpr int kLeft = 70, kRight = 20, kTop = 44, kBottom = 44;  // px
 const Colour kInk{0.15F, 0.18F, 0.22F, 1}, kBar{0.22F, 0.45F, 0.72F, 1},
     kGrid{0.86F, 0.88F, 0.91F, 1};
 
@@ -71,7 +72,7 @@ void draw_histograms(const Quality& quality, const std::string& title,
       {"radius_ratio", 0, 1},         {"scaled_jacobian", 0, 1}, {"smallest_angle_deg", 0, 72},
       {"largest_angle_deg", 60, 180}, {"edge_m", 0, 0},          {"relative_stiffness", 1, 1}};
   const int rows = (static_cast<int>(std::size(kWanted)) + kColumns - 1) / kColumns;
-  draw::Image image(kColumns * kPanelWidth, kTitle + rows * kPanelHeight);
+  draw::Image image(kColumns * kPanelWidth, kHistogramTitle + rows * kPanelHeight);
   std::fill(image.rgb.begin(), image.rgb.end(), std::uint8_t{255});
   for (int i = 0; i < static_cast<int>(std::size(kWanted)); ++i) {
     const Distribution& d = quality.of(kWanted[i].key);
@@ -83,8 +84,8 @@ void draw_histograms(const Quality& quality, const std::string& title,
       }
       if (!(high > low)) high = low + 1;
     }
-    draw_one(image, (i % kColumns) * kPanelWidth, kTitle + (i / kColumns) * kPanelHeight, d, low,
-             high);
+    draw_one(image, (i % kColumns) * kPanelWidth, kHistogramTitle + (i / kColumns) * kPanelHeight,
+             d, low, high);
   }
   draw::draw_title(image, title);
   draw::write_png(png.string(), image);

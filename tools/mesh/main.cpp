@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/mesh/commands.hpp"
 
@@ -22,19 +23,23 @@ int main(int argc, char** argv) {
       "  palpate-mesh check toy.msh --picture toy.faults.png --json -\n"
       "  palpate-mesh repair old.veg new.msh --largest-part\n"
       "  palpate-mesh convert bar.msh bar.node --first 0\n"
-      "In a configuration of palpated: object: {mesh: {file: bar.msh}, ...}\n\n"
-      "Exit codes: 0 done, and the mesh is good; 1 a wrong command, file or program; 2 the mesh "
-      "is\n"
-      "broken (a picture shows where). Each command has its own --help.");
+      "In a configuration of palpated: object: {mesh: {file: bar.msh}, ...}\n"
+      "Each command has its own --help.");
   int code = mesh_tool::kGood;
   mesh_tool::add_make_commands(app, code);
   mesh_tool::add_file_commands(app, code);
   common::catch_interruptions();
   try {
-    app.parse(argc, argv);
+    if (const auto ended = config::parse(app, argc, argv,
+                                         {{{mesh_tool::kGood, "done, and the mesh is good"},
+                                           {mesh_tool::kFailed, "an error of a file or program"},
+                                           {mesh_tool::kBroken, "the mesh is broken"},
+                                           {config::kExitInterrupted, "interrupted"}}}))
+      return *ended;
     return code;
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? mesh_tool::kGood : mesh_tool::kFailed;
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-mesh: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const std::exception& error) {
     std::cerr << "palpate-mesh: " << error.what() << '\n';
     return mesh_tool::kFailed;

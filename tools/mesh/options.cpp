@@ -4,6 +4,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/output_files.hpp"
 #include "tools/mesh/commands.hpp"
 #include "tools/mesh/fault_picture.hpp"
 #include "tools/mesh/fault_text.hpp"
@@ -18,14 +19,6 @@ nlohmann::json to_json(const std::vector<mesh::RepairStep>& steps) {
   for (const mesh::RepairStep& step : steps)
     list.push_back({{"what", step.what}, {"numbers", step.numbers}});
   return list;
-}
-
-void write_json(const nlohmann::json& json, const std::string& file) {
-  if (file == "-") {
-    std::cout << json.dump(1) << '\n';
-  } else {
-    write_file(file, json.dump(1) + "\n");
-  }
 }
 
 std::string title_of(const Outcome& outcome) {
@@ -146,7 +139,7 @@ int report(const mesh::MeshWithGroups& mesh, const Outcome& outcome, const Repor
     }
   }
   picture(mesh, outcome, options, out);
-  if (!options.json.empty()) write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return is_broken ? kBroken : kGood;
 }
 
@@ -167,7 +160,7 @@ int report(const mesh::TriangleSurface& surface, const Outcome& outcome,
     json["volume_m3"] = volume;
   }
   picture(surface, outcome, options, out);
-  if (!options.json.empty()) write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return has_errors(outcome.faults) ? kBroken : kGood;
 }
 

@@ -11,7 +11,7 @@
 
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/report.hpp"
-#include "tools/mesh/base64.hpp"
+#include "tools/common/base64.hpp"
 #include "tools/mesh/vtu_array.hpp"
 
 namespace palpate::mesh_tool {
@@ -262,7 +262,7 @@ class VtuWriter {
       const std::uint64_t length = numbers.size() * sizeof(Number);
       std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
       bytes.append(reinterpret_cast<const char*>(numbers.data()), length);
-      out_ << to_base64(bytes) << '\n';
+      out_ << common::to_base64(bytes) << '\n';
     }
     out_ << "        </DataArray>\n";
   }

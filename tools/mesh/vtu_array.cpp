@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "tools/mesh/base64.hpp"
+#include "tools/common/base64.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
@@ -64,7 +64,8 @@ class Block {
       // both.
       const std::size_t end = storage.find_first_not_of(
           "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/= \t\r\n", from);
-      decoded_ = from_base64(storage.substr(from, end == std::string::npos ? end : end - from));
+      decoded_ =
+          common::from_base64(storage.substr(from, end == std::string::npos ? end : end - from));
       bytes_ = &decoded_;
       at_ = 0;
     }

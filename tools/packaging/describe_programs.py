@@ -27,7 +27,7 @@ class Item:
 
     @property
     def names(self):
-        """-o, --out; or the name of a positional or subcommand."""
+        """-o, --output; or the name of a positional or subcommand."""
         return self.spec.split(" ", 1)[0].split(",")
 
     @property
@@ -136,15 +136,17 @@ def sections(command):
     where = "DESCRIPTION"
     for line in command.head + [""] + command.tail:
         if line.startswith("Exit codes: "):
-            found["EXIT STATUS"].append(line[len("Exit codes: "):])
-            where = "DESCRIPTION"
+            found["EXIT STATUS"].append("  " + line[len("Exit codes: "):])
+            where = "EXIT STATUS"
+        elif where == "EXIT STATUS" and line.startswith("            "):
+            found[where].append("  " + line.strip())
         elif re.match(r"Examples?:", line):
             where = "EXAMPLES"
             rest = line.partition(":")[2].strip()
             if rest:
                 found[where].append("  " + rest)
         else:
-            if where == "EXAMPLES" and line and not line.startswith("  "):
+            if where == "EXIT STATUS" or (where == "EXAMPLES" and line and not line.startswith("  ")):
                 where = "DESCRIPTION"
             found[where].append(line)
     for lines in found.values():

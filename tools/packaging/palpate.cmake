@@ -22,7 +22,9 @@ target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fvisibility=hi
 target_compile_definitions(palpate_flags INTERFACE
   EIGEN_MAX_ALIGN_BYTES=16 PALPATE_VERSION="${PROJECT_VERSION}")
 if(PALPATE_MARCH)
-  target_compile_options(palpate_flags INTERFACE -march=${PALPATE_MARCH})
+  # Of this build alone: who uses find_package(palpate) chooses its own processor. EIGEN_MAX_ALIGN_BYTES above
+  # keeps Eigen's types the same on both sides.
+  target_compile_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-march=${PALPATE_MARCH}>)
 endif()
 if(PALPATE_SANITIZE)
   target_compile_options(palpate_flags INTERFACE -fsanitize=${PALPATE_SANITIZE} -fno-omit-frame-pointer)

@@ -12,6 +12,7 @@
 
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/bus/udpm_socket.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/helper_thread.hpp"
 
@@ -50,17 +51,18 @@ std::vector<Source> default_sources() {
 
 void put_urls(const std::vector<std::string>& texts, std::vector<Source>& sources) {
   for (const std::string& text : texts) {
-    const std::size_t equals = text.find('=');
-    const std::string label = text.substr(0, equals);
+    const config::LabelledUrl given = config::labelled_url(text);
+    const std::string& label = given.label;
     const bool is_label =
         !label.empty() &&
         label.find_first_not_of("abcdefghijklmnopqrstuvwxyz0123456789_") == std::string::npos;
-    if (equals == std::string::npos || !is_label) {
-      throw std::invalid_argument("URL \"" + text +
-                                  "\" must read LABEL=udpm://..., with a label of a-z, 0-9 and _, "
-                                  "e.g. control=udpm://239.255.76.67:7667?ttl=0");
+    if (!is_label) {
+      throw std::invalid_argument(
+          "URL \"" + text +
+          "\" must read [LABEL=]udpm://..., with a label of a-z, 0-9 and _, "
+          "e.g. control=udpm://239.255.76.67:7667?ttl=0");
     }
-    const bus::UdpmUrl url = bus::parse_udpm_url(text.substr(equals + 1));
+    const bus::UdpmUrl url = bus::parse_udpm_url(given.url);
     const auto same = std::find_if(sources.begin(), sources.end(),
                                    [&](const Source& one) { return one.label == label; });
     if (same == sources.end()) {

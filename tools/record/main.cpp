@@ -10,6 +10,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/record/summary.hpp"
 
@@ -41,8 +42,7 @@ constexpr char kExamples[] =
     "  palpate-record --only control --split-mb 100 --rotate 5 run.lcmlog\n"
     "  palpate-record -c 'SHAPE|HEALTH|ESTIMATE' --seconds 60 --json run.json run\n"
     "  palpate-record --url control=udpm://239.255.76.67:7700?ttl=0 --merge all.lcmlog\n"
-    "Messages larger than one datagram, which palpate never sends, are refused and counted.\n"
-    "Exit codes: 0 ended by a signal or after --seconds, 1 an error, 3 the disk is nearly full.";
+    "Messages larger than one datagram, which palpate never sends, are refused and counted.";
 
 void add_options(CLI::App& app, Options& options) {
   record::RecorderOptions& recorder = options.recorder;
@@ -50,9 +50,11 @@ void add_options(CLI::App& app, Options& options) {
   app.add_option("name", recorder.name,
                  "log to write; default: palpate-DATE-TIME. With several URLs the label of each is "
                  "put in front of the extension (.lcmlog where there is none)");
-  app.add_option("--url", options.urls,
-                 "LABEL=URL: another URL for control, housekeeping or pictures, or a further one "
-                 "(repeatable)")
+  app.add_option(
+         "--url", options.urls,
+         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
+         "label (repeatable; without a label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_option("--only", options.only, "only the URLs of these labels")
       ->delimiter(',')
@@ -190,7 +192,10 @@ int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
   add_options(app, options);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{0, "ended by a signal or after --seconds"}, {kNoSpace, "the disk is nearly full"}}}))
+    return *code;
   // Blocked for all threads; the writer handles them when it is ready.
   sigset_t signals;
   sigemptyset(&signals);

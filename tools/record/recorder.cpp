@@ -7,11 +7,10 @@
 namespace palpate::record {
 namespace {
 
-constexpr double kMegabyte = 1e6;
-constexpr std::int64_t kLookEvery = 1'000'000'000;  // ns, check interval of the free space
-constexpr std::size_t kMostChannels =
-    4096;  // distinguished; a sender of random names must not exhaust memory
-constexpr std::int64_t kPendingOverhead = 128;  // bytes of a queued message in addition to its own
+constexpr double kRecorderMegabyte = 1e6;
+constexpr std::int64_t kLookEvery = 1'000'000'000;  // ns, at the space that is left
+constexpr std::size_t kMostChannels = 4096;     // told apart; who draws names shall not fill memory
+constexpr std::int64_t kPendingOverhead = 128;  // bytes that a waiting message takes beside its own
 
 std::string folder_of(const std::string& file) {
   const std::filesystem::path parent = std::filesystem::path(file).parent_path();
@@ -36,7 +35,7 @@ Recorder::Recorder(RecorderOptions options, FreeSpace free_space)
   if (!is_space_left()) {
     throw std::runtime_error(
         folder_of(options_.name) + ": only " +
-        megabytes(static_cast<double>(free_space_(folder_of(options_.name))) / kMegabyte) +
+        megabytes(static_cast<double>(free_space_(folder_of(options_.name))) / kRecorderMegabyte) +
         " are free, less than the " + megabytes(options_.min_free_mb) +
         " that --min-free-mb keeps");
   }
@@ -62,7 +61,7 @@ void Recorder::take(const Heard& heard) {
     channel.gaps.take(header_of(heard.data));
   }
   const std::int64_t room = heard.size + kPendingOverhead;
-  if (static_cast<double>(pending_bytes_ + room) > options_.max_unwritten_mb * kMegabyte) {
+  if (static_cast<double>(pending_bytes_ + room) > options_.max_unwritten_mb * kRecorderMegabyte) {
     ++unwritten_;
     return;
   }
@@ -116,7 +115,7 @@ bool Recorder::write(std::int64_t now_ns) {
 
 bool Recorder::is_space_left() const {
   return static_cast<double>(free_space_(folder_of(options_.name))) >=
-         options_.min_free_mb * kMegabyte;
+         options_.min_free_mb * kRecorderMegabyte;
 }
 
 void Recorder::split() {

@@ -3,6 +3,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cmath>
@@ -11,20 +12,24 @@
 namespace palpate::recordings {
 namespace {
 
-/// Without spaces, carriage return and one pair of quotes around it.
-std::string trimmed(const std::string& cell) {
-  const char* const blank = " \t\r";
-  const std::size_t begin = cell.find_first_not_of(blank);
-  if (begin == std::string::npos) return "";
-  std::string inner = cell.substr(begin, cell.find_last_not_of(blank) - begin + 1);
-  if (inner.size() >= 2 && inner.front() == '"' && inner.back() == '"')
-    inner = inner.substr(1, inner.size() - 2);
-  return inner;
+constexpr std::size_t kLongestCell = 1 << 20;  // bytes: a quote that is not closed ends here
+
+/// The delimiter that stands most often outside of quotes; a comma where there is none.
+char most_frequent_delimiter(const std::string& line) {
+  constexpr std::array<char, 3> kDelimiters = {',', ';', '\t'};
+  std::array<int, 3> counts{};
+  bool is_quoted = false;
+  for (const char c : line) {
+    if (c == '"') is_quoted = !is_quoted;
+    const auto found = std::find(kDelimiters.begin(), kDelimiters.end(), c);
+    if (!is_quoted && found != kDelimiters.end()) ++counts[found - kDelimiters.begin()];
+  }
+  return kDelimiters[std::max_element(counts.begin(), counts.end()) - counts.begin()];
 }
 
-std::string joined(const std::vector<std::string>& names) {
+std::string joined(const std::vector<std::string>& names, const std::string& between) {
   std::string list;
-  for (const std::string& name : names) list += (list.empty() ? "" : ", ") + name;
+  for (const std::string& name : names) list += (list.empty() ? "" : between) + name;
   return list;
 }
 
@@ -37,14 +42,19 @@ struct CsvReader::Input {
   gzFile file = nullptr;
 };
 
-CsvReader::CsvReader(const std::string& path) : path_(path), input_(std::make_unique<Input>()) {
+CsvReader::CsvReader(const std::string& path, const CsvOptions& options)
+    : path_(path), input_(std::make_unique<Input>()), delimiter_(options.delimiter) {
+  if (delimiter_ != 0 && delimiter_ != ',' && delimiter_ != ';' && delimiter_ != '\t')
+    throw std::invalid_argument(std::string("delimiter '") + delimiter_ +
+                                "' is none of comma, semicolon and tab");
   errno = 0;
   input_->file = gzopen(path.c_str(), "rb");  // reads plain files as they are
   if (input_->file == nullptr) throw CsvError(path + ": " + std::strerror(errno));
   std::string line;
   if (!read_line(line)) throw CsvError(path + ": the file is empty");
   if (line.rfind("\xef\xbb\xbf", 0) == 0) line.erase(0, 3);  // byte-order mark
-  split(line);
+  if (delimiter_ == 0) delimiter_ = most_frequent_delimiter(line);
+  split(std::move(line));
   header_ = cells_;
   std::vector<std::string> sorted = header_;
   std::sort(sorted.begin(), sorted.end());
@@ -61,7 +71,7 @@ bool CsvReader::read_line(std::string& line) {
     line += chunk;
     if (line.back() == '\n') {
       line.pop_back();
-      ++line_;
+      ++lines_read_;
       return true;
     }
   }
@@ -71,18 +81,51 @@ bool CsvReader::read_line(std::string& line) {
   if (code != Z_OK && code != Z_STREAM_END)
     throw CsvError(path_ + ": " + (code == Z_ERRNO ? std::strerror(errno) : message));
   if (line.empty()) return false;
-  ++line_;
+  ++lines_read_;
   return true;
 }
 
-void CsvReader::split(const std::string& line) {
-  cells_.clear();
-  std::size_t begin = 0;
+/// Appends to `cell` what stands from `at` up to the closing quote, over as many lines as it takes;
+/// returns the place behind that quote, in the line that is then in `line`.
+std::size_t CsvReader::read_quoted(std::string& line, std::size_t at, std::string& cell) {
   while (true) {
-    const std::size_t comma = line.find(',', begin);
-    cells_.push_back(trimmed(line.substr(begin, comma - begin)));
-    if (comma == std::string::npos) return;
-    begin = comma + 1;
+    const std::size_t quote = line.find('"', at);
+    cell.append(line, at, quote == std::string::npos ? quote : quote - at);
+    if (quote == std::string::npos) {
+      cell += '\n';
+      if (cell.size() > kLongestCell || !read_line(line))
+        fail("cell " + std::to_string(cells_.size()) + ": its quote is not closed");
+      at = 0;
+    } else if (line.compare(quote + 1, 1, "\"") == 0) {
+      cell += '"';
+      at = quote + 2;
+    } else {
+      return quote + 1;
+    }
+  }
+}
+
+void CsvReader::split(std::string line) {
+  line_ = lines_read_;
+  cells_.clear();
+  const std::string blank = delimiter_ == '\t' ? " \r" : " \t\r";
+  const auto behind_blanks = [&](std::size_t from) {
+    return std::min(line.find_first_not_of(blank, from), line.size());
+  };
+  for (std::size_t at = 0;; ++at) {
+    std::string& cell = cells_.emplace_back();
+    at = behind_blanks(at);
+    if (at < line.size() && line[at] == '"') {
+      at = behind_blanks(read_quoted(line, at + 1, cell));
+      if (at < line.size() && line[at] != delimiter_)
+        fail("cell " + std::to_string(cells_.size()) + ": there is text behind its closing quote");
+    } else {
+      const std::size_t end = std::min(line.find(delimiter_, at), line.size());
+      cell = line.substr(at, end - at);
+      cell.erase(cell.find_last_not_of(blank) + 1);
+      at = end;
+    }
+    if (at >= line.size()) return;
   }
 }
 
@@ -91,17 +134,26 @@ bool CsvReader::has_column(const std::string& name) const {
 }
 
 int CsvReader::column(const std::string& name) const {
-  const auto found = std::find(header_.begin(), header_.end(), name);
-  if (found == header_.end())
-    throw CsvError(path_ + ": no column '" + name + "'; the columns are " + joined(header_));
-  return static_cast<int>(found - header_.begin());
+  require_columns({name});
+  return static_cast<int>(std::find(header_.begin(), header_.end(), name) - header_.begin());
+}
+
+void CsvReader::require_columns(const std::vector<std::string>& names) const {
+  std::vector<std::string> missing;
+  for (const std::string& name : names) {
+    if (!has_column(name) && std::find(missing.begin(), missing.end(), name) == missing.end())
+      missing.push_back(name);
+  }
+  if (missing.empty()) return;
+  throw CsvError(path_ + ": no column" + (missing.size() > 1 ? "s" : "") + " '" +
+                 joined(missing, "', '") + "'; the columns are " + joined(header_, ", "));
 }
 
 bool CsvReader::next() {
   std::string line;
   do {
     if (!read_line(line)) return false;
-    split(line);
+    split(std::move(line));
   } while (cells_.size() == 1 && cells_.front().empty());
   if (cells_.size() != header_.size())
     fail("has " + std::to_string(cells_.size()) + " cells, the header " +
@@ -116,7 +168,8 @@ double CsvReader::number(int column) const {
   double value = 0;
   const auto [stop, code] = std::from_chars(begin, end, value);
   if (code != std::errc() || stop != end || begin == end)
-    fail(column, "'" + cell + "' is not a number");
+    fail(column, "'" + cell + "' is not a number" +
+                     (cell.find(',') != std::string::npos ? "; decimals have a point" : ""));
   if (!std::isfinite(value)) fail(column, "'" + cell + "' is not finite");
   return value;
 }

@@ -13,19 +13,29 @@ class CsvError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Reads a comma-separated file with a header line, plain or compressed by gzip, row by row.
+struct CsvOptions {
+  /// ',', ';' or '\t'; 0: the one that the header line has most of, a comma where it has none.
+  char delimiter = 0;
+};
+
+/// Reads a file of delimited values with a header line, plain or compressed by gzip, row by row.
+/// Cells are quoted as RFC 4180 says: "a ""b"", c" may hold delimiters and line breaks. Blanks
+/// around a cell do not count.
 class CsvReader {
  public:
   /// Throws CsvError if the file cannot be read, has no header or names a column twice.
-  explicit CsvReader(const std::string& path);
+  explicit CsvReader(const std::string& path, const CsvOptions& options = {});
   ~CsvReader();
   CsvReader(const CsvReader&) = delete;
   CsvReader& operator=(const CsvReader&) = delete;
 
   const std::vector<std::string>& header() const { return header_; }
+  char delimiter() const { return delimiter_; }
   bool has_column(const std::string& name) const;
   /// 0-based; throws CsvError listing the existing columns.
   int column(const std::string& name) const;
+  /// Throws CsvError with all of the names that are no columns, and with the columns that exist.
+  void require_columns(const std::vector<std::string>& names) const;
 
   /// Advances to the next row that is not empty; false at the end of the file. Throws CsvError if
   /// it has more or fewer cells than the header, or the file is damaged.
@@ -34,7 +44,7 @@ class CsvReader {
   const std::string& text(int column) const { return cells_[column]; }
   /// Throws CsvError if the cell is not a finite number.
   double number(int column) const;
-  /// Of the current row, 1-based.
+  /// Where the current row begins, 1-based.
   int line() const { return line_; }
   /// Throws CsvError at the current row.
   [[noreturn]] void fail(const std::string& what) const;
@@ -44,12 +54,15 @@ class CsvReader {
  private:
   struct Input;
   bool read_line(std::string& line);
-  void split(const std::string& line);
+  void split(std::string line);
+  std::size_t read_quoted(std::string& line, std::size_t at, std::string& cell);
 
   std::string path_;
   std::unique_ptr<Input> input_;
   std::vector<std::string> header_;
   std::vector<std::string> cells_;
+  char delimiter_ = ',';
+  int lines_read_ = 0;
   int line_ = 0;
 };
 

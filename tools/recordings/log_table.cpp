@@ -1,6 +1,8 @@
 #include "tools/recordings/log_table.hpp"
 
+#include <array>
 #include <cmath>
+#include <fstream>
 #include <iterator>
 #include <map>
 #include <memory>
@@ -188,7 +190,11 @@ class TableBuilder {
 }  // namespace
 
 bool is_log(const std::string& path) {
-  return path.size() > 4 && path.compare(path.size() - 4, 4, ".log") == 0;
+  constexpr std::array<unsigned char, 4> kSyncWord = {0xED, 0xA1, 0xDA, 0x01};
+  std::array<unsigned char, 4> begin{};
+  std::ifstream file(path, std::ios::binary);
+  file.read(reinterpret_cast<char*>(begin.data()), begin.size());
+  return file && begin == kSyncWord;
 }
 
 std::vector<Table> read_log_tables(const std::string& path, const std::string& time,

@@ -4,7 +4,8 @@
 
 namespace palpate::recordings {
 
-/// Whether a recording is an LCM event log by its name, *.log.
+/// Whether a file is an LCM event log by its content: it begins with the sync word of an event.
+/// False for one that cannot be read.
 bool is_log(const std::string& path);
 
 /// Reads columns named CHANNEL.field or CHANNEL.field[index] of an LCM event log, such as

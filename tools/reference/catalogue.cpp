@@ -153,7 +153,37 @@ bool is_told_elsewhere(const Section& section, const std::vector<Section>& secti
   });
 }
 
+/// Sections whose keys are names given by the document: a fit's parameters, and a study's methods.
+bool has_names_for_keys(const std::string& path) {
+  return path == "parameters" ||
+         (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
+}
+
 }  // namespace
+
+Declarations without_names(Declarations declarations) {
+  const std::string columns = "columns.";
+  for (config::Declaration& declaration : declarations) {
+    const std::size_t at = declaration.path.find(columns);
+    if (at != std::string::npos)
+      declaration.path.replace(at + columns.size(), std::string::npos, "QUANTITY");
+    if (has_names_for_keys(declaration.path)) {
+      declaration.name = "NAME";
+    } else if (declaration.path.rfind("parameters.", 0) == 0) {
+      declaration.path = "parameters.NAME";
+    }
+  }
+  return declarations;
+}
+
+Declarations declared_by(const std::string& file, const std::function<void()>& read) {
+  config::DeclarationList list;
+  read();
+  Declarations own;
+  for (const config::Declaration& declaration : list.all())
+    if (declaration.document == file) own.push_back(declaration);
+  return without_names(own);
+}
 
 std::vector<Section> merge(const std::vector<Declarations>& readings) {
   std::vector<Section> sections;

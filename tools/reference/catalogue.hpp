@@ -1,13 +1,24 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <set>
 #include <string>
 #include <vector>
 
-#include "tools/reference/exploration.hpp"
+#include "rt/config/declarations.hpp"
 
 namespace palpate::reference {
+
+/// All keys read from a document.
+using Declarations = std::vector<config::Declaration>;
+
+/// The keys of `file` that `read` reads; keys may be names given by the document (NAME).
+Declarations declared_by(const std::string& file, const std::function<void()>& read);
+
+/// One entry, NAME, for all keys of a section whose keys are names given by the document, and one,
+/// QUANTITY, for those of columns.
+Declarations without_names(Declarations declarations);
 
 /// A parameter, merged from all readings.
 struct Parameter {

@@ -1,11 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <functional>
 #include <string>
 #include <vector>
 
-#include "rt/config/declarations.hpp"
+#include "tools/reference/catalogue.hpp"
 
 namespace palpate::reference {
 
@@ -20,15 +19,9 @@ struct Exploration {
   std::string kind = "";  // of a recording
 };
 
-/// All keys read from it.
-using Declarations = std::vector<config::Declaration>;
-
 /// Reads it as palpated, palpate-sim, palpate-train or palpate-fit does before it starts; a
 /// recording as palpate-fit does. Throws config::Error if they would reject it.
 Declarations read(Reader reader, const Exploration& exploration);
-
-/// The keys of `file` that `read` reads; keys may be names given by the document (NAME).
-Declarations declared_by(const std::string& file, const std::function<void()>& read);
 
 /// The documents of explorations.yaml; `models` is a folder for models and recordings that they
 /// name. Throws config::Error.

@@ -8,8 +8,10 @@
 #include <iostream>
 #include <tuple>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/fit/kinds.hpp"
+#include "tools/reference/exploration.hpp"
 #include "tools/reference/markdown.hpp"
 
 namespace {
@@ -121,8 +123,7 @@ int main(int argc, char** argv) {
       "palpate-reference prints every parameter of configurations, scenes and plans of\n"
       "palpate-train and palpate-fit as a table in Markdown: type, unit, "
       "default, range and meaning, as the code "
-      "declares them.\n"
-      "Exit codes: 0 done, 1 a parameter tells no meaning, 78 wrong configuration.");
+      "declares them.");
   std::string file;
   std::vector<std::string> overrides;
   Reader reader = Reader::kDaemon;
@@ -142,7 +143,10 @@ int main(int argc, char** argv) {
       ->allow_extra_args(false);
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer("Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = config::parse(
+          app, argc, argv,
+          {{{1, "an error, or a parameter without a meaning"}, {78, "wrong configuration"}}}))
+    return *code;
   try {
     return run(file, reader, overrides);
   } catch (const palpate::config::Error& error) {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "tools/replay/play_command.hpp"
 #include "tools/replay/replay.hpp"
 
@@ -31,10 +32,7 @@ constexpr char kExamples[] =
     "  palpate-replay run.control.lcmlog --config my.yaml --start\n"
     "  palpate-replay run.control.lcmlog --config my.yaml --stepped --compare "
     "--housekeeping run.housekeeping.lcmlog\n"
-    "  palpate-replay play run.*.lcmlog --rate 0.5\n"
-    "Exit codes: 0 done, 1 the log cannot be read or written, 4 what is compared differs, 78 "
-    "wrong\n"
-    "configuration, 130 interrupted.";
+    "  palpate-replay play run.*.lcmlog --rate 0.5";
 
 struct Options {
   replay::ReplayOptions replay;
@@ -94,6 +92,14 @@ int run(const Options& options) {
     file << to_json(result).dump(2) << '\n';
     if (!file) throw std::runtime_error(options.json + ": cannot be written");
   }
+  if (result.shapes == 0 && result.starts == 0 && !options.replay.start &&
+      !options.replay.compare) {
+    std::fprintf(stderr,
+                 "error: %s: no shape was published, since the log holds no event start; with "
+                 "--start the replay sends it\n",
+                 options.replay.log.c_str());
+    return palpate::config::kExitError;
+  }
   return agrees ? 0 : kDiffers;
 }
 
@@ -122,13 +128,16 @@ int main(int argc, char** argv) {
   replay::PlayCommand play;
   CLI::App* player = app.add_subcommand("play", "send logs over LCM again, as they were recorded");
   play.add_to(*player);
-  try {
-    app.parse(argc, argv);
-    if (!player->parsed() && (options.replay.log.empty() || options.configuration.empty()))
-      throw CLI::RequiredError("A log and --config");
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error);
-  }
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{0, "done, or played to the end"},
+            {1, "the log cannot be read or written, or no shape came of it"},
+            {kDiffers, "the comparison differs"},
+            {78, "wrong configuration"},
+            {palpate::config::kExitInterrupted, "play: ended by q or a signal"}}}))
+    return *code;
+  if (!player->parsed() && (options.replay.log.empty() || options.configuration.empty()))
+    return palpate::config::usage_error(app, "a log and --config are required");
 
   try {
     return player->parsed() ? play.run() : run(options);

@@ -10,10 +10,11 @@
 #include <regex>
 
 #include "rt/bus/message_bus.hpp"
+#include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/common/keyboard.hpp"
 #include "tools/record/channel_filter.hpp"
 #include "tools/record/listener.hpp"
-#include "tools/replay/keyboard.hpp"
 
 namespace palpate::replay {
 namespace {
@@ -83,27 +84,15 @@ class Outlets {
   long sent_ = 0, left_out_ = 0, refused_ = 0;
 };
 
-void obey(Wish wish, Player& player, std::int64_t now_ns, const Sink& sink) {
+void obey(const std::string& key, Player& player, std::int64_t now_ns, const Sink& sink) {
   constexpr double kJump = 5;  // s
-  switch (wish) {
-    case Wish::kPause:
-      return player.pause(!player.paused(), now_ns);
-    case Wish::kStep:
-      return player.step(now_ns, sink);
-    case Wish::kFaster:
-      return player.set_rate(2 * player.rate(), now_ns);
-    case Wish::kSlower:
-      return player.set_rate(0.5 * player.rate(), now_ns);
-    case Wish::kBack:
-      return player.seek(player.position(now_ns) - kJump, now_ns);
-    case Wish::kForward:
-      return player.seek(player.position(now_ns) + kJump, now_ns);
-    case Wish::kQuit:
-      stopped = 1;
-      return;
-    case Wish::kNone:
-      return;
-  }
+  if (key == "q" || key == common::Keyboard::kEndOfInput) stopped = 1;
+  if (key == " ") player.pause(!player.paused(), now_ns);
+  if (key == ".") player.step(now_ns, sink);
+  if (key == "+") player.set_rate(2 * player.rate(), now_ns);
+  if (key == "-") player.set_rate(0.5 * player.rate(), now_ns);
+  if (key == "\x1b[D") player.seek(player.position(now_ns) - kJump, now_ns);
+  if (key == "\x1b[C") player.seek(player.position(now_ns) + kJump, now_ns);
 }
 
 void show(const Player& player, std::int64_t now_ns) {
@@ -145,7 +134,10 @@ void PlayCommand::add_to(CLI::App& app) {
                  "logs that were recorded together. NAME.LABEL.lcmlog, as palpate-record writes "
                  "them, goes to the URL of its label; LABEL=FILE says it; else control")
       ->required();
-  app.add_option("--url", urls, "LABEL=URL: another URL for a label (repeatable)")
+  app.add_option("--url", urls,
+                 "LCM URL of a label in place of the default (repeatable; without a "
+                 "label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_option("--start", player.start, "s since the first message, where to begin")
       ->check(CLI::NonNegativeNumber);
@@ -169,8 +161,7 @@ void PlayCommand::add_to(CLI::App& app) {
       "right arrow jump by 5 s, q quits.\n"
       "Examples:\n"
       "  palpate-replay play run.control.lcmlog run.housekeeping.lcmlog --rate 0.5\n"
-      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop\n"
-      "Exit codes: 0 played to the end, 1 an error, 130 ended by q or a signal.");
+      "  palpate-replay play run.control.lcmlog --inputs --start 12 --end 20 --loop");
 }
 
 int PlayCommand::run() const {
@@ -182,7 +173,7 @@ int PlayCommand::run() const {
   for (const std::string& complaint : player_.complaints())
     std::fprintf(stderr, "warning: %s\n", complaint.c_str());
   const Sink sink = [&](int log, const bus::LoggedEvent& event) { outlets.take(log, event); };
-  Keyboard keyboard;
+  common::Keyboard keyboard;
   const bool shows = !quiet && isatty(STDERR_FILENO) != 0;
   std::int64_t shown_ns = 0;
   while (stopped == 0) {
@@ -200,7 +191,7 @@ int PlayCommand::run() const {
   if (!quiet)
     std::printf("%ld messages sent, %ld left out, %ld too large for a datagram or refused\n",
                 outlets.sent(), outlets.left_out(), outlets.refused());
-  return stopped == 0 ? 0 : 130;
+  return stopped == 0 ? config::kExitDone : config::kExitInterrupted;
 }
 
 }  // namespace palpate::replay

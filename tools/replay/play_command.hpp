@@ -11,7 +11,7 @@ namespace palpate::replay {
 /// The command line of `palpate-replay play`.
 struct PlayCommand {
   std::vector<std::string> logs;  // FILE or LABEL=FILE
-  std::vector<std::string> urls;  // LABEL=URL
+  std::vector<std::string> urls;  // [LABEL=]URL
   PlayerOptions player;
   std::string channels = ".*";
   bool invert = false;

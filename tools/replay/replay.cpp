@@ -27,8 +27,15 @@ void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   command.session = kSession;
   bus::put_text(command.slot, "all");
   bus::put_text(command.event, "start");
-  bus::Sealer("COMPONENT_COMMAND", {key, 0}).put(command, 0);
+  bus::MessageSigner("COMPONENT_COMMAND", {key, 0}).put(command, 0);
   bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
+}
+
+bool is_start(const bus::LoggedEvent& event) {
+  component_command_t command{};
+  return event.channel == "COMPONENT_COMMAND" &&
+         command.decode(event.data, 0, event.size) == event.size &&
+         bus::get_text(command.event) == std::string("start");
 }
 
 /// A damaged log may contain any time; a replay would take years.
@@ -118,6 +125,7 @@ class Run {
       ++result_.left_out;
       return;
     }
+    if (is_start(event)) ++result_.starts;
     bus::record(*hub_, nullptr);
     bus::set_time(*hub_, event.utime * 1000);
     input_->publish(event.channel.c_str(), event.data, event.size);

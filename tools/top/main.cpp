@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/top/terminal.hpp"
 #include "tools/top/view.hpp"
@@ -17,7 +18,6 @@ namespace {
 
 using namespace palpate;
 
-constexpr int kNothingHeard = 2;  // exit code
 volatile std::sig_atomic_t stopped = 0;
 
 struct Options {
@@ -42,8 +42,7 @@ constexpr char kExamples[] =
     "  palpate-top --once --seconds 5 > now.txt\n"
     "  palpate-top --json -                        JSON on standard output\n"
     "  palpate-top --url control=udpm://239.255.76.67:7700?ttl=0\n"
-    "Colours are left out with --plain, NO_COLOR set, or TERM=dumb.\n"
-    "Exit codes: 0 done, 1 an error, 2 nothing was heard (--once, --json).";
+    "Colours are left out with --plain, NO_COLOR set, or TERM=dumb.";
 
 /// Data shared by the receiver and the display.
 class Everything {
@@ -91,7 +90,7 @@ int print_once(Everything& everything, const record::Listener& listener, const O
       file << top::json_of(view).dump(2) << '\n';
       if (!file) throw std::runtime_error(options.json + ": cannot be written");
     }
-    return view.rows.empty() ? kNothingHeard : 0;
+    return view.rows.empty() ? palpate::config::kExitUnavailable : 0;
   });
 }
 
@@ -158,9 +157,11 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   CLI::App app(kHelp);
   Options options;
-  app.add_option("--url", options.urls,
-                 "LABEL=URL: another URL for control, housekeeping or pictures, or a further one "
-                 "(repeatable)")
+  app.add_option(
+         "--url", options.urls,
+         "LCM URL of control, housekeeping or pictures in place of the default, or of a further "
+         "label (repeatable; without a label: control)")
+      ->type_name("[LABEL=]URL")
       ->allow_extra_args(false);
   app.add_flag("--once", options.once, "print plain text once and end");
   app.add_option("--json", options.json,
@@ -176,7 +177,10 @@ int main(int argc, char** argv) {
   app.add_flag("--plain", options.plain, "no colours");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(kExamples);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv,
+          {{{palpate::config::kExitUnavailable, "nothing was heard (--once, --json)"}}}))
+    return *code;
   if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
 
   struct sigaction action {};

@@ -1,6 +1,5 @@
 #include "tools/top/terminal.hpp"
 
-#include <poll.h>
 #include <sys/ioctl.h>
 #include <unistd.h>
 
@@ -18,15 +17,8 @@ constexpr char kClose[] = "\x1b[?25h\x1b[?1049l";
 }  // namespace
 
 Terminal::Terminal() {
-  if (isatty(STDOUT_FILENO) == 0 || tcgetattr(STDIN_FILENO, &before_) != 0)
+  if (isatty(STDOUT_FILENO) == 0 || !keyboard_.is_there())
     throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
-  termios raw = before_;
-  raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-  // A stopped process would leave the screen in this mode.
-  raw.c_cc[VSUSP] = _POSIX_VDISABLE;
-  raw.c_cc[VMIN] = 0;
-  raw.c_cc[VTIME] = 0;
-  tcsetattr(STDIN_FILENO, TCSANOW, &raw);
   draw(kOpen);
   // Only to end the wait: the size is queried at each drawing.
   struct sigaction action {};
@@ -34,10 +26,7 @@ Terminal::Terminal() {
   sigaction(SIGWINCH, &action, nullptr);
 }
 
-Terminal::~Terminal() {
-  draw(kClose);
-  tcsetattr(STDIN_FILENO, TCSANOW, &before_);
-}
+Terminal::~Terminal() { draw(kClose); }
 
 Terminal::Size Terminal::size() const noexcept {
   winsize given{};
@@ -56,49 +45,16 @@ void Terminal::draw(const std::string& bytes) const noexcept {
 }
 
 Key Terminal::wait(int timeout_ms) {
-  pollfd watched{STDIN_FILENO, POLLIN, 0};
-  if (poll(&watched, 1, timeout_ms) <= 0) {
-    escape_.clear();
-    return Key::kNone;
-  }
-  char c = 0;
-  const ssize_t got = read(STDIN_FILENO, &c, 1);
-  if (got < 0 && errno == EINTR) return Key::kNone;
-  return got == 1 ? pressed(c) : Key::kQuit;
-}
-
-Key Terminal::pressed(char c) {
-  if (!escape_.empty() || c == '\x1b') {
-    escape_ += c;
-    if (escape_ == "\x1b" || escape_ == "\x1b[" || escape_ == "\x1bO" || escape_ == "\x1b[5" ||
-        escape_ == "\x1b[6")
-      return Key::kNone;
-    const std::string whole = std::move(escape_);
-    escape_.clear();
-    if (whole == "\x1b[A" || whole == "\x1bOA") return Key::kUp;
-    if (whole == "\x1b[B" || whole == "\x1bOB") return Key::kDown;
-    if (whole == "\x1b[5~") return Key::kPageUp;
-    if (whole == "\x1b[6~") return Key::kPageDown;
-    if (whole == "\x1b[H") return Key::kHome;
-    return Key::kNone;
-  }
-  switch (c) {
-    case 'q':
-    case 'Q':
-      return Key::kQuit;
-    case 's':
-      return Key::kSort;
-    case 'r':
-      return Key::kReset;
-    case 'k':
-      return Key::kUp;
-    case 'j':
-      return Key::kDown;
-    case 'g':
-      return Key::kHome;
-    default:
-      return Key::kNone;
-  }
+  const std::string key = keyboard_.wait(std::int64_t{timeout_ms} * 1'000'000);
+  if (key == common::Keyboard::kEndOfInput || key == "q" || key == "Q") return Key::kQuit;
+  if (key == "s") return Key::kSort;
+  if (key == "r") return Key::kReset;
+  if (key == "k" || key == "\x1b[A" || key == "\x1bOA") return Key::kUp;
+  if (key == "j" || key == "\x1b[B" || key == "\x1bOB") return Key::kDown;
+  if (key == "\x1b[5~") return Key::kPageUp;
+  if (key == "\x1b[6~") return Key::kPageDown;
+  if (key == "g" || key == "\x1b[H") return Key::kHome;
+  return Key::kNone;
 }
 
 bool wants_colours() {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <termios.h>
-
 #include <string>
+
+#include "tools/common/keyboard.hpp"
 
 namespace palpate::top {
 
@@ -29,10 +29,7 @@ class Terminal {
   Key wait(int timeout_ms);
 
  private:
-  Key pressed(char c);
-
-  termios before_{};
-  std::string escape_;  // begun
+  common::Keyboard keyboard_{false};  // a suspended program would leave the screen as it is
 };
 
 /// Whether the terminal has colours and the user enables them (NO_COLOR, TERM).

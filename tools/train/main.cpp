@@ -5,6 +5,7 @@
 #include <iostream>
 #include <optional>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "rt/inference/model_file.hpp"
@@ -124,8 +125,7 @@ int run(const Options& options) {
 int main(int argc, char** argv) {
   Options options;
   CLI::App app(
-      "Trains a sensor model on recordings and writes a TorchScript module with its card.\n"
-      "Exit codes: 0 done, 1 an error, 78 a wrong plan.");
+      "Trains a sensor model on recordings and writes a TorchScript module with its card.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -140,15 +140,18 @@ int main(int argc, char** argv) {
                  "Folder of the recordings; of several, the first that has a file")
       ->required()
       ->check(CLI::ExistingDirectory);
-  app.add_option("-o,--out", options.out, "Module to write; its card is the same name with .yaml")
+  app.add_option("-o,--output", options.out,
+                 "Module to write; its card is the same name with .yaml")
       ->capture_default_str();
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
   app.add_option("--picture", options.picture, "PNG or SVG of curve and predictions");
   app.add_option("--start-from", options.start_from,
                  "Module to go on from, in place of the plan's start_from")
       ->check(CLI::ExistingFile);
-  app.add_flag("--resume", options.resume, "Go on from the checkpoint beside --out");
-  CLI11_PARSE(app, argc, argv);
+  app.add_flag("--resume", options.resume, "Go on from the checkpoint next to --output");
+  if (const auto code =
+          config::parse(app, argc, argv, {{{78, "wrong plan"}}, {{"--out", "--output"}}}))
+    return *code;
   try {
     return run(options);
   } catch (const config::Error& error) {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <ostream>
 
+#include "core/math/constants.hpp"
 #include "rt/inference/torch_module.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/table.hpp"
@@ -11,7 +12,7 @@
 namespace palpate::train {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 constexpr Eigen::Index kPlotPoints = 1500;
 
 /// Predictions minus the mean error over the first seconds of each recording.

@@ -19,9 +19,10 @@ Cell Cell::read(const std::string& configuration, const std::vector<std::string>
   }
   if (link.empty()) link = "flange";
   if (file.empty()) return cell;
-  cell.robots.emplace_back(PlacedRobot{RobotDrawing(file, link), frames.X_WO.inverse()});
+  cell.robots.emplace_back(PlacedRobot{drawing::RobotDrawing(file, link), frames.X_WO.inverse()});
   if (const auto second = registry::read_second_frames(root))
-    cell.robots.emplace_back(PlacedRobot{RobotDrawing(file, link), second->X_WO.inverse()});
+    cell.robots.emplace_back(
+        PlacedRobot{drawing::RobotDrawing(file, link), second->X_WO.inverse()});
   return cell;
 }
 

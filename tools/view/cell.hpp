@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
+#include "tools/drawing/robot_drawing.hpp"
 #include "tools/view/components.hpp"
-#include "tools/view/robot_drawing.hpp"
 
 namespace palpate::view {
 
 /// An arm that can be drawn: its shapes, and the pose of its base.
 struct PlacedRobot {
-  RobotDrawing drawing;
+  drawing::RobotDrawing drawing;
   math::Pose X_OW;
 };
 

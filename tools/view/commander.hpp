@@ -61,8 +61,8 @@ class Commander {
   bus::TypedPublisher<component_command_t> commands_;
   bus::TypedPublisher<shape_target_t> targets_;
   bus::TypedPublisher<manual_force_t> forces_;
-  bus::Sealer command_sealer_, target_sealer_, force_sealer_;
-  bus::Stamp command_stamp_, target_stamp_, force_stamp_;
+  bus::MessageSigner command_sealer_, target_sealer_, force_sealer_;
+  bus::HeaderStamper command_stamp_, target_stamp_, force_stamp_;
   std::int32_t revision_ = 0;
   std::list<Asked> asked_;
 };

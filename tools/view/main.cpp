@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <thread>
 
+#include "rt/config/command_line.hpp"
 #include "tools/view/server.hpp"
 
 namespace {
@@ -36,13 +37,11 @@ Examples:
   palpate-view --config my.yaml --log control.log housekeeping.log
       a recording, with a timeline
 From another machine: ssh -L 8765:127.0.0.1:8765 HOST, and open the address here. To push, the
-daemon needs a sensor model `manual` and a contact that serves it (tools/view/README.md).
-Exit codes: 0 ended by a signal, 1 something is missing or cannot be opened, 78 wrong configuration.)";
+daemon needs a sensor model `manual` and a contact that serves it (tools/view/README.md).)";
 
 void add_options(CLI::App& app, Options& o) {
-  app.add_option("--url", o.control_url, "control URL of the daemon")->capture_default_str();
-  app.add_option("--housekeeping", o.housekeeping_url, "its housekeeping URL")
-      ->capture_default_str();
+  palpate::config::add_url_option(
+      app, {{"control", &o.control_url}, {"housekeeping", &o.housekeeping_url}});
   CLI::Option* config = app.add_option("--config", o.configuration,
                                        "the daemon's configuration: where arm and object are, and "
                                        "which components it began with");
@@ -188,11 +187,12 @@ int main(int argc, char** argv) {
   Options options;
   add_options(app, options);
   app.set_version_flag("--version", PALPATE_VERSION);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : 1;
-  }
+  if (const auto code = palpate::config::parse(app, argc, argv,
+                                               {{{0, "ended by a signal"},
+                                                 {1, "something is missing or cannot be opened"},
+                                                 {78, "wrong configuration"}},
+                                                {{"--housekeeping", "--url", "housekeeping="}}}))
+    return *code;
   try {
     return run(options);
   } catch (const palpate::config::Error& error) {

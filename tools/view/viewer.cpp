@@ -40,9 +40,9 @@ json list_of(const Vector& v) {
   return list;
 }
 
-json describe_robot(const RobotDrawing& drawing) {
+json describe_robot(const drawing::RobotDrawing& drawing) {
   json shapes = json::array();
-  for (const LinkShape& shape : drawing.shapes()) {
+  for (const drawing::LinkShape& shape : drawing.shapes()) {
     const Eigen::Quaterniond q(shape.X_LV.linear());
     shapes.push_back({{"link", shape.link},
                       {"kind", shape.kind},

@@ -22,7 +22,8 @@ std::map<std::pair<int, int>, double> cotangent_weights(const mesh::ElementMesh&
   constexpr double kLeast = 1e-3;
   std::map<std::pair<int, int>, double> weights;
   for (const LinearPiece& piece : linear_pieces(mesh)) {
-    Matrix3d edges;  // from the first corner; rows of the inverse are gradients of the others
+    // From the first corner; the rows of the inverse are the gradients of the other corners.
+    Matrix3d edges;
     for (int i = 0; i < 3; ++i)
       edges.col(i) = mesh.nodes.col(piece.nodes[i + 1]) - mesh.nodes.col(piece.nodes[0]);
     Eigen::Matrix<double, 4, 3> gradients;
@@ -85,7 +86,7 @@ void AsRigidAsPossible::reset() noexcept {
   std::fill(warm_.begin(), warm_.end(), Eigen::Quaterniond::Identity());
 }
 
-/// The rotations that fit x_ best.
+/// Local step: optimal rotations for x_.
 void AsRigidAsPossible::rotate() noexcept {
   for (Matrix3d& cell : cells_) cell.setZero();
   for (const Edge& edge : edges_) {
@@ -100,8 +101,8 @@ void AsRigidAsPossible::rotate() noexcept {
   }
 }
 
-/// The positions of free nodes that fit the rotations best. Returns how far the one went that went
-/// farthest, m.
+/// Global step: optimal positions of the free nodes for the rotations. Returns the largest
+/// displacement, m.
 double AsRigidAsPossible::relocate(LaplacianFactor& factor) noexcept {
   rhs_.setZero();
   for (const Edge& edge : edges_) {

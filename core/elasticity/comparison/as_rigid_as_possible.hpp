@@ -8,23 +8,22 @@
 namespace palpate::elasticity {
 
 struct AsRigidAsPossibleOptions {
-  int iterations = 2;      // pairs of a local and a global step in a step at most, >= 1
-  double accuracy = 1e-6;  // m, a step ends where an iteration moves no node further
+  int iterations = 2;      // maximum number of local and global iterations per step, >= 1
+  double accuracy = 1e-6;  // m, a step ends if an iteration moves no node by more
 };
 
-/// As-rigid-as-possible shape (Sorkine and Alexa, Symposium on Geometry Processing 2007): geometry
-/// alone, beside which mechanics must earn its place. The cell of a node is the edges to its
-/// neighbours, here those of tetrahedra; with one rotation for each cell the free nodes take the
-/// positions that make
-///   sum over nodes i and neighbours j of w_ij |x_i - x_j - R_i (p_i - p_j)|^2,
-/// p at rest, least: in turn by rotations (polar decomposition) and by positions (a graph
-/// Laplacian, factored beforehand for each set of held grasps). Each of the two can only lower it.
-/// Weights: cotangents of tetrahedra, w_ij = -V grad phi_i . grad phi_j summed over those at the
-/// edge, which makes it independent of the mesh where that is fine; in O from below by a
-/// thousandth of the largest, so that the Laplacian stays definite.
+/// As-rigid-as-possible shape (Sorkine and Alexa, Symposium on Geometry Processing 2007): purely
+/// geometric baseline for the mechanical models. The cell of a node consists of the edges to its
+/// neighbours, here those of tetrahedra. With one rotation per cell, the free nodes minimise the
+/// sum over nodes i and neighbours j of w_ij |x_i - x_j - R_i (p_i - p_j)|^2, p at rest,
+/// alternately over the rotations (polar decomposition) and the positions (a graph Laplacian,
+/// factored in advance for each set of held grasps). No iteration increases the sum. Weights:
+/// cotangents of tetrahedra, w_ij = -V grad phi_i . grad phi_j summed over those at the edge, which
+/// makes the result independent of the mesh where it is fine; bounded below by a thousandth of the
+/// largest, so that the Laplacian remains definite.
 ///
-/// No material, gravity, loads, velocity, reaction (all zero) or sensitivity. Where nothing is held
-/// or fixed the shape stays as it is.
+/// No material, gravity, loads, velocity, reaction (all zero) or sensitivity. Without held or fixed
+/// nodes the shape does not change.
 class AsRigidAsPossible final : public ComparisonModel {
  public:
   /// Throws std::invalid_argument for an invalid body, element or option.
@@ -32,7 +31,7 @@ class AsRigidAsPossible final : public ComparisonModel {
 
   void reset() noexcept override;
 
-  /// Of the present shape with the rotations that fit it best, m^3.
+  /// Value of the sum for the present shape with optimal rotations, m^3.
   double energy() noexcept;
 
  private:
@@ -48,7 +47,8 @@ class AsRigidAsPossible final : public ComparisonModel {
 
   AsRigidAsPossibleOptions options_;
   std::vector<Edge> edges_;
-  std::vector<double> scales_;  // of each cell, 1/m^3: makes what it is turned by of order one
+  /// Scale of each cell, 1/m^3: normalises the matrix whose rotation is computed.
+  std::vector<double> scales_;
   std::vector<LaplacianFactor> factors_;  // by set of held grasps
   std::vector<Eigen::Quaterniond> warm_;
   std::vector<Eigen::Matrix3d> cells_, rotations_;

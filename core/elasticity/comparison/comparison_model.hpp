@@ -1,17 +1,17 @@
 #pragma once
 
-#include "core/elasticity/deformation_model.hpp"
 #include "core/elasticity/comparison/held_nodes.hpp"
+#include "core/elasticity/deformation_model.hpp"
 
 namespace palpate::elasticity {
 
-/// What the models for comparison have in common: the state, its boundary and its loads, and a
-/// step() that refuses what is not finite and puts the last good state back where advance() fails.
-/// They follow grasps made and released at once, want no refactorisation and, unless they say
-/// otherwise, have no sensitivity.
+/// Base of the comparison models: state, boundary conditions and loads, and a step() that rejects
+/// non-finite inputs and restores the last valid state if advance() fails. Grasps are held and
+/// released at once, no refactorisation is required and, unless overridden, there is no
+/// sensitivity.
 class ComparisonModel : public DeformationModel {
  public:
-  // The boundary refers to the body.
+  // the boundary conditions refer to the body
   ComparisonModel(const ComparisonModel&) = delete;
   ComparisonModel& operator=(const ComparisonModel&) = delete;
 
@@ -37,7 +37,7 @@ class ComparisonModel : public DeformationModel {
   /// Throws std::invalid_argument for an invalid body.
   explicit ComparisonModel(Body body);
 
-  /// Takes x_ and v_ from the beginning of a step, kept in x_begin_ and v_begin_, to its end and
+  /// Advances x_ and v_ from the beginning of a step (also in x_begin_ and v_begin_) to its end and
   /// fills forces_. Inputs are finite, dt > 0.
   virtual StepReport advance(double dt) noexcept = 0;
 
@@ -46,7 +46,7 @@ class ComparisonModel : public DeformationModel {
   Eigen::Vector3d gravity_;
   Eigen::Matrix3Xd loads_;
   Eigen::Matrix3Xd x_, v_, x_begin_, v_begin_;
-  Eigen::Matrix3Xd forces_;  // N, what the outside must add at each node; used at grasped ones
+  Eigen::Matrix3Xd forces_;  // N, external force required at each node; used at grasped nodes
   Sensitivity sensitivity_;
 
  private:

@@ -5,18 +5,19 @@
 
 namespace palpate::elasticity {
 
-/// Cholesky factor L D L^T of a graph Laplacian without the rows and columns of given nodes. All
-/// axes of a nodal vector are solved for together.
+/// Cholesky factor L D L^T of a graph Laplacian without the rows and columns of prescribed nodes.
+/// All axes of a nodal vector are solved together.
 class LaplacianFactor {
  public:
-  /// `laplacian`: n x n, symmetric, both triangles. Not usable where every node, or of some part of
-  /// the graph none, is given. Allocates.
+  /// `laplacian`: n x n, symmetric, both triangles; `given`: prescribed nodes. Not usable if all
+  /// nodes are prescribed, or none of a connected component. Allocates.
   LaplacianFactor(const Eigen::SparseMatrix<double>& laplacian, const std::vector<bool>& given);
 
   bool is_usable() const noexcept { return usable_; }
-  const std::vector<int>& nodes() const noexcept { return nodes_; }  // free ones, as eliminated
-  /// Overwrites the free nodes' columns of `b`, 3 x n, with the solution; leaves the others alone.
-  /// Needs is_usable.
+  // free nodes, in elimination order
+  const std::vector<int>& nodes() const noexcept { return nodes_; }
+  /// Overwrites the free nodes' columns of `b`, 3 x n, with the solution; other columns are
+  /// unchanged. Requires is_usable().
   void solve(Eigen::Matrix3Xd& b) noexcept;
 
  private:

@@ -10,7 +10,7 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// Change of an affine motion A r + t when its hand moves by xi, where A is a rotation.
+/// Derivative of an affine motion A r + t with respect to the hand's motion xi, for a rotation A.
 Eigen::Matrix<double, 12, 6> rigid_motions(const Matrix3d& A) {
   Eigen::Matrix<double, 12, 6> Z = Eigen::Matrix<double, 12, 6>::Zero();
   Z.topLeftCorner<3, 3>().setIdentity();
@@ -52,8 +52,8 @@ void LinearModel::prepare() {
   }
 }
 
-/// From the displacements of the given nodes in u_ and the loads in external_: those of the others,
-/// and K u - loads in k_u_.
+/// Given the displacements of the prescribed nodes in u_ and the loads in external_, computes those
+/// of the other nodes, and K u - loads in k_u_.
 void LinearModel::solve(factor::Held held) noexcept {
   stiffness_.multiply(u_, k_u_);
   for (int k = 0; k < pattern_.size(); ++k) {
@@ -135,7 +135,7 @@ void LinearModel::update_sensitivity(const Response& response) noexcept {
                                (body_.mesh.nodes.col(node) - region.X_OG_rest.translation()));
         dw.topRows<3>() += df;
         dw.bottomRows<3>() += arm * df;
-        // The lever arm turns with the hand while the force stays.
+        // the lever arm rotates with the hand while the force is constant
         if (a == g) dw.bottomRightCorner<3, 3>() += math::cross_matrix(forces_.col(node)) * arm;
         row += 3;
       }

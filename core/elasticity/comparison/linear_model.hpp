@@ -6,14 +6,15 @@
 
 namespace palpate::elasticity {
 
-/// Small-displacement statics, K u = loads + weight, with one factor of the constant K that serves
-/// every set of held grasps, made by prepare(). Linear and quadratic tetrahedra, E by element.
-/// Grasped nodes follow the hand exactly, but the rest of the body answers linearly: it swells
-/// where it turns, so that shape and force are right for small rotations only.
+/// Small-displacement statics, K u = loads + weight, with one factor of the constant K for every
+/// set of held grasps, computed by prepare(). Linear and quadratic tetrahedra, Young's modulus per
+/// element. Grasped nodes follow the hand exactly, but the rest of the body responds linearly:
+/// rotation causes spurious expansion, so that shape and force are valid for small rotations only.
 ///
-/// The reaction's lever arms are those of the moved patch, which makes the wrench the derivative of
-/// the model's energy by the hand's motion. The sensitivity is exact and of age zero after every
-/// step; dw_dxi holds for loads that stay. step() fails where nothing holds the body in place.
+/// The lever arms of the reaction are those of the moved patch, which makes the wrench the
+/// derivative of the model's energy with respect to the hand's motion. The sensitivity is exact and
+/// of age zero after every step; dw_dxi assumes constant loads. step() fails if the body is not
+/// supported.
 class LinearModel final : public ComparisonModel {
  public:
   /// Throws std::invalid_argument for an invalid body or an element without positive volume.
@@ -26,12 +27,12 @@ class LinearModel final : public ComparisonModel {
                const Eigen::Matrix3Xd& velocities) noexcept override;
 
  private:
-  // How the body answers the twelve parameters of an affine motion of one patch, A r + t: columns t
-  // (3), then A column by column (9); r from the origin of G at rest.
+  // Response of the body to the twelve parameters of an affine motion of one patch, A r + t:
+  // columns t (3), then A column by column (9); r from the origin of G at rest.
   using Affine = Eigen::Matrix<double, Eigen::Dynamic, 12>;
   struct Response {
-    std::array<Affine, 2> shape;                 // [g]: displacements by motion of g, 3 n rows
-    std::array<std::array<Affine, 2>, 2> force;  // [a][g]: on patch a, 3 rows for each of its nodes
+    std::array<Affine, 2> shape;                 // [g]: displacements per motion of g, 3 n rows
+    std::array<std::array<Affine, 2>, 2> force;  // [a][g]: forces on patch a, 3 rows per node
   };
 
   StepReport advance(double dt) noexcept override;
@@ -46,7 +47,7 @@ class LinearModel final : public ComparisonModel {
   factor::BlockMatrix stiffness_;
   factor::SupernodalFactor factor_;
   bool prepared_ = false;
-  std::array<Response, 4> responses_;  // by HeldNodes::held_set()
+  std::array<Response, 4> responses_;  // indexed by HeldNodes::held_set()
   Eigen::Matrix3Xd external_, u_, k_u_;
   Eigen::MatrixXd rhs_;
 };

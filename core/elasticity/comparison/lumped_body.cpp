@@ -12,7 +12,7 @@ namespace {
 
 using Tetrahedra = std::array<std::array<int, 4>, 8>;
 
-/// Pieces of a quadratic element in its own numbering.
+/// Pieces of a quadratic element in its local numbering.
 Tetrahedra split(const std::array<int, 2>& diagonal, const std::array<int, 4>& ring) {
   Tetrahedra all = {{{0, 4, 6, 7}, {4, 1, 5, 8}, {6, 5, 2, 9}, {7, 8, 9, 3}}};
   for (int k = 0; k < 4; ++k) all[4 + k] = {diagonal[0], diagonal[1], ring[k], ring[(k + 1) % 4]};
@@ -20,14 +20,14 @@ Tetrahedra split(const std::array<int, 2>& diagonal, const std::array<int, 4>& r
 }
 
 Tetrahedra split_at_shortest_diagonal(const Eigen::Matrix<double, 3, 10>& x) {
-  // Opposite midside nodes, each with the other four in order round it.
+  // Opposite midside nodes, each with the other four in order around it.
   constexpr std::array<std::array<int, 2>, 3> kDiagonals = {{{4, 9}, {5, 7}, {6, 8}}};
   constexpr std::array<std::array<int, 4>, 3> kRings = {{{6, 5, 8, 7}, {4, 6, 9, 8}, {4, 5, 9, 7}}};
   int shortest = 0;
   double length = -1;
   for (int d = 0; d < 3; ++d) {
     const double l = (x.col(kDiagonals[d][0]) - x.col(kDiagonals[d][1])).norm();
-    // Equal lengths must not be told apart by rounding.
+    // equal lengths must not be distinguished by rounding errors
     if (length < 0 || l < length * (1 - 1e-9)) {
       length = l;
       shortest = d;
@@ -68,7 +68,7 @@ std::vector<LinearPiece> linear_pieces(const mesh::ElementMesh& mesh) {
     Eigen::Matrix<double, 3, 10> x;
     for (int a = 0; a < 10; ++a) x.col(a) = mesh.nodes.col(mesh.elements(a, e));
     const Tetrahedra tetrahedra = split_at_shortest_diagonal(x);
-    // The rings go round either way.
+    // rings have either orientation
     for (int k = 0; k < 8; ++k) add_piece(mesh, e, tetrahedra[k], k >= 4, pieces);
   }
   return pieces;

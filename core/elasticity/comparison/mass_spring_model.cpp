@@ -45,7 +45,7 @@ double spring_share(const Eigen::Matrix<double, 3, 4>& corners) {
     const auto& edge = mesh::kTetrahedronEdges[e];
     n.col(e) = (corners.col(edge[1]) - corners.col(edge[0])).normalized();
   }
-  // n n : C : n n = lambda + 2 mu = 1.2 E in every direction where nu = 1/4.
+  // n n : C : n n = lambda + 2 mu = 1.2 E in every direction for nu = 1/4
   const Eigen::Matrix<double, 6, 6> cosines = n.transpose() * n;
   return 6 * 1.2 / cosines.array().square().square().sum();
 }
@@ -81,7 +81,7 @@ void MassSpringModel::begin_step(double dt) noexcept {
   external_.noalias() += gravity_ * masses_.transpose();
   inertia_ = 1 / (dt * dt) + body_.damping.mass_factor / dt;
   x_inertial_ = x_begin_ + v_begin_ * (1 / (dt * inertia_));
-  // k (l - l0)^2 / 2 + k viscous (l - l_begin)^2 / 2 is one spring again, but for a constant.
+  // k (l - l0)^2 / 2 + k viscous (l - l_begin)^2 / 2 is again one spring, plus a constant
   const double viscous = body_.damping.stiffness_factor / dt;
   for (std::size_t i = 0; i < springs_.size(); ++i) {
     const Spring& s = springs_[i];
@@ -91,8 +91,7 @@ void MassSpringModel::begin_step(double dt) noexcept {
   }
 }
 
-/// Incremental potential at x_ in J; leaves its derivative in forces_ and the tangents in
-/// tensions_.
+/// Incremental potential at x_, J; its derivative goes to forces_ and the tangents to tensions_.
 double MassSpringModel::evaluate() noexcept {
   double energy = 0;
   for (int i = 0; i < x_.cols(); ++i) {
@@ -139,7 +138,7 @@ void MassSpringModel::precondition() noexcept {
   for (Matrix3d& block : inverse_diagonal_) block = block.inverse().eval();
 }
 
-/// y = tangent times u over free nodes; u is zero at given ones.
+/// y = tangent times u over free nodes; u is zero at prescribed nodes.
 void MassSpringModel::multiply(const Matrix3Xd& u, Matrix3Xd& y) const noexcept {
   for (int i = 0; i < u.cols(); ++i) y.col(i) = inertia_ * masses_(i) * u.col(i);
   for (std::size_t i = 0; i < springs_.size(); ++i) {
@@ -155,8 +154,8 @@ void MassSpringModel::multiply(const Matrix3Xd& u, Matrix3Xd& y) const noexcept 
   }
 }
 
-/// tangent dx_ = -forces_ over the free nodes, by preconditioned conjugate gradients, which go
-/// downhill however early they stop.
+/// Solves tangent dx_ = -forces_ over the free nodes by preconditioned conjugate gradients, whose
+/// iterates are descent directions however early they stop.
 void MassSpringModel::solve() noexcept {
   precondition();
   dx_.setZero();
@@ -198,7 +197,7 @@ StepReport MassSpringModel::advance(double dt) noexcept {
   while (report.residual > options_.tolerance && report.iterations < options_.iterations) {
     solve();
     ++report.iterations;
-    const double slope = dot(forces_, dx_);  // dx_ is zero at given nodes
+    const double slope = dot(forces_, dx_);  // dx_ is zero at prescribed nodes
     x_trial_ = x_;
     const double begin = report.residual;
     bool accepted = false;
@@ -207,7 +206,8 @@ StepReport MassSpringModel::advance(double dt) noexcept {
       x_ = x_trial_ + alpha * dx_;
       next = evaluate();
       report.residual = residual();
-      // Near the minimum the energy's own rounding hides its fall: there the residual decides.
+      // Near the minimum rounding errors of the energy exceed its decrease; there the residual
+      // decides.
       const double rounding = 1e-12 * (std::abs(energy) + std::abs(next));
       accepted = next <= energy + 1e-4 * alpha * slope ||
                  (std::abs(next - energy) <= rounding && report.residual < begin);

@@ -6,30 +6,31 @@
 namespace palpate::elasticity {
 
 struct MassSpringOptions {
-  int iterations = 6;       // Newton corrections per step at most, >= 1
-  double tolerance = 1e-7;  // N, largest nodal force out of balance at which a step ends early
-  int cg_iterations = 200;  // conjugate gradients per correction at most, >= 1
-  int halvings = 6;         // of one correction, at most
+  int iterations = 6;       // maximum number of Newton corrections per step, >= 1
+  double tolerance = 1e-7;  // N, largest unbalanced nodal force at which a step ends early
+  int cg_iterations = 200;  // maximum number of conjugate gradient iterations per correction, >= 1
+  int halvings = 6;         // maximum number of halvings of one correction
 };
 
-/// Stiffness of the springs along the edges of a tetrahedron as a share of E V / l^2 (V its volume,
-/// l the length of the edge): the share at which the network's elasticity tensor is nearest, in the
-/// Frobenius norm, to that of an isotropic material of nu = 1/4,
-///   s = 6 * 1.2 / sum over pairs of edges of cos^4 of the angle between them.
-/// On a regular tetrahedron s = 24/25, which is k = (2 sqrt(2) / 25) l E of Lloyd, Szekely and
-/// Harders (IEEE Trans. Vis. Comp. Graph. 13(5), 2007); this extends their criterion to others.
+/// Stiffness of the springs along the edges of a tetrahedron relative to E V / l^2 (V its volume, l
+/// the length of the edge), such that the network's elasticity tensor is nearest, in the Frobenius
+/// norm, to that of an isotropic material with nu = 1/4, s = 6 * 1.2 / sum over pairs of edges of
+/// cos^4 of the angle between them. On a regular tetrahedron s = 24/25, which is k = (2 sqrt(2) /
+/// 25) l E of Lloyd, Szekely and Harders (IEEE Trans. Vis. Comp. Graph. 13(5), 2007); this extends
+/// their criterion to other shapes.
 double spring_share(const Eigen::Matrix<double, 3, 4>& corners);
 
-/// Point masses and springs along the edges of linear tetrahedra (the elements, or eight for each
-/// quadratic element), with stiffness from E by spring_share(). Central forces in a network near
-/// isotropic imply nu = 1/4 whatever the material says (Cauchy's relations), and the match is one
-/// of averages: modulus and nu vary with direction and mesh. Inverted elements are not told from
-/// good ones. Quarter-volume lumped masses, so that nodal weights differ from the finite elements'.
+/// Point masses and springs along the edges of linear tetrahedra (the elements, or eight per
+/// quadratic element), with stiffness from Young's modulus by spring_share(). Central forces in a
+/// nearly isotropic network imply nu = 1/4 whatever the material (Cauchy's relations), and the
+/// match is an average: modulus and nu vary with direction and mesh. Inverted elements are not
+/// distinguished from valid ones. Masses are lumped by quarter volumes, so that nodal weights
+/// differ from those of the finite elements.
 ///
-/// Backward Euler with Rayleigh damping (stiffness-proportional along each spring, so that no rigid
-/// motion feels it): each step minimises the incremental potential by Newton's method with
-/// transverse stiffness of compressed springs left out (positive definite), Jacobi-preconditioned
-/// conjugate gradients and halving. Stable at any E and step.
+/// Backward Euler with Rayleigh damping (stiffness-proportional along each spring, so that rigid
+/// motions are undamped): each step minimises the incremental potential by Newton's method without
+/// the transverse stiffness of compressed springs (positive definite), Jacobi-preconditioned
+/// conjugate gradients and step halving. Stable for any modulus and step size.
 class MassSpringModel final : public ComparisonModel {
  public:
   /// Throws std::invalid_argument for an invalid body, element or option.
@@ -43,15 +44,15 @@ class MassSpringModel final : public ComparisonModel {
   const std::vector<Spring>& springs() const noexcept { return springs_; }
   const Eigen::VectorXd& masses() const noexcept { return masses_; }  // kg, by node
 
-  /// Potential energy of the springs in J.
+  /// Potential energy of the springs, J.
   double elastic_energy() const noexcept;
 
  private:
-  // A spring in the present step: damping makes it stiffer and shifts its length to where it was.
+  // Spring in the present step: damping increases its stiffness and shifts its rest length.
   struct Tension {
     double stiffness, length;
-    Eigen::Vector3d direction;  // unit, from b to a
-    double across;              // N/m, stiffness against turning, >= 0
+    Eigen::Vector3d direction;  // unit vector from b to a
+    double across;              // N/m, transverse stiffness, >= 0
   };
 
   StepReport advance(double dt) noexcept override;
@@ -66,9 +67,10 @@ class MassSpringModel final : public ComparisonModel {
   std::vector<Spring> springs_;
   Eigen::VectorXd masses_;
   std::vector<Tension> tensions_;
-  double inertia_ = 0;  // 1/s^2, of the present step
+  double inertia_ = 0;  // 1/s^2, inertia term of the present step
   Eigen::Matrix3Xd external_, x_inertial_, x_trial_;
-  Eigen::Matrix3Xd dx_, remainder_, conditioned_, search_, product_;  // of conjugate gradients
+  /// Workspace of the conjugate gradients.
+  Eigen::Matrix3Xd dx_, remainder_, conditioned_, search_, product_;
   std::vector<Eigen::Matrix3d> inverse_diagonal_;
 };
 

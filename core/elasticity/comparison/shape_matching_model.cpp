@@ -17,7 +17,8 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-/// Nodes within some rings of edges of each node, itself included, in increasing order.
+/// Nodes within a number of rings of edges of each node, including the node itself, in ascending
+/// order.
 std::vector<std::set<int>> neighbourhoods(const std::vector<LinearPiece>& pieces, int node_count,
                                           int rings) {
   std::vector<std::set<int>> near(node_count);
@@ -35,8 +36,8 @@ std::vector<std::set<int>> neighbourhoods(const std::vector<LinearPiece>& pieces
   return reached;
 }
 
-/// Twice the energy that a region of k = 1 and this moment (kg m^2) stores, summed over six
-/// orthonormal strains, each with the rotation that fits it best. 2 J where all axes are alike.
+/// Twice the energy stored by a region with k = 1 and this moment (kg m^2), summed over six
+/// orthonormal strains, each with its best-fitting rotation. Equals 2 J if all axes are equal.
 double resistance(const Matrix3d& moment) {
   const Vector3d a = Eigen::SelfAdjointEigenSolver<Matrix3d>(moment).eigenvalues();
   double sum = a.sum();
@@ -66,7 +67,7 @@ ShapeMatchingModel::ShapeMatchingModel(Body body, const ShapeMatchingOptions& op
   }
 
   const std::vector<std::set<int>> near = neighbourhoods(pieces, n, options.rings);
-  // A node belongs to as many regions as its own has members, since nearness is mutual.
+  // a node belongs to as many regions as its own has members, because neighbourhood is symmetric
   for (const std::set<int>& nodes : near) {
     Region region;
     region.begin = static_cast<int>(members_.size());
@@ -107,8 +108,8 @@ double ShapeMatchingModel::modulus_share(double dt) const noexcept {
   return std::min(1.0, 1 / (stiffest_ * h * h));
 }
 
-/// Mean of what the regions ask of each node at x_ into correction_. A correction c stands for the
-/// force m c / square; square in s^2.
+/// Mean correction of each node at x_ over its regions, into correction_. A correction c
+/// corresponds to the force m c / square; square in s^2.
 void ShapeMatchingModel::correct(double square) noexcept {
   correction_.setZero();
   for (Region& region : regions_) {
@@ -163,7 +164,7 @@ StepReport ShapeMatchingModel::advance(double dt) noexcept {
         v_.col(i) = (x_.col(i) - x_before_.col(i)) / h;
         continue;
       }
-      // What the regions, the loads, damping and inertia leave to the hand, on average over dt.
+      // force left to the hand by regions, loads, damping and inertia, averaged over dt
       const Vector3d velocity = (x_.col(i) - x_before_.col(i)) / h;
       forces_.col(i) += masses_(i) / count *
                         ((velocity / decay - v_.col(i)) / h - acceleration_.col(i) -

@@ -7,30 +7,29 @@
 namespace palpate::elasticity {
 
 struct ShapeMatchingOptions {
-  int rings = 1;         // of mesh edges round each node that its region reaches, in [1, 5]
-  int max_substeps = 8;  // that a step may be split into to be as stiff as E says, >= 1
+  int rings = 1;         // size of each node's region in rings of mesh edges, in [1, 5]
+  int max_substeps = 8;  // maximum number of substeps used to realise Young's modulus, >= 1
 };
 
 /// Meshless shape matching (Mueller, Heidelberger, Teschner and Gross, SIGGRAPH 2005) with one
-/// region round each node as in lattice shape matching (Rivers and James, SIGGRAPH 2007): nodes
-/// move freely, each region finds the rigid pose of its rest shape nearest to them, and they are
-/// drawn towards it by a share alpha, the correction of a node being the mean of its regions'
+/// region around each node as in lattice shape matching (Rivers and James, SIGGRAPH 2007). Nodes
+/// move freely; for each region the best-fitting rigid pose of its rest shape is computed, and its
+/// nodes are moved towards it by a fraction alpha; a node's correction is the mean over its regions
 /// (weights w = 1 / number of its regions). Grasped and fixed nodes are prescribed, loads are
-/// accelerations. Linear and angular momentum of each correction are zero.
+/// accelerations. Corrections conserve linear and angular momentum.
 ///
-/// Stiffness: a region drawn by alpha = k h^2 stores the energy k/2 sum w m |x - goal|^2. Equated,
-/// in the mean over all small uniform strains, with mu V |F - R|^2, the co-rotated energy of a
-/// material with nu = 0 and E = 2 mu, it gives k; where the region's moments are alike along all
-/// axes,
+/// Stiffness: a region moved by alpha = k h^2 stores the energy k/2 sum w m |x - goal|^2. Equating
+/// it, in the mean over all small uniform strains, with mu V |F - R|^2, the co-rotated energy of a
+/// material with nu = 0 and E = 2 mu, yields k; if the region's moments are equal along all axes,
 ///   k = 3 E V / J,  J = sum w m |r|^2,  V the region's share of the volume.
-/// alpha may not exceed 1, so nothing stiffer than J / (3 V h^2) can be had from a step h; hence
+/// alpha must not exceed 1, so that a step h cannot realise a stiffness above J / (3 V h^2); hence
 /// the substeps, and modulus_share() where they do not suffice.
 ///
-/// What it cannot do: nu is 0 whatever the material says; volume is not kept; in regions long
-/// in one direction, and at the surface, E is met on average only; stiffness-proportional damping
-/// is replaced by the scheme's own, which is that of a stiffness factor equal to h; it has
-/// neither residual (reported as zero) nor sensitivity. On a quadratic mesh all nodes take part,
-/// joined as in linear_pieces().
+/// Limitations: nu is 0 whatever the material; volume is not conserved; in elongated regions and at
+/// the surface Young's modulus is met on average only; stiffness-proportional damping is replaced
+/// by that of the scheme, equivalent to a stiffness factor of h; neither residual (reported as
+/// zero) nor sensitivity are available. On a quadratic mesh all nodes take part, connected as in
+/// linear_pieces().
 class ShapeMatchingModel final : public ComparisonModel {
  public:
   /// Throws std::invalid_argument for an invalid body, element or option.
@@ -40,10 +39,11 @@ class ShapeMatchingModel final : public ComparisonModel {
 
   const Eigen::VectorXd& masses() const noexcept { return masses_; }  // kg, by node
 
-  /// Substeps that a step of dt seconds is split into.
+  /// Number of substeps of a step of dt seconds.
   int substeps(double dt) const noexcept;
 
-  /// Share of E that the stiffest region realises at steps of dt seconds; 1 where all is well.
+  /// Fraction of Young's modulus that the stiffest region realises for steps of dt seconds; 1 if it
+  /// is fully realised.
   double modulus_share(double dt) const noexcept;
 
  private:
@@ -51,14 +51,15 @@ class ShapeMatchingModel final : public ComparisonModel {
     int node;
     double weight;         // w
     double mass;           // w m, kg
-    Eigen::Vector3d rest;  // from the region's centre of mass, m
+    Eigen::Vector3d rest;  // m, relative to the region's centre of mass
   };
   struct Region {
-    int begin, end;    // members
-    double mass;       // kg, of its members by weight
-    double scale;      // 1/(kg m^2), makes its moment of the order of one
+    int begin, end;    // range of members
+    double mass;       // kg, weighted mass of its members
+    double scale;      // 1/(kg m^2), normalises its moment matrix
     double stiffness;  // k, 1/s^2
-    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();  // warm start
+    /// Starting point of the polar decomposition.
+    Eigen::Quaterniond rotation = Eigen::Quaterniond::Identity();
   };
 
   StepReport advance(double dt) noexcept override;

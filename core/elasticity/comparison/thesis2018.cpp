@@ -56,13 +56,13 @@ void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
 
 void Thesis2018::release(int grasp) noexcept { is_held_[grasp] = false; }
 
-/// M + h D + h^2 K into system_.matrix, and h times the force on the right into impulse_.
+/// Assembles M + h D + h^2 K in system_.matrix, and h times the right-hand force in impulse_.
 void Thesis2018::assemble() noexcept {
   const double h = options_.time_step;
   const Damping& damping = body_.damping;
   const double mass_share = 1 + h * damping.mass_factor;
   const double stiffness_share = h * damping.stiffness_factor + h * h;
-  system_.forces.evaluate(x_, product_);  // to become f_int + (D + h K) v
+  system_.forces.evaluate(x_, product_);  // becomes f_int + (D + h K) v
   system_.matrix.set_zero();
   for (int e = 0; e < system_.elements.element_count(); ++e) {
     system_.elements.stiffness(e, x_, Tangent::kWarped, 0, element_matrix_);
@@ -92,7 +92,7 @@ StepReport Thesis2018::step(double) noexcept {
 
   const double h = options_.time_step;
   assemble();
-  // Grasped nodes reach their place within the step.
+  // grasped nodes reach their pose within the step
   dv_.setZero();
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
     if (!is_held_[g]) continue;

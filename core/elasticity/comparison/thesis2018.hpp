@@ -9,13 +9,13 @@ struct Thesis2018Options {
   double time_step = 0.02;  // s
 };
 
-/// The integrator of the 2018 system (Vega FEM's co-rotational tetrahedra, "warp 1"), to reproduce
-/// its figures: linear tetrahedra, warped stiffness R K R^T, consistent mass, Rayleigh damping,
-/// implicit Euler with one Newton step,
+/// Integrator of the thesis software of 2018 (Sanchez 2019; Vega FEM's co-rotational tetrahedra,
+/// "warp 1"), to reproduce its results: linear tetrahedra, warped stiffness R K R^T, consistent
+/// mass, Rayleigh damping, implicit Euler with one Newton step,
 ///   (M + h D + h^2 K) dv = h [f_ext - f_int - (D + h K) v],  v += dv,  x += h v.
-/// As in the original every call of step() advances by `time_step` whatever dt is, so that
-/// simulated time is not real time. It factors in every step, hence follows grasps made and
-/// released at once and wants no refactorisation; it has no sensitivity.
+/// As in the original, every call of step() advances by `time_step` whatever dt, so that simulated
+/// time differs from real time. It factors in every step, therefore grasps are held and released at
+/// once and no refactorisation is required; it has no sensitivity.
 class Thesis2018 final : public DeformationModel {
  public:
   /// Throws std::invalid_argument for a quadratic mesh.
@@ -29,7 +29,7 @@ class Thesis2018 final : public DeformationModel {
   void set_gravity(const Eigen::Vector3d& gravity_O) noexcept override { gravity_ = gravity_O; }
   Eigen::Matrix3Xd& loads() noexcept override { return loads_; }
 
-  /// The residual is not evaluated after the one Newton step and is reported as zero.
+  /// The residual is not evaluated after the single Newton step and is reported as zero.
   StepReport step(double dt) noexcept override;
   void reset() noexcept override;
   const Eigen::Matrix3Xd& positions() const noexcept override { return x_; }

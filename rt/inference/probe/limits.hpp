@@ -4,10 +4,11 @@
 
 namespace palpate::inference {
 
-/// What a module may use while it is loaded and tried, beyond what libtorch itself needs.
-inline constexpr unsigned kProbeSeconds = 2;                       // of processor time
-inline constexpr std::size_t kProbeMemory = std::size_t{6} << 30;  // of addresses, libtorch's too
-/// Steps on zeros with the state carried on.
+/// Resource limits of a module while it is probed, in addition to what libtorch itself needs.
+inline constexpr unsigned kProbeSeconds = 2;  // of processor time
+/// Address space, including libtorch's.
+inline constexpr std::size_t kProbeMemory = std::size_t{6} << 30;
+/// Steps on zeros with a persistent state.
 inline constexpr int kProbeSteps = 50;
 
 }  // namespace palpate::inference

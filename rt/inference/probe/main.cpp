@@ -1,8 +1,8 @@
 // palpate-probe INPUTS STATES OUTPUTS < module.pt
 //
-// Loads a TorchScript module and runs it on zeros, in a process that may crash, hang or run out of
-// memory without harm to anybody. Exit code 0: it can be used; 1: it cannot, and standard output
-// says why. Whatever loads a module runs this first; see model_probe.hpp.
+// Loads a TorchScript module and evaluates it on zeros, in a process that may crash, hang or
+// exhaust its memory without consequences. Exit code 0: accepted; 1: rejected, with the reason on
+// standard output. Run before a module is loaded; see model_probe.hpp.
 
 #include <sys/resource.h>
 
@@ -20,7 +20,7 @@ namespace {
 
 using namespace palpate::inference;
 
-/// After libtorch itself is there, whose own start does not count.
+/// Call after libtorch has been initialised, whose start does not count.
 void limit_this_process() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);
@@ -50,7 +50,7 @@ void try_module(const std::string& bytes, const ModelSizes& sizes) {
 int main(int argc, char** argv) {
   if (argc != 4) {
     std::cerr << "usage: palpate-probe INPUTS STATES OUTPUTS < module.pt\n";
-    return 2;
+    return 64;  // EX_USAGE, as rt/config/command_line.hpp has it
   }
   try {
     torch_version();
@@ -66,5 +66,5 @@ int main(int argc, char** argv) {
     return 1;
   }
   std::cout.flush();
-  std::_Exit(0);  // without libtorch's own end, which takes longer than the rest
+  std::_Exit(0);  // skips libtorch's shutdown, which takes longer than everything else
 }

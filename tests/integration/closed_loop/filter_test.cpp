@@ -7,7 +7,7 @@ namespace {
 
 constexpr const char* kScene = "sim/scenes/bar_long_soft_six_poses.yaml";
 constexpr const char* kPokeScene = "sim/scenes/bar_long_soft_poke.yaml";
-constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kFilterConfiguration = "rt/config/examples/bar_long_soft.yaml";
 constexpr const char* kFilter = "estimation.component=pose_wrench_filter";
 const double kTrueLogYoung = std::log(30e3);
 
@@ -18,7 +18,7 @@ struct Result {
 };
 
 Result estimate_over_two_poses(std::vector<std::string> overrides) {
-  ClosedLoop loop(kScene, kConfiguration,
+  ClosedLoop loop(kScene, kFilterConfiguration,
                   {"sensors.force_torque.bias=[0.0333, 0.0167, -0.0333, 0, 0, 0]"},
                   std::move(overrides));
   loop.run(0.1);
@@ -60,7 +60,7 @@ TEST(Filter, FindsTheStiffnessThatItWasToldWrongly) {
 TEST(Filter, FeelsAPushThatNothingMeasures) {
   constexpr double kPushed = 5, kReleased = 8;  // s, of the scene's first poke
   const Eigen::Vector3d rest_point(0.25, 0.03, 0.06);
-  ClosedLoop loop(kPokeScene, kConfiguration, {}, {kFilter});
+  ClosedLoop loop(kPokeScene, kFilterConfiguration, {}, {kFilter});
   loop.run(0.1);
   loop.send_event("start");
   double time = 0.1, found_at = -1, lost_at = -1;

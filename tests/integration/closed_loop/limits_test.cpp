@@ -16,14 +16,14 @@ namespace {
 
 using Eigen::Vector3d;
 
-const char* const kScene = "sim/scenes/bar_long_soft_control.yaml";
-const char* const kConfiguration = "rt/config/examples/bar_long_soft_limits.yaml";
+const char* const kLimitsScene = "sim/scenes/bar_long_soft_control.yaml";
+const char* const kLimitsConfiguration = "rt/config/examples/bar_long_soft_limits.yaml";
 /// The bar's middle moving to a target, scored on the plant.
 class Way {
  public:
-  explicit Way(const std::vector<std::string>& overrides, const char* scene = kScene,
+  explicit Way(const std::vector<std::string>& overrides, const char* scene = kLimitsScene,
                const std::vector<std::string>& scene_overrides = {})
-      : loop(scene, kConfiguration, scene_overrides, overrides) {
+      : loop(scene, kLimitsConfiguration, scene_overrides, overrides) {
     loop.run(0.1);
     loop.send_event("start");
     loop.run(1.0);
@@ -196,7 +196,7 @@ TEST(LimitsLoop, TheBarDoesNotSlipOutOfThePinch) {
       Way way({limited ? "control.limits={slip: {pinch: 8, friction: 0.5, lever: 0.02, width: "
                          "0.06, sticking: 0.8, normal: [0, 1, 0]}}"
                        : "control.limits={}"},
-              kScene, pads);
+              kLimitsScene, pads);
       double greatest = 0;
       way.go(target, 4, [&] {
         greatest = std::max(greatest, way.loop.simulation().plant().slipping_share(0));

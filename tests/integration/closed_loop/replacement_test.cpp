@@ -5,8 +5,8 @@
 namespace palpate {
 namespace {
 
-const char* const kScene = "sim/scenes/bar_long_soft_control.yaml";
-const char* const kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+const char* const kReplacementScene = "sim/scenes/bar_long_soft_control.yaml";
+const char* const kReplacementConfiguration = "rt/config/examples/bar_long_soft.yaml";
 constexpr double kGateAcceleration = 0.5;  // m/s^2, of the configuration
 
 struct Replace {
@@ -27,8 +27,8 @@ void PrintTo(const Pair& pair, std::ostream* out) { *out << pair.name; }
 class ReplacementPair : public testing::TestWithParam<Pair> {
  protected:
   void prepare() {
-    loop_ = std::make_unique<ClosedLoop>(kScene, kConfiguration, std::vector<std::string>{},
-                                         GetParam().overrides);
+    loop_ = std::make_unique<ClosedLoop>(kReplacementScene, kReplacementConfiguration,
+                                         std::vector<std::string>{}, GetParam().overrides);
     loop_->run(0.1);
     loop_->send_event("start");
     loop_->run(0.6);
@@ -92,7 +92,8 @@ TEST_P(ReplacementPair, ThereAndBackWithoutAJump) {
 
 // Its memory, freed by then, is not accessed either.
 TEST(ReplacementLoop, WhatOnlyTheLastEstimatorKnewIsNotTold) {
-  ClosedLoop loop(kScene, kConfiguration, {}, {"estimation={component: pose_wrench_filter}"});
+  ClosedLoop loop(kReplacementScene, kReplacementConfiguration, {},
+                  {"estimation={component: pose_wrench_filter}"});
   loop.send_event("start");
   loop.run(0.5);
   const estimation::Estimate& estimate = loop.daemon().pipeline().estimate();
@@ -159,7 +160,7 @@ TEST_P(Refusal, LeavesWhatRunsAlone) {
   std::vector<Eigen::Matrix3Xd> shapes;
   std::string events;
   for (const bool ask : {false, true}) {
-    ClosedLoop loop(kScene, kConfiguration);
+    ClosedLoop loop(kReplacementScene, kReplacementConfiguration);
     loop.send_event("start");
     loop.run(0.5);
     loop.take_events();
@@ -194,7 +195,7 @@ const Replace kRefused[] = {
 INSTANTIATE_TEST_SUITE_P(Cases, Refusal, testing::ValuesIn(kRefused));
 
 TEST(Replacements, OneAtATime) {
-  ClosedLoop loop(kScene, kConfiguration);
+  ClosedLoop loop(kReplacementScene, kReplacementConfiguration);
   loop.send_replace("control", "", "gain: 0.5");
   loop.send_replace("control", "", "gain: 0.7");
   loop.run(0.6);

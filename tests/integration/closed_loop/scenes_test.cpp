@@ -7,17 +7,19 @@
 namespace palpate {
 namespace {
 
-struct Pair {
+struct ScenesPair {
   const char* scene;
   const char* configuration;
 };
 
-std::string scene_of(const Pair& pair) { return std::string("sim/scenes/") + pair.scene + ".yaml"; }
-std::string configuration_of(const Pair& pair) {
+std::string scene_of(const ScenesPair& pair) {
+  return std::string("sim/scenes/") + pair.scene + ".yaml";
+}
+std::string configuration_of(const ScenesPair& pair) {
   return std::string("rt/config/examples/") + pair.configuration + ".yaml";
 }
 
-class SceneAndConfiguration : public ::testing::TestWithParam<Pair> {};
+class SceneAndConfiguration : public ::testing::TestWithParam<ScenesPair> {};
 
 TEST_P(SceneAndConfiguration, SpeakOfTheSameObject) {
   ClosedLoop loop(scene_of(GetParam()), configuration_of(GetParam()));
@@ -49,15 +51,16 @@ TEST_P(SceneAndConfiguration, SpeakOfTheSameObject) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Scene, SceneAndConfiguration,
-                         ::testing::Values(Pair{"bar_long_soft_control", "bar_long_soft"},
-                                           Pair{"bar_long_soft_six_poses", "bar_long_soft"},
-                                           Pair{"bar_long_hard_six_poses", "bar_long_hard"},
-                                           Pair{"bar_long_soft_torsion", "bar_long_soft"},
-                                           Pair{"bar_long_soft_bending", "bar_long_soft_across"},
-                                           Pair{"bar_long_soft_poke", "bar_long_soft"},
-                                           Pair{"block_hard_control", "block_hard"},
-                                           Pair{"block_hard_six_poses", "block_hard"},
-                                           Pair{"block_soft_six_poses", "block_soft"}),
+                         ::testing::Values(ScenesPair{"bar_long_soft_control", "bar_long_soft"},
+                                           ScenesPair{"bar_long_soft_six_poses", "bar_long_soft"},
+                                           ScenesPair{"bar_long_hard_six_poses", "bar_long_hard"},
+                                           ScenesPair{"bar_long_soft_torsion", "bar_long_soft"},
+                                           ScenesPair{"bar_long_soft_bending",
+                                                      "bar_long_soft_across"},
+                                           ScenesPair{"bar_long_soft_poke", "bar_long_soft"},
+                                           ScenesPair{"block_hard_control", "block_hard"},
+                                           ScenesPair{"block_hard_six_poses", "block_hard"},
+                                           ScenesPair{"block_soft_six_poses", "block_soft"}),
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
 // The thesis' third control run: its pose of three nodes near the hand, within the block's plane.

@@ -6,13 +6,13 @@
 namespace palpate {
 namespace {
 
-const char* const kScene = "sim/scenes/bar_soft_tactile.yaml";
-const char* const kConfiguration = "rt/config/examples/bar_soft_tactile.yaml";
+const char* const kTactileLoopScene = "sim/scenes/bar_soft_tactile.yaml";
+const char* const kTactileLoopConfiguration = "rt/config/examples/bar_soft_tactile.yaml";
 
 // Fingertips of robot and plant, BioTac messages, linear force map, fingertip poses of HAND_STATE:
 // the daemon's estimate of the fingers' contacts agrees with the truth.
 TEST(TactileLoop, ContactsAreThoseOfTheFingers) {
-  ClosedLoop loop(kScene, kConfiguration);
+  ClosedLoop loop(kTactileLoopScene, kTactileLoopConfiguration);
   loop.run(0.9);
   loop.send_event("start");
   loop.run(3.0);

@@ -12,10 +12,10 @@ namespace {
 constexpr double kLength = 0.5;  // m, of the bar
 const char* const kPoseScene = "sim/scenes/bar_two_hands.yaml";
 const char* const kControlScene = "sim/scenes/bar_two_hands_control.yaml";
-const char* const kConfiguration = "rt/config/examples/bar_two_hands.yaml";
+const char* const kTwoArmsConfiguration = "rt/config/examples/bar_two_hands.yaml";
 
 TEST(TwoArmsLoop, ConfigurationRepeatsTheScenesFrames) {
-  ClosedLoop loop(kPoseScene, kConfiguration);
+  ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
   loop.run(0.1);
   const pipeline::Pipeline& pipeline = loop.daemon().pipeline();
   ASSERT_EQ(pipeline.arm_count(), 2);
@@ -31,7 +31,7 @@ TEST(TwoArmsLoop, ConfigurationRepeatsTheScenesFrames) {
 }
 
 TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
-  ClosedLoop loop(kPoseScene, kConfiguration);
+  ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(8.0);  // into the S-bend
@@ -67,7 +67,7 @@ TEST(TwoArmsLoop, ShapeAndBothWrenchesFollowThePlant) {
 }
 
 TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
-  ClosedLoop loop(kControlScene, kConfiguration);
+  ClosedLoop loop(kControlScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
@@ -97,7 +97,7 @@ TEST(TwoArmsLoop, BothArmsBringAPointBetweenThemToItsTarget) {
 TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
   constexpr double kForce = 1.2, kStretch = 1.03, kSpeed = 0.05;
   ClosedLoop loop(
-      kControlScene, kConfiguration, {},
+      kControlScene, kTwoArmsConfiguration, {},
       {"feature={component: points, rest_points: [[0.15, 0.03, 0.06], [0.25, 0.03, 0.06], [0.35, "
        "0.03, 0.06]]}",
        "control={provider: fem, law: quadratic_program, gain: 2, moves: both, linear_speed: 0.05, "
@@ -154,7 +154,7 @@ TEST(TwoArmsLoop, QuadraticProgramBendsTheBarIntoAnS) {
 TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
   const auto error_of = [](const std::vector<std::string>& overrides) -> std::string {
     try {
-      ClosedLoop loop(kControlScene, kConfiguration, {}, overrides);
+      ClosedLoop loop(kControlScene, kTwoArmsConfiguration, {}, overrides);
     } catch (const config::Error& error) {
       return error.what();
     }
@@ -169,7 +169,7 @@ TEST(TwoArmsLoop, JointsOfTheSecondArmAreRefused) {
 }
 
 TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {
-  ClosedLoop loop(kControlScene, kConfiguration);
+  ClosedLoop loop(kControlScene, kTwoArmsConfiguration);
   loop.run(0.1);
   loop.send_event("start");
   loop.run(0.5);
@@ -199,7 +199,7 @@ TEST(TwoArmsLoop, SecondArmFallingSilentStopsBoth) {
 TEST(TwoArmsLoop, TwoRunsAreBitIdentical) {
   Eigen::Matrix3Xd positions[2];
   for (Eigen::Matrix3Xd& x : positions) {
-    ClosedLoop loop(kPoseScene, kConfiguration);
+    ClosedLoop loop(kPoseScene, kTwoArmsConfiguration);
     loop.send_event("start");
     loop.run(1.5);
     x = loop.daemon().pipeline().model().positions();

@@ -61,7 +61,7 @@ class AccessProcess : public ::testing::Test {
     return {kBin + "driver_template", "--url", control_url_, "--key", key_file_};
   }
   std::vector<std::string> palpated_with(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {kBin + "palpated",
+    std::vector<std::string> words = {kBin + "palpated", "--config",
                                       kSource + "/rt/config/examples/bar_long_soft.yaml"};
     for (const std::string& value :
          {"bus.control=" + control_url_, "bus.housekeeping=" + housekeeping_url_,
@@ -74,8 +74,8 @@ class AccessProcess : public ::testing::Test {
   /// Runs palpate-command; returns its exit code and its output.
   int command(const std::vector<std::string>& words, std::string& said,
               bool with_key = true) const {
-    std::vector<std::string> all = {kBin + "palpate-command", "--url", control_url_,
-                                    "--housekeeping", housekeeping_url_};
+    std::vector<std::string> all = {kBin + "palpate-command", "--url", control_url_, "--url",
+                                    "housekeeping=" + housekeeping_url_};
     if (with_key) all.insert(all.end(), {"--key", key_file_});
     all.insert(all.end(), words.begin(), words.end());
     ChildProcess program(all);
@@ -122,7 +122,7 @@ class AccessProcess : public ::testing::Test {
     return false;
   }
   /// Twists upwards for `count` ms, signed or not.
-  void steer(int count, bus::Sealer* sealer, std::int64_t session) {
+  void steer(int count, bus::MessageSigner* sealer, std::int64_t session) {
     bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
     twist_command_t message{};
     message.session = session;
@@ -166,7 +166,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
   EXPECT_EQ(now, start) << "moved by a program without the key";
   recorded(*twists_);
 
-  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
   ASSERT_TRUE(rests(moved)) << "goes on without commands";
@@ -214,7 +214,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
   EXPECT_LT((now - start).norm(), kAtRest) << "moved by a program without the key";
   recorded(*twists_);
 
-  bus::Sealer sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
+  bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
   ASSERT_TRUE(rests(moved, 0.5 * kAtRest)) << "goes on without commands";
@@ -278,8 +278,9 @@ TEST_F(AccessProcess, DaemonObeysWhoHasTheKeyAndNoRecordOfIt) {
 }
 
 TEST_F(AccessProcess, ACommandThatWasThereBeforeTheDaemonIsObeyed) {
-  ChildProcess asks({kBin + "palpate-command", "--url", control_url_, "--housekeeping",
-                     housekeeping_url_, "--key", key_file_, "--timeout", "60", "start"});
+  ChildProcess asks({kBin + "palpate-command", "--url", control_url_, "--url",
+                     "housekeeping=" + housekeeping_url_, "--key", key_file_, "--timeout", "60",
+                     "start"});
   component_command_t asked{};
   std::int64_t arrival_ns = 0;
   const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
@@ -354,9 +355,9 @@ TEST_F(AccessProcess, CommandSaysWhatIsWrong) {
   std::string said;
   EXPECT_EQ(command({"--timeout", "0.5", "start"}, said), 1);
   EXPECT_NE(said.find("is palpated running"), std::string::npos) << said;
-  EXPECT_EQ(command({}, said), 1);
-  EXPECT_EQ(command({"jump"}, said), 1);
-  EXPECT_EQ(command({"replace"}, said), 1);
+  EXPECT_EQ(command({}, said), 64);
+  EXPECT_EQ(command({"jump"}, said), 64);
+  EXPECT_EQ(command({"replace"}, said), 64);
   EXPECT_EQ(command({"--make-key", key_file_}, said), 1);
   EXPECT_NE(said.find("exists"), std::string::npos) << said;
   EXPECT_EQ(command({"--help"}, said), 0);

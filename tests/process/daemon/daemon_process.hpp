@@ -32,9 +32,13 @@ inline double resident_megabytes(int pid) {
 class DaemonProcess : public ::testing::Test {
  protected:
   std::vector<std::string> command(const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {kDaemon, kExample,
-                                      "--set", "bus.control=" + control_url_,
-                                      "--set", "bus.housekeeping=" + housekeeping_url_};
+    std::vector<std::string> words = {kDaemon,
+                                      "--config",
+                                      kExample,
+                                      "--set",
+                                      "bus.control=" + control_url_,
+                                      "--set",
+                                      "bus.housekeeping=" + housekeeping_url_};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }

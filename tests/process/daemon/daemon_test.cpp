@@ -2,6 +2,7 @@
 #include <palpate/robot_state_t.hpp>
 
 #include "tests/process/daemon/daemon_process.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace palpate {
 namespace {
@@ -36,7 +37,8 @@ TEST_F(DaemonProcess, ConfigurationErrorsExitWith78AndNameTheKey) {
   for (const Case& wrong :
        {Case{"object.mesh={file: nowhere.msh}", "nowhere.msh"},
         Case{"estimation.component=magic", "magic"}, Case{"loop.period_ms=-1", "period_ms"},
-        Case{"gate.linear_spede=1", "linear_spede"}}) {
+        Case{"gate.linear_spede=1", "linear_spede"},
+        Case{"bus.control=udpm://10.0.0.1:7667", "10.0.0.1 is not a multicast address"}}) {
     ChildProcess daemon(command({"--set", wrong.override_text}));
     EXPECT_EQ(daemon.wait(milliseconds(20000)), 78) << wrong.override_text;
     EXPECT_NE(daemon.output().find(wrong.expected), std::string::npos) << daemon.output();
@@ -51,6 +53,55 @@ TEST_F(DaemonProcess, SecondDaemonOnTheSameUrlIsRefused) {
   EXPECT_EQ(second.wait(milliseconds(20000)), 1);
   EXPECT_NE(second.output().find(control_url_), std::string::npos) << second.output();
   EXPECT_TRUE(first.running());
+}
+
+TEST_F(DaemonProcess, AWrongConfigurationIsNamedBeforeAnotherDaemon) {
+  ChildProcess first(command());
+  health_t health;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 0; }, health));
+  ChildProcess second(command({"--set", "control.provider=magic"}));
+  EXPECT_EQ(second.wait(milliseconds(20000)), 78);
+  EXPECT_NE(second.output().find("magic"), std::string::npos) << second.output();
+  EXPECT_EQ(second.output().find("already runs"), std::string::npos) << second.output();
+  EXPECT_TRUE(first.running());
+}
+
+TEST_F(DaemonProcess, CheckEndsWith0WhereAStartWouldRunThoughAnotherDaemonRuns) {
+  ChildProcess first(command());
+  health_t health;
+  ASSERT_TRUE(wait_health([](const health_t& h) { return h.cycles > 0; }, health));
+  ChildProcess check(command({"--check"}));
+  EXPECT_EQ(check.wait(milliseconds(20000)), 0) << check.output();
+  EXPECT_NE(check.output().find("valid configuration"), std::string::npos) << check.output();
+  ChildProcess doubtful(command({"--check", "--set", "object.grasp_box.lower=[0.46, 0, 0]"}));
+  EXPECT_EQ(doubtful.wait(milliseconds(20000)), 0) << doubtful.output();
+  EXPECT_NE(doubtful.output().find("x = 0.46 m lies between rows"), std::string::npos)
+      << doubtful.output();
+  EXPECT_TRUE(first.running());
+}
+
+TEST_F(DaemonProcess, CheckEndsWith78AndNamesFileLineKeyValueAndRange) {
+  struct Case {
+    const char* text;
+    std::vector<std::string> expected;
+  };
+  const support::ScratchFolder folder;
+  const std::string file = folder.path() / "wrong.yaml";
+  const std::string base = "base: " + kExample + "\n";
+  for (const Case& wrong :
+       {Case{"gate:\n  linear_speed: -3\n", {":3:", "gate.linear_speed", "-3", "allowed: 0"}},
+        Case{"estimation:\n  component: magic\n",
+             {":3:", "estimation.component", "magic", "allowed: "}},
+        Case{"control:\n  gian: 2\n", {":3:", "control.gian", "allowed: "}},
+        Case{"object:\n  grasp_box:\n    lower: [9, 9, 9]\n    upper: [10, 10, 10]\n",
+             {"object.grasp_box", "no node"}}}) {
+    std::ofstream(file) << base << wrong.text;
+    ChildProcess check({kDaemon, "--check", file});
+    EXPECT_EQ(check.wait(milliseconds(20000)), 78) << wrong.text;
+    EXPECT_NE(check.output().find(file), std::string::npos) << check.output();
+    for (const std::string& part : wrong.expected)
+      EXPECT_NE(check.output().find(part), std::string::npos) << part << " in " << check.output();
+  }
 }
 
 TEST_F(DaemonProcess, InvalidMessagesAreCountedAndNeverUsed) {

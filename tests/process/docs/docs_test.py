@@ -53,7 +53,8 @@ def is_printed(page, words, root):
 
 
 def configuration(root, programs):
-    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root)
+    studies = is_printed("docs/studies.md", [programs / "palpate-evaluate", "reference"], root)
+    return is_printed("docs/configuration.md", [programs / "palpate-reference"], root) or studies
 
 
 def published(root):
@@ -61,7 +62,8 @@ def published(root):
 
 
 def keys(root):
-    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", (root / "docs/configuration.md").read_text(), re.M))
+    pages = (root / "docs/configuration.md").read_text() + (root / "docs/studies.md").read_text()
+    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", pages, re.M))
     missing = []
     asked = 0
     for files in READERS:
@@ -119,7 +121,7 @@ def readme(root, programs):
               f'palpate-sim() {{ exec "{programs}/palpate-sim" "$@" {urls}; }}',
               f'palpated() {{ exec "{programs}/palpated" "$@" {urls} --set loop.degraded_after_ms=9000 '
               "--set loop.overrun_window_ms=10000 --set loop.safe_stop_after_ms=10000; }",
-              f'palpate-command() {{ "{programs}/palpate-command" --url "{control}" --housekeeping "{housekeeping}" '
+              f'palpate-command() {{ "{programs}/palpate-command" --url "{control}" --url "housekeeping={housekeeping}" '
               '--timeout 60 "$@"; }']
     left_out, run = set(), 0
     for start, lines in blocks((root / "README.md").read_text()):

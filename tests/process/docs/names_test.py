@@ -31,7 +31,7 @@ class Pages(unittest.TestCase):
 
 class Troubleshooting(unittest.TestCase):
     def test_tells_every_check_of_the_doctor(self):
-        done = subprocess.run([TREE.programs / "palpate-doctor", TREE.root / "rt/config/examples/bar_long_soft.yaml",
+        done = subprocess.run([TREE.programs / "palpate-doctor", "--config", TREE.root / "rt/config/examples/bar_long_soft.yaml",
                                "--json", "-", "--no-live"], capture_output=True, text=True, timeout=120)
         checks = {finding["check"] for finding in json.loads(done.stdout)["findings"]} | {"loopback", "daemons"}
         self.assertGreater(len(checks), 20)

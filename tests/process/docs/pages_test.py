@@ -72,9 +72,9 @@ class Beside:
                 more += " --set loop.safe_stop_after_ms=10000"
             return more
         if program == "palpate-command" and "--make-key" not in line:
-            return f" --url {control} --housekeeping {housekeeping} --timeout 60"
+            return f" --url {control} --url housekeeping={housekeeping} --timeout 60"
         if program == "palpate-view":
-            return f" --url {control} --housekeeping {housekeeping} --port 0"
+            return f" --url {control} --url housekeeping={housekeeping} --port 0"
         if program in ("palpate-top", "palpate-record"):
             more = f" --url control={control} --url housekeeping={housekeeping}"
             return more + (" --plain --once --seconds 2" if program == "palpate-top" else "")

@@ -101,7 +101,7 @@ TEST(Opened, ByTheLibrariesOfFoxglove) {
   for (const std::string compression : {"none", "lz4", "zstd"}) {
     const std::string file = (made.folder() / (compression + ".mcap")).string();
     expect_exported({"mcap", made.control(), made.housekeeping(), "--compression", compression,
-                     "--configuration", made.folder() / "cell.yaml", "--quiet", "-o", file});
+                     "--config", made.folder() / "cell.yaml", "--quiet", "-o", file});
     const auto [code, said] = run({node, kHere + "read_by_foxglove.cjs", file});
     if (code == 77) GTEST_SKIP() << said;
     ASSERT_EQ(code, 0) << said;

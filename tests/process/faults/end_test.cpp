@@ -65,8 +65,9 @@ TEST_F(Begin, PortInUseIsRefusedWithReason) {
   address.sin_addr.s_addr = htonl(INADDR_ANY);
   const int other = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   ASSERT_EQ(bind(other, reinterpret_cast<const sockaddr*>(&address), sizeof(address)), 0);
-  ChildProcess daemon({kDaemon, kExample, "--set", "bus.control=" + support::private_url(2),
-                       "--set", "bus.housekeeping=" + housekeeping_url_});
+  ChildProcess daemon({kDaemon, "--config", kExample, "--set",
+                       "bus.control=" + support::private_url(2), "--set",
+                       "bus.housekeeping=" + housekeeping_url_});
   EXPECT_EQ(daemon.wait(milliseconds(20000)), 1);
   EXPECT_NE(daemon.output().find(url.group()), std::string::npos) << daemon.output();
   EXPECT_NE(daemon.output().find("in use"), std::string::npos) << daemon.output();

@@ -31,13 +31,11 @@ class Flood : public FaultProcess {
   /// The same time without the flood, then with it.
   std::pair<Seen, Seen> compare(const std::string& url, const std::vector<std::string>& what) {
     const Seen quiet = watch_for(seconds());
-    std::vector<std::string> words = {kInjector,
-                                      "flood",
-                                      url,
-                                      "--seconds",
-                                      std::to_string(seconds()),
-                                      "--rate",
-                                      std::to_string(amount("PALPATE_FLOOD_RATE", 20000))};
+    std::vector<std::string> words = {
+        kInjector,   "flood",
+        "--url",     url,
+        "--seconds", std::to_string(seconds()),
+        "--rate",    std::to_string(amount("PALPATE_FLOOD_RATE", 20000))};
     words.insert(words.end(), what.begin(), what.end());
     ChildProcess injector(words);
     const Seen flooded = watch([&] { return !injector.running(); });

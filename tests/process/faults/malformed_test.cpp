@@ -10,9 +10,9 @@ class Malformed : public FaultProcess {
  protected:
   std::vector<std::string> injection(int count, int rate,
                                      const std::vector<std::string>& more = {}) const {
-    std::vector<std::string> words = {kInjector,           "malformed",           control_url_,
-                                      "--count",           std::to_string(count), "--rate",
-                                      std::to_string(rate)};
+    std::vector<std::string> words = {kInjector,    "malformed",         "--url",
+                                      control_url_, "--count",           std::to_string(count),
+                                      "--rate",     std::to_string(rate)};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
@@ -141,8 +141,8 @@ TEST_F(Malformed, StockReceiverForComparison) {
     while (stock.output().find("listens") == std::string::npos && seconds_since(begin) < 10)
       std::this_thread::sleep_for(milliseconds(5));
     ASSERT_NE(stock.output().find("listens"), std::string::npos) << stock.output();
-    ChildProcess injector(
-        {kInjector, "malformed", control_url_, "--kind", kind, "--count", count, "--rate", "5000"});
+    ChildProcess injector({kInjector, "malformed", "--url", control_url_, "--kind", kind, "--count",
+                           count, "--rate", "5000"});
     ASSERT_EQ(injector.wait(milliseconds(30000)), 0) << injector.output();
     const int ended = stock.wait(milliseconds(200));
     std::printf("%-20s %s\n", kind,

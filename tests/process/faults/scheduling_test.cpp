@@ -43,9 +43,9 @@ TEST_F(Scheduling, OnlyLoopAndReceiverAreFifo) {
       << daemon.output();
   EXPECT_EQ(fifo_threads(daemon.pid()), (std::map<int, int>{{49, 1}, {50, 1}}));
 
-  ChildProcess ordinary({kDaemon, kExample, "--set", "bus.control=" + support::private_url(2),
-                         "--set", "bus.housekeeping=" + housekeeping_url_, "--set",
-                         "loop.fifo_priority=0"});
+  ChildProcess ordinary({kDaemon, "--config", kExample, "--set",
+                         "bus.control=" + support::private_url(2), "--set",
+                         "bus.housekeeping=" + housekeeping_url_, "--set", "loop.fifo_priority=0"});
   const std::int64_t session = health.session;
   ASSERT_TRUE(wait_health(
       [session](const health_t& h) { return h.session != session && h.cycles > 200; }, health))

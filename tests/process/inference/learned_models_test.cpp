@@ -57,6 +57,7 @@ class LearnedModelProcess : public ::testing::Test {
     const std::string path = (folder_ / "finger.pt").string();
     torch_script::write(path, torch_script::module(torch_script::forward(body)), card);
     return {std::string(PALPATE_BIN_DIR) + "/palpated",
+            "--config",
             PALPATE_SOURCE_DIR "/rt/config/examples/foam_bar_tactile.yaml",
             "--set",
             "bus.control=" + control_url_,

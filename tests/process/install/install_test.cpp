@@ -44,10 +44,29 @@ TEST(Install, TheUnitStartsTheDaemonThatIsInstalled) {
   EXPECT_NE(version.output().find(PALPATE_VERSION), std::string::npos) << version.output();
   // Examples are read correctly: the wrong key is the only complaint.
   support::ChildProcess wrong(
-      {program, (folder.path() / "share/palpate/rt/config/examples/bar_long_soft.yaml").string(),
-       "--set", "loop.no_such_key=1"});
+      {program, "--config",
+       (folder.path() / "share/palpate/rt/config/examples/bar_long_soft.yaml").string(), "--set",
+       "loop.no_such_key=1"});
   EXPECT_EQ(wrong.wait(std::chrono::seconds(20)), 78);
   EXPECT_NE(wrong.output().find("no_such_key"), std::string::npos) << wrong.output();
+}
+
+/// What find_package(palpate) will read, as CMake wrote it beside the build.
+std::string exported_targets() {
+  const fs::path folder = fs::path(PALPATE_BUILD_DIR) / "tools/packaging/CMakeFiles/Export";
+  if (!fs::exists(folder)) return "";
+  for (const fs::directory_entry& entry : fs::recursive_directory_iterator(folder))
+    if (entry.path().filename() == "palpateTargets.cmake") return text_of(entry.path());
+  return "";
+}
+
+TEST(Install, UsersOfThePackageChooseTheirProcessor) {
+  const std::string targets = exported_targets();
+  ASSERT_NE(targets.find("palpate::flags"), std::string::npos) << "no exported targets";
+  EXPECT_EQ(targets.find("-march"), std::string::npos);
+  EXPECT_EQ(targets.find("-mtune"), std::string::npos);
+  EXPECT_NE(targets.find("EIGEN_MAX_ALIGN_BYTES=16"), std::string::npos)
+      << "types of Eigen have another size or alignment without it";
 }
 
 }  // namespace

@@ -132,9 +132,9 @@ class LockStepProcess : public ::testing::Test {
     Outcome result;
     Relay relay(sim_url_, daemon_url_, housekeeping_url_, loss);
     const std::string housekeeping = "bus.housekeeping=" + housekeeping_url_;
-    ChildProcess daemon({kBin + "/palpated", kSource + "/rt/config/examples/bar_long_soft.yaml",
-                         "--stepped", "--set", "bus.control=" + daemon_url_, "--set",
-                         housekeeping});
+    ChildProcess daemon({kBin + "/palpated", "--config",
+                         kSource + "/rt/config/examples/bar_long_soft.yaml", "--stepped", "--set",
+                         "bus.control=" + daemon_url_, "--set", housekeeping});
     for (int i = 0; i < 2000 && daemon.output().find("waits for start") == std::string::npos; ++i)
       std::this_thread::sleep_for(milliseconds(10));
     tell_daemon();

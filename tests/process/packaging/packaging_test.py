@@ -110,9 +110,9 @@ class Prefix(unittest.TestCase):
         self.prefix.rename(moved)
         try:
             data = moved / "share/palpate"
-            for words in (["palpated", data / "rt/config/examples/bar_long_soft.yaml"],
+            for words in (["palpated", "--config", data / "rt/config/examples/bar_long_soft.yaml"],
                           ["palpate-sim", data / "sim/scenes/bar_long_soft_control.yaml"]):
-                done = run([moved / "bin" / words[0], words[1], "--set", "no_such_key=1"])
+                done = run([moved / "bin" / words[0], *words[1:], "--set", "no_such_key=1"])
                 self.assertEqual(done.returncode, 78, done.stdout + done.stderr)
                 self.assertIn("no_such_key", done.stdout + done.stderr)
             self.assertIn("elastomer_tensile", run([moved / "bin/palpate-fit", "--help"]).stdout)
@@ -132,7 +132,7 @@ class Prefix(unittest.TestCase):
         bus = ["--set", f"bus.control={control}", "--set", f"bus.housekeeping={housekeeping}"]
         data, result = prefix / "share/palpate", self.installed.folder / "sim.json"
         daemon = subprocess.Popen(
-            [prefix / "bin/palpated", data / "rt/config/examples/bar_long_soft.yaml", "--stepped", *bus],
+            [prefix / "bin/palpated", "--config", data / "rt/config/examples/bar_long_soft.yaml", "--stepped", *bus],
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
         try:
             simulator = subprocess.Popen(
@@ -175,7 +175,7 @@ class Debian(unittest.TestCase):
         try:
             root = installed.root
             unit = (root / "lib/systemd/system/palpated.service").read_text()
-            self.assertIn("ExecStart=/usr/bin/palpated /etc/palpate/palpated.yaml", unit)
+            self.assertIn("ExecStart=/usr/bin/palpated --config /etc/palpate/palpated.yaml", unit)
             for name in ("etc/palpate/palpated.yaml", "etc/security/limits.d/palpate.conf",
                          "usr/lib/sysctl.d/60-palpate.conf", "usr/share/man/man1/palpated.1.gz",
                          "usr/share/doc/palpate-dev/copyright",
@@ -186,7 +186,7 @@ class Debian(unittest.TestCase):
             self.assertEqual(sorted(conffiles), sorted("/" + str(path.relative_to(root))
                                                        for path in (root / "etc").rglob("*") if path.is_file()))
             # The configuration finds its base.
-            done = run([root / "usr/bin/palpated", root / "etc/palpate/palpated.yaml", "--set", "no_such_key=1"])
+            done = run([root / "usr/bin/palpated", "--config", root / "etc/palpate/palpated.yaml", "--set", "no_such_key=1"])
             self.assertEqual(done.returncode, 78)
             self.assertIn("no_such_key", done.stdout + done.stderr)
             done = run([SOURCE / "tools/packaging/uninstall", installed.manifest],

@@ -66,7 +66,7 @@ applications:
     return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
   }
   int study(const std::string& options = "") const {
-    return run("published-sensing --plan '" + folder_.file("plan.yaml").string() + "' --out '" +
+    return run("published-sensing --plan '" + folder_.file("plan.yaml").string() + "' --output '" +
                folder_.file("out").string() + "' " + options);
   }
   std::string said() const { return folder_.read("said.txt"); }
@@ -131,7 +131,7 @@ TEST_F(PublishedSensing, AMethodThatFailsCountsAtTheCap) {
 
 TEST_F(PublishedSensing, WhatIsControlledIsRefused) {
   EXPECT_EQ(run("published-sensing --plan '" + kRoot +
-                "/tools/lab/studies/published_control.yaml' --out '" +
+                "/tools/lab/studies/published_control.yaml' --output '" +
                 folder_.file("out").string() + "'"),
             1);
   EXPECT_THAT(said(), HasSubstr("what is controlled cannot be replayed"));
@@ -148,7 +148,7 @@ objects:
     configuration: rt/config/examples/bar_long_soft.yaml
     motion: {poses: 4, translation: [0.01, 0.05, 0.05], rotation_deg: [10, 10, 10]}
 )");
-  ASSERT_EQ(run("train-sensing --plan '" + folder_.file("training.yaml").string() + "' --out '" +
+  ASSERT_EQ(run("train-sensing --plan '" + folder_.file("training.yaml").string() + "' --output '" +
                 folder_.file("trained").string() + "'"),
             0)
       << said();

@@ -92,7 +92,7 @@ class Studies(unittest.TestCase):
         self.folder = tempfile.TemporaryDirectory()
         self.path = pathlib.Path(self.folder.name)
         (self.path / "plan.yaml").write_text(PLAN, encoding="utf-8")
-        self.study = ["control", "--plan", self.path / "plan.yaml", "--out",
+        self.study = ["control", "--plan", self.path / "plan.yaml", "--output",
                       self.path / "out/control"]
 
     def tearDown(self):

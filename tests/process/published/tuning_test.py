@@ -86,7 +86,7 @@ class Tuning(unittest.TestCase):
 
     def tune(self, *options):
         done = subprocess.run(
-            [str(ROOT / "tools/lab/report/tune_baselines"), str(self.path / "tuning.yaml"), "--out",
+            [str(ROOT / "tools/lab/report/tune_baselines"), str(self.path / "tuning.yaml"), "--output",
              str(self.path / "out"), "--program", str(BIN / "palpate-evaluate"), *options],
             check=False, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         return done.returncode, done.stdout

@@ -86,7 +86,7 @@ class OwnComponents(ProcessTest):
         self.assertEqual(health.allocations, 0)
 
     def test_a_wrong_library_ends_the_start_with_file_and_key(self) -> None:
-        program = Program(self, [BIN / "palpated", BAR, *self.urls, "--set",
+        program = Program(self, [BIN / "palpated", "--config", BAR, *self.urls, "--set",
                                  "plugins=[{library: /no/such.so}]"])  # fmt: skip
         self.assertEqual(program.process.wait(PATIENCE), 78)
         self.assertIn("plugins.0.library: /no/such.so: there is no such file", program.output())

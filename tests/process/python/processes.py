@@ -86,7 +86,7 @@ class ProcessTest(unittest.TestCase):
             self.skipTest(f"multicast does not work here: {error}")
 
     def start_daemon(self, configuration: Path = BAR, *more: object, **sets: str) -> Program:
-        words: list[object] = [BIN / "palpated", configuration, *self.urls, *more]
+        words: list[object] = [BIN / "palpated", "--config", configuration, *self.urls, *more]
         for key, value in sets.items():
             words += ["--set", f"{key.replace('__', '.')}={value}"]
         program = Program(self, words)

@@ -20,7 +20,7 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-using bus::testing::Injector;
+using bus::support::Injector;
 using std::chrono::seconds;
 using support::ChildProcess;
 

@@ -49,7 +49,7 @@ class Play : public testing::Test {
       for (const std::string& channel : channels) {
         ft_wrench_t message{};
         message.seq = i;
-        auto data = bus::testing::encoded(message);
+        auto data = bus::support::encoded(message);
         lcm::LogEvent event{};
         event.timestamp = 1'000'000 + 10'000 * i;
         event.channel = channel;
@@ -174,15 +174,15 @@ TEST_F(Play, ARunInLockStepIsRepeatedBitByBit) {
   ASSERT_TRUE(eventually([&] {
     return recorder.output().find("housekeeping udpm") != std::string::npos;
   })) << recorder.output();
-  ChildProcess daemon(with_urls({kBin + "/palpated", configuration, "--stepped"}));
+  ChildProcess daemon(with_urls({kBin + "/palpated", "--config", configuration, "--stepped"}));
   ASSERT_TRUE(eventually([&] {
     return daemon.output().find("waits for start") != std::string::npos;
   })) << daemon.output();
   ChildProcess sim(
       with_urls({kBin + "/palpate-sim", kSource + "/sim/scenes/bar_long_soft_control.yaml",
                  "--fast", "--duration", "1", "--set", "object.elements=[10, 1, 1]"}));
-  ChildProcess start(
-      {kBin + "/palpate-command", "--url", control, "--housekeeping", housekeeping, "start"});
+  ChildProcess start({kBin + "/palpate-command", "--url", control, "--url",
+                      "housekeeping=" + housekeeping, "start"});
   EXPECT_EQ(start.wait(seconds(60)), 0) << start.output();
   EXPECT_EQ(sim.wait(seconds(100)), 0) << sim.output();
   daemon.send(SIGTERM);

@@ -86,7 +86,7 @@ class Scene {
     touch.location[0][0] = touch.location[0][1] = 0.05;
     touch.wrench[0][0] = 1;
     health_t health{};
-    bus::Stamp stamp(5);
+    bus::HeaderStamper stamp(5);
     for (int i = 0; !stop_; ++i) {
       const auto send = [&](auto& publisher, auto& message) {
         stamp.put(message, bus::wall_clock_us());

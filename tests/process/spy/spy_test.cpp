@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-using bus::testing::Injector;
+using bus::support::Injector;
 using std::chrono::seconds;
 using support::ChildProcess;
 

@@ -32,7 +32,7 @@ class StudyProcess : public testing::Test {
  protected:
   int run(const std::string& output, const std::string& options = "") const {
     const std::string command = std::string(PALPATE_BIN_DIR) + "/palpate-evaluate thesis --plan '" +
-                                folder_.file("plan.yaml").string() + "' --out '" +
+                                folder_.file("plan.yaml").string() + "' --output '" +
                                 folder_.file(output).string() + "' " + options + " > '" +
                                 folder_.file(output + ".txt").string() + "' 2>&1";
     return WEXITSTATUS(std::system(command.c_str()));

@@ -78,7 +78,7 @@ class Cell:
     def start_daemon(self, priority=0):
         """`priority`: of SCHED_FIFO; 0: as any other program."""
         # A machine busy with other tests is late without a fault.
-        self.start("palpated", self.configuration, *self.buses(), *self.sets, "--set",
+        self.start("palpated", "--config", self.configuration, *self.buses(), *self.sets, "--set",
                    "loop.degraded_after_ms=9000", "--set", "loop.overrun_window_ms=10000",
                    "--set", "loop.safe_stop_after_ms=10000", "--set", f"loop.fifo_priority={priority}")
 
@@ -86,7 +86,7 @@ class Cell:
         """Live, so that the page with the token may command; or as `source` specifies."""
         live = ["--control", "--token-file", self.token_file]
         printed = len(read(self.logs["palpate-view"])) if "palpate-view" in self.logs else 0
-        self.start("palpate-view", "--url", self.url(0), "--housekeeping", self.url(1),
+        self.start("palpate-view", "--url", self.url(0), "--url", "housekeeping=" + self.url(1),
                    "--config", self.configuration, *self.sets, *self.robot, "--port", str(self.port),
                    *(source or live))
         wait_for(lambda: "http://" in read(self.logs["palpate-view"])[printed:],

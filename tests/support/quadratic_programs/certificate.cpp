@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <cmath>
 
-namespace palpate::testing {
+namespace palpate::support {
 namespace {
 
 using math::QuadraticProgram;
@@ -105,4 +105,4 @@ bool proves_infeasibility(const QuadraticProgram& program, const QuadraticProgra
   return bound < 0;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

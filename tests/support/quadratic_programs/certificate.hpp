@@ -2,7 +2,7 @@
 
 #include "core/math/quadratic_program.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// Quantities of a row to which the guarantees of QuadraticProgram's header refer, computed from
 /// the program alone.
@@ -32,4 +32,4 @@ OptimalityError optimality_error(const math::QuadraticProgram& program,
 bool proves_infeasibility(const math::QuadraticProgram& program,
                           const math::QuadraticProgramSolver& solver);
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -9,7 +9,7 @@
 
 #include "tests/support/quadratic_programs/certificate.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 std::optional<Eigen::VectorXd> exact_answer(const math::QuadraticProgram& program) {
   const int n = program.variables();
@@ -55,4 +55,4 @@ std::optional<Eigen::VectorXd> exact_answer(const math::QuadraticProgram& progra
   return u;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

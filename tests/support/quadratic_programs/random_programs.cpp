@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-namespace palpate::testing {
+namespace palpate::support {
 namespace {
 
 using Eigen::MatrixXd;
@@ -200,4 +200,4 @@ void drift(QuadraticProgram& program, double size, Random& random) {
   }
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

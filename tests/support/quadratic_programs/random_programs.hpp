@@ -5,7 +5,7 @@
 #include "core/math/quadratic_program.hpp"
 #include "core/math/random.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// Families of random programs: regular ones and the degenerate ones that occur in a servo loop.
 enum class Family {
@@ -30,4 +30,4 @@ math::QuadraticProgram random_program(Family family, int variables, int rows, ma
 /// amount `size`.
 void drift(math::QuadraticProgram& program, double size, math::Random& random);
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

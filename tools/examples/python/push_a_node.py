@@ -1,7 +1,7 @@
 """Pushes a node of the object by hand (thesis Fig 4.4) and prints how far it gives way.
 
 usage: push_a_node.py [--node N | --point X Y Z] [--force FX FY FZ] [--seconds S] [--url URL] ...
-e.g.   palpated tools/examples/python/bar_pushed.yaml &
+e.g.   palpated --config tools/examples/python/bar_pushed.yaml &
        push_a_node.py --point 0.25 0.03 0.06 --force 0 0 -0.2
 
 The daemon needs a sensor `component: manual` and an estimator that loads the mesh with contacts, as in

@@ -2,7 +2,7 @@
 
 usage: steer_a_point.py [--to X Y Z] [--within MM] [--for S] [--url URL] ...
 e.g.   palpate-sim sim/scenes/bar_long_soft_control.yaml &
-       palpated rt/config/examples/bar_long_soft.yaml &
+       palpated --config rt/config/examples/bar_long_soft.yaml &
        steer_a_point.py --to 0.25 0.03 0.08
 
 Starts nothing but the control: simulator (or robot) and daemon run already, with a feature of kind

@@ -7,8 +7,8 @@
 
 #include "core/solid/solid_indentation.hpp"
 #include "tools/fit/experiments/hertz.hpp"
-#include "tools/fit/recording.hpp"
 #include "tools/fit/experiments/spline.hpp"
+#include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
 namespace {

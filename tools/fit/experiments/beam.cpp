@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "tools/fit/experiments/beam_model.hpp"
-#include "tools/fit/recording.hpp"
 #include "tools/fit/experiments/swing.hpp"
+#include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -15,7 +15,7 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using Slope3 = Eigen::Matrix<double, 3, kBeamParameters>;
 
-constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kBeamModelGravity = 9.81;  // m/s^2
 constexpr solid::SolidOptions kExact{60, 1e-12, 32};
 // Variables by which the finite elements are differentiated: material, inertia and damping,
 // gravity's direction by tilt, and the initial shape.
@@ -72,9 +72,9 @@ struct BeamModel::Clamp {
     const Matrix3d jacobian = math::inverse_left_jacobian(tilt).inverse();
     for (int k = 0; k < 3; ++k) by_tilt[k] = math::cross_matrix(jacobian.col(k)) * rotation;
   }
-  Vector3d gravity() const { return rotation.transpose() * Vector3d(0, 0, -kGravity); }
+  Vector3d gravity() const { return rotation.transpose() * Vector3d(0, 0, -kBeamModelGravity); }
   Vector3d gravity_by_tilt(int k) const {
-    return by_tilt[k].transpose() * Vector3d(0, 0, -kGravity);
+    return by_tilt[k].transpose() * Vector3d(0, 0, -kBeamModelGravity);
   }
 
   Vector3d centre, offset;

@@ -3,10 +3,11 @@
 #include <cmath>
 #include <cstdio>
 
+#include "core/math/constants.hpp"
 #include "tools/fit/experiments/cycles.hpp"
+#include "tools/fit/experiments/video.hpp"
 #include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
-#include "tools/fit/experiments/video.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -14,7 +15,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 constexpr Index kLeastRows = 4;
 
 const config::Key kGeometry("geometry", "", "of the specimen");

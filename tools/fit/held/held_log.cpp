@@ -67,8 +67,7 @@ double turn_between(const math::Pose& a, const math::Pose& b) {
 
 HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time) {
   HeldLog messages;
-  log::LogReader reader(time == "sent" ? log::LogClock::kSent
-                                            : log::LogClock::kReceived);
+  log::LogReader reader(time == "sent" ? log::LogClock::kSent : log::LogClock::kReceived);
   reader.collect("ROBOT_STATE", messages.robot);
   reader.collect("FT_WRENCH", messages.wrenches);
   reader.collect("SHAPE_OBSERVATION", messages.seen);

@@ -1,11 +1,12 @@
 #include <cstdio>
 
+#include "core/math/constants.hpp"
 #include "tools/fit/held/held_plan.hpp"
 
 namespace palpate::fit {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
+using math::kPi;
 constexpr char kAxes[] = "xyz";
 
 std::string describe(const math::Vector6d& motion) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
+#include "core/math/constants.hpp"
 #include "rt/registry/registry.hpp"
 #include "tools/fit/held/held_plan_report.hpp"
 
@@ -33,7 +34,7 @@ std::string grasp_override(const std::vector<double>& box) {
 
 int run(Arguments arguments) {
   HeldPlanOptions& options = arguments.options;
-  options.turn = arguments.turn_deg * 3.14159265358979323846 / 180;
+  options.turn = arguments.turn_deg * math::kPi / 180;
   options.reads_wrench = !arguments.ignores_wrench;
   for (std::size_t k = 0; k + 2 < arguments.markers.size(); k += 3)
     options.markers.emplace_back(arguments.markers[k], arguments.markers[k + 1],

@@ -73,7 +73,7 @@ void draw_sensing(const Demo& demo, const log::RunLog* pictured) {
   if (!plots.empty()) draw_or_say(plots, demo.options.output / "sensing_shape_error.png");
   if (pictured == nullptr) return;
 
-  const scores::ShapeScore score = score_shape(*pictured);
+  const scores::ShapeScore score = scores::score_shape(*pictured);
   const auto furthest =
       std::max_element(score.holds.begin(), score.holds.end(),
                        [](const scores::HoldScore& a, const scores::HoldScore& b) {

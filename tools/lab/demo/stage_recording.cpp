@@ -16,8 +16,8 @@ namespace palpate::demo {
 namespace {
 
 constexpr const char* kRecording = "biotac_foam_bar/ring_finger_dev.csv";
-constexpr const char* kConfiguration = "rt/config/examples/foam_bar_tactile.yaml";
-constexpr std::int64_t kTare = 500000;  // us at the start without contact
+constexpr const char* kStageRecordingConfiguration = "rt/config/examples/foam_bar_tactile.yaml";
+constexpr std::int64_t kTare = 500000;  // us at the start in which nothing touches
 constexpr double kForceBar = 0.03;      // N RMS, linear model fitted on the first half
 
 /// Fits the sensor's force regression and writes it for palpated; the fit's output goes to a file.
@@ -127,7 +127,7 @@ void run_and_score(Demo& demo, scores::ScoredRun& scored) {
   std::filesystem::create_directories(folder);
   runs::RunPlan plan;
   plan.name = "recording";
-  plan.configuration = demo.file(kConfiguration);
+  plan.configuration = demo.file(kStageRecordingConfiguration);
   plan.overrides = {"sensing.0.model_file=" + fit_sensor(demo, folder).string()};
   plan.source.log = import_recording(demo, folder);
   plan.duration = 60;  // the end of the recording comes first

@@ -13,9 +13,9 @@
 namespace palpate::demo {
 namespace {
 
-constexpr const char* kScene = "sim/scenes/bar_long_soft_six_poses.yaml";
-constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
-constexpr const char* kLevels[] = {"none", "all"};
+constexpr const char* kStageSensingScene = "sim/scenes/bar_long_soft_six_poses.yaml";
+constexpr const char* kStageSensingConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kStageSensingLevels[] = {"none", "all"};
 constexpr double kSlack = 10;            // s; the scene ends the run
 constexpr double kReplayPatience = 240;  // s
 // Bound of the whole-shape error of pose-driven sensing under "all", relative to the object's
@@ -55,10 +55,10 @@ SensingRun run_live_method(Demo& demo, const runs::Method& method, const runs::M
   run.scored.mismatch = mismatch.name;
   runs::RunPlan plan;
   plan.name = "sensing " + method.name + " " + mismatch.name;
-  plan.source.scene = demo.file(kScene);
+  plan.source.scene = demo.file(kStageSensingScene);
   plan.source.scene_overrides = mismatch.scene;
   plan.source.duration = motion_duration(plan.source.scene);
-  plan.configuration = demo.file(kConfiguration);
+  plan.configuration = demo.file(kStageSensingConfiguration);
   plan.overrides = joined(mismatch.daemon, method.overrides);
   plan.duration = plan.source.duration + kSlack;
   common::Progress progress(++demo.begun, demo.runs,
@@ -100,7 +100,7 @@ Replay start_replay(const Demo& demo, const SensingRun& live, const runs::Method
   std::vector<std::string> command{(common::program_folder() / "palpate-replay").string(),
                                    live.files.control.string(),
                                    "--config",
-                                   demo.file(kConfiguration).string(),
+                                   demo.file(kStageSensingConfiguration).string(),
                                    "--output",
                                    replay.output.string()};
   for (const std::string& setting : joined(mismatch.daemon, method.overrides)) {
@@ -131,7 +131,7 @@ void finish_replay(Replay& replay, common::Progress& progress) {
   log.truths = replay.live->truths;
   log.truth_chunks = replay.live->truth_chunks;
   log.truth_contacts = replay.live->truth_contacts;
-  replay.scored.shape = score_shape(log);
+  replay.scored.shape = scores::score_shape(log);
 }
 
 }  // namespace
@@ -139,14 +139,15 @@ void finish_replay(Replay& replay, common::Progress& progress) {
 int count_sensing(const Demo& demo) {
   const int methods =
       static_cast<int>(runs::read_methods(demo.file("tools/lab/studies/methods.yaml")).size());
-  return methods * static_cast<int>(std::size(kLevels));
+  return methods * static_cast<int>(std::size(kStageSensingLevels));
 }
 
 void run_sensing(Demo& demo) {
   const std::vector<runs::Method> methods =
       runs::read_methods(demo.file("tools/lab/studies/methods.yaml"));
   std::vector<runs::Mismatch> levels;
-  for (const char* level : kLevels) levels.push_back(demo.mismatch(level, kScene, kConfiguration));
+  for (const char* level : kStageSensingLevels)
+    levels.push_back(demo.mismatch(level, kStageSensingScene, kStageSensingConfiguration));
 
   std::vector<SensingRun> live;
   for (const runs::Mismatch& level : levels)

@@ -19,13 +19,13 @@
 namespace palpate::endurance {
 namespace {
 
-constexpr double kPeriod = 1000;          // us
+constexpr double kLatencyPeriod = 1000;   // us
 constexpr double kAllowed = 1e-3;         // of all cycles, beyond what cyclictest misses
 constexpr double kTargetPeriod = 10;      // s until the target changes
 constexpr int kPriority = 50;             // of the loop by default
 constexpr int kLargestLatency = 100'000;  // us, of cyclictest's histogram
 constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
-constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr const char* kLatencyConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
 /// The slowest parts of a cycle.
 constexpr const char* kPhases[] = {"estimation", "feature", "control", "publish"};
@@ -84,7 +84,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   runs::RunPlan plan;
   plan.name = name;
   plan.source.scene = options.root / kScene;
-  plan.configuration = options.root / kConfiguration;
+  plan.configuration = options.root / kLatencyConfiguration;
   plan.overrides = targets[0].daemon_overrides();
   // The time limits must not end the measurement early.
   plan.overrides.push_back("loop.safe_stop_after_ms=5000");
@@ -107,7 +107,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   common::Process cyclictest(
       "cyclictest",
       {"cyclictest", "--mlockall", "--quiet", "--priority", std::to_string(kPriority), "--interval",
-       std::to_string(std::lround(kPeriod)), "--duration", seconds, "--histogram",
+       std::to_string(std::lround(kLatencyPeriod)), "--duration", seconds, "--histogram",
        std::to_string(kLargestLatency)},
       histogram);
   double next_target = kTargetPeriod;
@@ -121,7 +121,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
     if (!run.check_programs()) throw runs::RunFailed("palpate-sim ended before its time");
   }
   if (cyclictest.wait(0).value_or(1) != 0)
-    throw runs::RunFailed("cyclictest failed:\n" + tail(histogram, 5));
+    throw runs::RunFailed("cyclictest failed:\n" + common::tail(histogram, 5));
   const health_t after = *run.user().health();
   const auto [all_after, stolen_after] = processor_times();
   if (stress) stress->stop();
@@ -130,7 +130,7 @@ Measured measure(const LatencyOptions& options, const std::string& name, bool st
   Measured measured;
   measured.name = name;
   std::ifstream text(histogram);
-  measured.cyclictest = read_cyclictest(text, kPeriod);
+  measured.cyclictest = read_cyclictest(text, kLatencyPeriod);
   const auto statistics = nlohmann::json::parse(std::ifstream(files.daemon));
   const std::int64_t cycles = statistics.at("cycles");
   measured.wake_up = tail_of(statistics.at("latency_us").at("wake-up"), cycles);

@@ -15,11 +15,11 @@
 namespace palpate::endurance {
 namespace {
 
-constexpr double kMostGrowth = 1.0;   // MB
-constexpr double kTargetPeriod = 15;  // s until the target changes
-constexpr double kSampling = 1.0;     // s
-constexpr const char* kScene = "sim/scenes/bar_long_soft_control.yaml";
-constexpr const char* kConfiguration = "rt/config/examples/bar_long_soft.yaml";
+constexpr double kMostGrowth = 1.0;       // MB
+constexpr double kSoakTargetPeriod = 15;  // s until the other target is given
+constexpr double kSampling = 1.0;         // s
+constexpr const char* kSoakScene = "sim/scenes/bar_long_soft_control.yaml";
+constexpr const char* kSoakConfiguration = "rt/config/examples/bar_long_soft.yaml";
 
 double mean(const std::vector<MemorySample>& samples, std::size_t first, std::size_t last) {
   double sum = 0;
@@ -82,8 +82,8 @@ int run_soak(const SoakOptions& options) {
   const auto targets = pair_of_targets(options.root / "tools/lab/studies/targets.yaml");
   runs::RunPlan plan;
   plan.name = "soak";
-  plan.source.scene = options.root / kScene;
-  plan.configuration = options.root / kConfiguration;
+  plan.source.scene = options.root / kSoakScene;
+  plan.configuration = options.root / kSoakConfiguration;
   plan.overrides = targets[0].daemon_overrides();
   plan.recorded = false;
   runs::LiveRun run(plan, options.output);
@@ -98,7 +98,7 @@ int run_soak(const SoakOptions& options) {
        time = static_cast<double>(runs::wall_clock() - begin) * 1e-6) {
     if (time >= next_target) {
       run.user().set_target(targets[given++ % targets.size()]);
-      next_target += kTargetPeriod;
+      next_target += kSoakTargetPeriod;
     }
     run.user().spin(kSampling);
     if (!run.check_programs()) throw runs::RunFailed("palpate-sim ended before its time");

@@ -1,12 +1,25 @@
 #include "tools/lab/faults/fault_wire.hpp"
 
+#include <linux/sockios.h>
 #include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/time.h>
 
 #include <algorithm>
 #include <chrono>
-#include <stdexcept>
+#include <palpate/component_event_t.hpp>
+#include <palpate/config_t.hpp>
+#include <palpate/contacts_t.hpp>
+#include <palpate/estimate_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/health_t.hpp>
+#include <palpate/shape_mesh_t.hpp>
+#include <palpate/shape_t.hpp>
+#include <palpate/twist_command_t.hpp>
 
+#include "rt/bus/checked_decode.hpp"
 #include "rt/bus/session.hpp"
+#include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/common/interruption.hpp"
 
@@ -14,22 +27,46 @@ namespace palpate::faults {
 namespace {
 
 constexpr std::int64_t kMillisecond = 1'000'000;  // ns
-constexpr int kRoom = 1 << 16;                    // messages queued for the listener
+constexpr int kRoom = 64 << 20;                   // bytes that wait for the listener
+constexpr int kTurn = 256;                        // datagrams of a URL while the other one waits
+
+template <class Message>
+bool decodes(const void* data, int size) {
+  Message message;
+  return bus::checked_decode(message, data, size);
+}
+
+/// us of the wall clock when the last datagram came to this machine, whenever its reader got to see
+/// it. The first call makes the system stamp those that follow.
+std::int64_t arrival_us(const bus::UdpmSocket& socket) {
+  timeval stamp{};
+  if (ioctl(socket.descriptor(), SIOCGSTAMP, &stamp) != 0) return bus::wall_clock_us();
+  return std::int64_t{1'000'000} * stamp.tv_sec + stamp.tv_usec;
+}
 
 }  // namespace
 
 FaultWire::FaultWire(const runs::Urls& urls)
-    : sender_(bus::make_lcm_bus(urls.control)),
-      user_(*sender_),
-      control_(urls.control),
-      housekeeping_(urls.housekeeping) {
-  if (!control_.good() || !housekeeping_.good())
-    throw std::runtime_error("cannot listen to " + urls.control + " and " + urls.housekeeping);
-  control_.subscribe("TWIST_COMMAND|CONTACTS|ESTIMATE|FEATURE", &FaultWire::take, this)
-      ->setQueueCapacity(kRoom);
-  housekeeping_.subscribe("SHAPE|SHAPE_MESH|HEALTH|CONFIG|COMPONENT_EVENT", &FaultWire::take, this)
-      ->setQueueCapacity(kRoom);
+    : sender_(bus::make_lcm_bus(urls.control)), user_(*sender_) {
+  control_.channels = {{"TWIST_COMMAND", decodes<twist_command_t>},
+                       {"CONTACTS", decodes<contacts_t>},
+                       {"ESTIMATE", decodes<estimate_t>},
+                       {"FEATURE", decodes<feature_t>}};
+  housekeeping_.channels = {{"SHAPE", decodes<shape_t>},
+                            {"SHAPE_MESH", decodes<shape_mesh_t>},
+                            {"HEALTH", decodes<health_t>},
+                            {"CONFIG", decodes<config_t>},
+                            {"COMPONENT_EVENT", decodes<component_event_t>}};
+  open(control_, urls.control);
+  open(housekeeping_, urls.housekeeping);
   listener_ = std::thread([this] { listen(); });
+}
+
+void FaultWire::open(Ear& ear, const std::string& url) {
+  bus::UdpmUrl parsed = bus::parse_udpm_url(url);
+  parsed.receive_buffer_size = kRoom;
+  ear.socket.open(parsed);
+  arrival_us(ear.socket);
 }
 
 FaultWire::~FaultWire() {
@@ -38,23 +75,37 @@ FaultWire::~FaultWire() {
 }
 
 void FaultWire::listen() {
-  pollfd watched[] = {{control_.getFileno(), POLLIN, 0}, {housekeeping_.getFileno(), POLLIN, 0}};
+  pollfd watched[] = {{control_.socket.descriptor(), POLLIN, 0},
+                      {housekeeping_.socket.descriptor(), POLLIN, 0}};
   while (!stop_) {
     if (poll(watched, 2, 50) <= 0) continue;
-    if (watched[0].revents != 0) control_.handle();
-    if (watched[1].revents != 0) housekeeping_.handle();
+    take_waiting(control_);
+    take_waiting(housekeeping_);
   }
 }
 
-void FaultWire::take(const lcm::ReceiveBuffer* buffer, const std::string& channel) {
-  const auto* bytes = static_cast<const std::uint8_t*>(buffer->data);
-  heard_any_ = true;
-  const std::int64_t origin_us = origin_us_;
-  if (origin_us == 0) return;  // before the scenario
-  // The kernel's time of arrival at this machine, regardless of when this thread reads the
-  // datagram.
-  const std::int64_t time_ns = 1000 * (buffer->recv_utime - origin_us);
-  heard_.push_back({channel, {bytes, bytes + buffer->data_size}, time_ns});
+void FaultWire::take_waiting(Ear& ear) {
+  for (int i = 0; i < kTurn; ++i) {
+    const int size = ear.socket.receive(ear.counters);
+    if (size < 0) return;
+    bus::UdpmFrame frame{};
+    if (bus::parse_udpm_frame(ear.socket.data(), size, frame) != bus::FrameKind::kMessage) continue;
+    const auto channel =
+        std::find_if(ear.channels.begin(), ear.channels.end(),
+                     [&frame](const Channel& one) { return one.name == frame.channel; });
+    if (channel == ear.channels.end()) continue;
+    const bool is_whole = channel->decodes(frame.payload, frame.payload_size);
+    if (is_whole) heard_any_ = true;
+    const std::int64_t origin_us = origin_us_;
+    if (origin_us == 0) continue;  // before the scenario
+    if (!is_whole) {
+      ++undecoded_;
+      continue;
+    }
+    heard_.push_back({std::string(frame.channel),
+                      {frame.payload, frame.payload + frame.payload_size},
+                      1000 * (arrival_us(ear.socket) - origin_us)});
+  }
 }
 
 void FaultWire::begin() { origin_us_ = bus::wall_clock_us(); }
@@ -114,7 +165,7 @@ faults::Trace FaultWire::trace(int ticks, const control::GateLimits& limits, dou
   trace.events = monitor.events();
   trace.not_finite = monitor.not_finite();
   trace.beyond_limits = monitor.beyond_limits();
-  trace.undecoded = monitor.undecoded();
+  trace.undecoded = undecoded_ + monitor.undecoded();
   trace.complaint = monitor.complaint();
   trace.largest_step = monitor.largest_step();
   return trace;

@@ -2,11 +2,12 @@
 
 #include <atomic>
 #include <functional>
-#include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <string_view>
 #include <thread>
 #include <vector>
 
+#include "rt/bus/udpm_socket.hpp"
 #include "tools/lab/faults/scenario.hpp"
 #include "tools/lab/runs/operator.hpp"
 
@@ -44,15 +45,29 @@ class FaultWire {
   faults::Trace trace(int ticks, const control::GateLimits& limits, double period);
 
  private:
+  /// Of the daemon. `decodes`: whether bytes are one whole message of the channel's type.
+  struct Channel {
+    std::string_view name;
+    bool (*decodes)(const void* data, int size);
+  };
+  /// One URL and what is kept of it.
+  struct Ear {
+    std::vector<Channel> channels;
+    bus::UdpmSocket socket;
+    bus::DatagramCounters counters;
+  };
+  void open(Ear& ear, const std::string& url);
   void listen();
-  void take(const lcm::ReceiveBuffer* buffer, const std::string& channel);
+  void take_waiting(Ear& ear);
 
   std::unique_ptr<bus::MessageBus> sender_;
   faults::User user_;
-  lcm::LCM control_, housekeeping_;
+  Ear control_, housekeeping_;
   std::vector<bus::Published> heard_;
+  int undecoded_ = 0;  // on a channel of the daemon, of another type or size
   std::atomic<bool> heard_any_{false};
-  std::atomic<std::int64_t> origin_us_{0};  // of the wall clock, which LCM uses for arrival times
+  std::atomic<std::int64_t> origin_us_{
+      0};  // of the wall clock, by which the system stamps arrivals
   double latest_ = 0;
   std::atomic<bool> stop_{false};
   std::thread listener_;

@@ -91,9 +91,9 @@ void refuse_one(math::Random& random, RunResult& result) {
   const std::filesystem::path file = folder.path() / "mutated.yaml";
   write_text(file, mutation.text);
   const FaultWire wire(urls);
-  common::Process daemon("palpated",
-                         {(common::program_folder() / "palpated").string(), file.string()},
-                         folder.path() / "palpated.txt");
+  common::Process daemon(
+      "palpated", {(common::program_folder() / "palpated").string(), "--config", file.string()},
+      folder.path() / "palpated.txt");
   for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
     common::sleep_for(0.01);
   const std::string where = mutation.what + " " + mutation.key + ": ";

@@ -19,8 +19,8 @@ namespace {
 using faults::Bench;
 using faults::RunResult;
 
-constexpr double kPatience = 40;  // s; the plant settles first
-constexpr double kBraked = 0.5;   // s after which all motion must have ended
+constexpr double kFaultsSimulatorPatience = 40;  // s; the plant settles first
+constexpr double kBraked = 0.5;                  // s after which nothing may move any more
 
 std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
@@ -36,7 +36,7 @@ common::Process start_simulator(const runs::Urls& urls, const std::filesystem::p
 
 /// False if the condition is not met in time.
 bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
-  for (double waited = 0; waited < kPatience; waited += 0.02) {
+  for (double waited = 0; waited < kFaultsSimulatorPatience; waited += 0.02) {
     if (condition()) return true;
     user.spin(0.02);
   }
@@ -126,7 +126,7 @@ common::Process start_palpated(const config::Node& configuration, const runs::Ur
   out << configuration.dump() << '\n';
   if (!out.flush()) throw std::runtime_error("cannot write " + file.string());
   return {"palpated",
-          {(common::program_folder() / "palpated").string(), file.string(), "--set",
+          {(common::program_folder() / "palpated").string(), "--config", file.string(), "--set",
            "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping},
           folder / "palpated.txt"};
 }

@@ -12,6 +12,7 @@
 #include <palpate/unknown_contact_t.hpp>
 #include <utility>
 
+#include "rt/bus/checked_decode.hpp"
 #include "rt/bus/text.hpp"
 #include "tools/lab/faults/stream.hpp"
 
@@ -74,7 +75,7 @@ void Monitor::complain(int& counter, const std::string& what) {
 template <class Message>
 bool Monitor::read(const bus::Published& message, Message& into) {
   const int size = static_cast<int>(message.data.size());
-  if (into.decode(message.data.data(), 0, size) != size) {
+  if (!bus::checked_decode(into, message.data.data(), size)) {
     complain(undecoded_, message.channel + ": cannot be decoded");
     return false;
   }
@@ -183,7 +184,8 @@ void Monitor::look_at_health(const bus::Published& message) {
   note.not_converged = health.shapes_not_converged;
   note.gate_refused = health.gate_refused;
   note.overruns = health.overruns;
-  for (int i = 0; i < health.input_count; ++i) {
+  const int inputs = std::min<int>(health.input_count, std::size(health.input_name));
+  for (int i = 0; i < inputs; ++i) {
     note.lost += health.lost[i];
     note.rejected += health.rejected[i];
     note.frozen += health.frozen[i];

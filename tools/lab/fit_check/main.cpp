@@ -1,11 +1,12 @@
 #include <CLI/CLI.hpp>
 #include <filesystem>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
 #include "tools/lab/fit_check/coverage.hpp"
@@ -32,13 +33,6 @@ struct Options {
   std::string cells = fit_check::StatementOptions().cells;
   std::string json;
 };
-
-void write_json(const nlohmann::json& json, const std::string& path) {
-  if (path.empty()) return;
-  std::ofstream file(path);
-  file << json.dump(1) << "\n";
-  if (!file.flush()) throw std::runtime_error("cannot write " + path);
-}
 
 int run_coverage(const Options& options) {
   nlohmann::json json = nlohmann::json::array();
@@ -68,7 +62,7 @@ int run_coverage(const Options& options) {
   table.print(std::cout);
   std::cout << "To be met: the 95 % interval holds the truth in 90 to 99 % of the fits: "
             << (is_met ? "met\n" : "missed\n");
-  write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return is_met ? 0 : 1;
 }
 
@@ -101,7 +95,7 @@ int run_simulated(const Options& options) {
   }
   table.print(std::cout);
   std::cout << "Errors are relative, that of poisson_ratio absolute.\n";
-  write_json(json, options.json);
+  if (!options.json.empty()) common::write_json(json, options.json);
   return is_met ? 0 : 1;
 }
 
@@ -112,8 +106,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "Holds palpate-fit against what is known: recordings of the simulator, whose plant is "
       "another "
-      "model on another mesh, and recordings made by the fitted models themselves.\n"
-      "Exit codes: 0 met, 1 missed or failed, 78 a wrong scene.");
+      "model on another mesh, and recordings made by the fitted models themselves.");
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
@@ -129,11 +122,17 @@ int main(int argc, char** argv) {
   CLI::App* coverage = app.add_subcommand(
       "coverage", "How often 95 % intervals hold the truth of recordings by the own model");
   coverage->add_option("--seeds", options.seeds, "Recordings of each")->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = config::parse(
+          app, argc, argv,
+          {{{0, "met"}, {1, "missed or an error"}, {78, "wrong scene"}, {130, "interrupted"}}}))
+    return *code;
   common::catch_interruptions();
   try {
     std::filesystem::create_directories(options.folder);
     return coverage->parsed() ? run_coverage(options) : run_simulated(options);
+  } catch (const common::Interrupted&) {
+    std::cerr << "palpate-fit-check: interrupted\n";
+    return config::kExitInterrupted;
   } catch (const config::Error& error) {
     std::cerr << "palpate-fit-check: " << error.what() << "\n";
     return config::kExitCode;

@@ -3,9 +3,9 @@
 #include <stdexcept>
 
 #include "rt/config/installation.hpp"
+#include "tools/fit/experiments/uniaxial.hpp"
 #include "tools/fit/held/held_decay.hpp"
 #include "tools/fit/held/held_object.hpp"
-#include "tools/fit/experiments/uniaxial.hpp"
 #include "tools/lab/fit_check/coverage.hpp"
 
 namespace palpate::fit_check {

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "rt/bus/udpm_frame.hpp"
+#include "rt/config/command_line.hpp"
 #include "tools/lab/inject/packets.hpp"
 #include "tools/lab/inject/sender.hpp"
 
@@ -114,10 +115,13 @@ int run(CLI::App& app, int argc, char** argv) {
   app.set_version_flag("--version", PALPATE_VERSION);
   app.footer(
       "Example:\n"
-      "  palpate-inject malformed 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate 1000");
+      "  palpate-inject malformed --url 'udpm://239.255.76.67:7667?ttl=0' --count 10000 --rate "
+      "1000");
   const auto common = [&options](CLI::App* command) {
-    command->add_option("url", options.url, "LCM URL, e.g. udpm://239.255.76.67:7667?ttl=0")
-        ->required();
+    palpate::config::add_url_option(
+        *command,
+        {{"control", &options.url}, {"housekeeping", &options.url}, {"pictures", &options.url}});
+    palpate::config::add_deprecated_positional(*command, "url", options.url, "--url");
     command->add_option("--rate", options.rate, "datagrams a second; 0: as fast as they go")
         ->check(CLI::NonNegativeNumber)
         ->capture_default_str();
@@ -152,7 +156,10 @@ int run(CLI::App& app, int argc, char** argv) {
       ->add_flag("--typed", options.as_type,
                  "a message of the type that belongs on the channel, of drawn numbers")
       ->excludes(size);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(
+          app, argc, argv, {{{0, "all sent"}, {palpate::config::kExitInterrupted, "interrupted"}}}))
+    return *code;
+  if (options.url.empty()) return palpate::config::usage_error(app, "--url is required");
 
   std::signal(SIGINT, [](int) { stopped = 1; });
   std::signal(SIGTERM, [](int) { stopped = 1; });
@@ -166,7 +173,7 @@ int run(CLI::App& app, int argc, char** argv) {
     file << json.dump(2) << '\n';
     if (!file) throw std::runtime_error(options.json + ": cannot be written");
   }
-  return stopped == 0 ? 0 : 130;
+  return stopped == 0 ? 0 : palpate::config::kExitInterrupted;
 }
 
 }  // namespace
@@ -175,8 +182,7 @@ int main(int argc, char** argv) {
   CLI::App app(
       "palpate-inject sends to an LCM URL what nobody should: packets that are malformed in every\n"
       "way known to hurt a receiver, seeded, or far too many messages. For tests of palpated, and\n"
-      "of whatever else listens there; other programs may well end.\n"
-      "Exit codes: 0 all sent, 1 an error, 130 interrupted.");
+      "of whatever else listens there; other programs may well end.");
   try {
     return run(app, argc, argv);
   } catch (const std::exception& error) {

@@ -23,15 +23,11 @@ Sender::Sender(const bus::UdpmUrl& url, double rate)
                                                 kLargestBurst)
                       : kLargestBurst),
       waiting_(burst_) {
+  bus::require_route(url);
   socket_ = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (socket_ < 0) throw std::runtime_error(bus::explain_socket_error("open", url, errno));
   const auto ttl = static_cast<std::uint8_t>(url.ttl);
   setsockopt(socket_, IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof(ttl));
-  if (connect(socket_, reinterpret_cast<const sockaddr*>(&address_), sizeof(address_)) != 0) {
-    const int error = errno;
-    close(socket_);
-    throw std::runtime_error(bus::explain_socket_error("reach", url, error));
-  }
 }
 
 Sender::~Sender() { close(socket_); }
@@ -57,6 +53,10 @@ void Sender::flush() {
   std::vector<mmsghdr> messages(waiting_count_);
   for (std::size_t i = 0; i < waiting_count_; ++i) {
     parts[i] = {waiting_[i].data(), waiting_[i].size()};
+    // Addressed one by one: connected, they would leave by another interface than that of the
+    // route.
+    messages[i].msg_hdr.msg_name = &address_;
+    messages[i].msg_hdr.msg_namelen = sizeof(address_);
     messages[i].msg_hdr.msg_iov = &parts[i];
     messages[i].msg_hdr.msg_iovlen = 1;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cctype>
 #include <fstream>
+#include <lcm/lcm-cpp.hpp>
 #include <sstream>
 #include <utility>
 
@@ -89,7 +90,7 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
     record("control", urls.control, files_.control);
     record("housekeeping", urls.housekeeping, files_.housekeeping);
   }
-  std::vector<std::string> command{palpated, plan.configuration.string(), "--json",
+  std::vector<std::string> command{palpated, "--config", plan.configuration.string(), "--json",
                                    files_.daemon.string()};
   if (plan.lock_step) command.push_back("--stepped");
   daemon_ = std::make_unique<common::Process>(
@@ -106,7 +107,7 @@ LiveRun::LiveRun(const RunPlan& plan, const std::filesystem::path& folder)
 void LiveRun::fail(const std::string& what, const common::Process* at_fault) const {
   std::string text = what;
   if (at_fault != nullptr) {
-    const std::string words = tail(at_fault->output(), kTail);
+    const std::string words = common::tail(at_fault->output(), kTail);
     text += "; " + at_fault->output().string() + (words.empty() ? " is empty" : ":\n" + words);
   }
   throw RunFailed(text);
@@ -129,7 +130,7 @@ bool LiveRun::check_programs() {
 void LiveRun::start_lock_step() {
   const std::int64_t begin = wall_clock();
   const double patience = std::max(kActivationPatience, plan_.standstill);
-  while (tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
+  while (common::tail(daemon_->output(), kTail).find(kReady) == std::string::npos) {
     check_programs();
     if (static_cast<double>(wall_clock() - begin) * 1e-6 > patience)
       fail("palpated does not listen", daemon_.get());

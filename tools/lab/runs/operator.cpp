@@ -1,14 +1,11 @@
 #include "tools/lab/runs/operator.hpp"
 
-#include <poll.h>
-
 #include <algorithm>
 #include <chrono>
 #include <cmath>
 #include <cstring>
-#include <palpate/component_command_t.hpp>
-#include <stdexcept>
 
+#include "rt/bus/text.hpp"
 #include "rt/bus/udpm_url.hpp"
 #include "tools/common/interruption.hpp"
 
@@ -38,43 +35,33 @@ Urls private_urls() {
 }
 
 Operator::Operator(const Urls& urls, const std::optional<bus::Key>& key)
-    : control_(urls.control),
-      housekeeping_(urls.housekeeping),
+    : control_(bus::make_lcm_bus(urls.control)),
+      housekeeping_(bus::make_lcm_bus(urls.housekeeping)),
+      healths_(*housekeeping_, "HEALTH", 30),
+      events_(*housekeeping_, "COMPONENT_EVENT", 200),
+      features_(*control_, "FEATURE", 2),
+      twists_(*control_, "TWIST_COMMAND", 200),
+      commands_(*control_, "COMPONENT_COMMAND"),
+      targets_(*control_, "SHAPE_TARGET"),
       session_(wall_clock()),
       command_sealer_("COMPONENT_COMMAND", {key, session_}),
       target_sealer_("SHAPE_TARGET", {key, session_}) {
-  for (const auto& [lcm, url] :
-       {std::pair{&control_, urls.control}, std::pair{&housekeeping_, urls.housekeeping}})
-    if (!lcm->good())
-      throw std::runtime_error(
-          "cannot open " + url +
-          "; is there a multicast route? ip link set lo multicast on; ip route "
-          "add 224.0.0.0/4 dev lo");
-  housekeeping_.subscribe("HEALTH", &Operator::on_health, this);
-  housekeeping_.subscribe("COMPONENT_EVENT", &Operator::on_event, this);
-  control_.subscribe("FEATURE", &Operator::on_feature, this)->setQueueCapacity(2);
-  control_.subscribe("TWIST_COMMAND", &Operator::on_command, this)->setQueueCapacity(200);
+  control_->start_without_thread();
+  housekeeping_->start_without_thread();
 }
 
-void Operator::on_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* message) {
-  health_ = *message;
+void Operator::take(const component_event_t& event) {
+  if (std::string(bus::get_text(event.event)) == "refused") refusal_ = bus::get_text(event.reason);
 }
 
-void Operator::on_event(const lcm::ReceiveBuffer*, const std::string&,
-                        const component_event_t* message) {
-  const std::string event(reinterpret_cast<const char*>(message->event));
-  if (event == "refused") refusal_ = reinterpret_cast<const char*>(message->reason);
+void Operator::take(const feature_t& feature) {
+  following_ = target_ && feature.revision == target_->revision;
+  if (following_ && feature.error_count >= 3)
+    estimated_error_ = std::hypot(feature.error[0], feature.error[1], feature.error[2]);
 }
 
-void Operator::on_feature(const lcm::ReceiveBuffer*, const std::string&, const feature_t* message) {
-  following_ = target_ && message->revision == target_->revision;
-  if (following_ && message->error_count >= 3)
-    estimated_error_ = std::hypot(message->error[0], message->error[1], message->error[2]);
-}
-
-void Operator::on_command(const lcm::ReceiveBuffer*, const std::string&,
-                          const twist_command_t* message) {
-  const double* twist = message->twist;
+void Operator::take(const twist_command_t& command) {
+  const double* twist = command.twist;
   const bool moving = std::any_of(twist, twist + 6, [](double v) { return std::abs(v) > 1e-6; });
   if (moving || !following_)
     still_since_ = 0;
@@ -82,7 +69,20 @@ void Operator::on_command(const lcm::ReceiveBuffer*, const std::string&,
     still_since_ = wall_clock();
 }
 
+void Operator::take_all() {
+  std::int64_t arrival_ns = 0;
+  health_t health;
+  while (healths_.take(health, arrival_ns)) health_ = health;
+  component_event_t event;
+  while (events_.take(event, arrival_ns)) take(event);
+  feature_t feature;
+  while (features_.take(feature, arrival_ns)) take(feature);
+  twist_command_t command;
+  while (twists_.take(command, arrival_ns)) take(command);
+}
+
 void Operator::spin(double seconds) {
+  constexpr std::int64_t kLongestWait = 20'000;  // us
   const std::int64_t end = wall_clock() + static_cast<std::int64_t>(seconds * 1e6);
   for (std::int64_t now = wall_clock(); now < end; now = wall_clock()) {
     common::throw_if_interrupted();
@@ -90,14 +90,13 @@ void Operator::spin(double seconds) {
       target_->utime = now;
       target_->seq = seq_++;
       target_sealer_.put(*target_, now);
-      control_.publish("SHAPE_TARGET", &*target_);
+      targets_.publish(*target_);
       target_sent_ = now;
     }
-    pollfd sockets[2] = {{control_.getFileno(), POLLIN, 0}, {housekeeping_.getFileno(), POLLIN, 0}};
-    const int timeout = static_cast<int>(std::min<std::int64_t>(20, (end - now) / 1000 + 1));
-    if (::poll(sockets, 2, timeout) <= 0) continue;
-    if (sockets[0].revents & POLLIN) control_.handleTimeout(0);
-    if (sockets[1].revents & POLLIN) housekeeping_.handleTimeout(0);
+    // A daemon that runs says something on the control URL a thousand times a second.
+    housekeeping_->receive(0);
+    control_->receive(1000 * std::min(kLongestWait, end - now));
+    take_all();
   }
 }
 
@@ -109,7 +108,7 @@ void Operator::send_event(const std::string& event) {
   put(command.slot, "all");
   put(command.event, event);
   command_sealer_.put(command, command.utime);
-  control_.publish("COMPONENT_COMMAND", &command);
+  commands_.publish(command);
 }
 
 void Operator::set_target(const ControlTarget& wanted) {
@@ -138,8 +137,9 @@ bool Operator::is_active() const { return health_ && health_->state == kActive; 
 
 bool Operator::has_robot_state() const {
   if (!health_) return false;
-  for (int i = 0; i < health_->input_count; ++i)
-    if (std::strcmp(reinterpret_cast<const char*>(health_->input_name[i]), "ROBOT_STATE") == 0)
+  const int inputs = std::min<int>(health_->input_count, std::size(health_->input_name));
+  for (int i = 0; i < inputs; ++i)
+    if (std::string(bus::get_text(health_->input_name[i])) == "ROBOT_STATE")
       return health_->received[i] > 0;
   return false;
 }

@@ -1,8 +1,9 @@
 #pragma once
 
 #include <cstdint>
-#include <lcm/lcm-cpp.hpp>
+#include <memory>
 #include <optional>
+#include <palpate/component_command_t.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/feature_t.hpp>
 #include <palpate/health_t.hpp>
@@ -11,6 +12,7 @@
 #include <string>
 
 #include "rt/bus/authentication.hpp"
+#include "rt/bus/message_bus.hpp"
 #include "tools/lab/runs/experiments.hpp"
 
 namespace palpate::runs {
@@ -51,16 +53,21 @@ class Operator {
   double estimated_error() const { return estimated_error_; }
 
  private:
-  void on_health(const lcm::ReceiveBuffer*, const std::string&, const health_t* message);
-  void on_event(const lcm::ReceiveBuffer*, const std::string&, const component_event_t* message);
-  void on_feature(const lcm::ReceiveBuffer*, const std::string&, const feature_t* message);
-  void on_command(const lcm::ReceiveBuffer*, const std::string&, const twist_command_t* message);
+  void take_all();
+  void take(const component_event_t& event);
+  void take(const feature_t& feature);
+  void take(const twist_command_t& command);
 
-  lcm::LCM control_;
-  lcm::LCM housekeeping_;
+  std::unique_ptr<bus::MessageBus> control_, housekeeping_;
+  bus::TypedSubscription<health_t> healths_;
+  bus::TypedSubscription<component_event_t> events_;
+  bus::TypedSubscription<feature_t> features_;
+  bus::TypedSubscription<twist_command_t> twists_;
+  bus::TypedPublisher<component_command_t> commands_;
+  bus::TypedPublisher<shape_target_t> targets_;
   std::int64_t session_;
   std::int32_t seq_ = 0;
-  bus::Sealer command_sealer_, target_sealer_;
+  bus::MessageSigner command_sealer_, target_sealer_;
   std::optional<shape_target_t> target_;
   std::int64_t target_sent_ = 0;  // us
   std::optional<health_t> health_;

@@ -4,11 +4,13 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+
 namespace palpate::scores {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
-constexpr double kRest = 0.5;  // s at the end of a run over which the steady-state error is taken
+using math::kDegree;
+constexpr double kRest = 0.5;  // s at the end of a run over which the error at rest is taken
 
 /// The last target of the log, at its first transmission.
 const shape_target_t& first_of_last_revision(const std::vector<shape_target_t>& targets) {

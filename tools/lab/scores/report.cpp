@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::scores {
@@ -12,7 +13,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 
 std::string millimetres(double metres) { return common::number(metres * 1e3, 2); }
 std::string percent(double fraction) { return common::number(fraction * 100, 2); }

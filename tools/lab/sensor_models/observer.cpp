@@ -140,7 +140,7 @@ class Experiment {
                                      ours ? preset() : "ft_rnnob_thesis",
                                      "--data",
                                      training().string(),
-                                     "--out",
+                                     "--output",
                                      model(name).string(),
                                      "--set",
                                      "data.recordings=[" + recordings_ + "]"};

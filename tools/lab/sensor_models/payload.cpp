@@ -7,12 +7,13 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::sensor_models {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 
 nlohmann::json to_json(const PayloadScore& score) {
   const auto list = [](const auto& v) { return std::vector<double>(v.begin(), v.end()); };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::sensor_models {
@@ -12,7 +13,7 @@ namespace {
 using recordings::CsvReader;
 using sensing::StaticPose;
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 const Eigen::Vector3d kGravity(0, 0, -9.81);
 /// Local gravity at the place where ft_imu_kuka_ntnu was recorded, m/s^2.
 constexpr double kNtnuGravity = 9.82085;

@@ -114,9 +114,11 @@ std::vector<SensorTrack> of_file(const std::vector<SensorTrack>& tracks, const s
   return list;
 }
 
-/// As compare_all_sensors; recordings that could not be used go to `damaged`.
-std::vector<SensorComparison> compare(const SensorsOptions& options, std::ostream& out,
-                                      std::vector<std::string>& damaged) {
+}  // namespace
+
+std::vector<SensorComparison> compare_sensor_folders(const SensorsOptions& options,
+                                                     std::ostream& out,
+                                                     std::vector<std::string>& damaged) {
   const SensorFolder folder = read_sensor_folder(options.data);
   if (options.verbose)
     for (const std::string& line : folder.unfit) out << line << "\n";
@@ -158,18 +160,10 @@ std::vector<SensorComparison> compare(const SensorsOptions& options, std::ostrea
   return comparisons;
 }
 
-}  // namespace
-
-std::vector<SensorComparison> compare_all_sensors(const SensorsOptions& options,
-                                                  std::ostream& out) {
-  std::vector<std::string> damaged;
-  return compare(options, out, damaged);
-}
-
 int run_sensors(const SensorsOptions& options, std::ostream& out) {
   std::filesystem::create_directories(options.output);
   std::vector<std::string> damaged;
-  const std::vector<SensorComparison> comparisons = compare(options, out, damaged);
+  const std::vector<SensorComparison> comparisons = compare_sensor_folders(options, out, damaged);
   if (comparisons.empty())
     throw std::runtime_error(options.data.string() + ": nothing could be scored");
   out << "scored: recordings below " << options.data.string() << "; fitted to: "

@@ -26,7 +26,9 @@ struct SensorsOptions {
 /// their validation and test parts unseen if everything scored is below `train`; otherwise they are
 /// trained on all parts. Throws std::runtime_error if no recording matches, config::Error if a
 /// model card cannot be used, Interrupted.
-std::vector<SensorComparison> compare_all_sensors(const SensorsOptions& options, std::ostream& out);
+std::vector<SensorComparison> compare_sensor_folders(const SensorsOptions& options,
+                                                     std::ostream& out,
+                                                     std::vector<std::string>& damaged);
 
 /// The same, and prints, writes and plots the result; 0, or 1 if a recording with the right columns
 /// could not be used.

@@ -14,7 +14,7 @@ namespace palpate::sensor_models {
 namespace {
 
 constexpr Eigen::Index kFewestRows = 50;
-constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kSensorsBaselinesGravity = 9.81;  // m/s^2
 
 /// The inputs of the kind's plan, scaled as for its network.
 class LinearMap {
@@ -133,7 +133,8 @@ std::vector<sensing::MotionSample> at_rest(const SensorTrack& track) {
   for (std::size_t k = 0; k < samples.size(); ++k) {
     samples[k].motion = {};
     samples[k].motion.specific_force =
-        -kGravity * track.input.row(static_cast<Eigen::Index>(k)).segment<3>(gravity).transpose();
+        -kSensorsBaselinesGravity *
+        track.input.row(static_cast<Eigen::Index>(k)).segment<3>(gravity).transpose();
   }
   return samples;
 }

@@ -18,7 +18,8 @@ namespace {
 using sensing::kElectrodeCount;
 using sensing::kTactileInputCount;
 
-constexpr SensorKind kKinds[] = {SensorKind::kForce, SensorKind::kDirection, SensorKind::kWrist};
+constexpr SensorKind kSensorsDataKinds[] = {SensorKind::kForce, SensorKind::kDirection,
+                                            SensorKind::kWrist};
 constexpr const char* kPac = "pac0";
 constexpr double kRestPressure =
     15;  // counts of PDC above the quietest rows that still count as rest
@@ -196,7 +197,7 @@ SensorFolder read_sensor_folder(const std::filesystem::path& folder) {
     try {
       std::string nearest;  // missing columns of the closest kind
       bool fits = false;
-      for (const SensorKind kind : kKinds) {
+      for (const SensorKind kind : kSensorsDataKinds) {
         const std::string missing = read_as(kind, path, name, result.recordings);
         fits = fits || missing.empty();
         if (nearest.empty() || missing.size() < nearest.size())

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "core/math/constants.hpp"
 #include "core/sensing/biotac_geometry.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/table.hpp"
@@ -11,7 +12,7 @@
 namespace palpate::sensor_models {
 namespace {
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 constexpr Eigen::Index kPlotPoints = 1500;
 constexpr int kGroupColumns = 3;
 

@@ -63,7 +63,7 @@ std::optional<std::filesystem::path> train_sensor_model(const std::string& prese
                                    preset,
                                    "--data",
                                    options.data.string(),
-                                   "--out",
+                                   "--output",
                                    fresh.string(),
                                    "--resume",
                                    "--picture",

@@ -8,6 +8,7 @@
 #include <ostream>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "tools/common/table.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
@@ -18,7 +19,7 @@ using recordings::CsvReader;
 using sensing::kElectrodeCount;
 using sensing::kTactileInputCount;
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 constexpr double kForceBar = 0.03;          // N
 constexpr double kAngleBar = 10 * kDegree;  // rad
 constexpr int kRestRows = 50;               // half a second at 100 Hz

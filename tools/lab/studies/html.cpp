@@ -4,6 +4,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "tools/common/base64.hpp"
+
 namespace palpate::studies {
 namespace {
 
@@ -46,21 +48,6 @@ std::string escaped(const std::string& text) {
     }
   }
   return result;
-}
-
-std::string base64(const std::string& bytes) {
-  static constexpr char kDigits[] =
-      "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  for (std::size_t i = 0; i < bytes.size(); i += 3) {
-    unsigned group = 0;
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - i);
-    for (std::size_t k = 0; k < 3; ++k)
-      group = group << 8 | (k < count ? static_cast<unsigned char>(bytes[i + k]) : 0U);
-    for (std::size_t k = 0; k < 4; ++k)
-      text += k <= count ? kDigits[group >> (18 - 6 * k) & 63U] : '=';
-  }
-  return text;
 }
 
 HtmlPage::HtmlPage(const std::string& title)
@@ -109,7 +96,7 @@ void HtmlPage::picture(const std::filesystem::path& file, const std::string& cap
   }
   const std::string type = file.extension() == ".svg" ? "image/svg+xml" : "image/png";
   body_ += "<figure><img alt=\"" + escaped(caption) + "\" src=\"data:" + type + ";base64," +
-           base64(bytes.str()) + "\">" + element("figcaption", caption) + "</figure>\n";
+           common::to_base64(bytes.str()) + "\">" + element("figcaption", caption) + "</figure>\n";
 }
 
 void HtmlPage::preformatted(const std::string& text) { body_ += element("pre", text) + "\n"; }

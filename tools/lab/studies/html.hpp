@@ -9,10 +9,7 @@ namespace palpate::studies {
 /// Escapes text for HTML: & < > " ' as entities.
 std::string escaped(const std::string& text);
 
-/// Base64 of bytes, with padding (RFC 4648).
-std::string base64(const std::string& bytes);
-
-/// A self-contained HTML page.
+/// One page that needs no other file.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);

@@ -23,7 +23,7 @@ Json scored(const StudyJob& job, const log::RunLog& log, const fs::path& folder,
   score.stage = job.application;
   score.name = job.method;
   score.mismatch = job.mismatch;
-  score.shape = score_shape(log);
+  score.shape = scores::score_shape(log);
   const config::Node configuration =
       config::Node::load_file(job.configuration.string(), job.daemon_overrides);
   const math::Pose X_WO = registry::read_frames(configuration).X_WO;

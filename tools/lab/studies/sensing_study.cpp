@@ -40,7 +40,7 @@ struct SensingStudyCommand::Options {
                                      "published-sensing",
                                      "--plan",
                                      plan_file.string(),
-                                     "--out",
+                                     "--output",
                                      fs::absolute(output).string(),
                                      "--seeds",
                                      std::to_string(seed),
@@ -78,7 +78,7 @@ SensingStudyCommand::SensingStudyCommand(CLI::App& app)
   Options& o = *options_;
   command_->add_option("--plan", o.plan, "(default: tools/lab/studies/published_sensing.yaml)")
       ->check(CLI::ExistingFile);
-  command_->add_option("--out", o.output, "folder of recordings, report and CSV")
+  command_->add_option("--output", o.output, "folder of recordings, report and CSV")
       ->capture_default_str();
   command_
       ->add_option("--only", o.selection.applications,

@@ -32,12 +32,13 @@ TrainSensingCommand::TrainSensingCommand(CLI::App& app)
                                   "shape, on recordings of motions "
                                   "that no study runs; writes a model for each object and "
                                   "method.\nExample: palpate-evaluate "
-                                  "train-sensing --out out/train-sensing")) {
+                                  "train-sensing --output out/train-sensing")) {
   Options& o = *options_;
   command_
       ->add_option("--plan", o.plan, "(default: tools/lab/studies/published_sensing_training.yaml)")
       ->check(CLI::ExistingFile);
-  command_->add_option("--out", o.output, "folder of recordings and models")->capture_default_str();
+  command_->add_option("--output", o.output, "folder of recordings and models")
+      ->capture_default_str();
 }
 
 TrainSensingCommand::~TrainSensingCommand() = default;

@@ -62,7 +62,7 @@ struct StudyCommand::Options {
                                      study,
                                      "--plan",
                                      plan_file.string(),
-                                     "--out",
+                                     "--output",
                                      fs::absolute(output).string(),
                                      "--seeds",
                                      std::to_string(wanted.seed),
@@ -98,7 +98,7 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
   o.output = "out/" + study_.name;
   command_->add_option("--plan", o.plan, "applications (default: " + study_.plan.string() + ")")
       ->check(CLI::ExistingFile);
-  command_->add_option("--out", o.output, "folder of the report, and of one folder a job")
+  command_->add_option("--output", o.output, "folder of the report, and of one folder a job")
       ->capture_default_str();
   command_
       ->add_option("--only", o.selection.applications,

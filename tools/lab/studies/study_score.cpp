@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
 #include "tools/lab/runs/feature_on_points.hpp"
 
 namespace palpate::studies {
@@ -11,7 +12,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-constexpr double kDegree = M_PI / 180;
+using math::kDegree;
 constexpr double kWindow = 0.5;     // s before a state over which errors are taken
 constexpr double kFinest = 2.5e-3;  // m between the samples of a surface
 constexpr double kDots = 8e-3;      // m between the points of a cloud that is not measured

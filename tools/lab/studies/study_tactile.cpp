@@ -19,8 +19,8 @@ using Json = nlohmann::json;
 constexpr int kFirstFinger = 2;  // of contacts_t::source
 constexpr int kFingers = 5;
 constexpr const char* kNames[kFingers] = {"first", "middle", "ring", "little", "thumb"};
-constexpr std::int64_t kWindow = 500'000;  // us before a state
-const Vector3d kEye(-0.25, -0.65, 0.40);   // m, in W, from the middle of the object
+constexpr std::int64_t kStudyTactileWindow = 500'000;  // us before a state
+const Vector3d kEye(-0.25, -0.65, 0.40);               // m, in W, from the middle of the object
 constexpr int kMostPoints = 20000;
 
 draw::TriangleMesh in_world(const draw::TriangleMesh& mesh_O, const math::Pose& X_WO) {
@@ -103,7 +103,7 @@ void add_tactile_score(const StudyJob& job, const log::RunLog& log, const math::
   }
   std::array<FingerErrors, kFingers> errors;
   for (const truth_touch_t& truth : log.truth_touches) {
-    if (truth.utime <= utime - kWindow || truth.utime > utime) continue;
+    if (truth.utime <= utime - kStudyTactileWindow || truth.utime > utime) continue;
     if (const contacts_t* felt = log::latest(log.contacts, truth.utime))
       add_errors(truth, *felt, errors);
   }

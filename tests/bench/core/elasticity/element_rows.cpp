@@ -57,7 +57,7 @@ std::optional<ElementRow> measure_case(const cases::CaseFile& c, const std::stri
     positions = solution.positions;
   }
   ElementRow row{c.name, element, mesh_name, c.meshes.count(mesh_name) > 0};
-  row.rms_share = evaluate::score_shape(c, problem, positions, nullptr).rms_share();
+  row.rms_share = cases::score_shape(c, problem, positions, nullptr).rms_share();
   set_cost(body, averaged ? Volumetric::kAveraged : Volumetric::kAtPoints, positions, row);
   return row;
 }

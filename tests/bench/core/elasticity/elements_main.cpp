@@ -6,6 +6,7 @@
 #include <iostream>
 #include <set>
 
+#include "rt/config/command_line.hpp"
 #include "tests/bench/core/elasticity/element_rows.hpp"
 #include "tests/support/recordings.hpp"
 #include "tools/lab/cases/case_sweep.hpp"
@@ -158,11 +159,11 @@ int main(int argc, char** argv) {
   app.add_option("--most-quadratic", arguments.most_quadratic, "nodes of quadratic meshes at most")
       ->capture_default_str();
   app.add_flag("--all", arguments.all, "print every mesh, not only the best of each size");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   try {
     return palpate::bench::run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "bench_elements: " << error.what() << '\n';
-    return 2;
+    return palpate::config::kExitError;
   }
 }

@@ -17,8 +17,8 @@
 namespace palpate::bench {
 namespace {
 
-using elasticity::StepStatus;
 using common::number;
+using elasticity::StepStatus;
 
 constexpr double kDt = 1e-3;  // s
 // Typical duration in steps of a background factorisation, in addition to a requested delay.

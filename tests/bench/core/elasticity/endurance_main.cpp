@@ -1,6 +1,7 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
+#include "rt/config/command_line.hpp"
 #include "tests/bench/core/elasticity/endurance.hpp"
 #include "tests/bench/core/elasticity/recovery.hpp"
 
@@ -36,7 +37,11 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--refactor", refactor, "background, every-N or never")->capture_default_str();
   app.add_option("--seed", endurance.seed)->capture_default_str();
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code =
+          palpate::config::parse(app, argc, argv,
+                                 {{{1, "a number that is not finite, a leak, or no return to rest"},
+                                   {palpate::config::kExitSoftware, "an error"}}}))
+    return *code;
   try {
     endurance.refactor = recovery.refactor = bench::RefactorPolicy::parse(refactor);
     endurance.solver = recovery.solver = solver;
@@ -45,6 +50,6 @@ int main(int argc, char** argv) {
     return bench::run_endurance(endurance, std::cout) ? 0 : 1;
   } catch (const std::exception& error) {
     std::cerr << "bench_endurance: " << error.what() << '\n';
-    return 2;
+    return palpate::config::kExitSoftware;
   }
 }

@@ -10,8 +10,8 @@
 namespace palpate::bench {
 namespace {
 
-using Eigen::Matrix3Xd;
 using common::number;
+using Eigen::Matrix3Xd;
 
 /// Minimum number of additions and multiplications (and divisions and roots) of an element, counted
 /// from the formulas of point_kernel.hpp and element_block.hpp, with one Newton step for the

@@ -3,11 +3,13 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "rt/loop/real_time.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "tests/bench/core/elasticity/floor_report.hpp"
 #include "tests/bench/core/elasticity/latency_report.hpp"
 #include "tests/bench/core/elasticity/latency_suite.hpp"
+#include "tools/common/output_files.hpp"
 
 namespace palpate::bench {
 namespace {
@@ -153,7 +155,7 @@ int run(Arguments& a) {
     nlohmann::json json = nlohmann::json::array();
     for (const LatencyRow& row : rows) json.push_back(to_json(row));
     for (std::size_t k = 0; k < floors.size(); ++k) json[k]["floor"] = to_json(floors[k]);
-    write_json(json, a.json);
+    common::write_json(json, a.json);
   }
   if ((a.suite || a.scaling) && !draw_scaling(rows, a.plot)) {
     std::cerr << "gnuplot is not installed: no picture\n";
@@ -171,11 +173,11 @@ int main(int argc, char** argv) {
       "beside it. Times in ms; error relative to the largest displacement."};
   palpate::bench::Arguments arguments;
   palpate::bench::add_options(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   try {
     return palpate::bench::run(arguments);
   } catch (const std::exception& error) {
     std::cerr << "bench_latency: " << error.what() << '\n';
-    return 2;
+    return palpate::config::kExitError;
   }
 }

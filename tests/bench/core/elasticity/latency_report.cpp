@@ -1,9 +1,7 @@
 #include "tests/bench/core/elasticity/latency_report.hpp"
 
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "tools/common/table.hpp"
 
@@ -119,12 +117,6 @@ nlohmann::json to_json(const LatencyRow& row) {
     json["jacobi_pcg"] = baseline_json(r.pcg, r);
   }
   return json;
-}
-
-void write_json(const nlohmann::json& json, const std::string& file) {
-  std::ofstream out(file);
-  out << json.dump(2) << '\n';
-  if (!out) throw std::runtime_error("cannot write " + file);
 }
 
 }  // namespace palpate::bench

@@ -18,7 +18,4 @@ struct LatencyRow {
 void print_latency(const std::vector<LatencyRow>& rows, std::ostream& out);
 nlohmann::json to_json(const LatencyRow& row);
 
-/// Writes `json`, indented; throws std::runtime_error if the file cannot be written.
-void write_json(const nlohmann::json& json, const std::string& file);
-
 }  // namespace palpate::bench

@@ -16,7 +16,7 @@ namespace {
 
 using math::QuadraticProgram;
 using math::QuadraticProgramSolver;
-using testing::Family;
+using support::Family;
 
 constexpr int kLoops = 20;
 constexpr int kCycles = 50;
@@ -24,16 +24,16 @@ constexpr double kDrift = 1e-3;
 
 /// Loops with exactly this many variables, one after the other.
 std::vector<QuadraticProgram> cycles(Family family, int variables, int rows) {
-  math::Random random(1, testing::name(family));
+  math::Random random(1, support::name(family));
   std::vector<QuadraticProgram> programs;
   for (int loop = 0; loop < kLoops; ++loop) {
     QuadraticProgram program(1);
     do {
-      program = testing::random_program(family, variables, rows, random);
+      program = support::random_program(family, variables, rows, random);
     } while (program.variables() != variables || program.rows() < rows / 2);
     for (int cycle = 0; cycle < kCycles; ++cycle) {
       programs.push_back(program);
-      testing::drift(program, kDrift, random);
+      support::drift(program, kDrift, random);
     }
   }
   return programs;
@@ -64,7 +64,7 @@ void measure(benchmark::State& state, const std::vector<QuadraticProgram>& progr
 void register_size(Family family, int variables, int rows, QuadprogPeer* peer) {
   const std::string size = "/" + std::to_string(variables) + "x" + std::to_string(rows);
   const auto add = [&](const std::string& how, auto&& run) {
-    benchmark::RegisterBenchmark((testing::name(family) + size + "/" + how).c_str(), run)
+    benchmark::RegisterBenchmark((support::name(family) + size + "/" + how).c_str(), run)
         ->UseManualTime()
         ->Unit(benchmark::kMicrosecond);
   };
@@ -107,8 +107,8 @@ void register_size(Family family, int variables, int rows, QuadprogPeer* peer) {
 int main(int argc, char** argv) {
   const auto peer = palpate::bench::QuadprogPeer::open();
   if (!peer) std::cerr << "r-cran-quadprog is not installed: no figures to compare with\n";
-  for (const auto family : {palpate::testing::Family::kBox, palpate::testing::Family::kPlain,
-                            palpate::testing::Family::kVertex, palpate::testing::Family::kSoft}) {
+  for (const auto family : {palpate::support::Family::kBox, palpate::support::Family::kPlain,
+                            palpate::support::Family::kVertex, palpate::support::Family::kSoft}) {
     palpate::bench::register_size(family, 6, 40, peer.get());
     palpate::bench::register_size(family, 14, 80, peer.get());
   }

@@ -7,6 +7,7 @@
 #include <random>
 #include <thread>
 
+#include "rt/config/command_line.hpp"
 #include "rt/inference/compiled_executor.hpp"
 #include "rt/inference/torch_executor.hpp"
 #include "rt/inference/torch_module.hpp"
@@ -183,7 +184,7 @@ int main(int argc, char** argv) {
   app.add_option("--cpu", options.threaded.cpu, "processor of the inference thread; -1: any")
       ->check(CLI::Range(-1, 1023));
   app.add_option("--json", json_file, "file for the figures");
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   options.threaded.wait = wait_us * 1e-6;
   options.threaded.patience = std::max(options.threaded.patience, options.threaded.wait);
   std::vector<std::string> remarks;

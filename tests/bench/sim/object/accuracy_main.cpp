@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
+#include "rt/config/command_line.hpp"
 #include "tests/bench/sim/object/mesh_accuracy.hpp"
 
 namespace palpate::object {
@@ -109,7 +110,7 @@ int main(int argc, char** argv) {
       ->expected(3)
       ->check(CLI::PositiveNumber);
   app.add_option("--grading", grading, "of --hang")->check(CLI::Range(1., 3.));
-  CLI11_PARSE(app, argc, argv);
+  if (const auto code = palpate::config::parse(app, argc, argv)) return *code;
   try {
     if (!hanging.empty()) palpate::object::hang({hanging[0], hanging[1], hanging[2]}, grading);
     for (const std::string& scene : scenes) palpate::object::compare_scene(scene, meshes, fine);

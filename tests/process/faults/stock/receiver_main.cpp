@@ -16,7 +16,7 @@ struct Handler {
 int main(int argc, char** argv) {
   if (argc != 2) {
     std::fprintf(stderr, "usage: %s LCM_URL\n", argv[0]);
-    return 2;
+    return 64;
   }
   lcm::LCM lcm(argv[1]);
   if (!lcm.good()) return 1;

@@ -24,7 +24,7 @@ inline TwistLawOptions servo() {
 class BarServo : public ::testing::Test {
  protected:
   void start(ControlLaw& law, const Eigen::Vector3d& target_offset) {
-    body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+    body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     body_.gravity_O.setZero();
     model_ = std::make_unique<elasticity::CorotationalQuasistatic>(body_);
     model_->prepare();

@@ -26,7 +26,7 @@ shape::PoseFeature::Options pose_points() {
 }
 
 TEST(KinematicJacobian, OfAPointIsThatOfARigidBody) {
-  testing::RigidModel model(testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
+  support::RigidModel model(support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
   model.hold(0, kDisplaced);
   model.step(1e-3);
   shape::PointFeature feature(model.body().mesh, {{0.31, 0.02, 0.04}, {0, 1, 2}});
@@ -40,7 +40,7 @@ TEST(KinematicJacobian, OfAPointIsThatOfARigidBody) {
 }
 
 TEST(KinematicJacobian, OfAPoseIsTheTwistTransform) {
-  testing::RigidModel model(testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
+  support::RigidModel model(support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
   model.hold(0, kDisplaced);
   model.step(1e-3);
   shape::PoseFeature feature(model.body().mesh, pose_points());
@@ -54,7 +54,7 @@ TEST(KinematicJacobian, OfAPoseIsTheTwistTransform) {
 }
 
 TEST(FemJacobian, IsRefusedWithoutASensitivity) {
-  testing::RigidModel model(testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
+  support::RigidModel model(support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear));
   shape::PointFeature feature(model.body().mesh, {{0.31, 0.02, 0.04}, {0, 1, 2}});
   MatrixXd J(3, 6);
   FemJacobian provider({0});
@@ -101,7 +101,7 @@ class FemJacobianOfBar : public ::testing::Test {
   }
 
   static elasticity::Body body() {
-    return testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
+    return support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   }
 
   /// A sensitivity of the current state, however little it has changed.

@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 
 constexpr double kDegree = M_PI / 180;
 
-shape::PoseFeature::Options pose_points() {
+shape::PoseFeature::Options law_pose_points() {
   return {{Vector3d(0.20, 0.01, 0.02), Vector3d(0.27, 0.03, 0.05), Vector3d(0.23, 0.055, 0.01)}};
 }
 
@@ -38,7 +38,7 @@ TwistLawOptions bare(double gain) {
 /// A hand that follows its commands and an object that follows it rigidly.
 class Loop {
  public:
-  Loop(ControlLaw& law, shape::Feature& feature, testing::RigidModel& model)
+  Loop(ControlLaw& law, shape::Feature& feature, support::RigidModel& model)
       : law_(law), feature_(feature), model_(model) {
     law.configure_for(feature);
     value.setZero(feature.value_count());
@@ -77,15 +77,15 @@ class Loop {
  private:
   ControlLaw& law_;
   shape::Feature& feature_;
-  testing::RigidModel& model_;
+  support::RigidModel& model_;
   KinematicJacobian provider_;
   MatrixXd jacobian_;
 };
 
 class LawTest : public ::testing::Test {
  protected:
-  testing::RigidModel model_{testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
-  shape::PoseFeature pose_{model_.body().mesh, pose_points()};
+  support::RigidModel model_{support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
+  shape::PoseFeature pose_{model_.body().mesh, law_pose_points()};
 
   /// Lets the law move to random poses up to 170 degrees away and checks that `size` of the error
   /// decays as exp(-gain t).

@@ -83,7 +83,7 @@ TEST_F(BarServo, KeepsAwayFromAnObstacle) {
     limited.limits.clearance_deviations = 3;
     limited.limits.untold_deviation = 0.1;  // but they are given
     limited.body = &body_;
-    body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+    body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     QuadraticProgramLaw law(servo(), limited);
     start(law, {0, 0, 0.05});
     const mesh::Surface surface = mesh::extract_surface(body_.mesh);
@@ -93,7 +93,7 @@ TEST_F(BarServo, KeepsAwayFromAnObstacle) {
     for (int i = 0; i < 1000; ++i) {
       tick();
       const double gap =
-          testing::distance_to_surface(surface, model_->positions(), ball.center_O) - ball.radius;
+          support::distance_to_surface(surface, model_->positions(), ball.center_O) - ball.radius;
       nearest = std::min(nearest, gap);
     }
     const double kept = limited.limits.clearance + 3 * deviation;

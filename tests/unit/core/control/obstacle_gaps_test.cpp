@@ -15,7 +15,7 @@ using Eigen::Vector3d;
 /// A bar of half a metre bent to a circle about an axis above it.
 class BentBar : public ::testing::TestWithParam<mesh::ElementOrder> {
  protected:
-  BentBar() : mesh_(palpate::testing::held_bar({8, 1, 1}, GetParam()).mesh) {
+  BentBar() : mesh_(palpate::support::held_bar({8, 1, 1}, GetParam()).mesh) {
     surface_ = mesh::extract_surface(mesh_);
     x_ = mesh_.nodes;
     constexpr double kRadius = 0.2;
@@ -39,7 +39,7 @@ TEST_P(BentBar, ComesNearestBetweenNodes) {
   for (std::size_t o = 0; o < balls.size(); ++o) {
     const ObstacleGaps::Point* const points = gaps.points().data() + o * ObstacleGaps::kPoints;
     const double expected =
-        testing::distance_to_surface(surface_, x_, balls[o].center_O) - balls[o].radius;
+        support::distance_to_surface(surface_, x_, balls[o].center_O) - balls[o].radius;
     EXPECT_NEAR(points[0].gap, expected, 5e-5);
     EXPECT_LE(points[0].gap, expected + 1e-6) << "many points are never nearer than the nearest";
     for (int i = 1; i < ObstacleGaps::kPoints; ++i) {

@@ -148,7 +148,7 @@ TEST_F(BarServo, TheWorkspaceGivesWayBeforeTheStress) {
 }
 
 TEST_F(BarServo, AllocatesNothingWithEveryLimit) {
-  body_ = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   QuadraticProgramLaw::Limited limited;
   limited.body = &body_;
   limited.limits.stress = 500;

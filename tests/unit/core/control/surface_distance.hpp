@@ -5,7 +5,7 @@
 
 #include "core/mesh/surface.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// From `p` to the curved surface, by many points of each face: an upper bound.
 inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Matrix3Xd& x,
@@ -29,4 +29,4 @@ inline double distance_to_surface(const mesh::Surface& surface, const Eigen::Mat
   return std::sqrt(squared);
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

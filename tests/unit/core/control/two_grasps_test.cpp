@@ -29,7 +29,7 @@ TwistLawOptions options_for(int grasps) {
 
 class TwoGraspsOfABar : public ::testing::Test {
  protected:
-  TwoGraspsOfABar() : model_(testing::bar_between_hands(mesh::ElementOrder::kLinear), {6, 1e-8}) {
+  TwoGraspsOfABar() : model_(support::bar_between_hands(mesh::ElementOrder::kLinear), {6, 1e-8}) {
     model_.prepare();
     for (int g = 0; g < 2; ++g) X_OG_[g] = model_.body().grasps[g].X_OG_rest;
     for (int i = 0; i < 40; ++i) {
@@ -111,7 +111,7 @@ class TwoGraspLaw : public ::testing::Test {
     return output;
   }
 
-  elasticity::Body body_ = testing::bar_between_hands(mesh::ElementOrder::kLinear);
+  elasticity::Body body_ = support::bar_between_hands(mesh::ElementOrder::kLinear);
   shape::PointFeature feature_{body_.mesh, {{0.25, 0.03, 0.06}, {0, 1, 2}}};
 };
 

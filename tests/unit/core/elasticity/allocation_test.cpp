@@ -3,11 +3,11 @@
 #include <cstdlib>
 
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
-#include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
 #include "core/elasticity/comparison/thesis2018.hpp"
+#include "core/elasticity/corotational_model.hpp"
 #include "core/factor/solve_panels.hpp"
 #include "rt/loop/sanitizer.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"

@@ -16,7 +16,7 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1e-3;  // s
+constexpr double kComparisonModelDt = 1e-3;  // s
 
 /// A bar fixed at neither end, with a grasp at both.
 Body two_handed_bar(mesh::ElementOrder order, const Material& material = {1e5, 0.25, 300}) {
@@ -49,7 +49,8 @@ using Cases = testing::Types<Case<LinearModel, mesh::ElementOrder::kLinear>,
 TYPED_TEST_SUITE(ModelsForComparison, Cases, );  // clang counts the macro's arguments
 
 void settle(DeformationModel& model, int steps = 3000) {
-  for (int i = 0; i < steps; ++i) ASSERT_NE(model.step(kDt).status, StepStatus::kFailed);
+  for (int i = 0; i < steps; ++i)
+    ASSERT_NE(model.step(kComparisonModelDt).status, StepStatus::kFailed);
 }
 
 TYPED_TEST(ModelsForComparison, ReactionsBalanceLoadsAndWeight) {
@@ -93,7 +94,7 @@ TYPED_TEST(ModelsForComparison, GraspsActAtOnce) {
       on ? model.hold(g, X[g]) : model.release(g);
       EXPECT_EQ(model.is_held(g), on);
     }
-    ASSERT_NE(model.step(kDt).status, StepStatus::kFailed);
+    ASSERT_NE(model.step(kComparisonModelDt).status, StepStatus::kFailed);
     for (const auto& [g, on] : {std::pair(0, first), std::pair(1, second)}) {
       if (on) {
         EXPECT_LT(misplaced(g), 1e-12);
@@ -138,18 +139,18 @@ TYPED_TEST(ModelsForComparison, WhatIsNotFiniteIsRefusedAndTheStateKept) {
   for (double dt : {0.0, -1e-3, nan, inf}) expect_refusal(dt);
   for (double bad : {nan, inf}) {
     model.loads()(1, 2) = bad;
-    expect_refusal(kDt);
+    expect_refusal(kComparisonModelDt);
     model.loads()(1, 2) = 0;
   }
   math::Pose X = rest;
   X.translation().y() = nan;
   model.hold(0, X);
-  expect_refusal(kDt);
+  expect_refusal(kComparisonModelDt);
   model.hold(0, rest);
   model.set_gravity({nan, 0, 0});
-  expect_refusal(kDt);
+  expect_refusal(kComparisonModelDt);
   model.set_gravity({0, 0, -9.81});
-  EXPECT_NE(model.step(kDt).status, StepStatus::kFailed);
+  EXPECT_NE(model.step(kComparisonModelDt).status, StepStatus::kFailed);
 }
 
 TYPED_TEST(ModelsForComparison, OverflowLeavesNothingBehind) {
@@ -160,14 +161,14 @@ TYPED_TEST(ModelsForComparison, OverflowLeavesNothingBehind) {
   for (double load : {1e160, 1e300, 1e308}) {
     model.loads()(1, 2) = load;
     model.loads()(1, 3) = -load;
-    for (int i = 0; i < 3; ++i) model.step(kDt);
+    for (int i = 0; i < 3; ++i) model.step(kComparisonModelDt);
     EXPECT_TRUE(model.positions().allFinite());
     EXPECT_TRUE(model.velocities().allFinite());
     EXPECT_TRUE(model.reaction(0).vector().allFinite());
   }
   model.reset();
   model.hold(0, rest);
-  EXPECT_EQ(model.step(kDt).status, StepStatus::kConverged);
+  EXPECT_EQ(model.step(kComparisonModelDt).status, StepStatus::kConverged);
   EXPECT_LT((model.positions() - model.body().mesh.nodes).norm(), 1e-12);
 }
 
@@ -181,7 +182,7 @@ TYPED_TEST(ModelsForComparison, ResetBringsBackTheBeginningToTheBit) {
       X.linear() = rotation(0.01 * i, {1, 0, 1});
       model.hold(0, X);
       model.loads()(2, 3) = -0.02 * i;
-      model.step(kDt);
+      model.step(kComparisonModelDt);
     }
     return model.positions();
   };
@@ -232,7 +233,7 @@ TYPED_TEST(ModelsForComparison, StormsOfLoadsAreSurvivedAtAnyModulus) {
         X.linear() = rotation(0.05 * uniform(random), {1, 1, 1});
         uniform(random) > 0 ? model.hold(0, X) : model.release(0);
       }
-      refused += model.step(kDt).status == StepStatus::kFailed;
+      refused += model.step(kComparisonModelDt).status == StepStatus::kFailed;
     }
     EXPECT_EQ(refused, 0) << modulus;
     const double moved = (model.positions() - body.mesh.nodes).colwise().norm().maxCoeff();

@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr double kDt = 1e-3;  // s
+constexpr double kMassSpringModelDt = 1e-3;  // s
 
 /// Unconstrained.
 Body free_bar(mesh::ElementOrder order = mesh::ElementOrder::kLinear) {
@@ -154,7 +154,7 @@ TEST(MassSpring, EnergyFallsAndMomentumStays) {
   double energy = model.elastic_energy() + kinetic_energy(model);
   const double beginning = energy;
   for (int i = 0; i < 300; ++i) {
-    ASSERT_EQ(model.step(kDt).status, StepStatus::kConverged);
+    ASSERT_EQ(model.step(kMassSpringModelDt).status, StepStatus::kConverged);
     const double next = model.elastic_energy() + kinetic_energy(model);
     ASSERT_LE(next, energy * (1 + 1e-12)) << i;
     energy = next;
@@ -178,7 +178,7 @@ TEST(MassSpring, RigidRotationFeelsNoStiffnessDamping) {
     }
     model.restore(body.mesh.nodes, v);
     const double begin = kinetic_energy(model);
-    for (int i = 0; i < 200; ++i) model.step(kDt);
+    for (int i = 0; i < 200; ++i) model.step(kMassSpringModelDt);
     return kinetic_energy(model) / begin;
   };
   const double without = spin_left(0), with = spin_left(0.01);

@@ -15,7 +15,7 @@ constexpr double kStiffness = 2.0e4;  // N/m
 // A square face: second moments a^2 / 12 about its axes, a^2 / 6 about its normal.
 TEST(PadCompliance, OfASquareFaceIsThatOfItsMoments) {
   for (const auto order : {mesh::ElementOrder::kLinear, mesh::ElementOrder::kQuadratic}) {
-    const Body body = testing::held_bar({4, 1, 1}, order);
+    const Body body = support::held_bar({4, 1, 1}, order);
     const math::Matrix6d C =
         pad_compliance(body, body.grasps[0], mesh::extract_surface(body.mesh), kStiffness);
     math::Vector6d stiffness;
@@ -30,7 +30,7 @@ TEST(PadCompliance, OfASquareFaceIsThatOfItsMoments) {
 // Pads rotate about their own centre, regardless of the position of G: a pure torque there,
 // expressed at G.
 TEST(PadCompliance, SpeaksOfTheOriginOfTheGrasp) {
-  Body body = testing::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
+  Body body = support::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
   GraspRegion& grasp = body.grasps[0];
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
   const math::Matrix6d about_middle = pad_compliance(body, grasp, surface, kStiffness);
@@ -52,7 +52,7 @@ TEST(PadCompliance, SpeaksOfTheOriginOfTheGrasp) {
 }
 
 TEST(PadCompliance, RefusesWhatCannotHold) {
-  Body body = testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear);
+  Body body = support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
   EXPECT_THROW(pad_compliance(body, body.grasps[0], surface, 0), std::invalid_argument);
   EXPECT_EQ(pad_compliance(body, body.grasps[0], surface, std::numeric_limits<double>::infinity()),

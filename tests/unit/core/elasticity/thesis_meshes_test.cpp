@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "core/elasticity/comparison/thesis2018.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/elasticity/static_solver.hpp"
-#include "core/elasticity/comparison/thesis2018.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 #include "tests/unit/core/elasticity/recorded_mesh.hpp"
 

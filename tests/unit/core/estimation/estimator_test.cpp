@@ -47,7 +47,7 @@ class EstimatorTest : public ::testing::Test {
 
   double load_on(int node, int axis) { return model_.loads()(axis, node); }
 
-  testing::RigidModel model_{testing::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
+  support::RigidModel model_{support::held_bar({4, 1, 1}, mesh::ElementOrder::kLinear)};
   EstimationInputs inputs_;
   std::vector<ContactLoads> contacts_;
   Estimate estimate_;
@@ -302,7 +302,7 @@ TEST(Estimators, RefuseBadOptions) {
   EXPECT_THROW(PoseDriven{pose}, std::invalid_argument);
   ForceDriven::Options force;
   force.period = 0;
-  const elasticity::Body body = testing::held_bar({1, 1, 1}, mesh::ElementOrder::kLinear);
+  const elasticity::Body body = support::held_bar({1, 1, 1}, mesh::ElementOrder::kLinear);
   EXPECT_THROW(ForceDriven(body, force), std::invalid_argument);
 }
 

@@ -43,7 +43,7 @@ class BarTest : public ::testing::Test {
 };
 
 TEST_F(BarTest, AHandThatCarriesAFreeObjectMovesItRigidly) {
-  elasticity::Body body = testing::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
+  elasticity::Body body = support::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
   body.fixed_nodes.clear();
   body.gravity_O.setZero();
   PoseDriven estimator{PoseDriven::Options{}};
@@ -65,7 +65,7 @@ TEST_F(BarTest, AHandThatCarriesAFreeObjectMovesItRigidly) {
 // Soft pads and pads softer than the bar: at rest the bar is where spring and reaction balance.
 TEST_F(BarTest, PadsGiveWayByTheirCompliance) {
   for (const double stiffness : {2e3, 100.0}) {
-    elasticity::Body body = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
+    elasticity::Body body = support::held_bar({6, 1, 1}, mesh::ElementOrder::kQuadratic);
     body.grasps[0].compliance = elasticity::pad_compliance(
         body, body.grasps[0], mesh::extract_surface(body.mesh), stiffness);
     PoseDriven estimator{PoseDriven::Options{}};
@@ -99,7 +99,7 @@ TEST_F(BarTest, ShapeUnderAPoseDoesNotDependOnStiffnessButTheWrenchDoes) {
   std::array<Eigen::Matrix3Xd, 2> shapes;
   std::array<math::Wrench, 2> reactions;
   for (int k = 0; k < 2; ++k) {
-    elasticity::Body body = testing::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
+    elasticity::Body body = support::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
     body.gravity_O.setZero();
     body.material.young_modulus = k == 0 ? 30e3 : 60e3;
     PoseDriven estimator{PoseDriven::Options{}};
@@ -117,7 +117,7 @@ TEST_F(BarTest, ShapeUnderAPoseDoesNotDependOnStiffnessButTheWrenchDoes) {
 }
 
 TEST_F(BarTest, ForceDrivenReturnsToThePoseThatMadeTheForce) {
-  const elasticity::Body body = testing::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
+  const elasticity::Body body = support::held_bar({6, 2, 2}, mesh::ElementOrder::kLinear);
   PoseDriven pose_driven{PoseDriven::Options{}};
   start(body, pose_driven);
   for (int i = 0; i < 600; ++i) {

@@ -84,7 +84,7 @@ class ModelError {
 enum class Told { kJustThis, kModelMayBeWrong, kModelIsWrong, kOwnPriors };
 
 Verdict judge(std::uint64_t seed, Told told) {
-  const elasticity::Body nominal = testing::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body nominal = support::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
   PoseWrenchFilter::Options options;
   options.payload_error = 0;  // the wrenches of these worlds contain no inertia
   double force_noise = 0.025, torque_noise = 0.001;  // N, N m, of a reading

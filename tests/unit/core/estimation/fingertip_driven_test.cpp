@@ -49,7 +49,7 @@ class FingertipDrivenTest : public ::testing::Test {
     return model_->positions().col(nodes.at(0));
   }
 
-  elasticity::Body body_ = testing::held_bar({8, 2, 2}, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body_ = support::held_bar({8, 2, 2}, mesh::ElementOrder::kQuadratic);
   mesh::Surface surface_;
   FingertipDriven::Options options_;
   std::unique_ptr<elasticity::CorotationalQuasistatic> model_;

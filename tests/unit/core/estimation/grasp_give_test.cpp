@@ -20,7 +20,7 @@ using Eigen::Vector3d;
 
 /// A bar whose last 50 mm are in the hand: all of their nodes, or those on the surface alone.
 elasticity::Body gripped_bar(const std::array<int, 3>& cells, bool whole) {
-  elasticity::Body body = testing::held_bar(cells, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body = support::held_bar(cells, mesh::ElementOrder::kQuadratic);
   body.gravity_O.setZero();
   elasticity::GraspRegion& grasp = body.grasps[0];
   grasp.nodes = mesh::nodes_in_box(body.mesh, {0.45, 0, 0}, {0.5, 0.06, 0.06});
@@ -114,7 +114,7 @@ TEST(GraspGiveTest, IsThatOfThePadsWhereThereIsNothingToTell) {
   elasticity::Body carried = body;
   carried.fixed_nodes.clear();
   EXPECT_EQ(grasp_give(carried, 0, pads), pads);
-  elasticity::Body linear = testing::held_bar({10, 1, 1}, mesh::ElementOrder::kLinear);
+  elasticity::Body linear = support::held_bar({10, 1, 1}, mesh::ElementOrder::kLinear);
   EXPECT_EQ(grasp_give(linear, 0, pads), pads);
 }
 

@@ -16,7 +16,7 @@ using elasticity::CorotationalQuasistatic;
 class GivingBar {
  public:
   GivingBar() {
-    body_ = testing::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
+    body_ = support::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
     elasticity::GraspRegion& grasp = body_.grasps[0];
     grasp.compliance.diagonal() << 2e-3, 5e-3, 5e-3, 2, 1, 1;
     grasp.object_compliance.diagonal() << 1e-3, 3e-3, 3e-3, 1, 2, 1;
@@ -84,7 +84,7 @@ TEST(PatchMotionTest, IsWhatAGivingGraspDoes) {
 }
 
 TEST(PatchMotionTest, IsThatOfTheHandWhereTheGraspIsFirm) {
-  elasticity::Body body = testing::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body = support::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
   CorotationalQuasistatic model(body);
   model.prepare();
   model.hold(0, body.grasps[0].X_OG_rest);

@@ -18,7 +18,7 @@ using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 using sensing::Freshness;
 
-elasticity::Body bar() { return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
+elasticity::Body bar() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
 
 void refactor(CorotationalQuasistatic& model) {
   if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {

@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
 using math::Vector6d;
 
-void refactor(CorotationalQuasistatic& model) {
+void pose_wrench_hands_refactor(CorotationalQuasistatic& model) {
   if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
     job->run();
     model.install(*job);
@@ -24,16 +24,16 @@ void refactor(CorotationalQuasistatic& model) {
 }
 
 /// A true object in one or two hands, and their measurements.
-class World {
+class PoseWrenchHandsWorld {
  public:
-  explicit World(const elasticity::Body& body) : model_(body) {
+  explicit PoseWrenchHandsWorld(const elasticity::Body& body) : model_(body) {
     model_.prepare();
     for (std::size_t g = 0; g < body.grasps.size(); ++g) hands_[g] = body.grasps[g].X_OG_rest;
   }
   void tick(EstimationInputs& inputs) {
     inputs.grasp_count = static_cast<int>(model_.body().grasps.size());
     for (int g = 0; g < inputs.grasp_count; ++g) model_.hold(g, hands_[g] * shift_);
-    refactor(model_);
+    pose_wrench_hands_refactor(model_);
     model_.step(1e-3);
     for (int g = 0; g < inputs.grasp_count; ++g) {
       const Vector6d reaction = model_.reaction(g).vector();
@@ -69,9 +69,9 @@ class PoseWrenchHands : public ::testing::Test {
     options.contacts = true;
     return {body, mesh::extract_surface(body.mesh), options};
   }
-  void tick(World& world, Estimator& estimator, CorotationalQuasistatic& model) {
+  void tick(PoseWrenchHandsWorld& world, Estimator& estimator, CorotationalQuasistatic& model) {
     world.tick(inputs_);
-    refactor(model);
+    pose_wrench_hands_refactor(model);
     estimator.update(inputs_, model, estimate_);
   }
   EstimationInputs inputs_;
@@ -79,10 +79,10 @@ class PoseWrenchHands : public ::testing::Test {
 };
 
 TEST_F(PoseWrenchHands, AFilterThatFollowsAnotherGoesOnWhereItWas) {
-  const elasticity::Body body = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   elasticity::Body truth = body;
   truth.material.young_modulus *= 1.5;
-  World world(truth);
+  PoseWrenchHandsWorld world(truth);
   world.bias_ = Vector3d(0.03, 0.02, -0.03);
   world.shift_.translation() = Vector3d(0.5e-3, -0.5e-3, 0.4e-3);
   CorotationalQuasistatic model(body), other(body);
@@ -120,7 +120,7 @@ TEST_F(PoseWrenchHands, AFilterThatFollowsAnotherGoesOnWhereItWas) {
 }
 
 TEST_F(PoseWrenchHands, FromAnEstimatorThatKnowsNoStiffnessNoneIsTaken) {
-  const elasticity::Body body = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   CorotationalQuasistatic model(body);
   model.prepare();
   Estimate last;
@@ -133,11 +133,11 @@ TEST_F(PoseWrenchHands, FromAnEstimatorThatKnowsNoStiffnessNoneIsTaken) {
 }
 
 TEST_F(PoseWrenchHands, APushIsFollowedByWhicheverHandFeels) {
-  const elasticity::Body body = testing::bar_between_hands(mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::bar_between_hands(mesh::ElementOrder::kQuadratic);
   const mesh::PointWeights place = mesh::PointLocator(body.mesh).locate({0.2, 0.03, 0.06});
   for (const std::array<bool, 2> feels :
        {std::array{true, false}, std::array{false, true}, std::array{true, true}}) {
-    World world(body);
+    PoseWrenchHandsWorld world(body);
     world.feels_ = feels;
     CorotationalQuasistatic model(body);
     model.prepare();

@@ -2,7 +2,7 @@
 
 #include "core/elasticity/deformation_model.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// The simplest object that can be held: all of it moves rigidly with the first grasp, and it
 /// records its inputs. Reaction: minus the loads and gravity, at the origin of G.
@@ -95,4 +95,4 @@ inline elasticity::Body bar_between_hands(mesh::ElementOrder order) {
   return body;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -10,15 +10,15 @@ namespace {
 constexpr double kStep = 1e-3;  // s
 
 /// Half a metre long: 5 mm and 2 mm in a step are no jump.
-Eigen::Matrix3Xd bar() {
+Eigen::Matrix3Xd shape_jump_bar() {
   Eigen::Matrix3Xd nodes(3, 3);
   nodes << 0, 0.25, 0.5, 0, 0.06, 0, 0, 0, 0.06;
   return nodes;
 }
 
 TEST(ShapeJump, OneNodeTooFarIsAJumpAndSoIsItsWayBack) {
-  ShapeJump jump(bar());
-  Eigen::Matrix3Xd x = bar();
+  ShapeJump jump(shape_jump_bar());
+  Eigen::Matrix3Xd x = shape_jump_bar();
   EXPECT_FALSE(jump.update(x, kStep));
   x(2, 1) += 6.9e-3;
   EXPECT_FALSE(jump.update(x, kStep));
@@ -30,8 +30,8 @@ TEST(ShapeJump, OneNodeTooFarIsAJumpAndSoIsItsWayBack) {
 }
 
 TEST(ShapeJump, SlowLoopsMayMoveFurtherInACycle) {
-  ShapeJump jump(bar());
-  Eigen::Matrix3Xd x = bar();
+  ShapeJump jump(shape_jump_bar());
+  Eigen::Matrix3Xd x = shape_jump_bar();
   jump.update(x, 1e-2);
   x.row(0).array() += 0.024;
   EXPECT_FALSE(jump.update(x, 1e-2));
@@ -40,18 +40,18 @@ TEST(ShapeJump, SlowLoopsMayMoveFurtherInACycle) {
 }
 
 TEST(ShapeJump, WhatItIsToldToForgetIsNone) {
-  ShapeJump jump(bar());
-  Eigen::Matrix3Xd x = bar().array() + 1;
+  ShapeJump jump(shape_jump_bar());
+  Eigen::Matrix3Xd x = shape_jump_bar().array() + 1;
   EXPECT_FALSE(jump.update(x, kStep)) << "the first";
   jump.forget();
-  EXPECT_FALSE(jump.update(bar(), kStep));
+  EXPECT_FALSE(jump.update(shape_jump_bar(), kStep));
 }
 
 TEST(ShapeJump, NotFiniteIsAJump) {
   for (const double odd :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
-    ShapeJump jump(bar());
-    Eigen::Matrix3Xd x = bar();
+    ShapeJump jump(shape_jump_bar());
+    Eigen::Matrix3Xd x = shape_jump_bar();
     jump.update(x, kStep);
     x(0, 0) = odd;
     EXPECT_TRUE(jump.update(x, kStep));

@@ -40,7 +40,7 @@ class TwoGrasps : public ::testing::Test {
     return estimate_.reaction[0].force + estimate_.reaction[1].force + mass * body_.gravity_O;
   }
 
-  elasticity::Body body_ = testing::bar_between_hands(mesh::ElementOrder::kQuadratic);
+  elasticity::Body body_ = support::bar_between_hands(mesh::ElementOrder::kQuadratic);
   elasticity::CorotationalQuasistatic model_{body_};
   PoseDriven estimator_{PoseDriven::Options{}};
   EstimationInputs inputs_;

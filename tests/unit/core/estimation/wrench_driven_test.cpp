@@ -18,7 +18,7 @@ using elasticity::CorotationalQuasistatic;
 using sensing::Freshness;
 using sensing::Status;
 
-elasticity::Body bar() { return testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
+elasticity::Body bar() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
 
 class WrenchDrivenTest : public ::testing::Test {
  protected:
@@ -290,7 +290,7 @@ TEST_F(WrenchDrivenTest, ADynamicModelIsAFault) {
 
 TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   elasticity::Body body = bar();
-  testing::RigidModel model(body);
+  support::RigidModel model(body);
   WrenchDriven estimator(body, {});
   estimator.activate(model);
   inputs_.grasp_count = 1;

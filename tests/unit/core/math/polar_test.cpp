@@ -8,11 +8,12 @@
 
 #include "core/math/random.hpp"
 #include "core/math/rigid.hpp"
+#include "tests/support/polar_derivative.hpp"
 
 namespace palpate::math {
 namespace {
 
-Eigen::Vector3d random_vector(Random& random) {
+Eigen::Vector3d polar_random_vector(Random& random) {
   return {random.normal(), random.normal(), random.normal()};
 }
 
@@ -23,7 +24,7 @@ Eigen::Matrix3d random_matrix(Random& random) {
 }
 
 Eigen::Matrix3d random_rotation(Random& random) {
-  return exp_rotation(3 * random.uniform() * random_vector(random).normalized());
+  return exp_rotation(3 * random.uniform() * polar_random_vector(random).normalized());
 }
 
 /// R V diag(stretch) V^T.
@@ -50,7 +51,7 @@ TEST(Polar, RecoversTheRotationOfAStretchedFrame) {
     EXPECT_LT((cold - R).norm(), 1e-13);
     // From a neighbour, and from anywhere.
     for (const double angle : {0.01, 0.5, 3.0}) {
-      Eigen::Quaterniond warm(R * exp_rotation(angle * random_vector(random).normalized()));
+      Eigen::Quaterniond warm(R * exp_rotation(angle * polar_random_vector(random).normalized()));
       EXPECT_LT((polar_rotation(F, warm) - R).norm(), 1e-13) << angle;
       EXPECT_LT((warm.toRotationMatrix() - R).norm(), 1e-13);
     }
@@ -85,7 +86,7 @@ TEST(Polar, IsTheNearestRotation) {
     for (int j = 0; j < 50; ++j) {
       EXPECT_LE((F - R).norm(), (F - random_rotation(random)).norm() + 1e-12);
       EXPECT_LE((F - R).norm(),
-                (F - R * exp_rotation(1e-3 * random_vector(random))).norm() + 1e-12);
+                (F - R * exp_rotation(1e-3 * polar_random_vector(random))).norm() + 1e-12);
     }
   }
 }
@@ -123,7 +124,7 @@ TEST(Polar, WarmStartsDoNotDriftFromRotations) {
   Eigen::Quaterniond warm = Eigen::Quaterniond::Identity();
   Eigen::Matrix3d F = Eigen::Matrix3d::Identity();
   for (int k = 0; k < 100000; ++k) {
-    F = exp_rotation(0.02 * random_vector(random)) * F;
+    F = exp_rotation(0.02 * polar_random_vector(random)) * F;
     if (k % 1000 == 0) F = polar_rotation(F);
     polar_rotation(F, warm);
   }
@@ -143,7 +144,7 @@ TEST(Polar, DerivativeEqualsFiniteDifference) {
     const double h = 1e-5;
     const Eigen::Matrix3d difference =
         (polar_rotation(F + h * dF) - polar_rotation(F - h * dF)) / (2 * h);
-    EXPECT_LT((polar_rotation_derivative(R, A, dF) - difference).norm(), 1e-6);
+    EXPECT_LT((support::polar_rotation_derivative(R, A, dF) - difference).norm(), 1e-6);
   }
   EXPECT_GT(compared, 200);
 }

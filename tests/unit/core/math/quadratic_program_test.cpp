@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 using Solver = QuadraticProgramSolver;
 using Start = Solver::Start;
 using Status = Solver::Status;
-using testing::Family;
+using support::Family;
 
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kNoBound = QuadraticProgram::kNoBound;
@@ -83,7 +83,7 @@ TEST(QuadraticProgram, ProvesThatHardRowsContradict) {
   program.add_bound(1, -kNoBound, 1);
   Solver solver;
   ASSERT_EQ(solver.solve(program), Status::kInfeasible);
-  EXPECT_TRUE(testing::proves_infeasibility(program, solver));
+  EXPECT_TRUE(support::proves_infeasibility(program, solver));
   EXPECT_LT((solver.multipliers() - Eigen::Vector3d(-1, 1, 1)).norm(), 1e-14);
 }
 
@@ -139,7 +139,7 @@ TEST(QuadraticProgram, HoldsItsMostRowsAndNoMore) {
   EXPECT_EQ(program.add_bound(0, 0, 0), -1);
   Solver solver;
   ASSERT_EQ(solver.solve(program), Status::kOptimal);
-  EXPECT_LT(testing::optimality_error(program, solver).largest(), 1e-13);
+  EXPECT_LT(support::optimality_error(program, solver).largest(), 1e-13);
   EXPECT_NEAR(solver.u().norm(), 1, 1e-3);  // the rows draw a circle
 }
 
@@ -212,25 +212,25 @@ class RandomPrograms : public ::testing::TestWithParam<int> {
   Family family() const { return static_cast<Family>(GetParam()); }
   bool is_feasible() const { return family() != Family::kInfeasible; }
 };
-INSTANTIATE_TEST_SUITE_P(Families, RandomPrograms, ::testing::Range(0, testing::kFamilies),
+INSTANTIATE_TEST_SUITE_P(Families, RandomPrograms, ::testing::Range(0, support::kFamilies),
                          [](const auto& instance) {
-                           return testing::name(static_cast<Family>(instance.param));
+                           return support::name(static_cast<Family>(instance.param));
                          });
 
 // A thousand of each of the ten families: for a strictly convex program these conditions, checked
 // in long double from its numbers alone, hold at the optimum and nowhere else.
 TEST_P(RandomPrograms, AnswersProveThemselves) {
-  Random random(1, testing::name(family()));
+  Random random(1, support::name(family()));
   Solver solver;
   for (int i = 0; i < 1000; ++i) {
-    const QuadraticProgram program = testing::random_program(family(), 14, 64, random);
+    const QuadraticProgram program = support::random_program(family(), 14, 64, random);
     const Status status = solver.solve(program, Start::kCold);
     ASSERT_EQ(status, is_feasible() ? Status::kOptimal : Status::kInfeasible) << "program " << i;
     if (status == Status::kInfeasible) {
-      EXPECT_TRUE(testing::proves_infeasibility(program, solver)) << "program " << i;
+      EXPECT_TRUE(support::proves_infeasibility(program, solver)) << "program " << i;
       continue;
     }
-    const testing::OptimalityError error = testing::optimality_error(program, solver);
+    const support::OptimalityError error = support::optimality_error(program, solver);
     EXPECT_LT(error.stationarity, 1e-11) << "program " << i;
     EXPECT_LT(error.feasibility, 1e-10) << "program " << i;
     EXPECT_LT(error.complementarity, 1e-10) << "program " << i;
@@ -239,17 +239,17 @@ TEST_P(RandomPrograms, AnswersProveThemselves) {
 
 #ifdef PALPATE_EXACT_SOLVER
 TEST_P(RandomPrograms, AnswersAreThoseOfAnExactSolver) {
-  Random random(2, testing::name(family()));
+  Random random(2, support::name(family()));
   Solver solver;
   for (int i = 0; i < 1000; ++i) {
-    const QuadraticProgram program = testing::random_program(family(), 6, 16, random);
+    const QuadraticProgram program = support::random_program(family(), 6, 16, random);
     const Status status = solver.solve(program, Start::kCold);
-    const std::optional<VectorXd> exact = testing::exact_answer(program);
+    const std::optional<VectorXd> exact = support::exact_answer(program);
     ASSERT_EQ(status == Status::kOptimal, exact.has_value()) << "program " << i;
     if (!exact) continue;
     const MatrixXd H = MatrixXd(program.H).selfadjointView<Eigen::Lower>();
     const VectorXd off = solver.u() - *exact;
-    const double scale = testing::Scales(program).program + std::sqrt(exact->dot(H * *exact));
+    const double scale = support::Scales(program).program + std::sqrt(exact->dot(H * *exact));
     EXPECT_LE(std::sqrt(off.dot(H * off)), 1e-9 * scale) << "program " << i;
   }
 }
@@ -258,20 +258,20 @@ TEST_P(RandomPrograms, AnswersAreThoseOfAnExactSolver) {
 // The next program of a servo loop is similar to its previous one.
 TEST_P(RandomPrograms, WarmStartsChangeTheWorkAndNotTheAnswer) {
   if (!is_feasible()) GTEST_SKIP() << "there is no last optimum to start from";
-  Random random(3, testing::name(family()));
+  Random random(3, support::name(family()));
   Solver warm, cold;
   int warm_iterations = 0;
   int cold_iterations = 0;
   for (int i = 0; i < 50; ++i) {
-    QuadraticProgram program = testing::random_program(family(), 14, 64, random);
+    QuadraticProgram program = support::random_program(family(), 14, 64, random);
     ASSERT_EQ(warm.solve(program, Start::kCold), Status::kOptimal);
     for (int cycle = 0; cycle < 10; ++cycle) {
-      testing::drift(program, 1e-3, random);
+      support::drift(program, 1e-3, random);
       ASSERT_EQ(warm.solve(program, Start::kWarm), Status::kOptimal);
       ASSERT_EQ(cold.solve(program, Start::kCold), Status::kOptimal);
       warm_iterations += warm.iterations();
       cold_iterations += cold.iterations();
-      EXPECT_LT(testing::optimality_error(program, warm).largest(), 1e-10);
+      EXPECT_LT(support::optimality_error(program, warm).largest(), 1e-10);
       const double size = std::max(warm.u().norm(), cold.u().norm());
       EXPECT_LE((warm.u() - cold.u()).norm(), 1e-7 * size);
     }
@@ -285,13 +285,13 @@ TEST(QuadraticProgram, WarmStartsFromAnythingReachTheSameAnswer) {
   int solved = 0;
   for (int i = 0; i < 3000; ++i) {
     // Same size, different programs: the last active rows give no information about this one.
-    const auto family = static_cast<Family>(random.below(testing::kFamilies));
-    const QuadraticProgram program = testing::random_program(family, 3, 9, random);
+    const auto family = static_cast<Family>(random.below(support::kFamilies));
+    const QuadraticProgram program = support::random_program(family, 3, 9, random);
     const Status status = solver.solve(program, Start::kWarm);
     ASSERT_EQ(status, cold.solve(program, Start::kCold)) << "program " << i;
     if (status != Status::kOptimal) continue;
     ++solved;
-    EXPECT_LT(testing::optimality_error(program, solver).largest(), 1e-10) << "program " << i;
+    EXPECT_LT(support::optimality_error(program, solver).largest(), 1e-10) << "program " << i;
   }
   EXPECT_GT(solved, 2000);
 }
@@ -302,8 +302,8 @@ TEST(QuadraticProgram, SolvesWithoutAllocating) {
   Solver solver;
   std::int64_t allocations = 0;
   for (int i = 0; i < 200; ++i) {
-    const auto family = static_cast<Family>(i % testing::kFamilies);
-    const QuadraticProgram made = testing::random_program(family, 14, 64, random);
+    const auto family = static_cast<Family>(i % support::kFamilies);
+    const QuadraticProgram made = support::random_program(family, 14, 64, random);
     QuadraticProgram program(made.variables());
     const MatrixXd rows = MatrixXd(made.A.leftCols(made.rows())).transpose();
     const loop::NoAllocationScope scope;

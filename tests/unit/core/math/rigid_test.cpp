@@ -11,24 +11,24 @@
 namespace palpate::math {
 namespace {
 
-Eigen::Vector3d random_vector(Random& random, double scale = 1) {
+Eigen::Vector3d rigid_random_vector(Random& random, double scale = 1) {
   return scale * Eigen::Vector3d(random.normal(), random.normal(), random.normal());
 }
 
 Pose random_pose(Random& random) {
-  return make_pose(exp_rotation(random_vector(random)), random_vector(random));
+  return make_pose(exp_rotation(rigid_random_vector(random)), rigid_random_vector(random));
 }
 
 TEST(Rigid, CrossMatrixIsTheCrossProduct) {
   Random random(1);
-  const Eigen::Vector3d a = random_vector(random), b = random_vector(random);
+  const Eigen::Vector3d a = rigid_random_vector(random), b = rigid_random_vector(random);
   EXPECT_LT((cross_matrix(a) * b - a.cross(b)).norm(), 1e-15);
 }
 
 TEST(Rigid, ExpEqualsTheMatrixExponential) {
   Random random(2);
   for (const double scale : {0.0, 1e-12, 1e-7, 1e-4, 1e-2, 1.0, 3.0}) {
-    const Eigen::Vector3d w = random_vector(random, scale);
+    const Eigen::Vector3d w = rigid_random_vector(random, scale);
     const Eigen::Matrix3d expected = cross_matrix(w).exp();
     EXPECT_LT((exp_rotation(w) - expected).norm(), 1e-14) << scale;
   }
@@ -37,11 +37,11 @@ TEST(Rigid, ExpEqualsTheMatrixExponential) {
 TEST(Rigid, LogInvertsExpAtEveryAngle) {
   Random random(3);
   for (const double angle : {0.0, 1e-15, 1e-9, 1e-5, 0.1, 1.0, 2.0, 3.0, M_PI - 1e-7}) {
-    const Eigen::Vector3d w = angle * random_vector(random).normalized();
+    const Eigen::Vector3d w = angle * rigid_random_vector(random).normalized();
     EXPECT_LT((log_rotation(exp_rotation(w)) - w).norm(), 1e-14 + 1e-15 * angle) << angle;
   }
   // At pi either sign of the axis is correct.
-  const Eigen::Vector3d w = M_PI * random_vector(random).normalized();
+  const Eigen::Vector3d w = M_PI * rigid_random_vector(random).normalized();
   const Eigen::Vector3d log = log_rotation(exp_rotation(w));
   EXPECT_LT(std::min((log - w).norm(), (log + w).norm()), 1e-14);
 }
@@ -49,7 +49,7 @@ TEST(Rigid, LogInvertsExpAtEveryAngle) {
 TEST(Rigid, InverseLeftJacobianIsTheDerivativeOfLog) {
   Random random(4);
   for (const double angle : {0.0, 1e-6, 5e-3, 0.02, 0.5, 1.5, 2.8}) {
-    const Eigen::Vector3d w = angle * random_vector(random).normalized();
+    const Eigen::Vector3d w = angle * rigid_random_vector(random).normalized();
     const Eigen::Matrix3d R = exp_rotation(w);
     const Eigen::Matrix3d J = inverse_left_jacobian(w);
     const double h = 1e-5;
@@ -65,22 +65,22 @@ TEST(Rigid, InverseLeftJacobianIsTheDerivativeOfLog) {
 TEST(Rigid, TransformKeepsPowerAndComposes) {
   Random random(5);
   const Pose X_AB = random_pose(random), X_BC = random_pose(random);
-  const Wrench F_C = {random_vector(random), random_vector(random)};
+  const Wrench F_C = {rigid_random_vector(random), rigid_random_vector(random)};
   const Wrench once = transform(X_AB * X_BC, F_C);
   const Wrench twice = transform(X_AB, transform(X_BC, F_C));
   EXPECT_LT((once.vector() - twice.vector()).norm(), 1e-13);
 
   // A force through a point has the torque given by the lever arm.
-  const Eigen::Vector3d p_B = random_vector(random), f_B = random_vector(random);
+  const Eigen::Vector3d p_B = rigid_random_vector(random), f_B = rigid_random_vector(random);
   const Wrench F_A = transform(X_AB, {f_B, p_B.cross(f_B)});
   EXPECT_LT((F_A.torque - (X_AB * p_B).cross(X_AB.linear() * f_B)).norm(), 1e-13);
 }
 
 TEST(Rigid, MovedReferencesGiveTheSamePower) {
   Random random(6);
-  const Wrench F = {random_vector(random), random_vector(random)};
-  const Twist V = {random_vector(random), random_vector(random)};
-  const Eigen::Vector3d offset = random_vector(random);
+  const Wrench F = {rigid_random_vector(random), rigid_random_vector(random)};
+  const Twist V = {rigid_random_vector(random), rigid_random_vector(random)};
+  const Eigen::Vector3d offset = rigid_random_vector(random);
   const double power = F.vector().dot(V.vector());
   EXPECT_NEAR(move_reference(F, offset).vector().dot(move_reference(V, offset).vector()), power,
               1e-12);
@@ -88,8 +88,8 @@ TEST(Rigid, MovedReferencesGiveTheSamePower) {
 
 TEST(Rigid, TwistOfAPointIsItsFiniteDifference) {
   Random random(7);
-  const Twist V = {random_vector(random), random_vector(random)};
-  const Eigen::Vector3d offset = random_vector(random);
+  const Twist V = {rigid_random_vector(random), rigid_random_vector(random)};
+  const Eigen::Vector3d offset = rigid_random_vector(random);
   const double h = 1e-6;
   const auto point = [&](double t) -> Eigen::Vector3d {
     return t * V.linear + exp_rotation(t * V.angular) * offset;
@@ -110,7 +110,7 @@ TEST(Rigid, UnitQuaternionsAreToldFromOthers) {
 TEST(Rigid, QuaternionsRoundTrip) {
   Random random(8);
   for (int k = 0; k < 100; ++k) {
-    const Eigen::Matrix3d R = exp_rotation(random_vector(random, 2));
+    const Eigen::Matrix3d R = exp_rotation(rigid_random_vector(random, 2));
     double wxyz[4];
     wxyz_from_rotation(R, wxyz);
     EXPECT_GE(wxyz[0], 0);

@@ -7,21 +7,21 @@
 namespace palpate::mesh {
 namespace {
 
-const Eigen::Vector3d kSize(0.3, 0.2, 0.1);
+const Eigen::Vector3d kPointLocatorSize(0.3, 0.2, 0.1);
 
 Eigen::Vector3d random_point(math::Random& random, double margin) {
   Eigen::Vector3d p;
-  for (int i = 0; i < 3; ++i) p[i] = random.uniform(-margin, kSize[i] + margin);
+  for (int i = 0; i < 3; ++i) p[i] = random.uniform(-margin, kPointLocatorSize[i] + margin);
   return p;
 }
 
 /// A box whose inner nodes are randomly displaced, so that elements are irregular.
 ElementMesh shaken_box(ElementOrder order) {
   math::Random random(3);
-  TetrahedralMesh box = make_box(kSize, {4, 4, 3});
+  TetrahedralMesh box = make_box(kPointLocatorSize, {4, 4, 3});
   for (int n = 0; n < box.node_count(); ++n) {
     for (int i = 0; i < 3; ++i) {
-      const bool inner = box.nodes(i, n) > 1e-9 && box.nodes(i, n) < kSize[i] - 1e-9;
+      const bool inner = box.nodes(i, n) > 1e-9 && box.nodes(i, n) < kPointLocatorSize[i] - 1e-9;
       if (inner) box.nodes(i, n) += random.uniform(-0.006, 0.006);
     }
   }
@@ -71,7 +71,7 @@ TEST_P(Locator, SaysHowFarOutsideAPointLies) {
   math::Random random(4);
   for (int k = 0; k < 300; ++k) {
     const Eigen::Vector3d p = random_point(random, 0.05);
-    const Eigen::Vector3d nearest = p.cwiseMax(0).cwiseMin(kSize);
+    const Eigen::Vector3d nearest = p.cwiseMax(0).cwiseMin(kPointLocatorSize);
     EXPECT_NEAR(locator.locate(p).outside, (p - nearest).norm(), 1e-12);
   }
 }
@@ -93,7 +93,7 @@ INSTANTIATE_TEST_SUITE_P(Orders, Locator,
                          ::testing::Values(ElementOrder::kLinear, ElementOrder::kQuadratic));
 
 TEST(Locator, PassesOverElementsWithoutVolume) {
-  TetrahedralMesh box = make_box(kSize, {1, 1, 1});
+  TetrahedralMesh box = make_box(kPointLocatorSize, {1, 1, 1});
   box.tetrahedra.conservativeResize(4, 7);
   box.tetrahedra.col(6) = box.tetrahedra.col(0);
   box.tetrahedra(3, 6) = box.tetrahedra(2, 6);

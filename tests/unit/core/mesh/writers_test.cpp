@@ -16,7 +16,7 @@
 namespace palpate::mesh {
 namespace {
 
-constexpr int kMeshes = 50;
+constexpr int kWritersMeshes = 50;
 
 MeshWithGroups gmsh_trip(const MeshWithGroups& mesh, const GmshFormat& format) {
   std::stringstream stream;
@@ -33,7 +33,7 @@ class GmshForms : public ::testing::TestWithParam<std::tuple<GmshVersion, Encodi
 
 TEST_P(GmshForms, RandomMeshesComeBackToTheBit) {
   RandomMeshes random(1);
-  for (int i = 0; i < kMeshes; ++i) {
+  for (int i = 0; i < kWritersMeshes; ++i) {
     const TetrahedralMesh mesh = random.make();
     ASSERT_EQ(hash(gmsh_trip({mesh, {}, {}}, format()).mesh), hash(mesh)) << i;
   }
@@ -91,7 +91,7 @@ TEST(GmshBinary, CutAnywhereItIsRefused) {
 
 TEST(TetgenWriter, MeshesComeBackToTheBitFromEitherBase) {
   RandomMeshes random(2);
-  for (int i = 0; i < kMeshes; ++i) {
+  for (int i = 0; i < kWritersMeshes; ++i) {
     const TetrahedralMesh mesh = random.make();
     std::stringstream node, ele;
     write_tetgen(mesh, i % 2, node, ele);
@@ -101,7 +101,7 @@ TEST(TetgenWriter, MeshesComeBackToTheBitFromEitherBase) {
 
 TEST(VegaWriter, MeshesAndSetsComeBackFromEitherBase) {
   RandomMeshes random(3);
-  for (int i = 0; i < kMeshes; ++i) {
+  for (int i = 0; i < kWritersMeshes; ++i) {
     MeshWithGroups mesh{random.make(), {}, {}};
     for (int t = 0; t < mesh.mesh.tetrahedron_count(); t += 2)
       mesh.groups["half of it"].tetrahedra.push_back(t);

@@ -4,7 +4,7 @@
 #include "core/elasticity/static_solver.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// A bar in static equilibrium under a hand that follows its commands: the controlled plant.
 class HeldBarPlant {
@@ -75,4 +75,4 @@ inline control::Experience seen(const HeldBarPlant& plant, const Eigen::VectorXd
   return now;
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

@@ -20,15 +20,15 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
-using testing::HeldBarPlant;
-using testing::weightless_bar;
+using support::HeldBarPlant;
+using support::weightless_bar;
 
 shape::PointFeature point_at(const elasticity::Body& body, double x) {
   return shape::PointFeature(body.mesh, {{x, 0.03, 0.06}, {0, 1, 2}});
 }
 
 TEST(Geodesic, IsTheWayAlongTheBar) {
-  const elasticity::Body body = testing::held_bar({10, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({10, 1, 1}, mesh::ElementOrder::kQuadratic);
   const std::vector<double> distance = geodesic_distances(body.mesh, body.grasps[0].nodes);
   for (int n = 0; n < body.mesh.node_count(); ++n)
     EXPECT_NEAR(distance[n], 0.5 - body.mesh.nodes(0, n), 1e-9) << n;
@@ -36,7 +36,7 @@ TEST(Geodesic, IsTheWayAlongTheBar) {
 
 TEST(Geodesic, GoesRoundWhatIsNotThere) {
   // Two separate bars: no path leads from one to the other.
-  elasticity::Body body = testing::held_bar({2, 1, 1}, mesh::ElementOrder::kLinear);
+  elasticity::Body body = support::held_bar({2, 1, 1}, mesh::ElementOrder::kLinear);
   mesh::ElementMesh apart = body.mesh;
   const int n = body.mesh.node_count();
   apart.nodes.conservativeResize(3, 2 * n);
@@ -50,11 +50,11 @@ TEST(Geodesic, GoesRoundWhatIsNotThere) {
 
 TEST(DiminishingRigidity, WithoutDiminishingIsTheKinematicJacobian) {
   HeldBarPlant plant(weightless_bar());
-  testing::RigidModel model(plant.body());
+  support::RigidModel model(plant.body());
   shape::PointFeature point = point_at(plant.body(), 0.25);
   const VectorXd value = plant.value(point);
   DiminishingRigidity provider({0, 0, 0}, plant.body(), 0);
-  provider.observe(testing::seen(plant, value, 1e-3));
+  provider.observe(support::seen(plant, value, 1e-3));
   MatrixXd J(3, 6), rigid(3, 6);
   ASSERT_TRUE(provider.update(point, model, plant.X_OG(), J));
   ASSERT_TRUE(control::KinematicJacobian().update(point, model, plant.X_OG(), rigid));
@@ -63,12 +63,12 @@ TEST(DiminishingRigidity, WithoutDiminishingIsTheKinematicJacobian) {
 
 TEST(DiminishingRigidity, FallsOffWithTheDistanceFromTheHand) {
   HeldBarPlant plant(weightless_bar());
-  testing::RigidModel model(plant.body());
+  support::RigidModel model(plant.body());
   DiminishingRigidity provider({4, 7, 0}, plant.body(), 0);
   for (const double x : {1.0 / 6, 0.25, 1.0 / 3, 0.5}) {
     shape::PointFeature point = point_at(plant.body(), x);
     const VectorXd value = plant.value(point);
-    provider.observe(testing::seen(plant, value, 1e-3));
+    provider.observe(support::seen(plant, value, 1e-3));
     MatrixXd J(3, 6);
     ASSERT_TRUE(provider.update(point, model, plant.X_OG(), J));
     // Between nodes the weights are interpolated, which is slightly more than the exponential.
@@ -82,7 +82,7 @@ TEST(DiminishingRigidity, FallsOffWithTheDistanceFromTheHand) {
 
 TEST(DirectionalRigidity, HandsOnAPullAndGivesWayUnderAPush) {
   HeldBarPlant plant(weightless_bar());
-  testing::RigidModel model(plant.body());
+  support::RigidModel model(plant.body());
   shape::PointFeature point = point_at(plant.body(), 0.25);
   DiminishingRigidity provider({2, 2, 12}, plant.body(), 0);
   const auto along_bar = [&](double way) {
@@ -90,7 +90,7 @@ TEST(DirectionalRigidity, HandsOnAPullAndGivesWayUnderAPush) {
     math::Pose X = plant.X_OG();
     for (int i = 0; i < 3; ++i) {
       const VectorXd value = plant.value(point);
-      provider.observe(testing::seen(plant, value, 1e-3));
+      provider.observe(support::seen(plant, value, 1e-3));
       X.translation().x() += way;
       plant.place(X);
     }
@@ -106,7 +106,7 @@ TEST(DirectionalRigidity, HandsOnAPullAndGivesWayUnderAPush) {
 }
 
 TEST(CornerBody, KeepsWhatIsHeldAndFixed) {
-  const elasticity::Body body = testing::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
   const elasticity::Body corners = corner_body(body);
   EXPECT_NO_THROW(corners.check());
   EXPECT_EQ(corners.mesh.node_count(), 20);
@@ -151,8 +151,8 @@ class OtherModels : public ::testing::Test {
     return X;
   }
 
-  elasticity::Body body_ = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
-  testing::RigidModel model_{body_};
+  elasticity::Body body_ = support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
+  support::RigidModel model_{body_};
 };
 
 TEST_F(OtherModels, AsRigidAsPossibleIsThatOfItsOwnShapes) {

@@ -25,7 +25,7 @@ class OpenLoops : public ::testing::Test {
   double carry_out(OpenLoop& loop, int steps, double dt) {
     for (int i = 0; i < steps; ++i) {
       const Eigen::VectorXd value = plant_.value(feature_);
-      loop.observe(testing::seen(plant_, value, dt));
+      loop.observe(support::seen(plant_, value, dt));
       control::LawInputs inputs;
       inputs.dt = dt;
       math::Twist V;
@@ -35,7 +35,7 @@ class OpenLoops : public ::testing::Test {
     return (plant_.value(feature_) - target_).norm() / 2;
   }
 
-  testing::HeldBarPlant plant_{testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear)};
+  support::HeldBarPlant plant_{support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear)};
   shape::PointsFeature feature_{
       plant_.body().mesh,
       {{{0.2, 0, 0.03}, {0.35, 0, 0.03}, {0.35, 0.06, 0.03}, {0.2, 0.06, 0.03}}}};

@@ -32,7 +32,7 @@ class Papers : public ::testing::Test {
     law_options_.linear_speed = 0.08;
     law_options_.dead_band.position = 1e-4;
   }
-  Eigen::VectorXd value_at(testing::HeldBarPlant& plant, const math::Pose& X) {
+  Eigen::VectorXd value_at(support::HeldBarPlant& plant, const math::Pose& X) {
     const math::Pose before = plant.X_OG();
     plant.place(X);
     const Eigen::VectorXd value = plant.value(feature_);
@@ -40,7 +40,7 @@ class Papers : public ::testing::Test {
     return value;
   }
   /// RMS error of the points, m, after this many steps under provider and law.
-  double servo(control::JacobianProvider& provider, testing::HeldBarPlant& plant, int steps) {
+  double servo(control::JacobianProvider& provider, support::HeldBarPlant& plant, int steps) {
     control::ProportionalTwist law(law_options_);
     law.configure_for(feature_);
     control::LawOutput output;
@@ -50,7 +50,7 @@ class Papers : public ::testing::Test {
     for (int step = 0; step < steps; ++step) {
       const Eigen::VectorXd value = plant.value(feature_);
       feature_.error(value, target_, error);
-      provider.observe(testing::seen(plant, value, kDt));
+      provider.observe(support::seen(plant, value, kDt));
       provider.update(feature_, model_, plant.X_OG(), J);
       control::LawInputs inputs;
       inputs.dt = kDt;
@@ -67,12 +67,12 @@ class Papers : public ::testing::Test {
     }
     return error_of(plant);
   }
-  double error_of(testing::HeldBarPlant& plant) {
+  double error_of(support::HeldBarPlant& plant) {
     return (target_ - plant.value(feature_)).norm() / std::sqrt(2.0);
   }
 
-  testing::HeldBarPlant plant_{testing::weightless_bar()};
-  testing::RigidModel model_{plant_.body()};
+  support::HeldBarPlant plant_{support::weightless_bar()};
+  support::RigidModel model_{plant_.body()};
   shape::PointsFeature feature_{plant_.body().mesh, {{{0.25, 0, 0.03}, {0.35, 0.06, 0.03}}}};
   Eigen::VectorXd target_;
   control::TwistLawOptions law_options_;
@@ -106,7 +106,7 @@ TEST_F(Papers, AsRigidAsPossibleIsTheSameForEveryStiffness) {
   for (const double factor : {0.1, 10.0}) {
     elasticity::Body body = plant_.body();
     body.material.young_modulus *= factor;
-    testing::HeldBarPlant plant(body);
+    support::HeldBarPlant plant(body);
     DifferenceJacobian provider({}, body, 0, [](const elasticity::Body& copy) {
       return std::make_unique<elasticity::AsRigidAsPossible>(copy);
     });
@@ -145,7 +145,7 @@ TEST_F(Papers, TwoJacobiansSurviveACut) {
     if (x > 0.08 && x < 0.17)
       cut.element_materials[static_cast<std::size_t>(e)].young_modulus *= 0.05;
   }
-  testing::HeldBarPlant after(cut);
+  support::HeldBarPlant after(cut);
   after.place(plant_.X_OG());
   EXPECT_GT(std::abs(error_of(after) - on_the_way), 1e-4) << "the cut is felt";
   EXPECT_LT(servo(provider, after, 400), 0.03 * first);

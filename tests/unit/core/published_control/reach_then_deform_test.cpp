@@ -11,7 +11,7 @@
 namespace palpate::published_control {
 namespace {
 
-constexpr double kDt = 0.02;
+constexpr double kReachThenDeformDt = 0.02;
 
 class Reaching : public ::testing::Test {
  protected:
@@ -19,12 +19,12 @@ class Reaching : public ::testing::Test {
   Eigen::Vector3d tick(ReachThenDeform& law, const math::Pose& X_OG, const Eigen::VectorXd& value,
                        const Eigen::VectorXd& target) {
     control::Experience now;
-    now.dt = kDt;
+    now.dt = kReachThenDeformDt;
     now.value = &value;
     now.X_OG = X_OG;
     error_ = target - value;
     control::LawInputs inputs;
-    inputs.dt = kDt;
+    inputs.dt = kReachThenDeformDt;
     inputs.error = &error_;
     math::Twist V;
     const loop::NoAllocationScope scope;
@@ -35,7 +35,7 @@ class Reaching : public ::testing::Test {
     return V.linear;
   }
 
-  elasticity::Body body_ = testing::weightless_bar();
+  elasticity::Body body_ = support::weightless_bar();
   shape::PointsFeature feature_{body_.mesh, {{{0.2, 0, 0.03}}}};
   Eigen::VectorXd error_;
 };
@@ -62,11 +62,11 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
     const double depth = (X * region.tip_G).z();  // the object's underside is at 0
     // The point moves by less than half of the tip's penetration.
     value = rest + Eigen::VectorXd(Eigen::Vector3d(0, 0, 0.4 * std::max(0.0, depth)));
-    if (depth > 0 && touched_after < 0) touched_after = i * kDt;
+    if (depth > 0 && touched_after < 0) touched_after = i * kReachThenDeformDt;
     if (depth <= 0)
       most_before =
           std::max(most_before, (law.jacobian().topRows<3>() - Eigen::Matrix3d::Identity()).norm());
-    X.translation() += kDt * tick(law, X, value, target);
+    X.translation() += kReachThenDeformDt * tick(law, X, value, target);
   }
   EXPECT_GT(touched_after, 0.5);
   EXPECT_EQ(most_before, 0) << "nothing is learnt before anything moves";
@@ -81,7 +81,7 @@ TEST_F(Reaching, TouchesAndThenBringsThePointToItsTarget) {
 }
 
 TEST_F(Reaching, OfWhatIsInTheHandDeformsAtOnce) {
-  testing::HeldBarPlant plant(body_);
+  support::HeldBarPlant plant(body_);
   ReachThenDeform::Options options;
   options.gain = 2;
   options.dead_band = 1e-4;
@@ -91,7 +91,7 @@ TEST_F(Reaching, OfWhatIsInTheHandDeformsAtOnce) {
       plant.value(feature_) + Eigen::VectorXd(Eigen::Vector3d(0, 0.01, 0.02));
   for (int i = 0; i < 400; ++i)
     plant.move({tick(law, plant.X_OG(), plant.value(feature_), target), Eigen::Vector3d::Zero()},
-               kDt);
+               kReachThenDeformDt);
   EXPECT_LT((plant.value(feature_) - target).norm(), 5e-4);
 }
 

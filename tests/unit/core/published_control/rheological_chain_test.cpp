@@ -22,7 +22,7 @@ class Chain : public ::testing::Test {
     const Eigen::Index middle = chain.masses().cols() / 2;
     return chain.masses().col(0).z() - chain.masses().col(middle).z();
   }
-  elasticity::Body body_ = testing::weightless_bar();
+  elasticity::Body body_ = support::weightless_bar();
 };
 
 TEST_F(Chain, OfAStraightBarIsStraightAndGoesAlong) {
@@ -85,7 +85,7 @@ TEST_F(Chain, RefusesWhatIsNoChain) {
 /// The paper's own task: a motion planned beforehand brings the points of a bar to a feasible
 /// shape, without observation.
 TEST_F(Chain, PlansAMotionThatShapesABar) {
-  testing::HeldBarPlant plant(body_);
+  support::HeldBarPlant plant(body_);
   shape::PointsFeature feature(plant.body().mesh, {{{0.2, 0, 0.03}, {0.35, 0.06, 0.03}}});
   plant.place(lifted(0.05, 0.1));
   const Eigen::VectorXd target = plant.value(feature);
@@ -97,7 +97,7 @@ TEST_F(Chain, PlansAMotionThatShapesABar) {
   OpenLoop loop({}, plan);
   for (int i = 0; i < 160; ++i) {
     const Eigen::VectorXd value = plant.value(feature);
-    loop.observe(testing::seen(plant, value, 0.05));
+    loop.observe(support::seen(plant, value, 0.05));
     control::LawInputs inputs;
     inputs.dt = 0.05;
     math::Twist V;

@@ -88,8 +88,8 @@ class Servo : public ::testing::TestWithParam<int> {};
 
 TEST_P(Servo, BringsPointsOfABarToTheirTarget) {
   const Method method = methods()[GetParam()];
-  testing::HeldBarPlant plant(testing::weightless_bar());
-  testing::RigidModel model(plant.body());
+  support::HeldBarPlant plant(support::weightless_bar());
+  support::RigidModel model(plant.body());
   shape::PointsFeature feature(
       plant.body().mesh,
       {{{0.2, 0, 0.03}, {0.35, 0, 0.03}, {0.35, 0.06, 0.03}, {0.2, 0.06, 0.03}}});
@@ -121,7 +121,7 @@ TEST_P(Servo, BringsPointsOfABarToTheirTarget) {
     math::Twist V;
     {
       const loop::NoAllocationScope scope;
-      provider->observe(testing::seen(plant, value, kDt));
+      provider->observe(support::seen(plant, value, kDt));
       const bool knows = provider->update(feature, model, plant.X_OG(), J);
       control::LawInputs inputs;
       inputs.dt = kDt;
@@ -150,7 +150,7 @@ INSTANTIATE_TEST_SUITE_P(Methods, Servo, ::testing::Range(0, 7), [](const auto& 
 });
 
 TEST(GaussianProcess, PredictsAndKeepsWhatIsUnlike) {
-  testing::HeldBarPlant plant(testing::weightless_bar());
+  support::HeldBarPlant plant(support::weightless_bar());
   shape::PointsFeature feature(plant.body().mesh, {{{0.2, 0, 0.03}, {0.35, 0.06, 0.03}}});
   GaussianProcess::Options options;
   options.samples = 12;

@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 class Views : public ::testing::Test {
  protected:
-  elasticity::Body body_ = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
+  elasticity::Body body_ = support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   shape::PointsFeature square_{body_.mesh,
                                {{{0.1, 0, 0.03},
                                  {0.2, 0, 0.03},

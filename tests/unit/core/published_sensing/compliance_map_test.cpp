@@ -60,9 +60,9 @@ TEST(ComplianceProcessTest, MoreTouchesThanRoomAreNoTrouble) {
 }
 
 TEST(ComplianceMapTest, ATouchMovesTheSurfaceAboutIt) {
-  const elasticity::Body body = testing::held_bar({10, 2, 2}, mesh::ElementOrder::kLinear);
+  const elasticity::Body body = support::held_bar({10, 2, 2}, mesh::ElementOrder::kLinear);
   ComplianceMap map(body, mesh::extract_surface(body.mesh), {});
-  const auto model = testing::carrier(body);
+  const auto model = support::carrier(body);
   model->prepare();
   map.activate(*model);
   contact::ContactLoads touch;

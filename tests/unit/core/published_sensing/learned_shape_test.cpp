@@ -68,7 +68,7 @@ TEST(ShapeNetworkTest, LearnsASmoothFunction) {
 
 /// Trained on motions of a bar, it predicts another one.
 TEST(LearnedShapeTest, TellsAShapeThatItWasNotTrainedOn) {
-  const elasticity::Body body = testing::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
+  const elasticity::Body body = support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
   const Eigen::Matrix3Xd nodes = body.mesh.nodes(Eigen::all, surface.nodes);
   LearnedShape::Model model;
@@ -76,7 +76,7 @@ TEST(LearnedShapeTest, TellsAShapeThatItWasNotTrainedOn) {
   gas.units = 10;
   model.units = grow_neural_gas(nodes, gas, math::Random(1)).units;
   math::Random random(9);
-  testing::SeenBar world(body);
+  support::SeenBar world(body);
   const mesh::PointLocator locator(world.model().body().mesh);
   estimation::EstimationInputs inputs;
   const int count = 60;
@@ -103,7 +103,7 @@ TEST(LearnedShapeTest, TellsAShapeThatItWasNotTrainedOn) {
   model.network = train_shape_network(x.leftCols(45), y.leftCols(45), x.rightCols(15),
                                       y.rightCols(15), {}, random);
   LearnedShape method(body, model, 0.02);
-  testing::Watcher watcher(body, 0, testing::carrier(body), method);
+  support::Watcher watcher(body, 0, support::carrier(body), method);
   EXPECT_EQ(watcher.run(1.5, 0.7, {-0.005, 0.03, -0.04}, Vector3d::Zero()), 0);
   EXPECT_EQ(watcher.last.status, sensing::Status::kOk);
   const auto [mean, largest] = watcher.error();

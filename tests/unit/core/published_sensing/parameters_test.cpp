@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 
 /// A clamped bar without a hand.
 elasticity::Body cantilever(double young_modulus, const std::array<int, 3>& cells) {
-  elasticity::Body body = testing::held_bar(cells, mesh::ElementOrder::kQuadratic);
+  elasticity::Body body = support::held_bar(cells, mesh::ElementOrder::kQuadratic);
   body.grasps.clear();
   body.material.young_modulus = young_modulus;
   return body;
@@ -51,7 +51,7 @@ TEST(ParametersTest, SagTellsYoungsModulus) {
     options.log_young_deviation = 3;
     options.reach = 0.3;
     EulerBernoulliFit method(known, mesh::extract_surface(known.mesh), options);
-    const auto model = testing::carrier(known);
+    const auto model = support::carrier(known);
     model->prepare();
     method.activate(*model);
     math::Random random(3);
@@ -71,12 +71,12 @@ TEST(ParametersTest, SagTellsYoungsModulus) {
 // Frank et al. 2010: E and nu from a probe's force and the observed shape.
 TEST(ParametersTest, ProbingTellsYoungsModulus) {
   for (const double factor : {0.6, 1.6}) {
-    elasticity::Body truth = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+    elasticity::Body truth = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     const elasticity::Body known = truth;
     truth.material.young_modulus *= factor;
     truth.material.poisson_ratio = 0.35;
     ProbeAndFit method(known, mesh::extract_surface(known.mesh), {});
-    testing::Watcher watcher(truth, 1e-3,
+    support::Watcher watcher(truth, 1e-3,
                              std::make_unique<elasticity::CorotationalQuasistatic>(known), method);
     EXPECT_EQ(watcher.run(6, 3, {0, 0.03, -0.06}, {0.3, 0, 0}), 0);
     EXPECT_TRUE(method.is_done());
@@ -93,14 +93,14 @@ TEST(ParametersTest, ProbingTellsYoungsModulus) {
 // Gueler et al. 2017: a deformability for every object, which distinguishes it; the stiffer
 // prediction must not win if the object shears and stretches considerably.
 TEST(ParametersTest, DeformabilityIsThatOfTheNearestPrediction) {
-  const elasticity::Body body = testing::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
+  const elasticity::Body body = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
   ShapeMatchingFit::Options alone;
   alone.candidates = 1;  // 0.5
   ShapeMatchingFit fixed(body, surface, alone), fitted(body, surface, {});
   const Vector3d way(0.05, 0.02, -0.05), turn(0.5, 0.3, 0);
-  testing::Watcher a(body, 3e-4, testing::carrier(body), fixed);
-  testing::Watcher b(body, 3e-4, testing::carrier(body), fitted);
+  support::Watcher a(body, 3e-4, support::carrier(body), fixed);
+  support::Watcher b(body, 3e-4, support::carrier(body), fitted);
   a.run(3, 1.5, way, turn);
   b.run(3, 1.5, way, turn);
   std::printf("beta %.2f: %.2f mm, 0.5: %.2f mm\n", fitted.deformability(), b.error().first * 1e3,

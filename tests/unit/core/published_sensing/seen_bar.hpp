@@ -9,7 +9,7 @@
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
-namespace palpate::testing {
+namespace palpate::support {
 
 /// A bar in equilibrium observed by a camera from above and from one side, at 30 Hz, held by a hand
 /// with known pose and wrench: the inputs of estimators in palpated's slot.
@@ -137,4 +137,4 @@ inline std::unique_ptr<elasticity::DeformationModel> carrier(const elasticity::B
   return std::make_unique<elasticity::AsRigidAsPossible>(body);
 }
 
-}  // namespace palpate::testing
+}  // namespace palpate::support

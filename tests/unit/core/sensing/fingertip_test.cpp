@@ -9,7 +9,7 @@
 namespace palpate::sensing {
 namespace {
 
-constexpr int kE17 = 16, kE2 = 1, kE12 = 11;
+constexpr int kFingertipE17 = 16, kE2 = 1, kE12 = 11;
 
 TEST(BiotacGeometry, MirrorsItselfAboutTheMiddlePlane) {
   // E1 to E6 are opposite E11 to E16, E8 is opposite E9.
@@ -33,7 +33,7 @@ TEST(BiotacGeometry, ProjectsOnCylinderAndSphere) {
 
 TEST(LocateContact, OneElectrodeIsItsOwnPlaceOnTheSkin) {
   ElectrodeVector counts = ElectrodeVector::Zero();
-  counts[kE17] = 50;
+  counts[kFingertipE17] = 50;
   const Localization found = locate_contact(counts, {});
   EXPECT_EQ(found.active, 1);
   EXPECT_LT((found.location - Eigen::Vector3d(-2.8e-3, 0, -7e-3)).norm(), 1e-12);
@@ -121,7 +121,7 @@ TEST(FitLinearTactile, RefusesDataThatCannotBeFitted) {
   EXPECT_THROW(fit_linear_tactile(data.inputs, data.forces.topRows(4)), std::invalid_argument);
 }
 
-BioTac at_rest() {
+BioTac fingertip_at_rest() {
   BioTac sample;
   sample.electrodes.setConstant(3200);
   sample.pac = 2030;
@@ -150,7 +150,7 @@ BiotacLinear::Options pdc_options() {
 class ZeroedFinger : public ::testing::Test {
  protected:
   ZeroedFinger() {
-    for (int i = 0; i < pdc_options().tare_samples; ++i) read(at_rest());
+    for (int i = 0; i < pdc_options().tare_samples; ++i) read(fingertip_at_rest());
   }
 
   Status read(const BioTac& sample) {
@@ -164,10 +164,10 @@ class ZeroedFinger : public ::testing::Test {
 };
 
 TEST_F(ZeroedFinger, ReportsForceAndPlaceBetweenItsGates) {
-  BioTac pressed = at_rest();
-  pressed.electrodes[kE17] += 40;
+  BioTac pressed = fingertip_at_rest();
+  pressed.electrodes[kFingertipE17] += 40;
   const auto contacts_at = [&](double pdc) {
-    pressed.pdc = at_rest().pdc + pdc;
+    pressed.pdc = fingertip_at_rest().pdc + pdc;
     EXPECT_EQ(read(pressed), Status::kOk);
     return contacts.count;
   };
@@ -183,21 +183,21 @@ TEST_F(ZeroedFinger, ReportsForceAndPlaceBetweenItsGates) {
 }
 
 TEST_F(ZeroedFinger, HoldsThePlaceOfItsContactWhenNoElectrodeIsActive) {
-  BioTac pressed = at_rest();
+  BioTac pressed = fingertip_at_rest();
   pressed.pdc += 300;
   read(pressed);
   EXPECT_EQ(contacts.count, 0);
-  pressed.electrodes[kE17] += 40;
+  pressed.electrodes[kFingertipE17] += 40;
   read(pressed);
   ASSERT_EQ(contacts.count, 1);
   const Eigen::Vector3d place = contacts.contacts[0].location;
-  pressed.electrodes = at_rest().electrodes;
+  pressed.electrodes = fingertip_at_rest().electrodes;
   EXPECT_EQ(read(pressed), Status::kOk);
   EXPECT_EQ(contacts.contacts[0].location, place);
 }
 
 TEST_F(ZeroedFinger, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
-  BioTac pressed = at_rest();
+  BioTac pressed = fingertip_at_rest();
   pressed.pdc += 300;
   const auto reads = [&](const BioTac& sample) {
     const Status status = read(sample);
@@ -207,28 +207,28 @@ TEST_F(ZeroedFinger, DegradesWhereAForceLastsThatNoElectrodeCanPlace) {
   for (int again = 0; again < 2; ++again) {  // noise: a few readings of a force, then none again
     for (int i = 0; i < PlacelessForce::kMost; ++i) EXPECT_EQ(reads(pressed), Status::kOk) << i;
     if (again == 0) {
-      EXPECT_EQ(reads(at_rest()), Status::kOk);
+      EXPECT_EQ(reads(fingertip_at_rest()), Status::kOk);
     }
   }
   EXPECT_EQ(reads(pressed), Status::kDegraded);
   signals.biotac[2].fresh_count = 0;  // between readings
   EXPECT_EQ(sensor.update(signals, contacts = {}).status, Status::kDegraded);
-  EXPECT_EQ(reads(at_rest()), Status::kOk);
+  EXPECT_EQ(reads(fingertip_at_rest()), Status::kOk);
 }
 
 TEST(BiotacLinear, DegradesWhenItsFingerIsSilentAndCountsBadSamples) {
   BiotacLinear sensor(pdc_options());
   Signals signals;
   ContactSet contacts;
-  feed(signals, 0, at_rest());  // another finger
+  feed(signals, 0, fingertip_at_rest());  // another finger
   EXPECT_EQ(sensor.update(signals, contacts).status, Status::kDegraded);
-  BioTac broken = at_rest();
+  BioTac broken = fingertip_at_rest();
   broken.electrodes[4] = NAN;
   feed(signals, 2, broken);
   sensor.update(signals, contacts);
   EXPECT_EQ(sensor.skipped(), 1);
   for (int i = 0; i < 3; ++i) {
-    feed(signals, 2, at_rest());
+    feed(signals, 2, fingertip_at_rest());
     sensor.update(signals, contacts);
   }
   EXPECT_EQ(sensor.update(signals, contacts).status, Status::kOk);

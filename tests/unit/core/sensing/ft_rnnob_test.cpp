@@ -11,7 +11,7 @@
 namespace palpate::sensing {
 namespace {
 
-const Eigen::Vector3d kGravity(0, 0, -9.81);
+const Eigen::Vector3d kFtRnnobGravity(0, 0, -9.81);
 const Eigen::Vector3d kContact(0.5, -1, 2);  // N, on the object
 
 /// A sensor that rotates about y and is shaken, 1 kHz; readings and inertial samples are delayed.
@@ -41,12 +41,13 @@ class FtRnnobTest : public ::testing::Test {
   static Eigen::Vector3d acceleration(double t) { return {1.5 * std::sin(3 * t), 0, 0}; }  // of S
 
   LoadMotion motion(double t) const {
-    return motion_from_world(R_WS(t), acceleration(t), {0, rate(t), 0}, {0, turn(t), 0}, kGravity);
+    return motion_from_world(R_WS(t), acceleration(t), {0, rate(t), 0}, {0, turn(t), 0},
+                             kFtRnnobGravity);
   }
   /// Reading of S at t: payload, the network's output, and the contact.
   math::Vector6d reading(double t) const {
     math::Vector6d wrench = load_wrench(options_.payload, motion(t)).vector();
-    const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kGravity.normalized();
+    const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kFtRnnobGravity.normalized();
     wrench[0] += 3 * gravity_S.x();
     wrench[4] += gravity_S.z();
     wrench.head<3>() += kContact;
@@ -198,7 +199,7 @@ TEST_F(FtRnnobTest, AFaultIsSaidOrThePayloadServesAlone) {
   EXPECT_EQ(result.status, Status::kDegraded);
   ASSERT_EQ(contacts_.count, 1);
   const double t = time_ - 1e-3 - options_.average / 2;
-  const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kGravity.normalized();
+  const Eigen::Vector3d gravity_S = R_WS(t).transpose() * kFtRnnobGravity.normalized();
   // The network's missing output remains in the result.
   EXPECT_NEAR(contacts_.contacts[0].wrench.force.x(), kContact.x() + 3 * gravity_S.x(), 0.05);
 }

@@ -24,7 +24,7 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 using Points = std::vector<Vector3d>;
 
-constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+constexpr double kGeometryNan = std::numeric_limits<double>::quiet_NaN();
 constexpr auto kLinear = mesh::ElementOrder::kLinear;
 constexpr auto kQuadratic = mesh::ElementOrder::kQuadratic;
 
@@ -176,7 +176,7 @@ TEST(DistanceFeature, GrowsWithTheBar) {
   const double good = 0.1, negative = -0.1;
   EXPECT_TRUE(feature.is_valid_target(&good, 1));
   EXPECT_FALSE(feature.is_valid_target(&negative, 1));
-  EXPECT_FALSE(feature.is_valid_target(&kNan, 1));
+  EXPECT_FALSE(feature.is_valid_target(&kGeometryNan, 1));
   EXPECT_THROW(DistanceFeature(mesh, {{{0.1, 0.03, 0.06}, {0.1, 0.0305, 0.06}}}),
                std::invalid_argument);
   EXPECT_THROW(DistanceFeature(mesh, {line(3)}), std::invalid_argument);

@@ -5,7 +5,7 @@
 #include <Eigen/LU>
 
 #include "core/math/rigid.hpp"
-#include "core/solid/strain_energy_tensor.hpp"
+#include "tests/support/solid/strain_energy_tensor.hpp"
 
 namespace palpate::solid {
 namespace {
@@ -67,7 +67,7 @@ TEST(SolidMaterial, WithoutChangeOfVolumeItIsTheMaterialByStretches) {
     Eigen::VectorXd constants(share > 0 ? 3 : 2);
     constants.head(2) << E, nu;
     if (share > 0) constants[2] = share;
-    TensorStress one;
+    support::TensorStress one;
     PointResponse other;
     ASSERT_TRUE(respond_to_gradient(*by_stretches, constants, F, one));
     ASSERT_TRUE(point_response(F, make_solid_material(E, nu, share).coefficients, false, other));

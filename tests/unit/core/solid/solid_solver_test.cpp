@@ -14,10 +14,11 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-const Vector3d kBar(0.1, 0.03, 0.02);
+const Vector3d kSolidSolverBar(0.1, 0.03, 0.02);
 
 mesh::ElementMesh bar(const std::array<int, 3>& cells) {
-  return mesh::make_element_mesh(mesh::make_box(kBar, cells), mesh::ElementOrder::kQuadratic);
+  return mesh::make_element_mesh(mesh::make_box(kSolidSolverBar, cells),
+                                 mesh::ElementOrder::kQuadratic);
 }
 
 Matrix3Xd shaken(const Matrix3Xd& nodes, double by) {
@@ -75,17 +76,18 @@ TEST(SolidSolver, RigidMotionGivesNoForceAndTurnsForces) {
 /// If the surface is moved by one deformation gradient, the interior must follow it, at large
 /// strain.
 TEST(SolidSolver, PassesThePatchTest) {
-  mesh::TetrahedralMesh corners = mesh::make_box(kBar, {3, 3, 3});
+  mesh::TetrahedralMesh corners = mesh::make_box(kSolidSolverBar, {3, 3, 3});
   std::vector<int> surface;
   for (int i = 0; i < corners.nodes.cols(); ++i) {
     const Vector3d p = corners.nodes.col(i);
-    const bool inside = (p.array() > 1e-9).all() && ((kBar - p).array() > 1e-9).all();
+    const bool inside = (p.array() > 1e-9).all() && ((kSolidSolverBar - p).array() > 1e-9).all();
     if (inside) corners.nodes.col(i) += 2e-3 * Vector3d(std::sin(7. * i), std::cos(5. * i), 0.4);
   }
   const mesh::ElementMesh mesh = mesh::make_element_mesh(corners, mesh::ElementOrder::kQuadratic);
   for (int i = 0; i < mesh.node_count(); ++i) {
     const Vector3d p = mesh.nodes.col(i);
-    if (!((p.array() > 1e-9).all() && ((kBar - p).array() > 1e-9).all())) surface.push_back(i);
+    if (!((p.array() > 1e-9).all() && ((kSolidSolverBar - p).array() > 1e-9).all()))
+      surface.push_back(i);
   }
   const SolidBody body(mesh, surface);
   SolidSolver solver(body);
@@ -95,7 +97,7 @@ TEST(SolidSolver, PassesThePatchTest) {
     if (body.pattern().unknown(i) >= 0) x.col(i) += 3e-4 * Vector3d(std::sin(3. * i), 0.5, -0.2);
   }
   ASSERT_TRUE(solver.solve(rubber(), Matrix3Xd::Zero(3, x.cols()), x));
-  EXPECT_LT((x - F * mesh.nodes).cwiseAbs().maxCoeff(), 1e-9 * kBar.x());
+  EXPECT_LT((x - F * mesh.nodes).cwiseAbs().maxCoeff(), 1e-9 * kSolidSolverBar.x());
 }
 
 /// Sag of the bar's end under a small load, relative to Timoshenko's beam.
@@ -104,12 +106,14 @@ double sag_ratio(const std::array<int, 3>& cells, double nu) {
   const SolidBody body(bar(cells), elasticity::nodes_at(bar(cells), 0, 0));
   SolidSolver solver(body);
   Matrix3Xd x = body.mesh().nodes;
-  const Matrix3Xd load = elasticity::face_load(body.mesh(), kBar.x(), {0, 0, -force});
+  const Matrix3Xd load = elasticity::face_load(body.mesh(), kSolidSolverBar.x(), {0, 0, -force});
   EXPECT_TRUE(solver.solve(make_solid_material(E, nu).coefficients, load, x));
-  const double area = kBar.y() * kBar.z(), inertia = area * kBar.z() * kBar.z() / 12;
-  const double bending = force * std::pow(kBar.x(), 3) / (3 * E * inertia);
-  const double shear = force * kBar.x() / (5.0 / 6 * area * E / (2 * (1 + nu)));
-  return -elasticity::face_displacement(body.mesh(), kBar.x(), x).z() / (bending + shear);
+  const double area = kSolidSolverBar.y() * kSolidSolverBar.z(),
+               inertia = area * kSolidSolverBar.z() * kSolidSolverBar.z() / 12;
+  const double bending = force * std::pow(kSolidSolverBar.x(), 3) / (3 * E * inertia);
+  const double shear = force * kSolidSolverBar.x() / (5.0 / 6 * area * E / (2 * (1 + nu)));
+  return -elasticity::face_displacement(body.mesh(), kSolidSolverBar.x(), x).z() /
+         (bending + shear);
 }
 
 /// The clamp prevents the section from contracting, which stiffens this short bar by some percent
@@ -133,7 +137,7 @@ TEST(SolidSolver, SensitivitiesMatchCentralDifferences) {
   const SolidBody body(bar({4, 1, 1}), elasticity::nodes_at(bar({4, 1, 1}), 0, 0));
   SolidSolver solver(body);
   const Matrix3Xd unit_weight = Vector3d(0, 0, -9.81) * body.nodal_volume().transpose();
-  const Matrix3Xd tip = elasticity::face_load(body.mesh(), kBar.x(), {0, 0, -0.05});
+  const Matrix3Xd tip = elasticity::face_load(body.mesh(), kSolidSolverBar.x(), {0, 0, -0.05});
   const auto solved = [&](double young, double poisson, double rho) {
     Matrix3Xd x = body.mesh().nodes;
     SolidOptions options;
@@ -144,7 +148,8 @@ TEST(SolidSolver, SensitivitiesMatchCentralDifferences) {
   };
   const SolidMaterial m = make_solid_material(E, nu);
   const Matrix3Xd x = solved(E, nu, density);
-  ASSERT_GT((x - body.mesh().nodes).cwiseAbs().maxCoeff(), 0.2 * kBar.x());  // large deflection
+  ASSERT_GT((x - body.mesh().nodes).cwiseAbs().maxCoeff(),
+            0.2 * kSolidSolverBar.x());  // large deflection
   SolidSlope by_young, by_poisson, by_density;
   by_young.coefficients = m.by_young;
   by_poisson.coefficients = m.by_poisson;
@@ -162,8 +167,8 @@ TEST(SolidSolver, SensitivitiesMatchCentralDifferences) {
 
 TEST(SolidSolver, RefusesWhatItCannotSolve) {
   EXPECT_THROW(SolidBody(bar({2, 1, 1}), {}), std::invalid_argument);
-  const mesh::ElementMesh linear =
-      mesh::make_element_mesh(mesh::make_box(kBar, {2, 1, 1}), mesh::ElementOrder::kLinear);
+  const mesh::ElementMesh linear = mesh::make_element_mesh(
+      mesh::make_box(kSolidSolverBar, {2, 1, 1}), mesh::ElementOrder::kLinear);
   EXPECT_THROW(SolidElements{linear}, std::invalid_argument);
 }
 

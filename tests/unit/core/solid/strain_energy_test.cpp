@@ -6,7 +6,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/solid/strain_energy_tensor.hpp"
+#include "tests/support/solid/strain_energy_tensor.hpp"
 
 namespace palpate::solid {
 namespace {
@@ -119,10 +119,10 @@ TEST_P(Material, BarDerivativesAreThoseOfDifferences) {
 TEST_P(Material, TensorFormAgreesWithEnergyDifferencesAndTurnsWithTheFrame) {
   Matrix3d F;
   F << 1.2, 0.1, -0.05, 0.2, 0.9, 0.15, -0.1, 0.05, 1.05;
-  TensorStress r;
+  support::TensorStress r;
   ASSERT_TRUE(respond_to_gradient(*energy_, constants_, F, r));
   for (int k = 0; k < 9; ++k) {
-    TensorStress above, below;
+    support::TensorStress above, below;
     Matrix3d G = F;
     G.data()[k] += kStep;
     ASSERT_TRUE(respond_to_gradient(*energy_, constants_, G, above));
@@ -134,17 +134,17 @@ TEST_P(Material, TensorFormAgreesWithEnergyDifferencesAndTurnsWithTheFrame) {
     EXPECT_LT((column - r.tangent.col(k)).norm(), 1e-7 * r.tangent.norm());
   }
   const Matrix3d R = Eigen::AngleAxisd(0.7, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
-  TensorStress turned;
+  support::TensorStress turned;
   ASSERT_TRUE(respond_to_gradient(*energy_, constants_, R * F, turned));
   EXPECT_LT((turned.stress - R * r.stress).norm(), 1e-10 * r.stress.norm());
   EXPECT_NEAR(turned.energy, r.energy, 1e-10 * r.energy);
 }
 
 TEST_P(Material, TensorFormHoldsWhereStretchesMeet) {
-  TensorStress r;
+  support::TensorStress r;
   ASSERT_TRUE(respond_to_gradient(*energy_, constants_, 1.1 * Matrix3d::Identity(), r));
   for (int k = 0; k < 9; ++k) {
-    TensorStress above, below;
+    support::TensorStress above, below;
     Matrix3d G = 1.1 * Matrix3d::Identity();
     G.data()[k] += 1e-4;
     ASSERT_TRUE(respond_to_gradient(*energy_, constants_, G, above));

@@ -79,7 +79,7 @@ TEST(Authentication, AnyFlippedBitIsSeen) {
   const Key key = key_of(1);
   twist_command_t message = command();
   seal(key, kChannel, message);
-  std::vector<std::uint8_t> data = testing::encoded(message);
+  std::vector<std::uint8_t> data = support::encoded(message);
   int flipped = 0;
   for (std::size_t byte = 8; byte < data.size(); ++byte) {  // after the fingerprint
     for (int bit = 0; bit < 8; ++bit) {
@@ -109,14 +109,14 @@ TEST(Authentication, AnotherKeyOrChannelIsSeen) {
 class AdmissionTest : public ::testing::Test {
  protected:
   static constexpr std::int64_t kStart = 1'000'000;
-  twist_command_t sent(Sealer& sealer, std::int64_t now_us) {
+  twist_command_t sent(MessageSigner& sealer, std::int64_t now_us) {
     twist_command_t message = command();
     sealer.put(message, now_us);
     return message;
   }
   Access access_{key_of(1), kStart};
-  Sealer sender_{kChannel, access_};
-  Admission receiver_{kChannel, access_};
+  MessageSigner sender_{kChannel, access_};
+  ReplayGuard receiver_{kChannel, access_};
 };
 
 TEST_F(AdmissionTest, FreshMessagesComeThroughOnceAndInOrder) {
@@ -134,7 +134,7 @@ TEST_F(AdmissionTest, FreshMessagesComeThroughOnceAndInOrder) {
 TEST_F(AdmissionTest, ReplayOfAnotherSessionIsRefused) {
   const twist_command_t recorded = sent(sender_, kStart + 5);
   EXPECT_EQ(receiver_.judge(recorded), Admitted::kFresh);
-  Sealer restarted(kChannel, {key_of(1), kStart + 100});
+  MessageSigner restarted(kChannel, {key_of(1), kStart + 100});
   EXPECT_EQ(receiver_.judge(sent(restarted, kStart + 100)), Admitted::kFresh);
   EXPECT_EQ(receiver_.judge(recorded), Admitted::kRefused);
 }
@@ -142,8 +142,8 @@ TEST_F(AdmissionTest, ReplayOfAnotherSessionIsRefused) {
 TEST_F(AdmissionTest, WhatWasRecordedBeforeAReceiversRestartIsRefused) {
   std::vector<twist_command_t> recorded;
   for (int i = 0; i < 10; ++i) recorded.push_back(sent(sender_, kStart + 1000 * i));
-  Admission restarted(kChannel, {key_of(1), kStart + 60'000});
-  Admission begun(kChannel, {key_of(1), 0});
+  ReplayGuard restarted(kChannel, {key_of(1), kStart + 60'000});
+  ReplayGuard begun(kChannel, {key_of(1), 0});
   begun.begin(kStart + 60'000);
   for (const twist_command_t& message : recorded) {
     EXPECT_EQ(restarted.judge(message), Admitted::kRefused);
@@ -174,8 +174,8 @@ TEST_F(AdmissionTest, CountersRiseWhateverTheWallClockDoes) {
 }
 
 TEST(Access, WithoutAKeyEveryMessageIsFreshAndCarriesNoCode) {
-  Admission receiver(kChannel, {});
-  Sealer sender(kChannel, {});
+  ReplayGuard receiver(kChannel, {});
+  MessageSigner sender(kChannel, {});
   for (int i = 1; i < 4; ++i) {
     twist_command_t message = command();
     sender.put(message, 0);
@@ -188,8 +188,8 @@ TEST(Access, WithoutAKeyEveryMessageIsFreshAndCarriesNoCode) {
 }
 
 TEST(Access, SealingAndCheckingAllocateNothing) {
-  Sealer sender("SHAPE_TARGET", {key_of(3), 1});
-  Admission receiver("SHAPE_TARGET", {key_of(3), 1});
+  MessageSigner sender("SHAPE_TARGET", {key_of(3), 1});
+  ReplayGuard receiver("SHAPE_TARGET", {key_of(3), 1});
   shape_target_t message{};
   const loop::NoAllocationScope scope;
   for (int i = 0; i < 10; ++i) {

@@ -13,8 +13,8 @@ namespace {
 constexpr std::int64_t kA = 11;
 constexpr std::int64_t kB = 22;
 
-TEST(Stamp, CountsUpByOneWithinASession) {
-  Stamp stamp(kA);
+TEST(HeaderStamper, CountsUpByOneWithinASession) {
+  HeaderStamper stamp(kA);
   imu_t message{};
   for (int i = 1; i <= 3; ++i) {
     stamp.put(message, 1000 * i);

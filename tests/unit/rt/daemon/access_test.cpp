@@ -77,7 +77,7 @@ class DaemonAccess : public ::testing::Test {
   std::shared_ptr<bus::MemoryHub> hub_ = bus::make_memory_hub();
   std::unique_ptr<bus::MessageBus> bus_ = bus::make_memory_bus(hub_);
   std::unique_ptr<bus::MessageBus> sender_ = bus::make_memory_bus(hub_);
-  bus::Sealer sealer_{"COMPONENT_COMMAND", access_};
+  bus::MessageSigner sealer_{"COMPONENT_COMMAND", access_};
   std::unique_ptr<Daemon> daemon_ = std::make_unique<Daemon>(
       config::Node::load_file(PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml",
                               {"access.key_file=" + key_file_.string()}),
@@ -106,10 +106,10 @@ TEST_F(DaemonAccess, RefusesForgedChangedAndMisdirectedCommands) {
   component_command_t foreign = event("start");
   bus::Key other = *access_.key;
   other[0] ^= 1;
-  bus::Sealer("COMPONENT_COMMAND", {other, 0}).put(foreign, 0);
+  bus::MessageSigner("COMPONENT_COMMAND", {other, 0}).put(foreign, 0);
   send("COMPONENT_COMMAND", foreign);
   component_command_t misdirected = event("start");
-  bus::Sealer("SHAPE_TARGET", access_).put(misdirected, 0);
+  bus::MessageSigner("SHAPE_TARGET", access_).put(misdirected, 0);
   send("COMPONENT_COMMAND", misdirected);
   run(200);
   EXPECT_FALSE(runs());
@@ -171,8 +171,8 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   EXPECT_EQ(daemon_->inputs().signals().manual.freshness, sensing::Freshness::kNoData);
   EXPECT_TRUE(told("target").empty());
 
-  bus::Sealer("SHAPE_TARGET", access_).put(target, 0);
-  bus::Sealer("MANUAL_FORCE", access_).put(force, 0);
+  bus::MessageSigner("SHAPE_TARGET", access_).put(target, 0);
+  bus::MessageSigner("MANUAL_FORCE", access_).put(force, 0);
   send("SHAPE_TARGET", target);
   send("MANUAL_FORCE", force);
   run(3);
@@ -182,7 +182,7 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
 
 TEST_F(DaemonAccess, ItsOwnCommandsAreSealedAndCountFromOne) {
   run(5);
-  bus::Admission robot("TWIST_COMMAND", access_);
+  bus::ReplayGuard robot("TWIST_COMMAND", access_);
   const std::vector<twist_command_t> commands = sent<twist_command_t>("TWIST_COMMAND");
   ASSERT_EQ(commands.size(), 5u);
   for (std::size_t i = 0; i < commands.size(); ++i) {
@@ -212,7 +212,7 @@ TEST_F(DaemonAccess, InRealTimeCountersAreThoseOfTheWallClock) {
   for (const twist_command_t& command : sent<twist_command_t>("TWIST_COMMAND"))
     EXPECT_GE(command.counter, before);
   component_command_t start = event("start");
-  bus::Sealer("COMPONENT_COMMAND", {access_.key, 1}).put(start, bus::wall_clock_us() + 1);
+  bus::MessageSigner("COMPONENT_COMMAND", {access_.key, 1}).put(start, bus::wall_clock_us() + 1);
   send("COMPONENT_COMMAND", start);
   daemon.tick({4'000'000, bus::wall_clock_us(), 0});
   EXPECT_TRUE(daemon.pipeline().is_running());

@@ -13,7 +13,7 @@
 namespace palpate::daemon {
 namespace {
 
-constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kSupervisionMillisecond = 1'000'000;
 
 class Supervision : public ::testing::Test {
  protected:
@@ -28,7 +28,7 @@ class Supervision : public ::testing::Test {
 
   /// One cycle a millisecond after the previous one; returns the published events.
   std::vector<component_event_t> tick(std::int64_t lateness_ns = 0, std::int64_t missed = 0) {
-    now_ns_ += kMillisecond;
+    now_ns_ += kSupervisionMillisecond;
     bus::set_time(*hub_, now_ns_);
     std::vector<bus::Published> published;
     bus::record(*hub_, &published);
@@ -58,15 +58,15 @@ class Supervision : public ::testing::Test {
 TEST_F(Supervision, ALongCycleIsAnOverrunAsALateWakeUpIs) {
   for (int i = 0; i < 10; ++i) tick(50'000);
   EXPECT_EQ(daemon_.counters().overruns, 0);
-  tick(3 * kMillisecond, 3);  // woken up late
+  tick(3 * kSupervisionMillisecond, 3);  // woken up late
   EXPECT_EQ(daemon_.counters().overruns, 1);
-  EXPECT_EQ(daemon_.counters().overrun_ns, 3 * kMillisecond);
-  tick(50'000, 1);  // its cycle therefore ended late: the same overrun, but longer
+  EXPECT_EQ(daemon_.counters().overrun_ns, 3 * kSupervisionMillisecond);
+  tick(50'000, 1);  // its cycle ended late for that: still the same overrun, but longer
   EXPECT_EQ(daemon_.counters().overruns, 1);
-  EXPECT_EQ(daemon_.counters().overrun_ns, 4 * kMillisecond);
-  tick(50'000, 2);  // punctual, after a cycle that lasted three periods
+  EXPECT_EQ(daemon_.counters().overrun_ns, 4 * kSupervisionMillisecond);
+  tick(50'000, 2);  // punctual, after a cycle that took the time of three
   EXPECT_EQ(daemon_.counters().overruns, 2);
-  EXPECT_EQ(daemon_.counters().overrun_ns, 6 * kMillisecond);
+  EXPECT_EQ(daemon_.counters().overrun_ns, 6 * kSupervisionMillisecond);
 }
 
 TEST_F(Supervision, ALoopThatIsStartedInItsFirstCycleIsNotChargedWithTheSetUp) {

@@ -17,7 +17,7 @@ std::vector<Body> bar_and_hand() {
           body(draw::make_box({0.1, 0.1, 0.2}), at(0.7, 0.15, 0))};
 }
 
-ShapeCameraOptions options() {
+ShapeCameraOptions shape_camera_options() {
   ShapeCameraOptions o;
   o.X_WC = draw::look_at({0, 0.1, 0.3}, {0.8, 0, 0}, {0, 0, 1});
   o.filter.X_WB = at(0.8, 0, 0);
@@ -34,7 +34,7 @@ double beside_the_bar(const Eigen::Vector3d& p) {
 }
 
 TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
-  ShapeCamera camera(options());
+  ShapeCamera camera(shape_camera_options());
   double squares = 0, deviation = 0;
   int count = 0, far = 0;
   for (int i = 0; i < 10; ++i) {
@@ -60,7 +60,7 @@ TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
 }
 
 TEST(ShapeCamera, TruthAndColourSegmentationAgree) {
-  ShapeCameraOptions o = options();
+  ShapeCameraOptions o = shape_camera_options();
   const ShapeReading by_colour = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000);
   o.segmentation = Segmentation::kTruth;
   const ShapeReading by_truth = ShapeCamera(o).look(bar_and_hand(), math::Random(1), 4000);
@@ -70,7 +70,7 @@ TEST(ShapeCamera, TruthAndColourSegmentationAgree) {
 }
 
 TEST(ShapeCamera, TheHandHidesAPartOfTheObject) {
-  ShapeCamera camera(options());
+  ShapeCamera camera(shape_camera_options());
   const auto in_the_shade = [&](const std::vector<Body>& bodies) {
     const ShapeReading reading = camera.look(bodies, math::Random(1), 4000);
     int found = 0;
@@ -82,7 +82,7 @@ TEST(ShapeCamera, TheHandHidesAPartOfTheObject) {
 }
 
 TEST(ShapeCamera, SeedDecidesAloneAndNothingSeenIsNoPoint) {
-  ShapeCamera camera(options());
+  ShapeCamera camera(shape_camera_options());
   const auto points = [&](std::uint64_t seed) {
     return camera.look(bar_and_hand(), math::Random(seed), 256).points_W;
   };

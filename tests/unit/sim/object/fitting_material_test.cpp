@@ -1,7 +1,8 @@
 #include <gtest/gtest.h>
 
-#include "core/solid/strain_energy_tensor.hpp"
+#include "core/solid/strain_energy.hpp"
 #include "sim/object/neo_hookean_solid.hpp"
+#include "tests/support/solid/strain_energy_tensor.hpp"
 
 namespace palpate::object {
 namespace {
@@ -17,7 +18,7 @@ TEST(FittingMaterial, OneElementHasThePlantsEnergyAndForces) {
   const Eigen::Matrix3Xd x = F * grid.nodes();
 
   const auto material = solid::StrainEnergy::make("neo_hookean");
-  solid::TensorStress response;
+  support::TensorStress response;
   ASSERT_TRUE(respond_to_gradient(*material, Eigen::Vector2d(E, nu), F, response));
   EXPECT_NEAR(solid.energy(x) / size.prod(), response.energy, 1e-9 * E);
 

@@ -8,18 +8,18 @@ namespace palpate::object {
 namespace {
 
 const Eigen::Vector3d kOrigin(0.1, -0.2, 0.3);
-const Eigen::Vector3d kSize(0.5, 0.06, 0.04);
+const Eigen::Vector3d kHexahedralGridSize(0.5, 0.06, 0.04);
 
-HexahedralGrid grid() { return {kOrigin, kSize, {14, 2, 1}}; }
+HexahedralGrid grid() { return {kOrigin, kHexahedralGridSize, {14, 2, 1}}; }
 
 TEST(HexahedralGrid, CountsNodesAndSharesOutTheVolume) {
   const HexahedralGrid g = grid();
   EXPECT_EQ(g.node_count(), 29 * 5 * 3);
   EXPECT_EQ(g.element_count(), 28);
-  EXPECT_NEAR(g.nodal_volumes().sum(), kSize.prod(), 1e-15);
+  EXPECT_NEAR(g.nodal_volumes().sum(), kHexahedralGridSize.prod(), 1e-15);
   EXPECT_GT(g.nodal_volumes().minCoeff(), 0);
   EXPECT_TRUE(g.nodes().col(0).isApprox(kOrigin));
-  EXPECT_TRUE(g.nodes().col(g.node_count() - 1).isApprox(kOrigin + kSize));
+  EXPECT_TRUE(g.nodes().col(g.node_count() - 1).isApprox(kOrigin + kHexahedralGridSize));
 }
 
 TEST(HexahedralGrid, SurfaceIsClosedAndPointsOutward) {
@@ -34,7 +34,7 @@ TEST(HexahedralGrid, SurfaceIsClosedAndPointsOutward) {
     area += normal.norm();
     volume += a.dot(normal) / 3;
   }
-  EXPECT_NEAR(volume, kSize.prod(), 1e-12);
+  EXPECT_NEAR(volume, kHexahedralGridSize.prod(), 1e-12);
   EXPECT_NEAR(area, 2 * (0.5 * 0.06 + 0.06 * 0.04 + 0.04 * 0.5), 1e-12);
   EXPECT_LT(sum.norm(), 1e-12);
 }
@@ -47,8 +47,8 @@ TEST(HexahedralGrid, LocatesPointsAndReproducesQuadraticFields) {
   Eigen::Matrix3Xd values(3, g.node_count());
   for (int n = 0; n < g.node_count(); ++n) values.col(n) = field(g.nodes().col(n));
   for (int i = 0; i < 200; ++i) {
-    const Eigen::Vector3d p =
-        kOrigin + (Eigen::Vector3d::Random() + Eigen::Vector3d::Ones()).cwiseProduct(0.5 * kSize);
+    const Eigen::Vector3d p = kOrigin + (Eigen::Vector3d::Random() + Eigen::Vector3d::Ones())
+                                            .cwiseProduct(0.5 * kHexahedralGridSize);
     const MaterialPoint point = g.locate(p);
     EXPECT_EQ(point.outside, 0);
     EXPECT_LT((point.interpolate(values) - field(p)).norm(), 1e-13);
@@ -61,7 +61,7 @@ TEST(HexahedralGrid, LocatesPointsAndReproducesQuadraticFields) {
 
 TEST(HexahedralGrid, PatchAreasAddUpToThePatch) {
   const HexahedralGrid g = grid();
-  const double end = kOrigin.x() + kSize.x();
+  const double end = kOrigin.x() + kHexahedralGridSize.x();
   EXPECT_NEAR(g.patch_areas({{end, -9, -9}, {end, 9, 9}}).sum(), 0.06 * 0.04, 1e-15);
   // Deeper than one element: the end face and four side faces.
   const double inner = end - 0.5 / 14;
@@ -69,7 +69,7 @@ TEST(HexahedralGrid, PatchAreasAddUpToThePatch) {
               0.06 * 0.04 + 2 * (0.06 + 0.04) * 0.5 / 14, 1e-15);
   // A single node still represents some area; a box in the interior none.
   EXPECT_GT(g.patch_areas({kOrigin, kOrigin}).sum(), 0);
-  const Eigen::Vector3d middle = kOrigin + 0.5 * kSize;
+  const Eigen::Vector3d middle = kOrigin + 0.5 * kHexahedralGridSize;
   EXPECT_EQ(g.patch_areas({middle, middle}).sum(), 0);
 }
 

@@ -10,9 +10,11 @@ namespace palpate::object {
 namespace {
 
 const NeoHookean kFoam = NeoHookean::from_young(30e3, 0.3);
-const Eigen::Vector3d kSize(0.12, 0.06, 0.05);
+const Eigen::Vector3d kNeoHookeanSolidSize(0.12, 0.06, 0.05);
 
-HexahedralGrid block() { return {Eigen::Vector3d(0.1, -0.2, 0.3), kSize, {3, 2, 1}}; }
+HexahedralGrid neo_hookean_solid_block() {
+  return {Eigen::Vector3d(0.1, -0.2, 0.3), kNeoHookeanSolidSize, {3, 2, 1}};
+}
 
 Eigen::Matrix3Xd forces(NeoHookeanSolid solid, const Eigen::Matrix3Xd& positions,
                         const Eigen::Matrix3Xd& velocities) {
@@ -34,7 +36,7 @@ Eigen::Matrix3Xd random_field(Eigen::Index n, double size) {
 }
 
 TEST(NeoHookeanSolid, RigidMotionNeedsNoForce) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 2.0});
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(2.1, Eigen::Vector3d(1, -2, 0.5).normalized()).toRotationMatrix();
@@ -50,7 +52,7 @@ TEST(NeoHookeanSolid, RigidMotionNeedsNoForce) {
 }
 
 TEST(NeoHookeanSolid, ForceIsMinusTheDerivativeOfTheEnergy) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
   // The larger perturbation inverts elements, beyond the guard of the logarithm.
   for (const double size : {0.002, 0.03}) {
@@ -94,7 +96,7 @@ TEST(NeoHookeanSolid, ElementsDoNotMindTheirNeighboursInAPack) {
 }
 
 TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
   Eigen::Matrix3d F;
   F << 1.2, 0.1, -0.05, 0.02, 0.9, 0.15, 0.1, -0.03, 1.1;
@@ -105,7 +107,7 @@ TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
   ASSERT_FALSE(inside.empty());
   for (const int n : inside) EXPECT_LT(f.col(n).norm(), 1e-12 * f.cwiseAbs().maxCoeff() + 1e-13);
   const double J = F.determinant();
-  const double volume = kSize.prod();
+  const double volume = kNeoHookeanSolidSize.prod();
   const double density = 0.5 * kFoam.shear_modulus * (F.squaredNorm() - 3) -
                          kFoam.shear_modulus * std::log(J) +
                          0.5 * kFoam.lame * std::log(J) * std::log(J);
@@ -113,7 +115,7 @@ TEST(NeoHookeanSolid, PatchTestHomogeneousStrainLoadsTheSurfaceOnly) {
 }
 
 TEST(NeoHookeanSolid, UniaxialStressFollowsTheClosedForm) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
   const double mu = kFoam.shear_modulus;
   const double lambda = kFoam.lame;
@@ -126,24 +128,25 @@ TEST(NeoHookeanSolid, UniaxialStressFollowsTheClosedForm) {
     const double stress = mu * (s - 1 / s) + lambda * std::log(s * t * t) / s;
     const Eigen::Matrix3Xd f = forces(solid, Eigen::Vector3d(s, t, t).asDiagonal() * grid.nodes());
     Eigen::Vector3d pull = Eigen::Vector3d::Zero();
-    const double end = 0.1 + kSize.x();
+    const double end = 0.1 + kNeoHookeanSolidSize.x();
     for (const int n : grid.nodes_in({{end, -9, -9}, {end, 9, 9}})) pull -= f.col(n);
-    EXPECT_NEAR(pull.x(), stress * kSize.y() * kSize.z(), 1e-10 * std::abs(pull.x()));
+    EXPECT_NEAR(pull.x(), stress * kNeoHookeanSolidSize.y() * kNeoHookeanSolidSize.z(),
+                1e-10 * std::abs(pull.x()));
     EXPECT_LT(f.bottomRows<2>().cwiseAbs().maxCoeff(), 1e-10 * std::abs(pull.x()));
   }
 }
 
 TEST(NeoHookeanSolid, SmallStrainModulusIsYoungs) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid solid(grid, {kFoam, 0});
   const double strain = 1e-6;
   const Eigen::Vector3d stretch(1 + strain, 1 - 0.3 * strain, 1 - 0.3 * strain);
   const double energy = solid.energy(stretch.asDiagonal() * grid.nodes());
-  EXPECT_NEAR(energy, 0.5 * 30e3 * strain * strain * kSize.prod(), 1e-3 * energy);
+  EXPECT_NEAR(energy, 0.5 * 30e3 * strain * strain * kNeoHookeanSolidSize.prod(), 1e-3 * energy);
 }
 
 TEST(NeoHookeanSolid, ViscosityTakesEnergyOut) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   const NeoHookeanSolid elastic(grid, {kFoam, 0});
   const NeoHookeanSolid viscous(grid, {kFoam, 3.0});
   const Eigen::Matrix3Xd x = grid.nodes() + random_field(grid.node_count(), 0.002);
@@ -151,13 +154,13 @@ TEST(NeoHookeanSolid, ViscosityTakesEnergyOut) {
   Eigen::Matrix3Xd shearing = Eigen::Matrix3Xd::Zero(3, grid.node_count());
   shearing.row(0) = 2.0 * grid.nodes().row(1);
   const double power = forces(viscous, grid.nodes(), shearing).cwiseProduct(shearing).sum();
-  EXPECT_NEAR(power, -3.0 * 4.0 * kSize.prod(), 1e-9);
+  EXPECT_NEAR(power, -3.0 * 4.0 * kNeoHookeanSolidSize.prod(), 1e-9);
   const Eigen::Matrix3Xd v = random_field(grid.node_count(), 0.5);
   EXPECT_LT((forces(viscous, x, v) - forces(elastic, x, v)).cwiseProduct(v).sum(), 0);
 }
 
 TEST(NeoHookeanSolid, StiffeningMatchesTheTangentOfASqueezedBlock) {
-  const HexahedralGrid grid = block();
+  const HexahedralGrid grid = neo_hookean_solid_block();
   NeoHookeanSolid solid(grid, {kFoam, 0});
   Eigen::Matrix3Xd scratch = Eigen::Matrix3Xd::Zero(3, grid.node_count());
   const double s = 0.6;
@@ -168,7 +171,7 @@ TEST(NeoHookeanSolid, StiffeningMatchesTheTangentOfASqueezedBlock) {
   const double psi[3] = {solid.energy(Eigen::Vector3d(s - 1e-4, 1, 1).asDiagonal() * grid.nodes()),
                          solid.energy(x),
                          solid.energy(Eigen::Vector3d(s + 1e-4, 1, 1).asDiagonal() * grid.nodes())};
-  const double modulus = (psi[0] - 2 * psi[1] + psi[2]) / 1e-8 / kSize.prod();
+  const double modulus = (psi[0] - 2 * psi[1] + psi[2]) / 1e-8 / kNeoHookeanSolidSize.prod();
   EXPECT_NEAR(stiffening, modulus / (2 * kFoam.shear_modulus + kFoam.lame), 1e-4);
   EXPECT_NEAR(solid.add_forces(grid.nodes(), 0 * x, 0, scratch), 1, 1e-12);
 }

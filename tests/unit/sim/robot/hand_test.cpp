@@ -13,7 +13,7 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kDt = 1e-3;
+constexpr double kHandDt = 1e-3;
 const std::vector<std::string> kTips = {"ff_tip", "mf_tip", "rf_tip", "lf_tip", "th_tip"};
 const Vector3d kGravity(0, 0, -9.81);
 
@@ -23,8 +23,8 @@ Robot make_hand() {
   return robot;
 }
 
-void run(Robot& robot, double seconds) {
-  for (int i = 0, n = std::lround(seconds / kDt); i < n; ++i) robot.step(kDt);
+void hand_run(Robot& robot, double seconds) {
+  for (int i = 0, n = std::lround(seconds / kHandDt); i < n; ++i) robot.step(kHandDt);
 }
 
 /// Mass and centre of mass of each part: a finger is a cylinder of 100 g from 5 to 85 mm, divided
@@ -112,10 +112,10 @@ TEST(Hand, FingersCloseTowardsTheThumbAndOpenAwayFromIt) {
 TEST(Hand, KeepsItsPlaceUntilItIsCommanded) {
   Robot robot = make_hand();
   for (int i = 0; i < 1500; ++i) {
-    const double t = i * kDt;
+    const double t = i * kHandDt;
     robot.command_twist({Vector3d(0.3 * std::sin(9 * t), 0.3 * std::cos(8 * t), 0),
                          Vector3d(std::sin(7 * t), 0, 1.5 * std::sin(6 * t))});
-    robot.step(kDt);
+    robot.step(kHandDt);
     ASSERT_EQ(robot.hand_positions().cwiseAbs().maxCoeff(), 0);
     ASSERT_EQ(robot.hand_velocities().cwiseAbs().maxCoeff(), 0);
   }
@@ -130,7 +130,7 @@ TEST(Hand, ReachesItsTargetsWithinSpeedAndTorque) {
                                  VectorXd(robot.hand_limits().lower), curled(robot, -0.3)}) {
     robot.command_hand(target);
     for (int i = 0; i < 1200; ++i) {
-      robot.step(kDt);
+      robot.step(kHandDt);
       shaken = std::max(shaken, (robot.flange_pose().translation() - still).norm());
       const Eigen::ArrayXd speed = robot.hand_velocities().cwiseAbs();
       ASSERT_TRUE((speed < 1.1 * robot.hand_limits().velocity.array()).all());
@@ -144,7 +144,7 @@ TEST(Hand, ReachesItsTargetsWithinSpeedAndTorque) {
   RecordProperty("shaken_mm", std::to_string(1e3 * shaken));
   // Beyond the limits: clamped.
   robot.command_hand(VectorXd::Constant(20, 10));
-  run(robot, 1.5);
+  hand_run(robot, 1.5);
   EXPECT_LT((robot.hand_positions() - robot.hand_limits().upper).cwiseAbs().maxCoeff(), 1e-3);
   EXPECT_THROW(robot.command_hand(VectorXd::Zero(19)), std::invalid_argument);
   EXPECT_THROW(robot.command_hand(VectorXd::Constant(20, NAN)), std::invalid_argument);
@@ -154,12 +154,12 @@ TEST(Hand, ReachesItsTargetsWithinSpeedAndTorque) {
 TEST(Hand, FingersYieldToAContactByTheirStiffness) {
   Robot robot = make_hand();
   robot.command_hand(VectorXd::Zero(20));
-  run(robot, 0.2);
+  hand_run(robot, 0.2);
   const math::Pose X_WT = robot.link_pose("ff_tip");
   const Vector3d closing = -robot.link_pose("hand").linear().col(0);
   const double force = 0.3;
   robot.set_link_load("ff_tip", {force * closing, Vector3d::Zero()}, X_WT.translation());
-  run(robot, 1);
+  hand_run(robot, 1);
   // Levers from the joints to the tip's centre; small angles.
   const double stiffness = RobotOptions().hand.stiffness;
   const VectorXd q = robot.hand_positions();
@@ -174,12 +174,12 @@ TEST(Hand, FingersYieldToAContactByTheirStiffness) {
 TEST(Hand, TorqueLimitGivesWay) {
   Robot robot = make_hand();
   robot.command_hand(VectorXd::Zero(20));
-  run(robot, 0.1);
+  hand_run(robot, 0.1);
   const Vector3d closing = -robot.link_pose("hand").linear().col(0);
   // 1.2 N m at the finger's base, above its 1 N m.
   robot.set_link_load("ff_tip", {15 * closing, Vector3d::Zero()},
                       robot.link_pose("ff_tip").translation());
-  run(robot, 0.5);
+  hand_run(robot, 0.5);
   const int j3 = index_of(robot, "ff_j3");
   EXPECT_GT(robot.hand_positions()(j3), 0.6);  // a spring alone would yield by 0.5
   EXPECT_LE(std::abs(robot.hand_torques()(j3)), 1 + 1e-12);
@@ -189,7 +189,7 @@ TEST(Hand, TorqueLimitGivesWay) {
 TEST(Hand, SensorFeelsTheWeightOfCurledFingersAndWhatTheyTouch) {
   Robot robot = make_hand();
   robot.command_hand(curled(robot));
-  run(robot, 1.5);
+  hand_run(robot, 1.5);
   EXPECT_NEAR(total_mass(), 4.8, 1e-12);
   const Vector3d p_S = robot.link_pose("sensor").translation();
   const Eigen::Matrix3d R_WS = robot.link_pose("sensor").linear();
@@ -200,7 +200,7 @@ TEST(Hand, SensorFeelsTheWeightOfCurledFingersAndWhatTheyTouch) {
 
   const math::Wrench touch{Vector3d(0.3, -0.2, 0.4), Vector3d(0.002, 0.001, -0.003)};
   robot.set_link_load("th_tip", touch, robot.link_pose("th_tip").translation());
-  run(robot, 1.5);
+  hand_run(robot, 1.5);
   F = robot.sensor_wrench();
   const Vector3d p_T = robot.link_pose("th_tip").translation();
   EXPECT_LT((R_WS * F.force + weight + touch.force).norm(), 1e-3);
@@ -213,11 +213,11 @@ TEST(Hand, SensorFeelsTheWeightOfCurledFingersAndWhatTheyTouch) {
 TEST(Hand, SensorImpulseIsTheFingersChangeOfMomentum) {
   Robot robot = make_hand();
   robot.command_hand(VectorXd::Zero(20));
-  run(robot, 0.1);
+  hand_run(robot, 0.1);
   const auto step_momentum = [&robot] {
     const Vector3d before = centre_of_mass(robot);
-    robot.step(kDt);
-    return Vector3d(4.8 / kDt * (centre_of_mass(robot) - before));
+    robot.step(kHandDt);
+    return Vector3d(4.8 / kHandDt * (centre_of_mass(robot) - before));
   };
   const Vector3d first = step_momentum();
   robot.command_hand(curled(robot));
@@ -225,8 +225,8 @@ TEST(Hand, SensorImpulseIsTheFingersChangeOfMomentum) {
   double largest = 0;
   for (int i = 0; i < 400; ++i) {
     const Vector3d change = step_momentum() - first;
-    impulse +=
-        kDt * (robot.link_pose("sensor").linear() * robot.sensor_wrench().force + 4.8 * kGravity);
+    impulse += kHandDt *
+               (robot.link_pose("sensor").linear() * robot.sensor_wrench().force + 4.8 * kGravity);
     largest = std::max(largest, change.norm());
     ASSERT_LT((impulse - change).norm(), 1e-3) << "after " << i << " ms";
   }

@@ -43,7 +43,7 @@ struct SpringHand {
   void follow(const VectorXd& target) { q = target + lag * (q - target); }
 };
 
-void run(SpringHand& hand, ReactiveGrasp& grasp, int steps) {
+void reactive_grasp_run(SpringHand& hand, ReactiveGrasp& grasp, int steps) {
   for (int i = 0; i < steps; ++i) hand.follow(grasp.step(hand.q, hand.force()));
 }
 
@@ -54,12 +54,12 @@ TEST(ReactiveGrasp, BringsEveryFingerIntoTheBandAndThere) {
     ReactiveGrasp grasp(SpringHand::fingers(), SpringHand::limits());
     grasp.reset(hand.q);
     grasp.close();
-    run(hand, grasp, 300);
+    reactive_grasp_run(hand, grasp, 300);
     EXPECT_EQ(grasp.in_band(), 5) << k << " N/m";
     const VectorXd before = hand.force();
     EXPECT_GE(before.minCoeff(), 0.1) << k;
     EXPECT_LE(before.maxCoeff(), 1.0) << k;
-    run(hand, grasp, 100);
+    reactive_grasp_run(hand, grasp, 100);
     EXPECT_LT((hand.force() - before).cwiseAbs().maxCoeff(), 1e-6) << k;  // it rests
   }
 }
@@ -69,13 +69,13 @@ TEST(ReactiveGrasp, FollowsAnObjectThatGivesWayOrSwells) {
   ReactiveGrasp grasp(SpringHand::fingers(), SpringHand::limits());
   grasp.reset(hand.q);
   grasp.close();
-  run(hand, grasp, 200);
-  hand.gap[1] += 0.010;  // contact lost
+  reactive_grasp_run(hand, grasp, 200);
+  hand.gap[1] += 0.010;  // lost contact
   EXPECT_EQ(hand.force()(1), 0);
   hand.gap[2] -= 0.010;  // 3 N more
   EXPECT_GT(hand.force()(2), 3);
   const VectorXd others = hand.q;
-  run(hand, grasp, 300);
+  reactive_grasp_run(hand, grasp, 300);
   EXPECT_EQ(grasp.in_band(), 5);
   EXPECT_LT((hand.q - others).segment<3>(9).norm(), 1e-6);  // its neighbour is unaffected
 }
@@ -102,15 +102,15 @@ TEST(ReactiveGrasp, OpensToTheLimitsAndBandsAreScaled) {
   ReactiveGrasp grasp(SpringHand::fingers(), SpringHand::limits());
   grasp.reset(hand.q);
   grasp.close({0.5, 3});
-  run(hand, grasp, 300);
+  reactive_grasp_run(hand, grasp, 300);
   EXPECT_GE(hand.force().minCoeff(), 0.5);
   EXPECT_LE(hand.force().maxCoeff(), 3);
   grasp.open();
-  run(hand, grasp, 100);
+  reactive_grasp_run(hand, grasp, 100);
   EXPECT_EQ(hand.force().maxCoeff(), 0);
   EXPECT_LT((hand.q - SpringHand::limits().lower).cwiseAbs().maxCoeff(), 1e-6);
   grasp.close();
-  run(hand, grasp, 300);
+  reactive_grasp_run(hand, grasp, 300);
   EXPECT_EQ(grasp.in_band(), 5);
 }
 

@@ -15,15 +15,15 @@ using Eigen::Matrix3d;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double kDt = 1e-3;
+constexpr double kRobotDt = 1e-3;
 constexpr double kHandMass = 4.8;
 const Vector3d kHandCentre(0.0015, -0.00065, 0.1137);  // in S
-constexpr double kGravity = 9.81;
+constexpr double kRobotGravity = 9.81;
 
 Robot make_arm() { return Robot(load_model(kArmUrdf), RobotOptions()); }
 
-void run(Robot& robot, double seconds) {
-  for (int i = 0, n = std::lround(seconds / kDt); i < n; ++i) robot.step(kDt);
+void robot_run(Robot& robot, double seconds) {
+  for (int i = 0, n = std::lround(seconds / kRobotDt); i < n; ++i) robot.step(kRobotDt);
 }
 
 /// The LWR's forward kinematics, derived by hand.
@@ -73,16 +73,16 @@ TEST(Robot, SensorCarriesTheHandsWeightAtRest) {
   Robot robot = make_arm();
   for (const VectorXd& q : postures()) {
     robot.set_joints(q);
-    run(robot, 0.05);
+    robot_run(robot, 0.05);
     const Matrix3d R_SW = robot.link_pose("sensor").linear().transpose();
-    const Vector3d force = R_SW * Vector3d(0, 0, kHandMass * kGravity);  // upward, on the hand
+    const Vector3d force = R_SW * Vector3d(0, 0, kHandMass * kRobotGravity);  // upward, on the hand
     const math::Wrench F = robot.sensor_wrench();
     EXPECT_LT((F.force - force).norm(), 1e-6);
     EXPECT_LT((F.torque - kHandCentre.cross(force)).norm(), 1e-5);
     const ImuReading imu = robot.imu();
-    EXPECT_NEAR(imu.acceleration.norm(), kGravity, 1e-6);
+    EXPECT_NEAR(imu.acceleration.norm(), kRobotGravity, 1e-6);
     const Vector3d up = robot.link_pose("imu").linear() * imu.acceleration;
-    EXPECT_NEAR(up.z(), kGravity, 1e-6);
+    EXPECT_NEAR(up.z(), kRobotGravity, 1e-6);
   }
 }
 
@@ -93,18 +93,18 @@ TEST(Robot, SensorForceFollowsTheMotionOfTheHandsCentreOfMass) {
   Vector3d before = centre(), now = before;
   double largest = 0;
   for (int i = 0; i < 1500; ++i) {
-    const double t = i * kDt;
+    const double t = i * kRobotDt;
     robot.command_twist(
         {Vector3d(0.2 * std::sin(4 * t), 0.3 * std::cos(5 * t), 0.2 * std::sin(3 * t)),
          Vector3d(std::sin(6 * t), std::sin(5 * t), 1.5 * std::sin(7 * t))});
-    robot.step(kDt);
+    robot.step(kRobotDt);
     const Vector3d next = centre();
     if (i > 10) {
       // The second difference is the acceleration one tick ago; a tick changes it little.
-      const Vector3d a = (next - 2 * now + before) / (kDt * kDt);
-      const Vector3d force_W = kHandMass * (a + Vector3d(0, 0, kGravity));
+      const Vector3d a = (next - 2 * now + before) / (kRobotDt * kRobotDt);
+      const Vector3d force_W = kHandMass * (a + Vector3d(0, 0, kRobotGravity));
       const Vector3d F_W = robot.link_pose("sensor").linear() * robot.sensor_wrench().force;
-      largest = std::max(largest, (F_W - Vector3d(0, 0, kHandMass * kGravity)).norm());
+      largest = std::max(largest, (F_W - Vector3d(0, 0, kHandMass * kRobotGravity)).norm());
       EXPECT_LT((F_W - force_W).norm(), 0.25) << "at " << t << " s";
     }
     before = now;
@@ -122,15 +122,15 @@ TEST(Robot, SensorTorqueAboutTheLastAxisIsThatJointsTorque) {
   VectorXd rate = VectorXd::Zero(7);
   double last_speed = 0;
   for (int i = 0; i < 1000; ++i) {
-    const double t = i * kDt;
+    const double t = i * kRobotDt;
     rate << 0.3 * std::sin(3 * t), 0.3 * std::sin(4 * t), 0, 0.2 * std::sin(5 * t), 0,
         0.4 * std::sin(4 * t), 1.2 * std::sin(8 * t);
     robot.command_joints(rate);
     robot.set_hand_load({Vector3d(1, 2, 0.5), Vector3d(0.1, 0.2, -0.1)},
                         robot.link_pose("grasp").translation());
-    robot.step(kDt);
+    robot.step(kRobotDt);
     const double speed = robot.joint_velocities()(6);
-    const double own = own_inertia * (speed - last_speed) / kDt;
+    const double own = own_inertia * (speed - last_speed) / kRobotDt;
     last_speed = speed;
     if (i < 10) continue;
     EXPECT_NEAR(robot.sensor_wrench().torque.z() + own, robot.joint_torques()(6), 0.01);
@@ -142,12 +142,12 @@ TEST(Robot, SensorTorqueAboutTheLastAxisIsThatJointsTorque) {
 TEST(Robot, ObjectsLoadReachesTheSensorAndTheArmHolds) {
   Robot robot = make_arm();
   robot.set_joints(ready_pose());
-  run(robot, 0.05);
+  robot_run(robot, 0.05);
   const math::Wrench free = robot.sensor_wrench();
   const Vector3d p_G = robot.link_pose("grasp").translation();
   const math::Wrench load{Vector3d(2, -5, -8), Vector3d(0.3, 0.2, -0.4)};
   robot.set_hand_load(load, p_G);
-  run(robot, 1.0);
+  robot_run(robot, 1.0);
   const math::Pose X_WS = robot.link_pose("sensor");
   const math::Wrench felt = robot.sensor_wrench();
   const math::Wrench expected = math::move_reference(load, X_WS.translation() - p_G);
@@ -163,7 +163,7 @@ TEST(Robot, FollowsACartesianTwist) {
   const math::Twist twist{Vector3d(-0.05, 0.08, 0.06), Vector3d(0.2, -0.1, 0.3)};
   for (int i = 0; i < 1000; ++i) {
     robot.command_twist(twist);
-    robot.step(kDt);
+    robot.step(kRobotDt);
     if (i < 300) continue;
     EXPECT_LT((robot.flange_twist().linear - twist.linear).norm(), 1e-3);
     EXPECT_LT((robot.flange_twist().angular - twist.angular).norm(), 2e-3);
@@ -183,13 +183,13 @@ TEST(Robot, PullsBackToItsPostureWithoutMovingTheHand) {
   rate(2) = 0.5;
   for (int i = 0; i < 600; ++i) {
     robot.command_joints(rate);
-    robot.step(kDt);
+    robot.step(kRobotDt);
   }
   const math::Pose held = robot.flange_pose();
   const double away = (robot.joint_positions() - ready_pose()).norm();
   for (int i = 0; i < 3000; ++i) {
     robot.command_twist(math::Twist());
-    robot.step(kDt);
+    robot.step(kRobotDt);
   }
   EXPECT_LT((robot.joint_positions() - ready_pose()).norm(), 0.95 * away);
   // Minus the distance that the arm needs to stop.
@@ -203,14 +203,14 @@ TEST(Robot, StopsWhenCommandsAreStale) {
   const math::Twist twist{Vector3d(0, 0.1, 0.05), Vector3d::Zero()};
   for (int i = 0; i < 300; ++i) {
     robot.command_twist(twist);
-    robot.step(kDt);
+    robot.step(kRobotDt);
   }
-  run(robot, 0.09);  // a short gap is bridged
+  robot_run(robot, 0.09);  // a short gap is bridged
   EXPECT_NEAR(robot.flange_twist().linear.norm(), twist.linear.norm(), 2e-3);
-  run(robot, 0.25);
+  robot_run(robot, 0.25);
   EXPECT_LT(robot.flange_twist().linear.norm(), 1e-4);
   const math::Pose rest = robot.flange_pose();
-  run(robot, 0.5);
+  robot_run(robot, 0.5);
   EXPECT_LT((robot.flange_pose().translation() - rest.translation()).norm(), 1e-6);
 }
 
@@ -223,7 +223,7 @@ TEST(Robot, KeepsItsJointsWithinPositionSpeedAndTorqueLimits) {
       rate(joint) = sign * 10;  // beyond every speed limit
       for (int i = 0; i < 3500; ++i) {
         robot.command_joints(rate);
-        robot.step(kDt);
+        robot.step(kRobotDt);
         const VectorXd q = robot.joint_positions();
         ASSERT_TRUE((q.array() > robot.limits().lower.array()).all() &&
                     (q.array() < robot.limits().upper.array()).all())

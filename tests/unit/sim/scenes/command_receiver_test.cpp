@@ -70,7 +70,7 @@ TEST_F(CommandAccess, WhoHasNotTheKeyMovesNothing) {
 }
 
 TEST_F(CommandAccess, WhoHasItSteersAndCannotBeReplayed) {
-  bus::Sealer sealer("TWIST_COMMAND", access_);
+  bus::MessageSigner sealer("TWIST_COMMAND", access_);
   std::vector<twist_command_t> recorded;
   for (int i = 0; i < 200; ++i) {
     recorded.push_back(up());
@@ -95,7 +95,7 @@ TEST_F(CommandAccess, WhoHasItSteersAndCannotBeReplayed) {
 }
 
 TEST_F(CommandAccess, ForgedMessagesLeaveTheOrderAlone) {
-  bus::Sealer sealer("TWIST_COMMAND", access_);
+  bus::MessageSigner sealer("TWIST_COMMAND", access_);
   for (int i = 0; i < 100; ++i) {
     twist_command_t stray = up();
     stray.session = 77;
@@ -110,7 +110,7 @@ TEST_F(CommandAccess, ForgedMessagesLeaveTheOrderAlone) {
 
 TEST_F(CommandAccess, WhatWasSentBeforeTheStartIsRefused) {
   stage_.simulation.start_clock(1'000'000);
-  bus::Sealer sealer("TWIST_COMMAND", {access_.key, 1});
+  bus::MessageSigner sealer("TWIST_COMMAND", {access_.key, 1});
   for (const std::int64_t sent_at : {999'000, 1'000'001}) {
     twist_command_t message = up();
     sealer.put(message, sent_at);

@@ -36,7 +36,7 @@ std::vector<hand_command_t> commands(const std::optional<bus::Key>& key) {
 }
 
 int obeyed(const std::vector<hand_command_t>& heard, const std::optional<bus::Key>& key) {
-  bus::Admission admission("HAND_COMMAND", {key, 1});
+  bus::ReplayGuard admission("HAND_COMMAND", {key, 1});
   int count = 0;
   for (const hand_command_t& command : heard)
     count += admission.judge(command) == bus::Admitted::kFresh ? 1 : 0;

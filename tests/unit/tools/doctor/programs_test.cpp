@@ -63,6 +63,14 @@ TEST(Configuration, OneThatPalpatedTakesIsWell) {
   EXPECT_NE(findings[0].found.find("189 nodes"), std::string::npos) << findings[0].found;
 }
 
+TEST(Configuration, ABoxBetweenRowsOfNodesIsAWarning) {
+  const Findings findings = check_configuration(kExamples + "/bar_long_soft.yaml",
+                                                {"object.grasp_box.lower=[0.46, 0, 0]"});
+  ASSERT_EQ(findings.size(), 2u);
+  EXPECT_EQ(findings[1].verdict, Verdict::kWarn);
+  EXPECT_NE(findings[1].found.find("x = 0.46 m"), std::string::npos) << findings[1].found;
+}
+
 TEST(Configuration, FilesThatCannotBeReadAreNamed) {
   const std::string example = kExamples + "/bar_long_soft.yaml";
   const auto failure = [&](const std::string& override_) {

@@ -61,19 +61,5 @@ TEST(Json, NumbersTextsAndArraysInUse) {
   EXPECT_EQ(other["reason"], "\"\\\n?\xc3\xa9");
 }
 
-TEST(Json, Base64) {
-  const auto encoded = [](const std::string& bytes) {
-    std::string text;
-    append_base64(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size(), text);
-    return text;
-  };
-  // The test vectors of RFC 4648.
-  EXPECT_EQ(encoded(""), "");
-  EXPECT_EQ(encoded("f"), "Zg==");
-  EXPECT_EQ(encoded("fo"), "Zm8=");
-  EXPECT_EQ(encoded("foo"), "Zm9v");
-  EXPECT_EQ(encoded("foobar"), "Zm9vYmFy");
-}
-
 }  // namespace
 }  // namespace palpate::exporting

@@ -65,8 +65,8 @@ TEST_F(ProgramTest, WritesWhatIsAskedForAndNothingWhereItFails) {
   EXPECT_EQ(text.code, 1);
   EXPECT_NE(text.text.find("no LCM event log"), std::string::npos) << text.text;
   std::ofstream(path("wrong.yaml")) << "frames: {object_in_base: 3}\n";
-  const Answer wrong = program(
-      {"mcap", path("control.log"), "-o", path("a.mcap"), "--configuration", path("wrong.yaml")});
+  const Answer wrong =
+      program({"mcap", path("control.log"), "-o", path("a.mcap"), "--config", path("wrong.yaml")});
   EXPECT_EQ(wrong.code, 78) << wrong.text;
   EXPECT_NE(wrong.text.find("object_in_base"), std::string::npos) << wrong.text;
   const Answer odd =

@@ -13,7 +13,7 @@ namespace palpate::exporting {
 
 /// A box [0, size] of linear tetrahedra, as palpated would publish it.
 inline log::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
-                                             const std::array<int, 3>& cells) {
+                                        const std::array<int, 3>& cells) {
   const mesh::TetrahedralMesh box = mesh::make_box(size, cells);
   log::MeshMessage message;
   message.hash = 11;
@@ -29,7 +29,7 @@ inline log::MeshMessage tetrahedral_box(const Eigen::Vector3d& size,
 
 /// The same box of 27-node hexahedra, as the simulator would: nodes with x running fastest.
 inline log::MeshMessage hexahedral_box(const Eigen::Vector3d& size,
-                                            const std::array<int, 3>& cells) {
+                                       const std::array<int, 3>& cells) {
   const int nx = 2 * cells[0] + 1, ny = 2 * cells[1] + 1, nz = 2 * cells[2] + 1;
   log::MeshMessage message;
   message.hash = 22;

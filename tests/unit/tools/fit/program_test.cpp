@@ -67,7 +67,7 @@ class ProgramTest : public testing::Test {
 
 TEST_F(ProgramTest, WritesWhatItFound) {
   const std::filesystem::path out = folder_.path() / "out";
-  ASSERT_EQ(run_program({"--out", out.string(), "--json", (out / "all.json").string(),
+  ASSERT_EQ(run_program({"--output", out.string(), "--json", (out / "all.json").string(),
                          "--check-gradients", "--numeric"}),
             0)
       << output();
@@ -89,7 +89,7 @@ TEST_F(ProgramTest, WritesWhatItFound) {
 }
 
 TEST_F(ProgramTest, PalpatedReadsWhatItWrites) {
-  ASSERT_EQ(run_program({"--out", folder_.path().string()}), 0) << output();
+  ASSERT_EQ(run_program({"--output", folder_.path().string()}), 0) << output();
   folder_.write("bar.yaml",
                 "object:\n  mesh: {box: {size: [0.2, 0.04, 0.04], cells: [4, 1, 1]}}\n"
                 "  fixed_box: {lower: [0, 0, 0], upper: [0, 0.04, 0.04]}\n"
@@ -108,7 +108,7 @@ TEST_F(ProgramTest, WhatWasKilledIsGoneOnFrom) {
                                             (folder_.path() / "plan.yaml").string(),
                                             "--data",
                                             folder_.path().string(),
-                                            "--out",
+                                            "--output",
                                             out.string(),
                                             "--set",
                                             "solver.starts=2000"};

@@ -11,8 +11,8 @@
 #include "core/math/random.hpp"
 #include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
-#include "tools/fit/gradient_check.hpp"
 #include "tools/fit/experiments/overstress.hpp"
+#include "tools/fit/gradient_check.hpp"
 
 namespace palpate::fit {
 namespace {

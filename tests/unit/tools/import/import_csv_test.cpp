@@ -15,6 +15,8 @@
 
 #include "rt/bus/event_log_reader.hpp"
 #include "tests/support/recordings.hpp"
+#include "tools/import/fields.hpp"
+#include "tools/import/formats_page.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::import {
@@ -185,6 +187,35 @@ TEST_F(ImportCsv, ComplaintsNameFileLineAndColumn) {
   EXPECT_THAT(complaint(), HasSubstr("two columns are named 'fx'"));
   write(header.substr(0, header.find('\n') + 1));
   EXPECT_THAT(complaint(), HasSubstr("no row"));
+}
+
+TEST_F(ImportCsv, AllMissingColumnsOfAFileAreOneComplaint) {
+  write("stamp,fx,fz,a\n0,1,2,3\n");
+  options_.streams = {{"FT_WRENCH", "force_torque", {{"fy", "-side:mN"}, {"tx", "=0"}}},
+                      {"IMU", "imu", {{"ax", "a"}, {"wx", "gyro"}}}};
+  options_.where = {{"finger", "ring"}};
+  EXPECT_THAT(complaint(),
+              HasSubstr("in.csv: no columns 't', 'finger', 'side', 'ty', 'tz', 'ay', 'az', 'gyro'; "
+                        "the columns are stamp, fx, fz, a; palpate-import --formats"));
+}
+
+TEST_F(ImportCsv, ReadsQuotedCellsAndOtherDelimiters) {
+  write("t;fx;fy;fz;tx;ty;tz;note\n0;1;2;3;4;5;6;\"a; b\"\n");
+  use("force_torque");
+  import_csv(options_);
+  EXPECT_EQ(read_log(options_.output).at(0).as<ft_wrench_t>().wrench[5], 6);
+  std::filesystem::remove(options_.output);
+  options_.delimiter = ',';
+  EXPECT_THAT(complaint(), HasSubstr("no columns 't', 'fx'"));
+}
+
+TEST_F(ImportCsv, ThePageOfFormatsNamesEveryFieldsUnitAndWhetherItIsRequired) {
+  const std::string page = formats_page();
+  for (const std::string& format : format_names())
+    EXPECT_THAT(page, HasSubstr("\n## " + format + "\n"));
+  EXPECT_THAT(page, HasSubstr("| `fx`, `fy`, `fz` | N (kN, mN) | yes | force"));
+  EXPECT_THAT(page, HasSubstr("| `q1` to `q16` | rad (deg) | no | joint positions"));
+  EXPECT_THAT(page, HasSubstr("| `qw`, `qx`, `qy`, `qz` | - | yes | orientation"));
 }
 
 TEST_F(ImportCsv, ComplainsAboutMappingsThatMakeNoSense) {

@@ -75,7 +75,7 @@ class Program : public MeshFolder {
                       const std::vector<long>& numbers) {
     expect_found(file, kind, numbers, true);
     const std::string out = path("never" + std::filesystem::path(file).extension().string());
-    EXPECT_EQ(run({"repair", path(file), out}), 2) << output();
+    EXPECT_EQ(run({"repair", path(file), out}), 65) << output();
     EXPECT_THAT(output(), AllOf(HasSubstr(path(file)), HasSubstr("refused"), HasSubstr("error: ")));
     for (const long number : numbers) EXPECT_THAT(output(), HasSubstr(std::to_string(number)));
     EXPECT_FALSE(std::filesystem::exists(out));
@@ -86,7 +86,7 @@ class Program : public MeshFolder {
   void expect_found(const std::string& file, const std::string& kind,
                     const std::vector<long>& numbers, bool can_be_seen) {
     const nlohmann::json result =
-        run_json({"check", path(file), "--picture", path("faults.png")}, 2);
+        run_json({"check", path(file), "--picture", path("faults.png")}, 65);
     bool found = false;
     for (const nlohmann::json& fault : result["faults"]) {
       if (fault["kind"] != kind) continue;
@@ -189,7 +189,7 @@ TEST_F(Program, OverlapsAreRefused) {
   const Eigen::Vector3d middle = mesh.mesh.nodes(Eigen::all, first).rowwise().mean();
   add(mesh.mesh, Eigen::Vector4i(first[0], first[1], first[2], add_node(mesh.mesh, middle)));
   write_mesh("a.msh", mesh);
-  const nlohmann::json result = run_json({"repair", path("a.msh"), path("b.msh")}, 2);
+  const nlohmann::json result = run_json({"repair", path("a.msh"), path("b.msh")}, 65);
   EXPECT_EQ(result["faults"][0]["kind"], "overlap");
   EXPECT_GT(red_pixels(path("b.msh.faults.png")), 100);
 }
@@ -220,7 +220,7 @@ TEST_F(Program, NodesThatAreNotThereAreRefusedInEveryFormat) {
   const std::size_t line = veg.find("\n41 ", veg.find("TETS"));
   const std::size_t end = veg.find('\n', line + 1);
   write("c.veg", veg.replace(veg.rfind(' ', end), end - veg.rfind(' ', end), " 99"));
-  EXPECT_EQ(run({"repair", path("c.veg"), path("d.msh")}), 2);
+  EXPECT_EQ(run({"repair", path("c.veg"), path("d.msh")}), 65);
   EXPECT_THAT(output(), HasSubstr("not there: 1 (41)"));
 }
 
@@ -249,7 +249,7 @@ TEST_F(Program, SurfacesAreMendedOrRefused) {
                         const std::string& step) {
     write_surface(broken, path("a.stl"));
     const nlohmann::json found =
-        run_json({"check", path("a.stl"), "--picture", path("faults.png")}, 2);
+        run_json({"check", path("a.stl"), "--picture", path("faults.png")}, 65);
     EXPECT_THAT(found["faults"].dump(), HasSubstr("\"" + kind + "\""));
     EXPECT_GT(red_pixels(path("faults.png")), 100) << kind;
     const nlohmann::json result = run_json({"repair", path("a.stl"), path("b.obj")});
@@ -269,9 +269,9 @@ TEST_F(Program, SurfacesAreMendedOrRefused) {
 
   const auto refuse = [&](const mesh::TriangleSurface& broken, const std::string& kind) {
     write_surface(broken, path("c.stl"));
-    EXPECT_EQ(run({"repair", path("c.stl"), path("d.stl")}), 2) << output();
+    EXPECT_EQ(run({"repair", path("c.stl"), path("d.stl")}), 65) << output();
     const nlohmann::json found =
-        run_json({"surface", path("c.stl"), path("d.msh"), "--edge", "0.02"}, 2);
+        run_json({"surface", path("c.stl"), path("d.msh"), "--edge", "0.02"}, 65);
     EXPECT_THAT(found["faults"].dump(), HasSubstr("\"" + kind + "\""));
     EXPECT_FALSE(std::filesystem::exists(path("d.msh")));
     EXPECT_GT(red_pixels(path("d.msh.faults.png")), 100) << kind;
@@ -353,9 +353,9 @@ TEST_F(Program, OptimisingSaysWhatItGained) {
 }
 
 TEST_F(Program, WrongCommandsAndFilesAreToldOf) {
-  EXPECT_EQ(run({}), 1);
-  EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1"}), 1);
-  EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1", "-0.1", "--edge", "0.1"}), 1);
+  EXPECT_EQ(run({}), 64);
+  EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1"}), 64);
+  EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1", "-0.1", "--edge", "0.1"}), 64);
   EXPECT_EQ(run({"box", path("a.msh"), "--size", "1", "1", "1", "--edge", "1e-4"}), 1);
   EXPECT_THAT(output(), HasSubstr("5 million"));
   EXPECT_EQ(run({"check", path("none.msh")}), 1);

@@ -12,7 +12,7 @@
 namespace palpate::record {
 namespace {
 
-using bus::testing::encoded;
+using bus::support::encoded;
 
 shape_t shape_of(int nodes) {
   shape_t shape{};

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <lcm/lcm-cpp.hpp>
 #include <palpate/biotac_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
@@ -110,6 +111,23 @@ TEST_F(EventLog, NamesFileAndColumnOfWhatIsWrong) {
   EXPECT_THROW(read_tables(path(), "sent", {"BIOTAC_0.pdc"}, "trial"), std::runtime_error);
   EXPECT_THROW(read_log_tables((folder_ / "b.log").string(), "sent", {"BIOTAC_0.pdc"}),
                std::runtime_error);
+}
+
+TEST_F(EventLog, IsToldFromCsvByItsContent) {
+  touch(1, 10);
+  touch(1.01, 20);
+  file_.reset();
+  const std::filesystem::path other_name = folder_ / "run.control.lcmlog";
+  std::filesystem::rename(path(), other_name);
+  EXPECT_TRUE(is_log(other_name.string()));
+  EXPECT_EQ(read_tables(other_name.string(), "sent", {"BIOTAC_0.pdc"}, "").at(0).rows(1, 0), 20);
+
+  std::ofstream(path()) << "t,pdc\n0,1\n0.01,2\n";  // a.log, and a CSV
+  EXPECT_FALSE(is_log(path()));
+  EXPECT_EQ(read_tables(path(), "t", {"pdc"}, "").at(0).rows(1, 0), 2);
+  std::ofstream(path()) << "\xED\xA1\xDA";  // shorter than a sync word
+  EXPECT_FALSE(is_log(path()));
+  EXPECT_FALSE(is_log((folder_ / "none.log").string()));
 }
 
 TEST_F(EventLog, MessagesOfAnotherTypeAndTooFewRowsAreRefused) {

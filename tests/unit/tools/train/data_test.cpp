@@ -55,7 +55,8 @@ TEST(ReadTables, NamesFileLineAndColumnOfWhatIsWrong) {
 
 TEST(ReadTables, SeparatesRecordings) {
   const RecordingFile file("run,t,a\nx,5,1\nx,6,2\ny,0,3\ny,1,4\ny,2,5\n");
-  const std::vector<recordings::Table> tables = recordings::read_tables(file.path(), "t", {"a"}, "run");
+  const std::vector<recordings::Table> tables =
+      recordings::read_tables(file.path(), "t", {"a"}, "run");
   ASSERT_EQ(tables.size(), 2u);
   EXPECT_EQ(tables[0].time[1], 1);  // from 0
   EXPECT_EQ(tables[1].rows(2, 0), 5);
@@ -123,7 +124,8 @@ TEST(recordings::Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   EXPECT_EQ(exact.penalty[0], 1e-9);
   EXPECT_LT((exact.matrix - map).norm(), 1e-6);
   EXPECT_NEAR(exact.offset[0], 3, 1e-6);
-  const recordings::Ridge noisy = recordings::fit_ridge(noise(40, 20), noise(40, 1), {1e-9, 1e-3, 100});
+  const recordings::Ridge noisy =
+      recordings::fit_ridge(noise(40, 20), noise(40, 1), {1e-9, 1e-3, 100});
   EXPECT_EQ(noisy.penalty[0], 100);
   EXPECT_THROW(recordings::fit_ridge(x.topRows(5), y.topRows(5), {1}), std::invalid_argument);
 }
@@ -142,7 +144,8 @@ TEST(recordings::Errors, AreThoseOfTheirDefinition) {
   EXPECT_NEAR(errors.correlation[1], 1, 1e-12);
   EXPECT_EQ(errors.correlation[2], 0);
   EXPECT_NEAR(errors.median_angle[0], 0, 1e-12);  // of 90 degrees and 0
-  EXPECT_THROW(recordings::measure_errors(predicted, truth.topRows(1), {group}), std::invalid_argument);
+  EXPECT_THROW(recordings::measure_errors(predicted, truth.topRows(1), {group}),
+               std::invalid_argument);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ using testing::AllOf;
 using testing::Contains;
 using testing::HasSubstr;
 
-const std::filesystem::path kRoot = PALPATE_SOURCE_DIR;
+const std::filesystem::path kStudyPlanRoot = PALPATE_SOURCE_DIR;
 
 constexpr const char* kPlan = R"(octree_resolution: 0.01
 applications:
@@ -45,7 +45,7 @@ applications:
 class StudyPlanTest : public testing::Test {
  protected:
   StudyPlan read(const std::string& text) const {
-    return read_study_plan(folder_.write("plan.yaml", text), kRoot);
+    return read_study_plan(folder_.write("plan.yaml", text), kStudyPlanRoot);
   }
   /// Error of the plan after one replacement.
   std::string error_of(const std::string& from, const std::string& to) const {
@@ -65,8 +65,8 @@ class StudyPlanTest : public testing::Test {
 class OwnPlan : public testing::TestWithParam<const char*> {};
 
 TEST_P(OwnPlan, IsWhole) {
-  const StudyPlan plan =
-      read_study_plan(kRoot / "tools/lab/studies" / (std::string(GetParam()) + ".yaml"), kRoot);
+  const StudyPlan plan = read_study_plan(
+      kStudyPlanRoot / "tools/lab/studies" / (std::string(GetParam()) + ".yaml"), kStudyPlanRoot);
   const std::vector<StudyJob> jobs = study_jobs(plan, {});
   std::set<std::string> folders, kinds;
   for (const StudyJob& job : jobs) {
@@ -83,7 +83,8 @@ INSTANTIATE_TEST_SUITE_P(Studies, OwnPlan, testing::Values("thesis", "estimate",
                          [](const auto& study) { return std::string(study.param); });
 
 TEST_F(StudyPlanTest, ForceBasedSensingIsOfBarAndBlockSoftAndHard) {
-  const StudyPlan plan = read_study_plan(kRoot / "tools/lab/studies/thesis.yaml", kRoot);
+  const StudyPlan plan =
+      read_study_plan(kStudyPlanRoot / "tools/lab/studies/thesis.yaml", kStudyPlanRoot);
   const auto application_of = [&plan](const std::string& scene) {
     return std::find_if(plan.applications.begin(), plan.applications.end(),
                         [&scene](const auto& a) { return a.scene.stem() == scene; });
@@ -102,7 +103,8 @@ TEST_F(StudyPlanTest, ForceBasedSensingIsOfBarAndBlockSoftAndHard) {
 }
 
 TEST_F(StudyPlanTest, EachModelErrorStandsAlone) {
-  const StudyPlan plan = read_study_plan(kRoot / "tools/lab/studies/model_error.yaml", kRoot);
+  const StudyPlan plan =
+      read_study_plan(kStudyPlanRoot / "tools/lab/studies/model_error.yaml", kStudyPlanRoot);
   std::set<std::vector<std::string>> changes;
   for (const StudyJob& job : study_jobs(plan, {})) {
     std::vector<std::string> change = job.scene_overrides;

@@ -178,14 +178,5 @@ TEST(StudyPage, NeedsNoOtherFile) {
   EXPECT_GT(written["host"]["cores"].get<int>(), 0);
 }
 
-TEST(Base64, IsThatOfTheStandard) {
-  EXPECT_EQ(base64(""), "");
-  EXPECT_EQ(base64("f"), "Zg==");
-  EXPECT_EQ(base64("fo"), "Zm8=");
-  EXPECT_EQ(base64("foo"), "Zm9v");
-  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
-  EXPECT_EQ(base64("\xff\xfe"), "//4=");
-}
-
 }  // namespace
 }  // namespace palpate::studies

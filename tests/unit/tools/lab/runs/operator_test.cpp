@@ -1,0 +1,55 @@
+// palpate-evaluate on a URL that anybody may send to.
+
+#include "tools/lab/runs/operator.hpp"
+
+#include <gtest/gtest.h>
+
+#include "tools/lab/inject/packets.hpp"
+#include "tools/lab/inject/sender.hpp"
+
+namespace palpate::runs {
+namespace {
+
+constexpr int kPackets = 3000;  // some 200 of each kind
+
+void send_malformed(const std::string& url, std::vector<inject::Target> targets) {
+  inject::Sender sender(bus::parse_udpm_url(url), 20000);
+  inject::PacketSource source(1, inject::malformed_kinds(), std::move(targets));
+  for (int i = 0; i < kPackets; ++i) sender.send(source.next());
+  sender.flush();
+}
+
+template <class Message>
+inject::Target target(const char* channel) {
+  return {channel, Message::getHash(), Message().getEncodedSize()};
+}
+
+TEST(Operator, OutlivesMalformedPacketsAndHearsWhatIsRight) {
+  const Urls urls = private_urls();
+  std::unique_ptr<Operator> user;
+  try {
+    user = std::make_unique<Operator>(urls);
+  } catch (const std::runtime_error& error) {
+    GTEST_SKIP() << error.what();
+  }
+  send_malformed(urls.control,
+                 {target<feature_t>("FEATURE"), target<twist_command_t>("TWIST_COMMAND")});
+  send_malformed(urls.housekeeping,
+                 {target<health_t>("HEALTH"), target<component_event_t>("COMPONENT_EVENT")});
+  user->spin(0.2);
+  EXPECT_FALSE(user->heard());
+  EXPECT_EQ(user->refusal(), "");
+
+  const auto daemon = bus::make_lcm_bus(urls.housekeeping);
+  health_t health{};
+  health.state = 2;
+  bus::TypedPublisher<health_t> publisher(*daemon, "HEALTH");
+  for (int i = 0; i < 50 && !user->heard(); ++i) {
+    publisher.publish(health);
+    user->spin(0.05);
+  }
+  EXPECT_TRUE(user->is_active());
+}
+
+}  // namespace
+}  // namespace palpate::runs
