@@ -188,8 +188,8 @@ class HexahedronPack {
     });
   }
 
-  /// The transpose of differentiate() on one line, weighted along the axis over the weight of the
-  /// receiving point, which distribute() brings in.
+  /// The transpose of differentiate() on one line, weighted along the axis and divided by the
+  /// weight of the receiving point, which distribute() applies.
   struct Flux {
     Flux(const Pack4d* field, Pack4d slope, int p0, int p1, int p2) noexcept {
       const Pack4d first = field[9 * p0], last = field[9 * p2];

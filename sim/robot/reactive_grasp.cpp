@@ -55,7 +55,7 @@ int ReactiveGrasp::direction(double force) const {
   if (action_ == Action::kStay) return 0;
   if (action_ == Action::kOpen) return -1;
   if (force < band_.lower) return 1;
-  return force > band_.upper ? -1 : 0;  // 0 as well where it is not finite
+  return force > band_.upper ? -1 : 0;  // also 0 if it is not finite
 }
 
 double ReactiveGrasp::part(Progress& progress, int direction, bool touching) const {

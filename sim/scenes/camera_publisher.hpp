@@ -34,7 +34,7 @@ class CameraPublisher {
 
  private:
   struct Reading {
-    std::int64_t time_us = 0;  // of the picture
+    std::int64_t time_us = 0;  // of the image
     camera::ShapeReading shape;
   };
   bool is_occluded(std::int64_t now_us) const;

@@ -31,7 +31,7 @@ class BiotacSkin {
   /// Advances by `dt` s under these contacts.
   void step(double dt, const std::vector<Touch>& touches);
 
-  /// Indentation of the skin per patch, m; negative where it bulges.
+  /// Indentation of the skin per patch, m; negative for bulges.
   Eigen::VectorXd dent() const;
 
   /// The same in equilibrium with these contacts, without friction.

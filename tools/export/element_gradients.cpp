@@ -21,7 +21,7 @@ struct Quadratic {
   std::array<double, 3> value, slope;
 };
 
-/// Whether each place of the grid of 3 x 3 x 3 nodes is taken once.
+/// Whether each position of the grid of 3 x 3 x 3 nodes is taken exactly once.
 bool is_whole(const Eigen::Matrix3Xi& places) {
   std::array<bool, kHexahedronNodes> taken{};
   for (const auto& place : places.colwise()) {

@@ -4,7 +4,7 @@
 
 namespace palpate::fit {
 
-/// How much a residual r counts, in deviations. Least squares are over rho(r) with rho(r)^2 =
+/// Weight of a residual r, in standard deviations. Least squares are over rho(r) with rho(r)^2 =
 ///   none    r^2
 ///   huber   r^2 up to the scale a, then 2 a |r| - a^2 (Huber 1964)
 ///   cauchy  a^2 log(1 + r^2 / a^2)

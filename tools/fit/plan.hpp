@@ -26,22 +26,22 @@ struct Job {
   std::string title() const;
 };
 
-/// What palpate-fit is to do. In YAML:
+/// The work of palpate-fit. In YAML:
 ///
 ///   name: foam
-///   about: how it is done, printed above the results
-///   recording: {kind: uniaxial, ...}     # laid under every recording
+///   about: description, printed above the results
+///   recording: {kind: uniaxial, ...}     # defaults of every recording
 ///   fits:                                # or `recordings:` alone, for one fit
 ///     - name: leap 1
-///       group: leap       # medians and spread of fits of one group are told too; may be absent
+///       group: leap       # medians and spread per group are reported too; optional
 ///       recordings:
 ///         - {file: a.csv.gz, own: [young_modulus], shared: [load_bias], held_out: true}
-///       variants: [Ogden]    # only these; absent: all
+///       variants: [Ogden]    # only these; default: all
 ///       each: probe       # one fit for each number in this column of the first recording's file
 ///       parameters: {young_modulus: {start: 1e5, lower: 1e3, upper: 1e7}}   # or {known: 1e5}
-///   variants:                            # each fit is done with each of them; may be absent
+///   variants:                            # each fit is run with each of them; optional
 ///     - {name: Ogden, recording: {model: ogden_1}, solver: {starts: 4}, parameters: {...}}
-///   effective: {strain: 0.1}             # greatest strain of the co-rotational E; absent: all
+///   effective: {strain: 0.1}             # largest strain of the co-rotational E; default: all
 ///   solver: {loss: huber, loss_scale: 2, starts: 1, seed: 1, iterations: 200, profile: auto,
 ///            reweigh: true}
 struct Plan {
@@ -51,7 +51,7 @@ struct Plan {
   std::string hash;  // of the plan and all that was set over it
 };
 
-/// Throws config::Error, and import::CsvError where `each` cannot be read.
+/// Throws config::Error, and import::CsvError if `each` cannot be read.
 Plan read_plan(const config::Node& node, const std::filesystem::path& data);
 
 }  // namespace palpate::fit

@@ -47,12 +47,12 @@ std::optional<double> optional_quantity(const config::Node& node, const config::
 
 /// The columns of a CSV (plain or .gz) in SI units. In YAML:
 ///
-///   name: leap_1                 # absent: the file's name
+///   name: leap_1                 # default: the file's name
 ///   file: foam/leap_1.csv.gz     # in the folder of the data
 ///   columns:
-///     force: {name: force_N, unit: N, sign: -1}   # sign: absent 1
-///   where: {probe: 3}            # only rows with this number in a column; may be absent
-///   rows: {first: 100, last: 900, step: 4}        # of what is left, from 0; may be absent
+///     force: {name: force_N, unit: N, sign: -1}   # sign: default 1
+///   where: {probe: 3}            # only rows with this number in a column; optional
+///   rows: {first: 100, last: 900, step: 4}        # of the remaining rows, from 0; optional
 class Recording {
  public:
   /// Reads the requested columns, all of the same length. Throws config::Error for wrong keys and

@@ -1,6 +1,6 @@
-# Which package a target belongs to. A component of cmake --install is a Debian package of CPack:
+# Packages of the targets. A component of cmake --install is a Debian package of CPack:
 #
-#   daemon  palpate         palpated, what it loads, palpate-command, examples, systemd, limits
+#   daemon  palpate         palpated, its libraries, palpate-command, examples, systemd, limits
 #   sim     palpate-sim     the simulator and its scenes
 #   tools   palpate-tools   everything else that has a command line
 #   dev     palpate-dev     headers and static libraries of core and rt, message types, the driver
@@ -11,7 +11,7 @@
 
 set(PALPATE_CONTROL_PROGRAMS palpated palpate-command)
 
-# Programs with a command line are known to packaging/CMakeLists.txt, which describes them.
+# Programs with a command line are listed in packaging/CMakeLists.txt, which describes them.
 function(palpate_install_program name)
   if(name STREQUAL "palpate-probe")
     install(TARGETS ${name} RUNTIME DESTINATION lib/palpate COMPONENT daemon)
@@ -30,8 +30,8 @@ function(palpate_install_program name)
   set_property(GLOBAL APPEND PROPERTY PALPATE_PROGRAMS_${component} ${name})
 endfunction()
 
-# What drivers and components loaded by name are built against: every library of core and of rt,
-# but for the daemon itself. palpate::NAME inside is palpate::NAME outside.
+# Libraries for drivers and for components loaded by name: every library of core and of rt, except
+# the daemon itself. palpate::NAME has the same name inside and outside.
 function(palpate_export_library name)
   file(RELATIVE_PATH folder ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
   if(folder MATCHES "^(core|rt)/" AND NOT name STREQUAL "daemon")

@@ -1,10 +1,10 @@
-# How a folder of palpate becomes a target.
+# Functions that define a folder of palpate as a target.
 #
 #   palpate_library(DEPENDS a b)          palpate::<folder> (or NAME n) from every .cpp of this folder
 #   palpate_program(NAME DEPENDS a b)     bin/NAME from every .cpp of this folder (or SOURCES)
 #   palpate_test(LABEL KIND TARGET t)     one test program per mirrored folder
 #
-# What of them is installed, and where to, stands in install.cmake.
+# install.cmake defines which of them are installed, and where.
 include(${CMAKE_CURRENT_LIST_DIR}/install.cmake)
 
 add_library(palpate_flags INTERFACE)
@@ -49,10 +49,11 @@ if(MOLD_PROGRAM AND NOT PALPATE_SANITIZE)
   target_link_options(palpate_flags INTERFACE $<BUILD_INTERFACE:-fuse-ld=mold>)
 endif()
 
-# How a target is compiled. LOOP: as users run it. OFFLINE: programs that compute little and share no hot
-# code with core, where the time to build counts (an object of lower optimisation lends its inline
-# functions to others of the same program). Either takes the headers that nearly all sources include from
-# one precompiled file, tests from one with googletest; a source with flags of its own goes without.
+# Compilation of a target. LOOP: as users run it. OFFLINE: programs with little computation that
+# share no hot code with core, for which build time matters (an object of lower optimisation
+# provides its inline functions to others of the same program). Either uses one precompiled file
+# with the headers that nearly all sources include, tests one with googletest; a source with its own
+# flags does not.
 option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS

@@ -14,7 +14,7 @@ DelayFit identify_delay(const Eigen::MatrixXd& reference, const Eigen::MatrixXd&
   if (n < 4 * span + 4)
     throw std::invalid_argument("delay: the recordings are too short for the largest delay");
 
-  // The same rows of the reference at each delay, so that values compare.
+  // The same rows of the reference at each delay, so that the correlations are comparable.
   const Eigen::MatrixXd still = reference.middleRows(span, n - 2 * span);
   const Eigen::MatrixXd still_centred = still.rowwise() - still.colwise().mean();
   const auto correlation = [&](Eigen::Index delay) {

@@ -5,7 +5,7 @@
 namespace palpate::recordings {
 
 struct DelayFit {
-  double seconds = 0;      // by which `signal` lags behind `reference`; negative: it leads
+  double seconds = 0;      // lag of `signal` behind `reference`; negative: it leads
   double correlation = 0;  // of the two at that delay, 0 to 1
 };
 

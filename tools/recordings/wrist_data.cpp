@@ -13,7 +13,7 @@ namespace {
 
 // Indices in the rows of wrist_columns().
 constexpr int kQuaternion = 0, kVelocity = 4, kRate = 7, kAcceleration = 10, kForce = 13;
-constexpr int kPosition = 19;  // where there is one
+constexpr int kPosition = 19;  // if there is one
 constexpr int kPoseColumns = 7, kInertialColumns = 6, kWrenchColumns = 6;
 const Eigen::Vector3d kGravity(0, 0, -9.81);  // m/s^2, in W
 
@@ -86,7 +86,7 @@ std::vector<std::size_t> training_rows(const Recording& recording) {
 struct Bias {
   math::Vector6d mean = math::Vector6d::Zero();
   math::Vector6d slope = math::Vector6d::Zero();  // per s
-  double centre = 0;                              // s, where it is the mean
+  double centre = 0;                              // s, time to which the mean refers
 
   math::Vector6d at(double t) const { return mean + (t - centre) * slope; }
 };

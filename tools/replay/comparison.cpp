@@ -6,7 +6,8 @@
 namespace palpate::replay {
 namespace {
 
-// Of an encoded message: fingerprint, utime, seq, session; of a command counter and code as well.
+// Header of an encoded message: fingerprint, utime, seq, session; for a command also counter and
+// code.
 constexpr int kUtimeAt = 8, kSeqAt = 16, kHeaderEnd = 28, kCommandHeaderEnd = 28 + 8 + 32;
 
 constexpr std::array<const char*, 4> kStates = {"CONTACTS", "ESTIMATE", "FEATURE", "SHAPE"};

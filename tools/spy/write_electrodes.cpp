@@ -1,5 +1,5 @@
-// Writes where the electrodes lie once the skin is laid flat, for the spy's map: u, v in mm, a line
-// each. u runs along the finger towards the tip, v around it.
+// Writes the positions of the electrodes on the unrolled skin, for the spy's map: u, v in mm, one
+// per line. u runs along the finger towards the tip, v around it.
 
 #include <cmath>
 #include <cstdio>

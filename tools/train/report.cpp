@@ -15,7 +15,7 @@ namespace {
 using math::kDegree;
 constexpr Eigen::Index kPlotPoints = 1500;
 
-/// Predictions less the mean error over the first seconds of each recording.
+/// Predictions minus the mean error over the first seconds of each recording.
 std::vector<Eigen::MatrixXd> tare_again(const recordings::DataSet& data,
                                         std::vector<Eigen::MatrixXd> list, double seconds) {
   for (std::size_t r = 0; r < list.size(); ++r) {

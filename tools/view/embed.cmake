@@ -7,7 +7,7 @@ foreach(path ${files})
   get_filename_component(name ${path} NAME)
   file(READ ${path} hex HEX)
   string(LENGTH "${hex}" digits)
-  # As bytes: a literal's length is limited, and any text may hold its end.
+  # As bytes: the length of a literal is limited, and a text may contain any terminator.
   string(REGEX REPLACE "([0-9a-f][0-9a-f])" "'\\\\x\\1'," bytes "${hex}")
   math(EXPR size "${digits} / 2")
   string(APPEND text "      {\"${name}\", std::string({${bytes}})},  // ${size} bytes\n")

@@ -40,7 +40,7 @@ TEST_P(SceneAndConfiguration, SpeakOfTheSameObject) {
   EXPECT_EQ(body.material.young_modulus, scene.plant.young_modulus);
   EXPECT_EQ(body.material.poisson_ratio, scene.plant.poisson_ratio);
   EXPECT_EQ(body.material.density, scene.plant.density);
-  // The same patch in the hand, by a coarser mesh of other elements.
+  // The same patch in the hand, on a coarser mesh with other elements.
   for (const int node : body.grasps[0].nodes) {
     const Eigen::Vector3d p = body.mesh.nodes.col(node);
     const object::Box& patch = scene.plant.grasps[0].patch;

@@ -71,7 +71,7 @@ class AccessProcess : public ::testing::Test {
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// palpate-command; its exit code, and what it printed.
+  /// Runs palpate-command; returns its exit code and its output.
   int command(const std::vector<std::string>& words, std::string& said,
               bool with_key = true) const {
     std::vector<std::string> all = {kBin + "palpate-command", "--url", control_url_, "--url",
@@ -172,7 +172,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
   ASSERT_TRUE(rests(moved)) << "goes on without commands";
   EXPECT_GT(moved.z() - start.z(), 0.01);
 
-  // What a log player sends: the same datagrams, in the same order, to the same arm and to the
+  // As sent by a log player: the same datagrams, in the same order, to the same arm and to the
   // next.
   const std::vector<twist_command_t> log = recorded(*twists_);
   ASSERT_GT(log.size(), 100u);

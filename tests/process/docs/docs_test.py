@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
 """Fails where documentation and programs differ.
 
-usage: docs_test.py configuration ROOT BIN    docs/configuration.md is what palpate-reference prints
-       docs_test.py published ROOT            docs/published_methods.md is what its script prints
-       docs_test.py keys ROOT                 and tells every key that the sources ask for
-       docs_test.py commands ROOT BIN FILE    the commands of a guide do what it says, installed
-       docs_test.py readme ROOT BIN           those of README.md do, in the tree and as it was built
+usage: docs_test.py configuration ROOT BIN    docs/configuration.md equals the output of palpate-reference
+       docs_test.py published ROOT            docs/published_methods.md equals the output of its script
+       docs_test.py keys ROOT                 and describes every key that the sources read
+       docs_test.py commands ROOT BIN FILE    the commands of a guide work as described, installed
+       docs_test.py readme ROOT BIN           those of README.md, in the source and build tree
 """
 import difflib
 import os

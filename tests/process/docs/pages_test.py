@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every line of a shell that a page of the documentation shows does what it says.
+"""Every shell line shown on a page of the documentation works as described.
 
 usage: pages_test.py ROOT BIN
 
-The tutorial, the guide to one's own robot and README.md are run as wholes by docs_test.py. Lines of other
-pages are run here, each block beside a simulator and a daemon of its own; a program that stays until it is
-ended must say that it is ready, and the next line finds it there.
+The tutorial, the guide to a user's own robot and README.md are run as a whole by docs_test.py. Lines of
+other pages are run here, each block with a separate simulator and daemon; a program that keeps running
+must report that it is ready, and is available to the next line.
 """
 import os
 import pathlib

@@ -18,7 +18,7 @@ using std::chrono::milliseconds;
 
 const std::string kHere = PALPATE_SOURCE_DIR "/tests/process/export/";
 
-/// Where a program is, by PATH; empty where it is not installed.
+/// Path of a program found by PATH; empty if it is not installed.
 std::string path_of(const std::string& program) {
   const char* folders = std::getenv("PATH");
   std::istringstream all(folders == nullptr ? "/usr/bin" : folders);

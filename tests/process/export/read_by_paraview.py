@@ -1,4 +1,4 @@
-"""Run by pvpython: what ParaView finds in a series of shapes, as JSON.
+"""Run by pvpython: prints the contents of a series of shapes as read by ParaView, as JSON.
 
 usage: read_by_paraview.py SERIES.pvd ...
 """

@@ -18,7 +18,7 @@ class Flood : public FaultProcess {
     robot_ = std::make_unique<Robot>(control_url_, true);
     ASSERT_TRUE(activate()) << daemon_->output();
     send_target();
-    watch_for(std::min(6, seconds()));  // to the target, where there is time
+    watch_for(std::min(6, seconds()));  // to the target, if there is time
   }
   void TearDown() override {
     robot_.reset();

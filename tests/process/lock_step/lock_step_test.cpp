@@ -97,7 +97,7 @@ class Relay {
 struct Outcome {
   Record record;
   nlohmann::json sim;
-  std::string daemon;  // what it printed
+  std::string daemon;  // its output
   int lost = 0;
 };
 

@@ -1,5 +1,5 @@
-"""The studies of published methods from one command; and in shards: as tasks of a Slurm array, and by GNU
-parallel over hosts that are network namespaces.
+"""The studies of published methods from a single command; and in shards: as tasks of a Slurm array,
+and by GNU parallel over hosts that are network namespaces.
 
 studies_test.py BIN_FOLDER SOURCE_FOLDER
 """

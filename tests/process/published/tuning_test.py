@@ -1,5 +1,5 @@
-"""Tuning by random search: as many trials for each method, all kept as CSV, the best one taken, and what has
-been tried not tried again.
+"""Tuning by random search: the same number of trials for each method, all stored as CSV, the best
+one selected, and existing trials not repeated.
 
 tuning_test.py BIN_FOLDER SOURCE_FOLDER
 """

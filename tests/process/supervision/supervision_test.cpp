@@ -79,7 +79,7 @@ class Supervision : public DaemonProcess {
       return content.messages.count(channel) == 0 ? 0 : content.messages.at(channel);
     };
     EXPECT_GT(count("ROBOT_STATE"), 10);
-    // Of 500 cycles in half a second, where the machine is kept busy.
+    // Of 500 cycles in half a second, if the machine is busy.
     EXPECT_GT(count("TWIST_COMMAND"), 100 / PALPATE_SLOWNESS);
     // A crash may occur within a cycle.
     EXPECT_NEAR(count("TWIST_COMMAND"), count("ESTIMATE"), 1);

@@ -1,4 +1,4 @@
-"""The example that is pushed with the mouse: palpated and palpate-view, nothing else.
+"""The example with a manual force applied by mouse: palpated and palpate-view only.
 
 usage: pushed_test.py BINARIES SOURCE
 """

@@ -48,7 +48,7 @@ def main() -> int:
             before = place()
             daemon.push(mesh.nodes[node], options.force, options.seconds)
             pushed = place()
-            daemon.push(mesh.nodes[node], [0, 0, 0])  # lets go
+            daemon.push(mesh.nodes[node], [0, 0, 0])  # releases the node
             health = daemon.health()
             if palpate.STATES[health.state] not in ("active", "degraded"):
                 raise palpate.Refused(f"the daemon is {palpate.STATES[health.state]}: "

@@ -33,7 +33,7 @@ enum BeamParameter {
 };
 using BeamVector = Eigen::Matrix<double, kBeamParameters, 1>;
 
-/// Numbers with their derivatives by the parameters, one row each.
+/// Values with their derivatives by the parameters, one row each.
 struct BeamPrediction {
   Eigen::VectorXd values;
   Eigen::Matrix<double, Eigen::Dynamic, kBeamParameters> slopes;

@@ -94,7 +94,7 @@ std::vector<HeldRinging> read_ringings(const std::string& log, const CalmRule& r
                                        const std::string& time, double duration, double rate);
 
 /// Kind `held_decay`. Keys: log, configuration, set, time, calm as of held_object; duration (s, 1),
-/// rate (Hz, 200), modes, sought (list of density, mass_damping, stiffness_damping; absent:
+/// rate (Hz, 200), modes, sought (list of density, mass_damping, stiffness_damping; default:
 /// mass_damping). Throws config::Error and std::runtime_error.
 std::unique_ptr<Experiment> make_held_decay(const config::Node& node,
                                             const std::filesystem::path& folder);

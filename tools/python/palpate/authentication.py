@@ -14,7 +14,7 @@ KEY_SIZE = CODE_SIZE = 32
 
 def read_key_file(path: Union[str, "os.PathLike[str]"]) -> bytes:
     """A key of 32 bytes or 64 hexadecimal digits in a file that only its owner can access.
-    Raises ValueError with file and remedy, OSError where the file cannot be read."""
+    Raises ValueError with file and remedy, OSError if the file cannot be read."""
     file = Path(path)
     with open(file, "rb") as opened:
         mode = os.fstat(opened.fileno()).st_mode

@@ -68,7 +68,7 @@ class Subscription:
         self._queue: Deque[Any] = deque(maxlen=queue)
 
     def get(self, timeout: Optional[float] = None) -> Any:
-        """The next message, waited for at most `timeout` s (None: for ever). Raises
+        """The next message, waiting at most `timeout` s (None: for ever). Raises
         TimeoutError."""
         end = None if timeout is None else time.monotonic() + timeout
         while not self._queue:
@@ -126,8 +126,8 @@ class Subscription:
 
 
 class Bus:
-    """One LCM URL. Nothing runs beside the caller: messages are received, and callbacks called, by
-    whoever waits (Subscription.get, handle, run), in that thread; not for several threads at once.
+    """One LCM URL. There is no background thread: messages are received, and callbacks called, in
+    the thread that waits (Subscription.get, handle, run); not thread-safe.
 
     with Bus(HOUSEKEEPING_URL) as bus:
         for shape in bus.subscribe("SHAPE"):

@@ -85,7 +85,7 @@ class Daemon:
         return self.command("stop")
 
     def reset(self) -> Answer:
-        """Leaves a fault, back to the rest shape, inactive; start() afterwards."""
+        """Leaves the fault state: back to the rest shape, inactive; call start() afterwards."""
         return self.command("reset")
 
     def zero(self) -> Answer:
@@ -327,7 +327,7 @@ def _padded(numbers: Any, length: int) -> Any:
 
 
 def health_inputs(health: messages.health_t) -> Dict[str, Dict[str, float]]:
-    """Of each input: received, lost, rejected, frozen (messages) and age_ms."""
+    """For each input: received, lost, rejected, frozen (messages) and age_ms."""
     return {
         text_of(health.input_name[i]): {
             "received": health.received[i],

@@ -14,8 +14,8 @@ from palpate.udpm import Transport
 
 
 class Recorder:
-    """Writes all that is said on some URLs to one log, in a thread of its own; for read_log(). (Of
-    long recordings palpate-record and lcm-logger lose less.)
+    """Writes all messages on some URLs to one log, in a background thread; for read_log(). (For
+    long recordings palpate-record and lcm-logger lose fewer messages.)
 
     with Recorder("run.log"):
         ...

@@ -1,10 +1,10 @@
-"""LCM's UDP multicast in Python alone: URLs, framing, fragments, and one socket a bus.
+"""LCM's UDP multicast in Python alone: URLs, framing, fragments, and one socket per bus.
 
-A short message is one datagram: the magic "LC02", a running number of 32 bits, the channel's name
-with its zero, the payload. A longer one goes in fragments, "LC03": running number, size of the whole
-payload, place of this part in it, number of this part and of all (16 bits each); the first part
-begins with the channel's name. All numbers are in network order. Nothing that arrives can do more
-than be counted as malformed.
+A short message is one datagram: the magic "LC02", a 32-bit sequence number, the channel's name
+with its zero, the payload. A longer one is sent in fragments, "LC03": sequence number, size of the
+whole payload, offset of this part, index of this part and their number (16 bits each); the first
+part begins with the channel's name. All numbers are in network order. Malformed input is only
+counted.
 """
 
 from __future__ import annotations
@@ -37,7 +37,7 @@ class Url:
     address: str = "239.255.76.67"
     port: int = 7667
     ttl: int = 0
-    receive_buffer: int = 1 << 21  # bytes that are asked of the system
+    receive_buffer: int = 1 << 21  # bytes requested from the system
 
 
 def parse_url(text: str) -> Url:

@@ -12,13 +12,13 @@ class Arrow {
     this.head = new THREE.Mesh(new THREE.ConeBufferGeometry(1, 1, 16).translate(0, -0.5, 0), material);
     this.group = new THREE.Group();
     this.group.add(this.shaft, this.head);
-    // Seen through the object, for many a force acts inside it.
+    // Visible through the object, since many forces act inside it.
     this.shaft.renderOrder = 5;
     this.head.renderOrder = 6;
     scene.add(this.group);
   }
 
-  /** Of `force` (N), ending at `at` where `into`, else beginning there. */
+  /** An arrow of `force` (N), ending at `at` if `into`, otherwise starting there. */
   set(at, force, colour, {into = true, thick = 1, opacity = 1} = {}) {
     const f = new THREE.Vector3(...force), size = f.length();
     this.group.visible = size > 1e-3;
@@ -55,7 +55,7 @@ export class Arrows {
     for (let i = this.used; i < this.arrows.length; ++i) this.arrows[i].group.visible = false;
   }
 
-  /** All forces of a frame; `pushes`: [{at, force}], of persons, which messages place on the rest shape. */
+  /** All forces of a frame; `pushes`: [{at, force}], manual forces, whose messages refer to the rest shape. */
   show(frame, pushes, shown) {
     this.begin();
     if (shown) {
@@ -76,7 +76,7 @@ export class Arrows {
   }
 }
 
-/** Where feature and target are, as points of O: those of kinds that have a place. */
+/** Positions of feature and target, as points of O: for kinds that have a position. */
 export function placesOf(kind, values) {
   if (!values) return [];
   if (kind === 'point' && values.length >= 3) return [values.slice(0, 3)];
@@ -111,7 +111,7 @@ export class FeatureMarks {
     return this.marks[index];
   }
 
-  /** `dragged`: where a target that is being dragged is, as values. */
+  /** `dragged`: current values of a target that is being dragged. */
   show(feature, dragged, shown, size) {
     let used = 0;
     const target = dragged || (feature && feature.revision >= 0 ? feature.target : null);

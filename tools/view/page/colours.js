@@ -1,10 +1,10 @@
-// Colours of numbers, and those that things have everywhere on the page.
+// Colours of numbers, and fixed colours used throughout the page.
 
 // Viridis (Smith and van der Walt, CC0) at ninths.
 const STOPS = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
                [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
 
-/** Red, green, blue, 0 to 1, of a share from 0 to 1, into `out` from `at` on. */
+/** Red, green, blue, 0 to 1, of a fraction from 0 to 1, into `out` from `at` on. */
 export function colourOf(share, out = [0, 0, 0], at = 0) {
   const x = Math.min(Math.max(share, 0), 1) * (STOPS.length - 1);
   const i = Math.min(Math.floor(x), STOPS.length - 2), f = x - i;
@@ -30,7 +30,7 @@ export function nameOfSource(source) {
   return source === 7 ? 'pushed by hand' : `fingertip ${source - 2}`;
 }
 
-/** What a field is called and counted in: factor from SI to the unit shown. */
+/** Name and unit of a field: factor from SI to the displayed unit. */
 export const FIELDS = {
   displacement: {title: 'Displacement', unit: 'mm', factor: 1e3, least: 1},
   strain: {title: 'Largest principal strain', unit: '%', factor: 100, least: 1},
@@ -38,7 +38,7 @@ export const FIELDS = {
   uncertainty: {title: 'Standard deviation', unit: 'mm', factor: 1e3, least: 0.1},
 };
 
-/** The smallest number with few digits that is not below x. */
+/** The smallest number with few digits that is at least x. */
 export function niceAbove(x) {
   const power = 10 ** Math.floor(Math.log10(x));
   for (const m of [1, 1.2, 1.6, 2, 2.4, 3, 4, 5, 6, 8, 10]) if (m * power >= x * (1 - 1e-9)) return m * power;

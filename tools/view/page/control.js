@@ -1,8 +1,8 @@
-// Commands: buttons, components, and what became of them.
+// Commands: buttons, components, and their results.
 
 const byId = (id) => document.getElementById(id);
 
-/** The token from the address, which then no longer shows it. */
+/** The token from the address, from which it is then removed. */
 export function takeToken() {
   const found = /[#&]token=([0-9a-f]+)/i.exec(location.hash);
   if (found) {
@@ -49,7 +49,7 @@ export class Control {
     if (granted) this.showSlots();
   }
 
-  /** What the daemon says that it replaced. */
+  /** Replacements reported by the daemon. */
   note(event) {
     if (event.event !== 'replaced' || !event.component) return;
     const one = this.configured.find((c) => c.slot === event.slot && (!event.instance || c.instance === event.instance));
@@ -101,7 +101,7 @@ export class Control {
     this.command(command, `${one.slot} ${one.instance}: ${name}`.replace(' :', ':'),
                  (good) => {
                    if (good) one.chosen[key] = name;
-                   this.showSlots();  // where it was refused, what there is
+                   this.showSlots();  // if it was rejected, the available ones
                  });
   }
 

@@ -1,10 +1,11 @@
-// How a shape's surface is lit: facet by facet, by the sky, the ground and a sun. Normals come from the
-// positions' derivatives in the picture, so that a moved mesh costs the script nothing, and there is no
-// shine: in software the three.js material with both takes four times as long.
+// Lighting of a shape's surface: facet by facet, by the sky, the ground and a sun. Normals come
+// from the derivatives of the positions in the image, so that a moved mesh costs the script
+// nothing, and there is no specular term: in software rendering the three.js material with both
+// takes four times as long.
 
 export const SKY = 0xffffff, GROUND = 0x8090a0, SKY_STRENGTH = 0.86, SUN_STRENGTH = 0.4;
 
-/** Directions to the sky's top and to the sun in the camera's frame, of all surfaces. */
+/** Directions to the sky's top and to the sun in the camera's frame, for all surfaces. */
 export const light = {up: {value: new THREE.Vector3(0, 1, 0)}, sun: {value: new THREE.Vector3(0, 0, 1)}};
 
 const VERTEX = `
@@ -35,7 +36,7 @@ void main() {
   gl_FragColor = vec4(own * shine, opacity);
 }`;
 
-/** Of the nodes' own colours, or of one `tint` with `opacity`; `options`: those of any material. */
+/** With the nodes' own colours, or one `tint` with `opacity`; `options`: those of any material. */
 export function facets({tint, opacity = 1, ...options}) {
   const sky = new THREE.Color(SKY).multiplyScalar(SKY_STRENGTH), ground = new THREE.Color(GROUND).multiplyScalar(SKY_STRENGTH);
   return new THREE.ShaderMaterial({

@@ -1,8 +1,8 @@
-// The legend: what the colours mean, and up to which number they go.
+// The legend: meaning of the colours, and the top of their scale.
 
 import {colourOf, FIELDS, niceAbove, tickText} from './colours.js';
 
-const SHRINK_AFTER = 4000;  // ms that the values have been below half of the scale
+const SHRINK_AFTER = 4000;  // ms for which the values have been below half of the scale
 
 export class Legend {
   constructor() {
@@ -16,7 +16,7 @@ export class Legend {
     }
   }
 
-  /** Top of the scale in SI that holds `largest`: grows at once, shrinks late, so that colours stay. */
+  /** Top of the scale in SI that contains `largest`: grows at once, shrinks late, so that colours are steady. */
   top(field, largest, now = performance.now()) {
     const {factor, least} = FIELDS[field];
     const wanted = niceAbove(Math.max(largest * factor, least)) / factor;

@@ -1,8 +1,8 @@
-// The connection to palpate-view: opened again whenever it ends, and parcels taken apart.
+// The connection to palpate-view: reopened whenever it ends, and decoding of its messages.
 
 const FIRST_WAIT = 300, LONGEST_WAIT = 2000;  // ms
 
-/** Head of a binary message, with its arrays by name as views into it. */
+/** Header of a binary message, with its arrays by name as views into it. */
 export function unpack(buffer) {
   const length = new DataView(buffer).getUint32(0, true);
   const head = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));

@@ -1,4 +1,4 @@
-// Puts the page together: what comes from palpate-view onto the stage and into the panels.
+// Assembles the page: data from palpate-view to the stage and the panels.
 
 import {Arrows, FeatureMarks, placesOf} from './arrows.js';
 import {COLOURS, FIELDS} from './colours.js';
@@ -13,7 +13,7 @@ import {ShapeView} from './shapes.js';
 import {Stage} from './stage.js';
 import {Timeline} from './timeline.js';
 
-const SEEN = 3e-4;  // of the object's size: movement that an eye follows
+const SEEN = 3e-4;  // relative to the object's size: motion that is visible
 const byId = (id) => document.getElementById(id);
 const token = takeToken();
 
@@ -59,7 +59,7 @@ const link = new Link({
   },
   hello(message) {
     greeting = message;
-    frame = health = null;  // of what was shown before
+    frame = health = null;  // of the previous content
     control.setHello(message);
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
@@ -139,7 +139,7 @@ function setLayer(name, on) {
   stage.dirty = true;
 }
 
-/** Largest of the nodes that can be seen. */
+/** Largest value of the visible nodes. */
 function largest(values, shape) {
   let most = 0;
   for (const n of shape.surfaceNodes) if (values[n] > most) most = values[n];
@@ -154,7 +154,7 @@ function showShapes() {
   const went = Math.max(hasEstimate ? estimate.setPositions(frame.x) : 0, hasTruth ? truth.setPositions(frame.truth_x) : 0);
   if (went > 0) stage.dirty = true;
   if (went > SEEN * size) pace.moved(performance.now());
-  // Shown alone the true shape has the colours; beside the estimate it is a veil.
+  // Alone, the true shape is coloured; together with the estimate it is translucent.
   const coloured = layers.estimate || !hasTruth ? 'estimate' : 'truth';
   const [shape, values] = coloured === 'estimate' ? [estimate, frame.values] : [truth, frame.truth_values];
   if (hasEstimate) estimate.setStyle({ghost: false, plain: layers.plain, lines: layers.lines});
@@ -228,7 +228,7 @@ function showFrame() {
   }
 }
 
-/** What is written beside the picture: not with every frame, for nobody reads so fast. */
+/** Text next to the image: not updated with every frame, for legibility. */
 function showTexts() {
   pointer.showPicked();
   panels.showState(frame, health, connected);
@@ -238,14 +238,14 @@ function showTexts() {
   showKey();
 }
 
-/** What persons push with: this page, and others or programs, at the nodes nearest to their rest points. */
+/** Manual forces: of this page, and of other pages or programs, at the nodes nearest to their rest points. */
 function pushes() {
   const list = pointer.pull ? [pointer.pull] : frame.push ? [frame.push] : [];
   return list.map((push) => push.node === undefined
       ? {at: estimate.node(estimate.nearestAtRest(push.at)).toArray(), force: push.force} : push);
 }
 
-/** Whether anything but the shapes is drawn otherwise than in the last picture: arrows, marks, robots, layers. */
+/** Whether anything except the shapes has changed since the last image: arrows, marks, robots, layers. */
 function othersDiffer() {
   const {links, links_1, seen: points, contacts, truth_contacts, estimate: grasps, feature, push} = frame;
   const text = JSON.stringify([links && [...links], links_1 && [...links_1], contacts, truth_contacts, grasps, push, pointer.pull,
@@ -256,7 +256,7 @@ function othersDiffer() {
   return differ;
 }
 
-const timing = {show: 0, render: 0};  // ms a frame, of this thread
+const timing = {show: 0, render: 0};  // ms per frame, of this thread
 const pace = new Pace();
 stage.controls.addEventListener('change', () => pace.moved(performance.now()));
 let plotted = 0, frames = 0, pictures = 0, drew = false, othersDrawn = '';
@@ -297,7 +297,7 @@ byId('home').onclick = () => {
   frameObject();
 };
 
-// For whoever wants to look at the page from outside, a test or the console.
+// For inspection of the page from outside, by a test or the console.
 window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

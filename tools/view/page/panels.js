@@ -35,7 +35,7 @@ function fill(table, rows, head) {
   });
 }
 
-/** How a feature's numbers are shown: factor and unit by kind. */
+/** Display of a feature's numbers: factor and unit by kind. */
 export function unitOf(kind) {
   if (kind === 'angle') return {factor: 180 / Math.PI, unit: '\u00b0', digits: 2};
   if (kind === 'curvature') return {factor: 1, unit: '1/m', digits: 3};

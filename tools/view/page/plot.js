@@ -27,7 +27,7 @@ export class Plot {
     });
   }
 
-  /** The whole of a log at once: lists of time (s) and value by line. */
+  /** A complete log at once: lists of time (s) and value by line. */
   fix(duration, series) {
     this.fixed = {duration};
     this.lines.forEach((line, i) => Object.assign(line, series[i]));
@@ -35,7 +35,7 @@ export class Plot {
 
   clear() { for (const line of this.lines) line.time = [], line.value = []; }
 
-  /** Ticks [value, text], and where a value lies, 0 to 1. */
+  /** Ticks [value, text], and the position of a value, 0 to 1. */
   linear(from) {
     let most = 0;
     for (const {time, value} of this.lines)

@@ -1,21 +1,21 @@
-// What the pointer does on the stage: look around and pick, push a node, drag the target.
+// Actions of the pointer on the stage: rotate and select, apply a force to a node, drag the target.
 
 import {placesOf} from './arrows.js';
 import {FIELDS} from './colours.js';
 
 const byId = (id) => document.getElementById(id);
-const REACH = 26;          // px, within which a node or a target is hit
-const RENEW = 40;          // ms between two pushes; the daemon forgets one after 100
+const REACH = 26;          // px, within which a node or a target is selected
+const RENEW = 40;          // ms between two force messages; the daemon drops one after 100
 const STILL = 5;           // px, a press that has moved no farther is a click
 
 export class Pointer {
-  /** `world`: {stage, shape, control, send, frame}; the last gives the present frame. */
+  /** `world`: {stage, shape, control, send, frame}; the last returns the current frame. */
   constructor(world) {
     this.world = world;
     this.mode = 'look';
     this.picked = -1;
     this.pull = null;     // {node, force, at}
-    this.dragged = null;  // values of a target on its way
+    this.dragged = null;  // values of a target in transit
     for (const button of document.querySelectorAll('#pointer button')) button.onclick = () => this.setMode(button.dataset.mode);
     const canvas = world.stage.canvas;
     canvas.addEventListener('pointerdown', (event) => this.press(event), true);
@@ -40,7 +40,7 @@ export class Pointer {
     return [event.clientX - box.left, event.clientY - box.top];
   }
 
-  /** The node of the estimate in front that is nearest to a pixel, -1 where none is near. */
+  /** The node of the estimate in front that is nearest to a pixel, -1 if none is near. */
   nodeAt(x, y) {
     const {stage, shape} = this.world;
     if (!shape.mesh) return -1;
@@ -62,7 +62,7 @@ export class Pointer {
     if (this.mode === 'push') this.beginPush(x, y);
     if (this.mode === 'target') this.beginTarget(x, y);
     if (!this.pull && !this.drag) return;
-    // Before the camera's controls hear of it.
+    // Before the event reaches the camera's controls.
     this.world.stage.controls.enabled = false;
     this.world.stage.canvas.setPointerCapture(event.pointerId);
     event.preventDefault();
@@ -142,7 +142,7 @@ export class Pointer {
     } else if (this.drag) {
       if (this.dragged) control.ask({type: 'target', kind: this.drag.kind, values: this.dragged}, `target ${this.drag.kind}`);
       this.drag = null;
-      // Shown until the daemon's own takes its place.
+      // Shown until the daemon's own replaces it.
       setTimeout(() => { this.dragged = null; stage.dirty = true; }, 400);
       this.setMode('target');
     } else if (this.pressed && Math.hypot(x - this.pressed.x, y - this.pressed.y) < STILL) {

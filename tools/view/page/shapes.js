@@ -1,4 +1,4 @@
-// The estimated and the true shape: surfaces coloured by a number a node, mesh lines, nodes.
+// The estimated and the true shape: surfaces coloured by a number per node, mesh lines, nodes.
 
 import {COLOURS, colourOf} from './colours.js';
 import {facets} from './facets.js';
@@ -6,7 +6,7 @@ import {facets} from './facets.js';
 const MOST_LINES = 5000;
 const CREASE = Math.cos(30 * Math.PI / 180);
 
-/** Pairs of nodes: all edges of the surface, and those where it bends sharply at rest. */
+/** Pairs of nodes: all edges of the surface, and those with a sharp angle at rest. */
 function edgesOf(triangles, rest) {
   const normals = [], seen = new Map(), edges = [];
   const corner = (n) => new THREE.Vector3().fromArray(rest, 3 * n);
@@ -45,7 +45,7 @@ export class ShapeView {
     this.values = null;
   }
 
-  /** Takes another mesh: {hash, rest, triangles, constrained}. */
+  /** Sets another mesh: {hash, rest, triangles, constrained}. */
   setMesh(mesh) {
     for (const child of [...this.group.children]) {
       this.group.remove(child);
@@ -87,14 +87,14 @@ export class ShapeView {
     this.markNodes(new Set());
   }
 
-  /** `lines`: all of the mesh's, else those of its creases. */
+  /** `lines`: all of the mesh's, otherwise those of its creases. */
   setStyle({ghost, plain, lines}) {
     const style = `${ghost} ${plain} ${lines}`;
     if (!this.mesh || (this.surface.material && this.styled === style)) return;
     this.styled = style;
     if (this.surface.material) this.surface.material.dispose();
     const common = {side: THREE.DoubleSide, polygonOffset: true, polygonOffsetFactor: 1, polygonOffsetUnits: 1};
-    // Where both shapes are at the same place, the estimate is in front.
+    // Where both shapes coincide, the estimate is in front.
     const behind = {polygonOffsetFactor: 3, polygonOffsetUnits: 12};
     if (ghost) {
       this.surface.material = facets({...common, ...behind, tint: this.style.ghost, opacity: 0.1, depthWrite: false});
@@ -110,10 +110,10 @@ export class ShapeView {
     this.edges.visible = ghost || !plain;
   }
 
-  /** Whether lines leave something of the colours between them, and cost little. */
+  /** Whether lines leave enough of the colours between them visible, and are cheap. */
   isCoarse() { return this.lines.all.count < 2 * MOST_LINES; }
 
-  /** How far the coordinate went that went farthest, m; nothing is sent to be drawn where none did. */
+  /** Largest change of a coordinate, m; nothing is redrawn if it is zero. */
   setPositions(xyz) {
     const old = this.position.array;
     let farthest = 0;
@@ -124,7 +124,7 @@ export class ShapeView {
     return farthest;
   }
 
-  /** Colours by `values` (SI), which `most` is the top of; none: grey. Whether they are others than before. */
+  /** Colours by `values` (SI), with `most` as the top; none: grey. Returns whether they have changed. */
   paint(values, most) {
     const {values: old, most: oldMost} = this;
     this.values = values;
@@ -137,7 +137,7 @@ export class ShapeView {
     return true;
   }
 
-  /** As in the thesis' Fig. 4.4: white nodes, green ones loaded, red ones held. */
+  /** As in the thesis' Fig. 4.4: white nodes, green loaded ones, red constrained ones. */
   markNodes(loaded) {
     const held = new Set(this.mesh.constrained), colour = new THREE.Color();
     for (let n = 0; n < this.nodeColour.count; ++n) {
@@ -149,7 +149,7 @@ export class ShapeView {
 
   node(n, out = new THREE.Vector3()) { return out.fromArray(this.position.array, 3 * n); }
 
-  /** Largest distance of the surface's nodes from their middle, and that middle. */
+  /** Largest distance of the surface's nodes from their centre, and that centre. */
   bounds() {
     const box = new THREE.Box3(), p = new THREE.Vector3();
     for (const n of this.surfaceNodes) box.expandByPoint(this.node(n, p));
@@ -159,7 +159,7 @@ export class ShapeView {
   nearestNode(point) { return this.nearest(point, this.position.array); }
   nearestAtRest(at) { return this.nearest(new THREE.Vector3(...at), this.mesh.rest); }
 
-  /** Of the surface's nodes, where `xyz` has them. */
+  /** Of the surface's nodes at positions `xyz`. */
   nearest(point, xyz) {
     let best = -1, least = Infinity;
     const p = new THREE.Vector3();

@@ -1,4 +1,4 @@
-// Whether pictures are drawn without a graphics processor: then a processor pays for each pixel.
+// Whether images are rendered without a graphics processor: each pixel then costs processor time.
 
 function drawsInSoftware() {
   const gl = document.createElement('canvas').getContext('webgl');
@@ -10,5 +10,5 @@ function drawsInSoftware() {
 
 export const inSoftware = drawsInSoftware();
 
-/** A pen for lines and texts, which are drawn by the processor where a graphics processor is only feigned. */
+/** Canvas context for lines and texts, drawn by the processor if the graphics processor is emulated. */
 export const penOf = (canvas) => canvas.getContext('2d', {willReadFrequently: inSoftware});

@@ -6,9 +6,9 @@ import {inSoftware} from './software.js';
 export class Stage {
   constructor(canvas) {
     this.canvas = canvas;
-    // Smooth edges cost a processor dear.
+    // Anti-aliasing is expensive on a processor.
     this.smooth = /[?&]smooth/.test(location.search) || !inSoftware;
-    // Nor does it blend the picture over the page's own background for nothing.
+    // Blending with the page's background is not needed either.
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: this.smooth, alpha: this.smooth});
     this.renderer.setClearColor(0x18212b, this.smooth ? 0 : 1);
     this.scene = new THREE.Scene();
@@ -42,21 +42,21 @@ export class Stage {
     if (!width || !height) return;
     this.renderer.setPixelRatio(this.sharpness * Math.min(window.devicePixelRatio || 1, 2));
     this.renderer.setSize(width, height, false);
-    // Until somebody has chosen a view, the object fits the picture.
+    // Until the user has chosen a view, the object is fitted to the image.
     if (!this.touched && Math.abs(this.camera.aspect - width / height) > 0.02) this.framed = false;
     this.camera.aspect = width / height;
     this.camera.updateProjectionMatrix();
     this.dirty = true;
   }
 
-  /** Pixels drawn for each of the screen's, along a side, 0 to 1. */
+  /** Pixels drawn per screen pixel, along a side, 0 to 1. */
   setSharpness(sharpness) {
     if (sharpness === this.sharpness) return;
     this.sharpness = sharpness;
     this.resize();
   }
 
-  /** The base of the first arm in O: its z is up, and the floor lies at it. */
+  /** The base of the first arm in O: its z is up, and the floor is at its origin. */
   setBase(base) {
     if (this.floor) this.scene.remove(this.floor);
     this.floor = null;
@@ -97,7 +97,7 @@ export class Stage {
       if (shape.kind === 'box') geometry = new THREE.BoxBufferGeometry(a, b, c);
       else if (shape.kind === 'sphere') geometry = new THREE.SphereBufferGeometry(a, 28, 18);
       else geometry = new THREE.CylinderBufferGeometry(a, a, b, 32).rotateX(Math.PI / 2);
-      // Muted, so that the shape's colours are those that strike.
+      // Muted, so that the shape's colours stand out.
       const colour = new THREE.Color(...shape.colour).lerp(new THREE.Color(0x8b98a5), 0.45);
       const mesh = new THREE.Mesh(geometry, new THREE.MeshLambertMaterial({color: colour}));
       mesh.position.fromArray(shape.at);
@@ -120,7 +120,7 @@ export class Stage {
     });
   }
 
-  /** Looks at a box of O from the side where its longest extent lies across the picture. */
+  /** Looks at a box of O from the direction in which its longest extent is across the image. */
   frame(box) {
     const middle = box.getCenter(new THREE.Vector3()), size = box.getSize(new THREE.Vector3());
     const up = this.camera.up.clone();
@@ -142,7 +142,7 @@ export class Stage {
     this.dirty = true;
   }
 
-  /** Pixels of the canvas (CSS) of a point in O, with z in (-1, 1) before the camera. */
+  /** Pixels of the canvas (CSS) of a point in O, with z in (-1, 1) in front of the camera. */
   toScreen(point) {
     const p = point.clone().project(this.camera);
     return {x: (p.x + 1) / 2 * this.canvas.clientWidth, y: (1 - p.y) / 2 * this.canvas.clientHeight, z: p.z};
@@ -154,7 +154,7 @@ export class Stage {
     return caster;
   }
 
-  /** Where the ray of a pixel meets the plane through `point` that faces the camera. */
+  /** Intersection of a pixel's ray with the plane through `point` that faces the camera. */
   onPlane(x, y, point) {
     const normal = this.camera.getWorldDirection(new THREE.Vector3());
     const plane = new THREE.Plane().setFromNormalAndCoplanarPoint(normal, point);

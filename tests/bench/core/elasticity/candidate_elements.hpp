@@ -10,9 +10,9 @@ namespace palpate::bench {
 /// Averaging of the strain tr(R^T F - I) in the volumetric part of the energy.
 enum class Volumetric {
   kAtPoints,  // each quadrature point separately: the elements of the product
-  kAveraged,  // means over the elements round each node, a quarter of each element's volume
-              // counting (averaged nodal pressure, Bonet and Burton 1998), of one material at a
-              // time
+  kAveraged,  // means over the elements around each node, weighted by a quarter of each element's
+              // volume (averaged nodal pressure, Bonet and Burton 1998), separately for each
+              // material
 };
 
 /// Elements under study, written for plainness and not for speed. Geometry is isoparametric, so

@@ -55,7 +55,7 @@ StepPart mass_pass(const elasticity::Body& body, double evaluations) {
   x.topRows<3>() = bent(body.mesh.nodes);
   elasticity::NodalField y = 1.1 * x, forces = x;
   part.measured = median_time([&] { inertia.add(x, y, 1, forces); });
-  // A mass and a column for each pair of nodes; three fields of four numbers a node.
+  // One mass and one column index for each pair of nodes; three fields of four numbers per node.
   const factor::BlockPattern pattern(body.mesh.elements, body.mesh.node_count(), {});
   const double pairs = 2.0 * static_cast<double>(pattern.row().size()) - pattern.size();
   part.work = pairs * (sizeof(double) + sizeof(int)) + 3 * 4 * sizeof(double) * x.cols();

@@ -50,7 +50,7 @@ struct LatencyResult {
   int unknown = 0;  // checks whose solve did not converge: the state was invalid before
   long refactorisations = 0;
   Samples refactor_wall, refactor_cpu;
-  Samples factor_age, sensitivity_age;  // s, at each step; the second where it is valid
+  Samples factor_age, sensitivity_age;  // s, at each step; the second only if valid
   BaselineResult cholmod, pcg;
 };
 

@@ -20,10 +20,10 @@ struct RefactorPolicy {
   std::string text() const;
 };
 
-/// Serves what a model wants, and times it.
+/// Executes the refactorisations that a model requests, and measures their time.
 ///   background  by the daemon's worker thread;
-///   every-N     at most one in N steps: run at once, out of the step's time, and installed N steps
-///               after its snapshot, as a background thread of that latency would (repeatable);
+///   every-N     at most one in N steps: run immediately, outside the step's time, and installed N
+///               steps after its snapshot, like a background thread of that latency (repeatable);
 ///   never       not after the first.
 class RefactorService {
  public:

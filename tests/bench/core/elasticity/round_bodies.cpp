@@ -48,7 +48,7 @@ double volume_of(const mesh::TetrahedralMesh& mesh) {
 }
 
 /// Integrals of the shape functions over the triangles of a region, by node, that sum to 1; faces
-/// may be curved. Midside nodes of a triangle stand in the order of edges 01, 12, 20.
+/// may be curved. Midside nodes of a triangle are in the order of edges 01, 12, 20.
 Eigen::VectorXd shares(const mesh::ElementMesh& mesh, const Region& region) {
   const mesh::Surface surface = mesh::extract_surface(mesh);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.node_count());

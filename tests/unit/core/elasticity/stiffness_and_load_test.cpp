@@ -14,7 +14,7 @@ using Eigen::Vector3d;
 constexpr double kReference = 1e5;  // Pa
 constexpr double kStiffnessAndLoadStiffness[] = {1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9};
 constexpr double kLength = 0.2;  // m
-/// Shares of a load that bends the bar by a fortieth of its length (linear elements: a third of
+/// Fractions of a load that bends the bar by a fortieth of its length (linear elements: a third of
 /// it).
 constexpr double kShares[] = {0, 0.01, 1, 10, 100};
 

@@ -25,7 +25,7 @@ struct Pass {
   Eigen::Matrix4Xf rotations;
 };
 
-/// Two evaluations of a bent and turned body, the second with viscosity.
+/// Two evaluations of a bent and rotated body, the second with viscosity.
 Pass pass_of(const Body& body, Precision precision, math::Team& team) {
   const ElementSet set(body);
   const auto elements =

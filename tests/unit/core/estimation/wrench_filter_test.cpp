@@ -51,7 +51,7 @@ TEST(WrenchFilter, IsConsistentWithAWorldOfItsOwn) {
     const int e = filter.log_young();
     log_young_covered += std::abs(error[e]) < 1.96 * filter.deviation(e) ? 1 : 0;
   }
-  // 95 % bands of chi-squared means: of 200 * 13 and of 200 * 50 * 6 degrees of freedom.
+  // 95 % bands of chi-squared means, with 200 * 13 and 200 * 50 * 6 degrees of freedom.
   EXPECT_NEAR(nees / kSeeds / 13, 1, 1.96 * std::sqrt(2.0 / (kSeeds * 13)));
   EXPECT_NEAR(nis / kSeeds / kSteps / 6, 1, 1.96 * std::sqrt(2.0 / (kSeeds * kSteps * 6)));
   EXPECT_GT(log_young_covered / kSeeds, 0.9);

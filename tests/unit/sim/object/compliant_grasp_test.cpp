@@ -47,7 +47,7 @@ TEST(CompliantGrasp, SlipsWhenOverloadedAndNotBefore) {
     EXPECT_LT(plant.grasp().slip().share, 1);
     EXPECT_NEAR(plant.hand_wrench().force.dot(along), -0.97, 1e-3);
     const double held = plant.grasp().slip().distance;
-    EXPECT_LT(held, 2e-4);  // a little, where the load comes in
+    EXPECT_LT(held, 2e-4);  // a little, near the load
     ramp(plant, 0.97 * along, 0.97 * along, 300);
     EXPECT_NEAR(plant.grasp().slip().distance, held, 1e-6);
 

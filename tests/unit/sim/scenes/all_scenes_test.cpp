@@ -47,7 +47,7 @@ TEST_P(EveryScene, RestsInTheHandAndRuns) {
 INSTANTIATE_TEST_SUITE_P(Scene, EveryScene, ::testing::ValuesIn(scene_names()),
                          [](const auto& tested) { return tested.param; });
 
-/// Scenes with a motion of their own; those with the thesis' moduli and with another kind of object
+/// Scenes with a scripted motion; those with the thesis' moduli and with another kind of object
 /// repeat that of another.
 std::vector<std::string> moving_scenes() {
   std::vector<std::string> names;

@@ -1,11 +1,11 @@
-"""Reads an MCAP file as its specification says, believing nothing, and prints what it holds as JSON.
+"""Reads an MCAP file as specified, trusting nothing, and prints its contents as JSON.
 
 usage: read_mcap.py FILE
 
-Knows the file format from the specification alone (mcap.dev/spec), not from the writer. Every rule
-that is broken ends with exit code 1: magic, lengths, CRCs of chunks, data section and summary,
-indices that do not lead to the messages that they name, statistics that do not count right, records
-out of place, messages that are no JSON or do not fit their schema.
+Implements the file format from the specification alone (mcap.dev/spec), independently of the
+writer. Every violation ends with exit code 1: magic, lengths, CRCs of chunks, data section and
+summary, indices that do not lead to the named messages, wrong statistics, misplaced records,
+messages that are not JSON or do not match their schema.
 """
 import collections
 import json

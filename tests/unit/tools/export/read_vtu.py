@@ -1,4 +1,5 @@
-"""Reads a .pvd series with meshio, which knows VTK's files on its own, and prints what it holds as JSON.
+"""Reads a .pvd series with meshio, an independent reader of VTK's files, and prints its contents as
+JSON.
 
 usage: read_vtu.py SERIES.pvd
 """

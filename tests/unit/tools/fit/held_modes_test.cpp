@@ -34,8 +34,8 @@ TEST(HeldModes, AreThoseOfABeamClampedAtBothEnds) {
   EXPECT_LT(nearest, 0.01 * longitudinal);
 }
 
-// The hand stops at once: what rings on its wrench is what the daemon's dynamic model integrates in
-// small steps, whose own damping is a hundredth.
+// The hand stops instantly: the vibration of its wrench equals that of the daemon's dynamic model
+// integrated in small steps, whose own damping is a hundredth.
 TEST(HeldModes, RingAsTheDynamicModelDoes) {
   elasticity::Body body = slender_bar(0.3);
   body.damping = {3.0, 2e-3};
@@ -65,7 +65,7 @@ TEST(HeldModes, RingAsTheDynamicModelDoes) {
   double squares = 0, differences = 0;
   for (int step = 1; step <= 8000; ++step) {
     model.step(h);
-    if (step < 2500) continue;  // those above the twelfth have died by then
+    if (step < 2500) continue;  // those above the twelfth have decayed
     double expected = 0;
     for (int i = 0; i < 12; ++i) {
       const double omega = modes.frequencies[i];

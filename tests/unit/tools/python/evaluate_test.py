@@ -158,7 +158,7 @@ class Scores(unittest.TestCase):
         self.assertLess(error.at_rest, 1e-3)
 
     def test_coverage_counts_the_truths_within_the_ball(self) -> None:
-        # 2 mm off: within 95 % where the deviation is above 2 mm / 2.7955.
+        # 2 mm off: within 95 % if the standard deviation is above 2 mm / 2.7955.
         self.assertEqual(palpate.shape_coverage(self.write(0.002, 0.002 / 2.78)), 1)
         self.assertEqual(palpate.shape_coverage(self.write(0.002, 0.002 / 2.81)), 0)
         with self.assertRaisesRegex(ValueError, "deviation"):

@@ -35,7 +35,7 @@ class PlayerTest : public testing::Test {
       played_.emplace_back(log, static_cast<int>((event.utime - kBegin) / 1000));
     };
   }
-  /// Times of what was played since the last call.
+  /// Times of the messages played since the last call.
   std::vector<int> times() {
     std::vector<int> times;
     for (const auto& [number, time] : played_) times.push_back(time);

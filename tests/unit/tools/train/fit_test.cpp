@@ -46,7 +46,7 @@ TEST(Presets, MistakesAreNamed) {
   EXPECT_THROW(preset("biotac_linear_lstm", {"data.recordings.0.test=[3, 2]"}), config::Error);
 }
 
-constexpr double kInertialDelay = 0.0053;  // s, no whole number of samples
+constexpr double kInertialDelay = 0.0053;  // s, not a multiple of the sample time
 constexpr double kWrenchDelay = 0.0207;
 constexpr double kSample = 2e-3;
 

@@ -28,7 +28,7 @@ TEST_P(FaceOfBar, HasItsAreaAndAllItsNodes) {
 }
 
 TEST_P(FaceOfBar, NodalForcesHaveTheResultantsOfTheTraction) {
-  // Turns about the middle of the face: torque = integral of k r^2 = k (Iy + Iz).
+  // Rotation about the centre of the face: torque = integral of k r^2 = k (Iy + Iz).
   const double k = 1e5;
   const Vector3d middle(0.2, 0.025, 0.02);
   const Matrix3Xd forces = patch_.nodal_forces(

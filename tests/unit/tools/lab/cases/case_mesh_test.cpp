@@ -51,7 +51,7 @@ TEST(CaseMesh, FillsAUnionOfBoxesAndItsRegions) {
   EXPECT_NEAR(area(m, "fixed"), 0.05 * 0.05, 1e-15);
   EXPECT_NEAR(area(m, "load"), 0.05 * 0.03, 1e-15);  // a part of a face: planes at its edges
   EXPECT_EQ(planes(m, 0).size(), 9u);
-  EXPECT_EQ(planes(m, 1).size(), 4u);  // more than were asked for
+  EXPECT_EQ(planes(m, 1).size(), 4u);  // more than requested
   EXPECT_EQ(planes(m, 0).count(0.15), 1u);
 }
 

@@ -113,7 +113,7 @@ TEST(SurfaceDistance, ConcentricSpheresAndAPartOfASurface) {
   EXPECT_NEAR(d.from_second.mean, 0.02, 2e-4);
   EXPECT_NEAR(d.hausdorff, 0.02, 1e-3);  // facets
 
-  // A part lies on the whole, but the whole does not lie on the part.
+  // A part has zero distance to the whole, but the whole not to the part.
   const draw::TriangleMesh box = draw::make_box({0.1, 0.1, 0.1});
   draw::TriangleMesh open = box;
   open.triangles = box.triangles.leftCols(10);  // without one face

@@ -5,7 +5,7 @@ import java.util.List;
 import javax.swing.JTable;
 import lcm.lcm.LCM;
 
-/** What the stock window keeps to its own package: its LCM, its channels, its plug-ins, its table. */
+/** Package-private parts of the stock window: its LCM, its channels, its plug-ins, its table. */
 public final class SpyAccess {
   private SpyAccess() {}
 
@@ -17,7 +17,10 @@ public final class SpyAccess {
     return new ArrayList<>(spy.plugins);
   }
 
-  /** Null where nothing has come on the channel. The spy's receiver holds its LCM's lock. */
+  /**
+   * Null if nothing has been received on the channel. Requires the lock of its LCM, held by the
+   * spy's receiver.
+   */
   public static ChannelData channel(Spy spy, String name) {
     return spy.channelMap.get(name);
   }

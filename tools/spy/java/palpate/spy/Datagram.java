@@ -4,7 +4,7 @@ import java.nio.charset.StandardCharsets;
 
 /**
  * LCM's framing of a short message: the magic "LC02", a number, the channel's name with its zero,
- * the payload. Looks at nothing beyond what was received.
+ * the payload. Reads nothing beyond the received bytes.
  */
 final class Datagram {
   static final int HEADER_SIZE = 8;
@@ -20,7 +20,7 @@ final class Datagram {
     this.payloadSize = payloadSize;
   }
 
-  /** Null for everything but a whole short message, which `size` bytes of `data` hold. */
+  /** Null unless `size` bytes of `data` hold exactly one complete short message. */
   static Datagram parse(byte[] data, int size) {
     if (size < HEADER_SIZE || size > data.length) return null;
     if (data[0] != 'L' || data[1] != 'C' || data[2] != '0' || data[3] != '2') return null;

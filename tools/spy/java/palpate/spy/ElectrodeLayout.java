@@ -10,8 +10,8 @@ import java.util.ArrayList;
 import java.util.List;
 
 /**
- * Where the skin's electrodes lie once it is laid flat, in mm: u along the finger towards the tip,
- * v around it. The file is written at build time from the sensor's published geometry.
+ * Positions of the electrodes on the unrolled skin, in mm: u along the finger towards the tip, v
+ * around it. The file is generated at build time from the sensor's published geometry.
  */
 final class ElectrodeLayout {
   static final int COUNT = 19;

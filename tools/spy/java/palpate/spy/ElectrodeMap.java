@@ -23,8 +23,8 @@ import lcm.spy.SpyPlugin;
 import palpate.biotac_t;
 
 /**
- * The nineteen electrodes on the skin laid flat, coloured by how far their counts are from those
- * at rest (the first messages; a click tares anew), with the other signals of the fingertip.
+ * The nineteen electrodes on the unrolled skin, coloured by the difference of their counts from
+ * rest (the first messages; a click tares again), with the other signals of the fingertip.
  */
 public final class ElectrodeMap extends PlugIn implements SpyPlugin {
   @Override
@@ -107,7 +107,7 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
         now[i] = sample.electrodes[i] - rest[i];
         largest = Math.max(largest, Math.abs(now[i]));
       }
-      // Up at once, down slowly, so that colours can be compared over a touch.
+      // Rises immediately and falls slowly, so that colours can be compared during a contact.
       range = Math.max(largest, range * 0.998);
       int count = Math.max(0, Math.min(sample.pac_count, sample.pac.length));
       System.arraycopy(pac, count, pac, 0, HISTORY - count);
@@ -146,7 +146,7 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
           Math.round(now[most]));
     }
 
-    // The finger lies with its tip to the right: u to the right, v down.
+    // The finger's tip points to the right: u to the right, v down.
     private double scale() {
       return Math.min(MAP_WIDTH / 27.0, (getHeight() - 90) / 23.0);
     }
@@ -208,7 +208,7 @@ public final class ElectrodeMap extends PlugIn implements SpyPlugin {
       g.drawString("tip", (float) x(10) - 16, (float) y(0) + 30);
     }
 
-    /** Counts between the electrodes, by their distance. */
+    /** Counts interpolated between the electrodes, by their distance. */
     private BufferedImage field(Rectangle2D bounds) {
       int width = 92;
       int height = 64;

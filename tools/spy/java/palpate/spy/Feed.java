@@ -2,7 +2,9 @@ package palpate.spy;
 
 import lcm.lcm.LCM;
 
-/** Where plug-ins hear messages: what palpate-spy receives, or, within stock lcm-spy, LCM's own. */
+/**
+ * Source of messages for plug-ins: palpate-spy's receivers, or, within stock lcm-spy, LCM's own.
+ */
 final class Feed {
   private static LCM lcm;
 

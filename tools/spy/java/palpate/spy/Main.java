@@ -18,7 +18,7 @@ import lcm.spy.SpyPlugin;
 /** Stock lcm-spy on several URLs at once, with palpate's types, charts and windows. */
 public final class Main {
   private static final long LOOK_MS = 50;
-  private static final long LONGEST_WAIT_NS = 60_000_000_000L; // for windows that were asked for
+  private static final long LONGEST_WAIT_NS = 60_000_000_000L; // for windows that were requested
 
   private final Options options;
   private final Spy spy;
@@ -26,7 +26,7 @@ public final class Main {
 
   private Main(Options options) throws IOException {
     this.options = options;
-    // The spy gets messages from our receivers alone: LCM's own ends at the first bad packet.
+    // The spy gets messages from our receivers only: LCM's own stops at the first invalid packet.
     spy = new Spy("memq://");
     LCM lcm = SpyAccess.lcm(spy);
     Feed.set(lcm);
@@ -44,7 +44,7 @@ public final class Main {
     System.out.println("listens to " + options.describeUrls());
   }
 
-  /** Opens the windows that were asked for, each as soon as its channel is heard. */
+  /** Opens the requested windows, each as soon as a message on its channel arrives. */
   private void openWindows(long end) throws InterruptedException {
     List<Options.Wish> waiting = new ArrayList<>(options.wishes);
     while (!waiting.isEmpty() && System.nanoTime() < end) {
@@ -73,7 +73,7 @@ public final class Main {
     return false;
   }
 
-  /** One PNG a window, named spy, electrodes, error, mesh. */
+  /** One PNG per window, named spy, electrodes, error, mesh. */
   private void takePictures(File folder) throws Exception {
     if (!folder.isDirectory() && !folder.mkdirs()) {
       throw new IOException(folder + ": cannot be made");
@@ -117,7 +117,7 @@ public final class Main {
     if (!ends) return; // the windows live on
     waitUntilReady(end);
     Thread.sleep((long) (1e3 * options.seconds));
-    // For who cannot see them.
+    // For screen readers.
     PlugIn.OPEN.forEach((name, view) -> System.out.println(name + ": " + view.words()));
     if (options.pictures != null) takePictures(new File(options.pictures));
     long refused = 0;

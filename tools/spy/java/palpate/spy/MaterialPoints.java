@@ -3,9 +3,9 @@ package palpate.spy;
 import palpate.shape_mesh_t;
 
 /**
- * Points of the rest shape as weighted sums of another mesh's nodes: where that mesh moves, they
- * move. Elements are linear tetrahedra, or 27-node hexahedra whose rest shape is a box; the order
- * of the nodes in a hexahedron does not matter. A point outside takes the nearest element.
+ * Points of the rest shape as weighted sums of another mesh's nodes, with which they move. Elements
+ * are linear tetrahedra, or 27-node hexahedra whose rest shape is a box; the order of the nodes in
+ * a hexahedron is arbitrary. A point outside uses the nearest element.
  */
 final class MaterialPoints {
   private final int perPoint;
@@ -37,7 +37,7 @@ final class MaterialPoints {
     return nodes.length / perPoint;
   }
 
-  /** Where the mesh's nodes at `xyz` put point `p`. */
+  /** Position of point `p` for the mesh's nodes at `xyz`. */
   void at(float[] xyz, int p, double[] into) {
     into[0] = into[1] = into[2] = 0;
     for (int i = p * perPoint; i < (p + 1) * perPoint; ++i) {

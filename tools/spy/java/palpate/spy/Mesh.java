@@ -3,7 +3,7 @@ package palpate.spy;
 import java.util.TreeMap;
 import palpate.shape_mesh_t;
 
-/** A mesh put together from the chunks of SHAPE_MESH or TRUTH_MESH. */
+/** A mesh assembled from the chunks of SHAPE_MESH or TRUTH_MESH. */
 final class Mesh {
   long hash;
   int elementKind;
@@ -17,13 +17,13 @@ final class Mesh {
     return rest.length / 3;
   }
 
-  /** Gathers chunks until a mesh is whole. */
+  /** Collects chunks until a mesh is complete. */
   static final class Builder {
     private final TreeMap<Integer, shape_mesh_t> chunks = new TreeMap<>();
     private long hash;
     private Mesh whole;
 
-    /** The mesh, newly made, where this chunk was the last that it lacked; else null. */
+    /** The new mesh if this chunk completed it; otherwise null. */
     Mesh add(shape_mesh_t chunk) {
       if (whole != null && chunk.mesh_hash == whole.hash) return null;
       if (chunk.mesh_hash != hash) chunks.clear();
@@ -37,7 +37,7 @@ final class Mesh {
       return made;
     }
 
-    /** Null where the chunks contradict each other. */
+    /** Null if the chunks are contradictory. */
     private Mesh join() {
       shape_mesh_t first = chunks.firstEntry().getValue();
       int largest = 1 << 20;
@@ -71,7 +71,7 @@ final class Mesh {
         && names(constrained);
   }
 
-  /** Whether every index is one of a node. */
+  /** Whether every index refers to a node. */
   private boolean names(int[] indices) {
     for (int index : indices) {
       if (index < 0 || index >= nodeCount()) return false;

@@ -21,9 +21,9 @@ import palpate.shape_mesh_t;
 import palpate.shape_t;
 
 /**
- * The object seen along an axis of its frame, from above first: surface coloured by how far it is
- * from rest, the nodes of the simulator's truth as points where there is one, contact forces as
- * arrows. A click takes the next view.
+ * The object seen along an axis of its frame, initially from above: surface coloured by its
+ * displacement from rest, the nodes of the simulator's ground truth as points if available, contact
+ * forces as arrows. A click selects the next view.
  */
 public final class MeshView extends PlugIn implements SpyPlugin {
   @Override
@@ -152,7 +152,7 @@ public final class MeshView extends PlugIn implements SpyPlugin {
       g.dispose();
     }
 
-    /** Grows the window to hold the shape; it never shrinks, so that the picture rests. */
+    /** Grows the window to contain the shape; it never shrinks, so that the image stays steady. */
     private void fit() {
       int[] axes = AXES[view];
       if (window == null) window = new double[] {1e9, -1e9, 1e9, -1e9};
@@ -233,7 +233,7 @@ public final class MeshView extends PlugIn implements SpyPlugin {
       return Math.sqrt(square);
     }
 
-    /** Far triangles first. */
+    /** Far triangles first (painter's algorithm). */
     private Integer[] order() {
       int count = mesh.triangles.length / 3;
       double[] depth = new double[count];

@@ -35,7 +35,7 @@ final class Options {
   /** A window to open. */
   static final class Wish {
     final String word;
-    final String channel; // null: the usual ones
+    final String channel; // null: the default ones
 
     Wish(String text) {
       String[] parts = text.split("=", 2);
@@ -60,7 +60,7 @@ final class Options {
   String pictures;
   boolean help;
 
-  /** Throws IllegalArgumentException that names the option. */
+  /** Throws IllegalArgumentException naming the option. */
   static Options parse(String[] arguments) {
     Options options = new Options();
     for (int i = 0; i < arguments.length; ++i) {
@@ -108,7 +108,7 @@ final class Options {
       double number = Double.parseDouble(value);
       if (number > 0 && number < 1e9) return number;
     } catch (NumberFormatException error) {
-      // Told below.
+      // Reported below.
     }
     throw new IllegalArgumentException(name + " " + value + ": must be a number above zero");
   }

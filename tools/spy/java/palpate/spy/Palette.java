@@ -6,7 +6,7 @@ import java.awt.Graphics;
 import java.awt.Graphics2D;
 import java.awt.RenderingHints;
 
-/** Colours and fonts that all windows share. */
+/** Colours and fonts shared by all windows. */
 final class Palette {
   static final Color PAPER = Color.WHITE;
   static final Color INK = new Color(0x20, 0x24, 0x2a);
@@ -18,7 +18,7 @@ final class Palette {
   static final Font SMALL = new Font(Font.SANS_SERIF, Font.PLAIN, 10);
   static final Font BOLD = new Font(Font.SANS_SERIF, Font.BOLD, 12);
 
-  // Blue below, white at zero, red above: told apart by colour-blind eyes as well.
+  // Blue below, white at zero, red above: distinguishable with colour blindness as well.
   private static final float[][] DIVERGING = {
     {0.02f, 0.19f, 0.38f}, {0.26f, 0.58f, 0.76f}, {0.97f, 0.97f, 0.97f},
     {0.84f, 0.38f, 0.30f}, {0.40f, 0.00f, 0.12f}
@@ -31,12 +31,12 @@ final class Palette {
 
   private Palette() {}
 
-  /** `value` from -1 to 1; beyond counts as the end. */
+  /** `value` from -1 to 1; clamped. */
   static Color diverging(double value) {
     return between(DIVERGING, 0.5 * (value + 1));
   }
 
-  /** `value` from 0 to 1; beyond counts as the end. */
+  /** `value` from 0 to 1; clamped. */
   static Color rising(double value) {
     return between(RISING, value);
   }
@@ -62,7 +62,7 @@ final class Palette {
     return g;
   }
 
-  /** A bar of colours with its ends and its middle named. */
+  /** A colour bar with labels at its ends and its middle. */
   interface Scale {
     Color at(double part);
   }

@@ -21,34 +21,34 @@ import lcm.lcm.LCMSubscriber;
 import lcm.spy.ChannelData;
 
 /**
- * A window of its own for a channel, opened from the spy's menu. Its children say themselves that
- * they are plug-ins: the spy looks for that at the class itself, and makes one of each.
+ * A window for one channel, opened from the spy's menu. Subclasses themselves declare that they are
+ * plug-ins: the spy checks the class itself, and creates one of each.
  */
 abstract class PlugIn {
-  /** The windows that are open, by their names. */
+  /** The open windows, by their names. */
   static final Map<String, View> OPEN = new ConcurrentSkipListMap<>();
 
   private static final int REDRAW_MS = 50;
 
-  /** What a window shows. Messages come in the receiver's thread, redraw() in Swing's. */
+  /** Content of a window. Messages arrive in the receiver's thread, redraw() runs in Swing's. */
   interface View {
     JComponent component();
 
-    /** Channels that the view hears beside its own. */
+    /** Channels that the view receives in addition to its own. */
     List<String> channels();
 
     void take(String channel, LCMDataInputStream message) throws IOException;
 
     void redraw();
 
-    /** Whether all has come that it needs to show something. */
+    /** Whether it has received everything that it needs to show something. */
     boolean isReady();
 
-    /** What it shows, in a line. */
+    /** Its content, in one line. */
     String words();
   }
 
-  /** As the spy's menu and the window's title say it. */
+  /** Name in the spy's menu and the window's title. */
   abstract String title();
 
   /** One word for the command line. */
@@ -56,7 +56,7 @@ abstract class PlugIn {
 
   abstract View view(String channel);
 
-  /** As the spy asks for it. */
+  /** As the spy calls it. */
   public Action getAction(JDesktopPane desktop, ChannelData channel) {
     return new AbstractAction(title()) {
       @Override
@@ -100,7 +100,7 @@ abstract class PlugIn {
     return frame;
   }
 
-  /** Whatever bytes come, the receiver goes on. */
+  /** The receiver continues for any bytes. */
   private static final class Guard implements LCMSubscriber {
     private final View view;
 
@@ -113,7 +113,7 @@ abstract class PlugIn {
       try {
         view.take(channel, message);
       } catch (IOException | RuntimeException | OutOfMemoryError error) {
-        // Of another type or broken; the spy's own table counts it.
+        // Of another type or malformed; the spy's own table counts it.
       }
     }
   }

@@ -8,8 +8,8 @@ import java.net.MulticastSocket;
 import lcm.lcm.LCM;
 
 /**
- * Takes the short messages of one LCM URL to the spy. LCM's own receiver for Java ends silently at
- * the first packet that it cannot read; this one counts it and goes on.
+ * Receives the short messages of one LCM URL for the spy. LCM's own receiver for Java stops without
+ * a message at the first packet that it cannot read; this one counts it and continues.
  */
 final class Receiver extends Thread {
   private static final int BUFFER_SIZE = 65536;
@@ -25,14 +25,14 @@ final class Receiver extends Thread {
     this.url = url;
     this.into = into;
     InetAddress group = InetAddress.getByName(url.address);
-    // Bound to the group, not to any address, the socket sees this group alone.
+    // Bound to the group, not to any address, the socket receives this group only.
     socket = new MulticastSocket(new InetSocketAddress(group, url.port));
     socket.setReceiveBufferSize(WANTED_QUEUE);
     socket.joinGroup(new InetSocketAddress(group, url.port), null);
     setDaemon(true);
   }
 
-  /** Datagrams that were no short message, or that the spy could not take. */
+  /** Datagrams that were not short messages, or that the spy could not decode. */
   long refused() {
     return refused;
   }

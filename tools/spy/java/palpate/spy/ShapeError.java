@@ -24,8 +24,8 @@ import palpate.shape_mesh_t;
 import palpate.shape_t;
 
 /**
- * How far the nodes of SHAPE are from where the material truly is by TRUTH_SHAPE, over time. Both
- * meshes must have come; the truth comes from a simulator alone.
+ * Distance of the nodes of SHAPE from the true positions of their material by TRUTH_SHAPE, over
+ * time. Both meshes must have been received; ground truth is published only by a simulator.
  */
 public final class ShapeError extends PlugIn implements SpyPlugin {
   @Override
@@ -65,14 +65,14 @@ public final class ShapeError extends PlugIn implements SpyPlugin {
     private Mesh shapeMesh;
     private Mesh truthMesh;
     private MaterialPoints points;
-    private shape_t before; // the last truth but one
+    private shape_t before; // the second to last truth
     private shape_t after; // the last truth
     private long first;
     private boolean byArrival;
     private String state = "";
     private double[] latest;
 
-    /** A second arm's channels end alike. */
+    /** A second arm's channels have the same suffix. */
     Panel(String channel) {
       super(new BorderLayout());
       String plain = channel.replaceFirst("^(TRUTH_)?SHAPE", "");
@@ -149,7 +149,7 @@ public final class ShapeError extends PlugIn implements SpyPlugin {
     }
 
     private void takeShape(shape_t shape) {
-      // The channel is heard twice where it is the window's own.
+      // The channel is received twice if it is the window's own.
       if (!waiting.isEmpty() && waiting.getLast().seq == shape.seq) return;
       waiting.add(shape);
       if (waiting.size() > LONGEST_QUEUE) waiting.removeFirst();
@@ -164,7 +164,7 @@ public final class ShapeError extends PlugIn implements SpyPlugin {
       if (before == null || points == null || shapeMesh == null) return;
       if (truthMesh.hash != truth.mesh_hash || truth.xyz_count != truthMesh.rest.length) return;
       if (waiting.isEmpty()) return;
-      // A simulator that does not keep up with time has a clock of its own.
+      // A simulator slower than real time has a separate clock.
       long apart = waiting.getLast().utime - after.utime;
       byArrival = Math.abs(apart) > SAME_CLOCK_US;
       if (byArrival) {
@@ -184,7 +184,7 @@ public final class ShapeError extends PlugIn implements SpyPlugin {
       return shape.mesh_hash == shapeMesh.hash && shape.xyz_count == shapeMesh.rest.length;
     }
 
-    /** Against the truth that lies so far between the last two. */
+    /** Relative to the truth interpolated at this fraction between the last two. */
     private void score(shape_t shape, double part) {
       double sum = 0;
       double squares = 0;

@@ -1,12 +1,12 @@
 package palpate.spy;
 
-/** udpm://ADDRESS:PORT with options, of which a listener needs none. */
+/** udpm://ADDRESS:PORT with options, which a receiver ignores. */
 final class Url {
   final String text;
   final String address;
   final int port;
 
-  /** Throws IllegalArgumentException that says what is wrong. */
+  /** Throws IllegalArgumentException with the reason. */
   Url(String text) {
     this.text = text;
     String scheme = "udpm://";
