@@ -16,8 +16,8 @@ EXAMPLE = ROOT / "rt/config/examples/bar_long_soft.yaml"
 OLD = (
     (["palpated", EXAMPLE, "--set", "no_such_key=1"], "configuration is deprecated; use --config", 78),
     (["palpate-doctor", EXAMPLE, "--channels", "--set", "no_such_key=1"], "use --config", 78),
-    (["palpate-export", "png", "no.log", "-o", "a.png", "--configuration", EXAMPLE], "use --config", 1),
-    (["palpate-export", "mcap", "no.log", "-o", "a.mcap", f"--configuration={EXAMPLE}"], "use --config", 1),
+    (["palpate-export", "png", EXAMPLE, "-o", "a.png", "--configuration", EXAMPLE], "use --config", 1),
+    (["palpate-export", "mcap", EXAMPLE, "-o", "a.mcap", f"--configuration={EXAMPLE}"], "use --config", 1),
     (["palpate-fit", "no_such_plan", "--out", "fitted"], "--out is deprecated; use --output", 78),
     (["palpate-train", "no_such_plan", "--data", ".", "--out", "a.pt"], "use --output", 78),
     (["palpate-evaluate", "thesis", "--list", "--out", "thesis"], "use --output", 0),
