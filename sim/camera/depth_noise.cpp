@@ -10,7 +10,7 @@ namespace palpate::camera {
 namespace {
 
 using math::kPi;
-constexpr double kSteep = kPi / 3;  // from here on the angle adds to axial noise
+constexpr double kSteep = kPi / 3;  // angle above which it adds to the axial noise
 
 /// Tends to infinity for a surface seen edge-on.
 double steepness(double angle) { return angle / (kPi / 2 - angle); }

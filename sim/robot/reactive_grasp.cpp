@@ -8,8 +8,8 @@
 namespace palpate::robot {
 namespace {
 constexpr double kTouch = 1e-3;  // N
-/// Decay of the step without contact. Less than the reduction by two reversals while a finger that
-/// has bounced off finds the object again; otherwise the finger would chatter for ever.
+/// Growth factor of the step without contact. Two reversals reduce the step by more than it grows
+/// while a finger that has bounced off finds the object again; otherwise it would chatter for ever.
 constexpr double kGrowth = 1.1;
 }  // namespace
 

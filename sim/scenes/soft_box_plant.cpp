@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kPeriod = 1e-3;      // s
 constexpr double kSettlingTime = 10;  // s, simulated, at most
-constexpr double kRest = 1e-8;        // m in a step
+constexpr double kRest = 1e-8;        // m per step
 using math::kPi;
 constexpr double kSticking = 0.99;  // of the friction cone
 

@@ -11,7 +11,7 @@ namespace {
 using sensing::kElectrodeCount;
 
 using math::kPi;
-constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa a count
+constexpr double kPressureStep = 36.5, kVibrationStep = 0.37;  // Pa per count
 constexpr double kHighPass = 2 * kPi * 10;                     // rad/s
 constexpr double kLeast = 0, kMost = 4095;
 

@@ -34,7 +34,7 @@ class Case:
     about: str
     simulator: tuple[str, ...] = ()
     daemon: tuple[str, ...] = ()
-    target: tuple[float, ...] = ()  # where point (m, in O) shall be
+    target: tuple[float, ...] = ()  # target of point (m, in O)
     point: tuple[float, ...] = (0.25, 0.03, 0.06)  # of the rest shape
 
 

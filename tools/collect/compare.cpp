@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 using sensing::kElectrodeCount;
 
 constexpr double kTare = 0.5;  // s
-constexpr int kSpots = 3;      // number of long contacts
+constexpr int kSpots = 3;      // point contacts that represent a long one
 constexpr int kSignals = kElectrodeCount + 1;
 constexpr double kPressureWeight =
     0.3;  // weight of PDC relative to the electrodes, whose changes are smaller

@@ -9,10 +9,11 @@ namespace palpate::drawing {
 
 /// Primitive shape of a link.
 struct LinkShape {
-  int link = 0;          // in the order of RobotDrawing::place
-  std::string kind;      // box, cylinder, sphere
-  Eigen::Vector3d size;  // m. Box: edges; cylinder: radius, length along z, 0; sphere: radius, 0, 0
-  math::Pose X_LV;       // of the shape's centre in the link
+  int link = 0;      // in the order of RobotDrawing::place
+  std::string kind;  // box, cylinder, sphere
+  Eigen::Vector3d
+      size;  // m. Box: edge lengths; cylinder: radius, length along z, 0; sphere: radius, 0, 0
+  math::Pose X_LV;         // of the shape's centre in the link
   Eigen::Vector3d colour;  // red, green, blue, 0 to 1
 };
 

@@ -16,7 +16,7 @@ nlohmann::ordered_json json_schema(const log::TypeInfo& type);
 /// arrays.
 void append_json(const log::Record& record, std::string& text);
 
-/// Appends a quoted JSON string; bytes that are no UTF-8 become question marks.
+/// Appends a quoted JSON string; invalid UTF-8 bytes become question marks.
 void append_json_string(const std::string& value, std::string& text);
 
 }  // namespace palpate::exporting

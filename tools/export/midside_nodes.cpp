@@ -11,7 +11,7 @@ namespace palpate::exporting {
 namespace {
 
 constexpr int kIterations = 12;
-constexpr double kEnough = 1e-9;  // of the residual halfway, at which the iteration stops
+constexpr double kEnough = 1e-9;  // of the residual at the midpoints; ends the iteration
 
 mesh::TetrahedralMesh tetrahedra_of(const log::MeshMessage& corners) {
   mesh::TetrahedralMesh mesh;

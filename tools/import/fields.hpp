@@ -43,9 +43,9 @@ const std::vector<Field>& fields_of(const std::string& format);
 std::vector<std::string> needed_columns(const std::string& format,
                                         const std::map<std::string, std::string>& described);
 
-/// Where the fields of one format come from in one file. A field is described by "[-]column[:unit]"
-/// or "=constant" (in SI); one that is not described takes the column of its own name, in SI, if
-/// there is one.
+/// Sources of the fields of one format in one file. A field is described by "[-]column[:unit]" or
+/// "=constant" (in SI); by default it is read from the column of its own name, in SI, if there is
+/// one.
 class FieldMapping {
  public:
   /// Throws CsvError or std::invalid_argument: unknown field, column or unit, or a required field

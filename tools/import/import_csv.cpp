@@ -47,7 +47,7 @@ void require_columns(const recordings::CsvReader& csv, const ImportOptions& opti
   }
 }
 
-/// A log that takes its name when it is complete.
+/// A log that is renamed to its final name when complete.
 class NewLog {
  public:
   explicit NewLog(const std::string& path) : path_(path), part_(path + ".part") {

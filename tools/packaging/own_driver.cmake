@@ -1,5 +1,5 @@
 # Builds a driver that was copied from palpate's template:
-#  cmake -B build -DCMAKE_BUILD_TYPE=Release && cmake --build build
+#   cmake -B build -DCMAKE_BUILD_TYPE=Release && cmake --build build
 cmake_minimum_required(VERSION 3.25)
 project(own_driver LANGUAGES CXX)
 set(CMAKE_CXX_STANDARD 17)

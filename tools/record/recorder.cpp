@@ -8,9 +8,10 @@ namespace palpate::record {
 namespace {
 
 constexpr double kRecorderMegabyte = 1e6;
-constexpr std::int64_t kLookEvery = 1'000'000'000;  // ns, at the space that is left
-constexpr std::size_t kMostChannels = 4096;     // told apart; who draws names shall not fill memory
-constexpr std::int64_t kPendingOverhead = 128;  // bytes that a waiting message takes beside its own
+constexpr std::int64_t kLookEvery = 1'000'000'000;  // ns, check interval of the free space
+constexpr std::size_t kMostChannels =
+    4096;  // distinguished; a sender of random names must not exhaust memory
+constexpr std::int64_t kPendingOverhead = 128;  // bytes of a queued message in addition to its own
 
 std::string folder_of(const std::string& file) {
   const std::filesystem::path parent = std::filesystem::path(file).parent_path();

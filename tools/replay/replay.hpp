@@ -24,8 +24,8 @@ struct ReplayOptions {
 
 struct ReplayResult {
   std::int64_t cycles = 0;
-  std::int64_t messages = 0;  // read from the log and offered to the daemon
-  std::int64_t left_out = 0;  // of channels that the daemon does not listen to
+  std::int64_t messages = 0;  // read from the log and passed to the daemon
+  std::int64_t left_out = 0;  // of channels that the daemon does not receive
   std::int64_t starts = 0;    // of them, commands with the event start
   std::int64_t shapes = 0;
   std::uint64_t shape_hash = 0;  // FNV-1a over every published SHAPE, byte by byte

@@ -82,7 +82,7 @@ void Viewer::advance(std::int64_t now_us) {
   if (log_) {
     const double passed = played_us_ == 0 ? 0 : static_cast<double>(now_us - played_us_) * 1e-6;
     played_us_ = now_us;
-    // A machine that was suspended does not skip the time in between.
+    // After a suspension of the machine, playback does not skip the time in between.
     constexpr double kLongestStep = 0.5;
     if (playing_) log_->go_to(log_->time() + rate_ * std::clamp(passed, 0.0, kLongestStep), scene_);
     if (log_->time() >= log_->duration()) playing_ = false;

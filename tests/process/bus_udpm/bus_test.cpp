@@ -192,7 +192,7 @@ TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
   auto wrong_type = good;
   wrong_type[0] ^= 1;
   auto cut_short = support::datagram("FT_WRENCH", {});
-  cut_short.pop_back();  // liblcm computes a payload of -1 bytes from such a name without end
+  cut_short.pop_back();  // liblcm computes a payload of -1 bytes from a name without end
   std::vector<std::uint8_t> wrapping = support::datagram("FT_WRENCH", {}, "LC03");
   wrapping.insert(wrapping.begin() + 8, {0, 0, 4, 0, 0xff, 0xff, 0xff, 0xc0, 0, 1, 0, 2});
   std::mt19937 random(3);

@@ -20,7 +20,7 @@ from docs_test import private_urls
 from names import blocks
 
 ROOT, BIN = pathlib.Path(sys.argv[1]).resolve(), pathlib.Path(sys.argv[2]).resolve()
-PATIENCE = 300  # s, for a machine that is very busy
+PATIENCE = 300  # s, sufficient for a very busy machine
 SCENE, CONFIGURATION = "sim/scenes/bar_long_soft_control.yaml", "rt/config/examples/bar_long_soft.yaml"
 WHOLE = {"README.md", "docs/tutorial.md", "docs/own_robot.md"}  # docs_test.py
 # Lines that are not run, by their beginning, and why.

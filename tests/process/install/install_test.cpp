@@ -51,7 +51,7 @@ TEST(Install, TheUnitStartsTheDaemonThatIsInstalled) {
   EXPECT_NE(wrong.output().find("no_such_key"), std::string::npos) << wrong.output();
 }
 
-/// What find_package(palpate) will read, as CMake wrote it beside the build.
+/// The file that find_package(palpate) reads, as written by CMake in the build folder.
 std::string exported_targets() {
   const fs::path folder = fs::path(PALPATE_BUILD_DIR) / "tools/packaging/CMakeFiles/Export";
   if (!fs::exists(folder)) return "";

@@ -1,4 +1,4 @@
-// palpate-replay over logs in which nobody starts the daemon.
+// palpate-replay on logs without a start command to the daemon.
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -17,7 +17,7 @@ namespace {
 
 constexpr const char* kRecording = "biotac_foam_bar/ring_finger_dev.csv";
 constexpr const char* kStageRecordingConfiguration = "rt/config/examples/foam_bar_tactile.yaml";
-constexpr std::int64_t kTare = 500000;  // us at the start in which nothing touches
+constexpr std::int64_t kTare = 500000;  // us at the start without contact
 constexpr double kForceBar = 0.03;      // N RMS, linear model fitted on the first half
 
 /// Fits the sensor's force regression and writes it for palpated; the fit's output goes to a file.

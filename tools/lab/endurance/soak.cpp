@@ -16,7 +16,7 @@ namespace palpate::endurance {
 namespace {
 
 constexpr double kMostGrowth = 1.0;       // MB
-constexpr double kSoakTargetPeriod = 15;  // s until the other target is given
+constexpr double kSoakTargetPeriod = 15;  // s until the target changes
 constexpr double kSampling = 1.0;         // s
 constexpr const char* kSoakScene = "sim/scenes/bar_long_soft_control.yaml";
 constexpr const char* kSoakConfiguration = "rt/config/examples/bar_long_soft.yaml";

@@ -20,7 +20,7 @@ using faults::Bench;
 using faults::RunResult;
 
 constexpr double kFaultsSimulatorPatience = 40;  // s; the plant settles first
-constexpr double kBraked = 0.5;                  // s after which nothing may move any more
+constexpr double kBraked = 0.5;                  // s after which all motion must have ended
 
 std::string source(const char* path) { return (config::data_folder() / path).string(); }
 

@@ -10,7 +10,7 @@ namespace palpate::scores {
 namespace {
 
 using math::kDegree;
-constexpr double kRest = 0.5;  // s at the end of a run over which the error at rest is taken
+constexpr double kRest = 0.5;  // s at the end of a run over which the steady-state error is taken
 
 /// The last target of the log, at its first transmission.
 const shape_target_t& first_of_last_revision(const std::vector<shape_target_t>& targets) {

@@ -9,7 +9,7 @@ namespace palpate::studies {
 /// Escapes text for HTML: & < > " ' as entities.
 std::string escaped(const std::string& text);
 
-/// One page that needs no other file.
+/// A self-contained HTML page.
 class HtmlPage {
  public:
   explicit HtmlPage(const std::string& title);

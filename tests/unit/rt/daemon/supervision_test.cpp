@@ -61,10 +61,10 @@ TEST_F(Supervision, ALongCycleIsAnOverrunAsALateWakeUpIs) {
   tick(3 * kSupervisionMillisecond, 3);  // woken up late
   EXPECT_EQ(daemon_.counters().overruns, 1);
   EXPECT_EQ(daemon_.counters().overrun_ns, 3 * kSupervisionMillisecond);
-  tick(50'000, 1);  // its cycle ended late for that: still the same overrun, but longer
+  tick(50'000, 1);  // its cycle therefore ended late: the same overrun, but longer
   EXPECT_EQ(daemon_.counters().overruns, 1);
   EXPECT_EQ(daemon_.counters().overrun_ns, 4 * kSupervisionMillisecond);
-  tick(50'000, 2);  // punctual, after a cycle that took the time of three
+  tick(50'000, 2);  // punctual, after a cycle that lasted three periods
   EXPECT_EQ(daemon_.counters().overruns, 2);
   EXPECT_EQ(daemon_.counters().overrun_ns, 6 * kSupervisionMillisecond);
 }

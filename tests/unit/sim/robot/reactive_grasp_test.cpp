@@ -70,7 +70,7 @@ TEST(ReactiveGrasp, FollowsAnObjectThatGivesWayOrSwells) {
   grasp.reset(hand.q);
   grasp.close();
   reactive_grasp_run(hand, grasp, 200);
-  hand.gap[1] += 0.010;  // lost contact
+  hand.gap[1] += 0.010;  // contact lost
   EXPECT_EQ(hand.force()(1), 0);
   hand.gap[2] -= 0.010;  // 3 N more
   EXPECT_GT(hand.force()(2), 3);
