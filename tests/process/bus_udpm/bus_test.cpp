@@ -21,7 +21,7 @@
 namespace palpate::bus {
 namespace {
 
-using support::Injector;
+using wire::Injector;
 
 /// Waits for an action of another thread or process; false on time-out.
 bool eventually(const std::function<bool()>& condition) {
@@ -146,7 +146,7 @@ TEST(LcmBus, HearsWhatStockLibLcmOfAnotherProcessPublishes) {
   if (child == 0) {
     lcm_t* lcm = lcm_create(url.text().c_str());
     for (int i = 0; lcm != nullptr && i < 100; ++i) {
-      const auto data = support::encoded(wrench_number(i));
+      const auto data = wire::encoded(wrench_number(i));
       lcm_publish(lcm, "FT_WRENCH", data.data(), static_cast<unsigned>(data.size()));
       std::this_thread::sleep_for(std::chrono::microseconds(200));
     }
@@ -188,31 +188,31 @@ TEST(LcmBus, SurvivesAnInjectorOfMalformedPacketsAndStillHearsTheGoodOnes) {
   const auto send = [&](const std::vector<std::uint8_t>& data) {
     ASSERT_TRUE(injector.send(data.data(), data.size()));
   };
-  const auto good = support::encoded(wrench_number(1));
+  const auto good = wire::encoded(wrench_number(1));
   auto wrong_type = good;
   wrong_type[0] ^= 1;
-  auto cut_short = support::datagram("FT_WRENCH", {});
+  auto cut_short = wire::datagram("FT_WRENCH", {});
   cut_short.pop_back();  // liblcm computes a payload of -1 bytes from a name without end
-  std::vector<std::uint8_t> wrapping = support::datagram("FT_WRENCH", {}, "LC03");
+  std::vector<std::uint8_t> wrapping = wire::datagram("FT_WRENCH", {}, "LC03");
   wrapping.insert(wrapping.begin() + 8, {0, 0, 4, 0, 0xff, 0xff, 0xff, 0xc0, 0, 1, 0, 2});
   std::mt19937 random(3);
   constexpr int kRounds = 2000;
   for (int round = 0; round < kRounds; ++round) {
-    send(support::datagram("FT_WRENCH", good, "LC01"));
+    send(wire::datagram("FT_WRENCH", good, "LC01"));
     send(cut_short);
     send(wrapping);
-    send(support::datagram("FT_WRENCH", wrong_type));
-    send(support::datagram("FT_WRENCH", std::vector<std::uint8_t>(round % 2 == 0 ? 9 : 60'000)));
+    send(wire::datagram("FT_WRENCH", wrong_type));
+    send(wire::datagram("FT_WRENCH", std::vector<std::uint8_t>(round % 2 == 0 ? 9 : 60'000)));
     std::vector<std::uint8_t> noise(random() % 1500);
     for (auto& byte : noise) byte = static_cast<std::uint8_t>(random());
     send(noise);
-    send(support::datagram("FT_WRENCH", good));
+    send(wire::datagram("FT_WRENCH", good));
     if (round % 20 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(1));
   }
   const DatagramCounters& seen = bus->datagrams();
   // UDP may lose some at this rate; losses are counted by the kernel.
   ASSERT_TRUE(eventually([&] {
-    send(support::datagram("FT_WRENCH", good));
+    send(wire::datagram("FT_WRENCH", good));
     return seen.received + seen.overflowed >= 7 * kRounds;
   }));
   const SubscriptionCounters& wrench = subscription.counters();
@@ -245,7 +245,7 @@ TEST(UdpmReceiver, StopsAndStartsAgainWithTheBufferThatTheUrlAsksFor) {
   receiver.start(url);
   EXPECT_GT(receiver.receive_buffer_size(), 20'000);
   Injector injector(url);
-  const auto good = support::datagram("FT_WRENCH", support::encoded(wrench_number(1)));
+  const auto good = wire::datagram("FT_WRENCH", wire::encoded(wrench_number(1)));
   EXPECT_TRUE(eventually([&] {
     injector.send(good.data(), good.size());
     return subscription.counters().received > 0;

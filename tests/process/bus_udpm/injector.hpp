@@ -11,7 +11,7 @@
 
 #include "rt/bus/udpm_url.hpp"
 
-namespace palpate::bus::support {
+namespace palpate::bus::wire {
 
 /// Sends raw datagrams to a group, as any host on the network could.
 class Injector {
@@ -53,10 +53,10 @@ inline bool multicast_works(const UdpmUrl& url) {
   return works;
 }
 
-}  // namespace palpate::bus::support
+}  // namespace palpate::bus::wire
 
 /// Skips the test if this machine has no multicast.
 #define PALPATE_REQUIRE_MULTICAST(url)                             \
-  if (!palpate::bus::support::multicast_works(url))                \
+  if (!palpate::bus::wire::multicast_works(url))                   \
   GTEST_SKIP() << "multicast does not work here: " << (url).text() \
                << "; add a route with `ip route add 224.0.0.0/4 dev lo`"

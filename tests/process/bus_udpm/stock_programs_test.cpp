@@ -113,7 +113,7 @@ void write_log(const std::string& file, int count) {
   ASSERT_NE(log, nullptr);
   const std::string channel = "FT_WRENCH";
   for (int i = 0; i < count; ++i) {
-    auto data = support::encoded(wrench_number(i));
+    auto data = wire::encoded(wrench_number(i));
     auto name = channel;
     lcm_eventlog_event_t event{};
     event.timestamp = 1'000'000 + 1000 * i;
@@ -156,7 +156,7 @@ TEST(StockPrograms, LcmLoggerRecordsWhatTheBusPublishes) {
   const auto recorded = wrenches_of(file);
   ASSERT_EQ(recorded.size(), static_cast<std::size_t>(kCount));
   for (int i = 1; i <= kCount; ++i)
-    EXPECT_EQ(recorded[static_cast<std::size_t>(i - 1)], support::encoded(wrench_number(i)));
+    EXPECT_EQ(recorded[static_cast<std::size_t>(i - 1)], wire::encoded(wrench_number(i)));
 }
 
 TEST(StockPrograms, LcmLogplayerIsHeardByTheBus) {

@@ -20,7 +20,7 @@ namespace palpate {
 namespace {
 
 namespace fs = std::filesystem;
-using bus::support::Injector;
+using bus::wire::Injector;
 using std::chrono::seconds;
 using support::ChildProcess;
 

@@ -49,7 +49,7 @@ class Play : public testing::Test {
       for (const std::string& channel : channels) {
         ft_wrench_t message{};
         message.seq = i;
-        auto data = bus::support::encoded(message);
+        auto data = bus::wire::encoded(message);
         lcm::LogEvent event{};
         event.timestamp = 1'000'000 + 10'000 * i;
         event.channel = channel;

@@ -14,7 +14,7 @@
 namespace palpate {
 namespace {
 
-using bus::support::Injector;
+using bus::wire::Injector;
 using std::chrono::seconds;
 using support::ChildProcess;
 

@@ -79,7 +79,7 @@ TEST(Authentication, AnyFlippedBitIsSeen) {
   const Key key = key_of(1);
   twist_command_t message = command();
   seal(key, kChannel, message);
-  std::vector<std::uint8_t> data = support::encoded(message);
+  std::vector<std::uint8_t> data = wire::encoded(message);
   int flipped = 0;
   for (std::size_t byte = 8; byte < data.size(); ++byte) {  // after the fingerprint
     for (int bit = 0; bit < 8; ++bit) {

@@ -76,7 +76,7 @@ TEST(MemoryBus, RecordsWhatIsPublishedWhileAsked) {
   publisher.publish(sent);
   ASSERT_EQ(published.size(), 1u);
   EXPECT_EQ(published[0].channel, "FT_WRENCH");
-  EXPECT_EQ(published[0].data, support::encoded(sent));
+  EXPECT_EQ(published[0].data, wire::encoded(sent));
   EXPECT_EQ(published[0].time_ns, 5);
 }
 

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-namespace palpate::bus::support {
+namespace palpate::bus::wire {
 
 /// The encoded form of `message`.
 template <class Message>
@@ -28,4 +28,4 @@ inline std::vector<std::uint8_t> datagram(const std::string& channel,
   return data;
 }
 
-}  // namespace palpate::bus::support
+}  // namespace palpate::bus::wire

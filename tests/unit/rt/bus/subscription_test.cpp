@@ -23,7 +23,7 @@ Subscription wrench_subscription(int depth) {
 }
 
 void offer(Subscription& subscription, const ft_wrench_t& message, std::int64_t arrival_ns) {
-  const auto data = support::encoded(message);
+  const auto data = wire::encoded(message);
   subscription.offer(data.data(), static_cast<int>(data.size()), arrival_ns);
 }
 
@@ -35,7 +35,7 @@ TEST(Subscription, DeliversInOrderWithTheTimeOfArrival) {
   for (int i = 0; i < 3; ++i) offer(subscription, wrench_number(i), 1000 + i);
   for (int i = 0; i < 3; ++i) {
     ASSERT_TRUE(subscription.take(buffer.data(), arrival_ns));
-    EXPECT_EQ(buffer, support::encoded(wrench_number(i)));
+    EXPECT_EQ(buffer, wire::encoded(wrench_number(i)));
     EXPECT_EQ(arrival_ns, 1000 + i);
   }
   EXPECT_FALSE(subscription.take(buffer.data(), arrival_ns));
@@ -82,7 +82,7 @@ TEST(Subscription, HearsOneSenderUntilThatOneIsSilent) {
 
 TEST(Subscription, RefusesAnotherSizeOrType) {
   Subscription subscription = wrench_subscription(4);
-  auto data = support::encoded(wrench_number(1));
+  auto data = wire::encoded(wrench_number(1));
   const int size = static_cast<int>(data.size());
   data.push_back(0);
   subscription.offer(data.data(), size - 1, 0);
@@ -91,7 +91,7 @@ TEST(Subscription, RefusesAnotherSizeOrType) {
   subscription.offer(data.data(), 0, 0);
   subscription.offer(data.data(), -9, 0);
   EXPECT_EQ(subscription.counters().wrong_size, 5);
-  const auto other = support::encoded(imu_t{});
+  const auto other = wire::encoded(imu_t{});
   subscription.offer(other.data(), static_cast<int>(other.size()), 0);
   EXPECT_EQ(subscription.counters().wrong_type, 1);
   EXPECT_EQ(subscription.counters().last_wrong_fingerprint, imu_t::getHash());
@@ -147,7 +147,7 @@ TEST(Subscription, TwoThreadsLoseOnlyWhatIsCounted) {
 
 TEST(Subscription, NeitherSideAllocates) {
   Subscription subscription = wrench_subscription(4);
-  const auto data = support::encoded(wrench_number(1));
+  const auto data = wire::encoded(wrench_number(1));
   auto buffer = data;
   std::int64_t arrival_ns = 0;
   const loop::NoAllocationScope scope;

@@ -32,14 +32,14 @@ TEST(TelemetryPublisher, PublishesFromItsThreadWhatTheLoopHandsOver) {
   {
     TelemetryPublisher publisher(*bus, kShapes, 5000);
     for (int i = 0; i < kShapes; ++i)
-      EXPECT_TRUE(hand_over(publisher, "SHAPE", support::encoded(shape_number(i, 1 + i * 5))));
+      EXPECT_TRUE(hand_over(publisher, "SHAPE", wire::encoded(shape_number(i, 1 + i * 5))));
     EXPECT_EQ(publisher.lost(), 0);
   }
   ASSERT_EQ(published.size(), static_cast<std::size_t>(kShapes));
   for (int i = 0; i < kShapes; ++i) {
     EXPECT_EQ(published[static_cast<std::size_t>(i)].channel, "SHAPE");
     EXPECT_EQ(published[static_cast<std::size_t>(i)].data,
-              support::encoded(shape_number(i, 1 + i * 5)));
+              wire::encoded(shape_number(i, 1 + i * 5)));
   }
 }
 
@@ -47,8 +47,8 @@ TEST(TelemetryPublisher, CountsWhatIsTooLarge) {
   const auto hub = make_memory_hub();
   const auto bus = make_memory_bus(hub);
   TelemetryPublisher publisher(*bus, 4, 500);
-  EXPECT_FALSE(hand_over(publisher, "SHAPE", support::encoded(shape_number(1, 1000))));
-  EXPECT_FALSE(hand_over(publisher, "", support::encoded(shape_number(1, 1))));
+  EXPECT_FALSE(hand_over(publisher, "SHAPE", wire::encoded(shape_number(1, 1000))));
+  EXPECT_FALSE(hand_over(publisher, "", wire::encoded(shape_number(1, 1))));
   EXPECT_EQ(publisher.lost(), 2);
 }
 
@@ -56,7 +56,7 @@ TEST(TelemetryPublisher, TheLoopsSideDoesNotAllocate) {
   const auto hub = make_memory_hub();
   const auto bus = make_memory_bus(hub);
   TelemetryPublisher publisher(*bus, 4, 50'000);
-  const std::vector<std::uint8_t> shape = support::encoded(shape_number(1, 9000));
+  const std::vector<std::uint8_t> shape = wire::encoded(shape_number(1, 9000));
   const loop::NoAllocationScope scope;
   for (int i = 0; i < 50; ++i) hand_over(publisher, "SHAPE", shape);
   EXPECT_EQ(scope.count(), 0);

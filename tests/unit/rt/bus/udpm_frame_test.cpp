@@ -12,7 +12,7 @@ FrameKind parse(const std::vector<std::uint8_t>& data, UdpmFrame& frame) {
 }
 
 TEST(UdpmFrame, FindsChannelAndPayload) {
-  const auto data = support::datagram("FT_WRENCH", {1, 2, 3});
+  const auto data = wire::datagram("FT_WRENCH", {1, 2, 3});
   UdpmFrame frame{};
   ASSERT_EQ(parse(data, frame), FrameKind::kMessage);
   EXPECT_EQ(frame.channel, "FT_WRENCH");
@@ -22,7 +22,7 @@ TEST(UdpmFrame, FindsChannelAndPayload) {
 }
 
 TEST(UdpmFrame, APayloadMayBeEmptyAndANameSixtyThreeLong) {
-  const auto data = support::datagram(std::string(63, 'A'), {});
+  const auto data = wire::datagram(std::string(63, 'A'), {});
   UdpmFrame frame{};
   ASSERT_EQ(parse(data, frame), FrameKind::kMessage);
   EXPECT_EQ(frame.channel.size(), 63u);
@@ -31,15 +31,15 @@ TEST(UdpmFrame, APayloadMayBeEmptyAndANameSixtyThreeLong) {
 
 TEST(UdpmFrame, TellsAFragmentFromNonsense) {
   UdpmFrame frame{};
-  EXPECT_EQ(parse(support::datagram("A", {1}, "LC03"), frame), FrameKind::kFragment);
-  EXPECT_EQ(parse(support::datagram("A", {1}, "LC01"), frame), FrameKind::kMalformed);
-  EXPECT_EQ(parse(support::datagram("A", {1}, "XXXX"), frame), FrameKind::kMalformed);
-  EXPECT_EQ(parse(support::datagram("", {1}), frame), FrameKind::kMalformed);
-  EXPECT_EQ(parse(support::datagram(std::string(64, 'A'), {1}), frame), FrameKind::kMalformed);
+  EXPECT_EQ(parse(wire::datagram("A", {1}, "LC03"), frame), FrameKind::kFragment);
+  EXPECT_EQ(parse(wire::datagram("A", {1}, "LC01"), frame), FrameKind::kMalformed);
+  EXPECT_EQ(parse(wire::datagram("A", {1}, "XXXX"), frame), FrameKind::kMalformed);
+  EXPECT_EQ(parse(wire::datagram("", {1}), frame), FrameKind::kMalformed);
+  EXPECT_EQ(parse(wire::datagram(std::string(64, 'A'), {1}), frame), FrameKind::kMalformed);
 }
 
 TEST(UdpmFrame, NeverSeesMoreThanThereIs) {
-  const auto whole = support::datagram("FT_WRENCH", {1, 2, 3, 4, 5});
+  const auto whole = wire::datagram("FT_WRENCH", {1, 2, 3, 4, 5});
   const std::size_t name_ends = 8 + 9 + 1;
   for (std::size_t size = 0; size <= whole.size(); ++size) {
     const std::vector<std::uint8_t> cut(whole.begin(),

@@ -26,7 +26,7 @@ class UdpmReceiverTest : public ::testing::Test {
     return !wrench_.take(buffer.data(), arrival_ns);
   }
 
-  const Bytes good_ = support::encoded(ft_wrench_t{});
+  const Bytes good_ = wire::encoded(ft_wrench_t{});
   DatagramCounters counters_;
   UdpmReceiver receiver_{counters_};
   Subscription& wrench_ =
@@ -34,7 +34,7 @@ class UdpmReceiverTest : public ::testing::Test {
 };
 
 TEST_F(UdpmReceiverTest, PassesAGoodMessageOn) {
-  hand(support::datagram("FT_WRENCH", good_));
+  hand(wire::datagram("FT_WRENCH", good_));
   Bytes buffer(good_.size());
   std::int64_t arrival_ns = 0;
   ASSERT_TRUE(wrench_.take(buffer.data(), arrival_ns));
@@ -46,21 +46,21 @@ TEST_F(UdpmReceiverTest, PassesAGoodMessageOn) {
 
 TEST_F(UdpmReceiverTest, CountsEachKindOfBadDatagram) {
   hand({});
-  hand(support::datagram("FT_WRENCH", good_, "LC99"));
+  hand(wire::datagram("FT_WRENCH", good_, "LC99"));
   EXPECT_EQ(counters_.malformed, 2);
-  hand(support::datagram("FT_WRENCH", good_, "LC03"));
+  hand(wire::datagram("FT_WRENCH", good_, "LC03"));
   EXPECT_EQ(counters_.fragmented, 1);
-  hand(support::datagram("FT_WRENCH_1", good_));
-  hand(support::datagram("FT", good_));
+  hand(wire::datagram("FT_WRENCH_1", good_));
+  hand(wire::datagram("FT", good_));
   EXPECT_EQ(counters_.unsubscribed, 2);
   Bytes longer = good_;
   longer.resize(60'000);
-  hand(support::datagram("FT_WRENCH", longer));
-  hand(support::datagram("FT_WRENCH", {}));
+  hand(wire::datagram("FT_WRENCH", longer));
+  hand(wire::datagram("FT_WRENCH", {}));
   EXPECT_EQ(seen().wrong_size, 2);
   Bytes other_type = good_;
   other_type[3] ^= 0xff;
-  hand(support::datagram("FT_WRENCH", other_type));
+  hand(wire::datagram("FT_WRENCH", other_type));
   EXPECT_EQ(seen().wrong_type, 1);
   EXPECT_EQ(counters_.received, 8);
   EXPECT_TRUE(holds_nothing());
@@ -71,7 +71,7 @@ TEST_F(UdpmReceiverTest, SurvivesRandomAndMutatedDatagramsAndAccountsForEach) {
   const auto below = [&random](std::size_t end) {
     return std::uniform_int_distribution<std::size_t>(0, end - 1)(random);
   };
-  const Bytes whole = support::datagram("FT_WRENCH", good_);
+  const Bytes whole = wire::datagram("FT_WRENCH", good_);
   constexpr std::int64_t kDatagrams = 200'000;
   for (std::int64_t i = 0; i < kDatagrams; ++i) {
     Bytes data = whole;
@@ -97,8 +97,8 @@ TEST_F(UdpmReceiverTest, SurvivesRandomAndMutatedDatagramsAndAccountsForEach) {
 }
 
 TEST_F(UdpmReceiverTest, NeverAllocates) {
-  const Bytes good = support::datagram("FT_WRENCH", good_);
-  const Bytes stranger = support::datagram("IMU", good_);
+  const Bytes good = wire::datagram("FT_WRENCH", good_);
+  const Bytes stranger = wire::datagram("IMU", good_);
   const loop::NoAllocationScope scope;
   for (int i = 0; i < 100; ++i) {
     receiver_.handle(good.data(), static_cast<int>(good.size()), i);

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using ::testing::StartsWith;
 
-std::string error_of(const std::string& path) {
+std::string mesh_error_of(const std::string& path) {
   try {
     load_mesh(path);
   } catch (const Error& error) {
@@ -57,14 +57,15 @@ TEST_F(MeshFile, ThePairAndWhatIncludesItGiveTheSameMeshTurnedRight) {
 }
 
 TEST_F(MeshFile, ErrorsNameFileAndLine) {
-  EXPECT_THAT(error_of((folder_ / "none.msh").string()), HasSubstr("none.msh: cannot be read"));
-  EXPECT_THAT(error_of(write("a.stl", "")), HasSubstr(".node, .ele, .msh, .veg"));
+  EXPECT_THAT(mesh_error_of((folder_ / "none.msh").string()),
+              HasSubstr("none.msh: cannot be read"));
+  EXPECT_THAT(mesh_error_of(write("a.stl", "")), HasSubstr(".node, .ele, .msh, .veg"));
   const std::string node = write("b.node", "1 3\n1 0 0\n");
-  EXPECT_THAT(error_of(node), HasSubstr("b.ele: cannot be read"));
+  EXPECT_THAT(mesh_error_of(node), HasSubstr("b.ele: cannot be read"));
   write("b.ele", "0 4\n");
-  EXPECT_THAT(error_of(node), StartsWith(node + ":2: "));
+  EXPECT_THAT(mesh_error_of(node), StartsWith(node + ":2: "));
   const std::string veg = write("c.veg", "*VERTICES\n*INCLUDE none.node\n");
-  EXPECT_THAT(error_of(veg), StartsWith(veg + ":2: "));
+  EXPECT_THAT(mesh_error_of(veg), StartsWith(veg + ":2: "));
 }
 
 struct ThesisMesh {

@@ -9,14 +9,14 @@
 namespace palpate::pipeline {
 namespace {
 
-config::Node example(const std::vector<std::string>& overrides) {
+config::Node fallback_example(const std::vector<std::string>& overrides) {
   return config::Node::load_file(PALPATE_SOURCE_DIR "/rt/config/examples/bar_long_soft.yaml",
                                  overrides);
 }
 
 std::string complaint(const std::string& override) {
   try {
-    const config::Node root = example({override});
+    const config::Node root = fallback_example({override});
     const Pipeline pipeline(root, 1e-3);
     for (const char* slot : {"sensing", "contact"})
       for (const config::Node& node : root.list(slot)) node.check_all_used();
@@ -47,7 +47,7 @@ class SlotFallbacks : public ::testing::Test {
     std::vector<std::string> all = {
         "object.mesh={box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}", "object.order=linear"};
     all.insert(all.end(), overrides.begin(), overrides.end());
-    pipeline_ = std::make_unique<Pipeline>(example(all), 1e-3);
+    pipeline_ = std::make_unique<Pipeline>(fallback_example(all), 1e-3);
     Slots& slots = pipeline_->slots_at_setup();
     // A sensor that always reports a contact.
     std::unique_ptr<sensing::SensorModel> sound = std::make_unique<Scripted>(never_);

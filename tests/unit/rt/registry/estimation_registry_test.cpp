@@ -10,7 +10,7 @@ namespace palpate::registry {
 namespace {
 
 /// Builds the estimator configured by `estimation`, on the example's bar.
-std::unique_ptr<estimation::Estimator> build(const std::string& estimation) {
+std::unique_ptr<estimation::Estimator> build_estimator(const std::string& estimation) {
   const config::Node root = config::Node::load_file(
       std::string(PALPATE_SOURCE_DIR) + "/rt/config/examples/bar_long_soft.yaml",
       {"estimation=" + estimation});
@@ -24,9 +24,9 @@ std::unique_ptr<estimation::Estimator> build(const std::string& estimation) {
   return estimator;
 }
 
-std::string error_of(const std::string& estimation) {
+std::string estimator_error_of(const std::string& estimation) {
   try {
-    build(estimation);
+    build_estimator(estimation);
   } catch (const config::Error& error) {
     return error.what();
   }
@@ -34,15 +34,17 @@ std::string error_of(const std::string& estimation) {
 }
 
 TEST(EstimationRegistry, EstimatorsAreMadeByName) {
-  EXPECT_NE(dynamic_cast<estimation::WrenchDriven*>(build("{component: wrench_driven}").get()),
-            nullptr);
+  EXPECT_NE(
+      dynamic_cast<estimation::WrenchDriven*>(build_estimator("{component: wrench_driven}").get()),
+      nullptr);
   EXPECT_NE(dynamic_cast<estimation::WrenchDriven*>(
-                build("{component: wrench_driven, time_constant_ms: 50, average_ms: 10, "
-                      "least_stiffness: 0.1, wrench_timeout_ms: 20, approach_speed: 0.5}")
+                build_estimator("{component: wrench_driven, time_constant_ms: 50, average_ms: 10, "
+                                "least_stiffness: 0.1, wrench_timeout_ms: 20, approach_speed: 0.5}")
                     .get()),
             nullptr);
-  EXPECT_NE(dynamic_cast<estimation::ForceDriven*>(build("{component: force_driven}").get()),
-            nullptr);
+  EXPECT_NE(
+      dynamic_cast<estimation::ForceDriven*>(build_estimator("{component: force_driven}").get()),
+      nullptr);
 }
 
 TEST(EstimationRegistry, KeysOfOthersAndValuesOutOfRangeAreNamed) {
@@ -55,7 +57,7 @@ TEST(EstimationRegistry, KeysOfOthersAndValuesOutOfRangeAreNamed) {
         std::pair("{component: wrench_driven, approach_speed: 100}", "approach_speed"),
         std::pair("{component: force_driven, least_stiffness: 1}", "least_stiffness"),
         std::pair("{component: wrench}", "wrench_driven")}) {
-    const std::string error = error_of(estimation);
+    const std::string error = estimator_error_of(estimation);
     EXPECT_NE(error.find(key), std::string::npos) << estimation << ": " << error;
   }
 }

@@ -40,7 +40,7 @@ ElectrodeVector electrodes(const BiotacReading& reading) {
 }
 
 /// Perpendicular to the skin.
-Touch press(const Vector3d& at, double newton, double radius = 2e-3) {
+Touch biotac_press(const Vector3d& at, double newton, double radius = 2e-3) {
   const Vector3d location = sensing::project_on_skin(at);
   return {location, -newton * sensing::skin_normal(location), radius};
 }
@@ -63,7 +63,7 @@ TEST(Biotac, OneSeedGivesOneSensor) {
   BiotacTable table = quiet();
   table.electrode = {0, 2, 0.1};
   Biotac a = make(table, 7), b = make(table, 7), c = make(table, 8);
-  const std::vector<Touch> touches{press({-5e-3, 0, -7e-3}, 1)};
+  const std::vector<Touch> touches{biotac_press({-5e-3, 0, -7e-3}, 1)};
   const BiotacReading of_a = after(a, 0.5, touches), of_b = after(b, 0.5, touches);
   EXPECT_EQ(of_a.electrodes, of_b.electrodes);
   EXPECT_EQ(of_a.pac, of_b.pac);
@@ -78,7 +78,7 @@ TEST(Biotac, PressedElectrodesRiseOthersFallAndPolarityTurnsThat) {
     const ElectrodeVector rest = electrodes(after(biotac, 0.1, {}));
     const Vector3d e17 = sensing::electrode_positions().col(16);
     const ElectrodeVector change =
-        polarity * (electrodes(after(biotac, 5, {press(e17, 1)})) - rest);
+        polarity * (electrodes(after(biotac, 5, {biotac_press(e17, 1)})) - rest);
     int most = 0;
     change.maxCoeff(&most);
     EXPECT_EQ(most, 16);
@@ -99,7 +99,8 @@ TEST(Biotac, ClassicalLocalisationFindsTheTouch) {
     for (double angle = -0.8; angle <= 0.81; angle += 0.2) {
       const Vector3d at = sensing::project_on_skin({x, std::sin(angle), -std::cos(angle)});
       Biotac fresh = make();
-      const ElectrodeVector change = electrodes(after(fresh, 0.5, {press(at, 1, 3e-3)})) - rest;
+      const ElectrodeVector change =
+          electrodes(after(fresh, 0.5, {biotac_press(at, 1, 3e-3)})) - rest;
       const sensing::Localization found = sensing::locate_contact(change, options);
       ASSERT_GT(found.active, 0) << at.transpose();
       const double error = (found.location - at).norm();
@@ -120,7 +121,7 @@ TEST(Biotac, ForceAtOneSpotIsNearlyLinearInTheCounts) {
   const int samples = 400;
   Eigen::MatrixXd inputs(samples, kElectrodeCount + 1), forces(samples, 3);
   for (int i = 0; i < samples; ++i) {
-    Touch touch = press({-7e-3, 1e-3, -7e-3}, random.uniform(0, 1.4), 4e-3);
+    Touch touch = biotac_press({-7e-3, 1e-3, -7e-3}, random.uniform(0, 1.4), 4e-3);
     touch.force_T +=
         0.3 * touch.force_T.norm() * Vector3d(random.uniform(-1, 1), random.uniform(-1, 1), 0);
     const BiotacReading reading = after(biotac, kPeriod, {touch});
@@ -145,7 +146,7 @@ TEST(Biotac, SkinCreepsPressureFollowsAndVibrationFades) {
   Biotac biotac = make(table);
   const BiotacReading rest = after(biotac, 0.1, {});
   EXPECT_EQ(rest.pac[0], 2048);
-  const std::vector<Touch> touches{press({-9.8e-3, 0, -7e-3}, 1.38, 4e-3)};
+  const std::vector<Touch> touches{biotac_press({-9.8e-3, 0, -7e-3}, 1.38, 4e-3)};
   const BiotacReading at_once = after(biotac, kPeriod, touches);
   EXPECT_GT(*std::max_element(at_once.pac.begin(), at_once.pac.end()), 3000);
   EXPECT_NEAR(at_once.pdc - rest.pdc, 1.38 / 2e-4 / 36.5, 1);
@@ -165,7 +166,7 @@ TEST(Biotac, WarmsUpAndStaysWithinTwelveBits) {
   Biotac biotac = make(table);
   const int cold = after(biotac, kPeriod, {}).electrodes[4];
   EXPECT_NEAR(cold - after(biotac, 60, {}).electrodes[4], 40, 2);
-  const BiotacReading crushed = after(biotac, 1, {press({0, 0, -7e-3}, 1e4)});
+  const BiotacReading crushed = after(biotac, 1, {biotac_press({0, 0, -7e-3}, 1e4)});
   for (const std::int16_t e : crushed.electrodes) {
     EXPECT_GE(e, 0);
     EXPECT_LE(e, 4095);

@@ -12,7 +12,7 @@
 namespace palpate::record {
 namespace {
 
-using bus::support::encoded;
+using bus::wire::encoded;
 
 shape_t shape_of(int nodes) {
   shape_t shape{};

@@ -27,7 +27,7 @@ class RecorderTest : public testing::Test {
     ft_wrench_t message{};
     message.seq = number;
     message.session = 4;
-    return bus::support::encoded(message);
+    return bus::wire::encoded(message);
   }
   static void take(Recorder& recorder, int source, const std::string& channel,
                    const std::vector<std::uint8_t>& data, std::int64_t utime) {

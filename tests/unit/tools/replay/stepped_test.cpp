@@ -53,7 +53,7 @@ class Stepped : public testing::Test {
           X_WE.translation() + Eigen::Vector3d(0, 0.02 * std::sin(0.005 * i), 0);
       for (int axis = 0; axis < 3; ++axis) state.position[axis] = p[axis];
       math::wxyz_from_rotation(X_WE.linear(), state.quaternion);
-      write(log, utime, "ROBOT_STATE", bus::support::encoded(state));
+      write(log, utime, "ROBOT_STATE", bus::wire::encoded(state));
       sim_tick_t tick{};
       tick.session = 6;
       tick.seq = i;
@@ -61,7 +61,7 @@ class Stepped : public testing::Test {
       tick.tick = i;
       tick.period_us = 1000;
       for (int repeat = 0; repeat < (i % 50 == 0 ? 2 : 1); ++repeat)
-        write(log, utime, "SIM_TICK", bus::support::encoded(tick));
+        write(log, utime, "SIM_TICK", bus::wire::encoded(tick));
       // By order only: the log of the daemon has the times of the ticks' messages.
       for (; word != nullptr && word->utime <= utime; word = daemon->next())
         write(log, utime + 100, word->channel, {word->data, word->data + word->size});
@@ -108,7 +108,7 @@ TEST_F(Stepped, EachTickIsACycleAndWhatTheDaemonSaidComesOutAgain) {
 TEST_F(Stepped, ALogWithoutTicksIsRefused) {
   {
     lcm::LogFile log(path("none.lcmlog"), "w");
-    write(log, kWall, "ROBOT_STATE", bus::support::encoded(robot_state_t{}));
+    write(log, kWall, "ROBOT_STATE", bus::wire::encoded(robot_state_t{}));
   }
   try {
     run("none.lcmlog");
@@ -124,7 +124,7 @@ std::vector<std::uint8_t> feature(std::int64_t utime, std::int32_t seq, double v
   message.seq = seq;
   message.session = seq + 7;
   message.value[0] = value;
-  return bus::support::encoded(message);
+  return bus::wire::encoded(message);
 }
 
 TEST(Comparison, TellsTheFirstDifferenceAndNothingOfWhatIsDrawn) {

@@ -23,7 +23,7 @@ class Feed {
     message.seq = seq;
     message.session = 9;
     message.utime = kWall + ns / 1000 - latency_us;
-    const auto data = bus::support::encoded(message);
+    const auto data = bus::wire::encoded(message);
     table_.take(
         {source_, kWall + ns / 1000, ns, channel_, data.data(), static_cast<int>(data.size())});
   }
@@ -87,7 +87,7 @@ TEST(ChannelTable, UnknownAndBrokenMessagesAreTold) {
   ChannelTable table;
   const std::vector<std::uint8_t> unknown(40, 1);
   table.take({0, kWall, kMs, "OTHER", unknown.data(), 40});
-  auto broken = bus::support::encoded(ft_wrench_t{});
+  auto broken = bus::wire::encoded(ft_wrench_t{});
   broken.pop_back();
   table.take({0, kWall, kMs, "BROKEN", broken.data(), static_cast<int>(broken.size())});
   table.take({0, kWall, kMs, "EMPTY", broken.data(), 0});

@@ -35,7 +35,7 @@ class ViewTest : public testing::Test {
  protected:
   template <class Message>
   void hear(const std::string& channel, const Message& message, std::int64_t ns) {
-    const auto data = bus::support::encoded(message);
+    const auto data = bus::wire::encoded(message);
     watch_.take({1, ns / 1000, ns, channel, data.data(), static_cast<int>(data.size())});
   }
   View view(std::int64_t now_ns) const {

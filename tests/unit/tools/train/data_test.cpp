@@ -109,7 +109,7 @@ TEST(DelayColumns, UndoesADelay) {
   EXPECT_EQ(table.rows(0, 1), 0);
 }
 
-TEST(recordings::Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
+TEST(Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
   const auto noise = [&](Eigen::Index rows, Eigen::Index cols) {
@@ -130,7 +130,7 @@ TEST(recordings::Ridge, FindsALinearMapAndShrinksWhereNoiseOutnumbersRows) {
   EXPECT_THROW(recordings::fit_ridge(x.topRows(5), y.topRows(5), {1}), std::invalid_argument);
 }
 
-TEST(recordings::Errors, AreThoseOfTheirDefinition) {
+TEST(Errors, AreThoseOfTheirDefinition) {
   Eigen::MatrixXd truth(2, 3), predicted(2, 3);
   truth << 1, 0, 0, 0, 1, 0;
   predicted << 0, 1, 0, 0, 2, 0;
