@@ -26,7 +26,7 @@ class StartHint : public testing::Test {
   static void write(lcm::LogFile& log, std::int64_t utime, const std::string& channel,
                     Message message) {
     message.utime = utime;
-    auto data = bus::testing::encoded(message);
+    auto data = bus::wire::encoded(message);
     lcm::LogEvent event{};
     event.timestamp = utime;
     event.channel = channel;

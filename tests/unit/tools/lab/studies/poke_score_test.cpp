@@ -65,7 +65,7 @@ registry::Frames frames() {
 TEST(PokeScore, HoldsWhatIsToldAgainstTheTruth) {
   const log::RunLog run = poked_run();
   const scenes::Poke poke{kAt, kEnd - kAt, kPoint, kForce};
-  const PokeScores scores = score_pokes({poke}, run, score_shape(run), frames());
+  const PokeScores scores = score_pokes({poke}, run, scores::score_shape(run), frames());
   ASSERT_EQ(scores.pokes.size(), 1u);
   const PokeScore& score = scores.pokes[0];
   // 125 mN of 250: half of the ramp of 0.1 s.
@@ -96,7 +96,7 @@ TEST(PokeScore, SaysWhatWasNeverFeltOrFound) {
   for (estimate_t& estimate : run.estimates) estimate.unknown_contact_deviation = -1;
   run.unknown_contacts.clear();
   const PokeScores scores =
-      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, score_shape(run), frames());
+      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, scores::score_shape(run), frames());
   EXPECT_FALSE(scores.pokes[0].felt);
   EXPECT_FALSE(scores.pokes[0].found);
   EXPECT_FALSE(scores.pokes[0].place);
@@ -121,7 +121,7 @@ TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereNobodyPokes) {
   EXPECT_TRUE(poke_table(application, {result}).rows.empty());
   const log::RunLog run = poked_run();
   result.json["pokes"] = to_json(
-      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, score_shape(run), frames()), 0.4);
+      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, scores::score_shape(run), frames()), 0.4);
   const ReportTable table = poke_table(application, {result, result});
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[1].size(), table.header.size());

@@ -70,7 +70,7 @@ StudyJob job_with_state(double time) {
 
 TEST(StudyScore, OfAnEstimateThatLiesBesideTheTruth) {
   const log::RunLog run = run_of_boxes();
-  const scores::ShapeScore shape = score_shape(run);
+  const scores::ShapeScore shape = scores::score_shape(run);
   const auto states = score_states(job_with_state(2.5), run, shape, math::Pose::Identity());
   ASSERT_EQ(states.size(), 1u);
   EXPECT_NEAR(states[0].error.mean, 3e-3, 1e-6);
@@ -107,7 +107,7 @@ TEST(StudyScore, PoseErrorIsEstimateMinusPlant) {
     std::copy_n(value.data(), value.size(), message.value);
     run.features.push_back(message);
   }
-  const auto states = score_states(job, run, score_shape(run), math::Pose::Identity());
+  const auto states = score_states(job, run, scores::score_shape(run), math::Pose::Identity());
   ASSERT_TRUE(states[0].pose_error);
   EXPECT_LT((states[0].pose_error->head<3>() - kOff).norm(), 2e-5);
   EXPECT_LT((states[0].pose_error->tail<3>() - turn.tail<3>()).norm(), 1e-6);
@@ -125,7 +125,7 @@ TEST(StudyScore, ACamerasPointsAreInTheObjectsFrame) {
   const Eigen::Vector3d p_O = estimate({0.2, 0.05, 0.2}, 2.5) + Eigen::Vector3d(0, 0, 0.01);
   Eigen::Map<Eigen::Vector3f>(seen.points[0]) = (X_WO * p_O).cast<float>();
   run.observations.push_back(seen);
-  const auto states = score_states(job_with_state(2.5), run, score_shape(run), X_WO);
+  const auto states = score_states(job_with_state(2.5), run, scores::score_shape(run), X_WO);
   ASSERT_TRUE(states[0].camera);
   EXPECT_TRUE(states[0].shapes.camera);
   EXPECT_NEAR(states[0].camera->maximum, 0.01, 1e-5);
@@ -133,14 +133,14 @@ TEST(StudyScore, ACamerasPointsAreInTheObjectsFrame) {
 
 TEST(StudyScore, AStateAfterTheEndIsAnError) {
   const log::RunLog run = run_of_boxes();
-  EXPECT_THROW(score_states(job_with_state(9), run, score_shape(run), math::Pose::Identity()),
+  EXPECT_THROW(score_states(job_with_state(9), run, scores::score_shape(run), math::Pose::Identity()),
                std::runtime_error);
 }
 
 TEST(StudyPicture, ThreePanelsOfWhichTheLastHasBoth) {
   const log::RunLog run = run_of_boxes();
   const auto states =
-      score_states(job_with_state(2.5), run, score_shape(run), math::Pose::Identity());
+      score_states(job_with_state(2.5), run, scores::score_shape(run), math::Pose::Identity());
   const std::filesystem::path png =
       std::filesystem::path(testing::TempDir()) / "thesis_picture_test.png";
   draw_state(states[0], math::Pose::Identity(), png);
