@@ -121,7 +121,8 @@ TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereNobodyPokes) {
   EXPECT_TRUE(poke_table(application, {result}).rows.empty());
   const log::RunLog run = poked_run();
   result.json["pokes"] = to_json(
-      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, scores::score_shape(run), frames()), 0.4);
+      score_pokes({{kAt, kEnd - kAt, kPoint, kForce}}, run, scores::score_shape(run), frames()),
+      0.4);
   const ReportTable table = poke_table(application, {result, result});
   ASSERT_EQ(table.rows.size(), 2u);
   EXPECT_EQ(table.rows[1].size(), table.header.size());

@@ -133,8 +133,9 @@ TEST(StudyScore, ACamerasPointsAreInTheObjectsFrame) {
 
 TEST(StudyScore, AStateAfterTheEndIsAnError) {
   const log::RunLog run = run_of_boxes();
-  EXPECT_THROW(score_states(job_with_state(9), run, scores::score_shape(run), math::Pose::Identity()),
-               std::runtime_error);
+  EXPECT_THROW(
+      score_states(job_with_state(9), run, scores::score_shape(run), math::Pose::Identity()),
+      std::runtime_error);
 }
 
 TEST(StudyPicture, ThreePanelsOfWhichTheLastHasBoth) {
