@@ -17,10 +17,17 @@ TEST(Sources, TakeThePlaceOfTheirLabelOrStandBehind) {
   EXPECT_EQ(sources[3].url.ttl, 1);
 }
 
+TEST(Sources, AUrlWithoutALabelIsThatOfControl) {
+  std::vector<Source> sources;
+  put_urls({"udpm://239.1.2.3:1234"}, sources);
+  ASSERT_EQ(sources.size(), 1u);
+  EXPECT_EQ(sources[0].label, "control");
+}
+
 TEST(Sources, WrongOnesAreNamed) {
   std::vector<Source> sources;
-  for (const char* text : {"udpm://239.1.2.3:1234", "=udpm://239.1.2.3:1", "Up=udpm://239.1.2.3:1",
-                           "a/b=udpm://239.1.2.3:1", "control=udpm://10.0.0.1:1", "control="}) {
+  for (const char* text : {"=udpm://239.1.2.3:1", "Up=udpm://239.1.2.3:1", "a/b=udpm://239.1.2.3:1",
+                           "control=udpm://10.0.0.1:1", "control="}) {
     try {
       put_urls({text}, sources);
       FAIL() << text;

@@ -202,7 +202,7 @@ def code_lines(header):
 class Components(unittest.TestCase):
     """Every published method's own code: short, and documented at its head."""
 
-    ROOT = HERE.parents[1]
+    ROOT = HERE.parents[2]
 
     def sources(self):
         """Headers below core/published_* by method."""
@@ -239,7 +239,7 @@ class Pages(unittest.TestCase):
         self.assertEqual(methods, set(about["methods"]))
         for method, page in about["methods"].items():
             for source in page["source"].split(","):
-                self.assertTrue((HERE.parents[1] / source.strip()).exists(), source)
+                self.assertTrue((HERE.parents[2] / source.strip()).exists(), source)
             for key in ("consumes", "keeps", "leaves out"):
                 self.assertIn(key, page, method)
         of_method = {m: str(page["row"]).split(", ") for m, page in about["methods"].items()}
