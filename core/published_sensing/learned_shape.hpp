@@ -10,14 +10,14 @@ namespace palpate::published_sensing {
 ///
 /// `position`: A.-M. Cretu, P. Payeur and E. M. Petriu, "Soft object deformation monitoring and
 /// learning for model-based robotic hand manipulation", IEEE Transactions on Systems, Man, and
-/// Cybernetics B 2012 (Sanchez 2019, Table 2.1 [28]): growing neural gas on the object's
+/// Cybernetics B 2012 (Sanchez 2019, Table 2.1 [28]): kept are growing neural gas on the object's
 /// contour, and a feed-forward network from force and finger positions to the positions of its
 /// units. Inputs of the network: force (3) and position of the hand (3).
 /// `angle`: B. Tawbe and A.-M. Cretu, "Acquisition and neural network prediction of 3D deformable
 /// object shape using a Kinect and a force-torque sensor", Sensors 2017 (Sanchez 2019, Table 2.1
-/// [37]): the object's points clustered by a neural gas, a network from magnitude, angle and
-/// location of the force. Inputs of the network: magnitude of the force (1), rotation vector of the
-/// hand (3), its position (3).
+/// [37]): kept are the object's points clustered by a neural gas, a network from magnitude, angle
+/// and location of the force. Inputs of the network: magnitude of the force (1), rotation vector of
+/// the hand (3), its position (3).
 ///
 /// Consumes: the wrench, the pose of the hand, mesh; and recordings of the object's shape under
 /// other motions for training (palpate-evaluate train-sensing, where the ground truth replaces the
