@@ -42,7 +42,7 @@ struct CommandLine {
   std::vector<RenamedOption> renamed{};
 };
 
-/// Parses the arguments. Nothing where the program shall go on; otherwise its exit code, with
+/// Parses the arguments. Empty if the program continues; otherwise its exit code, with
 /// CLI11's message printed: 0 after --help or --version, kExitUsage after a wrong command line. The
 /// table of exit codes becomes the end of --help, of every subcommand too. What callbacks throw
 /// besides CLI::ParseError passes through.

@@ -16,13 +16,13 @@ bool same(const pipeline::Condition& a, const pipeline::Condition& b) noexcept {
 }  // namespace
 
 void ComponentReports::begin(const pipeline::Pipeline& pipeline) noexcept {
-  told_.fill(Told());
+  reported_.fill(Reported());
   for (int i = 0; i < pipeline.sensor_count(); ++i) {
     const pipeline::SensorReport report = pipeline.sensor_report(i);
-    told_[i].condition.state = report.condition.state;
-    for (std::size_t k = 0; k < told_[i].faults.size(); ++k) {
+    reported_[i].condition.state = report.condition.state;
+    for (std::size_t k = 0; k < reported_[i].faults.size(); ++k) {
       const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
-      if (executor != nullptr) told_[i].faults[k] = executor->counters().faults;
+      if (executor != nullptr) reported_[i].faults[k] = executor->counters().faults;
     }
   }
 }
@@ -31,27 +31,27 @@ void ComponentReports::service(const pipeline::Pipeline& pipeline, Commands& com
                                std::int64_t now_ns, std::int64_t utime) noexcept {
   for (int i = 0; i < pipeline.sensor_count(); ++i) {
     const pipeline::SensorReport report = pipeline.sensor_report(i);
-    Told& told = told_[i];
-    tell_faults(report, told, commands, utime);
-    if (same(report.condition, told.condition)) continue;
+    Reported& reported = reported_[i];
+    report_faults(report, reported, commands, utime);
+    if (same(report.condition, reported.condition)) continue;
     const bool fault = report.condition.state == pipeline::LifeCycle::kFaulted &&
-                       told.condition.state != pipeline::LifeCycle::kFaulted;
-    if (!fault && told.ns != 0 && now_ns - told.ns < kInterval) continue;
-    told.condition = report.condition;
-    told.ns = now_ns;
+                       reported.condition.state != pipeline::LifeCycle::kFaulted;
+    if (!fault && reported.ns != 0 && now_ns - reported.ns < kInterval) continue;
+    reported.condition = report.condition;
+    reported.ns = now_ns;
     commands.announce(kSlot, report.name, report.component, pipeline::name(report.condition.state),
                       report.condition.reason, utime);
   }
 }
 
-void ComponentReports::tell_faults(const pipeline::SensorReport& report, Told& told,
-                                   Commands& commands, std::int64_t utime) noexcept {
-  for (std::size_t k = 0; k < told.faults.size(); ++k) {
+void ComponentReports::report_faults(const pipeline::SensorReport& report, Reported& reported,
+                                     Commands& commands, std::int64_t utime) noexcept {
+  for (std::size_t k = 0; k < reported.faults.size(); ++k) {
     const sensing::Executor* executor = report.model->executor(static_cast<int>(k));
     if (executor == nullptr) return;
     const sensing::ExecutorCounters counters = executor->counters();
-    if (counters.faults == told.faults[k]) continue;
-    told.faults[k] = counters.faults;
+    if (counters.faults == reported.faults[k]) continue;
+    reported.faults[k] = counters.faults;
     char reason[200];
     std::snprintf(reason, sizeof(reason),
                   "executor %s, model %zu: the network fails or hangs; steps %lld, late %lld, "

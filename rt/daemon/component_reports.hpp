@@ -22,15 +22,15 @@ class ComponentReports {
                std::int64_t utime) noexcept;
 
  private:
-  struct Told {
+  struct Reported {
     pipeline::Condition condition{pipeline::LifeCycle::kInactive, ""};
     std::int64_t ns = 0;
     std::array<std::int64_t, 2> faults{};  // by model of the instance
   };
 
-  static void tell_faults(const pipeline::SensorReport& report, Told& told, Commands& commands,
-                          std::int64_t utime) noexcept;
-  std::array<Told, pipeline::Slots::kMostSensors> told_;  // by instance
+  static void report_faults(const pipeline::SensorReport& report, Reported& reported,
+                            Commands& commands, std::int64_t utime) noexcept;
+  std::array<Reported, pipeline::Slots::kMostSensors> reported_;  // by instance
 };
 
 }  // namespace palpate::daemon
