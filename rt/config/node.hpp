@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -9,6 +8,7 @@
 
 #include "core/math/rigid.hpp"
 #include "rt/config/key.hpp"
+#include "rt/config/option.hpp"
 
 namespace palpate::config {
 
@@ -19,12 +19,6 @@ inline constexpr int kExitCode = 78;
 class Error : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
-};
-
-/// Closed range of a number.
-struct Range {
-  double lower = -std::numeric_limits<double>::infinity();
-  double upper = std::numeric_limits<double>::infinity();
 };
 
 /// Strict view of one YAML node. Every getter throws Error with file, line, full key and allowed
@@ -61,6 +55,8 @@ class Node {
   std::vector<std::string> texts(const Key& key) const;
   /// A sequence of `count` numbers (any count if -1).
   std::vector<double> numbers(const Key& key, int count, Range range = {}) const;
+  std::vector<double> numbers(const Key& key, int count, Range range,
+                              const std::vector<double>& otherwise) const;
   Eigen::Vector3d vector3(const Key& key, Range range = {}) const;
   Eigen::Vector3d vector3(const Key& key, Range range, const Eigen::Vector3d& otherwise) const;
   std::vector<Eigen::Vector3d> points(const Key& key) const;  // sequence of [x, y, z]
@@ -69,6 +65,16 @@ class Node {
   math::Pose pose(const Key& key) const;
   /// A path, relative to the folder of the file that defines it.
   std::string path(const Key& key) const;
+
+  /// The value of a declared option, or its default if the key is absent.
+  OptionValue value(const Option& option) const;
+  /// The options of a component: read by the declarations of `table`.
+  template <class Options>
+  Options read(const OptionTable<Options>& table) const {
+    Options options = table.defaults();
+    for (const auto& entry : table.entries()) entry.assign(options, value(entry.option));
+    return options;
+  }
 
   /// Declares a number with a unit ("10 mm") that its reader parses; `otherwise` describes the
   /// meaning of an absent key that is not required.

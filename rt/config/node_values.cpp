@@ -104,11 +104,44 @@ std::vector<std::string> Node::texts(const Key& key) const {
   return texts;
 }
 
+OptionValue Node::value(const Option& option) const {
+  const Key key(option.key, option.unit.c_str(), option.description.c_str());
+  switch (option.kind) {
+    case Option::Kind::kNumber:
+      return option.required ? number(key, option.range)
+                             : number(key, option.range, std::get<double>(option.otherwise));
+    case Option::Kind::kInteger:
+      return option.required ? integer(key, option.range)
+                             : integer(key, option.range, std::get<int>(option.otherwise));
+    case Option::Kind::kFlag:
+      if (option.required && !has(option.key)) fail(option.key, "is missing; allowed: true, false");
+      return flag(key, std::get<bool>(option.otherwise));
+    case Option::Kind::kChoice:
+      return option.required ? choice(key, option.choices)
+                             : choice(key, option.choices, std::get<std::string>(option.otherwise));
+    case Option::Kind::kNumbers:
+      break;
+  }
+  return option.required ? numbers(key, option.count, option.range)
+                         : numbers(key, option.count, option.range,
+                                   std::get<std::vector<double>>(option.otherwise));
+}
+
 std::vector<double> Node::numbers(const Key& key, int count, Range range) const {
-  impl_->declare(key, (count < 0 ? "" : std::to_string(count) + " ") + "numbers", range).required =
-      true;
+  Declaration& declared =
+      impl_->declare(key, (count < 0 ? "" : std::to_string(count) + " ") + "numbers", range);
+  declared.required = declared.fallback.empty();
   const Impl::Entry entry = impl_->require(key.name, "a list of numbers");
   return impl_->to_numbers(entry.value, key.name, entry.line, count, range);
+}
+
+std::vector<double> Node::numbers(const Key& key, int count, Range range,
+                                  const std::vector<double>& otherwise) const {
+  std::string shown;
+  for (const double number : otherwise) shown += (shown.empty() ? "" : ", ") + number_text(number);
+  impl_->declare(key, (count < 0 ? "" : std::to_string(count) + " ") + "numbers", range).fallback =
+      "[" + shown + "]";
+  return impl_->find(key.name).present ? numbers(key, count, range) : otherwise;
 }
 
 Eigen::Vector3d Node::vector3(const Key& key, Range range) const {
@@ -116,10 +149,8 @@ Eigen::Vector3d Node::vector3(const Key& key, Range range) const {
 }
 
 Eigen::Vector3d Node::vector3(const Key& key, Range range, const Eigen::Vector3d& otherwise) const {
-  impl_->declare(key, "3 numbers", range).fallback = "[" + number_text(otherwise.x()) + ", " +
-                                                     number_text(otherwise.y()) + ", " +
-                                                     number_text(otherwise.z()) + "]";
-  return impl_->find(key.name).present ? vector3(key, range) : otherwise;
+  return Eigen::Vector3d(
+      numbers(key, 3, range, {otherwise.x(), otherwise.y(), otherwise.z()}).data());
 }
 
 std::vector<Eigen::Vector3d> Node::points(const Key& key) const {
