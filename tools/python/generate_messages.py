@@ -1,4 +1,5 @@
-"""Makes the package palpate.messages from lcmtypes/*.lcm: lcm-gen's Python, and type hints beside it.
+"""Generates the package palpate.messages from lcmtypes/*.lcm by lcm-gen, with type hints, and
+channel_table.py next to it from lcmtypes/channels.csv.
 
 usage: generate_messages.py --types FOLDER --output FOLDER [--lcm-gen PROGRAM]
 e.g.   generate_messages.py --types ../../lcmtypes --output palpate/messages
@@ -83,6 +84,14 @@ def generate(types: Path, output: Path, lcm_gen: str = "lcm-gen") -> None:
     for file in files:
         stub = "from typing import Sequence\n\n" + stub_of(file.read_text(), file.stem)
         (output / f"{file.stem}.pyi").write_text(stub + "\n")
+    table = types / "generate_channels.py"
+    if table.is_file():
+        made = subprocess.run(
+            [sys.executable, "-B", str(table), "--python", str(output.parent / "channel_table.py")],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        if made.returncode != 0:
+            raise ValueError(made.stderr.strip())
     imports = [f"from .{file.stem} import {file.stem} as {file.stem}" for file in files]
     (output / "__init__.pyi").write_text("\n".join(imports) + "\n")
 
