@@ -51,7 +51,7 @@ ALLOWED = {
     "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/log tools/record",
     "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
-    "tools/examples": "core/sensing core/control rt/plugin",
+    "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/plugin",
     "tools/export": "core/math core/mesh core/elasticity rt/bus rt/config rt/registry sim/draw tools/common "
                     "tools/log tools/drawing",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "

@@ -148,6 +148,23 @@ class Prefix(unittest.TestCase):
         self.assertEqual(simulator.returncode, 0, said + heard)
         self.assertGreaterEqual(json.loads(result.read_text())["commands_accepted"], 3900, said + heard)
 
+    def test_7_a_program_finds_the_libraries(self):
+        """The examples of tools/examples/library, by CMake and by pkg-config."""
+        examples, made = SOURCE / "tools/examples/library", self.installed.folder / "library"
+        done = run(["cmake", "-S", examples, "-B", made, f"-DCMAKE_PREFIX_PATH={self.prefix}"])
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        done = run(["cmake", "--build", made])
+        self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+        (folder,) = self.prefix.rglob("pkgconfig")
+        flags = run(["pkg-config", "--cflags", "--libs", "palpate"], env={**os.environ, "PKG_CONFIG_PATH": str(folder)})
+        self.assertEqual(flags.returncode, 0, flags.stderr)
+        for name in ("bend_a_bar", "read_the_bus"):
+            done = run(["c++", "-O1", examples / f"{name}.cpp", "-o", made / f"{name}_2", *flags.stdout.split()])
+            self.assertEqual(done.returncode, 0, done.stderr)
+        said = [run([made / name]).stdout for name in ("bend_a_bar", "bend_a_bar_2")]
+        self.assertEqual(said[0], said[1])
+        self.assertIn("hand applies", said[0])
+
     def test_7_python_finds_its_package(self):
         folder = self.prefix / "lib/python3/dist-packages"
         done = run(["/usr/bin/python3", "-c", "import palpate; print(palpate.__file__, palpate.messages.shape_t().seq)"],
