@@ -1,4 +1,4 @@
-"""Makes the package palpate.messages from lcmtypes/*.lcm: lcm-gen's Python, and type hints beside it.
+"""Makes the package palpate.messages from lcmtypes/*.lcm: lcm-gen's Python with type hints.
 
 usage: generate_messages.py --types FOLDER --output FOLDER [--lcm-gen PROGRAM]
 e.g.   generate_messages.py --types ../../lcmtypes --output palpate/messages

@@ -154,7 +154,7 @@ class ViewTest(unittest.TestCase):
         self.assertLess(np.median(off), 6, "colours of 255")
         self.assertGreater((off < 16).mean(), 0.9, f"{off.round()}")
         spread = np.abs(expected.max(axis=0) - expected.min(axis=0)).max()
-        self.assertGreater(spread, 80, "the picture tells large from small")
+        self.assertGreater(spread, 80, "large and small displacements differ in colour")
         # Next to the object there is nothing.
         low, high = pixels[:, :2].min(axis=0) - 25, pixels[:, :2].max(axis=0) + 25
         for p in ([low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]):
@@ -171,7 +171,7 @@ class ViewTest(unittest.TestCase):
                 field)
             wait_for(lambda: cell.js("palpate.frame?.field") == field, field)
             wait_for(lambda: title in cell.text("#legend-title"), f"legend of {field}")
-        self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven tells none")
+        self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven reports none")
         cell.browser.execute_script("const s = document.getElementById('field');"
                                     "s.value = 'displacement'; s.onchange();")
 

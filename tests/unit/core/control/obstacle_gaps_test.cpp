@@ -55,7 +55,7 @@ TEST_P(BentBar, ComesNearestBetweenNodes) {
   EXPECT_GT(gaps.points()[1].gap, gaps.points()[0].gap + 1e-4) << "nodes alone would not see it";
 }
 
-TEST_P(BentBar, TellsTheLargestDeviationOfItsNodes) {
+TEST_P(BentBar, GivesTheLargestDeviationOfItsNodes) {
   ObstacleGaps gaps(surface_, {{{0.235, 0.021, 0.13}, 0.03}}, 0.1);
   std::vector<float> deviation(static_cast<std::size_t>(mesh_.node_count()), 1e-4F);
   gaps.look(x_, nullptr);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <random>
+#include <string>
 
 #include "core/elasticity/corotational_model.hpp"
 #include "core/estimation/pose_driven.hpp"
@@ -297,7 +298,8 @@ TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   inputs_.grasps[0].wrench_valid = true;
   sensing::UpdateResult result;
   for (int i = 0; i < 60; ++i) result = estimator.update(inputs_, model, estimate_);
-  EXPECT_STREQ(result.reason, "the model does not tell how stiff the grasp is");
+  EXPECT_EQ(result.status, Status::kDegraded);
+  EXPECT_NE(std::string(result.reason).find("stiff"), std::string::npos) << result.reason;
   EXPECT_TRUE(model.X_OG(0).isApprox(body.grasps[0].X_OG_rest));
 }
 

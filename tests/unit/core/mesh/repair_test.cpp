@@ -50,9 +50,10 @@ void expect_repaired(const Break& damage, const std::string& step, double share 
     if (!report.ok()) continue;
     ++mended;
     ASSERT_NEAR(report.volume, volume, 1e-9 * volume) << i << ": " << report.text();
-    bool told = false;
-    for (const RepairStep& each : steps) told = told || each.what.find(step) != std::string::npos;
-    ASSERT_TRUE(told) << i << ": nothing is said of " << step;
+    bool reported = false;
+    for (const RepairStep& each : steps)
+      reported = reported || each.what.find(step) != std::string::npos;
+    ASSERT_TRUE(reported) << i << ": no report of " << step;
     ASSERT_EQ(mesh.node_numbers.size(), static_cast<std::size_t>(mesh.mesh.node_count()));
     ASSERT_EQ(mesh.tetrahedron_numbers.size(),
               static_cast<std::size_t>(mesh.mesh.tetrahedron_count()));

@@ -276,7 +276,7 @@ TEST(SurfaceFiles, ComeBackToTheBit) {
   }
 }
 
-TEST(SurfaceFiles, BinaryStlIsToldByItsLength) {
+TEST(SurfaceFiles, BinaryStlIsRecognisedByItsLength) {
   std::string bytes = "solid but binary";
   bytes.resize(84, ' ');
   const std::uint32_t count = 2;

@@ -114,7 +114,7 @@ TEST(TwoArms, WrenchesOfBothHandsAndTheWeightSumToZeroAtRest) {
   }
 }
 
-TEST(TwoArms, TruthTellsBothGrasps) {
+TEST(TwoArms, TruthContainsBothGrasps) {
   Stage stage(kTwoHands, soft());
   stage.run(1.5);
   const truth_contact_t truth = stage.sent<truth_contact_t>("TRUTH_CONTACT").back();

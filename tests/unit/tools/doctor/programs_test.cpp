@@ -101,7 +101,7 @@ TEST(Configuration, SaysWhatItNeeds) {
   EXPECT_EQ(needs.record_folder, "/logs");
 }
 
-TEST(Report, TellsVerdictsReasonsAndRemedies) {
+TEST(Report, PrintsVerdictsReasonsAndRemedies) {
   const Findings findings = {ok("one", "fine"), warn("two", "so so", "it hurts", "sudo x\nsudo y"),
                              fail("three", "bad", "it kills", "sudo z")};
   EXPECT_EQ(worst(findings), Verdict::kFail);

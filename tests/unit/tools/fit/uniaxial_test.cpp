@@ -122,7 +122,7 @@ TEST(Uniaxial, OffsetsAreFound) {
   EXPECT_NEAR(results[0].fit.find("young_modulus")->value / kModulus, 1, 1e-4);
 }
 
-TEST(Uniaxial, BiasAndOffsetOfALinearBarCannotBothBeTold) {
+TEST(Uniaxial, BiasAndOffsetOfALinearBarAreNotBothDetermined) {
   FitFolder folder;
   folder.write("a.csv", cycles_csv("linear", constants_of("linear", 0.3), 1, 0.01, 3));
   const std::vector<JobResult> results =
@@ -169,7 +169,7 @@ TEST(Uniaxial, ARelaxingBarIsAStandardLinearSolid) {
   EXPECT_NEAR(results[0].fit.find("relaxation_time")->value, tau, 1e-4);
 }
 
-TEST(Uniaxial, ViscosityIsFoundBesideTheModulus) {
+TEST(Uniaxial, ViscosityIsFoundTogetherWithTheModulus) {
   FitFolder folder;
   std::ostringstream out;
   out.precision(12);

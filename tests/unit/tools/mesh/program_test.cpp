@@ -301,7 +301,7 @@ TEST_F(Program, SurfacesAreMendedOrRefused) {
   refuse(two, "parts");
 }
 
-TEST_F(Program, TellsOfGmshWhereItIsMissingSlowOrFailing) {
+TEST_F(Program, ReportsThatGmshIsMissingSlowOrFailing) {
   ASSERT_EQ(run({"box", path("a.stl"), "--size", "0.1", "0.1", "0.1", "--edge", "0.05"}), 0);
   const auto surface = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"surface", path("a.stl"), path("b.msh"), "--edge", "0.05"};
@@ -352,7 +352,7 @@ TEST_F(Program, OptimisingSaysWhatItGained) {
   EXPECT_GT(after, 1.5 * before);
 }
 
-TEST_F(Program, WrongCommandsAndFilesAreToldOf) {
+TEST_F(Program, WrongCommandsAndFilesAreReported) {
   EXPECT_EQ(run({}), 64);
   EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1"}), 64);
   EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1", "-0.1", "--edge", "0.1"}), 64);

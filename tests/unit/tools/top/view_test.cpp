@@ -88,7 +88,7 @@ TEST_F(ViewTest, FaultsStandOutWithTheirReason) {
   EXPECT_EQ(lines[0].tone, Tone::kBad);
 }
 
-TEST_F(ViewTest, TwoDaemonsAreTold) {
+TEST_F(ViewTest, TwoDaemonsAreReported) {
   hear("HEALTH", active(), kSecond);
   EXPECT_TRUE(with("daemons speak", kSecond).empty());
   health_t other = active();

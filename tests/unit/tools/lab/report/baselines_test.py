@@ -100,7 +100,7 @@ class Report(unittest.TestCase):
                     self.put("control", control_result(SLOW, "blind", seed, theirs, 5, task))
         lines, html = self.report()
         self.assertIn("0 of 1 other methods win or tie", lines[0])
-        self.assertIn(f"Beside these win on a single task: {SLOW} (push).", lines[0])
+        self.assertIn(f" win on a single task: {SLOW} (push).", lines[0])
         self.assertIn("<td>1, 2</td>", html)
         text = (self.path / "baselines.md").read_text(encoding="utf-8")
         self.assertIn(lines[0], text)
