@@ -134,7 +134,7 @@ def readme(root, programs):
                 run += 1
                 script += [f"echo 'README.md:{number}: {words[0]}'", line]
     if left_out != set(NOT_RUN) or run < 4:
-        print(f"error: README.md has {sorted(left_out)} and {run} other commands: mend NOT_RUN")
+        print(f"error: README.md has {sorted(left_out)} and {run} other commands: correct NOT_RUN")
         return 1
     return say_and_run("\n".join(script), root, {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"})[1]
 

@@ -69,7 +69,7 @@ class PushedTest(unittest.TestCase):
             return bool(force[2] > 0.2 and abs(moved[2] - expected) < 0.1 * expected)
         self.seen = "no force"
         try:
-            wait_for(agrees, "the node gives way as it should")
+            wait_for(agrees, "the expected displacement of the node")
         except AssertionError as error:
             raise AssertionError(f"{error}; {self.seen}") from None
         cell.mouse("mouseReleased", *there)

@@ -57,7 +57,7 @@ TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
   bool reported = false;
   for (int i = 0; i < 800; ++i) {
     tick();
-    reported = reported || std::string(output_.remark) == "slows down near buckling";
+    reported = reported || std::string(output_.remark).find("buckling") != std::string::npos;
   }
   EXPECT_TRUE(reported);
   EXPECT_TRUE(model_->positions().allFinite());
@@ -141,7 +141,7 @@ TEST_F(BarServo, TheWorkspaceGivesWayBeforeTheStress) {
   bool reported = false;
   for (int i = 0; i < 600; ++i) {
     tick();
-    reported = reported || std::string(output_.remark) == "the hand's workspace gives way";
+    reported = reported || std::string(output_.remark).find("workspace") != std::string::npos;
   }
   EXPECT_TRUE(reported);
   EXPECT_LT(peak(), 1.02 * limited.limits.stress);

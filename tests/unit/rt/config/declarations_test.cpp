@@ -57,7 +57,7 @@ TEST(Declarations, ATextThatIsThenAChoiceIsAChoice) {
   EXPECT_EQ(list.all()[0].meaning, "which");
 }
 
-TEST(Declarations, AreListedOnlyWhileSomebodyListens) {
+TEST(Declarations, AreListedOnlyWithAListener) {
   const Node root = Node::from_text("a: 1", "t.yaml");
   root.number({"a", "m", "length"}, {0, 2});
   DeclarationList list;

@@ -176,7 +176,7 @@ class Reader:
                 last_chunk = self.chunk(at, fields, length, defined)
             elif opcode == MESSAGE_INDEX:
                 channel, entries = fields.number(2), fields.pairs(8, 8)
-                check(sorted(entries) == sorted(last_chunk["messages"][channel]), "an index that leads astray")
+                check(sorted(entries) == sorted(last_chunk["messages"][channel]), "an index with a wrong offset")
                 check(entries == sorted(entries, key=lambda e: e[0]), "an index out of order")
                 last_chunk["index"][channel] = at
                 last_chunk["index_length"] += length

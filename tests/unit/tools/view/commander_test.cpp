@@ -67,7 +67,7 @@ TEST_F(CommanderTest, RepeatsTheSameUntilItIsAnswered) {
   }
   say("all", "active", -1);
   say("all", "stop", sent[0].counter + 5);
-  EXPECT_TRUE(answers_.empty()) << "answers to somebody else";
+  EXPECT_TRUE(answers_.empty()) << "answers to another sender";
   say("all", "start", sent[0].counter);
   ASSERT_EQ(answers_.size(), 1U);
   EXPECT_EQ(answers_[0].event, "start");
