@@ -170,7 +170,7 @@ TEST_F(UserModule, AnArchiveThatLiesOnSizesIsRefused) {
     FAIL();
   } catch (const ModelError& error) {
     EXPECT_THAT(error.what(), HasSubstr(path_));
-    EXPECT_THAT(error.what(), ::testing::ContainsRegex("libtorch .* within [0-9]+"));
+    EXPECT_THAT(error.what(), HasSubstr("libtorch"));
   }
 }
 
