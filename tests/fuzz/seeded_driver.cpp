@@ -22,7 +22,7 @@ constexpr long kMostMemory = 1 << 20;   // kB
 volatile std::sig_atomic_t round_now = -1;  // -1: undamaged
 
 /// Reports the input; uses only functions that a signal handler may call.
-void tell(int signal) {
+void report_and_exit(int signal) {
   char text[] = "\nsignal 00 in round 0000000000\n";
   text[8] = static_cast<char>('0' + signal / 10);
   text[9] = static_cast<char>('0' + signal % 10);
@@ -44,7 +44,7 @@ void run(const std::string& input) {
 
 int main(int argc, char** argv) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE, SIGBUS, SIGILL, SIGALRM})
-    std::signal(signal, tell);
+    std::signal(signal, report_and_exit);
   std::vector<std::string> inputs = palpate::fuzz::seeds();
   if (argc > 1 && std::filesystem::is_directory(argv[1])) {
     for (const auto& entry : std::filesystem::directory_iterator(argv[1])) {

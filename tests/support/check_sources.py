@@ -31,9 +31,9 @@ def changed_sources():
     files = {name for name in git("diff", "--name-only", "--diff-filter=d", base) if name.startswith(FOLDERS)}
     sources = {name for name in files if name.endswith(".cpp")}
     for name in files:
-        beside = re.sub(r"\.hpp$", ".cpp", name)
-        if name.endswith(".hpp") and (ROOT / beside).is_file():
-            sources.add(beside)
+        implementation = re.sub(r"\.hpp$", ".cpp", name)
+        if name.endswith(".hpp") and (ROOT / implementation).is_file():
+            sources.add(implementation)
     return sorted(sources)
 
 

@@ -78,7 +78,7 @@ class Command:
                 place = "tail"
                 self.tail.append(line)
         if not self.usage:
-            raise ValueError(f"{' '.join(self.words)} --help tells no usage")
+            raise ValueError(f"{' '.join(self.words)} --help prints no usage")
 
     @staticmethod
     def item(line, following):
@@ -250,7 +250,7 @@ def zsh(command):
     name = command.words[0]
     function = "_complete_" + name.replace("-", "_")
     return f"""#compdef {name}
-# By what bash is told: the file beside this one's folder.
+# Uses the completion for bash in the folder next to this one.
 autoload -U +X bashcompinit && bashcompinit
 source ${{${{(%):-%x}}:A:h}}/../../bash-completion/completions/{name}
 _bash_complete -o default -F {function}

@@ -25,7 +25,7 @@ class FaultTable : public testing::TestWithParam<int> {
 TEST_P(FaultTable, RowIsSurvivedAndItsFigureMet) {
   const Row row = all_rows()[GetParam()];
   const RowReport report = run_row(bench(), row, seeds(), 2);
-  std::printf("%s %s: %s; seen %.1f ms, told %.1f ms, back %.1f ms, %g %s (limit %g)\n",
+  std::printf("%s %s: %s; seen %.1f ms, reported %.1f ms, back %.1f ms, %g %s (limit %g)\n",
               row.number.c_str(), row.fault.c_str(), name(report.worst()), 1e3 * report.detected,
               1e3 * report.visible, 1e3 * report.recovered, report.measured, row.unit.c_str(),
               row.limit);

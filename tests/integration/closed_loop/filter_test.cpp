@@ -38,17 +38,18 @@ Result estimate_over_two_poses(std::vector<std::string> overrides) {
   return result;
 }
 
-TEST(Filter, FindsTheStiffnessThatItWasToldWrongly) {
+TEST(Filter, FindsTheStiffnessThatIsConfiguredWrongly) {
   double means = 0;
-  for (const char* told :
+  for (const char* wrong_stiffness :
        {"object.material.young_modulus=21e3", "object.material.young_modulus=39e3"}) {
-    const Result alone = estimate_over_two_poses({told});
-    const Result filter = estimate_over_two_poses({told, kFilter});
+    const Result alone = estimate_over_two_poses({wrong_stiffness});
+    const Result filter = estimate_over_two_poses({wrong_stiffness, kFilter});
     const double log_young = filter.estimate.log_young_modulus;
     std::printf(
         "%s: pose alone %.2f / %.2f mm, filter %.2f / %.2f mm, E %.1f kPa, deviation %.0f %%\n",
-        told, 1e3 * alone.mean, 1e3 * alone.largest, 1e3 * filter.mean, 1e3 * filter.largest,
-        1e-3 * std::exp(log_young), 100 * filter.estimate.log_young_modulus_deviation);
+        wrong_stiffness, 1e3 * alone.mean, 1e3 * alone.largest, 1e3 * filter.mean,
+        1e3 * filter.largest, 1e-3 * std::exp(log_young),
+        100 * filter.estimate.log_young_modulus_deviation);
     EXPECT_NEAR(log_young, kTrueLogYoung, 0.15);
     EXPECT_LT(filter.largest, alone.largest);
     means += filter.mean - alone.mean;

@@ -91,7 +91,7 @@ TEST_P(ReplacementPair, ThereAndBackWithoutAJump) {
 }
 
 // Its memory, freed by then, is not accessed either.
-TEST(ReplacementLoop, WhatOnlyTheLastEstimatorKnewIsNotTold) {
+TEST(ReplacementLoop, WhatOnlyTheLastEstimatorKnewIsNotPublished) {
   ClosedLoop loop(kReplacementScene, kReplacementConfiguration, {},
                   {"estimation={component: pose_wrench_filter}"});
   loop.send_event("start");

@@ -64,7 +64,7 @@ INSTANTIATE_TEST_SUITE_P(Scene, SceneAndConfiguration,
                          [](const auto& tested) { return std::string(tested.param.scene); });
 
 // The thesis' third control run: its pose of three nodes near the hand, within the block's plane.
-TEST(BlockControl, PoseBesideTheHandReachesItsTargetAlongZ) {
+TEST(BlockControl, PoseNextToTheHandReachesItsTargetAlongZ) {
   const std::vector<Eigen::Vector3d> nodes = {
       {0.3653, 0.06, 0.3012}, {0.4, 0.06, 0.2}, {0.3653, 0.06, 0.2606}};
   ClosedLoop loop("sim/scenes/block_hard_control.yaml", "rt/config/examples/block_hard.yaml",

@@ -66,7 +66,7 @@ class Steered {
   int inactive_ticks_ = 0;
 };
 
-TEST(Sight, BringsAPointWithinAMillimetreOfItsTarget) {
+TEST(Vision, BringsAPointWithinAMillimetreOfItsTarget) {
   const Eigen::Vector3d way(0, 0.01, 0.03);
   Steered blind(kBlindScene, scene_errors());
   blind.aim(way);
@@ -88,7 +88,7 @@ TEST(Sight, BringsAPointWithinAMillimetreOfItsTarget) {
   EXPECT_EQ(seen.inactive_ticks(), 0);
 }
 
-TEST(Sight, GoesAndComesWithoutAStepOfTheCommand) {
+TEST(Vision, OcclusionCausesNoStepOfTheCommand) {
   // Visible until 4 s, occluded until 9 s, visible again.
   Steered hand(kScene, scene_errors({"camera.occlusions=[{at: 4, duration: 5}]"}));
   hand.aim({0, 0, 0.03});

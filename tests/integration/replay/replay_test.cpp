@@ -88,7 +88,7 @@ TEST(Replay, ALogThatIsCutShortIsReplayedAndSaidToBe) {
   EXPECT_EQ(result.complaint, recording.path() + ": the last event is cut short");
 }
 
-TEST(Replay, ATimeThatNobodyRecordedIsRefusedWithItsByte) {
+TEST(Replay, AnImpossibleTimeIsRefusedWithItsByte) {
   const Recording recording(0.1);
   constexpr int kHeader = 28, kTimeAt = 12;
   const int size =
@@ -100,7 +100,7 @@ TEST(Replay, ATimeThatNobodyRecordedIsRefusedWithItsByte) {
   file.close();
   try {
     run(recording);
-    FAIL() << "nobody waits for that";
+    FAIL() << "accepted a time nine years later";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(
         std::string(error.what()).find(recording.path() + ": byte " + std::to_string(last) + ": "),

@@ -169,7 +169,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheDriver) {
   bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
-  ASSERT_TRUE(rests(moved)) << "goes on without commands";
+  ASSERT_TRUE(rests(moved)) << "moves without commands";
   EXPECT_GT(moved.z() - start.z(), 0.01);
 
   // As sent by a log player: the same datagrams, in the same order, to the same arm and to the
@@ -217,7 +217,7 @@ TEST_F(AccessProcess, OnlyWhoHasTheKeySteersTheSimulatedArm) {
   bus::MessageSigner sealer("TWIST_COMMAND", {bus::read_key_file(key_file_), bus::wall_clock_us()});
   steer(300, &sealer, 12);
   Eigen::Vector3d moved;
-  ASSERT_TRUE(rests(moved, 0.5 * kAtRest)) << "goes on without commands";
+  ASSERT_TRUE(rests(moved, 0.5 * kAtRest)) << "moves without commands";
   EXPECT_GT(moved.z() - start.z(), 5 * kAtRest) << simulator.output();
   bus::TypedPublisher<twist_command_t> publisher(*control_, "TWIST_COMMAND");
   for (const twist_command_t& message : recorded(*twists_)) {

@@ -114,10 +114,10 @@ TEST(LcmBus, WithoutAThreadReceivesInTheCallersAndIsWokenByWhatComes) {
   EXPECT_FALSE(receiver->receive(0)) << "not started";
   receiver->start_without_thread();
   EXPECT_FALSE(receiver->receive(0));
-  EXPECT_FALSE(receiver->receive(300'000)) << "nobody sends";
+  EXPECT_FALSE(receiver->receive(300'000)) << "nothing is sent";
 
   send_wrenches(*sender, 50);
-  EXPECT_EQ(subscription.counters().received, 0) << "nobody has received yet";
+  EXPECT_EQ(subscription.counters().received, 0) << "not yet received";
   EXPECT_TRUE(receiver->receive(0));
   EXPECT_EQ(subscription.counters().received, 50);
 

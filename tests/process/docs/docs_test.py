@@ -63,16 +63,16 @@ def published(root):
 
 def keys(root):
     pages = (root / "docs/configuration.md").read_text() + (root / "docs/studies.md").read_text()
-    told = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", pages, re.M))
+    documented = set(re.findall(r"^\| `([A-Za-z0-9_]+)` \|", pages, re.M))
     missing = []
     asked = 0
     for files in READERS:
         for path in sorted(root.glob(files)):
             for key in GETTER.findall(path.read_text()):
                 asked += 1
-                if key not in told | OF_OTHER_FILES | OF_LIBRARIES:
+                if key not in documented | OF_OTHER_FILES | OF_LIBRARIES:
                     missing.append(f"{path.relative_to(root)}: {key}")
-    print(f"{asked} declarations, {len(told)} keys told")
+    print(f"{asked} declarations, {len(documented)} keys documented")
     if missing:
         print("no reading of tools/reference/explorations.yaml asks for:\n" + "\n".join(missing))
     return 1 if missing or asked < 100 else 0
@@ -134,7 +134,7 @@ def readme(root, programs):
                 run += 1
                 script += [f"echo 'README.md:{number}: {words[0]}'", line]
     if left_out != set(NOT_RUN) or run < 4:
-        print(f"error: README.md has {sorted(left_out)} and {run} other commands: mend NOT_RUN")
+        print(f"error: README.md has {sorted(left_out)} and {run} other commands: correct NOT_RUN")
         return 1
     return say_and_run("\n".join(script), root, {**os.environ, "PATH": f"{programs}:{os.environ['PATH']}"})[1]
 

@@ -30,7 +30,7 @@ class Pages(unittest.TestCase):
 
 
 class Troubleshooting(unittest.TestCase):
-    def test_tells_every_check_of_the_doctor(self):
+    def test_lists_every_check_of_the_doctor(self):
         done = subprocess.run([TREE.programs / "palpate-doctor", "--config", TREE.root / "rt/config/examples/bar_long_soft.yaml",
                                "--json", "-", "--no-live"], capture_output=True, text=True, timeout=120)
         checks = {finding["check"] for finding in json.loads(done.stdout)["findings"]} | {"loopback", "daemons"}
@@ -43,15 +43,15 @@ class Troubleshooting(unittest.TestCase):
 
 class Licences(unittest.TestCase):
     def setUp(self):
-        self.told = set(re.findall(r"`([^`]+)`", (TREE.root / "docs/licences.md").read_text()))
+        self.documented = set(re.findall(r"`([^`]+)`", (TREE.root / "docs/licences.md").read_text()))
 
-    def test_tell_of_every_package_that_is_installed_for_the_build(self):
+    def test_list_every_package_that_is_installed_for_the_build(self):
         lines = (TREE.root / "tools/packaging/packages.txt").read_text().split("\n")
         packages = {line for line in lines if line and not line.startswith("#")}
         self.assertGreater(len(packages), 50)
-        self.assertEqual(packages - self.told, set())
+        self.assertEqual(packages - self.documented, set())
 
-    def test_tell_of_every_library_that_a_program_is_linked_to(self):
+    def test_list_every_library_that_a_program_is_linked_to(self):
         system = {"libstdc++", "libm", "libgcc_s", "libc", "ld-linux-x86-64"}
         for program in sorted(TREE.programs.glob("palpate*")) + [TREE.programs / "libpalpate_torch.so"]:
             if program.suffix == ".source" or program.read_bytes()[:4] != b"\x7fELF":
@@ -60,7 +60,7 @@ class Licences(unittest.TestCase):
             needed = {re.split(r"\.so", name)[0] for name in re.findall(r"NEEDED.*\[(.*)\]", said)}
             needed = {re.sub(r"-0$", "", re.sub(r"\.\d.*$", "", name)) for name in needed}
             self.assertGreater(len(needed), 1, program)
-            self.assertEqual(needed - system - self.told, set(), program.name)
+            self.assertEqual(needed - system - self.documented, set(), program.name)
 
 
 class Wrong(unittest.TestCase):

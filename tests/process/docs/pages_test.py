@@ -37,7 +37,7 @@ NOT_RUN = {
 READY = {"palpated": "waits for start", "palpate-sim": "nodes", "palpate-view": "http://"}
 
 
-class Beside:
+class Workspace:
     """Folder, LCM URLs and programs of a single block."""
 
     def __init__(self):
@@ -110,16 +110,16 @@ class Beside:
         return {**os.environ, "PATH": f"{BIN}:{os.environ['PATH']}", "PWD": str(self.folder)}
 
 
-def prepare(beside, text):
+def prepare(workspace, text):
     """Preconditions of the block."""
     if "palpate-sim " not in text:
-        beside.run(f"palpate-sim {SCENE}")
+        workspace.run(f"palpate-sim {SCENE}")
     if "palpated " not in text:
-        beside.run(f"palpated {CONFIGURATION}")
+        workspace.run(f"palpated {CONFIGURATION}")
     if "control.log" in text:
-        beside.run("palpate-record --quiet --seconds 2 run.log")
+        workspace.run("palpate-record --quiet --seconds 2 run.log")
         for url in ("control", "housekeeping"):
-            (beside.folder / f"run.{url}.log").rename(beside.folder / f"{url}.log")
+            (workspace.folder / f"run.{url}.log").rename(workspace.folder / f"{url}.log")
 
 
 def wrong_lines(page):
@@ -127,26 +127,26 @@ def wrong_lines(page):
     wrong, right = 0, 0
     for language, start, lines in blocks((ROOT / page).read_text()):
         numbered = [(start + i, line) for i, line in enumerate(lines) if line.strip()]
-        told = [(n, line) for n, line in numbered if any(line.startswith(begin) for begin in NOT_RUN)]
-        for number, line in told:
+        not_run = [(n, line) for n, line in numbered if any(line.startswith(begin) for begin in NOT_RUN)]
+        for number, line in not_run:
             print(f"{page}:{number}: not run: it {next(why for b, why in NOT_RUN.items() if line.startswith(b))}")
-        if language != "sh" or len(told) == len(numbered):
+        if language != "sh" or len(not_run) == len(numbered):
             continue
-        beside = Beside()
+        workspace = Workspace()
         try:
-            prepare(beside, "\n".join(lines))
+            prepare(workspace, "\n".join(lines))
             for number, line in numbered:
-                if (number, line) in told:
+                if (number, line) in not_run:
                     continue
                 print(f"{page}:{number}: {line}", flush=True)
                 try:
-                    beside.run(line)
+                    workspace.run(line)
                     right += 1
                 except (RuntimeError, subprocess.TimeoutExpired) as error:
                     wrong += 1
                     print(f"error: {error}")
         finally:
-            beside.close()
+            workspace.close()
     return wrong, right
 
 

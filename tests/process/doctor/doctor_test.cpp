@@ -131,7 +131,7 @@ TEST_F(Doctor, NeverOverwritesAConfigurationWithItsReport) {
   EXPECT_NE(doctor.output().find("--json"), std::string::npos) << doctor.output();
 }
 
-TEST_F(Doctor, WarningsFailWhereToldToBeStrict) {
+TEST_F(Doctor, WarningsFailInStrictMode) {
   const support::ScratchFolder empty;
   ChildProcess lenient({kDoctor, "--root", empty.path().string()});
   EXPECT_EQ(lenient.wait(seconds(20)), 1) << "no route at all";

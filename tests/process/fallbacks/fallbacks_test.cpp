@@ -31,9 +31,9 @@ struct Case {
 };
 
 /// Fails on request from outside.
-class ToldSensor final : public faults::FaultySensor {
+class SwitchedSensor final : public faults::FaultySensor {
  public:
-  ToldSensor(std::unique_ptr<sensing::SensorModel> good, const bool& broken)
+  SwitchedSensor(std::unique_ptr<sensing::SensorModel> good, const bool& broken)
       : FaultySensor(std::move(good)), broken_(broken) {}
   sensing::UpdateResult update(const sensing::Signals& signals,
                                sensing::ContactSet& contacts) noexcept override {
@@ -49,7 +49,7 @@ void put_in_sensor(pipeline::Slots& slots, const bool& broken) {
   registry::SensorFallback& pair = *slots.sensing[0].fallback;
   std::unique_ptr<sensing::SensorModel> first;
   pair.exchange(first);
-  first = std::make_unique<ToldSensor>(std::move(first), broken);
+  first = std::make_unique<SwitchedSensor>(std::move(first), broken);
   pair.exchange(first);
 }
 
@@ -110,7 +110,7 @@ int run_daemon(const Case& of, const runs::Urls& urls) {
 
 class FallbackProcess : public ::testing::TestWithParam<int> {};
 
-TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsTold) {
+TEST_P(FallbackProcess, CommandsWithinAPeriodAndIsReported) {
   const Case& of = kCases[GetParam()];
   const runs::Urls urls = runs::private_urls();
   const pid_t child = fork();

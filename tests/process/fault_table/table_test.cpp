@@ -16,10 +16,10 @@ constexpr double kGenerous = 5;
 
 class ProcessFaultTable : public testing::TestWithParam<int> {};
 
-TEST_P(ProcessFaultTable, RowIsSurvivedAndTold) {
+TEST_P(ProcessFaultTable, RowIsSurvivedAndReported) {
   const faults::Row row = faults::process_rows()[GetParam()];
   const faults::RowReport report = faults::run_row(faults::make_bench(), row, 1, 1);
-  std::printf("%s %s: %s; seen %.1f ms, told %.1f ms, back %.1f ms, %g %s (limit %g)\n",
+  std::printf("%s %s: %s; seen %.1f ms, reported %.1f ms, back %.1f ms, %g %s (limit %g)\n",
               row.number.c_str(), row.fault.c_str(), name(report.worst()), 1e3 * report.detected,
               1e3 * report.visible, 1e3 * report.recovered, report.measured, row.unit.c_str(),
               row.limit);

@@ -118,13 +118,13 @@ TEST_F(Malformed, AnotherTypeIsRefusedByName) {
     publisher.publish(wrong);
     std::this_thread::sleep_for(milliseconds(1));
   }
-  int told = 0;
+  int reports = 0;
   std::int64_t arrival_ns = 0;
   while (events_->take(event, arrival_ns))
-    if (std::string(bus::get_text(event.event)) == "wrong type") ++told;
-  std::printf("told after %.1f ms; %d more for 500 in %.2f s\n", 1e3 * first, told,
+    if (std::string(bus::get_text(event.event)) == "wrong type") ++reports;
+  std::printf("reported after %.1f ms; %d more for 500 in %.2f s\n", 1e3 * first, reports,
               seconds_since(began));
-  EXPECT_LE(told, static_cast<int>(seconds_since(began)));
+  EXPECT_LE(reports, static_cast<int>(seconds_since(began)));
 }
 
 /// The same packets sent to a program that receives through liblcm, kind by kind: how it

@@ -133,7 +133,7 @@ TEST_F(LearnedModelProcess, EndsCleanlyThoughAModelHangs) {
 TEST_F(LearnedModelProcess, RefusesAModelThatHangsAtOnceWith78) {
   ChildProcess daemon(command("while True:\n    x = x + 1\nreturn x, state"));
   EXPECT_EQ(daemon.wait(milliseconds(60000)), 78) << daemon.output();
-  EXPECT_THAT(daemon.output(), HasSubstr("finger.pt: libtorch does not come to an end with it"));
+  EXPECT_THAT(daemon.output(), ::testing::ContainsRegex("finger.pt: libtorch .* within [0-9]+"));
 }
 
 }  // namespace

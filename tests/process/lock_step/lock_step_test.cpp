@@ -112,7 +112,7 @@ class LockStepProcess : public ::testing::Test {
     }
   }
 
-  void tell_daemon() const {
+  void command_daemon() const {
     const auto bus = bus::make_lcm_bus(daemon_url_);
     component_command_t start{};
     start.session = start.counter = 1;
@@ -137,7 +137,7 @@ class LockStepProcess : public ::testing::Test {
                          "bus.control=" + daemon_url_, "--set", housekeeping});
     for (int i = 0; i < 2000 && daemon.output().find("waits for start") == std::string::npos; ++i)
       std::this_thread::sleep_for(milliseconds(10));
-    tell_daemon();
+    command_daemon();
     const auto summary = std::filesystem::temp_directory_path() /
                          ("palpate_lock_step_" + std::to_string(getpid()) + ".json");
     ChildProcess sim({kBin + "/palpate-sim", kSource + "/sim/scenes/bar_long_soft_control.yaml",

@@ -92,9 +92,9 @@ class Examples(ProcessTest):
 
     def test_help_has_an_example(self) -> None:
         for name in ("plot_shape_error.py", "steer_a_point.py", "push_a_node.py"):
-            told = self.run_example(name, "--help")
-            self.assertEqual(told.returncode, 0)
-            self.assertIn("e.g.", told.stdout)
+            printed = self.run_example(name, "--help")
+            self.assertEqual(printed.returncode, 0)
+            self.assertIn("e.g.", printed.stdout)
 
 
 class Access(ProcessTest):

@@ -17,7 +17,7 @@ except ImportError:
 
 @unittest.skipIf(lcm is None, "no module lcm (pip install lcm)")
 class UpstreamLcm(ProcessTest):
-    def test_speaks_to_palpated_and_hears_it(self) -> None:
+    def test_exchanges_messages_with_palpated(self) -> None:
         daemon = self.start_daemon()
         speaker, listener = lcm.LCM(self.control), lcm.LCM(self.housekeeping)
         heard = []

@@ -170,17 +170,17 @@ TEST_F(Supervision, PingsStopWhenTheLoopHangsAndGoOnWithIt) {
   unsetenv("NOTIFY_SOCKET");
   unsetenv("WATCHDOG_USEC");
 
-  std::vector<std::string> told;
+  std::vector<std::string> messages;
   const auto wait_for = [&](const char* text, int times) {
     return wait_until([&] {
-      for (const std::string& message : socket.take()) told.push_back(message);
-      return std::count(told.begin(), told.end(), text) >= times;
+      for (const std::string& message : socket.take()) messages.push_back(message);
+      return std::count(messages.begin(), messages.end(), text) >= times;
     });
   };
   ASSERT_TRUE(wait_for("READY=1", 1)) << daemon.output();
   ASSERT_TRUE(wait_for("WATCHDOG=1", 3));
-  EXPECT_LT(std::find(told.begin(), told.end(), "READY=1"),
-            std::find(told.begin(), told.end(), "WATCHDOG=1"));
+  EXPECT_LT(std::find(messages.begin(), messages.end(), "READY=1"),
+            std::find(messages.begin(), messages.end(), "WATCHDOG=1"));
 
   HeldThread loop(daemon.pid(), "palpated-loop");
   ASSERT_TRUE(loop.found());
@@ -192,7 +192,7 @@ TEST_F(Supervision, PingsStopWhenTheLoopHangsAndGoOnWithIt) {
   std::this_thread::sleep_for(milliseconds(600));
   EXPECT_TRUE(socket.take().empty()) << "three intervals without a ping";
   loop.release();
-  told.clear();
+  messages.clear();
   EXPECT_TRUE(wait_for("WATCHDOG=1", 3));
   daemon.send(SIGTERM);
   EXPECT_EQ(daemon.wait(milliseconds(20000)), 0);

@@ -48,7 +48,7 @@ class PushedTest(unittest.TestCase):
         cell.browser.execute_script("palpate.frameObject()")
         cell.next_frames()
         rest, _ = udpm.mesh(wait_for(lambda: housekeeping.last.get("SHAPE_MESH"), "the mesh"))
-        # Not at the end: lines of sight graze two sides at its corners.
+        # Not at the end: lines of view graze two sides at its corners.
         node = int(np.argmin(np.linalg.norm(rest - [0.4, SIDE / 2, SIDE], axis=1)))
         place = cell.project(rest[node][None])[0, :2]
         there = cell.project((rest[node] + [0, 0, 0.06])[None])[0, :2]
@@ -69,7 +69,7 @@ class PushedTest(unittest.TestCase):
             return bool(force[2] > 0.2 and abs(moved[2] - expected) < 0.1 * expected)
         self.seen = "no force"
         try:
-            wait_for(agrees, "the node gives way as it should")
+            wait_for(agrees, "the expected displacement of the node")
         except AssertionError as error:
             raise AssertionError(f"{error}; {self.seen}") from None
         cell.mouse("mouseReleased", *there)

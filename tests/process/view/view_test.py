@@ -154,7 +154,7 @@ class ViewTest(unittest.TestCase):
         self.assertLess(np.median(off), 6, "colours of 255")
         self.assertGreater((off < 16).mean(), 0.9, f"{off.round()}")
         spread = np.abs(expected.max(axis=0) - expected.min(axis=0)).max()
-        self.assertGreater(spread, 80, "the picture tells large from small")
+        self.assertGreater(spread, 80, "large and small displacements differ in colour")
         # Next to the object there is nothing.
         low, high = pixels[:, :2].min(axis=0) - 25, pixels[:, :2].max(axis=0) + 25
         for p in ([low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]):
@@ -171,7 +171,7 @@ class ViewTest(unittest.TestCase):
                 field)
             wait_for(lambda: cell.js("palpate.frame?.field") == field, field)
             wait_for(lambda: title in cell.text("#legend-title"), f"legend of {field}")
-        self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven tells none")
+        self.assertIn("pose_wrench_filter", cell.text("#legend-note"), "pose_driven reports none")
         cell.browser.execute_script("const s = document.getElementById('field');"
                                     "s.value = 'displacement'; s.onchange();")
 
@@ -204,7 +204,7 @@ class ViewTest(unittest.TestCase):
             force = udpm.manual_force(forces[-1][1])[1]
             along = (self.shape()[node] - shape[node]) @ force / max(np.linalg.norm(force), 1e-9)
             return bool(along > 1e-3)
-        wait_for(moved, "the node gives way to the push")
+        wait_for(moved, "the node moves under the push")
         self.assertTrue(np.allclose(udpm.manual_force(forces[-1][1])[0], rest[node], atol=1e-6))
         before = len(forces)
         wait_for(lambda: len(forces) > before + 3, "it is renewed while the button is held")
@@ -218,7 +218,7 @@ class ViewTest(unittest.TestCase):
         # A page that no longer renews its force, for whatever reason, stops pushing.
         cell.mouse("mousePressed", *place)
         cell.mouse("mouseMoved", place[0], place[1] - 110)
-        wait_for(moved, "it gives way once more")
+        wait_for(moved, "it moves again")
         cell.browser.execute_script("palpate.pointer.renew = () => {}")
         wait_for(lambda: bool(np.abs(self.shape() - shape).max() < 2e-3), "the push has expired")
         self.assertGreater(np.linalg.norm(udpm.manual_force(forces[-1][1])[1]), 0.3, "it was not ended")

@@ -65,7 +65,7 @@ TEST(LcmTypes, FingerprintsAreFrozen) {
   EXPECT_EQ(generated.size(), kFingerprints.size());
 }
 
-TEST(LcmTypes, FingerprintsTellTypesApart) {
+TEST(LcmTypes, FingerprintsDifferBetweenTypes) {
   std::set<std::uint64_t> unlike;
   for (const auto& [name, fingerprint] : kFingerprints) unlike.insert(fingerprint);
   EXPECT_EQ(unlike.size(), kFingerprints.size());
@@ -89,7 +89,7 @@ static_assert(
     kFixedSize<ft_wrench_t, imu_t, robot_state_t, hand_state_t, biotac_t, shape_observation_t,
                shape_target_t, manual_force_t, component_command_t, sim_tick_t>,
     "all that the daemon receives has a fixed size");
-static_assert(!kFixedSize<shape_t>, "the check tells variable sizes");
+static_assert(!kFixedSize<shape_t>, "the check recognises variable sizes");
 
 TEST(LcmTypes, FixedSizesFitOneDatagram) {
   constexpr int kDatagram = 60000;  // bytes

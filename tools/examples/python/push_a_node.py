@@ -1,4 +1,4 @@
-"""Pushes a node of the object by hand (thesis Fig 4.4) and prints how far it gives way.
+"""Pushes a node of the object by hand (thesis Fig 4.4) and prints how far it moves.
 
 usage: push_a_node.py [--node N | --point X Y Z] [--force FX FY FZ] [--seconds S] [--url URL] ...
 e.g.   palpated --config tools/examples/python/bar_pushed.yaml &

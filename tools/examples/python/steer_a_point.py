@@ -37,14 +37,14 @@ def main() -> int:
             daemon.start()
             daemon.target("point", options.to, [options.rest])
             begin = time.monotonic()
-            told = 0.0
+            next_report = 0.0
             while (elapsed := time.monotonic() - begin) < options.patience:
                 feature = features.latest(options.timeout)
                 distance = float(np.linalg.norm(feature.error[: feature.error_count]))
                 arrived = feature.revision >= 0 and 1e3 * distance <= options.within
-                if elapsed >= told or arrived:
+                if elapsed >= next_report or arrived:
                     print(f"{elapsed:5.1f} s: {1e3 * distance:6.2f} mm to go")
-                    told = elapsed + 1
+                    next_report = elapsed + 1
                 if arrived:
                     daemon.stop()
                     return 0

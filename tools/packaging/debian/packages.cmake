@@ -52,8 +52,8 @@ palpate_package(daemon palpate misc "daemon that feels and steers the shape of s
   "examples, a unit for systemd and real-time limits.")
 palpate_package(sim palpate-sim misc "simulator of arm, hand, sensors and soft object for palpated"
   "palpate ${same}, libosmesa6"
-  "palpate-sim speaks the channels that a robot would, so that palpated cannot"
-  "tell it from one. Its camera renders by OSMesa.")
+  "palpate-sim uses the same channels as a robot, so that palpated runs without"
+  "a robot. Its camera renders by OSMesa.")
 palpate_package(tools palpate-tools misc "tools around palpated: fitting, training, evaluation, logs"
   "palpate ${same}, palpate-sim ${same}"
   "Material parameters from recordings, sensor models, scores on the"

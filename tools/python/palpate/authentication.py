@@ -19,7 +19,7 @@ def read_key_file(path: Union[str, "os.PathLike[str]"]) -> bytes:
     with open(file, "rb") as opened:
         mode = os.fstat(opened.fileno()).st_mode
         if not stat.S_ISREG(mode):
-            raise ValueError(f"key file {file}: is no file")
+            raise ValueError(f"key file {file}: is not a file")
         if mode & 0o077:
             raise ValueError(
                 f"key file {file}: others than its owner have access to it; chmod 600 {file}"

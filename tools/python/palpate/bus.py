@@ -58,7 +58,7 @@ class _LcmTransport:
 
 
 class Subscription:
-    """Messages of one channel, oldest first; `for message in subscription` waits for ever."""
+    """Messages of one channel, oldest first; `for message in subscription` never ends."""
 
     def __init__(self, bus: "Bus", channel: str, callback: Optional[Callback], queue: int) -> None:
         self.channel = channel
@@ -68,7 +68,7 @@ class Subscription:
         self._queue: Deque[Any] = deque(maxlen=queue)
 
     def get(self, timeout: Optional[float] = None) -> Any:
-        """The next message, waiting at most `timeout` s (None: for ever). Raises
+        """The next message, waiting at most `timeout` s (None: without limit). Raises
         TimeoutError."""
         end = None if timeout is None else time.monotonic() + timeout
         while not self._queue:
@@ -95,7 +95,8 @@ class Subscription:
                 message = self.get(max(0.0, end - time.monotonic()))
             except TimeoutError:
                 raise TimeoutError(
-                    f"no {self.channel} as wanted in {timeout:g} s on {self._bus.url}"
+                    f"no {self.channel} that satisfies the condition in {timeout:g} s "
+                    f"on {self._bus.url}"
                 ) from None
             if condition(message):
                 return message
@@ -173,7 +174,7 @@ class Bus:
         """Messages of a channel from now on; with a callback each is passed to it, otherwise
         to a queue of the newest `queue`. Raises ValueError for an unknown channel."""
         if type_of(channel) is None:
-            raise ValueError(f"{channel}: is no channel of palpate; see palpate.channel_names()")
+            raise ValueError(f"{channel}: is not a channel of palpate; see palpate.channel_names()")
         subscription = Subscription(self, channel, callback, queue)
         self._subscriptions.setdefault(channel, []).append(subscription)
         return subscription

@@ -44,11 +44,11 @@ def decode(channel: str, data: bytes) -> Any:
     """The message in `data`. Raises DecodeError if it is not of the channel's type."""
     kind = type_of(channel)
     if kind is None:
-        raise DecodeError(f"{channel}: is no channel of palpate")
+        raise DecodeError(f"{channel}: is not a channel of palpate")
     try:
         return kind.decode(data)
     except (ValueError, struct.error) as error:
-        raise DecodeError(f"{channel}: {len(data)} bytes are no {kind.__name__}") from error
+        raise DecodeError(f"{channel}: {len(data)} bytes are not a {kind.__name__}") from error
 
 
 def text_of(field: bytes) -> str:

@@ -286,7 +286,7 @@ class Daemon:
                 if event.command_counter == last:
                     renew()
             elif name == "replacing":
-                known = "the replacement has begun, but its end was not heard of"
+                known = "the replacement has begun, but its end was not reported"
             elif name == "refused":
                 raise Refused(f"{what}: {reason}")
             else:

@@ -167,7 +167,7 @@ def shape_coverage(log: Log, level: float = 0.95) -> float:
     shapes = log["SHAPE"].of_mesh(mesh.hash)
     shapes = shapes.where(shapes.deviation_count == shapes.node_count)
     if not len(shapes):
-        raise ValueError("no SHAPE with deviations: the estimator tells none")
+        raise ValueError("no SHAPE with deviations: the estimator reports none")
     covered, nodes = _truth_at(log, shapes.utime, plant)
     truth = PointsInMesh(plant, mesh.nodes).at(nodes)
     distance = np.linalg.norm(shapes.positions[covered] - truth, axis=2)

@@ -83,8 +83,9 @@ void add_options(CLI::App& app, Arguments& a) {
                  "background (the daemon's thread), every-N (installed N steps after its snapshot; "
                  "repeatable), never")
       ->capture_default_str();
-  app.add_flag("--baseline", a.options.baselines,
-               "time full CHOLMOD refactorisation and Jacobi-PCG beside it, from the same states");
+  app.add_flag(
+      "--baseline", a.options.baselines,
+      "time full CHOLMOD refactorisation and Jacobi-PCG as baselines, from the same states");
   app.add_flag("--paced", a.options.paced, "a step every millisecond, as in the daemon");
   app.add_option("--threads", a.threads, "that share a step, the stepping thread among them")
       ->check(CLI::Range(1, 8))
@@ -95,11 +96,11 @@ void add_options(CLI::App& app, Arguments& a) {
   app.add_option("--json", a.json, "write the results to this file");
   app.add_flag("--suite", a.suite,
                "the configurations that goals are set for, in motion L with two iterations, "
-               "baselines beside them");
-  app.add_flag("--scaling", a.scaling, "every mesh size, baselines beside them, and a plot");
+               "with baselines");
+  app.add_flag("--scaling", a.scaling, "every mesh size with baselines, and a plot");
   app.add_flag(
       "--floor", a.floor,
-      "take steps apart: each part beside the least time that the machine could take, from "
+      "split steps into parts: the time of each part and the least time possible, computed from "
       "bandwidth and arithmetic measured in the same run");
   app.add_option("--plot", a.plot,
                  "picture of --scaling and --suite, PNG or SVG by its name: time against nodes")
@@ -170,7 +171,7 @@ int main(int argc, char** argv) {
   CLI::App app{
       "Time per step of the deformation model in the long run, its error against a converged solve "
       "of the same steps, and, as ratios, what a full refactorisation per step and Jacobi-PCG take "
-      "beside it. Times in ms; error relative to the largest displacement."};
+      "for the same steps. Times in ms; error relative to the largest displacement."};
   palpate::bench::Arguments arguments;
   palpate::bench::add_options(app, arguments);
   if (const auto code = palpate::config::parse(app, argc, argv)) return *code;

@@ -21,10 +21,10 @@ double distance(const Matrix3Xd& a, const Matrix3Xd& b) {
 }
 
 /// One baseline compared with the model.
-class Rival {
+class Baseline {
  public:
-  Rival(const Scenario& scenario, const LatencyOptions& options, BaselineModel::Solver solver,
-        BaselineResult& result)
+  Baseline(const Scenario& scenario, const LatencyOptions& options, BaselineModel::Solver solver,
+           BaselineResult& result)
       : scenario_(scenario),
         dt_(options.dt),
         model_(scenario.body(), solver, options.mechanics == Mechanics::kDynamic),
@@ -97,12 +97,12 @@ LatencyResult run_latency(const LatencyOptions& options) {
     converged.emplace(scenario.body(), BaselineModel::Solver::kCholmod,
                       options.mechanics == Mechanics::kDynamic);
   }
-  std::vector<std::unique_ptr<Rival>> rivals;
+  std::vector<std::unique_ptr<Baseline>> baselines;
   if (options.baselines) {
-    rivals.push_back(std::make_unique<Rival>(scenario, options, BaselineModel::Solver::kCholmod,
-                                             result.cholmod));
-    rivals.push_back(
-        std::make_unique<Rival>(scenario, options, BaselineModel::Solver::kJacobiPcg, result.pcg));
+    baselines.push_back(std::make_unique<Baseline>(
+        scenario, options, BaselineModel::Solver::kCholmod, result.cholmod));
+    baselines.push_back(std::make_unique<Baseline>(scenario, options,
+                                                   BaselineModel::Solver::kJacobiPcg, result.pcg));
   }
   Pacer pacer(options.dt);
   Matrix3Xd x_before = rest, v_before = rest, x_after = rest;
@@ -151,8 +151,8 @@ LatencyResult run_latency(const LatencyOptions& options) {
       const Matrix3Xd& x = converged->positions();
       if (is_known) result.error = std::max(result.error, distance(x_after, x));
       result.unknown += !is_known;
-      for (auto& rival : rivals) {
-        rival->measure(t, x_before, v_before, model->loads(), is_known ? &x : nullptr);
+      for (auto& baseline : baselines) {
+        baseline->measure(t, x_before, v_before, model->loads(), is_known ? &x : nullptr);
       }
     }
     if (wall_time() > end) break;

@@ -92,7 +92,7 @@ void refactorisation(benchmark::State& state, const BarMesh& mesh) {
     elasticity::Refactorisation* job = model->wanted_refactorisation();
     state.ResumeTiming();
     if (job == nullptr) {
-      state.SkipWithError("the model wants no refactorisation");
+      state.SkipWithError("the model needs no refactorisation");
       break;
     }
     job->run();

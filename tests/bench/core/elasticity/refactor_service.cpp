@@ -15,7 +15,7 @@ RefactorPolicy RefactorPolicy::parse(const std::string& text) {
       return {kDelayed, std::stoi(digits)};
     }
   }
-  throw std::invalid_argument("refactor \"" + text + "\": wants background, every-N or never");
+  throw std::invalid_argument("refactor \"" + text + "\": allowed: background, every-N, never");
 }
 
 std::string RefactorPolicy::text() const {

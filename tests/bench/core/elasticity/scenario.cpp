@@ -61,7 +61,7 @@ Motion motion_of(const std::string& letter) {
   if (letter == "S") return Motion::kStep;
   if (letter == "L") return Motion::kLarge;
   if (letter == "B") return Motion::kBend;
-  throw std::invalid_argument("motion \"" + letter + "\": wants S, L or B");
+  throw std::invalid_argument("motion \"" + letter + "\": allowed: S, L, B");
 }
 
 std::string letter_of(Motion motion) {

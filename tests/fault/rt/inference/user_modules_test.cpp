@@ -123,7 +123,7 @@ TEST_F(UserModule, WrongSignaturesAreNamed) {
 TEST_F(UserModule, AnEndlessLoopIsRefused) {
   EXPECT_THAT(
       complaint(forward("while bool(x.sum() < 1):\n    x = x - 1\nreturn x[:, 0:2], state")),
-      HasSubstr("does not come to an end"));
+      ::testing::ContainsRegex("libtorch .* within [0-9]+"));
 }
 
 TEST_F(UserModule, WhatFailsOrFillsTheMemoryIsRefused) {

@@ -85,7 +85,7 @@ RC_GTEST_PROP(SafetyGateProperty, OutputIsFiniteAndWithinLimitsWhateverComesIn, 
   }
 }
 
-RC_GTEST_PROP(SafetyGateProperty, NobodyIsDrivenOutOfTheWorkspace, ()) {
+RC_GTEST_PROP(SafetyGateProperty, NoHandIsDrivenOutOfTheWorkspace, ()) {
   const GateLimits limits = any_limits();
   SafetyGate gate(limits);
   GateInputs inputs;

@@ -108,9 +108,9 @@ TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
   std::array<int, 2> count{};
   double at_edge = 0;
   constexpr int kPoints = 40000;
-  const auto residual = [&](const Vector3d& seen, bool& is_beside) {
+  const auto residual = [&](const Vector3d& seen, bool& is_near_edge) {
     const SurfaceMatch match = matcher_->find(seen);
-    is_beside = edges.is_near(match, 2 * kNoise);
+    is_near_edge = edges.is_near(match, 2 * kNoise);
     return match.normal.dot(seen - match.position);
   };
   for (int i = 0; i < kPoints; ++i) {
@@ -118,17 +118,17 @@ TEST_F(SurfaceMatchTest, NoiseHasAMeanOnlyWithinTwoDeviationsOfAnEdge) {
     const Vector3d noise(normal(random), normal(random), normal(random));
     const Vector3d point =
         i % 2 == 0 ? Vector3d(along(random), off, 0.06) : Vector3d(along(random), 0, 0.06 - off);
-    bool is_beside = false;
-    const double z = residual(point + noise, is_beside);
-    sum[is_beside] += z;
-    ++count[is_beside];
-    at_edge += residual(Vector3d(point.x(), 0, 0.06) + noise, is_beside) / kPoints;
+    bool is_near_edge = false;
+    const double z = residual(point + noise, is_near_edge);
+    sum[is_near_edge] += z;
+    ++count[is_near_edge];
+    at_edge += residual(Vector3d(point.x(), 0, 0.06) + noise, is_near_edge) / kPoints;
   }
-  const double amid = sum[0] / count[0] / kNoise, beside = sum[1] / count[1] / kNoise;
+  const double on_face = sum[0] / count[0] / kNoise, near_edge = sum[1] / count[1] / kNoise;
   std::printf("mean of the residual, in deviations: at the edge %.2f, within two %.2f, else %.3f\n",
-              at_edge / kNoise, beside, amid);
-  EXPECT_GT(std::abs(beside), 0.1) << "or there is nothing to leave out";
-  EXPECT_LT(std::abs(amid), 0.03);
+              at_edge / kNoise, near_edge, on_face);
+  EXPECT_GT(std::abs(near_edge), 0.1) << "or there is nothing to leave out";
+  EXPECT_LT(std::abs(on_face), 0.03);
 }
 
 }  // namespace

@@ -54,12 +54,12 @@ TEST_F(BarServo, SlowsDownAndSaysSoBeforeTheBarBuckles) {
   limited.limits.pivot = 0.9;  // so early that a moderate force is close enough
   QuadraticProgramLaw law(servo(), limited);
   start(law, {-0.03, 0, 0});
-  bool told = false;
+  bool reported = false;
   for (int i = 0; i < 800; ++i) {
     tick();
-    told = told || std::string(output_.remark) == "slows down near buckling";
+    reported = reported || std::string(output_.remark).find("buckling") != std::string::npos;
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
   EXPECT_TRUE(model_->positions().allFinite());
 }
 
@@ -138,12 +138,12 @@ TEST_F(BarServo, TheWorkspaceGivesWayBeforeTheStress) {
   law.configure_for(*feature_);
   law_ = &law;
   target_.z() += 5e-3;
-  bool told = false;
+  bool reported = false;
   for (int i = 0; i < 600; ++i) {
     tick();
-    told = told || std::string(output_.remark) == "the hand's workspace gives way";
+    reported = reported || std::string(output_.remark).find("workspace") != std::string::npos;
   }
-  EXPECT_TRUE(told);
+  EXPECT_TRUE(reported);
   EXPECT_LT(peak(), 1.02 * limited.limits.stress);
 }
 

@@ -116,7 +116,7 @@ TEST(CorotationalQuasistatic, SagsUnderGravityAsTheoryAndNewtonSay) {
   EXPECT_LT((model.positions() - body.mesh.nodes).colwise().norm().maxCoeff(), 1e-5);
 }
 
-TEST(CorotationalQuasistatic, RefactorisationRunsInAnotherThreadBesideTheLoop) {
+TEST(CorotationalQuasistatic, RefactorisationRunsInAThreadBesidesTheLoop) {
   const Body body = bar();
   CorotationalQuasistatic model(body), reference(body);
   for (auto* m : {&model, &reference}) {

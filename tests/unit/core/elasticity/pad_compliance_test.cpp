@@ -29,7 +29,7 @@ TEST(PadCompliance, OfASquareFaceIsThatOfItsMoments) {
 
 // Pads rotate about their own centre, regardless of the position of G: a pure torque there,
 // expressed at G.
-TEST(PadCompliance, SpeaksOfTheOriginOfTheGrasp) {
+TEST(PadCompliance, RefersToTheOriginOfTheGrasp) {
   Body body = support::held_bar({4, 1, 1}, mesh::ElementOrder::kQuadratic);
   GraspRegion& grasp = body.grasps[0];
   const mesh::Surface surface = mesh::extract_surface(body.mesh);

@@ -158,7 +158,7 @@ TEST_P(SensitivityOfEveryOrder, FreshOneIsThatOfCentralDifferences) {
     expect_derivative(model, 1e-3, direction, s.dx_dforce[2].col(k), dw,
                       "force " + std::to_string(k));
   }
-  EXPECT_TRUE(s.dx_dforce[0].isZero(0)) << "nobody asked";
+  EXPECT_TRUE(s.dx_dforce[0].isZero(0)) << "not requested";
 
   // Maxwell-Betti: stiffnesses between hands are each other's transposes except for the part that
   // rotates with the lever arm.

@@ -1,3 +1,4 @@
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -121,7 +122,7 @@ TEST_F(PoseDrivenTest, AnOldPoseHoldsAndBecomesStale) {
   int good = 0;
   while (update(estimator_).status == Status::kOk && good < 1000) ++good;
   EXPECT_NEAR(good, 50, 1);  // 0.05 s
-  EXPECT_STREQ(update(estimator_).reason, "pose of the hand is stale");
+  EXPECT_THAT(update(estimator_).reason, ::testing::HasSubstr("stale"));
   EXPECT_TRUE(model_.is_held(0));
   inputs_.grasps[0].pose_freshness = Freshness::kNew;
   EXPECT_EQ(update(estimator_).status, Status::kOk);

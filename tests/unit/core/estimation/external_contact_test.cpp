@@ -57,15 +57,15 @@ class Sensor {
   }
   Vector6d read(const Vector6d& wrench, double dt = 1e-3) {
     time_ += dt;
-    Vector6d told;
+    Vector6d reading;
     for (int i = 0; i < 6; ++i) {
       bias_[i] += (i < 3 ? 1e-3 : 5e-5) * std::sqrt(dt) * normal_(random_);
       const double value = wrench[i] + bias_[i] + warm_[i] * (1 - std::exp(-time_ / 600)) +
                            (i < 3 ? kForceNoise : kTorqueNoise) * normal_(random_);
       const double step = i < 3 ? kForceStep : kTorqueStep;
-      told[i] = step * std::round(value / step);
+      reading[i] = step * std::round(value / step);
     }
-    return told;
+    return reading;
   }
   std::mt19937_64& random() { return random_; }
 
@@ -79,9 +79,9 @@ class Sensor {
 struct Outcome {
   bool felt = false;  // the wrench has changed by more than five standard deviations of the noise
   bool found = false;
-  bool observable = false;       // the contact point is identifiable from the wrench, to 25 mm
-  bool told_observable = false;  // as reported by the filter
-  double after = 0;              // s, from measurable to detected
+  bool observable = false;           // the contact point is identifiable from the wrench, to 25 mm
+  bool reported_observable = false;  // as reported by the filter
+  double after = 0;                  // s, from measurable to detected
   double location = 0, location_first = 0;  // m, error; half a second after detection, and at once
   double force = 0;                         // N, error
   double mean = 0, worst = 0;               // m, shape error half a second after detection
@@ -143,7 +143,7 @@ class Scene {
       }
       outcome.location = distance();
     }
-    outcome.told_observable = estimate_.unknown_contact.location_deviation >= 0;
+    outcome.reported_observable = estimate_.unknown_contact.location_deviation >= 0;
     outcome.felt = felt_at >= 0;
     outcome.found = found_at >= 0;
     outcome.after = 1e-3 * (found_at - felt_at);
@@ -272,7 +272,7 @@ TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
   const int pokes = static_cast<int>(setting("PALPATE_POKES", 40));
   const bool verbose = std::getenv("PALPATE_VERBOSE") != nullptr;
   constexpr int kPerScene = 4;
-  std::vector<double> after, near, first, far, told, force, mean, worst, gone;
+  std::vector<double> after, near, first, far, reported, force, mean, worst, gone;
   int felt = 0, felt_and_found = 0, found = 0, imagined = 0;
   for (int seed = 0; seed * kPerScene < pokes; ++seed) {
     Scene scene(static_cast<std::uint64_t>(seed + 1), GetParam());
@@ -294,7 +294,7 @@ TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
       if (outcome.felt) after.push_back(outcome.after);
       (outcome.observable ? near : far).push_back(outcome.location);
       if (outcome.observable) first.push_back(outcome.location_first);
-      if (outcome.told_observable) told.push_back(outcome.location);
+      if (outcome.reported_observable) reported.push_back(outcome.location);
       force.push_back(outcome.force);
       mean.push_back(outcome.mean);
       worst.push_back(outcome.worst);
@@ -306,20 +306,20 @@ TEST_P(UnknownPush, IsFoundInTimeAndWhereItIs) {
       "%d pokes, %d felt, %d found, %d of those felt, %d imagined\n"
       "  after            median %.0f ms, 95 %% %.0f ms\n"
       "  place observable median %.1f mm, 95 %% %.1f mm (%d); at once %.1f mm\n"
-      "  place not        median %.1f mm (%d); where told observable %.1f mm (%d)\n"
+      "  place not        median %.1f mm (%d); where reported observable %.1f mm (%d)\n"
       "  force            median %.3f N, 95 %% %.3f N\n"
       "  shape            mean %.2f mm, worst node median %.2f mm, 95 %% %.2f mm\n"
       "  gone after       median %.2f s, 95 %% %.2f s\n",
       pokes, felt, found, felt_and_found, imagined, 1e3 * median(after), 1e3 * median(after, 0.95),
       1e3 * median(near), 1e3 * median(near, 0.95), static_cast<int>(near.size()),
-      1e3 * median(first), 1e3 * median(far), static_cast<int>(far.size()), 1e3 * median(told),
-      static_cast<int>(told.size()), median(force), median(force, 0.95), 1e3 * median(mean),
+      1e3 * median(first), 1e3 * median(far), static_cast<int>(far.size()), 1e3 * median(reported),
+      static_cast<int>(reported.size()), median(force), median(force, 0.95), 1e3 * median(mean),
       1e3 * median(worst), 1e3 * median(worst, 0.95), median(gone), median(gone, 0.95));
   EXPECT_EQ(felt_and_found, felt);
   EXPECT_LE(median(after, 0.95), 0.05);
   EXPECT_LE(median(near), 0.025);
-  EXPECT_LE(median(told), 0.025);
-  EXPECT_GT(told.size(), 0u);
+  EXPECT_LE(median(reported), 0.025);
+  EXPECT_GT(reported.size(), 0u);
   EXPECT_LE(median(mean), 0.005) << "a hundredth of the bar's length";
   EXPECT_LE(median(worst), 0.005);
   EXPECT_EQ(imagined, 0);

@@ -81,14 +81,14 @@ class ModelError {
 /// Assumptions of the filter about the worlds: exactly true, priors narrow; possible model error,
 /// and actual model error, with unchanged worlds; actual model error, with worlds as wide as the
 /// filter's priors.
-enum class Told { kJustThis, kModelMayBeWrong, kModelIsWrong, kOwnPriors };
+enum class Given { kJustThis, kModelMayBeWrong, kModelIsWrong, kOwnPriors };
 
-Verdict judge(std::uint64_t seed, Told told) {
+Verdict judge(std::uint64_t seed, Given given) {
   const elasticity::Body nominal = support::held_bar({3, 1, 1}, mesh::ElementOrder::kQuadratic);
   PoseWrenchFilter::Options options;
   options.payload_error = 0;  // the wrenches of these worlds contain no inertia
   double force_noise = 0.025, torque_noise = 0.001;  // N, N m, of a reading
-  if (told == Told::kJustThis) {
+  if (given == Given::kJustThis) {
     options.relative = 0;
     options.sight.surface = 0;
     options.lag_deviation = 1e-9;
@@ -115,7 +115,7 @@ Verdict judge(std::uint64_t seed, Told told) {
     truth[i] = filter.filter().deviation(states[static_cast<std::size_t>(i)]) * normal(random);
   // As configured for use its priors of stiffness and bias are wider than the worlds': E is
   // configured with 30 % error, sensors drift by 0.1 N.
-  if (told == Told::kModelMayBeWrong || told == Told::kModelIsWrong) {
+  if (given == Given::kModelMayBeWrong || given == Given::kModelIsWrong) {
     truth[6] *= std::log(1.3) / options.filter.log_young;
     truth.segment<3>(7) *= 0.1 / options.filter.bias_force;
     truth.tail<3>() *= 0.01 / options.filter.bias_torque;
@@ -151,7 +151,7 @@ Verdict judge(std::uint64_t seed, Told told) {
     lagged += (1 - std::exp(-1e-3 / options.lag)) * (reaction - lagged);
     const Eigen::Matrix3d R = (hand * shift).linear();
     Vector6d wrench = lagged;
-    if (told == Told::kModelIsWrong || told == Told::kOwnPriors)
+    if (given == Given::kModelIsWrong || given == Given::kOwnPriors)
       wrench += model_error.of(lagged, i < kMoves ? 8.3e-5 : 0, i < kMoves ? 5.4e-4 : 0);
     wrench.head<3>() += R * truth.segment<3>(7);
     wrench.tail<3>() += R * truth.tail<3>();
@@ -191,7 +191,7 @@ Verdict judge(std::uint64_t seed, Told told) {
   return verdict;
 }
 
-class FilterConsistency : public ::testing::TestWithParam<Told> {};
+class FilterConsistency : public ::testing::TestWithParam<Given> {};
 
 TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
   const char* text = std::getenv("PALPATE_SEEDS");
@@ -217,12 +217,12 @@ TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
   for (std::size_t k = 0; k < mean.by_block.size(); ++k)
     std::printf("  %s: %.2f of %d\n", kBlocks[k].name, mean.by_block[k], kBlocks[k].count);
   EXPECT_LT(mean.nees, 13 + band);
-  if (GetParam() == Told::kOwnPriors) {
+  if (GetParam() == Given::kOwnPriors) {
     EXPECT_GT(mean.nees, 13 - band);
   }
   EXPECT_LT(square, 1 + band_of_one);
   EXPECT_GT(mean.covered, 0.90);
-  if (GetParam() != Told::kJustThis) return;
+  if (GetParam() != Given::kJustThis) return;
   EXPECT_GT(mean.nees, 13 - band);
   EXPECT_GT(square, 1 - band_of_one);
   EXPECT_LT(mean.covered, 0.99);
@@ -230,9 +230,9 @@ TEST_P(FilterConsistency, ItsErrorsAreNoLargerThanItSays) {
   EXPECT_NEAR(mean.innovation, 1, band_of_tests);
 }
 
-INSTANTIATE_TEST_SUITE_P(Told, FilterConsistency,
-                         ::testing::Values(Told::kJustThis, Told::kModelMayBeWrong,
-                                           Told::kModelIsWrong, Told::kOwnPriors));
+INSTANTIATE_TEST_SUITE_P(Given, FilterConsistency,
+                         ::testing::Values(Given::kJustThis, Given::kModelMayBeWrong,
+                                           Given::kModelIsWrong, Given::kOwnPriors));
 
 }  // namespace
 }  // namespace palpate::estimation

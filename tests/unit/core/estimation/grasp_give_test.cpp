@@ -107,7 +107,7 @@ TEST(GraspGiveTest, DoesNotDependOnHowStiffTheObjectIsUnderFirmPads) {
   EXPECT_GT(soft(4, 4), 0.05);  // rad/(N m): it bends into the hand
 }
 
-TEST(GraspGiveTest, IsThatOfThePadsWhereThereIsNothingToTell) {
+TEST(GraspGiveTest, IsThatOfThePadsWithoutInformation) {
   const elasticity::Body body = gripped_bar({10, 1, 1}, true);
   const math::Matrix6d pads = pads_of(body, 1e5);
   EXPECT_TRUE(grasp_give(body, 0, math::Matrix6d::Zero()).isZero(0));

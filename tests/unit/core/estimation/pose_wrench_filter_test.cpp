@@ -156,7 +156,7 @@ TEST_F(PoseWrenchFilterTest, FindsStiffnessInThreeSecondsOfMotion) {
   }
 }
 
-TEST_F(PoseWrenchFilterTest, DoesNotGuessAStiffnessThatNothingTellsOf) {
+TEST_F(PoseWrenchFilterTest, DoesNotGuessAnUnobservedStiffness) {
   elasticity::Body truth = bar();
   truth.gravity_O.setZero();
   truth.material.young_modulus *= 1.5;
@@ -197,7 +197,7 @@ TEST_F(PoseWrenchFilterTest, FindsWhereSomethingPushesWhileTheHandRests) {
   EXPECT_LT(worst_error(world), 2e-3);
 }
 
-TEST_F(PoseWrenchFilterTest, AStiffGraspTellsOfItsOffset) {
+TEST_F(PoseWrenchFilterTest, AStiffGraspRevealsItsOffset) {
   // A short thick piece: a millimetre of offset corresponds to newtons there, and the wrench
   // dominates the pose.
   elasticity::Body body = bar();

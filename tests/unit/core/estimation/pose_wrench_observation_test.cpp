@@ -21,7 +21,7 @@ constexpr int kLate = 60;    // ms, of the observations
 constexpr int kPeriod = 33;  // ms, between two messages
 constexpr double kNoise = 3e-4;
 
-void pose_wrench_sight_refactor(CorotationalQuasistatic& model) {
+void refactor(CorotationalQuasistatic& model) {
   if (elasticity::Refactorisation* job = model.wanted_refactorisation()) {
     job->run();
     model.install(*job);
@@ -45,7 +45,7 @@ class SeenWorld {
   void tick(EstimationInputs& inputs) {
     const math::Pose X_OG = hand_ * shift_;
     model_.hold(0, X_OG);
-    pose_wrench_sight_refactor(model_);
+    refactor(model_);
     model_.step(1e-3);
     GraspInput& grasp = inputs.grasps[0];
     grasp.pose_freshness = Freshness::kNew;
@@ -66,13 +66,13 @@ class SeenWorld {
   bool sees_ = true;
   /// From now on only points at the middle of a face: next to an edge the noise decides which face
   /// a point is assigned to, so that its errors have a mean.
-  void look_amid_faces() {
+  void look_at_faces_only() {
     const Eigen::Matrix3Xd& rest = model_.body().mesh.nodes;
-    const auto is_beside = [&](int node) {
+    const auto is_near_edge = [&](int node) {
       const Vector3d p = rest.col(node);
       return std::abs(p.y() - 0.03) > 0.02 && std::abs(p.z() - 0.03) > 0.02;
     };
-    seen_nodes_.erase(std::remove_if(seen_nodes_.begin(), seen_nodes_.end(), is_beside),
+    seen_nodes_.erase(std::remove_if(seen_nodes_.begin(), seen_nodes_.end(), is_near_edge),
                       seen_nodes_.end());
   }
   std::function<void(ObservationInput::Points&)> spoil_;
@@ -116,7 +116,7 @@ elasticity::Body other() {
   return body;
 }
 
-class PoseWrenchSightTest : public ::testing::Test {
+class PoseWrenchObservationTest : public ::testing::Test {
  protected:
   void start(const elasticity::Body& body, PoseWrenchFilter::Options options = {}) {
     options.sight.lag = 1e-3 * kLate;
@@ -139,12 +139,12 @@ class PoseWrenchSightTest : public ::testing::Test {
         world.hand_.linear() = math::exp_rotation(share * Vector3d(0.2, -0.3, 0.2)) * from.linear();
       }
       world.tick(inputs_);
-      pose_wrench_sight_refactor(*model_);
+      refactor(*model_);
       filter_->update(inputs_, *model_, estimate_);
       if (each) each();
     }
   }
-  double covered(bool amid_faces);
+  double covered(bool faces_only);
   /// m, over points distributed over the bar, whose meshes may differ.
   double worst_error(SeenWorld& world) const {
     const mesh::PointLocator theirs(world.model().body().mesh);
@@ -166,7 +166,7 @@ class PoseWrenchSightTest : public ::testing::Test {
   Estimate estimate_;
 };
 
-TEST_F(PoseWrenchSightTest, SeesHowTheGraspIsShifted) {
+TEST_F(PoseWrenchObservationTest, SeesHowTheGraspIsShifted) {
   SeenWorld world(nominal(), 1);
   world.shift_ = math::make_pose(math::exp_rotation({0.01, -0.012, 0.008}), {1e-3, -1.2e-3, 8e-4});
   PoseWrenchFilter::Options options;
@@ -185,7 +185,7 @@ TEST_F(PoseWrenchSightTest, SeesHowTheGraspIsShifted) {
   std::printf("shifted grasp: worst of the shape %.2f mm\n", 1e3 * found);
 }
 
-TEST_F(PoseWrenchSightTest, MeetsAShapeThatItsModelWouldNotHave) {
+TEST_F(PoseWrenchObservationTest, MeetsAShapeThatItsModelWouldNotHave) {
   double blind = 0;
   for (const bool sees : {false, true}) {
     SeenWorld world(other(), 1);
@@ -206,7 +206,7 @@ TEST_F(PoseWrenchSightTest, MeetsAShapeThatItsModelWouldNotHave) {
   }
 }
 
-TEST_F(PoseWrenchSightTest, WhatIsNotTheObjectDoesNotMoveIt) {
+TEST_F(PoseWrenchObservationTest, WhatIsNotTheObjectDoesNotMoveIt) {
   SeenWorld world(nominal(), 1);
   std::mt19937_64 random(5);
   std::uniform_real_distribution<double> along(0, 0.6), across(-0.05, 0.1), above(0.01, 0.1);
@@ -231,7 +231,7 @@ TEST_F(PoseWrenchSightTest, WhatIsNotTheObjectDoesNotMoveIt) {
   EXPECT_LT(worst_error(world), 7e-4);
 }
 
-TEST_F(PoseWrenchSightTest, NothingJumpsWhenSightGoesAndComes) {
+TEST_F(PoseWrenchObservationTest, NothingJumpsWhenObservationsStopAndResume) {
   SeenWorld world(other(), 1);
   // A grasp that slips at rest may be attributed to an external contact, whose end moves the shape
   // at once.
@@ -264,17 +264,17 @@ TEST_F(PoseWrenchSightTest, NothingJumpsWhenSightGoesAndComes) {
   step = 0;
   world.sees_ = true;
   run(world, 1.5, false, watch);
-  EXPECT_LT(step, 1e-4) << "m in a tick, sighted again";
+  EXPECT_LT(step, 1e-4) << "m in a tick, observed again";
   EXPECT_GT(step, 1e-6) << "or nothing was corrected";
   EXPECT_LT(worst_error(world), 0.5 * slipped);
 }
 
-TEST_F(PoseWrenchSightTest, AllocatesNothing) {
+TEST_F(PoseWrenchObservationTest, AllocatesNothing) {
   SeenWorld world(nominal(), 1);
   start(nominal());
   for (int i = 0; i < 400; ++i) {
     world.tick(inputs_);
-    pose_wrench_sight_refactor(*model_);
+    refactor(*model_);
     const loop::NoAllocationScope scope;
     filter_->update(inputs_, *model_, estimate_);
     ASSERT_EQ(scope.count(), 0) << i;
@@ -284,7 +284,7 @@ TEST_F(PoseWrenchSightTest, AllocatesNothing) {
 
 /// Fraction of coordinates within the 95 % intervals, in worlds generated by the filter's own
 /// assumptions.
-double PoseWrenchSightTest::covered(bool amid_faces) {
+double PoseWrenchObservationTest::covered(bool faces_only) {
   constexpr int kSeeds = 20;
   PoseWrenchFilter::Options options;
   options.sight.surface = 0;  // its own mesh
@@ -302,7 +302,7 @@ double PoseWrenchSightTest::covered(bool amid_faces) {
     };
     const Vector3d shifted = draw(options.filter.position);
     world.shift_ = math::make_pose(math::exp_rotation(draw(options.filter.rotation)), shifted);
-    if (amid_faces) world.look_amid_faces();
+    if (faces_only) world.look_at_faces_only();
     start(body, options);
     run(world, 1.5, true);
     const std::vector<float>& deviation = *estimate_.node_deviation;
@@ -317,11 +317,11 @@ double PoseWrenchSightTest::covered(bool amid_faces) {
   return covered / asked;
 }
 
-TEST_F(PoseWrenchSightTest, IntervalsOfTheShapeCoverIt) {
-  const double amid = covered(true), everywhere = covered(false);
-  std::printf("95 %% intervals cover %.1f %%, seen amid faces only %.1f %%\n", 100 * everywhere,
-              100 * amid);
-  for (const double share : {amid, everywhere}) {
+TEST_F(PoseWrenchObservationTest, IntervalsOfTheShapeCoverIt) {
+  const double on_faces = covered(true), everywhere = covered(false);
+  std::printf("95 %% intervals cover %.1f %%, seen on faces only %.1f %%\n", 100 * everywhere,
+              100 * on_faces);
+  for (const double share : {on_faces, everywhere}) {
     EXPECT_GT(share, 0.90);
     EXPECT_LT(share, 0.99);
   }

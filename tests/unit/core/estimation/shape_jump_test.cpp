@@ -39,7 +39,7 @@ TEST(ShapeJump, SlowLoopsMayMoveFurtherInACycle) {
   EXPECT_TRUE(jump.update(x, 1e-2));
 }
 
-TEST(ShapeJump, WhatItIsToldToForgetIsNone) {
+TEST(ShapeJump, AForgottenJumpIsNotReported) {
   ShapeJump jump(shape_jump_bar());
   Eigen::Matrix3Xd x = shape_jump_bar().array() + 1;
   EXPECT_FALSE(jump.update(x, kStep)) << "the first";

@@ -1,4 +1,5 @@
 // A bar held only by two hands, compared with the static solver.
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "core/elasticity/corotational_model.hpp"
@@ -94,7 +95,7 @@ TEST_F(TwoGrasps, OneStaleHandDegradesAndHoldsWhileTheOtherIsFollowed) {
     result = tick();
   }
   EXPECT_EQ(result.status, Status::kDegraded);
-  EXPECT_STREQ(result.reason, "pose of the hand is stale");
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("stale"));
   EXPECT_TRUE(estimate_.X_OG[1].isApprox(before, 1e-12));
   EXPECT_TRUE(estimate_.X_OG[0].isApprox(inputs_.grasps[0].X_OG, 1e-12));
   inputs_.grasps[1].pose_freshness = Freshness::kNew;

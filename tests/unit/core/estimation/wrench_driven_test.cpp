@@ -1,5 +1,6 @@
 #include "core/estimation/wrench_driven.hpp"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -185,7 +186,7 @@ TEST_F(WrenchDrivenTest, AStaleWrenchDegradesAndTheGraspStays) {
   start(body);
   inputs_.grasps[0].wrench_valid = false;
   EXPECT_EQ(tick().status, Status::kOk) << "one may come";
-  EXPECT_STREQ(run(0.06).reason, "no wrench of the hand yet");
+  EXPECT_THAT(run(0.06).reason, ::testing::HasSubstr("no wrench"));
   inputs_.grasps[0].wrench_valid = true;
   feel(body, bent(body));
   inputs_.grasps[0].wrench_valid = false;
@@ -193,7 +194,7 @@ TEST_F(WrenchDrivenTest, AStaleWrenchDegradesAndTheGraspStays) {
   const math::Pose held = estimate_.X_OG[0];
   const sensing::UpdateResult result = run(0.1);
   EXPECT_EQ(result.status, Status::kDegraded);
-  EXPECT_STREQ(result.reason, "wrench of the hand is stale");
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("stale"));
   EXPECT_EQ(estimate_.X_OG[0].matrix(), held.matrix());
   inputs_.grasps[0].wrench_valid = true;
   inputs_.grasps[0].F_G_O.torque.x() = std::nan("");
@@ -211,7 +212,7 @@ TEST_F(WrenchDrivenTest, SaysWhereNoPoseHasTheWrench) {
   inputs_.grasps[0].F_G_O.torque.x() = 2;  // N m: dozens of turns
   const sensing::UpdateResult result = run(2);
   EXPECT_EQ(result.status, Status::kDegraded);
-  EXPECT_STREQ(result.reason, "no pose of the grasp has the wrench of the hand");
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("no pose"));
 }
 
 TEST_F(WrenchDrivenTest, WhatIsLetGoHangsFreeAndIsTakenUpThere) {
@@ -297,7 +298,8 @@ TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   inputs_.grasps[0].wrench_valid = true;
   sensing::UpdateResult result;
   for (int i = 0; i < 60; ++i) result = estimator.update(inputs_, model, estimate_);
-  EXPECT_STREQ(result.reason, "the model does not tell how stiff the grasp is");
+  EXPECT_EQ(result.status, Status::kDegraded);
+  EXPECT_THAT(result.reason, ::testing::HasSubstr("stiff"));
   EXPECT_TRUE(model.X_OG(0).isApprox(body.grasps[0].X_OG_rest));
 }
 

@@ -112,11 +112,11 @@ TEST(WrenchFilter, WhatIsSeenIsRefusedWhereItIsNotFinite) {
   EXPECT_TRUE(filter.mean().isZero(0));
   matrix(2, 2) = 1;
   EXPECT_TRUE(filter.take(matrix, vector));
-  EXPECT_EQ(filter.mean()[filter.load()], 0) << "nobody has begun with virtual loads";
+  EXPECT_EQ(filter.mean()[filter.load()], 0) << "virtual loads have not been started";
   EXPECT_GT(filter.mean()[filter.log_young()], 0);
 }
 
-TEST(WrenchFilter, WhatTheWrenchesDoNotTellOfStaysUnobserved) {
+TEST(WrenchFilter, WhatTheWrenchesDoNotContainStaysUnobserved) {
   WrenchFilter filter(2, {});
   WrenchFilter::Rows H = WrenchFilter::Rows::Zero(12, filter.size());
   H.block<12, 12>(0, filter.bias(0)).setIdentity();

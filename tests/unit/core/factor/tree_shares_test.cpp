@@ -40,7 +40,7 @@ TEST(TreeShares, SubtreesTouchOnlyThemselvesAndTheTop) {
       ASSERT_EQ(static_cast<int>(shares.members.size()), members);
       const std::vector<int> owner = owners(nodes, shares);
       for (int s = 0; s < nodes.count(); ++s) {
-        ASSERT_NE(owner[s], -2) << "supernode " << s << " is nobody's";
+        ASSERT_NE(owner[s], -2) << "supernode " << s << " has no owner";
         for (const int* row = nodes.rows_begin(s); row != nodes.rows_end(s); ++row) {
           if (*row >= pattern.interior_size()) continue;
           int holder = s;

@@ -97,7 +97,7 @@ TEST(Rigid, TwistOfAPointIsItsFiniteDifference) {
   EXPECT_LT((move_reference(V, offset).linear - (point(h) - point(-h)) / (2 * h)).norm(), 1e-9);
 }
 
-TEST(Rigid, UnitQuaternionsAreToldFromOthers) {
+TEST(Rigid, UnitQuaternionsAreRecognised) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   const double infinite = std::numeric_limits<double>::infinity();
   const double good[][4] = {{1, 0, 0, 0}, {0.5, -0.5, 0.5, -0.5}, {1.0004, 0, 0, 0}};

@@ -39,7 +39,7 @@ void add_tetrahedron(TetrahedralMesh& mesh, const Eigen::Vector4i& corners) {
 void expect_repaired(const Break& damage, const std::string& step, double share = 1,
                      const RepairOptions& options = {}) {
   RandomMeshes random(7);
-  int mended = 0;
+  int repaired = 0;
   for (int i = 0; i < kMeshes; ++i) {
     MeshWithGroups mesh{random.make(), {}, {}};
     const double volume = check(mesh.mesh).volume;
@@ -48,16 +48,17 @@ void expect_repaired(const Break& damage, const std::string& step, double share 
     const std::vector<RepairStep> steps = repair(mesh, options);
     const MeshReport report = check(mesh.mesh);
     if (!report.ok()) continue;
-    ++mended;
+    ++repaired;
     ASSERT_NEAR(report.volume, volume, 1e-9 * volume) << i << ": " << report.text();
-    bool told = false;
-    for (const RepairStep& each : steps) told = told || each.what.find(step) != std::string::npos;
-    ASSERT_TRUE(told) << i << ": nothing is said of " << step;
+    bool reported = false;
+    for (const RepairStep& each : steps)
+      reported = reported || each.what.find(step) != std::string::npos;
+    ASSERT_TRUE(reported) << i << ": no report of " << step;
     ASSERT_EQ(mesh.node_numbers.size(), static_cast<std::size_t>(mesh.mesh.node_count()));
     ASSERT_EQ(mesh.tetrahedron_numbers.size(),
               static_cast<std::size_t>(mesh.mesh.tetrahedron_count()));
   }
-  EXPECT_GE(mended, share * kMeshes);
+  EXPECT_GE(repaired, share * kMeshes);
 }
 
 TEST(Repair, LeavesGoodMeshesAsTheyAre) {
@@ -97,7 +98,7 @@ TEST(Repair, TurnsAWholeMeshOfTheOtherConvention) {
 TEST(Repair, PutsBackAStrayedNode) {
   // A node of a grid fine enough to have some inside, moved across its neighbours.
   RandomMeshes random(3);
-  int mended = 0;
+  int repaired = 0;
   for (int i = 0; i < 40; ++i) {
     MeshWithGroups mesh{make_box({0.1, 0.1, 0.1}, {3, 3, 3}), {}, {}};
     const double volume = check(mesh.mesh).volume;
@@ -110,9 +111,9 @@ TEST(Repair, PutsBackAStrayedNode) {
     ASSERT_TRUE(report.ok()) << i << ": " << report.text();
     ASSERT_NEAR(report.volume, volume, 1e-12 * volume);
     ASSERT_GT(report.quality_min, 0.01);
-    mended += was_broken && !steps.empty() ? 1 : 0;
+    repaired += was_broken && !steps.empty() ? 1 : 0;
   }
-  EXPECT_GT(mended, 20);
+  EXPECT_GT(repaired, 20);
 }
 
 TEST(Repair, MergesNodes) {
@@ -243,7 +244,7 @@ TEST(Repair, DropsSmallPartsOnlyWhereAsked) {
   EXPECT_EQ(check(mesh.mesh).parts, 2);
 }
 
-TEST(Repair, LeavesWhatItCannotMend) {
+TEST(Repair, LeavesWhatItCannotRepair) {
   RandomMeshes random(1);
   const TetrahedralMesh good = random.make();
   MeshWithGroups lost{good, {}, {}}, nowhere{good, {}, {}}, overlap{good, {}, {}};

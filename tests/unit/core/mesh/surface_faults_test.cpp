@@ -69,7 +69,7 @@ TEST(SurfaceReport, NothingIsSaidOfGoodOnes) {
   EXPECT_TRUE(check(ball()).ok());
 }
 
-TEST(SurfaceRepair, RandomBreakagesAreMendedAndTheVolumeIsKept) {
+TEST(SurfaceRepair, RandomBreakagesAreRepairedAndTheVolumeIsKept) {
   RandomMeshes random(2);
   for (int i = 0; i < 200; ++i) {
     TriangleSurface surface = boundary_of(random.make());
@@ -169,7 +169,7 @@ TEST(SurfaceRepair, KeepsCavitiesAndDropsOtherPartsWhereAsked) {
   EXPECT_NEAR(enclosed_volume(two), 4 * EIGEN_PI / 3 * 1.25e-4, 1e-12);
 }
 
-TEST(SurfaceReport, FindsWhatCannotBeMended) {
+TEST(SurfaceReport, FindsWhatCannotBeRepaired) {
   TriangleSurface crossed = ball();
   append(ball(0.04, {0.06, 0.003, 0.002}), crossed);
   EXPECT_GT(check(crossed).intersections.size(), 10u);
@@ -276,7 +276,7 @@ TEST(SurfaceFiles, ComeBackToTheBit) {
   }
 }
 
-TEST(SurfaceFiles, BinaryStlIsToldByItsLength) {
+TEST(SurfaceFiles, BinaryStlIsRecognisedByItsLength) {
   std::string bytes = "solid but binary";
   bytes.resize(84, ' ');
   const std::uint32_t count = 2;

@@ -9,11 +9,11 @@
 namespace palpate::published_control {
 namespace {
 
-class Sight : public ::testing::Test {
+class MarkerObserverTest : public ::testing::Test {
  protected:
-  Eigen::Matrix3Xd value(const MarkerObserver& sight) {
+  Eigen::Matrix3Xd value(const MarkerObserver& observer) {
     Eigen::VectorXd v(9);
-    feature_.evaluate(sight.positions(), v);
+    feature_.evaluate(observer.positions(), v);
     return Eigen::Map<Eigen::Matrix3Xd>(v.data(), 3, 3);
   }
 
@@ -27,46 +27,46 @@ class Sight : public ::testing::Test {
   const Eigen::Matrix3Xd nothing_ = Eigen::Matrix3Xd(3, 0);
 };
 
-TEST_F(Sight, FeaturesAreWhereTheirMarkersAreUntilSightIsLost) {
-  MarkerObserver sight(body_.mesh, points_, {});
-  EXPECT_FALSE(sight.sees());
-  sight.look(false, 1e9, nothing_, model_);
-  EXPECT_FALSE(sight.sees());
-  sight.look(true, 0, seen_, model_);
-  EXPECT_TRUE(sight.sees());
-  EXPECT_TRUE(sight.fresh());
-  EXPECT_LT((value(sight) - seen_).norm(), 1e-12);
+TEST_F(MarkerObserverTest, FeaturesFollowTheirMarkersUntilTheMarkersAreLost) {
+  MarkerObserver observer(body_.mesh, points_, {});
+  EXPECT_FALSE(observer.sees());
+  observer.look(false, 1e9, nothing_, model_);
+  EXPECT_FALSE(observer.sees());
+  observer.look(true, 0, seen_, model_);
+  EXPECT_TRUE(observer.sees());
+  EXPECT_TRUE(observer.fresh());
+  EXPECT_LT((value(observer) - seen_).norm(), 1e-12);
   model_.array() += 0.01;  // the model's output meanwhile does not matter
-  sight.look(false, 0.1, nothing_, model_);
-  EXPECT_TRUE(sight.sees());
-  EXPECT_FALSE(sight.fresh());
-  EXPECT_LT((value(sight) - seen_).norm(), 1e-12);
-  sight.look(false, 0.3, nothing_, model_);
-  EXPECT_FALSE(sight.sees());
-  sight.look(true, 0, seen_.leftCols(2), model_);
-  EXPECT_FALSE(sight.fresh()) << "another number of markers";
+  observer.look(false, 0.1, nothing_, model_);
+  EXPECT_TRUE(observer.sees());
+  EXPECT_FALSE(observer.fresh());
+  EXPECT_LT((value(observer) - seen_).norm(), 1e-12);
+  observer.look(false, 0.3, nothing_, model_);
+  EXPECT_FALSE(observer.sees());
+  observer.look(true, 0, seen_.leftCols(2), model_);
+  EXPECT_FALSE(observer.fresh()) << "another number of markers";
 }
 
-TEST_F(Sight, WithTheModelItGoesOnFromWhereTheMarkersWere) {
-  MarkerObserver sight(body_.mesh, points_, {MarkerObserver::Kind::kOffset, 0.2});
-  sight.look(false, 1e9, nothing_, model_);
-  EXPECT_TRUE(sight.sees()) << "the model alone";
-  EXPECT_EQ(sight.positions(), model_);
-  sight.look(true, 0, seen_, model_);
-  EXPECT_LT((value(sight) - seen_).norm(), 1e-12);
+TEST_F(MarkerObserverTest, WithTheModelItContinuesFromTheLastMarkers) {
+  MarkerObserver observer(body_.mesh, points_, {MarkerObserver::Kind::kOffset, 0.2});
+  observer.look(false, 1e9, nothing_, model_);
+  EXPECT_TRUE(observer.sees()) << "the model alone";
+  EXPECT_EQ(observer.positions(), model_);
+  observer.look(true, 0, seen_, model_);
+  EXPECT_LT((value(observer) - seen_).norm(), 1e-12);
   model_.array() += 0.01;
-  sight.look(false, 5, nothing_, model_);
-  EXPECT_TRUE(sight.sees());
-  EXPECT_LT((value(sight) - (seen_.array() + 0.01).matrix()).norm(), 1e-12);
-  sight.reset();
-  sight.look(false, 5, nothing_, model_);
-  EXPECT_EQ(sight.positions(), model_);
+  observer.look(false, 5, nothing_, model_);
+  EXPECT_TRUE(observer.sees());
+  EXPECT_LT((value(observer) - (seen_.array() + 0.01).matrix()).norm(), 1e-12);
+  observer.reset();
+  observer.look(false, 5, nothing_, model_);
+  EXPECT_EQ(observer.positions(), model_);
 }
 
-TEST_F(Sight, AllocatesNothing) {
-  MarkerObserver sight(body_.mesh, points_, {});
+TEST_F(MarkerObserverTest, AllocatesNothing) {
+  MarkerObserver observer(body_.mesh, points_, {});
   const loop::NoAllocationScope scope;
-  for (int i = 0; i < 5; ++i) sight.look(i % 2 == 0, 0.01, seen_, model_);
+  for (int i = 0; i < 5; ++i) observer.look(i % 2 == 0, 0.01, seen_, model_);
   EXPECT_EQ(scope.count(), 0);
 }
 

@@ -20,7 +20,7 @@ TEST(Probes, MoveEveryAxisOnceAndStandStillBetween) {
     time += 1e-3;
     ASSERT_LT(time, 60);
     if (!probes.take_settled()) continue;
-    EXPECT_FALSE(probes.take_settled()) << "told once";
+    EXPECT_FALSE(probes.take_settled()) << "reported once";
     EXPECT_EQ(twist.norm(), 0) << "a probe ends at rest";
     ++settled;
     EXPECT_NEAR(way[settled - 1], settled <= 3 ? 0.02 : 0.1, 1e-9);

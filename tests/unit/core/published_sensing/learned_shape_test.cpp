@@ -67,7 +67,7 @@ TEST(ShapeNetworkTest, LearnsASmoothFunction) {
 }
 
 /// Trained on motions of a bar, it predicts another one.
-TEST(LearnedShapeTest, TellsAShapeThatItWasNotTrainedOn) {
+TEST(LearnedShapeTest, RecognisesAShapeThatItWasNotTrainedOn) {
   const elasticity::Body body = support::held_bar({6, 1, 1}, mesh::ElementOrder::kLinear);
   const mesh::Surface surface = mesh::extract_surface(body.mesh);
   const Eigen::Matrix3Xd nodes = body.mesh.nodes(Eigen::all, surface.nodes);

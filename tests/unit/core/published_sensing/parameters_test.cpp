@@ -35,7 +35,7 @@ void look(const elasticity::DeformationModel& truth, math::Random& random,
 }
 
 // Fugl et al. 2012: Young's modulus from the sag of an object under its own weight.
-TEST(ParametersTest, SagTellsYoungsModulus) {
+TEST(ParametersTest, SagDeterminesYoungsModulus) {
   for (const double young : {40e3, 60e3, 120e3}) {
     elasticity::CorotationalQuasistatic truth(cantilever(young, {12, 1, 1}));
     truth.prepare();
@@ -69,7 +69,7 @@ TEST(ParametersTest, SagTellsYoungsModulus) {
 }
 
 // Frank et al. 2010: E and nu from a probe's force and the observed shape.
-TEST(ParametersTest, ProbingTellsYoungsModulus) {
+TEST(ParametersTest, ProbingDeterminesYoungsModulus) {
   for (const double factor : {0.6, 1.6}) {
     elasticity::Body truth = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     const elasticity::Body known = truth;

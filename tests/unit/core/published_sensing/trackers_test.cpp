@@ -141,7 +141,7 @@ TEST_F(TrackersTest, AGraphCarriesTheMesh) {
 
 // Petit et al. 2017: a measured force identifies the stiffness, with which finite elements track
 // the cloud.
-TEST_F(TrackersTest, FiniteElementsThatAProbeHasToldTheStiffness) {
+TEST_F(TrackersTest, FiniteElementsWithAProbedStiffness) {
   elasticity::Body soft = body_;
   soft.material.young_modulus = 20e3;  // the truth's is 33 kPa
   ProbedCloudFem::Options options;

@@ -141,7 +141,7 @@ TEST_F(BiotacLstmTest, NumbersThatAreNotFiniteNeverLeave) {
   EXPECT_EQ(contacts_.count, 0);
 }
 
-TEST_F(BiotacLstmTest, ASilentFingerDegradesAndBeginsItsSequenceAnew) {
+TEST_F(BiotacLstmTest, ASilentFingerDegradesAndRestartsItsSequence) {
   BiotacLstm sensor = make();
   EXPECT_EQ(sensor.update(signals_, contacts_).status, Status::kDegraded);
   tare(sensor);

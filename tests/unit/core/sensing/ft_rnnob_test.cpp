@@ -214,7 +214,7 @@ TEST_F(FtRnnobTest, LateAnswersServeUntilTheirOwnCome) {
   EXPECT_EQ(contacts_.count, 1);
 }
 
-TEST_F(FtRnnobTest, StaleInputsDegradeAndBeginAnew) {
+TEST_F(FtRnnobTest, StaleInputsDegradeAndRestartTheSequence) {
   FtRnnob sensor = make();
   for (int i = 0; i < 100; ++i) tick(sensor);
   const auto check = [&](auto& stream) {

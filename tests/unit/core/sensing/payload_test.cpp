@@ -212,7 +212,7 @@ TEST(EstimateGravityDirection, FindsTheWallThatAnArmHangsOn) {
   EXPECT_THROW(estimate_gravity_direction(poses), std::invalid_argument);
 }
 
-TEST(IdentifyStatic, NamesWhatOneOrientationCannotTell) {
+TEST(IdentifyStatic, NamesWhatOneOrientationCannotDetermine) {
   math::Random random(5);
   std::vector<StaticPose> poses = static_poses(hand(), 1, 0, random);
   poses.resize(8, poses.front());
@@ -266,7 +266,7 @@ TEST(IdentifyMotion, RecoversAllInertialParametersWithinOnePercent) {
   EXPECT_TRUE(fit.untold.empty());
 }
 
-TEST(IdentifyMotion, NamesTheInertiaThatOnlyTurningTells) {
+TEST(IdentifyMotion, NamesTheInertiaThatOnlyTurningDetermines) {
   const PayloadFit fit = identify_motion(motion_samples(hand(), false));
   EXPECT_THAT(fit.untold, testing::UnorderedElementsAre("inertia_xx", "inertia_xy", "inertia_xz",
                                                         "inertia_yy", "inertia_yz", "inertia_zz"));

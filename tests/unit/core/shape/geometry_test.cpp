@@ -333,7 +333,7 @@ TEST(FourierContour, FindsTheWavesThatMadeTheContour) {
   }
 }
 
-TEST(FourierContour, RefusesWhatItCannotTellApart) {
+TEST(FourierContour, RefusesIndistinguishableHarmonics) {
   const mesh::ElementMesh mesh = bar(kLinear);
   using Options = FourierContourFeature::Options;
   EXPECT_NO_THROW(FourierContourFeature(mesh, Options{ring(2), 3, true, {1, 2}}));

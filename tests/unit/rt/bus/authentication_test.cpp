@@ -179,7 +179,7 @@ TEST(Access, WithoutAKeyEveryMessageIsFreshAndCarriesNoCode) {
   for (int i = 1; i < 4; ++i) {
     twist_command_t message = command();
     sender.put(message, 0);
-    EXPECT_EQ(message.counter, i) << "a deterministic run begins anew";
+    EXPECT_EQ(message.counter, i) << "a deterministic run starts from the beginning";
     EXPECT_EQ(std::count(std::begin(message.authentication), std::end(message.authentication), 0),
               kCodeSize);
     EXPECT_EQ(receiver.judge(message), Admitted::kFresh);
@@ -222,7 +222,7 @@ double cost_us(int count) {
   return took / count;
 }
 
-TEST(Access, TellsWhatItCosts) {
+TEST(Access, PrintsItsCost) {
   std::printf("seal and verify: %.2f us a twist, %.2f us a command, %.2f us a target\n",
               cost_us<twist_command_t>(2000), cost_us<component_command_t>(500),
               cost_us<shape_target_t>(500));

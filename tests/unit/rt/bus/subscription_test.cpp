@@ -43,7 +43,7 @@ TEST(Subscription, DeliversInOrderWithTheTimeOfArrival) {
   EXPECT_EQ(subscription.counters().dropped, 0);
 }
 
-TEST(Subscription, KeepsTheNewestWhenNobodyTakes) {
+TEST(Subscription, KeepsTheNewestWhenNoneIsTaken) {
   Subscription subscription = wrench_subscription(5);
   for (int i = 0; i < 100; ++i) offer(subscription, wrench_number(i), i);
   EXPECT_EQ(subscription.counters().received, 100);
@@ -66,7 +66,7 @@ TEST(Subscription, HearsOneSenderUntilThatOneIsSilent) {
     return subscription.counters().received.load();
   };
   EXPECT_EQ(offer_of(7, 1000), 1);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(offer_of(8, 1001), 1) << "a flood beside it";
+  for (int i = 0; i < 1000; ++i) EXPECT_EQ(offer_of(8, 1001), 1) << "a concurrent flood";
   EXPECT_EQ(offer_of(7, 1050), 2);
   EXPECT_EQ(offer_of(8, 1149), 2);
   EXPECT_EQ(offer_of(8, 1150), 3) << "nothing of the first for 100 ns";

@@ -29,7 +29,7 @@ TEST(UdpmFrame, APayloadMayBeEmptyAndANameSixtyThreeLong) {
   EXPECT_EQ(frame.payload_size, 0);
 }
 
-TEST(UdpmFrame, TellsAFragmentFromNonsense) {
+TEST(UdpmFrame, DistinguishesAFragmentFromNonsense) {
   UdpmFrame frame{};
   EXPECT_EQ(parse(wire::datagram("A", {1}, "LC03"), frame), FrameKind::kFragment);
   EXPECT_EQ(parse(wire::datagram("A", {1}, "LC01"), frame), FrameKind::kMalformed);

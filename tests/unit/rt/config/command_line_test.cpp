@@ -24,7 +24,7 @@ class CommandLineTest : public ::testing::Test {
     app_.footer("Example:\n  program --output there");
   }
 
-  /// The exit code, or -1 where the program would go on; what is printed is in out_ and error_.
+  /// The exit code, or -1 where the program would continue; what is printed is in out_ and error_.
   int run(std::vector<const char*> words) {
     words.insert(words.begin(), "program");
     const CommandLine line{{{kExitError, "a run failed"}, {78, "wrong configuration"}},

@@ -7,7 +7,7 @@
 namespace palpate::config {
 namespace {
 
-TEST(Declarations, TellWhatAGetterIsAskedFor) {
+TEST(Declarations, DescribeWhatAGetterReads) {
   const Node root = Node::from_text("control: {gain: 2, law: b}", "t.yaml");
   DeclarationList list;
   const Node control = root.child({"control", "", "how it is steered"});
@@ -35,7 +35,7 @@ TEST(Declarations, TellWhatAGetterIsAskedFor) {
   EXPECT_EQ(list.all()[4].name, "frame") << "and nothing of its parts";
 }
 
-TEST(Declarations, AKeyIsListedOnceWithTheMeaningThatOneOfItsReadersTells) {
+TEST(Declarations, AKeyIsListedOnceWithTheMeaningThatOneOfItsReadersGives) {
   const Node root = Node::from_text("a: 1", "t.yaml");
   DeclarationList list;
   root.number("a", {0, 2}, 0);
@@ -57,7 +57,7 @@ TEST(Declarations, ATextThatIsThenAChoiceIsAChoice) {
   EXPECT_EQ(list.all()[0].meaning, "which");
 }
 
-TEST(Declarations, AreListedOnlyWhileSomebodyListens) {
+TEST(Declarations, AreListedOnlyWithAListener) {
   const Node root = Node::from_text("a: 1", "t.yaml");
   root.number({"a", "m", "length"}, {0, 2});
   DeclarationList list;

@@ -193,7 +193,7 @@ TEST(Node, AliasesCountAsWhatTheyStandFor) {
   EXPECT_THAT(error_of([] { Node::from_text(grown_by_aliases(12), "f"); }),
               StartsWith("f:6: the configuration has more than 100000 items"));
   EXPECT_THAT(error_of([] { Node::from_text("a: &a [1, *a]", "f"); }),
-              StartsWith("f:1: the configuration has an alias (*name) of what it is a part of"));
+              StartsWith("f:1: the configuration has an alias (*name)"));
   std::string deeper = "a0: &a0 []\n";
   for (int i = 1; i < 60; ++i)
     deeper += "a" + std::to_string(i) + ": &a" + std::to_string(i) + " [*a" +

@@ -56,7 +56,7 @@ class DaemonAccess : public ::testing::Test {
     }
     return found;
   }
-  std::vector<std::string> told(const std::string& name) const {
+  std::vector<std::string> reasons_of(const std::string& name) const {
     std::vector<std::string> reasons;
     for (const component_event_t& e : sent<component_event_t>("COMPONENT_EVENT"))
       if (bus::get_text(e.event) == name) reasons.push_back(bus::get_text(e.reason));
@@ -93,7 +93,7 @@ TEST_F(DaemonAccess, ObeysWhoKnowsTheKey) {
   send("COMPONENT_COMMAND", sealed("stop"));
   run(3);
   EXPECT_FALSE(runs());
-  EXPECT_TRUE(told("no_access").empty());
+  EXPECT_TRUE(reasons_of("no_access").empty());
 }
 
 TEST_F(DaemonAccess, RefusesForgedChangedAndMisdirectedCommands) {
@@ -132,14 +132,14 @@ TEST_F(DaemonAccess, AnswersACommandThatComesAgainAsBefore) {
   const component_command_t unknown = sealed("jump");
   for (int i = 0; i < 3; ++i) send("COMPONENT_COMMAND", unknown);
   run(3);
-  const std::vector<std::string> refused = told("refused");
+  const std::vector<std::string> refused = reasons_of("refused");
   ASSERT_EQ(refused.size(), 3u);
   EXPECT_NE(refused[0].find("unknown event"), std::string::npos);
   EXPECT_EQ(refused[2], refused[0]);
-  EXPECT_TRUE(told("no_access").empty());
+  EXPECT_TRUE(reasons_of("no_access").empty());
 }
 
-TEST_F(DaemonAccess, TellsOfAFloodOnceASecondAndCountsAll) {
+TEST_F(DaemonAccess, ReportsAFloodOnceASecondAndCountsAll) {
   for (int i = 0; i < 2500; ++i) {
     send("COMPONENT_COMMAND", event("start"));
     run(1);
@@ -147,7 +147,7 @@ TEST_F(DaemonAccess, TellsOfAFloodOnceASecondAndCountsAll) {
   run(100);
   EXPECT_FALSE(runs());
   EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 2500);
-  const std::vector<std::string> reasons = told("no_access");
+  const std::vector<std::string> reasons = reasons_of("no_access");
   ASSERT_GE(reasons.size(), 2u);
   EXPECT_LE(reasons.size(), 3u);
   EXPECT_NE(reasons.back().find("COMPONENT_COMMAND"), std::string::npos);
@@ -169,14 +169,14 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   run(200);
   EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 2);
   EXPECT_EQ(daemon_->inputs().signals().manual.freshness, sensing::Freshness::kNoData);
-  EXPECT_TRUE(told("target").empty());
+  EXPECT_TRUE(reasons_of("target").empty());
 
   bus::MessageSigner("SHAPE_TARGET", access_).put(target, 0);
   bus::MessageSigner("MANUAL_FORCE", access_).put(force, 0);
   send("SHAPE_TARGET", target);
   send("MANUAL_FORCE", force);
   run(3);
-  EXPECT_EQ(told("target").size(), 1u);
+  EXPECT_EQ(reasons_of("target").size(), 1u);
   EXPECT_NE(daemon_->inputs().signals().manual.freshness, sensing::Freshness::kNoData);
 }
 

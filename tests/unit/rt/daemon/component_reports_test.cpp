@@ -31,7 +31,7 @@ class ComponentReportsTest : public ::testing::Test {
     bus::record(*hub_, nullptr);
   }
 
-  std::vector<std::string> told() {
+  std::vector<std::string> reported() {
     std::vector<std::string> texts;
     for (const bus::Published& message : published_) {
       component_event_t event{};
@@ -55,14 +55,14 @@ class ComponentReportsTest : public ::testing::Test {
 
 TEST_F(ComponentReportsTest, NameTheComponentWhereItsStateChanges) {
   for (int i = 0; i < 300; ++i) cycle(false);
-  EXPECT_EQ(told(), std::vector<std::string>{"sensing wrist ft_newton_euler degraded"});
+  EXPECT_EQ(reported(), std::vector<std::string>{"sensing wrist ft_newton_euler degraded"});
   for (int i = 0; i < 300; ++i) cycle(true);
-  EXPECT_EQ(told(), std::vector<std::string>{"sensing wrist ft_newton_euler active"});
+  EXPECT_EQ(reported(), std::vector<std::string>{"sensing wrist ft_newton_euler active"});
 }
 
 TEST_F(ComponentReportsTest, AreNoFloodWhereAStateFlickers) {
   for (int i = 0; i < 2000; ++i) cycle(i % 2 == 0);
-  const std::size_t count = told().size();
+  const std::size_t count = reported().size();
   EXPECT_GE(count, 10u);
   EXPECT_LE(count, 20u);  // at 10 Hz
 }

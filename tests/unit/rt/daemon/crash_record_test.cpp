@@ -103,7 +103,7 @@ TEST_F(CrashRecordTest, AFaultBeforeTheLastRecordIsWrittenDoesNotTouchIt) {
 
 TEST_F(CrashRecordTest, OnRequestAndWithOldRecordsRemovedButNothingElse) {
   CrashRecord record(settings(2), 1e-3, *control_);
-  std::ofstream(folder_.path() / "somebody.lcmlog") << "else's";
+  std::ofstream(folder_.path() / "foreign.lcmlog") << "not a crash record";
   std::vector<std::string> paths;
   for (int i = 0; i < 4; ++i) {
     cycle(record, 2 * i);
@@ -113,7 +113,7 @@ TEST_F(CrashRecordTest, OnRequestAndWithOldRecordsRemovedButNothingElse) {
     paths.push_back(record.write_handed_over());
     EXPECT_NE(paths.back().find("-request."), std::string::npos) << paths.back();
   }
-  EXPECT_TRUE(fs::exists(folder_.path() / "somebody.lcmlog"));
+  EXPECT_TRUE(fs::exists(folder_.path() / "foreign.lcmlog"));
   EXPECT_TRUE(fs::exists(paths[3]));
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_.path()), fs::directory_iterator()), 3);
 }

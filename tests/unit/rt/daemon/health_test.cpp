@@ -53,31 +53,32 @@ class HealthNews : public ::testing::Test {
   std::int32_t seq_ = 0;
 };
 
-TEST_F(HealthNews, AStateIsToldInTheCycleOfItsChangeAndOnce) {
+TEST_F(HealthNews, AStateIsReportedInTheCycleOfItsChangeAndOnce) {
   EXPECT_EQ(news_in(100, kActive), 0);
   EXPECT_TRUE(publish_if_news(kDegraded));
   EXPECT_EQ(news_in(100, kDegraded), 0);
   EXPECT_TRUE(publish_if_news(kActive));
 }
 
-TEST_F(HealthNews, AStateThatFlickersIsToldAHundredTimesASecondAtMost) {
-  int told = 0;
-  for (int i = 0; i < 1000; ++i) told += publish_if_news(i % 2 == 0 ? kDegraded : kActive) ? 1 : 0;
-  EXPECT_LE(told, 100);
-  EXPECT_GE(told, 80);
+TEST_F(HealthNews, AStateThatFlickersIsReportedAHundredTimesASecondAtMost) {
+  int published = 0;
+  for (int i = 0; i < 1000; ++i)
+    published += publish_if_news(i % 2 == 0 ? kDegraded : kActive) ? 1 : 0;
+  EXPECT_LE(published, 100);
+  EXPECT_GE(published, 80);
 }
 
-TEST_F(HealthNews, ALossIsToldAtOnceAndManyTwentyTimesASecond) {
+TEST_F(HealthNews, ALossIsReportedAtOnceAndManyTwentyTimesASecond) {
   lose_a_message();
   news_in(100, kActive);
   lose_a_message();
   EXPECT_TRUE(publish_if_news(kActive));
-  int told = 0;
+  int published = 0;
   for (int i = 0; i < 1000; ++i) {
     lose_a_message();
-    told += publish_if_news(kActive) ? 1 : 0;
+    published += publish_if_news(kActive) ? 1 : 0;
   }
-  EXPECT_EQ(told, 20);
+  EXPECT_EQ(published, 20);
 }
 
 }  // namespace

@@ -142,7 +142,7 @@ TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
   EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 5e-324);
 }
 
-TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
+TEST_F(InputsTest, ASenderThatRestartsIsReportedOnce) {
   Inputs inputs(*bus_, 2);
   const auto read = [&](std::int64_t session, int seq, std::int64_t now_ns) {
     imu_t message{};
@@ -155,7 +155,7 @@ TEST_F(InputsTest, ASenderThatBeginsAnewIsToldOnce) {
   };
   EXPECT_FALSE(read(5, 70, 1'000'000)) << "the first is no restart";
   EXPECT_FALSE(read(5, 71, 2'000'000));
-  EXPECT_FALSE(read(6, 0, 3'000'000)) << "beside one that still speaks";
+  EXPECT_FALSE(read(6, 0, 3'000'000)) << "while the other sender still publishes";
   EXPECT_TRUE(read(6, 1, 210'000'000));
   EXPECT_FALSE(read(6, 2, 211'000'000));
   EXPECT_FALSE(read(5, 72, 420'000'000)) << "what is left of the old one";

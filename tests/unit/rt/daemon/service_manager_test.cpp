@@ -45,7 +45,7 @@ TEST(LoopWatch, LoopThatHangsIsSaidOnceAndNotPingedFor) {
   EXPECT_EQ(watch.look(20100 * kMs, 4), LoopWatch::Verdict::kNothing);
 }
 
-TEST(LoopWatch, StatusIsToldWhenItChanges) {
+TEST(LoopWatch, StatusIsSentWhenItChanges) {
   support::NotifySocket socket;
   ServiceManager manager(socket.name(), 0);
   LoopWatch watch(manager);
@@ -59,8 +59,8 @@ TEST(ServiceManager, WithoutASocketOrAListenerNothingHappens) {
   ServiceManager none("", 1'000'000);
   EXPECT_EQ(none.watchdog_ns(), 0);
   EXPECT_FALSE(none.tell("READY=1"));
-  ServiceManager nobody("@palpate_nobody_listens_here", 1'000'000);
-  EXPECT_FALSE(nobody.tell("READY=1"));
+  ServiceManager no_listener("@palpate_no_listener_here", 1'000'000);
+  EXPECT_FALSE(no_listener.tell("READY=1"));
   ServiceManager too_long(std::string(300, 'x'), 1'000'000);
   EXPECT_FALSE(too_long.tell("READY=1"));
 }

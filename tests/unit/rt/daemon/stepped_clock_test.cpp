@@ -61,7 +61,7 @@ TEST_F(SteppedClockTest, RunsOneCycleATickHoweverOftenItIsSent) {
   EXPECT_EQ(answers(), (std::vector<std::int64_t>{1, 1, 2, 2, 2, 3, 1}));
 }
 
-TEST_F(SteppedClockTest, ASimulatorThatStartsAnewIsFollowedFromItsFirstTick) {
+TEST_F(SteppedClockTest, ARestartedSimulatorIsFollowedFromItsFirstTick) {
   tick(500);
   tick(1, 6);
   clock_.run_pending(daemon_);
@@ -84,7 +84,7 @@ TEST_F(SteppedClockTest, AgesAreOfSimulatedTimeWhateverTheClockOfArrivalSays) {
   }
 }
 
-TEST_F(SteppedClockTest, ASimulatorThatStartsAnewMakesNothingYounger) {
+TEST_F(SteppedClockTest, ARestartedSimulatorMakesNothingYounger) {
   robot_state(0);
   for (std::int64_t number = 1; number <= 30; ++number) tick(number);
   clock_.run_pending(daemon_);

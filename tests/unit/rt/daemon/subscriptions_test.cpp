@@ -43,7 +43,7 @@ class RecordingBus : public bus::MessageBus {
   std::vector<std::unique_ptr<bus::Subscription>> subscriptions_;
 };
 
-bool speaks_of_truth(std::string text) {
+bool mentions_truth(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(),
                  [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
   return text.find("TRUTH_") != std::string::npos;
@@ -61,7 +61,7 @@ std::vector<std::string> culprits(const fs::path& folder, int& scanned) {
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     if (!entry.is_regular_file()) continue;
     ++scanned;
-    if (speaks_of_truth(text_of(entry.path()))) found.push_back(entry.path().string());
+    if (mentions_truth(text_of(entry.path()))) found.push_back(entry.path().string());
   }
   return found;
 }
@@ -101,7 +101,7 @@ TEST_P(EveryConfiguration, SubscribesToNoTruth) {
   EXPECT_TRUE(std::includes(heard.begin(), heard.end(), expected.begin(), expected.end()));
   for (const RecordingBus* bus : {&control, &housekeeping}) {
     for (const std::string& channel : bus->channels())
-      EXPECT_FALSE(speaks_of_truth(channel)) << channel;
+      EXPECT_FALSE(mentions_truth(channel)) << channel;
   }
 }
 
@@ -118,9 +118,9 @@ TEST(Subscriptions, NoSourceOfTheDaemonNamesTruth) {
 }
 
 TEST(Subscriptions, TheScanFindsWhatItLooksFor) {
-  EXPECT_TRUE(speaks_of_truth("TRUTH_SHAPE"));
-  EXPECT_TRUE(speaks_of_truth("#include <palpate/truth_contact_t.hpp>"));
-  EXPECT_FALSE(speaks_of_truth("the truth of it"));
+  EXPECT_TRUE(mentions_truth("TRUTH_SHAPE"));
+  EXPECT_TRUE(mentions_truth("#include <palpate/truth_contact_t.hpp>"));
+  EXPECT_FALSE(mentions_truth("the truth of it"));
   int scanned = 0;
   EXPECT_FALSE(culprits(kSource / "sim/scenes", scanned).empty()) << "who publishes it names it";
 }

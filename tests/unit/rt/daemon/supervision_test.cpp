@@ -102,20 +102,20 @@ TEST_F(Supervision, CommandsWithoutEndAreTakenAFewACycle) {
 TEST_F(Supervision, AWrongTypeIsNamedAtOnceAndThenOnceASecond) {
   tick();
   bus::TypedPublisher<imu_t> wrong(*outside_, "FT_WRENCH");
-  int told = 0;
+  int reports = 0;
   for (int i = 0; i < 2500; ++i) {
     wrong.publish(imu_t{});
     const auto events = tick();
-    told += count(events, "wrong type");
+    reports += count(events, "wrong type");
     if (i > 0 || events.empty()) continue;
     const std::string reason = bus::get_text(events.back().reason);
     EXPECT_NE(reason.find("FT_WRENCH"), std::string::npos) << reason;
   }
-  EXPECT_EQ(told, 3);
+  EXPECT_EQ(reports, 3);
   // A silent input ends the reports.
-  told = 0;
-  for (int i = 0; i < 2500; ++i) told += count(tick(), "wrong type");
-  EXPECT_LE(told, 1);
+  reports = 0;
+  for (int i = 0; i < 2500; ++i) reports += count(tick(), "wrong type");
+  EXPECT_LE(reports, 1);
 }
 
 }  // namespace

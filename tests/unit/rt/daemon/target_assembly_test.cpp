@@ -159,13 +159,14 @@ TEST_F(LargeTargets, ThatCannotBeAreRefusedOnce) {
   send(chunks[0]);
   chunks[1].point_count = chunks[1].value_count = 0;
   send(chunks[1]);
-  const std::vector<std::string> told = answers();
-  ASSERT_EQ(told.size(), 6u);
-  EXPECT_EQ(told[0], "refused: a chunk before the last that is not full");
-  EXPECT_EQ(told[1], "refused: chunks of one target that do not belong together");
-  EXPECT_EQ(told[2], "refused: target of too many chunks, or a chunk that is none of them");
-  EXPECT_EQ(told[3], told[2]);
-  EXPECT_EQ(told[4], "refused: target with counts out of range");
+  const std::vector<std::string> replies = answers();
+  const std::vector<std::string> causes = {
+      "full", "chunks of one target", "too many chunks", "too many chunks", "counts", ""};
+  ASSERT_EQ(replies.size(), causes.size());
+  for (std::size_t i = 0; i < replies.size(); ++i) {
+    EXPECT_EQ(replies[i].find("refused: "), 0u) << replies[i];
+    EXPECT_NE(replies[i].find(causes[i]), std::string::npos) << replies[i];
+  }
   EXPECT_EQ(daemon_->pipeline().target().revision, -1);
 }
 

@@ -16,7 +16,7 @@ class TypeWatchTest : public ::testing::Test {
     bus::TypedPublisher<imu_t>(*bus_, channel).publish(imu_t{});
   }
   /// The channel now reported; empty if there is none.
-  std::string told(std::int64_t now_ns) {
+  std::string reported(std::int64_t now_ns) {
     const bus::Subscription* channel = watch_.look(now_ns);
     return channel == nullptr ? "" : channel->channel();
   }
@@ -29,28 +29,28 @@ class TypeWatchTest : public ::testing::Test {
 
 TEST_F(TypeWatchTest, SaysNothingOfMessagesOfTheRightType) {
   bus::TypedPublisher<ft_wrench_t>(*bus_, "FT_WRENCH").publish(ft_wrench_t{});
-  EXPECT_EQ(told(kSecond), "");
+  EXPECT_EQ(reported(kSecond), "");
 }
 
-TEST_F(TypeWatchTest, TellsAtOnceThenAtMostOnceASecond) {
+TEST_F(TypeWatchTest, ReportsAtOnceThenAtMostOnceASecond) {
   send_wrong("FT_WRENCH");
-  EXPECT_EQ(told(5), "FT_WRENCH");
-  EXPECT_EQ(told(6), "") << "nothing new";
+  EXPECT_EQ(reported(5), "FT_WRENCH");
+  EXPECT_EQ(reported(6), "") << "nothing new";
   send_wrong("FT_WRENCH");
-  EXPECT_EQ(told(5 + kSecond - 1), "") << "too soon";
-  EXPECT_EQ(told(5 + kSecond), "FT_WRENCH") << "what came in between is told of later";
-  EXPECT_EQ(told(5 + 3 * kSecond), "") << "told of already";
+  EXPECT_EQ(reported(5 + kSecond - 1), "") << "too soon";
+  EXPECT_EQ(reported(5 + kSecond), "FT_WRENCH") << "what came in between is reported later";
+  EXPECT_EQ(reported(5 + 3 * kSecond), "") << "reported already";
 }
 
 TEST_F(TypeWatchTest, HoldsEachChannelByItself) {
   send_wrong("FT_WRENCH");
-  EXPECT_EQ(told(5), "FT_WRENCH");
+  EXPECT_EQ(reported(5), "FT_WRENCH");
   send_wrong("FT_WRENCH_1");
-  EXPECT_EQ(told(6), "FT_WRENCH_1");
+  EXPECT_EQ(reported(6), "FT_WRENCH_1");
   send_wrong("FT_WRENCH");
   send_wrong("FT_WRENCH_1");
-  EXPECT_EQ(told(5 + kSecond), "FT_WRENCH") << "one a look";
-  EXPECT_EQ(told(6 + kSecond), "FT_WRENCH_1");
+  EXPECT_EQ(reported(5 + kSecond), "FT_WRENCH") << "one a look";
+  EXPECT_EQ(reported(6 + kSecond), "FT_WRENCH_1");
 }
 
 }  // namespace

@@ -61,7 +61,7 @@ TEST(TorchExecutor, GivesEachSamplesAnswerInTheSameStep) {
   EXPECT_STREQ(executor.kind(), "adder");
 }
 
-TEST(TorchExecutor, TheWarmUpLeavesNoTraceAndResetBeginsAnew) {
+TEST(TorchExecutor, TheWarmUpLeavesNoTraceAndResetRestarts) {
   Remote remote;
   TorchExecutorOptions options = patient();
   options.warm_up = 7;

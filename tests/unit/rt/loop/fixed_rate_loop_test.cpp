@@ -102,11 +102,11 @@ TEST(FixedRateLoop, AFiniteLimitRefusesToLockAndSaysHowToRaiseIt) {
     if (setrlimit(RLIMIT_MEMLOCK, &finite) != 0 || syscall(SYS_capset, &header, none) != 0)
       _exit(77);
     const std::string refusal = lock_and_prefault_memory();
-    const bool told = refusal.find("LimitMEMLOCK=infinity") != std::string::npos;
+    const bool names_remedy = refusal.find("LimitMEMLOCK=infinity") != std::string::npos;
     // Later requests must still be granted.
     void* later =
         mmap(nullptr, 64 << 20, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
-    _exit(told && !memory_is_locked() && later != MAP_FAILED ? 0 : 1);
+    _exit(names_remedy && !memory_is_locked() && later != MAP_FAILED ? 0 : 1);
   }
   int status = 0;
   waitpid(child, &status, 0);

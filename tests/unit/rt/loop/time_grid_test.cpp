@@ -80,7 +80,7 @@ TEST(TimeGrid, TicksAndMissedPointsAddUpToTheTimeThatWentBy) {
   EXPECT_EQ(kStart + points * kPeriod, last_point);
 }
 
-TEST(TimeGrid, StartsAnewAfterARestart) {
+TEST(TimeGrid, StartsFromZeroAfterARestart) {
   TimeGrid grid(kPeriod);
   grid.end_wait(grid.begin_wait(kStart));
   grid.restart();

@@ -72,8 +72,9 @@ TEST_F(MaterialFileTest, AWrongFileIsNamed) {
   EXPECT_NE(refusal("  material_file: nowhere.yaml\n").find("nowhere.yaml"), std::string::npos);
   write("scene.yaml", "object: {size: 3}\n");
   EXPECT_NE(refusal("  material_file: scene.yaml\n").find("palpate-fit"), std::string::npos);
-  write("untold.yaml", "material: {model: linear, poisson_ratio: 0.3}\n");
-  EXPECT_NE(refusal("  material_file: untold.yaml\n").find("corotational"), std::string::npos);
+  write("without_corotational.yaml", "material: {model: linear, poisson_ratio: 0.3}\n");
+  EXPECT_NE(refusal("  material_file: without_corotational.yaml\n").find("corotational"),
+            std::string::npos);
   write("wild.yaml",
         "material: {model: linear}\ncorotational: {young_modulus: -1, poisson_ratio: 0.3}\n");
   EXPECT_NE(refusal("  material_file: wild.yaml\n").find("wild.yaml"), std::string::npos);

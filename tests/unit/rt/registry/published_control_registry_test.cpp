@@ -25,7 +25,7 @@ std::string error_of(const std::vector<std::string>& overrides) {
   return "";
 }
 
-class Rivals : public ::testing::Test {
+class PublishedControlRegistry : public ::testing::Test {
  protected:
   void build(std::vector<std::string> overrides) {
     overrides.emplace_back("sensing=[]");
@@ -81,7 +81,7 @@ class Rivals : public ::testing::Test {
   sensing::Signals signals_;
 };
 
-TEST_F(Rivals, EachIsBuiltMovesTheHandAndAllocatesNothing) {
+TEST_F(PublishedControlRegistry, EachIsBuiltMovesTheHandAndAllocatesNothing) {
   ASSERT_GE(published_providers().size(), 16u);
   for (const std::string& name : published_providers()) {
     std::vector<std::string> overrides{"control.provider=" + name};
@@ -103,7 +103,7 @@ TEST_F(Rivals, EachIsBuiltMovesTheHandAndAllocatesNothing) {
   }
 }
 
-TEST_F(Rivals, WrongKeysAreNamed) {
+TEST_F(PublishedControlRegistry, WrongKeysAreNamed) {
   const std::string unknown = error_of({"control.provider=oracle"});
   EXPECT_NE(unknown.find("oracle"), std::string::npos) << unknown;
   EXPECT_NE(unknown.find("weighted_least_squares"), std::string::npos) << unknown;
@@ -127,7 +127,7 @@ TEST_F(Rivals, WrongKeysAreNamed) {
   EXPECT_NE(pose.find("pose cannot be learnt"), std::string::npos) << pose;
 }
 
-TEST_F(Rivals, MarkersSayWhereTheFeatureIs) {
+TEST_F(PublishedControlRegistry, MarkersSayWhereTheFeatureIs) {
   build({"control.sight=markers"});
   run(50);
   aim({0, 0, 0.03});
@@ -138,14 +138,14 @@ TEST_F(Rivals, MarkersSayWhereTheFeatureIs) {
   EXPECT_NEAR(pipeline_->feature_state().value.z(), 0.07, 1e-6);
   EXPECT_GT(speed(), 1e-3);
   run(500);
-  EXPECT_EQ(speed(), 0) << "sight is lost";
+  EXPECT_EQ(speed(), 0) << "the markers are lost";
   EXPECT_STREQ(pipeline_->condition().reason, "the markers are not seen");
   see({0, 0, 0.01});
   run(50);
   EXPECT_GT(speed(), 1e-3);
 }
 
-TEST_F(Rivals, WithTheModelAFeatureOutlivesItsSight) {
+TEST_F(PublishedControlRegistry, WithTheModelAFeatureOutlivesItsMarkers) {
   build({"control.sight=markers_and_model"});
   run(50);
   aim({0, 0, 0.03});

@@ -140,12 +140,12 @@ TEST(DepthNoise, EdgesLoseTheirShareOfPixels) {
     const draw::DepthImage measured = noise.apply(step_picture(), math::Random(i));
     for (std::size_t p = 0; p < measured.metres.size(); ++p) lost += measured.metres[p] == 0;
   }
-  const int beside = 4 * 60 + 4 * 60 - 4;  // outside and inside of the outline
-  const double n = pictures * beside;
+  const int near_edge = 4 * 60 + 4 * 60 - 4;  // outside and inside of the outline
+  const double n = pictures * near_edge;
   EXPECT_NEAR(lost / n, 0.4, 4 * std::sqrt(0.24 / n));
 }
 
-TEST(DepthNoise, EdgesAreSeenBesideWhereTheyAre) {
+TEST(DepthNoise, EdgesAreSeenNextToWhereTheyAre) {
   DepthNoiseOptions options = only_noise();
   const DepthNoise noise(options, intrinsics());
   // The fraction of near pixels in the columns around the left edge is the tail of lateral noise.

@@ -28,7 +28,7 @@ ShapeCameraOptions shape_camera_options() {
 }
 
 /// Signed distance of a point from the surface of the bar.
-double beside_the_bar(const Eigen::Vector3d& p) {
+double off_the_bar(const Eigen::Vector3d& p) {
   const Eigen::Vector3d out = (p - Eigen::Vector3d(0.8, 0, 0)).cwiseAbs() - 0.5 * kSize;
   return out.maxCoeff() > 0 ? out.cwiseMax(0).norm() : out.maxCoeff();
 }
@@ -43,15 +43,16 @@ TEST(ShapeCamera, PointsLieOnTheObjectWithinTheirDeviation) {
     ASSERT_LE(reading.points_W.cols(), 256);
     deviation = reading.deviation;
     for (const auto& p : reading.points_W.colwise()) {
-      const double distance = beside_the_bar(p);
+      const double distance = off_the_bar(p);
       squares += distance * distance;
       far += std::abs(distance) > 5 * deviation;
       ++count;
     }
   }
   const double rms = std::sqrt(squares / count);
-  std::printf("points beside the surface: rms %.2f mm, stated %.2f mm, %d of %d beyond 5 of it\n",
-              1e3 * rms, 1e3 * deviation, far, count);
+  std::printf(
+      "distance of points from the surface: rms %.2f mm, stated %.2f mm, %d of %d beyond 5 of it\n",
+      1e3 * rms, 1e3 * deviation, far, count);
   // Surfaces are viewed at 20 to 70 degrees here, so the distance to them is less than along the
   // ray.
   EXPECT_LT(rms, 1.1 * deviation);

@@ -118,7 +118,7 @@ std::string remarks_where(const std::string& what, const std::string& by) {
   return all(parse_model(text.replace(text.find(what), what.size(), by), "six.urdf").remarks);
 }
 
-TEST(OtherRobot, MassesAndInertiasThatWouldMakeItUnstableAreTold) {
+TEST(OtherRobot, MassesAndInertiasThatWouldMakeItUnstableAreReported) {
   EXPECT_EQ(all(parse_model(six_joint_arm(), "six.urdf").remarks), "");
   EXPECT_EQ(all(load_model(PALPATE_SOURCE_DIR "/sim/robot/lwr_hand.urdf").remarks), "");
   // The fifth link, of 1 kg, between one of 2 and one of 0.5 kg with its tool.
@@ -135,13 +135,13 @@ TEST(OtherRobot, MassesAndInertiasThatWouldMakeItUnstableAreTold) {
   EXPECT_NE(negative.find("all must be above zero"), std::string::npos) << negative;
 }
 
-TEST(OtherRobot, TellsWhatDartItselfUses) {
+TEST(OtherRobot, ReportsTheOptionsThatDartItselfUses) {
   Robot robot(parse_model(six_joint_arm(), "six.urdf"), named());
   robot.step(2e-3);
-  const std::string told = robot.effective_options();
-  EXPECT_NE(told.find("step 2 ms, gravity [0, 0, -9.81] m/s^2, 1 skeletons"), std::string::npos)
-      << told;
-  EXPECT_NE(told.find("solved by "), std::string::npos) << told;
+  const std::string options = robot.effective_options();
+  EXPECT_NE(options.find("step 2 ms, gravity [0, 0, -9.81] m/s^2, 1 skeletons"), std::string::npos)
+      << options;
+  EXPECT_NE(options.find("solved by "), std::string::npos) << options;
 }
 
 }  // namespace

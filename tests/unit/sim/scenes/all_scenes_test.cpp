@@ -76,7 +76,7 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
   Stage stage(path_of(GetParam()), coarse_object(GetParam()));
   Simulation& s = stage.simulation;
   const MotionPlan& plan = *s.scene().motion;
-  double room = 10, speed = 0, torque = 0, astray = 0, askew = 0;
+  double room = 10, speed = 0, torque = 0, distance = 0, angle = 0;
   while (s.time() < plan.duration()) {
     s.step();
     for (int i = 0; i < s.arm_count(); ++i) {
@@ -91,8 +91,8 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
       torque = std::max(torque,
                         (robot.joint_torques().array() / limits.torque.array()).abs().maxCoeff());
       const math::Pose X = arm.grasp_in_object(), target = arm.grasp_target(s.time());
-      astray = std::max(astray, (X.translation() - target.translation()).norm());
-      askew = std::max(askew, math::log_rotation(X.linear() * target.linear().transpose()).norm());
+      distance = std::max(distance, (X.translation() - target.translation()).norm());
+      angle = std::max(angle, math::log_rotation(X.linear() * target.linear().transpose()).norm());
     }
   }
   EXPECT_GT(room, 0.1) << "rad to the nearest joint limit";
@@ -100,8 +100,8 @@ TEST_P(MovingScene, KeepsTheArmWithinItsLimitsAndOnItsWay) {
   EXPECT_LT(torque, 0.8) << "of the joint torque limit";
   for (int i = 0; i < s.arm_count(); ++i)
     EXPECT_EQ(s.arm(i).robot().torque_limited_steps(), 0) << i;
-  EXPECT_LT(astray, 1.5e-3) << "m from the plan";
-  EXPECT_LT(askew, 5e-3) << "rad from the plan";
+  EXPECT_LT(distance, 1.5e-3) << "m from the plan";
+  EXPECT_LT(angle, 5e-3) << "rad from the plan";
   EXPECT_EQ(s.object().grasped(0), !s.scene().plant.grasps.empty());
 }
 

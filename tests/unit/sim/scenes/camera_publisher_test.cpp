@@ -85,7 +85,7 @@ TEST(CameraPublisher, PointsLieOnThePlantWhileItMoves) {
     stated = m.deviation;
   }
   const double rms = std::sqrt(squares / count);
-  std::printf("observed points beside the plant's surface: rms %.2f mm, stated %.2f mm\n",
+  std::printf("distance of observed points from the plant's surface: rms %.2f mm, stated %.2f mm\n",
               1e3 * rms, 1e3 * stated);
   EXPECT_GT(moved, 0.01);
   EXPECT_LT(rms, 1.1 * stated);

@@ -17,7 +17,7 @@ hand_command_t command(std::int32_t seq, std::int32_t action, double force = 0) 
   return message;
 }
 
-TEST(HandControl, HandStateTellsTheFingersJointsAndWhereTheyBringTheTips) {
+TEST(HandControl, HandStateContainsFingerJointsAndFingertipPoses) {
   Stage stage(kControl);
   Simulation& s = stage.simulation;
   bus::TypedPublisher<hand_command_t> commands(*stage.daemon, "HAND_COMMAND");

@@ -45,7 +45,7 @@ TEST(LockStep, SendsTheTickAndTakesItsAnswer) {
   EXPECT_EQ(tick.session, 9);
 }
 
-TEST(LockStep, AnAnswerThatComesBeforeAnybodyWaitsIsNotLost) {
+TEST(LockStep, AnAnswerThatArrivesBeforeTheWaitIsNotLost) {
   Exchange e;
   const std::atomic<bool> stop{false};
   e.lock_step.send(7, 1000, 0);

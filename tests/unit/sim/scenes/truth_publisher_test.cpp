@@ -41,7 +41,7 @@ TEST(TruthPublisher, ChunksOfAFineMeshFitDatagramsAndMakeItWhole) {
   EXPECT_EQ(constrained, plant.clamped_nodes());
 }
 
-TEST(TruthPublisher, TellsThePlantsShapeAndTheHandsWrench) {
+TEST(TruthPublisher, PublishesThePlantsShapeAndTheHandsWrench) {
   Stage stage(kSixPoses);
   stage.run(2.5);
   const Simulation& s = stage.simulation;

@@ -57,7 +57,7 @@ TEST(TwoArms, WrongKeysAreNamed) {
   EXPECT_THROW(Stage(kTwoHands, soft({"second_arm.initial_joints=[0, 0]"})), config::Error);
 }
 
-TEST(TwoArms, SecondOneSpeaksOnItsOwnChannels) {
+TEST(TwoArms, SecondOneUsesItsOwnChannels) {
   Stage stage(kTwoHands, soft());
   stage.run(1);
   const auto near = [](std::size_t count, int expected) {
@@ -114,7 +114,7 @@ TEST(TwoArms, WrenchesOfBothHandsAndTheWeightSumToZeroAtRest) {
   }
 }
 
-TEST(TwoArms, TruthTellsBothGrasps) {
+TEST(TwoArms, TruthContainsBothGrasps) {
   Stage stage(kTwoHands, soft());
   stage.run(1.5);
   const truth_contact_t truth = stage.sent<truth_contact_t>("TRUTH_CONTACT").back();

@@ -88,7 +88,7 @@ TEST(SensorSuite, PublishesAtTheRatesOfTheTable) {
   EXPECT_NEAR(hand, 500, 2);
 }
 
-TEST(SensorSuite, WithoutFaultsTellsTheTruth) {
+TEST(SensorSuite, WithoutFaultsReportsTheTruth) {
   SensorSuite suite(table(kClean + "}"), 1, grasp(), 7);
   const Truth truth = some_truth();
   suite.sample(0, truth);

@@ -148,7 +148,7 @@ TEST(CsvExport, TextsBytesAndUnlikeLengths) {
   EXPECT_EQ(picture[1].substr(picture[1].size() - 2), ",4");
 }
 
-TEST(CsvExport, WhatCannotBeWrittenIsTold) {
+TEST(CsvExport, WhatCannotBeWrittenIsReported) {
   const SmallRun run;
   Source source(quiet({run.control()}));
   std::ofstream(run.folder() / "file") << "in the way";

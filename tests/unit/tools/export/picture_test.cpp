@@ -43,7 +43,7 @@ class PictureTest : public testing::Test {
   DrawingOptions drawing_;
 };
 
-TEST_F(PictureTest, ColoursTellTheQuantity) {
+TEST_F(PictureTest, ColoursShowTheQuantity) {
   drawing_.quantity = Quantity::kStrain;
   drawing_.low = 0;
   drawing_.high = 0.2;
@@ -75,7 +75,7 @@ TEST_F(PictureTest, SeveralTimesMakeSeveralPictures) {
   EXPECT_TRUE(std::filesystem::exists(written[1].file));
 }
 
-TEST_F(PictureTest, WhatTheLogDoesNotTellIsSaid) {
+TEST_F(PictureTest, WhatTheLogLacksIsReported) {
   drawing_.quantity = Quantity::kUncertainty;
   EXPECT_THROW(picture({}), std::runtime_error);
   drawing_.quantity = Quantity::kDisplacement;

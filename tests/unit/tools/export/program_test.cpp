@@ -31,7 +31,7 @@ TEST_F(ProgramTest, HelpSuffices) {
   }
 }
 
-TEST_F(ProgramTest, TellsWhatALogHoldsAndWhatIsWrongWithIt) {
+TEST_F(ProgramTest, ReportsWhatALogHoldsAndWhatIsWrongWithIt) {
   std::filesystem::resize_file(run_.control(), std::filesystem::file_size(run_.control()) - 5);
   const Answer answer =
       program({"info", path("control.log"), path("housekeeping.log"), "--json", path("info.json")});

@@ -176,7 +176,7 @@ class Reader:
                 last_chunk = self.chunk(at, fields, length, defined)
             elif opcode == MESSAGE_INDEX:
                 channel, entries = fields.number(2), fields.pairs(8, 8)
-                check(sorted(entries) == sorted(last_chunk["messages"][channel]), "an index that leads astray")
+                check(sorted(entries) == sorted(last_chunk["messages"][channel]), "an index with a wrong offset")
                 check(entries == sorted(entries, key=lambda e: e[0]), "an index out of order")
                 last_chunk["index"][channel] = at
                 last_chunk["index_length"] += length
@@ -215,10 +215,10 @@ class Reader:
                        chunk["index"], chunk["index_length"], chunk["length"] - head), "a wrong chunk index")
                 indexed.add(start)
             elif opcode == STATISTICS:
-                told = [fields.number(n) for n in (8, 2, 4, 4, 4, 4, 8, 8)]
+                stated = [fields.number(n) for n in (8, 2, 4, 4, 4, 4, 8, 8)]
                 times = self.times or [0]
-                check(told == [self.messages, len(self.schemas), len(self.channels), 0, len(self.metadata),
-                               len(self.chunks), min(times), max(times)], f"wrong statistics {told}")
+                check(stated == [self.messages, len(self.schemas), len(self.channels), 0, len(self.metadata),
+                               len(self.chunks), min(times), max(times)], f"wrong statistics {stated}")
                 counts = {self.channels[c][1]: n for c, n in fields.pairs(2, 8) if n}
                 check(counts == dict(self.counts), "wrong counts of messages")
             elif opcode == METADATA_INDEX:

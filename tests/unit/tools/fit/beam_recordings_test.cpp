@@ -11,7 +11,7 @@ namespace {
 
 /// With the constants identified by palpate-fit from all recordings together, the silicone beam
 /// comes to rest within 1 mm, with 5 % error of the period and 20 % of the decay.
-TEST(BeamRecordings, OneMaterialTellsRestAndSwing) {
+TEST(BeamRecordings, OneMaterialExplainsRestAndSwing) {
   PALPATE_REQUIRE_RECORDING("beam_dragonskin/gravity_a.csv");
   const std::string preset =
       std::string(PALPATE_SOURCE_DIR) + "/tools/fit/presets/beam_dragonskin.yaml";

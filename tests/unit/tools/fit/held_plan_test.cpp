@@ -37,7 +37,7 @@ HeldCell weightless() {
   return cell;
 }
 
-TEST(HeldPlan, PosesAloneDoNotTellTheModulusOfWhatHasNoWeight) {
+TEST(HeldPlan, PosesAloneDoNotDetermineTheModulusWithoutWeight) {
   HeldPlanOptions options;
   options.reads_wrench = false;
   options.markers = {{0.1, 0, 0.02}, {0.1, 0.05, 0.02}, {0.15, 0.025, 0.04}};
@@ -49,7 +49,7 @@ TEST(HeldPlan, PosesAloneDoNotTellTheModulusOfWhatHasNoWeight) {
 }
 
 // Under its weight the shape identifies E over density: with the density known, E.
-TEST(HeldPlan, SagTellsTheModulusWhereTheDensityIsKnown) {
+TEST(HeldPlan, SagDeterminesTheModulusWhereTheDensityIsKnown) {
   HeldPlanOptions options;
   options.reads_wrench = false;
   options.markers = {{0.1, 0, 0.02}, {0.1, 0.05, 0.02}, {0.15, 0.025, 0.04}};
@@ -59,7 +59,7 @@ TEST(HeldPlan, SagTellsTheModulusWhereTheDensityIsKnown) {
   EXPECT_FALSE(is_undetermined(plan_motions(make_held_bar(), wide(), options), "young_modulus"));
 }
 
-TEST(HeldPlan, WrenchTellsTheModulusAndRingingTheDamping) {
+TEST(HeldPlan, WrenchDeterminesTheModulusAndRingingTheDamping) {
   const HeldPlan plan = plan_motions(weightless(), wide(), {});
   EXPECT_FALSE(is_undetermined(plan, "young_modulus"));
   EXPECT_FALSE(is_undetermined(plan, "stiffness_damping"));
@@ -84,7 +84,7 @@ TEST(HeldPlan, LeavesOutWhatTheGateForbids) {
   EXPECT_TRUE(is_undetermined(plan, "young_modulus"));
 }
 
-TEST(HeldPlan, EveryStepTellsMore) {
+TEST(HeldPlan, EveryStepAddsInformation) {
   const HeldPlan plan = plan_motions(make_held_bar(), wide(), {});
   ASSERT_GE(plan.steps.size(), 2u);
   std::vector<Knowledge> before = plan.before;

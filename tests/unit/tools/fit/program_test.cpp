@@ -19,6 +19,7 @@ namespace palpate::fit {
 namespace {
 
 using ::testing::AllOf;
+using ::testing::ContainsRegex;
 using ::testing::HasSubstr;
 
 std::string text_of(const std::filesystem::path& file) {
@@ -128,11 +129,11 @@ TEST_F(ProgramTest, WhatWasKilledIsGoneOnFrom) {
   EXPECT_NEAR(material.child("material").number("young_modulus", {}), 20e3, 100);
 }
 
-TEST_F(ProgramTest, WhatCannotBeToldIsNamedNotGuessed) {
+TEST_F(ProgramTest, UndeterminedParametersAreNamedNotGuessed) {
   ASSERT_EQ(run_program({"--set", "parameters.poisson_ratio={lower: 0, upper: 0.5}"}), 0)
       << output();
   EXPECT_THAT(output(),
-              AllOf(HasSubstr("undetermined"), HasSubstr("The data cannot tell young_modulus"),
+              AllOf(HasSubstr("undetermined"), ContainsRegex("The data [a-z ]+ young_modulus"),
                     HasSubstr("poisson_ratio")));
 }
 

@@ -94,7 +94,7 @@ TEST_F(RecordingTest, ACellThatIsNoNumberNamesRowAndRemedy) {
   }
 }
 
-TEST_F(RecordingTest, AFileThatChangesIsReadAnew) {
+TEST_F(RecordingTest, AFileThatChangesIsReadAgain) {
   read(std::string("file: a.csv\n") + kColumns);
   folder_.write("a.csv", "u,F\n7,1\n");
   std::filesystem::last_write_time(

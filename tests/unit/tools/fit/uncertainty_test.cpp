@@ -95,7 +95,7 @@ TEST(Uncertainty, AutocorrelatedNoiseWidensIntervals) {
   EXPECT_GE(covered, 85);
 }
 
-TEST(Uncertainty, WhatTheDataCannotTellIsNamed) {
+TEST(Uncertainty, UndeterminedDirectionsAreNamed) {
   // a b x: only the product is identifiable.
   const auto product = [](const Eigen::VectorXd& p, double x, Eigen::VectorXd* by) {
     if (by) *by << p[1] * x, p[0] * x, 1;

@@ -46,7 +46,7 @@ TEST_F(MergedLogTest, AnEmptyLogIsNoObstacle) {
   EXPECT_EQ(all(log).size(), 1u);
 }
 
-TEST_F(MergedLogTest, OfACutAndADamagedLogTheRestIsReadAndThePlaceTold) {
+TEST_F(MergedLogTest, OfACutAndADamagedLogTheRestIsReadAndThePlaceReported) {
   const auto file = write("A", {1, 2, 3, 4});
   const auto size = static_cast<std::int64_t>(std::filesystem::file_size(file)), one = size / 4;
   {

@@ -57,15 +57,15 @@ class Program : public MeshFolder {
   }
 
   /// check finds the fault, by name and number, and draws it; repair fixes it.
-  void expect_mended(const std::string& file, const std::string& kind,
-                     const std::vector<long>& numbers, const std::string& step, double volume,
-                     bool can_be_seen = true) {
+  void expect_repaired(const std::string& file, const std::string& kind,
+                       const std::vector<long>& numbers, const std::string& step, double volume,
+                       bool can_be_seen = true) {
     expect_found(file, kind, numbers, can_be_seen);
-    const std::string mended = path("mended.msh");
-    const nlohmann::json result = run_json({"repair", path(file), mended});
+    const std::string repaired_file = path("repaired.msh");
+    const nlohmann::json result = run_json({"repair", path(file), repaired_file});
     EXPECT_THAT(result["repaired"].dump(), HasSubstr(step));
     EXPECT_TRUE(result["good"]);
-    const mesh::MeshWithGroups read = read_volume(mended, 1);
+    const mesh::MeshWithGroups read = read_volume(repaired_file, 1);
     EXPECT_TRUE(mesh::check(read.mesh).ok()) << mesh::check(read.mesh).text();
     EXPECT_NEAR(mesh::check(read.mesh).volume, volume, 1e-12 * volume);
   }
@@ -107,42 +107,42 @@ TEST_F(Program, InvertedElementsAreTurned) {
   std::swap(mesh.mesh.tetrahedra(0, 17), mesh.mesh.tetrahedra(1, 17));
   std::swap(mesh.mesh.tetrahedra(0, 60), mesh.mesh.tetrahedra(1, 60));
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "inverted", {18, 61}, "order of corners", kVolume);
+  expect_repaired("a.msh", "inverted", {18, 61}, "order of corners", kVolume);
 }
 
 TEST_F(Program, AStrayedNodeIsPutBack) {
   mesh::MeshWithGroups mesh = bar();
   mesh.mesh.nodes.col(22) += Eigen::Vector3d(0.08, 0.01, 0.02);
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "inverted", {14, 18, 39, 65, 85, 88}, "strayed", kVolume);
+  expect_repaired("a.msh", "inverted", {14, 18, 39, 65, 85, 88}, "strayed", kVolume);
 }
 
 TEST_F(Program, FlatElementsArePeeled) {
   mesh::MeshWithGroups mesh = bar();
   add(mesh.mesh, Eigen::Vector4i(30, 31, 36, 35));  // the corners of a square of the upper side
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "flat", {97}, "peeled", kVolume);
+  expect_repaired("a.msh", "flat", {97}, "peeled", kVolume);
 }
 
 TEST_F(Program, NodesThatLieOnAnotherAreMerged) {
   mesh::MeshWithGroups mesh = bar();
   mesh.mesh.tetrahedra(0, 9) = add_node(mesh.mesh, mesh.mesh.nodes.col(mesh.mesh.tetrahedra(0, 9)));
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "duplicate_node", {46}, "merged", kVolume);
+  expect_repaired("a.msh", "duplicate_node", {46}, "merged", kVolume);
 }
 
 TEST_F(Program, NodesInNoElementAreDropped) {
   mesh::MeshWithGroups mesh = bar();
   add_node(mesh.mesh, Eigen::Vector3d(0.1, 0.05, 0.2));
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "unused_node", {46}, "in no element", kVolume);
+  expect_repaired("a.msh", "unused_node", {46}, "in no element", kVolume);
 }
 
 TEST_F(Program, RepeatedElementsAreDropped) {
   mesh::MeshWithGroups mesh = bar();
   add(mesh.mesh, Eigen::Vector4i(mesh.mesh.tetrahedra.col(5)));
   write_mesh("a.msh", mesh);
-  expect_mended("a.msh", "repeated", {97}, "there twice", kVolume);
+  expect_repaired("a.msh", "repeated", {97}, "there twice", kVolume);
 }
 
 TEST_F(Program, HexahedraAreCut) {
@@ -154,7 +154,7 @@ TEST_F(Program, HexahedraAreCut) {
   write("a.msh", text +
                      "$EndNodes\n$Elements\n2\n7 5 0 1 2 5 4 7 8 11 10\n"
                      "8 5 0 2 3 6 5 8 9 12 11\n$EndElements\n");
-  expect_mended("a.msh", "mixed", {7, 8}, "cut into tetrahedra", 0.2 * 0.1 * 0.1);
+  expect_repaired("a.msh", "mixed", {7, 8}, "cut into tetrahedra", 0.2 * 0.1 * 0.1);
 }
 
 TEST_F(Program, PartsAreRefusedOrDropped) {
@@ -242,11 +242,11 @@ TEST_F(Program, UnitsThatCannotBeMeantAreWarnedOf) {
   EXPECT_THAT(output(), Not(HasSubstr("warning")));
 }
 
-TEST_F(Program, SurfacesAreMendedOrRefused) {
+TEST_F(Program, SurfacesAreRepairedOrRefused) {
   const mesh::TriangleSurface ball =
       boundary(mesh::make_ellipsoid({0.05, 0.05, 0.05}, 3, mesh::RoundSides::kFull).mesh);
-  const auto mend = [&](const mesh::TriangleSurface& broken, const std::string& kind,
-                        const std::string& step) {
+  const auto expect_surface_repaired = [&](const mesh::TriangleSurface& broken,
+                                           const std::string& kind, const std::string& step) {
     write_surface(broken, path("a.stl"));
     const nlohmann::json found =
         run_json({"check", path("a.stl"), "--picture", path("faults.png")}, 65);
@@ -258,14 +258,14 @@ TEST_F(Program, SurfacesAreMendedOrRefused) {
   };
   mesh::TriangleSurface hole = ball, turned = ball, inside_out = ball, twice = ball;
   hole.triangles = ball.triangles.rightCols(ball.triangle_count() - 2);
-  mend(hole, "hole", "close 1 hole");
+  expect_surface_repaired(hole, "hole", "close 1 hole");
   std::swap(turned.triangles(0, 7), turned.triangles(1, 7));
-  mend(turned, "turned", "like their neighbours");
+  expect_surface_repaired(turned, "turned", "like their neighbours");
   inside_out.triangles.row(0).swap(inside_out.triangles.row(1));
-  mend(inside_out, "inside_out", "inside out");
+  expect_surface_repaired(inside_out, "inside_out", "inside out");
   twice.triangles.resize(3, ball.triangle_count() + 1);
   twice.triangles << ball.triangles, ball.triangles.col(3);
-  mend(twice, "repeated", "there twice");
+  expect_surface_repaired(twice, "repeated", "there twice");
 
   const auto refuse = [&](const mesh::TriangleSurface& broken, const std::string& kind) {
     write_surface(broken, path("c.stl"));
@@ -301,7 +301,7 @@ TEST_F(Program, SurfacesAreMendedOrRefused) {
   refuse(two, "parts");
 }
 
-TEST_F(Program, TellsOfGmshWhereItIsMissingSlowOrFailing) {
+TEST_F(Program, ReportsThatGmshIsMissingSlowOrFailing) {
   ASSERT_EQ(run({"box", path("a.stl"), "--size", "0.1", "0.1", "0.1", "--edge", "0.05"}), 0);
   const auto surface = [&](const std::vector<std::string>& more) {
     std::vector<std::string> arguments{"surface", path("a.stl"), path("b.msh"), "--edge", "0.05"};
@@ -352,7 +352,7 @@ TEST_F(Program, OptimisingSaysWhatItGained) {
   EXPECT_GT(after, 1.5 * before);
 }
 
-TEST_F(Program, WrongCommandsAndFilesAreToldOf) {
+TEST_F(Program, WrongCommandsAndFilesAreReported) {
   EXPECT_EQ(run({}), 64);
   EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1"}), 64);
   EXPECT_EQ(run({"box", path("a.msh"), "--size", "0.1", "0.1", "-0.1", "--edge", "0.1"}), 64);

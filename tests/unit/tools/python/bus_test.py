@@ -93,7 +93,7 @@ class Buses(unittest.TestCase):
             self.assertGreater(len(log["IMU"]), 0)
             self.assertEqual(log.undecodable, {})
 
-    def test_another_type_is_counted_and_nobody_is_harmed(self) -> None:
+    def test_another_type_is_counted_and_does_no_harm(self) -> None:
         subscription = self.bus.subscribe("IMU")
         self.bus._transport.publish("IMU", messages.sim_tick_t().encode())
         self.bus._transport.publish("IMU", b"")
@@ -219,7 +219,7 @@ class Answers(unittest.TestCase):
 
         def answer(count: int, command: messages.component_command_t) -> None:
             counters.append(command.counter)
-            self.say("start", command.counter + 1, "of somebody else")
+            self.say("start", command.counter + 1, "of another sender")
             if count >= 2:
                 self.say(text_of(command.event), command.counter)
 
@@ -263,7 +263,7 @@ class Answers(unittest.TestCase):
         self.assertEqual(first[1].rest_points[0], (192.0, 193.0, 194.0))
         self.assertEqual(first[2].values[5], -389.0)
 
-    def test_silence_says_where_nobody_answered(self) -> None:
+    def test_a_timeout_names_the_url_without_an_answer(self) -> None:
         self.daemon.timeout = 0.3
         with self.assertRaisesRegex(palpate.NoAnswer, "is palpated running on udpm://"):
             self.daemon.start()

@@ -80,7 +80,7 @@ class Logs(unittest.TestCase):
         first = read["SHAPE"].of_mesh(0).positions
         np.testing.assert_array_equal(first, [[[0, 1, 2], [3, 4, 5]]])
 
-    def test_damage_is_passed_over_and_told(self) -> None:
+    def test_damage_is_skipped_and_reported(self) -> None:
         data = self.write()
         size = len(data) // 10
         for damaged, kept, damage in (

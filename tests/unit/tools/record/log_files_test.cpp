@@ -63,7 +63,7 @@ TEST_F(LogFilesTest, LcmReadsWhatIsWritten) {
   EXPECT_EQ(log.bytes(), static_cast<std::int64_t>(fs::file_size(name())));
 }
 
-TEST_F(LogFilesTest, NeverOverwritesUnlessTold) {
+TEST_F(LogFilesTest, NeverOverwritesWithoutTheOption) {
   put("run.lcmlog", "precious");
   try {
     LogFiles log(name(), {});
@@ -115,7 +115,7 @@ TEST_F(LogFilesTest, RotationKeepsTheNewestFiles) {
                                                    path("run.lcmlog.0")}));
 }
 
-TEST_F(LogFilesTest, SplitsWhenTold) {
+TEST_F(LogFilesTest, SplitsOnRequest) {
   LogFileOptions options;
   options.rotate = 2;
   LogFiles log(name(), options);

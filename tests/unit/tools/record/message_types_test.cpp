@@ -32,7 +32,7 @@ TEST(MessageTypes, AreThoseThatAreDefined) {
   EXPECT_EQ(known, defined);
 }
 
-TEST(MessageTypes, AreToldByFingerprintAndSize) {
+TEST(MessageTypes, AreRecognisedByFingerprintAndSize) {
   ft_wrench_t message{};
   message.utime = -5;
   message.seq = 77;

@@ -65,7 +65,7 @@ TEST_F(RecorderTest, EachUrlHasALog) {
   EXPECT_EQ(recorder.totals().lost, 2);
 }
 
-TEST_F(RecorderTest, OneLogForAllWhereTold) {
+TEST_F(RecorderTest, OneLogForAllUrlsOnRequest) {
   RecorderOptions merged = options();
   merged.merge = true;
   Recorder recorder(merged);

@@ -56,7 +56,7 @@ TEST_F(Csv, BlanksAroundACellDoNotCountThoseWithinQuotesDo) {
       ElementsAre(ElementsAre("t", "name"), ElementsAre("1", " a "), ElementsAre("2", "5\" pipe")));
 }
 
-TEST_F(Csv, TheHeaderLineTellsTheDelimiter) {
+TEST_F(Csv, TheHeaderLineDeterminesTheDelimiter) {
   for (const char delimiter : {',', ';', '\t'}) {
     std::string text = "t|a,b|c\n1|2|3\n||\n";
     if (delimiter == ',') text = "t|a;b|c\n1|2|3\n||\n";

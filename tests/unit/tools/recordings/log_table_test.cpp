@@ -113,7 +113,7 @@ TEST_F(EventLog, NamesFileAndColumnOfWhatIsWrong) {
                std::runtime_error);
 }
 
-TEST_F(EventLog, IsToldFromCsvByItsContent) {
+TEST_F(EventLog, IsDistinguishedFromCsvByItsContent) {
   touch(1, 10);
   touch(1.01, 20);
   file_.reset();

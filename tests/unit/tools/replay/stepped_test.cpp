@@ -127,7 +127,7 @@ std::vector<std::uint8_t> feature(std::int64_t utime, std::int32_t seq, double v
   return bus::wire::encoded(message);
 }
 
-TEST(Comparison, TellsTheFirstDifferenceAndNothingOfWhatIsDrawn) {
+TEST(Comparison, ReportsTheFirstDifferenceAndIgnoresSessions) {
   Comparison comparison;
   const auto put = [&](bool recorded, const std::vector<std::uint8_t>& data) {
     const int size = static_cast<int>(data.size());

@@ -34,7 +34,7 @@ class Feed {
   std::string channel_;
 };
 
-TEST(ChannelTable, TellsRateJitterLatencyAndBandwidth) {
+TEST(ChannelTable, ShowsRateJitterLatencyAndBandwidth) {
   ChannelTable table;
   Feed feed(table);
   // Alternately 9 and 11 ms.
@@ -83,7 +83,7 @@ TEST(ChannelTable, CountsLossesAndSenders) {
   EXPECT_EQ(table.rows(10 * kMs)[0].senders, 1);
 }
 
-TEST(ChannelTable, UnknownAndBrokenMessagesAreTold) {
+TEST(ChannelTable, UnknownAndBrokenMessagesAreReported) {
   ChannelTable table;
   const std::vector<std::uint8_t> unknown(40, 1);
   table.take({0, kWall, kMs, "OTHER", unknown.data(), 40});
@@ -109,7 +109,7 @@ TEST(ChannelTable, AnotherClockHasNoLatency) {
   EXPECT_FALSE(table.rows(3 * kMs)[0].has_latency);
 }
 
-TEST(ChannelTable, SortsAsTold) {
+TEST(ChannelTable, SortsByTheRequestedColumn) {
   ChannelTable table;
   Feed slow(table, 0, "A"), fast(table, 0, "B"), losing(table, 1, "C");
   for (int i = 0; i < 10; ++i) slow.take(i, i * 100 * kMs);

@@ -88,16 +88,16 @@ TEST_F(ViewTest, FaultsStandOutWithTheirReason) {
   EXPECT_EQ(lines[0].tone, Tone::kBad);
 }
 
-TEST_F(ViewTest, TwoDaemonsAreTold) {
+TEST_F(ViewTest, TwoDaemonsAreReported) {
   hear("HEALTH", active(), kSecond);
-  EXPECT_TRUE(with("daemons speak", kSecond).empty());
+  EXPECT_TRUE(with("daemons", kSecond).empty());
   health_t other = active();
   other.session = 6;
   hear("HEALTH", other, kSecond);
-  EXPECT_EQ(with("2 daemons speak at once", kSecond).size(), 1u);
+  EXPECT_EQ(with("2 daemons", kSecond).size(), 1u);
   other.session = 6;
   hear("HEALTH", other, 5 * kSecond);
-  EXPECT_TRUE(with("daemons speak", 5 * kSecond).empty()) << "the first has ended";
+  EXPECT_TRUE(with("daemons", 5 * kSecond).empty()) << "the first has ended";
 }
 
 TEST_F(ViewTest, EventsAreShownInALine) {

@@ -67,7 +67,7 @@ TEST_F(CommanderTest, RepeatsTheSameUntilItIsAnswered) {
   }
   say("all", "active", -1);
   say("all", "stop", sent[0].counter + 5);
-  EXPECT_TRUE(answers_.empty()) << "answers to somebody else";
+  EXPECT_TRUE(answers_.empty()) << "answers to another sender";
   say("all", "start", sent[0].counter);
   ASSERT_EQ(answers_.size(), 1U);
   EXPECT_EQ(answers_[0].event, "start");
@@ -98,7 +98,7 @@ TEST_F(CommanderTest, AReplacementHasTwoAnswersAndOthersPassItBy) {
   EXPECT_EQ(commander_->under_way(), 0U);
 }
 
-TEST_F(CommanderTest, WhatWasSealedBeforeTheDaemonsStartIsSealedAnew) {
+TEST_F(CommanderTest, WhatWasSealedBeforeTheDaemonsStartIsSealedAgain) {
   commander_->ask(command::make_command({"start", "all", "", "", ""}), kStart, note());
   const component_command_t early = taken()[0];
   say("all", "no_access", -1, "1 of COMPONENT_COMMAND, the last one: no valid authentication code");

@@ -50,7 +50,7 @@ TEST_F(CommandLine, StaticWritesOneObjectOrAList) {
   EXPECT_EQ(written().at("elements"), 5 * 8);
 }
 
-TEST_F(CommandLine, DynamicTellsWhenTheBodySettles) {
+TEST_F(CommandLine, DynamicReportsWhenTheBodySettles) {
   EXPECT_EQ(run({"dynamic", case_, "--rise", "0.02", "--json", json_}), 0);
   EXPECT_EQ(written().at("at_rest"), true);
   EXPECT_LT(written().at("probe_rms_error_over_max_u").get<double>(), 1e-4);

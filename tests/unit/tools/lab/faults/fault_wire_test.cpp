@@ -1,4 +1,4 @@
-// The fault campaign's ear on a URL that anybody may send to.
+// The fault campaign's receiver on a URL that any program may send to.
 
 #include "tools/lab/faults/fault_wire.hpp"
 

@@ -38,7 +38,7 @@ TEST_F(MonitorTest, CommandsAtTheLimitsAreSound) {
   EXPECT_NEAR(monitor_.largest_step(), 1, 1e-9);
 }
 
-TEST_F(MonitorTest, TooFastTooSuddenOrOutwardsIsTold) {
+TEST_F(MonitorTest, TooFastTooSuddenOrOutwardsIsReported) {
   command(6e-4);
   EXPECT_EQ(monitor_.beyond_limits(), 1);
   command(6e-4, 2.1e-3);
@@ -77,7 +77,7 @@ TEST_F(MonitorTest, EveryNumberCounts) {
   EXPECT_NE(monitor_.complaint().find("CONTACTS"), std::string::npos);
 }
 
-TEST_F(MonitorTest, WhatCannotBeReadOrIsNotKnownIsTold) {
+TEST_F(MonitorTest, UnreadableOrUnknownMessagesAreReported) {
   monitor_.look({"FEATURE", std::vector<std::uint8_t>(20), 0}, {}, false);
   monitor_.look({"NO_SUCH", std::vector<std::uint8_t>(20), 0}, {}, false);
   EXPECT_EQ(monitor_.undecoded(), 2);

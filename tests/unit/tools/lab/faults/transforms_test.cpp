@@ -71,7 +71,7 @@ TEST(Messages, NumbersStandWhereTheTypesSay) {
   EXPECT_EQ(wrench.session, -3);
 }
 
-TEST(Transforms, LoseTheShareThatTheyAreToldWithinTheWindowAlone) {
+TEST(Transforms, LoseTheConfiguredShareWithinTheWindowOnly) {
   const Stream stream = one_second();
   math::Random random(1, "");
   const Stream left = lose(stream, sensors_in(kWindow), 0.3, random);
@@ -159,10 +159,10 @@ TEST(Transforms, FrozenSensorsGoOnCounting) {
   EXPECT_EQ(later.utime, 501'000);
 }
 
-TEST(Transforms, ARestartBeginsAnewAfterItsPause) {
-  const Stream anew = restart(one_second(), 0.4, 0.2, 9);
+TEST(Transforms, ARestartStartsFromTheBeginningAfterItsPause) {
+  const Stream restarted = restart(one_second(), 0.4, 0.2, 9);
   int before = 0, after = 0;
-  for (const bus::Published& message : anew) {
+  for (const bus::Published& message : restarted) {
     if (message.channel != "FT_WRENCH") continue;
     const Header header = header_of(message);
     if (message.time_ns < 400'000'000) {

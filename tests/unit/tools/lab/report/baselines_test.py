@@ -72,7 +72,7 @@ class Report(unittest.TestCase):
             sys.argv = argv
         return said.getvalue().splitlines(), (self.path / "baselines.html").read_text(encoding="utf-8")
 
-    def test_first_lines_name_who_wins_and_who_ties_and_nobody_else(self):
+    def test_first_lines_name_only_methods_that_win_or_tie(self):
         for seed in (1, 2, 3):
             self.put("control", control_result(OURS, "blind", seed, 2 + 0.01 * seed, 1.5))
             self.put("control", control_result(FAST, "noisy vision", seed, 1, 3))
@@ -100,7 +100,7 @@ class Report(unittest.TestCase):
                     self.put("control", control_result(SLOW, "blind", seed, theirs, 5, task))
         lines, html = self.report()
         self.assertIn("0 of 1 other methods win or tie", lines[0])
-        self.assertIn(f"Beside these win on a single task: {SLOW} (push).", lines[0])
+        self.assertIn(f" win on a single task: {SLOW} (push).", lines[0])
         self.assertIn("<td>1, 2</td>", html)
         text = (self.path / "baselines.md").read_text(encoding="utf-8")
         self.assertIn(lines[0], text)
@@ -220,7 +220,7 @@ class Components(unittest.TestCase):
         for header in headers:
             self.assertLess(code_lines(header), 200, header.name)
 
-    def test_each_tells_what_it_consumes_keeps_and_leaves_out_and_cites(self):
+    def test_each_declares_what_it_consumes_keeps_and_leaves_out_and_cites(self):
         methods = dict(self.sources())
         self.assertGreater(len(methods), 25)
         for method, headers in methods.items():

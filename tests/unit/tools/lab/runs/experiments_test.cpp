@@ -122,7 +122,7 @@ TEST(Targets, OverridesPutTheFeatureIntoItsSlot) {
   EXPECT_EQ(feature.points("rest_points").at(0), target.rest_points[0]);
 }
 
-TEST(Targets, OverridesTellAllThatDefinesTheFeature) {
+TEST(Targets, OverridesContainAllThatDefinesTheFeature) {
   ControlTarget target;
   target.kind = "fourier_contour";
   target.rest_points = {{0, 0, 0}, {0.1, 0, 0}, {0.1, 0.1, 0}};

@@ -1,4 +1,4 @@
-// palpate-evaluate on a URL that anybody may send to.
+// palpate-evaluate on a URL that any program may send to.
 
 #include "tools/lab/runs/operator.hpp"
 

@@ -56,7 +56,7 @@ TEST(BeliefScore, FollowsTheModulusTenTimesASecond) {
   EXPECT_TRUE(json["first_unknown_contact_s"].is_null());
 }
 
-TEST(BeliefScore, TellsTheModulusAfterThreeSecondsOfMotion) {
+TEST(BeliefScore, ReportsTheModulusAfterThreeSecondsOfMotion) {
   log::RunLog run = run_with(1e-3F);
   double x = 0;
   for (int i = 0; i < 100; ++i) {  // moves in every other second
@@ -73,13 +73,13 @@ TEST(BeliefScore, TellsTheModulusAfterThreeSecondsOfMotion) {
   EXPECT_FALSE(to_json(score_belief(run)).contains("young_modulus_in_3s_of_motion_kpa"));
 }
 
-TEST(BeliefScore, AModulusThatNobodyEstimatesIsNone) {
+TEST(BeliefScore, WithoutAnEstimatedModulusThereIsNone) {
   log::RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i) run.estimates.push_back(estimate_at(1e-3 * i, std::log(30e3), -1));
   EXPECT_TRUE(score_belief(run).modulus.empty());
 }
 
-TEST(BeliefScore, TellsWhenAContactWasToldOfAndForHowLong) {
+TEST(BeliefScore, ReportsWhenAContactWasReportedAndForHowLong) {
   log::RunLog run = run_with(1e-3F);
   for (int i = 0; i < 900; ++i) {
     run.estimates.push_back(estimate_at(0.003 + 1e-3 * i, 0, -1));

@@ -43,7 +43,7 @@ TEST(ObserverScore, AgreementIsFoundExact) {
   EXPECT_EQ(score.lag, 0);
 }
 
-TEST(ObserverScore, LagIsToldFromOffset) {
+TEST(ObserverScore, LagIsDistinguishedFromOffset) {
   const double lag = 0.02, offset = 0.5;
   const TrackingScore score = score_tracking(push(1000, lag, offset), push(100, 0, 0));
   EXPECT_NEAR(score.lag, lag, 1.5e-3);

@@ -191,7 +191,7 @@ struct WristMotion {
   Eigen::Vector3d offset_S;
 };
 
-TEST(RealWrist, TheRobotsVelocityTellsMotionFromAnOffset) {
+TEST(RealWrist, TheRobotsVelocityDistinguishesMotionFromAnOffset) {
   PALPATE_REQUIRE_RECORDING("ft_imu_panda");
   double plain = 0, by_velocity = 0;
   int count = 0;

@@ -38,10 +38,10 @@ log::RunLog poked_run() {
     estimate_t estimate = {};
     estimate.utime = static_cast<std::int64_t>(time * 1e6);
     const bool imagined = time > 3.2 && time < 3.4;
-    const bool told = (time >= kFound && time < kGone) || imagined;
-    estimate.unknown_contact_deviation = told ? 0.02 : -1;
+    const bool reported = (time >= kFound && time < kGone) || imagined;
+    estimate.unknown_contact_deviation = reported ? 0.02 : -1;
     run.estimates.push_back(estimate);
-    if (!told) continue;
+    if (!reported) continue;
     unknown_contact_t contact = {};
     contact.utime = estimate.utime;
     contact.location_deviation = 0.01;
@@ -62,7 +62,7 @@ registry::Frames frames() {
   return frames;
 }
 
-TEST(PokeScore, HoldsWhatIsToldAgainstTheTruth) {
+TEST(PokeScore, ComparesReportsWithTheTruth) {
   const log::RunLog run = poked_run();
   const scenes::Poke poke{kAt, kEnd - kAt, kPoint, kForce};
   const PokeScores scores = score_pokes({poke}, run, scores::score_shape(run), frames());
@@ -107,7 +107,7 @@ TEST(PokeScore, SaysWhatWasNeverFeltOrFound) {
   EXPECT_THROW(score_pokes({}, run, {}, frames()), std::runtime_error);
 }
 
-TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereNobodyPokes) {
+TEST(PokeTable, CountsPokesOfAllSeedsAndNoneWhereThereAreNoPokes) {
   StudyApplication application;
   application.name = "poked";
   application.kind = "force";

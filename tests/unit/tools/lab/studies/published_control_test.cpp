@@ -69,7 +69,7 @@ TEST(PublishedControl, EveryRowOfTheTableHasAMethodOrAReason) {
 }
 
 TEST(PublishedControl, MarkersSitOnWhatIsSteered) {
-  std::set<std::string> sighted;
+  std::set<std::string> seeing;
   for (const StudyApplication& application : plan().applications) {
     for (const runs::Mismatch& level : application.levels) {
       const scenes::Scene scene =
@@ -80,10 +80,10 @@ TEST(PublishedControl, MarkersSitOnWhatIsSteered) {
         EXPECT_EQ(scene.markers->rest_points[i], application.target->rest_points[i]);
       const bool blind = level.name == "blind";
       EXPECT_EQ(scene.markers->timing.drop_out == 1, blind) << level.name;
-      if (!blind) sighted.insert(level.name);
+      if (!blind) seeing.insert(level.name);
     }
   }
-  EXPECT_THAT(sighted, testing::ElementsAre("noisy vision", "occluded vision", "perfect vision"));
+  EXPECT_THAT(seeing, testing::ElementsAre("noisy vision", "occluded vision", "perfect vision"));
 }
 
 TEST(PublishedControl, PalpatedTakesEveryMethod) {

@@ -154,7 +154,7 @@ TEST(StudyPage, NoTextIsMarkup) {
   EXPECT_THAT(page, HasSubstr("&lt;b&gt;what happened"));
 }
 
-TEST(StudyPage, WhatNobodyCouldReadIsNotAvailable) {
+TEST(StudyPage, UnreadableValuesAreNotAvailable) {
   const std::string page = study_page(canned());
   EXPECT_THAT(page, HasSubstr("<td>error of &lt;Fig. 4.15&gt;</td><td>not available</td>"));
 }

@@ -58,7 +58,7 @@ TEST_F(StudyScheduler, WhatHasAResultIsNotRunAgain) {
   EXPECT_EQ(runs("b"), 2);
 }
 
-TEST_F(StudyScheduler, AFailureIsToldAndDoesNotStopTheRest) {
+TEST_F(StudyScheduler, AFailureIsReportedAndDoesNotStopTheRest) {
   const std::vector<Task> tasks{task("fails", "h", "echo what happened >&2; exit 7"),
                                 good("good"),
                                 task("silent", "h", "true"),

@@ -68,7 +68,7 @@ StudyJob job_with_state(double time) {
   return job;
 }
 
-TEST(StudyScore, OfAnEstimateThatLiesBesideTheTruth) {
+TEST(StudyScore, OfAnEstimateThatDiffersFromTheTruth) {
   const log::RunLog run = run_of_boxes();
   const scores::ShapeScore shape = scores::score_shape(run);
   const auto states = score_states(job_with_state(2.5), run, shape, math::Pose::Identity());
