@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <set>
@@ -11,7 +12,6 @@
 #include "tools/view/cell.hpp"
 #include "tools/view/commander.hpp"
 #include "tools/view/encode.hpp"
-#include "tools/view/history.hpp"
 #include "tools/view/live_source.hpp"
 #include "tools/view/log_source.hpp"
 #include "tools/view/request.hpp"
@@ -36,6 +36,24 @@ struct Delivery {
   std::vector<std::string> texts;
   std::vector<std::string> parcels;  // meshes first, then the frame
   std::int64_t frame = 0;            // its number
+};
+
+/// The last two minutes of the plotted values, which a newly connected page receives first.
+class History {
+ public:
+  static constexpr std::int64_t kKept = 120'000'000;  // us
+
+  /// Takes a sample if the last one is at least 0.1 s old.
+  void sample(const Scene& scene, std::int64_t now_us);
+  /// Lists "time" (s before `now_us`, negative), "error", "cycle", "wake_up" (us), "view" (ms).
+  nlohmann::json to_json(std::int64_t now_us) const;
+
+ private:
+  struct Sample {
+    std::int64_t time_us;
+    double error, cycle, wake_up, view;  // NaN: not known
+  };
+  std::deque<Sample> samples_;
 };
 
 /// Holds the data to be shown, and turns it into messages for pages and their requests into

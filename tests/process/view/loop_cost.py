@@ -1,10 +1,10 @@
-"""What palpate-view, with somebody who looks, costs the daemon's loop.
+"""What palpate-view with a connected page costs the daemon's loop.
 
 usage: loop_cost.py BINARIES SOURCE [--seconds S] [--turns N] [--priority P]
 
 Runs simulator and daemon, by turns without palpate-view, with it and a reader that takes all
 pictures but draws none (a browser on another machine), and with it and a browser that draws in
-software on this machine's processors. Prints the loop's cycle time and wake-up as HEALTH tells
+software on this machine's processors. Prints the loop's cycle time and wake-up as HEALTH reports
 them, and the processor's share of each program.
 """
 import argparse
@@ -48,7 +48,7 @@ def turn(options, who):
         if who != "browser":
             cell.browser.quit()
             cell.browser = None
-        if who == "nobody":
+        if who == "none":
             cell.stop("palpate-view")
         if who == "reader":
             reader = PageReader(cell.port)
@@ -79,7 +79,7 @@ def main():
     parser.add_argument("--priority", type=int, default=50, help="of the loop, SCHED_FIFO; 0: none")
     options = parser.parse_args()
     for _ in range(options.turns):
-        for who in ("nobody", "reader", "browser"):
+        for who in ("none", "reader", "browser"):
             turn(options, who)
     return 0
 

@@ -3,6 +3,7 @@
 import {Arrows, FeatureMarks, placesOf} from './arrows.js';
 import {COLOURS, FIELDS} from './colours.js';
 import {Control, takeToken} from './control.js';
+import {Fingertips} from './fingertips.js';
 import {Legend} from './legend.js';
 import {Link} from './link.js';
 import {Pace} from './pace.js';
@@ -32,6 +33,7 @@ stage.scene.add(chosen);
 const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, nodes: false, lines: true, plain: false};
 const legend = new Legend();
 const panels = new Panels();
+const fingertips = new Fingertips();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
 const latencyPlot = new Plot(byId('latency-plot'), [
   {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 6]});
@@ -61,6 +63,7 @@ const link = new Link({
     greeting = message;
     frame = health = null;  // of the previous content
     control.setHello(message);
+    fingertips.setHello(message);
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
     stage.setRobots(message.robots);
@@ -170,14 +173,14 @@ function showShapes() {
   }
   if (truth.nodes) truth.nodes.visible = false;
   byId('waiting').hidden = hasEstimate || hasTruth;
-  byId('waiting-why').textContent = frame.x || frame.truth_x || frame.shape ? 'its mesh has not come yet' : 'nothing has come on SHAPE';
+  byId('waiting-why').textContent = frame.x || frame.truth_x || frame.shape ? 'its mesh has not been received yet' : 'no message on SHAPE';
   if ((hasEstimate || hasTruth) && !stage.framed) frameObject();
   return hasEstimate;
 }
 
 function noteWithout(field, coloured) {
   if (coloured === 'truth') return 'not known of the true shape';
-  if (field === 'uncertainty') return 'the estimator tells none (pose_wrench_filter does)';
+  if (field === 'uncertainty') return 'the estimator reports none (pose_wrench_filter does)';
   return 'not known';
 }
 
@@ -233,6 +236,7 @@ function showTexts() {
   pointer.showPicked();
   panels.showState(frame, health, connected);
   panels.showNumbers(frame);
+  fingertips.show(frame, panels.tab === 'plots');
   if (health) panels.showHealth(health);
   if (frame.player) timeline.show(frame.player);
   showKey();
@@ -298,6 +302,6 @@ byId('home').onclick = () => {
 };
 
 // For inspection of the page from outside, by a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fields: FIELDS, timing,
+window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fingertips, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

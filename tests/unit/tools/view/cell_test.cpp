@@ -1,4 +1,4 @@
-#include "tools/view/components.hpp"
+#include "tools/view/cell.hpp"
 
 #include <gtest/gtest.h>
 
@@ -19,7 +19,7 @@ std::string listed(const std::vector<std::string>& names) {
 /// The known names listed in a registry's error for an unknown one.
 std::string asked(const std::function<void(const config::Node&)>& make, const std::string& key) {
   try {
-    make(config::Node::from_text("{" + key + ": nobody}"));
+    make(config::Node::from_text("{" + key + ": unknown_name}"));
   } catch (const config::Error& error) {
     const std::string text = error.what();
     const std::size_t at = text.find("allowed: ");
