@@ -154,6 +154,10 @@ void Viewer::prepare(std::int64_t now_us) {
   for (auto [painted, shape] :
        {std::pair{&estimate_, scene_.shape.get()}, std::pair{&truth_, scene_.truth.get()}})
     if (shape && !painted->evaluator) repaint(*painted, shape);
+  const shape_t *shape = scene_.shape.get(), *truth = scene_.truth.get();
+  if (shape && truth && estimate_.evaluator && truth_.evaluator &&
+      shape->mesh_hash == estimate_.hash && truth->mesh_hash == truth_.hash)
+    shape_error_.take(estimate_.evaluator->mesh(), *shape, truth_.evaluator->mesh(), *truth);
 }
 
 /// The shape has changed: all values are outdated, and with another mesh everything is.
@@ -280,6 +284,13 @@ json Viewer::state(Client& client, std::int64_t now_us) {
     if (client.health != scene_.health.count) head["health"] = to_json(*m);
     client.health = scene_.health.count;
   }
+  constexpr double kOld = 1000;  // ms
+  if (const auto& error = shape_error_.last();
+      error && age(scene_.shape) < kOld && age(scene_.truth) < kOld)
+    head["shape_error"] = {{"mean", error->mean},
+                           {"rms", error->rms},
+                           {"largest", error->largest},
+                           {"by_arrival", error->by_arrival}};
   for (const Fingertip& fingertip : scene_.fingertips) {
     const biotac_t* m = fingertip.get();
     if (!m) continue;

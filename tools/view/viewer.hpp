@@ -15,6 +15,7 @@
 #include "tools/view/live_source.hpp"
 #include "tools/view/log_source.hpp"
 #include "tools/view/request.hpp"
+#include "tools/view/shape_error.hpp"
 
 namespace palpate::view {
 
@@ -117,6 +118,7 @@ class Viewer {
   std::unique_ptr<Commander> commander_;
   std::int64_t heard_events_ = 0;
   Painted estimate_, truth_;
+  ShapeError shape_error_;
   std::int64_t painted_count_ = -1, painted_truth_count_ = -1;
   std::int64_t frames_ = 0;
   std::int64_t played_us_ = 0;  // wall clock of the last advance of a log

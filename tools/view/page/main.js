@@ -35,6 +35,8 @@ const legend = new Legend();
 const panels = new Panels();
 const fingertips = new Fingertips();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
+const shapePlot = new Plot(byId('shape-error-plot'), [
+  {name: 'mean', colour: '#4cc2ff'}, {name: 'RMS', colour: '#f0b440'}, {name: 'largest', colour: '#ff8f8f'}], {unit: 'mm'});
 const latencyPlot = new Plot(byId('latency-plot'), [
   {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 6]});
 let frame = null, drawn = null, health = null, connected = false, greeting = null, size = 1;
@@ -100,6 +102,7 @@ const link = new Link({
 function beginPlots(message) {
   errorPlot.clear();
   latencyPlot.clear();
+  shapePlot.clear();
   if (message.log) {
     const {series, duration} = message.log, scale = (s, f) => ({time: s.time, value: s.value.map((v) => v * f)});
     errorPlot.scaled = null;
@@ -129,11 +132,23 @@ function plot() {
     errorPlot.add(now, [error]);
     latencyPlot.add(now, [health ? health.p99_us[0] : NaN, health ? health.p99_us[9] : NaN, shape ? shape.delay_ms * 1e3 : NaN]);
   }
+  plotShapeError(player ? player.time : now);
   byId('error-now').textContent = Number.isFinite(error) ? `${fixed(error, digits)} ${unit}` : 'no target';
   byId('latency-now').textContent = health ? `${fixed(health.p99_us[0], 0)} \u00b5s` : '';
   if (panels.tab !== 'plots') return;
   errorPlot.draw(player ? player.time : now);
   latencyPlot.draw(player ? player.time : now);
+}
+
+/** Distances of the estimate from the true shape, where there is one; of a log as far as it has been played. */
+function plotShapeError(time) {
+  const error = frame.shape_error, values = error ? [error.mean, error.rms, error.largest].map((x) => 1e3 * x) : [];
+  byId('shape-error').hidden = !error;
+  if (!error) return;
+  if (time < shapePlot.lines[0].time[shapePlot.lines[0].time.length - 1]) shapePlot.clear();
+  shapePlot.add(time, values);
+  byId('shape-error-now').textContent = `${values.map((x) => fixed(x, 2)).join(', ')} mm${error.by_arrival ? ', clocks differ' : ''}`;
+  if (panels.tab === 'plots') shapePlot.draw(time);
 }
 
 function setLayer(name, on) {
