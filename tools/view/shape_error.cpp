@@ -7,7 +7,7 @@
 namespace palpate::view {
 namespace {
 
-constexpr std::size_t kMostWaiting = 64;
+constexpr std::size_t kMostShapes = 64;
 constexpr std::int64_t kSameClock = 300'000;  // us, largest difference
 // Of nodes and elements, which are searched once in the thread that serves the pages.
 constexpr double kLargestSearch = 1e8;
@@ -50,7 +50,7 @@ void ShapeError::take(const ViewMesh& mesh, const shape_t& shape, const ViewMesh
     return;
   if (waiting_.empty() || waiting_.back().utime != shape.utime) {
     waiting_.push_back({shape.session, shape.utime, log::positions(shape)});
-    if (waiting_.size() > kMostWaiting) waiting_.pop_front();
+    if (waiting_.size() > kMostShapes) waiting_.pop_front();
   }
   if (after_ && after_->session == truth.session && after_->utime == truth.utime) return;
   const bool continues = after_ && after_->session == truth.session && after_->utime < truth.utime;
