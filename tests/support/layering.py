@@ -62,10 +62,10 @@ ALLOWED = {
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/fit "
                        "tools/recordings",
     "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/record",
-    "tools/spy": "core/sensing",
     "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
-    "tools/view": "core/math core/elasticity rt/bus rt/config rt/registry tools/command tools/drawing",
+    "tools/view": "core/math core/elasticity core/sensing rt/bus rt/config rt/registry tools/command "
+                  "tools/drawing tools/log",
     # Any may include core, rt, sim and tools; listed here are other folders of the laboratory.
     "tools/lab/inject": "",
     "tools/lab/runs": "",

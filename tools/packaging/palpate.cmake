@@ -57,7 +57,7 @@ endif()
 option(PALPATE_PCH "Precompile common headers" ON)
 set(PALPATE_OFFLINE_FLAGS $<$<CONFIG:Release>:-O1>)
 set(PALPATE_OFFLINE_FOLDERS
-  "^(tests/unit/)?tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|spy|top|train|view)")
+  "^(tests/unit/)?tools/(collect|command|common|doctor|export|import|log|mesh|record|reference|top|train|view)")
 if(PALPATE_PCH)
   set(kinds "")
   if(PALPATE_TESTS)

@@ -1,6 +1,6 @@
 # Writes OUTPUT, a C++ source with the files of FOLDER as texts by their names.
 file(GLOB files ${FOLDER}/*)
-set(text "#include \"tools/view/assets.hpp\"\n\nnamespace palpate::view {\n\n")
+set(text "#include \"tools/view/server.hpp\"\n\nnamespace palpate::view {\n\n")
 string(APPEND text "const std::map<std::string, std::string>& page_files() {\n")
 string(APPEND text "  static const std::map<std::string, std::string> files = {\n")
 foreach(path ${files})

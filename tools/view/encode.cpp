@@ -28,16 +28,17 @@ json rounded(const float* x, int count) {
 
 }  // namespace
 
-void Parcel::append(const char* name, const char* type, const void* data, std::size_t count) {
+void Parcel::append(const std::string& name, const char* type, const void* data,
+                    std::size_t count) {
   head_["arrays"].push_back({{"name", name}, {"type", type}, {"count", count}});
   body_.append(static_cast<const char*>(data), 4 * count);
 }
 
-void Parcel::add(const char* name, const std::vector<float>& values) {
+void Parcel::add(const std::string& name, const std::vector<float>& values) {
   append(name, "f32", values.data(), values.size());
 }
 
-void Parcel::add(const char* name, const std::vector<std::int32_t>& values) {
+void Parcel::add(const std::string& name, const std::vector<std::int32_t>& values) {
   append(name, "i32", values.data(), values.size());
 }
 
@@ -74,6 +75,16 @@ std::string encode_mesh(const char* role, const ViewMesh& mesh) {
   parcel.add("triangles", mesh.triangles);
   parcel.add("constrained", mesh.constrained);
   return parcel.finish();
+}
+
+json to_json(const biotac_t& b) {
+  return {{"valid", b.valid},
+          {"electrodes", b.electrodes},
+          {"pdc", b.pdc},
+          {"tac", b.tac},
+          {"tdc", b.tdc},
+          {"seq", b.seq},
+          {"session", hash_text(b.session)}};
 }
 
 json to_json(const contacts_t& contacts) {

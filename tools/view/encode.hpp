@@ -19,12 +19,12 @@ class Parcel {
   explicit Parcel(nlohmann::json head) : head_(std::move(head)) {
     head_["arrays"] = nlohmann::json::array();
   }
-  void add(const char* name, const std::vector<float>& values);
-  void add(const char* name, const std::vector<std::int32_t>& values);
+  void add(const std::string& name, const std::vector<float>& values);
+  void add(const std::string& name, const std::vector<std::int32_t>& values);
   std::string finish();
 
  private:
-  void append(const char* name, const char* type, const void* data, std::size_t count);
+  void append(const std::string& name, const char* type, const void* data, std::size_t count);
   nlohmann::json head_;
   std::string body_;
 };
@@ -38,6 +38,7 @@ std::string hash_text(std::int64_t hash);
 std::string encode_mesh(const char* role, const ViewMesh& mesh);
 
 /// Messages in the form that the page reads. Numbers that are not finite become null.
+nlohmann::json to_json(const biotac_t& fingertip);
 nlohmann::json to_json(const contacts_t& contacts);
 nlohmann::json to_json(const estimate_t& estimate);
 nlohmann::json to_json(const feature_t& feature);

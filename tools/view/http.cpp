@@ -9,7 +9,7 @@ namespace http = beast::http;
 
 namespace {
 
-constexpr std::chrono::seconds kPatience{15};
+constexpr std::chrono::seconds kIdleTimeout{15};
 constexpr std::uint32_t kLongestHeader = 8 * 1024;
 constexpr std::size_t kMostPages = 16;
 
@@ -25,7 +25,7 @@ class Session : public std::enable_shared_from_this<Session> {
     parser_.emplace();
     parser_->header_limit(kLongestHeader);
     parser_->body_limit(0);
-    stream_.expires_after(kPatience);
+    stream_.expires_after(kIdleTimeout);
     http::async_read(stream_, buffer_, *parser_,
                      [self = shared_from_this()](beast::error_code error, std::size_t) {
                        if (error) return self->close();
@@ -80,7 +80,7 @@ class Session : public std::enable_shared_from_this<Session> {
     response_.body() = body;
     response_.prepare_payload();
     if (request.method() == http::verb::head) response_.body().clear();
-    stream_.expires_after(kPatience);
+    stream_.expires_after(kIdleTimeout);
     http::async_write(stream_, response_,
                       [self = shared_from_this()](beast::error_code error, std::size_t) {
                         if (error || !self->response_.keep_alive()) return self->close();

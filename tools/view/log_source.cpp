@@ -18,10 +18,9 @@ namespace {
 // Interval between indexed messages of one channel; events and meshes are all indexed.
 constexpr std::int64_t kClosest = 4'000;  // us
 constexpr std::size_t kSeriesPoints = 1'500;
-constexpr int kPhases = 10;  // of HEALTH: total cycle first, wake-up last
 
 bool keeps_all(const std::string& channel) {
-  return channel == "COMPONENT_EVENT" || channel == "SHAPE_MESH" || channel == "TRUTH_MESH";
+  return channel == Scene::kEvents || Scene::is_mesh(channel);
 }
 
 /// At most kSeriesPoints, each the maximum of its interval, so that no peak is lost.
@@ -91,10 +90,10 @@ void LogSource::index(const std::string& path, std::int16_t number, const Progre
   const double size = files_.back()->size();
   bus::EventLogReader reader(path);
   const auto& wanted = Scene::channels();
-  double told = 0;
+  double reported = 0;
   while (const bus::LoggedEvent* event = reader.next()) {
     const double share = size > 0 ? static_cast<double>(event->at) / size : 1;
-    if (share - told >= 0.01) progress(path, told = share);
+    if (share - reported >= 0.01) progress(path, reported = share);
     if (std::find(wanted.begin(), wanted.end(), event->channel) == wanted.end()) continue;
     note(event->channel, event->data, event->size, event->utime);
     std::vector<Entry>& list = entries_[event->channel];
@@ -115,18 +114,15 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
   };
   if (channel == "FEATURE") {
     feature_t feature;
-    if (!bus::checked_decode(feature, data, size) || feature.revision < 0 ||
-        feature.error_count < 1 || feature.error_count > 32)
-      return;
-    double sum = 0;
-    for (int i = 0; i < feature.error_count; ++i) sum += feature.error[i] * feature.error[i];
-    add(0, std::sqrt(sum));
+    if (bus::checked_decode(feature, data, size) && feature.error_count >= 1 &&
+        feature.error_count <= 32)
+      add(0, error_norm(feature));
   } else if (channel == "HEALTH") {
     health_t health;
     if (!bus::checked_decode(health, data, size) || health.phase_count != kPhases) return;
     add(1, static_cast<double>(health.p99_us[0]));
     add(2, static_cast<double>(health.p99_us[kPhases - 1]));
-  } else if (channel == "COMPONENT_EVENT") {
+  } else if (channel == Scene::kEvents) {
     component_event_t event;
     if (bus::checked_decode(event, data, size))
       happened_.emplace_back(time_us, bus::get_text(event.event));
@@ -174,7 +170,7 @@ void LogSource::go_to(double time, Scene& scene) {
         [](std::int64_t limit, const Entry& entry) { return limit < entry.time_us; });
     const auto count = static_cast<std::size_t>(end - list.begin());
     std::size_t& shown = shown_[channel];
-    if (channel == "COMPONENT_EVENT") {
+    if (channel == Scene::kEvents) {
       const std::size_t most = Scene::kMostEvents;
       for (std::size_t i = std::max(shown, count > most ? count - most : 0); i < count; ++i)
         offer(channel, list[i], scene);

@@ -88,21 +88,21 @@ void add_options(CLI::App& app, Options& o) {
       ->capture_default_str();
 }
 
-void say_damage(const std::vector<std::string>& complaints) {
+void warn_of_damage(const std::vector<std::string>& complaints) {
   for (const std::string& line : complaints) std::fprintf(stderr, "warning: %s\n", line.c_str());
 }
 
 std::unique_ptr<view::LogSource> open_log(const Options& options) {
-  auto told = std::chrono::steady_clock::now();
-  const auto progress = [&told](const std::string& file, double share) {
+  auto printed = std::chrono::steady_clock::now();
+  const auto progress = [&printed](const std::string& file, double share) {
     const auto now = std::chrono::steady_clock::now();
-    if (now - told < std::chrono::seconds(1)) return;
-    told = now;
+    if (now - printed < std::chrono::seconds(1)) return;
+    printed = now;
     std::fprintf(stderr, "%s: %.0f %%\n", file.c_str(), 100 * share);
   };
   std::vector<std::string> complaints;
   auto log = std::make_unique<view::LogSource>(options.logs, progress, complaints);
-  say_damage(complaints);
+  warn_of_damage(complaints);
   std::printf("%.1f s of recording\n", log->duration());
   return log;
 }
@@ -115,17 +115,16 @@ void print_address(const Options& options, int port, const view::Token& token) {
                                                                : options.server.address;
   std::printf("http://%s:%d/%s\n", host.c_str(), port,
               options.control ? ("#token=" + token.text()).c_str() : "");
-  if (options.control) std::printf("Whoever has this address can command the daemon.\n");
+  if (options.control) std::printf("Anyone with this address can command the daemon.\n");
   if (options.server.address != "127.0.0.1" && options.server.address != "::1" &&
       options.server.address != "localhost")
     std::fprintf(
-        stderr,
-        "warning: listening on %s without encryption: others on the network can look on%s\n",
-        options.server.address.c_str(), options.control ? ", and read the token on its way" : "");
+        stderr, "warning: listening on %s without encryption: others on the network can watch%s\n",
+        options.server.address.c_str(), options.control ? ", and read the token in transit" : "");
   std::fflush(stdout);
 }
 
-void say_what_was_done(const view::ServerCounters& c) {
+void print_counters(const view::ServerCounters& c) {
   std::printf(
       "%lld requests (%lld refused), %lld frames (%lld left out for slow pages), %.1f MB, "
       "%.2f s of processor time\n",
@@ -172,7 +171,7 @@ int run(Options& options) {
   signals.run();
   server.stop();
   serving.join();
-  say_what_was_done(server.counters());
+  print_counters(server.counters());
   return 0;
 }
 
@@ -180,9 +179,10 @@ int run(Options& options) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "palpate-view shows in a browser what palpated sees: robot, shape coloured by displacement,\n"
+      "palpate-view shows in a browser the state of palpated: robot, shape coloured by "
+      "displacement,\n"
       "strain, stress or uncertainty, forces, target, health and events; live or from logs.\n"
-      "It reads alone, unless --control says otherwise.");
+      "It only reads, except with --control.");
   app.footer(kExamples);
   Options options;
   add_options(app, options);

@@ -1,13 +1,27 @@
 #pragma once
 
+#include <boost/asio/ip/tcp.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
 #include <deque>
+#include <memory>
+#include <set>
 
-#include "tools/view/sessions.hpp"
+#include "tools/view/server.hpp"
 
 namespace palpate::view {
+
+class Page;
+
+/// State shared by all connections of a server.
+struct Room {
+  const Assets& assets;
+  Viewer& viewer;
+  Doorman doorman;
+  std::set<std::shared_ptr<Page>> pages;
+  ServerCounters counters;
+};
 
 /// WebSocket connection of one page.
 class Page : public std::enable_shared_from_this<Page> {
@@ -43,5 +57,11 @@ class Page : public std::enable_shared_from_this<Page> {
   std::deque<std::int64_t> undrawn_;  // frames sent and not acknowledged
   std::shared_ptr<Client> client_ = std::make_shared<Client>();
 };
+
+/// Answers HTTP requests on a connection until it ends, or becomes a page's WebSocket.
+void serve_http(Room& room, boost::asio::ip::tcp::socket socket);
+
+/// Sends new data to every page that has kept up.
+void deliver_to_pages(Room& room);
 
 }  // namespace palpate::view

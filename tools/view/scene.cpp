@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace palpate::view {
 namespace {
 
-constexpr std::string_view kEvents = "COMPONENT_EVENT";
 constexpr std::string_view kMeshes[] = {"SHAPE_MESH", "TRUTH_MESH"};
 
 template <class Numbers>
@@ -25,8 +25,8 @@ bool is_sound(const feature_t& m) {
   return m.value_count >= 0 && m.value_count <= 32 && m.error_count >= 0 && m.error_count <= 32;
 }
 bool is_sound(const health_t& m) {
-  return m.phase_count >= 0 && m.phase_count <= 10 && m.input_count >= 0 && m.input_count <= 16 &&
-         m.model_count >= 0 && m.model_count <= 12;
+  return m.phase_count >= 0 && m.phase_count <= kPhases && m.input_count >= 0 &&
+         m.input_count <= 16 && m.model_count >= 0 && m.model_count <= 12;
 }
 bool is_sound(const robot_state_t& m) {
   return m.joint_count >= 0 && m.joint_count <= 16 && all_finite(m.q) && all_finite(m.position) &&
@@ -41,8 +41,31 @@ bool is_sound(const truth_contact_t& m) { return m.grasp_count >= 0 && m.grasp_c
 bool is_sound(const manual_force_t& m) { return all_finite(m.force) && all_finite(m.rest_point); }
 bool is_sound(const twist_command_t& m) { return all_finite(m.twist); }
 bool is_sound(const config_t&) { return true; }
+bool is_sound(const biotac_t& m) {
+  return m.pac_count >= 0 && m.pac_count <= static_cast<int>(std::size(m.pac));
+}
 
 }  // namespace
+
+double error_norm(const feature_t& feature) {
+  if (feature.revision < 0) return std::numeric_limits<double>::quiet_NaN();
+  double sum = 0;
+  for (int i = 0; i < feature.error_count; ++i) sum += feature.error[i] * feature.error[i];
+  return std::sqrt(sum);
+}
+
+void Fingertip::take(const biotac_t& next, std::int64_t next_us) {
+  const bool follows = there && next.session == message.session &&
+                       next.seq == std::int64_t{message.seq} + 1 &&
+                       (next.valid & biotac_t::VALID_PAC) != 0;
+  if (!follows) pac.clear();
+  if ((next.valid & biotac_t::VALID_PAC) != 0)
+    pac.insert(pac.end(), next.pac, next.pac + next.pac_count);
+  if (pac.size() > kMostPac) pac.erase(pac.begin(), pac.end() - kMostPac);
+  message = next;
+  time_us = next_us;
+  there = true;
+}
 
 template <class Visit>
 void Scene::for_each_latest(Visit visit) {
@@ -52,10 +75,16 @@ void Scene::for_each_latest(Visit visit) {
   for (auto& one : hand) visit(one);
 }
 
+bool Scene::is_mesh(std::string_view channel) {
+  return channel == kMeshes[0] || channel == kMeshes[1];
+}
+
 const std::vector<std::string_view>& Scene::channels() {
   static const std::vector<std::string_view> names = [] {
     std::vector<std::string_view> all{kEvents, kMeshes[0], kMeshes[1]};
-    Scene().for_each_latest([&all](const auto& latest) { all.emplace_back(latest.channel); });
+    Scene scene;
+    scene.for_each_latest([&all](const auto& latest) { all.emplace_back(latest.channel); });
+    for (const Fingertip& fingertip : scene.fingertips) all.emplace_back(fingertip.channel);
     return all;
   }();
   return names;
@@ -72,10 +101,19 @@ void Scene::accept(std::string_view channel, const void* data, int size, std::in
     if (events_.size() > kMostEvents) events_.pop_front();
     return;
   }
-  if (channel == kMeshes[0] || channel == kMeshes[1]) {
+  if (is_mesh(channel)) {
     shape_mesh_t chunk;
     if (bus::checked_decode(chunk, data, size))
       meshes_.add(chunk);
+    else
+      ++refused_;
+    return;
+  }
+  for (Fingertip& fingertip : fingertips) {
+    if (channel != fingertip.channel) continue;
+    biotac_t message;
+    if (bus::checked_decode(message, data, size) && is_sound(message))
+      fingertip.take(message, time_us);
     else
       ++refused_;
     return;
@@ -111,6 +149,10 @@ void Scene::forget_messages() {
     latest.there = false;
     latest.fresh = false;
   });
+  for (Fingertip& fingertip : fingertips) {
+    fingertip.there = false;
+    fingertip.pac.clear();
+  }
   events_.clear();
   ++generation_;
 }

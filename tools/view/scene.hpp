@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <deque>
+#include <palpate/biotac_t.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
@@ -43,6 +44,23 @@ struct Latest {
   const Message* get() const { return there ? &message : nullptr; }
 };
 
+/// A fingertip's last message, and the dynamic pressure of the messages up to it.
+struct Fingertip {
+  static constexpr std::size_t kMostPac = 400;
+
+  const char* channel;
+  std::int64_t time_us = 0;  // time of arrival: wall clock, or the log's
+  bool there = false;
+  biotac_t message{};
+  /// Counts, oldest first, at most kMostPac of them; without a gap in between: a lost message
+  /// removes those before it.
+  std::vector<std::int32_t> pac{};
+
+  /// nullptr if there is none.
+  const biotac_t* get() const { return there ? &message : nullptr; }
+  void take(const biotac_t& next, std::int64_t next_us);
+};
+
 /// An event with a sequence number, so that a reader knows which ones it has received.
 struct NumberedEvent {
   std::int64_t number = 0;
@@ -50,11 +68,20 @@ struct NumberedEvent {
   component_event_t event;
 };
 
+/// Number of HEALTH's phases: the whole cycle first, the wake-up last.
+inline constexpr int kPhases = 10;
+
+/// Norm of a feature's error, m, rad or 1/m; NaN without a target.
+double error_norm(const feature_t& feature);
+
 /// State of the cell at one time: the last message of each channel, meshes, and the last events. No
 /// message is trusted: one of wrong type, size or content is counted and dropped. For one thread.
 class Scene {
  public:
   static constexpr std::size_t kMostEvents = 500;
+
+  static constexpr std::string_view kEvents = "COMPONENT_EVENT";
+  static bool is_mesh(std::string_view channel);
 
   /// All channels that accept() takes.
   static const std::vector<std::string_view>& channels();
@@ -80,6 +107,17 @@ class Scene {
   Latest<shape_observation_t> observation{"SHAPE_OBSERVATION"};
   std::array<Latest<robot_state_t>, 2> robot{{{"ROBOT_STATE"}, {"ROBOT_STATE_1"}}};
   std::array<Latest<hand_state_t>, 2> hand{{{"HAND_STATE"}, {"HAND_STATE_1"}}};
+  /// Of the first arm's hand, then of the second's; decoded when they arrive.
+  std::array<Fingertip, 10> fingertips{{{"BIOTAC_0"},
+                                        {"BIOTAC_1"},
+                                        {"BIOTAC_2"},
+                                        {"BIOTAC_3"},
+                                        {"BIOTAC_4"},
+                                        {"BIOTAC_0_1"},
+                                        {"BIOTAC_1_1"},
+                                        {"BIOTAC_2_1"},
+                                        {"BIOTAC_3_1"},
+                                        {"BIOTAC_4_1"}}};
 
   const MeshBook& meshes() const { return meshes_; }
   const std::deque<NumberedEvent>& events() const { return events_; }

@@ -2,9 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
-#include "rt/bus/text.hpp"
+#include "core/sensing/biotac_geometry.hpp"
 
 namespace palpate::view {
 
@@ -54,6 +55,23 @@ json describe_robot(const drawing::RobotDrawing& drawing) {
   return {{"links", drawing.link_count()}, {"shapes", shapes}};
 }
 
+/// Positions of the electrodes E1 to E19 on the unrolled skin, mm: along the finger towards the
+/// tip, and around it.
+json describe_electrodes() {
+  json list = json::array();
+  for (int i = 0; i < sensing::kElectrodeCount; ++i) {
+    const Eigen::Vector3d position = sensing::electrode_positions().col(i);
+    // Along the radius to the skin: a cylinder up to the tip's sphere, on which circles of latitude
+    // shrink.
+    const double from_axis = std::hypot(position.y(), position.z());
+    const double latitude = std::atan2(std::fmax(position.x(), 0), from_axis);
+    const double around = std::atan2(position.y(), -position.z());
+    list.push_back({1e3 * (std::fmin(position.x(), 0) + sensing::kSkinRadius * latitude),
+                    1e3 * sensing::kSkinRadius * std::cos(latitude) * around});
+  }
+  return list;
+}
+
 json describe_log(const LogSource& log) {
   json series = json::array();
   for (const Series& one : log.series())
@@ -66,6 +84,36 @@ json describe_log(const LogSource& log) {
 }
 
 }  // namespace
+
+void History::sample(const Scene& scene, std::int64_t now_us) {
+  constexpr std::int64_t kEvery = 100'000;  // us
+  if (!samples_.empty() && now_us - samples_.back().time_us < kEvery) return;
+  if (!scene.shape.get() && !scene.health.get()) return;
+  constexpr double kUnknown = std::numeric_limits<double>::quiet_NaN();
+  Sample s{now_us, kUnknown, kUnknown, kUnknown, kUnknown};
+  if (const feature_t* feature = scene.feature.get()) s.error = error_norm(*feature);
+  if (const health_t* health = scene.health.get(); health && health->phase_count == kPhases) {
+    s.cycle = static_cast<double>(health->p99_us[0]);
+    s.wake_up = static_cast<double>(health->p99_us[kPhases - 1]);
+  }
+  if (const shape_t* shape = scene.shape.get())
+    s.view = static_cast<double>(scene.shape.time_us - shape->utime) * 1e-3;
+  samples_.push_back(s);
+  while (now_us - samples_.front().time_us > kKept) samples_.pop_front();
+}
+
+json History::to_json(std::int64_t now_us) const {
+  json out = {{"time", json::array()}};
+  for (const char* key : {"error", "cycle", "wake_up", "view"}) out[key] = json::array();
+  for (const Sample& s : samples_) {
+    out["time"].push_back(std::round(static_cast<double>(s.time_us - now_us) * 1e-4) * 1e-2);
+    out["error"].push_back(s.error);
+    out["cycle"].push_back(s.cycle);
+    out["wake_up"].push_back(s.wake_up);
+    out["view"].push_back(s.view);
+  }
+  return out;
+}
 
 Viewer::Viewer(Options options, Token token)
     : options_(std::move(options)), token_(std::move(token)), rate_(options_.rate) {}
@@ -106,6 +154,10 @@ void Viewer::prepare(std::int64_t now_us) {
   for (auto [painted, shape] :
        {std::pair{&estimate_, scene_.shape.get()}, std::pair{&truth_, scene_.truth.get()}})
     if (shape && !painted->evaluator) repaint(*painted, shape);
+  const shape_t *shape = scene_.shape.get(), *truth = scene_.truth.get();
+  if (shape && truth && estimate_.evaluator && truth_.evaluator &&
+      shape->mesh_hash == estimate_.hash && truth->mesh_hash == truth_.hash)
+    shape_error_.take(estimate_.evaluator->mesh(), *shape, truth_.evaluator->mesh(), *truth);
 }
 
 /// The shape has changed: all values are outdated, and with another mesh everything is.
@@ -166,6 +218,7 @@ std::string Viewer::greeting(std::int64_t now_us) const {
                 {"slots", describe_slots()},
                 {"configured", describe_configured(options_.cell.configured)},
                 {"robots", robots},
+                {"electrodes", describe_electrodes()},
                 {"history", history_.to_json(now_us)}};
   if (options_.cell.X_WO) {
     const math::Pose X_OW = options_.cell.X_WO->inverse();
@@ -191,11 +244,11 @@ Delivery Viewer::deliver(Client& client, std::int64_t now_us) {
   json events = json::array();
   for (const NumberedEvent& event : scene_.events())
     if (event.number > client.events) events.push_back(to_json(event));
-  const bool anew = client.generation != scene_.generation();
+  const bool reset = client.generation != scene_.generation();
   client.generation = scene_.generation();
   if (!events.empty()) client.events = scene_.events().back().number;
-  if (!events.empty() || anew)
-    delivery.texts.push_back(dump({{"type", "events"}, {"anew", anew}, {"events", events}}));
+  if (!events.empty() || reset)
+    delivery.texts.push_back(dump({{"type", "events"}, {"reset", reset}, {"events", events}}));
   add_meshes(client, delivery);
   delivery.frame = ++frames_;
   delivery.parcels.push_back(frame(client, now_us));
@@ -230,6 +283,21 @@ json Viewer::state(Client& client, std::int64_t now_us) {
     head["health_age_ms"] = age(scene_.health);
     if (client.health != scene_.health.count) head["health"] = to_json(*m);
     client.health = scene_.health.count;
+  }
+  constexpr double kOld = 1000;  // ms
+  if (const auto& error = shape_error_.last();
+      error && age(scene_.shape) < kOld && age(scene_.truth) < kOld)
+    head["shape_error"] = {{"mean", error->mean},
+                           {"rms", error->rms},
+                           {"largest", error->largest},
+                           {"by_arrival", error->by_arrival}};
+  for (const Fingertip& fingertip : scene_.fingertips) {
+    const biotac_t* m = fingertip.get();
+    if (!m) continue;
+    json one = to_json(*m);
+    one["channel"] = fingertip.channel;
+    one["age_ms"] = age(fingertip);
+    head["fingertips"].push_back(std::move(one));
   }
   if (log_)
     head["player"] = {{"time", log_->time()},
@@ -281,6 +349,8 @@ std::string Viewer::frame(Client& client, std::int64_t now_us) {
     }
     parcel.add("seen", points);
   }
+  for (const Fingertip& fingertip : scene_.fingertips)
+    if (!fingertip.pac.empty()) parcel.add(fingertip.channel + std::string("_pac"), fingertip.pac);
   return parcel.finish();
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <set>
@@ -11,10 +12,10 @@
 #include "tools/view/cell.hpp"
 #include "tools/view/commander.hpp"
 #include "tools/view/encode.hpp"
-#include "tools/view/history.hpp"
 #include "tools/view/live_source.hpp"
 #include "tools/view/log_source.hpp"
 #include "tools/view/request.hpp"
+#include "tools/view/shape_error.hpp"
 
 namespace palpate::view {
 
@@ -36,6 +37,24 @@ struct Delivery {
   std::vector<std::string> texts;
   std::vector<std::string> parcels;  // meshes first, then the frame
   std::int64_t frame = 0;            // its number
+};
+
+/// The last two minutes of the plotted values, which a newly connected page receives first.
+class History {
+ public:
+  static constexpr std::int64_t kKept = 120'000'000;  // us
+
+  /// Takes a sample if the last one is at least 0.1 s old.
+  void sample(const Scene& scene, std::int64_t now_us);
+  /// Lists "time" (s before `now_us`, negative), "error", "cycle", "wake_up" (us), "view" (ms).
+  nlohmann::json to_json(std::int64_t now_us) const;
+
+ private:
+  struct Sample {
+    std::int64_t time_us;
+    double error, cycle, wake_up, view;  // NaN: not known
+  };
+  std::deque<Sample> samples_;
 };
 
 /// Holds the data to be shown, and turns it into messages for pages and their requests into
@@ -99,6 +118,7 @@ class Viewer {
   std::unique_ptr<Commander> commander_;
   std::int64_t heard_events_ = 0;
   Painted estimate_, truth_;
+  ShapeError shape_error_;
   std::int64_t painted_count_ = -1, painted_truth_count_ = -1;
   std::int64_t frames_ = 0;
   std::int64_t played_us_ = 0;  // wall clock of the last advance of a log

@@ -3,12 +3,16 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
+#include <fstream>
 #include <functional>
+#include <iterator>
 #include <memory>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tests/support/child_process.hpp"
+#include "tests/support/scratch_folder.hpp"
 
 namespace palpate {
 
@@ -34,7 +38,7 @@ inline std::string output_of(const std::string& command) {
   return text;
 }
 
-/// A virtual screen for this process and its children.
+/// A virtual screen, white at first, for this process and its children.
 class Display {
  public:
   static bool is_installed() { return std::filesystem::exists(kServer); }
@@ -43,7 +47,7 @@ class Display {
   /// whenever its last client disconnects, and terminate one that is just connecting.
   Display()
       : server_({kServer, "-displayfd", "1", "-screen", "0", "1280x1024x24", "-nolisten", "tcp",
-                 "-noreset"}) {
+                 "-noreset", "-wr", "-fbdir", pixels_.path().string()}) {
     std::string number;
     eventually([&] {
       number = number_in(server_.output());
@@ -58,6 +62,24 @@ class Display {
 
   bool works() const { return works_; }
   std::string complaint() const { return server_.output(); }
+
+  /// Number of dark pixels, as of text. The server keeps the screen as a file: a header and a table
+  /// of colours (X11/XWDFile.h), then blue, green, red and a filler of each pixel.
+  int dark_pixels() const {
+    std::ifstream file(pixels_.path() / "Xvfb_screen0", std::ios::binary);
+    const std::vector<unsigned char> bytes{std::istreambuf_iterator<char>(file), {}};
+    constexpr std::size_t kHeaderSize = 0, kColours = 76, kColourSize = 12;  // bytes
+    if (bytes.size() < kColours + 4) return 0;
+    const auto number = [&](std::size_t at) {
+      return std::size_t{bytes[at]} << 24 | bytes[at + 1] << 16 | bytes[at + 2] << 8 |
+             bytes[at + 3];
+    };
+    int dark = 0;
+    for (std::size_t i = number(kHeaderSize) + kColourSize * number(kColours); i + 3 < bytes.size();
+         i += 4)
+      dark += bytes[i] + bytes[i + 1] + bytes[i + 2] < 200 ? 1 : 0;
+    return dark;
+  }
 
   /// Number of the window whose title has this prefix; empty if there is none.
   static std::string window(const std::string& title) {
@@ -82,6 +104,7 @@ class Display {
     return "";
   }
 
+  support::ScratchFolder pixels_;
   support::ChildProcess server_;
   bool works_ = false;
 };

@@ -1,4 +1,4 @@
-"""What palpate-view, with a viewer connected, costs the daemon's loop.
+"""What palpate-view with a connected page costs the daemon's loop.
 
 usage: loop_cost.py BINARIES SOURCE [--seconds S] [--turns N] [--priority P]
 

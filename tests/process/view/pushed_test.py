@@ -48,7 +48,7 @@ class PushedTest(unittest.TestCase):
         cell.browser.execute_script("palpate.frameObject()")
         cell.next_frames()
         rest, _ = udpm.mesh(wait_for(lambda: housekeeping.last.get("SHAPE_MESH"), "the mesh"))
-        # Not at the end: lines of view graze two sides at its corners.
+        # Not at the end: viewing rays graze two sides at its corners.
         node = int(np.argmin(np.linalg.norm(rest - [0.4, SIDE / 2, SIDE], axis=1)))
         place = cell.project(rest[node][None])[0, :2]
         there = cell.project((rest[node] + [0, 0, 0.06])[None])[0, :2]

@@ -1,4 +1,4 @@
-"""LCM messages, received and decoded without palpate's or LCM's code."""
+"""LCM messages, received, decoded and sent without palpate's or LCM's code."""
 import collections
 import socket
 import struct
@@ -9,6 +9,7 @@ import numpy as np
 
 INTERESTING = {b"SHAPE", b"SHAPE_MESH", b"MANUAL_FORCE", b"COMPONENT_EVENT", b"HEALTH"}
 COMMON = ">qqiq"  # fingerprint, utime, seq, session
+BIOTAC = 0x899D567D1460611D  # fingerprint
 
 
 class Listener:
@@ -50,6 +51,27 @@ class Listener:
         self.stopped = True
         self.thread.join()
         self.socket.close()
+
+
+class Sender:
+    """Sends to a multicast group on this machine."""
+
+    def __init__(self, address, port):
+        self.to = (address, port)
+        self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+        self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_MULTICAST_TTL, 0)
+
+    def send(self, channel, payload):
+        self.socket.sendto(b"LC02\0\0\0\0" + channel.encode() + b"\0" + payload, self.to)
+
+    def stop(self):
+        self.socket.close()
+
+
+def biotac(seq, electrodes, pac, pdc):
+    """BIOTAC_n with all readings valid except the temperature."""
+    return struct.pack(">Qqiqi19hh22h3h", BIOTAC, seq * 10_000, seq, 5, 7, *electrodes, len(pac),
+                       *pac, *[0] * (22 - len(pac)), pdc, 31, 32)
 
 
 def numbers(data, at, kind):

@@ -137,6 +137,13 @@ class ViewTest(unittest.TestCase):
         cell.browser.execute_script("palpate.frameObject()")
         self.still_shape()
         rest, triangles = udpm.mesh(self.housekeeping.last["SHAPE_MESH"])
+        error = wait_for(lambda: cell.js("palpate.frame?.shape_error"), "the error of the shape")
+        self.assertLess(0, error["mean"])
+        self.assertLess(error["mean"], error["rms"])
+        self.assertLess(error["rms"], error["largest"])
+        self.assertLess(error["largest"], 0.03, "m: the estimate agrees with the simulator")
+        wait_for(lambda: "mm" in cell.text("#shape-error-now"), "its numbers")
+        self.assertFalse(cell.js("document.getElementById('shape-error').hidden"))
         cell.picture(PICTURES and f"{PICTURES}/view.png")
         self.set_layers(truth=False, robot=False, forces=False, feature=False, plain=True, lines=False)
         shape, picture = self.picture(PICTURES and f"{PICTURES}/unlit.png")
@@ -154,7 +161,7 @@ class ViewTest(unittest.TestCase):
         self.assertLess(np.median(off), 6, "colours of 255")
         self.assertGreater((off < 16).mean(), 0.9, f"{off.round()}")
         spread = np.abs(expected.max(axis=0) - expected.min(axis=0)).max()
-        self.assertGreater(spread, 80, "large and small displacements differ in colour")
+        self.assertGreater(spread, 80, "the picture distinguishes large from small")
         # Next to the object there is nothing.
         low, high = pixels[:, :2].min(axis=0) - 25, pixels[:, :2].max(axis=0) + 25
         for p in ([low[0], low[1]], [high[0], low[1]], [low[0], high[1]], [high[0], high[1]]):
@@ -246,6 +253,59 @@ class ViewTest(unittest.TestCase):
             cell.picture(f"{PICTURES}/control.png")
         cell.next_frames()
 
+    def test_5_shows_fingertips(self):
+        cell = self.cell
+        cell.click('#tabs [data-tab="plots"]')
+        cell.next_frames(5)
+        self.assertTrue(cell.js("document.getElementById('fingertips').hidden"), "there is none")
+        sender, seq = udpm.Sender(cell.group, cell.ports[0]), 0
+        counts = {2: [2000 + i for i in range(19)], 4: [1500] * 19}
+
+        def sent_until(condition, what):
+            """Sends further messages until the page fulfils the condition."""
+            def send():
+                nonlocal seq
+                seq += 1
+                for finger, electrodes in counts.items():
+                    sender.send(f"BIOTAC_{finger}", udpm.biotac(seq, electrodes, [2 * seq, 2 * seq + 1], 700))
+                return cell.js(condition)
+            wait_for(send, what)
+        sent_until("palpate.fingertips.rests.get('BIOTAC_2')?.count === 5", "the rest is known")
+        self.assertFalse(cell.js("document.getElementById('fingertips').hidden"))
+        self.assertEqual(cell.js("[...document.getElementById('finger').options].map((o) => o.text)"),
+                         ["fingertip 2", "fingertip 4"])
+        counts[2][9] += 150
+        counts[2][2] -= 90
+        sent_until("palpate.fingertips.differences[9] === 150 && palpate.fingertips.differences[2] === -90",
+                   "a touch is shown")
+        cell.browser.execute_script("document.getElementById('electrodes').scrollIntoView({block: 'center'})")
+        cell.next_frames(5)
+        picture = cell.picture(PICTURES and f"{PICTURES}/fingertip.png")
+        # Above the texts of each electrode's disc.
+        places = cell.js(
+            "(() => { const b = document.getElementById('electrodes').getBoundingClientRect(), f = palpate.fingertips;"
+            "return f.places.map((p) => f.pixel(p)).map(([x, y]) => [b.left + x, b.top + y - 10]); })()")
+        red, green, blue = np.array([picture[int(y), int(x)] for x, y in places]).T
+        self.assertGreater(red[9], blue[9] + 50, "increased")
+        self.assertGreater(blue[2], red[2] + 50, "decreased")
+        rest = [i for i in range(19) if i not in (2, 9)]
+        self.assertGreater(min(red[rest].min(), green[rest].min(), blue[rest].min()), 230, "at rest")
+        signals = cell.text("#fingertip-signals")
+        self.assertIn("700", signals)
+        self.assertIn("temperature", signals, "is not valid")
+        pac = cell.js("Array.from(palpate.frame.BIOTAC_2_pac)")
+        self.assertEqual(pac, list(range(pac[0], pac[0] + len(pac))))
+        self.assertIn(f"last {len(pac)}:", cell.text("#pac-now"))
+        choose = "const f = document.getElementById('finger'); f.value = arguments[0];"
+        cell.browser.execute_script(choose, "BIOTAC_4")
+        sent_until("palpate.fingertips.differences.every((d) => d === 0)", "the other one is untouched")
+        cell.browser.execute_script(choose, "BIOTAC_2")
+        sent_until("palpate.fingertips.differences[9] === 150", "the first one again")
+        cell.click("#electrodes")
+        sent_until("palpate.fingertips.differences[9] === 0", "a click tares")
+        wait_for(lambda: " s old" in cell.text("#fingertip-age"), "the age, once nothing arrives")
+        sender.stop()
+
     def test_6_survives_restarts(self):
         cell = self.cell
         cell.stop("palpated")
@@ -265,6 +325,7 @@ class ViewTest(unittest.TestCase):
         wait_for(lambda: cell.js("palpate.connected && palpate.control.granted"),
                  "the page connects again and may command")
         wait_for(lambda: cell.frames() > frames + 3, "frames come again")
+        self.assertTrue(cell.js("document.getElementById('fingertips').hidden"), "none has been received since")
         self.command("stop")
         self.command("start")
         wait_for(lambda: cell.js("palpate.estimate.group.visible && palpate.truth.group.visible"),

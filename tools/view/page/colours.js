@@ -4,14 +4,20 @@
 const STOPS = [[68, 1, 84], [71, 44, 122], [59, 81, 139], [44, 113, 142], [33, 144, 141],
                [39, 173, 129], [92, 200, 99], [170, 220, 50], [253, 231, 37]];
 
+// Blue below, white at zero, red above: distinguishable with colour blindness as well.
+const DIVERGING = [[5, 48, 97], [66, 148, 194], [247, 247, 247], [214, 97, 77], [102, 0, 31]];
+
 /** Red, green, blue, 0 to 1, of a fraction from 0 to 1, into `out` from `at` on. */
-export function colourOf(share, out = [0, 0, 0], at = 0) {
-  const x = Math.min(Math.max(share, 0), 1) * (STOPS.length - 1);
-  const i = Math.min(Math.floor(x), STOPS.length - 2), f = x - i;
+export function colourOf(share, out = [0, 0, 0], at = 0, stops = STOPS) {
+  const x = Math.min(Math.max(share, 0), 1) * (stops.length - 1);
+  const i = Math.min(Math.floor(x), stops.length - 2), f = x - i;
   for (let c = 0; c < 3; ++c)
-    out[at + c] = (STOPS[i][c] + f * (STOPS[i + 1][c] - STOPS[i][c])) / 255;
+    out[at + c] = (stops[i][c] + f * (stops[i + 1][c] - stops[i][c])) / 255;
   return out;
 }
+
+/** Red, green, blue, 0 to 1, of a fraction from -1 to 1. */
+export function divergingOf(share) { return colourOf(0.5 * (share + 1), [0, 0, 0], 0, DIVERGING); }
 
 export const COLOURS = {
   truth: '#f0a83c', target: '#ff5d5d', feature: '#58e08c', reaction: '#8fb7d9', truthForce: '#f0a83c',

@@ -3,6 +3,7 @@
 import {Arrows, FeatureMarks, placesOf} from './arrows.js';
 import {COLOURS, FIELDS} from './colours.js';
 import {Control, takeToken} from './control.js';
+import {Fingertips} from './fingertips.js';
 import {Legend} from './legend.js';
 import {Link} from './link.js';
 import {Pace} from './pace.js';
@@ -32,7 +33,10 @@ stage.scene.add(chosen);
 const layers = {estimate: true, truth: true, robot: true, forces: true, feature: true, nodes: false, lines: true, plain: false};
 const legend = new Legend();
 const panels = new Panels();
+const fingertips = new Fingertips();
 const errorPlot = new Plot(byId('error-plot'), [{name: 'error', colour: '#ff8f8f'}], {unit: 'mm'});
+const shapePlot = new Plot(byId('shape-error-plot'), [
+  {name: 'mean', colour: '#4cc2ff'}, {name: 'RMS', colour: '#f0b440'}, {name: 'largest', colour: '#ff8f8f'}], {unit: 'mm'});
 const latencyPlot = new Plot(byId('latency-plot'), [
   {name: 'cycle', colour: '#4cc2ff'}, {name: 'wake-up', colour: '#f0b440'}, {name: 'shape to view', colour: '#b28cff'}], {decades: [0, 6]});
 let frame = null, drawn = null, health = null, connected = false, greeting = null, size = 1;
@@ -61,6 +65,7 @@ const link = new Link({
     greeting = message;
     frame = health = null;  // of the previous content
     control.setHello(message);
+    fingertips.setHello(message);
     timeline.setLog(message.log || null);
     stage.setBase(message.base);
     stage.setRobots(message.robots);
@@ -97,6 +102,7 @@ const link = new Link({
 function beginPlots(message) {
   errorPlot.clear();
   latencyPlot.clear();
+  shapePlot.clear();
   if (message.log) {
     const {series, duration} = message.log, scale = (s, f) => ({time: s.time, value: s.value.map((v) => v * f)});
     errorPlot.scaled = null;
@@ -126,11 +132,23 @@ function plot() {
     errorPlot.add(now, [error]);
     latencyPlot.add(now, [health ? health.p99_us[0] : NaN, health ? health.p99_us[9] : NaN, shape ? shape.delay_ms * 1e3 : NaN]);
   }
+  plotShapeError(player ? player.time : now);
   byId('error-now').textContent = Number.isFinite(error) ? `${fixed(error, digits)} ${unit}` : 'no target';
   byId('latency-now').textContent = health ? `${fixed(health.p99_us[0], 0)} \u00b5s` : '';
   if (panels.tab !== 'plots') return;
   errorPlot.draw(player ? player.time : now);
   latencyPlot.draw(player ? player.time : now);
+}
+
+/** Distances of the estimate from the true shape, where there is one; of a log as far as it has been played. */
+function plotShapeError(time) {
+  const error = frame.shape_error, values = error ? [error.mean, error.rms, error.largest].map((x) => 1e3 * x) : [];
+  byId('shape-error').hidden = !error;
+  if (!error) return;
+  if (time < shapePlot.lines[0].time[shapePlot.lines[0].time.length - 1]) shapePlot.clear();
+  shapePlot.add(time, values);
+  byId('shape-error-now').textContent = `${values.map((x) => fixed(x, 2)).join(', ')} mm${error.by_arrival ? ', clocks differ' : ''}`;
+  if (panels.tab === 'plots') shapePlot.draw(time);
 }
 
 function setLayer(name, on) {
@@ -170,14 +188,14 @@ function showShapes() {
   }
   if (truth.nodes) truth.nodes.visible = false;
   byId('waiting').hidden = hasEstimate || hasTruth;
-  byId('waiting-why').textContent = frame.x || frame.truth_x || frame.shape ? 'its mesh has not come yet' : 'nothing has come on SHAPE';
+  byId('waiting-why').textContent = frame.x || frame.truth_x || frame.shape ? 'its mesh has not been received yet' : 'no message on SHAPE';
   if ((hasEstimate || hasTruth) && !stage.framed) frameObject();
   return hasEstimate;
 }
 
 function noteWithout(field, coloured) {
   if (coloured === 'truth') return 'not known of the true shape';
-  if (field === 'uncertainty') return 'the estimator tells none (pose_wrench_filter does)';
+  if (field === 'uncertainty') return 'the estimator reports none (pose_wrench_filter does)';
   return 'not known';
 }
 
@@ -233,6 +251,7 @@ function showTexts() {
   pointer.showPicked();
   panels.showState(frame, health, connected);
   panels.showNumbers(frame);
+  fingertips.show(frame, panels.tab === 'plots');
   if (health) panels.showHealth(health);
   if (frame.player) timeline.show(frame.player);
   showKey();
@@ -298,6 +317,6 @@ byId('home').onclick = () => {
 };
 
 // For inspection of the page from outside, by a test or the console.
-window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fields: FIELDS, timing,
+window.palpate = {stage, estimate, truth, legend, layers, pointer, control, link, pace, fingertips, fields: FIELDS, timing,
   get frame() { return frame; }, get health() { return health; }, get frames() { return frames; }, get pictures() { return pictures; },
   get connected() { return connected; }, frameObject};

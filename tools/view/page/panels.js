@@ -11,7 +11,7 @@ const MOST_EVENTS = 300;
 export function fixed(x, digits) { return x === null || !Number.isFinite(x) ? '\u2013' : x.toFixed(digits); }
 
 /** Fills a table; cells are texts, or {text, kind, dot}. */
-function fill(table, rows, head) {
+export function fill(table, rows, head) {
   const all = head ? [head, ...rows] : rows;
   while (table.rows.length > all.length) table.deleteRow(-1);
   all.forEach((cells, r) => {
@@ -96,9 +96,9 @@ export class Panels {
     }
     if (estimate) {
       // Before the first cycle the message holds zeros.
-      const known = estimate.young_modulus_share >= 0, told = estimate.young_modulus > 1.001;
-      if (told) rows.push(['Young\u2019s modulus, kPa', fixed(estimate.young_modulus / 1e3, 2) + (known ? ` \u00b1 ${fixed(100 * estimate.young_modulus_share, 0)} %` : '')]);
-      if (told) rows.push(['Poisson\u2019s ratio', fixed(estimate.poisson_ratio, 3)]);
+      const known = estimate.young_modulus_share >= 0, reported = estimate.young_modulus > 1.001;
+      if (reported) rows.push(['Young\u2019s modulus, kPa', fixed(estimate.young_modulus / 1e3, 2) + (known ? ` \u00b1 ${fixed(100 * estimate.young_modulus_share, 0)} %` : '')]);
+      if (reported) rows.push(['Poisson\u2019s ratio', fixed(estimate.poisson_ratio, 3)]);
       if (estimate.innovation >= 0) rows.push(['Innovation test', fixed(estimate.innovation, 2)]);
     }
     fill(byId('numbers'), rows);
@@ -135,9 +135,9 @@ export class Panels {
       counted('telemetry lost', health.telemetry_dropped), ...models]);
   }
 
-  addEvents({events, anew}) {
+  addEvents({events, reset}) {
     const list = byId('events');
-    if (anew) {
+    if (reset) {
       list.textContent = '';
       this.events = 0;
     }

@@ -1,7 +1,7 @@
 // Lines over time on a canvas.
 
 import {niceAbove, tickText} from './colours.js';
-import {penOf} from './software.js';
+import {cleared} from './software.js';
 
 export class Plot {
   /** `lines`: [{name, colour}]; `seconds`: the window of a live plot. */
@@ -52,16 +52,8 @@ export class Plot {
 
   /** `now`: s, the right end of a live plot or the cursor of a log's. */
   draw(now) {
-    const {canvas} = this, ratio = Math.min(window.devicePixelRatio || 1, 2);
-    const width = canvas.clientWidth, height = canvas.clientHeight;
-    if (!width) return;
-    if (canvas.width !== Math.round(width * ratio)) {
-      canvas.width = Math.round(width * ratio);
-      canvas.height = Math.round(height * ratio);
-    }
-    const pen = penOf(canvas);
-    pen.setTransform(ratio, 0, 0, ratio, 0, 0);
-    pen.clearRect(0, 0, width, height);
+    const {pen, width, height} = cleared(this.canvas);
+    if (!pen) return;
     const left = 50, right = 8, top = 20, bottom = 17, w = width - left - right, h = height - top - bottom;
     const end = this.fixed ? this.fixed.duration : now, span = this.fixed ? this.fixed.duration : this.seconds;
     const x = (t) => left + w * (t - end + span) / span;

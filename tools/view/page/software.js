@@ -12,3 +12,17 @@ export const inSoftware = drawsInSoftware();
 
 /** Canvas context for lines and texts, drawn by the processor if the graphics processor is emulated. */
 export const penOf = (canvas) => canvas.getContext('2d', {willReadFrequently: inSoftware});
+
+/** Context of an empty canvas with the screen's resolution, and its size in CSS pixels; without `pen` where it is not shown. */
+export function cleared(canvas) {
+  const ratio = Math.min(window.devicePixelRatio || 1, 2), width = canvas.clientWidth, height = canvas.clientHeight;
+  if (!width) return {width, height};
+  if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio)) {
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+  }
+  const pen = penOf(canvas);
+  pen.setTransform(ratio, 0, 0, ratio, 0, 0);
+  pen.clearRect(0, 0, width, height);
+  return {pen, width, height};
+}

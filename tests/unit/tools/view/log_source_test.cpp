@@ -67,7 +67,7 @@ TEST_F(LogSourceTest, ShowsAnyTimeForwardsAndBack) {
   }
 }
 
-TEST_F(LogSourceTest, ReturnsTheWholeLogAsSeries) {
+TEST_F(LogSourceTest, SummarisesTheWholeInSeries) {
   const auto log = open();
   const Series& error = log->series().at(0);
   ASSERT_EQ(error.value.size(), 1001U);

@@ -56,12 +56,50 @@ TEST(Scene, RefusesMessagesThatSayImpossibleThings) {
   robot_state_t robot{};
   robot.joint_count = 17;
   give(scene, "ROBOT_STATE", robot);
+  biotac_t fingertip{};
+  fingertip.pac_count = 23;
+  give(scene, "BIOTAC_0", fingertip);
   scene.refresh();
-  EXPECT_EQ(scene.refused(), 4);
+  EXPECT_EQ(scene.refused(), 5);
   EXPECT_EQ(scene.shape.get(), nullptr);
   EXPECT_EQ(scene.feature.get(), nullptr);
   EXPECT_EQ(scene.contacts.get(), nullptr);
   EXPECT_EQ(scene.robot[0].get(), nullptr);
+  EXPECT_EQ(scene.fingertips[0].get(), nullptr);
+}
+
+TEST(Scene, JoinsTheDynamicPressureOfMessagesThatFollowEachOther) {
+  Scene scene;
+  const Fingertip& fingertip = scene.fingertips[7];
+  biotac_t message{};
+  message.session = 3;
+  message.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC;
+  message.pac_count = 22;
+  const auto send = [&](int seq) {
+    message.seq = seq;
+    for (int i = 0; i < 22; ++i) message.pac[i] = static_cast<std::int16_t>(22 * seq + i);
+    give(scene, "BIOTAC_2_1", message, 100 + seq);
+  };
+  EXPECT_EQ(fingertip.get(), nullptr);
+  for (int seq = 1; seq <= 3; ++seq) send(seq);
+  ASSERT_NE(fingertip.get(), nullptr);
+  EXPECT_EQ(fingertip.get()->seq, 3);
+  EXPECT_EQ(fingertip.time_us, 103);
+  ASSERT_EQ(fingertip.pac.size(), 66U);
+  for (int i = 0; i < 66; ++i) EXPECT_EQ(fingertip.pac[static_cast<std::size_t>(i)], 22 + i);
+  for (int seq = 4; seq <= 30; ++seq) send(seq);
+  ASSERT_EQ(fingertip.pac.size(), Fingertip::kMostPac);
+  EXPECT_EQ(fingertip.pac.back(), 22 * 30 + 21) << "the newest remain";
+  send(32);
+  EXPECT_EQ(fingertip.pac.size(), 22U) << "message 31 was lost";
+  message.session = 4;
+  send(33);
+  EXPECT_EQ(fingertip.pac.size(), 22U) << "another sender";
+  message.valid = biotac_t::VALID_ELECTRODES;
+  send(34);
+  EXPECT_TRUE(fingertip.pac.empty()) << "not valid";
+  scene.forget_messages();
+  EXPECT_EQ(fingertip.get(), nullptr);
 }
 
 /// For arbitrary bytes there is no crash and no implausible data are accepted.
@@ -72,9 +110,13 @@ TEST(Scene, BearsAnyBytes) {
   const auto mesh = box_mesh({2, 2, 2});
   const std::vector<std::vector<std::uint8_t>> seeds = {
       encoded(shape_of(*mesh, [](const Eigen::Vector3f& x) { return x; })),
-      encoded(box_chunks({2, 2, 2}, 2)[0]), encoded(health_t{}), encoded(component_event_t{}),
-      encoded(feature_t{})};
-  const char* const channels[] = {"SHAPE", "SHAPE_MESH", "HEALTH", "COMPONENT_EVENT", "FEATURE"};
+      encoded(box_chunks({2, 2, 2}, 2)[0]),
+      encoded(health_t{}),
+      encoded(component_event_t{}),
+      encoded(feature_t{}),
+      encoded(biotac_t{})};
+  const char* const channels[] = {"SHAPE",           "SHAPE_MESH", "HEALTH",
+                                  "COMPONENT_EVENT", "FEATURE",    "BIOTAC_0"};
   for (int i = 0; i < 20'000; ++i) {
     const std::size_t which = random() % seeds.size();
     std::vector<std::uint8_t> payload = seeds[which];

@@ -12,6 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "core/sensing/biotac_geometry.hpp"
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/view/shapes.hpp"
 #include "tools/log/event_log.hpp"
@@ -33,6 +34,12 @@ class ServerTest : public ::testing::Test {
     log.write("SHAPE_MESH", 1'000'000, box_chunks({2, 1, 1})[0]);
     log.write("SHAPE", 1'000'001,
               shape_of(*mesh, [](const Eigen::Vector3f& x) -> Eigen::Vector3f { return 2 * x; }));
+    biotac_t fingertip{};
+    fingertip.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC;
+    for (int i = 0; i < 19; ++i) fingertip.electrodes[i] = static_cast<std::int16_t>(100 + i);
+    fingertip.pac_count = 2;
+    fingertip.pac[1] = 7;
+    log.write("BIOTAC_3", 31'000'000, fingertip);
     log.write("HEALTH", 61'000'000, health_t{});
   }
   void serve(bool control) {
@@ -194,6 +201,54 @@ TEST_F(ServerTest, SendsMeshAndFramesWithTheNumbersOfTheLog) {
   float last = 0;
   std::memcpy(&last, whole.data() + whole.size() - 4, 4);
   EXPECT_NEAR(last, 1, 1e-4) << "twice as long";
+}
+
+TEST_F(ServerTest, SendsTheFingertipsThatThereAre) {
+  serve(false);
+  const auto socket = open();
+  send(*socket, {{"type", "play"}, {"action", "pause"}});
+  EXPECT_FALSE(next(*socket, "frame").contains("fingertips")) << "not yet";
+  send(*socket, {{"type", "play"}, {"action", "seek"}, {"value", 30.5}});
+  std::string whole;
+  json frame;
+  do frame = next(*socket, "frame", &whole);
+  while (frame["player"]["time"] != 30.5);
+  ASSERT_EQ(frame["fingertips"].size(), 1U);
+  const json& fingertip = frame["fingertips"][0];
+  EXPECT_EQ(fingertip["channel"], "BIOTAC_3");
+  EXPECT_EQ(fingertip["age_ms"], 500);
+  EXPECT_EQ(fingertip["electrodes"].size(), 19U);
+  EXPECT_EQ(fingertip["electrodes"][18], 118);
+  ASSERT_EQ(frame["arrays"].back()["name"], "BIOTAC_3_pac");
+  std::int32_t pac[2];
+  std::memcpy(pac, whole.data() + whole.size() - 8, 8);
+  EXPECT_EQ(pac[0], 0);
+  EXPECT_EQ(pac[1], 7);
+}
+
+/// On the cylinder, whose radius exceeds that of the electrodes, the way along the skin is longer
+/// than that through the finger; lengths along its axis remain.
+TEST_F(ServerTest, UnrollsTheSkinWithTheElectrodes) {
+  serve(false);
+  const json places = next(*open(), "hello")["electrodes"];
+  ASSERT_EQ(places.size(), 19U);
+  const Eigen::Matrix3Xd positions = 1e3 * sensing::electrode_positions();
+  for (int i = 0; i < 19; ++i) {
+    const Eigen::Vector2d place(places[i][0], places[i][1]);
+    EXPECT_EQ(place.y() > 0, positions(1, i) > 0) << "E" << i + 1;
+    EXPECT_LT(std::abs(place.y()), 11.2) << "within the page's outline of the skin, E" << i + 1;
+    if (positions(0, i) > 0) {
+      EXPECT_GT(place.x(), 0) << "E" << i + 1;
+      continue;
+    }
+    EXPECT_DOUBLE_EQ(place.x(), positions(0, i)) << "E" << i + 1;
+    for (int j = 0; j < i; ++j) {
+      if (positions(0, j) > 0) continue;
+      const double direct = (positions.col(i) - positions.col(j)).norm();
+      EXPECT_GE((place - Eigen::Vector2d(places[j][0], places[j][1])).norm(), direct * (1 - 1e-9))
+          << "E" << i + 1 << " and E" << j + 1;
+    }
+  }
 }
 
 TEST_F(ServerTest, AFrameWaitsForThePageToHaveDrawn) {

@@ -2,10 +2,10 @@ package lcm.spy;
 
 import java.util.ArrayList;
 import java.util.List;
-import javax.swing.JTable;
+import java.util.TreeMap;
 import lcm.lcm.LCM;
 
-/** Package-private parts of the stock window: its LCM, its channels, its plug-ins, its table. */
+/** Package-private parts of the stock window: its LCM and its channels. */
 public final class SpyAccess {
   private SpyAccess() {}
 
@@ -13,19 +13,13 @@ public final class SpyAccess {
     return spy.lcm;
   }
 
-  public static List<SpyPlugin> plugins(Spy spy) {
-    return new ArrayList<>(spy.plugins);
-  }
-
-  /**
-   * Null if nothing has been received on the channel. Requires the lock of its LCM, held by the
-   * spy's receiver.
-   */
-  public static ChannelData channel(Spy spy, String name) {
-    return spy.channelMap.get(name);
-  }
-
-  public static JTable table(Spy spy) {
-    return spy.channelTable;
+  /** "CHANNEL: type, N messages" of each channel, in alphabetical order. Lock the spy's LCM. */
+  public static List<String> describeChannels(Spy spy) {
+    List<String> lines = new ArrayList<>();
+    for (ChannelData data : new TreeMap<>(spy.channelMap).values()) {
+      String type = data.cls == null ? "unknown type" : data.cls.getName();
+      lines.add(data.name + ": " + type + ", " + data.nreceived + " messages");
+    }
+    return lines;
   }
 }

@@ -55,7 +55,10 @@ final class Receiver extends Thread {
         continue;
       }
       try {
-        into.receiveMessage(datagram.channel, buffer, datagram.payloadAt, datagram.payloadSize);
+        // The spy's tables are not made for several receivers.
+        synchronized (into) {
+          into.receiveMessage(datagram.channel, buffer, datagram.payloadAt, datagram.payloadSize);
+        }
       } catch (RuntimeException | OutOfMemoryError error) {
         ++refused;
       }

@@ -1,4 +1,4 @@
-#include "tools/view/components.hpp"
+#include "tools/view/cell.hpp"
 
 #include <gtest/gtest.h>
 
