@@ -18,6 +18,7 @@
 #include "rt/bus/text.hpp"
 #include "rt/config/command_line.hpp"
 #include "tools/command/request.hpp"
+#include "tools/common/program.hpp"
 
 // palpate-command: sends commands to a running palpated. See --help.
 
@@ -306,10 +307,5 @@ int main(int argc, char** argv) {
     return *code;
   if (make_key->empty() && app.get_subcommands().empty())
     return palpate::config::usage_error(app, "a command is required");
-  try {
-    return run(app, options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return palpate::common::run_program("error", [&] { return run(app, options); });
 }

@@ -2,10 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <sstream>
 #include <stdexcept>
 
 #include "tools/common/process.hpp"
@@ -16,13 +14,6 @@ namespace {
 constexpr int kMostPoints = 2000;       // per curve; more are not visible
 constexpr std::size_t kFewPoints = 12;  // are marked individually
 constexpr int kWidth = 1100, kHeight = 420;
-
-bool is_installed(const std::string& program) {
-  std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (std::filesystem::exists(std::filesystem::path(folder) / program)) return true;
-  return false;
-}
 
 std::string quoted(const std::string& text) {
   std::string result = "'";

@@ -1,5 +1,3 @@
-#include "tools/doctor/channels.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -8,6 +6,7 @@
 
 #include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "tools/doctor/checks.hpp"
 #include "tools/log/type_table.hpp"
 
 namespace palpate::doctor {

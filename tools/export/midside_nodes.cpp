@@ -5,7 +5,7 @@
 #include <algorithm>
 
 #include "core/mesh/element_mesh.hpp"
-#include "tools/export/material_law.hpp"
+#include "tools/export/element_gradients.hpp"
 
 namespace palpate::exporting {
 namespace {

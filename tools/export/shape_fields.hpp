@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "tools/export/element_gradients.hpp"
-#include "tools/export/material_law.hpp"
 #include "tools/export/midside_nodes.hpp"
 
 namespace palpate::exporting {

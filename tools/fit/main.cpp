@@ -10,9 +10,9 @@
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/common/progress.hpp"
-#include "tools/fit/findings.hpp"
-#include "tools/fit/held/held_plan_command.hpp"
+#include "tools/fit/held/held_plan_report.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
 #include "tools/fit/report_files.hpp"
@@ -141,7 +141,7 @@ int main(int argc, char** argv) {
   int code = 0;
   fit::add_held_plan_command(app, code);
   common::catch_interruptions();
-  try {
+  return common::run_program("palpate-fit", [&]() -> int {
     if (const auto ended = config::parse(app, argc, argv,
                                          {{{1, "an error, a fit that failed, or wrong derivatives"},
                                            {78, "wrong plan"},
@@ -151,14 +151,5 @@ int main(int argc, char** argv) {
     if (!app.get_subcommands().empty()) return code;
     if (options.plan.empty()) return config::usage_error(app, "a plan or a command is required");
     return run(options);
-  } catch (const common::Interrupted&) {
-    std::cerr << "palpate-fit: interrupted\n";
-    return config::kExitInterrupted;
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-fit: " << error.what() << "\n";
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-fit: " << error.what() << "\n";
-    return 1;
-  }
+  });
 }

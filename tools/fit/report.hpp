@@ -39,4 +39,8 @@ void print_comparison(const std::vector<JobResult>& results, std::ostream& out);
 /// All printed results, in SI units.
 nlohmann::json to_json(const Plan& plan, const std::vector<JobResult>& results);
 
+/// Results of a fit's experiments in addition to their residuals (Experiment::findings), as a table
+/// by recording; nothing if there are none.
+void print_findings(const Job& job, const JobResult& result, std::ostream& out);
+
 }  // namespace palpate::fit

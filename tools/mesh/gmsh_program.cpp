@@ -1,9 +1,6 @@
 #include "tools/mesh/gmsh_program.hpp"
 
-#include <unistd.h>
-
 #include <chrono>
-#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <regex>
@@ -14,6 +11,7 @@
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/surface_files.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/process.hpp"
 #include "tools/mesh/mesh_files.hpp"
 
@@ -21,34 +19,6 @@ namespace palpate::mesh_tool {
 namespace {
 
 namespace fs = std::filesystem;
-
-class TemporaryFolder {
- public:
-  TemporaryFolder() {
-    std::string name = (fs::temp_directory_path() / "palpate-mesh-XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");
-    path_ = name;
-  }
-  ~TemporaryFolder() {
-    std::error_code ignored;
-    fs::remove_all(path_, ignored);
-  }
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  const fs::path& path() const { return path_; }
-
- private:
-  fs::path path_;
-};
-
-bool is_installed(const std::string& program) {
-  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
-  const char* folders = std::getenv("PATH");
-  std::istringstream list(folders == nullptr ? "" : folders);
-  for (std::string folder; std::getline(list, folder, ':');)
-    if (access((fs::path(folder) / program).c_str(), X_OK) == 0) return true;
-  return false;
-}
 
 /// Options of gmsh. It works in units of the requested edge length, so that its absolute tolerances
 /// suit bodies of any size.
@@ -106,11 +76,11 @@ std::string messages(const fs::path& log) {
 
 mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
                                   const MeshingOptions& options, const MeshingProgress& progress) {
-  if (!is_installed(options.program)) {
+  if (!common::is_installed(options.program)) {
     throw std::runtime_error("the program " + options.program +
                              " is not installed; on Debian: apt-get install gmsh");
   }
-  const TemporaryFolder folder;
+  const common::TemporaryFolder folder("palpate-mesh");
   const fs::path log = folder.path() / "gmsh.log", output = folder.path() / "mesh.msh";
   mesh::TriangleSurface scaled = surface;
   scaled.points /= options.edge;

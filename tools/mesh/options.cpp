@@ -15,7 +15,7 @@
 #include "tools/common/output_files.hpp"
 #include "tools/mesh/commands.hpp"
 #include "tools/mesh/fault_picture.hpp"
-#include "tools/mesh/fault_text.hpp"
+#include "tools/mesh/faults.hpp"
 #include "tools/mesh/quality.hpp"
 
 namespace palpate::mesh_tool {

@@ -2,7 +2,6 @@
 #include <set>
 
 #include "core/mesh/surface_report.hpp"
-#include "tools/mesh/fault_text.hpp"
 #include "tools/mesh/faults.hpp"
 
 namespace palpate::mesh_tool {

@@ -9,11 +9,12 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <nlohmann/json_fwd.hpp>
 #include <ostream>
 
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/record/recorder.hpp"
 
 // palpate-record: writes LCM messages of several URLs to logs. See --help.
@@ -275,11 +276,8 @@ int run(Options& options, const sigset_t& signals) {
   }
   const double seconds = static_cast<double>(monotonic_ns() - begin_ns) * 1e-9;
   if (!options.quiet) record::print_summary(*recorder, listener, seconds, std::cout);
-  if (!options.json.empty()) {
-    std::ofstream file(options.json);
-    file << record::summary_json(*recorder, listener, seconds).dump(2) << '\n';
-    if (!file) throw std::runtime_error(options.json + ": cannot be written");
-  }
+  if (!options.json.empty())
+    palpate::common::write_json(record::summary_json(*recorder, listener, seconds), options.json);
   return code;
 }
 
@@ -298,10 +296,5 @@ int main(int argc, char** argv) {
   sigemptyset(&signals);
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaddset(&signals, signal);
   pthread_sigmask(SIG_BLOCK, &signals, nullptr);
-  try {
-    return run(options, signals);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return palpate::common::run_program("error", [&] { return run(options, signals); });
 }

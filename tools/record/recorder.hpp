@@ -8,7 +8,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/record/channel_filter.hpp"
 #include "tools/record/listener.hpp"
 #include "tools/record/log_files.hpp"
 #include "tools/record/sequence_gaps.hpp"

@@ -10,9 +10,11 @@
 
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/fit/kinds.hpp"
+#include "tools/reference/catalogue.hpp"
 #include "tools/reference/exploration.hpp"
-#include "tools/reference/markdown.hpp"
 
 namespace {
 
@@ -51,27 +53,6 @@ constexpr const char* kRecording =
     "own,\n"
     "`10.5 mm`; its range is in SI. QUANTITY is each of those that `columns` names.\n\n";
 
-/// A folder of this run alone.
-class Scratch {
- public:
-  Scratch() {
-    std::string name =
-        (std::filesystem::temp_directory_path() / "palpate_reference_XXXXXX").string();
-    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be made");
-    path_ = name;
-  }
-  ~Scratch() {
-    std::error_code ignored;
-    std::filesystem::remove_all(path_, ignored);
-  }
-  Scratch(const Scratch&) = delete;
-  Scratch& operator=(const Scratch&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  std::filesystem::path path_;
-};
-
 /// One table per kind of recording: they have little in common.
 bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
   const std::vector<Exploration> all = explorations(Reader::kRecording, models);
@@ -87,7 +68,7 @@ bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
 }
 
 bool write_all(std::ostream& out) {
-  const Scratch models;
+  const common::TemporaryFolder models("palpate-reference");
   out << kHead;
   bool told = true;
   const std::pair<Reader, const char*> chapters[] = {
@@ -147,13 +128,5 @@ int main(int argc, char** argv) {
           app, argc, argv,
           {{{1, "an error, or a parameter without a meaning"}, {78, "wrong configuration"}}}))
     return *code;
-  try {
-    return run(file, reader, overrides);
-  } catch (const palpate::config::Error& error) {
-    std::cerr << "error: " << error.what() << "\n";
-    return palpate::config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "error: " << error.what() << "\n";
-    return 1;
-  }
+  return common::run_program("error", [&] { return run(file, reader, overrides); });
 }

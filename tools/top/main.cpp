@@ -6,7 +6,6 @@
 #include <cerrno>
 #include <csignal>
 #include <cstdlib>
-#include <fstream>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
@@ -17,6 +16,8 @@
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/common/keyboard.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/top/view.hpp"
 
 // palpate-top: shows traffic on palpate's LCM URLs, in a terminal. See --help.
@@ -173,13 +174,7 @@ int print_once(Everything& everything, const record::Listener& listener, const O
     if (options.once) {
       for (const top::Line& line : top::lines_of(view)) std::cout << line.text << '\n';
     }
-    if (options.json == "-") {
-      std::cout << top::json_of(view).dump(2) << '\n';
-    } else if (!options.json.empty()) {
-      std::ofstream file(options.json);
-      file << top::json_of(view).dump(2) << '\n';
-      if (!file) throw std::runtime_error(options.json + ": cannot be written");
-    }
+    if (!options.json.empty()) common::write_json(top::json_of(view), options.json);
     return view.rows.empty() ? palpate::config::kExitUnavailable : 0;
   });
 }
@@ -276,10 +271,5 @@ int main(int argc, char** argv) {
   struct sigaction action {};
   action.sa_handler = [](int) { stopped = 1; };
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return common::run_program("error", [&] { return run(options); });
 }

@@ -4,7 +4,6 @@
 #include <cstdio>
 
 #include "core/math/constants.hpp"
-#include "tools/fit/experiments/cycles.hpp"
 #include "tools/fit/experiments/video.hpp"
 #include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"

@@ -1,11 +1,9 @@
-#include "tools/reference/catalogue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "rt/config/node.hpp"
-#include "tools/reference/markdown.hpp"
+#include "tools/reference/catalogue.hpp"
 
 namespace palpate::reference {
 namespace {

@@ -1,4 +1,4 @@
-#include "tools/doctor/report.hpp"
+#include "tools/doctor/finding.hpp"
 
 #include <algorithm>
 #include <iomanip>
