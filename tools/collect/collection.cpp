@@ -166,8 +166,8 @@ std::vector<Sample> Bench::run(const Trial& trial) const {
   sensors::Signal torque(faults.torque, period, faults.bias.tail<3>(), random.split("torque"));
 
   const Vector3d centre = sensing::project_on_skin(sensing::area_centres().col(trial.area - 1));
-  const Vector3d beside = variety_.place * Vector3d(random.normal(), random.normal(), 0);
-  const Vector3d at = sensing::project_on_skin(centre + beside);
+  const Vector3d offset = variety_.place * Vector3d(random.normal(), random.normal(), 0);
+  const Vector3d at = sensing::project_on_skin(centre + offset);
   const Vector3d normal = sensing::skin_normal(at);
   const Vector3d lean = random.uniform(0, kMostLean) * across(normal, random);
   const Vector3d shear_from = across(normal, random), shear_to = across(normal, random);

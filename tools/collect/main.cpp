@@ -85,7 +85,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   emulate
       ->add_option("--sensors", emulation.sensors,
-                   "YAML with what shall differ from sensors.yaml, as a scene's key `sensors`")
+                   "YAML with what differs from sensors.yaml, as a scene's key `sensors`")
       ->check(CLI::ExistingFile);
   emulate->add_option("--set", emulation.overrides, "path.to.key=value over --sensors")
       ->needs("--sensors");

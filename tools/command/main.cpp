@@ -215,7 +215,7 @@ void add_events(CLI::App& app, Options& options) {
       ->allow_extra_args(false)
       ->excludes(yaml);
 
-  CLI::App* target = app.add_subcommand("target", "where the feature of the shape shall be");
+  CLI::App* target = app.add_subcommand("target", "desired value of the feature of the shape");
   target->add_option("kind", options.kind, "name of the feature, as configured")->required();
   target
       ->add_option("values", options.values,
@@ -283,7 +283,7 @@ int run(const CLI::App& app, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("palpate-command tells a running palpated what to do, and prints what it answers.");
+  CLI::App app("palpate-command sends a command to a running palpated, and prints the answer.");
   Options options;
   palpate::config::add_url_option(
       app, {{"control", &options.control}, {"housekeeping", &options.housekeeping}});

@@ -64,7 +64,7 @@ Finding check_route(const Machine& machine, const std::string& check, const bus:
   }
   if (url.ttl > 0 && *device == "lo") {
     return warn(check, url.text() + " goes by lo",
-                "ttl says that other machines shall hear it, but lo ends on this one",
+                "ttl says that other machines are to receive it, but lo ends on this one",
                 "sudo ip route replace " + url.address + "/32 dev DEVICE   # that leads to them");
   }
   return ok(check, url.address + " goes by " + *device);
@@ -111,7 +111,7 @@ Finding check_listeners(const Machine& machine, const std::string& check, const 
   }
   if (unseen > 0)
     who += (who.empty() ? "" : ", ") + std::to_string(unseen) + " that are not mine to see";
-  const std::string text = url.group() + ": " + (who.empty() ? "nobody listens" : who);
+  const std::string text = url.group() + ": " + (who.empty() ? "no listener" : who);
   if (!stopped.empty())
     return warn(check, text, "process " + stopped + " is stopped and still a member of the group",
                 "kill -CONT " + stopped + "   # or, to end it: kill -KILL " + stopped);
@@ -119,7 +119,7 @@ Finding check_listeners(const Machine& machine, const std::string& check, const 
     return warn(
         check, losing + "for want of room in the socket",
         "what a listener loses it does not know of",
-        "sudo sysctl -w net.core.rmem_max=" + std::to_string(kBuffer) + "   # then start it anew");
+        "sudo sysctl -w net.core.rmem_max=" + std::to_string(kBuffer) + "   # then restart it");
   return ok(check, text);
 }
 

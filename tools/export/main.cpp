@@ -12,7 +12,7 @@ int main(int argc, char** argv) {
       "display.\n"
       "Several logs are merged by time; unknown types are named, counted and skipped; of a "
       "damaged\n"
-      "log all that is whole is read, and what is not is told with its place.");
+      "log all that is whole is read, and what is not is reported with its place.");
   app.footer(
       "Examples:\n"
       "  palpate-export info control.log housekeeping.log\n"

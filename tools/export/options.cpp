@@ -75,7 +75,7 @@ void add_stiffness(CLI::App& command, FollowerOptions& options) {
       "ESTIMATE says",
       options.stiffness);
   add(command, "--truth-stiffness",
-      "The same for the stress of the true shape (Neo-Hookean), which no log tells",
+      "The same for the stress of the true shape (Neo-Hookean), which no log contains",
       options.truth_stiffness);
 }
 

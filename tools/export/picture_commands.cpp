@@ -118,7 +118,7 @@ void add_png(CLI::App& app, std::function<void()>& chosen) {
   command->add_option("--at", options->times,
                       "s since the beginning of the logs; several make several pictures, with the "
                       "same scale and camera (default: the last shape that"
-                      " tells what --colour asks for)");
+                      " has what --colour asks for)");
   add_drawing(*command, *options);
   command->add_option("-o,--output", options->output, "File to write, .png")->required();
   command->callback([options, &chosen] {

@@ -113,12 +113,12 @@ std::vector<Written> export_png(ShapeFollower& follower, const DrawingOptions& o
   std::vector<Instant> shown;
   std::size_t next = 0;
   std::optional<Instant> held;
-  bool is_told = false;
+  bool has_held = false;
   follower.each("looking for shapes", [&](const Instant& instant) {
     // Recordings often end with shapes without ground truth: the last one that can be coloured.
-    const bool tells_it = tells(instant, options.quantity);
-    if (times.empty() && is_told && !tells_it) return;
-    is_told = tells_it;
+    const bool has_it = has_quantity(instant, options.quantity);
+    if (times.empty() && has_held && !has_it) return;
+    has_held = has_it;
     for (; next < times.size() && times[next] < instant.time; ++next)
       if (held) shown.push_back(*held);
     held = instant;

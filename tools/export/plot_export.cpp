@@ -149,10 +149,9 @@ Selected select(const Survey& survey, const std::string& text, double begin, dou
     selected.titles = {text};
   } else {
     if (selected.indices.size() > kMostCurves)
-      throw std::runtime_error(
-          text + " are " + std::to_string(selected.indices.size()) +
-          " curves; at most 64 can be told from each other: name a range, as " + path.channel +
-          "." + path.field + "[0:6]");
+      throw std::runtime_error(text + " are " + std::to_string(selected.indices.size()) +
+                               " curves; at most 64 can be distinguished: name a range, as " +
+                               path.channel + "." + path.field + "[0:6]");
     for (const int index : selected.indices)
       selected.titles.push_back(path.channel + "." + element_name(field, index));
     for (const int index : selected.indices)

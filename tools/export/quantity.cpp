@@ -44,7 +44,7 @@ Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity) {
   return {};
 }
 
-bool tells(const Instant& instant, Quantity quantity) {
+bool has_quantity(const Instant& instant, Quantity quantity) {
   const bool is_estimate = instant.estimate_mesh != nullptr;
   switch (quantity) {
     case Quantity::kDeviation:

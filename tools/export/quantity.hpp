@@ -21,6 +21,6 @@ QuantityText text_of(Quantity quantity);
 Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity);
 
 /// Whether an instant provides the quantity.
-bool tells(const Instant& instant, Quantity quantity);
+bool has_quantity(const Instant& instant, Quantity quantity);
 
 }  // namespace palpate::exporting

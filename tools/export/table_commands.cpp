@@ -96,7 +96,7 @@ void add_csv(CLI::App& app, std::function<void()>& chosen) {
   auto* const command = app.add_subcommand(
       "csv",
       "One CSV file a channel, arrays as columns, and what each column means, with its unit, in\n"
-      "CHANNEL.columns.csv beside it. Column 'time' is in s since the earliest message of all "
+      "CHANNEL.columns.csv next to it. Column 'time' is in s since the earliest message of all "
       "logs\n"
       "(see --clock), 'received_utime' in us when the log received the message, 'utime' in us the\n"
       "clock of its sender. Cells of arrays beyond what a message uses are empty.");

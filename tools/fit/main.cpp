@@ -129,7 +129,8 @@ int main(int argc, char** argv) {
                  "Folder for material.yaml, samples.csv, fit.png and fits.csv, and the checkpoint");
   app.add_option("--json", options.json, "File for all results as JSON; - for the standard output");
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
-  app.add_flag("--details", options.details, "Every fit's parameters, series and what is not told");
+  app.add_flag("--details", options.details,
+               "Every fit's parameters, series and what is undetermined");
   app.add_flag("--resume", options.resume, "Go on from the checkpoint in --output");
   app.add_flag("--check-gradients", options.check_gradients,
                "Compare derivatives with Ridders' differences; above 1e-6 is an error");

@@ -119,9 +119,9 @@ Entry read_entry(const config::Node& node, const std::string& name, bool is_in_l
   entry.group = name;
   if (node.has("group"))
     entry.group = node.text(
-        {"group", "", "medians and spread of fits of one group are told too; absent: the name"});
+        {"group", "", "medians and spread of fits of one group are printed too; absent: the name"});
   for (const config::Node& recording :
-       node.list({"recordings", "", "that tell the parameters together; see each `kind`"}))
+       node.list({"recordings", "", "that determine the parameters together; see each `kind`"}))
     entry.recordings.push_back(recording.dump());
   if (entry.recordings.empty()) node.fail("recordings", "must hold one or more");
   entry.parameters = node.dump("parameters");

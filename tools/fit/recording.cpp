@@ -182,7 +182,7 @@ Selection read_selection(const config::Node& node, const config::Key& key, bool 
     return selection;
   }
   const config::Node entry = node.child(key);
-  selection.quantity = entry.text({"quantity", "", "that tells which samples"});
+  selection.quantity = entry.text({"quantity", "", "that selects the samples"});
   selection.from = entry.number({"from", "SI", "its least, of these"}, {}, -kInfinity);
   selection.to = entry.number({"to", "SI", "its greatest, of these"}, {}, kInfinity);
   if (!(selection.from <= selection.to)) entry.fail("to", "must not be below from");
@@ -288,7 +288,7 @@ void Recording::require_varying(const std::string& quantity) const {
   if (values.size() > 0 && values.maxCoeff() > values.minCoeff()) return;
   fail(0, quantity + " is the same in every row (" +
               (values.size() > 0 ? std::to_string(values[0]) : "none") +
-              "): nothing can be told from it; check the column's name");
+              "): nothing can be learnt from it; check the column's name");
 }
 
 void Recording::require_rising(const std::string& quantity) const {

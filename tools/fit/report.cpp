@@ -100,7 +100,7 @@ void print_parameters(const Uncertainty& u, std::ostream& out) {
 
 void print_open(const Uncertainty& u, std::ostream& out) {
   for (const OpenDirection& open : u.open) {
-    out << "The data cannot tell";
+    out << "The data do not determine";
     const char* separator = " ";
     for (const auto& [name, share] : open.shares) {
       out << separator << name;
@@ -114,11 +114,11 @@ void print_open(const Uncertainty& u, std::ostream& out) {
 }
 
 void print_correlations(const Uncertainty& u, std::ostream& out) {
-  constexpr double kWorthTelling = 0.9;
+  constexpr double kWorthReporting = 0.9;
   for (std::size_t i = 0; i < u.determined.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double r = u.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      if (std::abs(r) < kWorthTelling) continue;
+      if (std::abs(r) < kWorthReporting) continue;
       const auto name = [&](std::size_t k) {
         return u.estimates[static_cast<std::size_t>(u.determined[k])].parameter.name;
       };

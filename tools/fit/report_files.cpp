@@ -121,11 +121,11 @@ void write_material(const Job& job, const JobResult& result, std::ostream& out) 
   const Uncertainty& u = result.fit.uncertainty;
   out << "# " << job.title() << ": a material as palpate-fit found it; SI units.\nmaterial:\n"
       << "  model: " << result.material << "\n";
-  const auto is_told = [](const Estimate& e) {
+  const auto is_known = [](const Estimate& e) {
     return is_material(e) && e.standing != Standing::kUndetermined;
   };
   for (const Estimate& e : u.estimates)
-    if (is_told(e))
+    if (is_known(e))
       out << "  " << e.parameter.name << ": " << exact(e.value)
           << (e.standing == Standing::kAtBound ? "  # at the bound of what was allowed"
               : e.standing == Standing::kKnown ? "  # given, not fitted"
@@ -133,7 +133,7 @@ void write_material(const Job& job, const JobResult& result, std::ostream& out) 
           << "\n";
   out << "intervals:  # 95 %\n";
   for (const Estimate& e : u.estimates)
-    if (is_told(e) && e.standing == Standing::kEstimated)
+    if (is_known(e) && e.standing == Standing::kEstimated)
       out << "  " << e.parameter.name << ": " << pair_text(e.interval) << "\n";
   out << "undetermined: [";
   const char* separator = "";

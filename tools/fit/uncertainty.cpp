@@ -282,7 +282,7 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
   double effective = 0;
   for (const SeriesNoise& noise : result.noise) effective += noise.effective;
   const double t = student_quantile(effective - static_cast<double>(moving.size()));
-  std::vector<Index> told;
+  std::vector<Index> determined_rows;
   for (std::size_t k = 0; k < moving.size(); ++k) {
     const auto parameter =
         static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(moving[k])]);
@@ -311,14 +311,15 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
       estimate.interval[side] = problem.to_value(
           static_cast<int>(parameter), std::clamp(ends[side], lower[moving[k]], upper[moving[k]]));
     result.determined.push_back(static_cast<int>(parameter));
-    told.push_back(row);
+    determined_rows.push_back(row);
   }
-  const auto n = static_cast<Index>(told.size());
+  const auto n = static_cast<Index>(determined_rows.size());
   result.covariance.resize(n, n);
   result.correlation.resize(n, n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) {
-      const Index a = told[static_cast<std::size_t>(i)], b = told[static_cast<std::size_t>(j)];
+      const Index a = determined_rows[static_cast<std::size_t>(i)],
+                  b = determined_rows[static_cast<std::size_t>(j)];
       const int pa = result.determined[static_cast<std::size_t>(i)],
                 pb = result.determined[static_cast<std::size_t>(j)];
       const double c = spread.covariance(a, b);

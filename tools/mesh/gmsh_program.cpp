@@ -38,7 +38,7 @@ std::string script(const MeshingOptions& options) {
 }
 
 /// Progress of gmsh from its output: it prints the percentage of each dimension.
-void tell(const fs::path& log, const MeshingProgress& progress) {
+void report_progress(const fs::path& log, const MeshingProgress& progress) {
   static const std::regex kPercent("\\[ *([0-9]+)%\\] Meshing (curve|surface)");
   std::ifstream in(log);
   double share = 0.02;
@@ -95,7 +95,7 @@ mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
   while (!code) {
     common::throw_if_interrupted();
     code = gmsh.wait(0.1);
-    tell(log, progress);
+    report_progress(log, progress);
     const double elapsed =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
     if (!code && elapsed > options.time_limit) {

@@ -110,7 +110,7 @@ std::string text(const StepCost& cost) {
   if (!cost.measured) return "step of the daemon's mechanics: not measured, " + cost.why_not + "\n";
   std::snprintf(line, sizeof line,
                 "step of the daemon's mechanics, here, one core, %d nodes: %.0f us (median), %.0f "
-                "us (99 %%); factorisation beside it %.1f ms\n",
+                "us (99 %%); factorisation in parallel %.1f ms\n",
                 cost.nodes, 1e6 * cost.median, 1e6 * cost.slowest, 1e3 * cost.factor);
   return line;
 }

@@ -151,7 +151,7 @@ class SurfaceFaults {
       const int part = report_.part[t];
       if (part != largest && report_.depth[part] % 2 == 0) others.push_back(t);
     }
-    add_triangles("parts", "triangles of parts beside the largest", others);
+    add_triangles("parts", "triangles of parts other than the largest", others);
   }
 
   const mesh::TriangleSurface& surface_;

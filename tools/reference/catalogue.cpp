@@ -138,7 +138,7 @@ void sort_by_tree(std::vector<Section>& sections) {
 }
 
 /// Keys that an arm or a fallback shares with the first of its kind are documented once.
-bool is_told_elsewhere(const Section& section, const std::vector<Section>& sections) {
+bool is_described_elsewhere(const Section& section, const std::vector<Section>& sections) {
   if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
     return true;
   const std::string arm = "second_arm.";
@@ -240,7 +240,7 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
   sort_by_tree(sections);
   const std::vector<Section> all = sections;
   sections.erase(std::remove_if(sections.begin(), sections.end(),
-                                [&](const Section& s) { return is_told_elsewhere(s, all); }),
+                                [&](const Section& s) { return is_described_elsewhere(s, all); }),
                  sections.end());
   return sections;
 }

@@ -24,7 +24,7 @@ using namespace palpate::reference;
 constexpr const char* kHead =
     "# Configuration\n\n"
     "Made by `palpate-reference` from the declarations in the code that reads them; do not edit.\n"
-    "SI units throughout. A key that nobody reads is an error, which names file, line, key and "
+    "SI units throughout. A key that is not read is an error, which names file, line, key and "
     "what\n"
     "is allowed. `base: FILE` at the top puts a file's entries over those of another (an\n"
     "empty entry, `key: ~`, takes away what is there) and `--set path.to.key=value` over both. A "
@@ -32,8 +32,8 @@ constexpr const char* kHead =
     "z]}`\n"
     "or `{position: ..., rpy_deg: [r, p, y]}`; files are named relative to the file that names "
     "them.\n"
-    "What stands in parentheses before a meaning says with which choices beside it a key is read.\n"
-    "`palpate-reference your.yaml` tells the same of the parts that one configuration uses.\n\n";
+    "What stands in parentheses before a meaning says with which other choices a key is read.\n"
+    "`palpate-reference your.yaml` prints the same for the parts that one configuration uses.\n\n";
 
 constexpr const char* kDaemon =
     "## palpated\n\n"
@@ -45,7 +45,7 @@ constexpr const char* kDaemon =
 constexpr const char* kFit =
     "## Plans of palpate-fit\n\n"
     "`recording`, laid under every recording, and each entry of `recordings` hold what the next\n"
-    "chapter tells. NAME is that of a parameter.\n\n";
+    "chapter describes. NAME is that of a parameter.\n\n";
 
 constexpr const char* kRecording =
     "## Recordings of palpate-fit\n\n"
@@ -56,21 +56,21 @@ constexpr const char* kRecording =
 /// One table per kind of recording: they have little in common.
 bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
   const std::vector<Exploration> all = explorations(Reader::kRecording, models);
-  bool told = true;
+  bool is_complete = true;
   for (const fit::Kind& kind : fit::kinds()) {
     std::vector<Declarations> readings;
     for (const Exploration& exploration : all)
       if (exploration.kind == kind.name) readings.push_back(read(Reader::kRecording, exploration));
     out << "### Kind `" << kind.name << "`: " << kind.summary << "\n\n";
-    told = write_tables(out, readings, 4) && told && !readings.empty();
+    is_complete = write_tables(out, readings, 4) && is_complete && !readings.empty();
   }
-  return told;
+  return is_complete;
 }
 
 bool write_all(std::ostream& out) {
   const common::TemporaryFolder models("palpate-reference");
   out << kHead;
-  bool told = true;
+  bool is_complete = true;
   const std::pair<Reader, const char*> chapters[] = {
       {Reader::kDaemon, kDaemon},
       {Reader::kScene, "## Scenes of palpate-sim\n\n"},
@@ -80,21 +80,22 @@ bool write_all(std::ostream& out) {
   for (const auto& [reader, title] : chapters) {
     out << title;
     if (reader == Reader::kRecording) {
-      told = write_recordings(out, models.path()) && told;
+      is_complete = write_recordings(out, models.path()) && is_complete;
       continue;
     }
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
       readings.push_back(read(reader, exploration));
-    told = write_tables(out, readings, 3) && told;
+    is_complete = write_tables(out, readings, 3) && is_complete;
   }
-  return told;
+  return is_complete;
 }
 
 int run(const std::string& file, Reader reader, const std::vector<std::string>& overrides) {
-  const bool told = file.empty() ? write_all(std::cout)
-                                 : write_tables(std::cout, {read(reader, {file, overrides})}, 2);
-  return told ? 0 : 1;
+  const bool is_complete = file.empty()
+                               ? write_all(std::cout)
+                               : write_tables(std::cout, {read(reader, {file, overrides})}, 2);
+  return is_complete ? 0 : 1;
 }
 
 }  // namespace

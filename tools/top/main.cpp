@@ -122,7 +122,7 @@ struct Options {
 constexpr char kHelp[] =
     "palpate-top shows what goes over palpate's LCM URLs: the daemon's state, cycle times by "
     "phase,\n"
-    "overruns, faults and inputs as HEALTH tells them, and of every channel the rate, jitter\n"
+    "overruns, faults and inputs as HEALTH reports them, and of every channel the rate, jitter\n"
     "(standard deviation and longest interval, ms), age, latency (from the sender's clock, ms),\n"
     "losses (gaps in the numbers), bandwidth, and whether its type is one of palpate's.\n"
     "It only listens, through palpate's guarded receiver: no packet can end it.\n"

@@ -127,11 +127,11 @@ class Hertz final : public Experiment {
   static void check(const Recording& recording, const Indentation& data) {
     Eigen::Index deepest = 0;
     if (!(data.depth.maxCoeff(&deepest) > data.depth.minCoeff()))
-      recording.fail(0, "depth is the same in every row: nothing can be told from it");
+      recording.fail(0, "depth is the same in every row: nothing can be learnt from it");
     if (!(data.depth[deepest] > 0))
       recording.fail(deepest, "no depth is positive; give its column `sign: -1`");
     if (!(data.force.maxCoeff() > data.force.minCoeff()))
-      recording.fail(0, "force is the same in every row: nothing can be told from it");
+      recording.fail(0, "force is the same in every row: nothing can be learnt from it");
     const Eigen::VectorXd centred = data.depth.array() - data.depth.mean();
     if (!(data.force[deepest] > 0) || centred.dot(data.force) <= 0)
       recording.fail(deepest,

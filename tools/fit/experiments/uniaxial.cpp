@@ -156,7 +156,7 @@ class Uniaxial final : public Experiment {
     if (is_poisson_free && !has_width)
       node.fail("poisson_ratio",
                 "can be free only where the recording has a column `width` or a "
-                "`video`: the load alone cannot tell it");
+                "`video`: the load alone does not determine it");
     if (!is_poisson_free)
       parameters_[1].start = parameters_[1].lower = parameters_[1].upper =
           poisson == "by_width" ? 0 : node.number("poisson_ratio", {-0.5, 0.5}, 0.5);

@@ -195,15 +195,15 @@ void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const
   MatrixXd normal = own.transpose() * own;
   normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff();
   const MatrixXd cross = own.transpose() * shared;
-  MatrixXd told = shared.transpose() * shared - cross.transpose() * normal.ldlt().solve(cross);
+  MatrixXd gained = shared.transpose() * shared - cross.transpose() * normal.ldlt().solve(cross);
   // Total information with the model's own error: (measured^-1 + error^2)^-1, where `measured` may
   // be singular.
   const Eigen::Matrix4d error =
       Eigen::Matrix4d::Identity() / (options.model_error * options.model_error);
-  told -= told * (told + error).ldlt().solve(told);
+  gained -= gained * (gained + error).ldlt().solve(gained);
   constexpr int kPlaces[] = {kYoung, kDensity, kMass, kStiffness};
   for (int a = 0; a < 4; ++a)
-    for (int b = 0; b < 4; ++b) candidate.information(kPlaces[a], kPlaces[b]) = told(a, b);
+    for (int b = 0; b < 4; ++b) candidate.information(kPlaces[a], kPlaces[b]) = gained(a, b);
 }
 
 /// Covariance of the material parameters, with all others unknown too.

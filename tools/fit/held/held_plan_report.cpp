@@ -13,14 +13,14 @@
 namespace palpate::fit {
 namespace {
 
-constexpr double kHalfTold = 2;  // factor from which on percentages are not used
+constexpr double kVague = 2;  // factor from which on percentages are not used
 
 /// "+- 3.1 %", "x or / 4.2", "+- 0.021"; in brackets if undetermined.
 std::string interval(const Knowledge& known) {
   char text[40];
   if (!known.is_logarithmic) {
     std::snprintf(text, sizeof(text), "+- %.2g", known.half());
-  } else if (known.factor() < kHalfTold) {
+  } else if (known.factor() < kVague) {
     std::snprintf(text, sizeof(text), "+- %.2g %%", 100 * (known.factor() - 1));
   } else {
     std::snprintf(text, sizeof(text), "x or / %.2g", known.factor());
@@ -83,7 +83,7 @@ int run(Arguments arguments) {
 void print(const HeldPlan& plan, std::ostream& out) {
   out << plan.candidates - static_cast<int>(plan.left_out.size()) << " motions of "
       << plan.candidates << " are allowed. 95 % intervals to be expected, in brackets where a "
-      << "parameter is not told:\n\n";
+      << "parameter is not determined:\n\n";
   std::vector<std::string> header = {"motion"};
   for (const Knowledge& known : plan.before) header.push_back(known.name);
   common::Table table(header);
@@ -97,7 +97,7 @@ void print(const HeldPlan& plan, std::ostream& out) {
     add(std::to_string(s + 1) + ". " + plan.steps[s].motion.name, plan.steps[s].knowledge);
   table.print(out);
   out << "\n";
-  if (plan.undetermined.empty()) out << "Every parameter would be told.\n";
+  if (plan.undetermined.empty()) out << "Every parameter would be determined.\n";
   for (const std::string& name : plan.undetermined) out << "Stays undetermined: " << name << "\n";
   if (!plan.left_out.empty()) {
     out << "Left out:\n";
@@ -126,10 +126,10 @@ nlohmann::json to_json(const HeldPlan& plan) {
 void add_held_plan_command(CLI::App& app, int& code) {
   const auto arguments = std::make_shared<Arguments>();
   HeldPlanOptions& o = arguments->options;
-  CLI::App* plan = app.add_subcommand(
-      "plan",
-      "Which motions of the hand would tell E, nu, density and damping of an object best, and what "
-      "would stay open: a short list, D-optimal step by step");
+  CLI::App* plan = app.add_subcommand("plan",
+                                      "Which motions of the hand would determine E, nu, density "
+                                      "and damping of an object best, and what "
+                                      "would stay open: a short list, D-optimal step by step");
   plan->add_option(
           "configuration", arguments->configuration,
           "palpated's, which says mesh, grasp, material as believed, and the gate's limits")

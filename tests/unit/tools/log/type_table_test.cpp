@@ -137,8 +137,8 @@ TEST(Record, LengthsThatLieAreNoMessage) {
 
 TEST(Record, CountsBeyondTheArrayAreCutToIt) {
   contacts_t contacts{};
-  for (const auto& [told, used] : {std::pair{-5, 0}, {3, 3}, {1000, 8}}) {
-    contacts.count = told;
+  for (const auto& [stated, used] : {std::pair{-5, 0}, {3, 3}, {1000, 8}}) {
+    contacts.count = stated;
     const std::vector<std::uint8_t> bytes = encoded(contacts);
     Record record(*find("contacts_t"));
     ASSERT_TRUE(record.decode(bytes.data(), static_cast<int>(bytes.size())));

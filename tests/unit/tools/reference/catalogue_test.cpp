@@ -27,7 +27,7 @@ const Parameter& parameter(const std::vector<Section>& sections, const std::stri
   for (const Section& section : sections)
     for (const Parameter& known : section.parameters)
       if (section.path == path && known.name == name) return known;
-  ADD_FAILURE() << path << "." << name << " is not told";
+  ADD_FAILURE() << path << "." << name << " is not described";
   return kNone;
 }
 
