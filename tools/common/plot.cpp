@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "tools/common/process.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::common {
 namespace {
@@ -66,10 +67,8 @@ void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int col
     const double full = static_cast<double>(matrix.colours[column] >> shift & 0xffU);
     colour |= static_cast<unsigned>(255 + strength * (full - 255)) << shift;
   }
-  char text[8];
-  std::snprintf(text, sizeof text, "%06x", colour);
   out << "set object " << object << " rectangle from " << column << ',' << row << " to "
-      << column + 1 << ',' << row + 1 << " fillcolor rgb '#" << text
+      << column + 1 << ',' << row + 1 << " fillcolor rgb '#" << formatted("%06x", colour)
       << "' fillstyle solid border rgb '#c0c0c0'\n";
   if (share > 0)
     out << "set label " << object << " '" << 100 * share << "' at " << column + 0.5 << ','

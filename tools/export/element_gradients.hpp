@@ -63,4 +63,10 @@ class ElementGradients {
 /// Position of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
 Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes);
 
+/// Edges of the elements on the surface of a mesh, as columns of two nodes; for hexahedra without
+/// the lines through their faces. kSharp: edges at which the rest surface turns by more than 40
+/// deg.
+enum class Edges { kAll, kSharp };
+Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which);
+
 }  // namespace palpate::exporting

@@ -6,8 +6,8 @@
 
 #include "sim/draw/annotate.hpp"
 #include "tools/common/base64.hpp"
+#include "tools/export/element_gradients.hpp"
 #include "tools/export/json_schema.hpp"
-#include "tools/export/mesh_edges.hpp"
 
 namespace palpate::exporting {
 namespace {

@@ -102,27 +102,14 @@ std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
 }  // namespace
 
 const char* name_of(Compression compression) {
-  switch (compression) {
-    case Compression::kLz4:
-      return "lz4";
-    case Compression::kZstd:
-      return "zstd";
-    case Compression::kNone:
-      break;
-  }
-  return "";
+  constexpr const char* kNames[] = {"", "lz4", "zstd"};
+  return kNames[static_cast<std::size_t>(compression)];
 }
 
 std::string compress(Compression compression, std::string_view bytes) {
-  switch (compression) {
-    case Compression::kLz4:
-      return lz4_frame(bytes);
-    case Compression::kZstd:
-      return zstd_frame(bytes);
-    case Compression::kNone:
-      break;
-  }
-  return std::string(bytes);
+  return compression == Compression::kLz4    ? lz4_frame(bytes)
+         : compression == Compression::kZstd ? zstd_frame(bytes)
+                                             : std::string(bytes);
 }
 
 void McapWriter::Span::add(std::uint64_t time) {

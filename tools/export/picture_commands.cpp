@@ -1,7 +1,6 @@
 #include <memory>
 
 #include "tools/export/commands.hpp"
-#include "tools/export/options.hpp"
 #include "tools/export/picture_export.hpp"
 #include "tools/export/vtu_export.hpp"
 

@@ -16,6 +16,7 @@
 #include "sim/draw/image.hpp"
 #include "sim/draw/png_file.hpp"
 #include "tools/common/process.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -96,10 +97,9 @@ class Video {
 };
 
 std::filesystem::path with_time(const std::filesystem::path& file, double time) {
-  char text[32];
-  std::snprintf(text, sizeof text, "_%07.3f", time);
   std::filesystem::path name = file;
-  name.replace_filename(file.stem().string() + text + file.extension().string());
+  name.replace_filename(file.stem().string() + common::formatted("_%07.3f", time) +
+                        file.extension().string());
   return name;
 }
 

@@ -5,6 +5,7 @@
 #include <ctime>
 #include <optional>
 
+#include "tools/common/table.hpp"
 #include "tools/export/columns.hpp"
 
 namespace palpate::exporting {
@@ -75,19 +76,16 @@ void compare_clocks(Survey& survey) {
 }
 
 std::string hex(std::uint64_t number) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(number));
-  return text;
+  return common::formatted("%016llx", static_cast<unsigned long long>(number));
 }
 
 std::string clock_text(std::int64_t utime) {
   const std::time_t seconds = utime / 1'000'000;
   std::tm parts{};
   if (gmtime_r(&seconds, &parts) == nullptr) return std::to_string(utime) + " us";
-  char text[64], fraction[16];
+  char text[64];
   std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
-  std::snprintf(fraction, sizeof fraction, ".%03d UTC", static_cast<int>(utime / 1000 % 1000));
-  return std::string(text) + fraction;
+  return text + common::formatted(".%03d UTC", static_cast<int>(utime / 1000 % 1000));
 }
 
 void print_row(std::ostream& out, const ChannelSurvey& channel) {
@@ -202,18 +200,15 @@ Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) 
 }
 
 void print_info(const Survey& survey, std::ostream& out) {
-  char line[256];
-  std::snprintf(line, sizeof line, "%lld events in %.1f MB", static_cast<long long>(survey.events),
-                1e-6 * static_cast<double>(survey.bytes));
-  out << line;
-  if (!survey.received.empty) {
-    std::snprintf(line, sizeof line, ", %.3f s, from ", survey.received.seconds());
-    out << line << clock_text(survey.received.first) << " to " << clock_text(survey.received.last);
-  }
+  out << common::formatted("%lld events in %.1f MB", static_cast<long long>(survey.events),
+                           1e-6 * static_cast<double>(survey.bytes));
+  if (!survey.received.empty)
+    out << common::formatted(", %.3f s, from ", survey.received.seconds())
+        << clock_text(survey.received.first) << " to " << clock_text(survey.received.last);
   out << "\n\n";
-  std::snprintf(line, sizeof line, "%-26s %-26s %9s %9s %9s %8s %7s %9s", "channel", "type",
-                "messages", "rate, Hz", "gap, ms", "lost", "broken", "sessions");
-  out << line << '\n';
+  out << common::formatted("%-26s %-26s %9s %9s %9s %8s %7s %9s", "channel", "type", "messages",
+                           "rate, Hz", "gap, ms", "lost", "broken", "sessions")
+      << '\n';
   for (const ChannelSurvey& channel : survey.channels)
     if (channel.type) print_row(out, channel);
   for (const ChannelSurvey& channel : survey.channels)
@@ -270,11 +265,10 @@ void print_fields(const Survey& survey, std::ostream& out) {
     for (std::size_t f = 0; f < channel.type->fields.size(); ++f) {
       const log::FieldInfo& field = channel.type->fields[f];
       if (field.is_bytes()) continue;
-      char line[512];
-      std::snprintf(line, sizeof line, "  %-34s %-14s %s",
-                    (field.name + shape_text(field, channel.widths[f])).c_str(),
-                    units_of(field).c_str(), field.comment.c_str());
-      out << line << '\n';
+      out << common::formatted("  %-34s %-14s %s",
+                               (field.name + shape_text(field, channel.widths[f])).c_str(),
+                               units_of(field).c_str(), field.comment.c_str())
+          << '\n';
     }
   }
 }

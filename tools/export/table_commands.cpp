@@ -6,7 +6,6 @@
 #include "tools/export/commands.hpp"
 #include "tools/export/csv_export.hpp"
 #include "tools/export/mcap_export.hpp"
-#include "tools/export/options.hpp"
 #include "tools/export/output_file.hpp"
 #include "tools/export/plot_export.hpp"
 #include "tools/export/survey.hpp"

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <sstream>
 
+#include "tools/common/table.hpp"
 #include "tools/common/vtu_writer.hpp"
 #include "tools/export/output_file.hpp"
 #include "tools/log/record.hpp"
@@ -28,9 +29,8 @@ class Series {
       : folder_(folder), name_(std::move(name)), what_(std::move(what)) {}
 
   void add(double time, const Grid& grid) {
-    char number[32];
-    std::snprintf(number, sizeof number, "_%06zu.vtu", count_);
-    const std::filesystem::path file = folder_ / name_ / (name_ + number);
+    const std::filesystem::path file =
+        folder_ / name_ / (name_ + common::formatted("_%06zu.vtu", count_));
     std::ostringstream text;
     common::write_vtu(grid, common::VtuEncoding::kBase64, text);
     write(file, text.str());

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "tools/common/table.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
@@ -134,11 +135,7 @@ Entry read_entry(const config::Node& node, const std::string& name, bool is_in_l
   return entry;
 }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string short_number(double value) { return common::formatted("%g", value); }
 
 }  // namespace
 

@@ -11,6 +11,7 @@
 namespace palpate::fit {
 namespace {
 
+using common::formatted;
 using common::number;
 using common::Table;
 
@@ -79,12 +80,6 @@ nlohmann::json result_json(const Job& job, const JobResult& result) {
   json["evaluations"] = {{"predictions", result.fit.count.predictions},
                          {"with_derivatives", result.fit.count.jacobians}};
   return json;
-}
-
-std::string formatted(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
 }
 
 void print_parameters(const Uncertainty& u, std::ostream& out) {

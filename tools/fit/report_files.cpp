@@ -10,6 +10,7 @@
 #include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -20,11 +21,7 @@ using Eigen::Index;
 constexpr std::size_t kMostFolders = 200;
 constexpr std::size_t kMostPlots = 6;
 
-std::string exact(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string exact(double value) { return common::formatted("%.9g", value); }
 
 std::string pair_text(const std::array<double, 2>& pair) {
   return "[" + exact(pair[0]) + ", " + exact(pair[1]) + "]";

@@ -235,17 +235,8 @@ double student_quantile(double freedom) {
 }
 
 std::string name_of(Standing standing) {
-  switch (standing) {
-    case Standing::kEstimated:
-      return "estimated";
-    case Standing::kKnown:
-      return "known";
-    case Standing::kAtBound:
-      return "at bound";
-    case Standing::kUndetermined:
-      return "undetermined";
-  }
-  return "";
+  constexpr const char* kNames[] = {"estimated", "known", "at bound", "undetermined"};
+  return kNames[static_cast<std::size_t>(standing)];
 }
 
 Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& options,

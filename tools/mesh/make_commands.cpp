@@ -11,8 +11,8 @@
 #include "core/mesh/side_groups.hpp"
 #include "core/mesh/surface_repair.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
 #include "tools/mesh/commands.hpp"
-#include "tools/mesh/full_volume.hpp"
 #include "tools/mesh/gmsh_program.hpp"
 #include "tools/mesh/options.hpp"
 #include "tools/mesh/quality.hpp"
@@ -141,11 +141,9 @@ void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
     }
     filled.middles.clear();
   }
-  char line[160];
-  std::snprintf(line, sizeof line,
-                "volume by that of the surface: %.3f %% with corners on it, %.3f %% written\n",
-                100 * straight / wanted, 100 * mesh::check(filled.mesh).volume / wanted);
-  out << line;
+  out << common::formatted(
+      "volume by that of the surface: %.3f %% with corners on it, %.3f %% written\n",
+      100 * straight / wanted, 100 * mesh::check(filled.mesh).volume / wanted);
 }
 
 /// Round bodies: by layers and shells if these give good elements, otherwise by gmsh on a fine

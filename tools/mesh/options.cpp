@@ -13,6 +13,7 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "core/mesh/element_mesh.hpp"
 #include "tools/common/output_files.hpp"
+#include "tools/common/table.hpp"
 #include "tools/mesh/commands.hpp"
 #include "tools/mesh/fault_picture.hpp"
 #include "tools/mesh/faults.hpp"
@@ -106,13 +107,11 @@ StepCost measure_step_cost(const mesh::TetrahedralMesh& mesh, mesh::ElementOrder
 }
 
 std::string text(const StepCost& cost) {
-  char line[240];
   if (!cost.measured) return "step of the daemon's mechanics: not measured, " + cost.why_not + "\n";
-  std::snprintf(line, sizeof line,
-                "step of the daemon's mechanics, here, one core, %d nodes: %.0f us (median), %.0f "
-                "us (99 %%); factorisation in parallel %.1f ms\n",
-                cost.nodes, 1e6 * cost.median, 1e6 * cost.slowest, 1e3 * cost.factor);
-  return line;
+  return common::formatted(
+      "step of the daemon's mechanics, here, one core, %d nodes: %.0f us (median), %.0f "
+      "us (99 %%); factorisation in parallel %.1f ms\n",
+      cost.nodes, 1e6 * cost.median, 1e6 * cost.slowest, 1e3 * cost.factor);
 }
 
 nlohmann::json to_json(const StepCost& cost) {

@@ -15,6 +15,7 @@
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "tools/common/output_files.hpp"
 #include "tools/common/program.hpp"
+#include "tools/common/table.hpp"
 #include "tools/record/recorder.hpp"
 
 // palpate-record: writes LCM messages of several URLs to logs. See --help.
@@ -22,12 +23,7 @@
 namespace palpate::record {
 namespace {
 
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  std::array<char, 256> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
+using common::formatted;
 
 /// Message rate, between the first and the last.
 double rate(const ChannelSummary& channel) {

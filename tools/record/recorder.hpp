@@ -10,7 +10,7 @@
 
 #include "tools/record/listener.hpp"
 #include "tools/record/log_files.hpp"
-#include "tools/record/sequence_gaps.hpp"
+#include "tools/record/message_types.hpp"
 
 namespace palpate::record {
 

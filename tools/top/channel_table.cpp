@@ -17,19 +17,8 @@ constexpr std::int64_t kOtherClock = 10'000'000;  // us
 }  // namespace
 
 const char* name(Order order) noexcept {
-  switch (order) {
-    case Order::kName:
-      return "name";
-    case Order::kRate:
-      return "rate";
-    case Order::kBandwidth:
-      return "bandwidth";
-    case Order::kLost:
-      return "lost";
-    case Order::kAge:
-      break;
-  }
-  return "age";
+  constexpr const char* kNames[] = {"name", "rate", "bandwidth", "lost", "age"};
+  return kNames[static_cast<std::size_t>(order)];
 }
 
 Order next(Order order) noexcept {

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {

@@ -5,7 +5,6 @@
 
 #include "core/math/constants.hpp"
 #include "tools/fit/experiments/video.hpp"
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {

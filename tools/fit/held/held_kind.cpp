@@ -2,7 +2,6 @@
 
 #include "tools/fit/held/held_decay.hpp"
 #include "tools/fit/held/held_object.hpp"
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "core/math/constants.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit/held/held_decay.hpp"
 #include "tools/fit/held/held_object.hpp"
 
@@ -21,15 +22,11 @@ constexpr char kAxes[] = "xyz";
 
 std::string describe(const math::Vector6d& motion) {
   std::string text;
-  char part[40];
   for (int k = 0; k < 6; ++k) {
     if (motion[k] == 0) continue;
-    if (k < 3) {
-      std::snprintf(part, sizeof(part), "%c %+.3g mm", kAxes[k], 1e3 * motion[k]);
-    } else {
-      std::snprintf(part, sizeof(part), "turn %c %+.3g deg", kAxes[k - 3], 180 / kPi * motion[k]);
-    }
-    text += (text.empty() ? "" : ", ") + std::string(part);
+    text += text.empty() ? "" : ", ";
+    text += k < 3 ? common::formatted("%c %+.3g mm", kAxes[k], 1e3 * motion[k])
+                  : common::formatted("turn %c %+.3g deg", kAxes[k - 3], 180 / kPi * motion[k]);
   }
   return text.empty() ? "hold still" : text;
 }
@@ -274,10 +271,8 @@ std::vector<HandMotion> candidate_motions(const HeldCell& cell, const HeldPlanOp
   for (int axis = 0; axis < 3; ++axis) {
     HandMotion motion;
     motion.stop[axis] = options.speed;
-    char text[60];
-    std::snprintf(text, sizeof(text), "stop from %c %+.3g m/s and let it ring", kAxes[axis],
-                  options.speed);
-    motion.name = text;
+    motion.name =
+        common::formatted("stop from %c %+.3g m/s and let it ring", kAxes[axis], options.speed);
     motions.push_back(motion);
   }
   return motions;

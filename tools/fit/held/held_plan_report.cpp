@@ -17,15 +17,11 @@ constexpr double kVague = 2;  // factor from which on percentages are not used
 
 /// "+- 3.1 %", "x or / 4.2", "+- 0.021"; in brackets if undetermined.
 std::string interval(const Knowledge& known) {
-  char text[40];
-  if (!known.is_logarithmic) {
-    std::snprintf(text, sizeof(text), "+- %.2g", known.half());
-  } else if (known.factor() < kVague) {
-    std::snprintf(text, sizeof(text), "+- %.2g %%", 100 * (known.factor() - 1));
-  } else {
-    std::snprintf(text, sizeof(text), "x or / %.2g", known.factor());
-  }
-  return known.is_determined ? text : "(" + std::string(text) + ")";
+  const std::string text = !known.is_logarithmic ? common::formatted("+- %.2g", known.half())
+                           : known.factor() < kVague
+                               ? common::formatted("+- %.2g %%", 100 * (known.factor() - 1))
+                               : common::formatted("x or / %.2g", known.factor());
+  return known.is_determined ? text : "(" + text + ")";
 }
 
 nlohmann::json to_json(const std::vector<Knowledge>& knowledge) {

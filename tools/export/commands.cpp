@@ -1,7 +1,7 @@
-#include "tools/export/options.hpp"
-
 #include <iostream>
 #include <map>
+
+#include "tools/export/commands.hpp"
 
 namespace palpate::exporting {
 namespace {
