@@ -56,12 +56,13 @@ ALLOWED = {
                     "tools/log tools/drawing",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
-    "tools/import": "core/math rt/config tools/common tools/recordings",
+    "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
     "tools/mesh": "core/mesh core/elasticity rt/config sim/draw tools/common",
     "tools/record": "rt/loop rt/bus rt/config tools/common",
     "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/common "
                        "tools/fit tools/recordings",
-    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/record",
+    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/log "
+                    "tools/record",
     "tools/spy": "core/sensing",
     "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",

@@ -5,9 +5,9 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
-#include <lcm/lcm-cpp.hpp>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <palpate/biotac_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/imu_t.hpp>
@@ -17,6 +17,7 @@
 
 #include "core/math/rigid.hpp"
 #include "tools/import/fields.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::import {
 namespace {
@@ -184,12 +185,9 @@ void require_columns(const recordings::CsvReader& csv, const ImportOptions& opti
 /// A log that is renamed to its final name when complete.
 class NewLog {
  public:
-  explicit NewLog(const std::string& path) : path_(path), part_(path + ".part") {
-    log_ = std::make_unique<lcm::LogFile>(part_, "w");
-    if (!log_->good()) throw std::runtime_error(path + ": cannot be written");
-  }
+  explicit NewLog(const std::string& path) : path_(path), part_(path + ".part"), log_(part_) {}
   ~NewLog() {
-    if (log_ == nullptr) return;
+    if (!log_) return;
     log_.reset();
     std::remove(part_.c_str());
   }
@@ -197,12 +195,7 @@ class NewLog {
   NewLog& operator=(const NewLog&) = delete;
 
   void write(std::int64_t utime, const std::string& channel, std::vector<std::uint8_t>& bytes) {
-    lcm::LogEvent event{};
-    event.timestamp = utime;
-    event.channel = channel;
-    event.datalen = static_cast<std::int32_t>(bytes.size());
-    event.data = bytes.data();
-    if (log_->writeEvent(&event) != 0) throw std::runtime_error(path_ + ": writing failed");
+    log_->write(channel, utime, bytes);
   }
 
   void finish() {
@@ -213,7 +206,7 @@ class NewLog {
  private:
   std::string path_;
   std::string part_;
-  std::unique_ptr<lcm::LogFile> log_;
+  std::optional<log::EventLog> log_;
 };
 
 }  // namespace

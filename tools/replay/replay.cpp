@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 #include <palpate/component_command_t.hpp>
 #include <set>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/text.hpp"
 #include "rt/daemon/stepped_clock.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::replay {
 namespace {
@@ -91,10 +93,7 @@ class Run {
         clock_(*control_, kSession),
         inputs_(inputs_of(*control_)) {
     control_->start();
-    if (!options.output.empty()) {
-      output_ = std::make_unique<lcm::LogFile>(options.output, "w");
-      if (!output_->good()) throw std::runtime_error(options.output + ": cannot be written");
-    }
+    if (!options.output.empty()) output_.emplace(options.output);
   }
 
   /// Paced by the log's own time; returns the time of its end, ns.
@@ -172,13 +171,7 @@ class Run {
         shapes_.add(message.data.data(), message.data.size());
       }
       if (options_.compare) comparison_.take_replayed(message.channel, message.data.data(), size);
-      if (output_ == nullptr) continue;
-      lcm::LogEvent event{};
-      event.timestamp = message.time_ns / 1000;
-      event.channel = message.channel;
-      event.datalen = size;
-      event.data = message.data.data();
-      output_->writeEvent(&event);
+      if (output_) output_->write(message.channel, message.time_ns / 1000, message.data);
     }
     published_.clear();
   }
@@ -196,7 +189,7 @@ class Run {
   daemon::Daemon daemon_;
   daemon::SteppedClock clock_;
   std::set<std::string> inputs_;
-  std::unique_ptr<lcm::LogFile> output_;
+  std::optional<log::EventLog> output_;
   std::vector<bus::Published> published_;
   math::Fnv1a shapes_;
   Comparison comparison_;

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <lcm/lcm-cpp.hpp>
 #include <map>
 #include <string>
 #include <vector>
