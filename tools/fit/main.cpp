@@ -15,7 +15,6 @@
 #include "tools/fit/held/held_plan_report.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
-#include "tools/fit/report_files.hpp"
 
 namespace {
 

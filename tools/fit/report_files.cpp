@@ -1,5 +1,3 @@
-#include "tools/fit/report_files.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -11,6 +9,7 @@
 #include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
+#include "tools/fit/report.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -25,6 +25,9 @@
 namespace palpate::top {
 namespace {
 
+constexpr char kOpen[] = "\x1b[?1049h\x1b[?25l\x1b[2J";
+constexpr char kClose[] = "\x1b[?25h\x1b[?1049l";
+
 /// Keys that a terminal sends.
 enum class Key { kNone, kQuit, kSort, kReset, kUp, kDown, kPageUp, kPageDown, kHome };
 
@@ -33,67 +36,57 @@ enum class Key { kNone, kQuit, kSort, kReset, kUp, kDown, kPageUp, kPageDown, kH
 class Terminal {
  public:
   /// Throws std::runtime_error if standard input or output is not a terminal.
-  Terminal();
-  ~Terminal();
+  Terminal() {
+    if (isatty(STDOUT_FILENO) == 0 || !keyboard_.is_there())
+      throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
+    draw(kOpen);
+    // Only to end the wait: the size is queried at each drawing.
+    struct sigaction action {};
+    action.sa_handler = [](int) {};
+    sigaction(SIGWINCH, &action, nullptr);
+  }
+
+  ~Terminal() { draw(kClose); }
   Terminal(const Terminal&) = delete;
   Terminal& operator=(const Terminal&) = delete;
 
   struct Size {
     int columns = 80, rows = 24;
   };
-  Size size() const noexcept;
-  void draw(const std::string& bytes) const noexcept;
+  Size size() const noexcept {
+    winsize given{};
+    Size size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &given) == 0 && given.ws_col > 0 && given.ws_row > 0)
+      size = {given.ws_col, given.ws_row};
+    return size;
+  }
+
+  void draw(const std::string& bytes) const noexcept {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t wrote = write(STDOUT_FILENO, bytes.data() + done, bytes.size() - done);
+      if (wrote < 0 && errno != EINTR) return;
+      if (wrote > 0) done += static_cast<std::size_t>(wrote);
+    }
+  }
+
   /// Waits for a key, up to a time-out; kNone if there was none or the size has changed, kQuit also
   /// at the end of the input.
-  Key wait(int timeout_ms);
+  Key wait(int timeout_ms) {
+    const std::string key = keyboard_.wait(std::int64_t{timeout_ms} * 1'000'000);
+    if (key == common::Keyboard::kEndOfInput || key == "q" || key == "Q") return Key::kQuit;
+    if (key == "s") return Key::kSort;
+    if (key == "r") return Key::kReset;
+    if (key == "k" || key == "\x1b[A" || key == "\x1bOA") return Key::kUp;
+    if (key == "j" || key == "\x1b[B" || key == "\x1bOB") return Key::kDown;
+    if (key == "\x1b[5~") return Key::kPageUp;
+    if (key == "\x1b[6~") return Key::kPageDown;
+    if (key == "g" || key == "\x1b[H") return Key::kHome;
+    return Key::kNone;
+  }
 
  private:
   common::Keyboard keyboard_{false};  // a suspended program would leave the screen as it is
 };
-
-constexpr char kOpen[] = "\x1b[?1049h\x1b[?25l\x1b[2J";
-constexpr char kClose[] = "\x1b[?25h\x1b[?1049l";
-
-Terminal::Terminal() {
-  if (isatty(STDOUT_FILENO) == 0 || !keyboard_.is_there())
-    throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
-  draw(kOpen);
-  // Only to end the wait: the size is queried at each drawing.
-  struct sigaction action {};
-  action.sa_handler = [](int) {};
-  sigaction(SIGWINCH, &action, nullptr);
-}
-
-Terminal::~Terminal() { draw(kClose); }
-
-Terminal::Size Terminal::size() const noexcept {
-  winsize given{};
-  Size size;
-  if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &given) == 0 && given.ws_col > 0 && given.ws_row > 0)
-    size = {given.ws_col, given.ws_row};
-  return size;
-}
-
-void Terminal::draw(const std::string& bytes) const noexcept {
-  for (std::size_t done = 0; done < bytes.size();) {
-    const ssize_t wrote = write(STDOUT_FILENO, bytes.data() + done, bytes.size() - done);
-    if (wrote < 0 && errno != EINTR) return;
-    if (wrote > 0) done += static_cast<std::size_t>(wrote);
-  }
-}
-
-Key Terminal::wait(int timeout_ms) {
-  const std::string key = keyboard_.wait(std::int64_t{timeout_ms} * 1'000'000);
-  if (key == common::Keyboard::kEndOfInput || key == "q" || key == "Q") return Key::kQuit;
-  if (key == "s") return Key::kSort;
-  if (key == "r") return Key::kReset;
-  if (key == "k" || key == "\x1b[A" || key == "\x1bOA") return Key::kUp;
-  if (key == "j" || key == "\x1b[B" || key == "\x1bOB") return Key::kDown;
-  if (key == "\x1b[5~") return Key::kPageUp;
-  if (key == "\x1b[6~") return Key::kPageDown;
-  if (key == "g" || key == "\x1b[H") return Key::kHome;
-  return Key::kNone;
-}
 
 /// Whether the terminal has colours and the user enables them (NO_COLOR, TERM).
 bool wants_colours() {
