@@ -100,7 +100,7 @@ TEST(Replay, ATimeThatNobodyRecordedIsRefusedWithItsByte) {
   file.close();
   try {
     run(recording);
-    FAIL() << "nobody waits for that";
+    FAIL() << "the wait would take years";
   } catch (const std::runtime_error& error) {
     EXPECT_EQ(
         std::string(error.what()).find(recording.path() + ": byte " + std::to_string(last) + ": "),
