@@ -219,9 +219,9 @@ void add_gmsh_options(CLI::App& command, MakeOptions& options) {
       ->capture_default_str();
 }
 
-using Run = int (*)(const MakeOptions&);
+using Make = int (*)(const MakeOptions&);
 
-CLI::App* add(CLI::App& app, int& code, const std::string& name, const std::string& about, Run run,
+CLI::App* add(CLI::App& app, int& code, const std::string& name, const std::string& about, Make run,
               const std::shared_ptr<MakeOptions>& options) {
   CLI::App* command = app.add_subcommand(name, about);
   add_output_options(*command, options->output);
