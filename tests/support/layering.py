@@ -47,8 +47,8 @@ ALLOWED = {
     "tools/log": "core/math core/mesh rt/bus",
     "tools/recordings": "core/sensing rt/config rt/inference tools/common tools/log",
     "tools/collect": "core/math core/sensing rt/bus rt/config sim/sensors tools/common tools/log tools/recordings",
-    "tools/command": "rt/bus rt/config",
-    "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/log tools/record",
+    "tools/command": "rt/bus rt/config tools/common",
+    "tools/doctor": "rt/loop rt/bus rt/config rt/daemon tools/common tools/log tools/record",
     "tools/drawing": "core/math rt/registry",
     "tools/driver": "core/math core/kinematics rt/bus rt/config rt/registry",
     "tools/examples": "core/mesh core/elasticity core/sensing core/control rt/bus rt/plugin",
@@ -56,12 +56,13 @@ ALLOWED = {
                     "tools/log tools/drawing",
     "tools/fit": "core/math core/mesh core/elasticity core/solid core/sensing core/contact core/control rt/config "
                  "rt/registry tools/common tools/log tools/recordings",
-    "tools/import": "core/math rt/config tools/recordings",
+    "tools/import": "core/math rt/config tools/common tools/log tools/recordings",
     "tools/mesh": "core/mesh core/elasticity rt/config sim/draw tools/common",
-    "tools/record": "rt/loop rt/bus rt/config",
-    "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/fit "
-                       "tools/recordings",
-    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/record",
+    "tools/record": "rt/loop rt/bus rt/config tools/common",
+    "tools/reference": "core/sensing rt/bus rt/config rt/inference rt/daemon rt/pipeline sim/scenes tools/common "
+                       "tools/fit tools/recordings",
+    "tools/replay": "core/math rt/loop rt/bus rt/config rt/daemon tools/common tools/log "
+                    "tools/record",
     "tools/top": "rt/loop rt/config tools/common tools/record",
     "tools/train": "core/math core/sensing rt/config rt/inference tools/common tools/recordings",
     "tools/view": "core/math core/elasticity core/sensing rt/bus rt/config rt/registry tools/command "

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
+#include <functional>
 #include <iosfwd>
 #include <string>
 #include <vector>
@@ -9,6 +11,12 @@
 #include "sim/sensors/sensor_table.hpp"
 
 namespace palpate::collect {
+
+/// Minimum of `cost`, searched from `start` with a simplex of these `steps` (Nelder and Mead 1965)
+/// in at most `evaluations`. Needs no derivatives; finds a local minimum. The cost may be infinite.
+Eigen::VectorXd minimise(const std::function<double(const Eigen::VectorXd&)>& cost,
+                         const Eigen::VectorXd& start, const Eigen::VectorXd& steps,
+                         int evaluations);
 
 /// A recording of one contact, tared by its first half second.
 struct PressRecording {

@@ -9,6 +9,7 @@
 #include "tools/collect/hand.hpp"
 #include "tools/collect/localise.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/program.hpp"
 #include "tools/common/progress.hpp"
 
 namespace {
@@ -84,7 +85,7 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   emulate
       ->add_option("--sensors", emulation.sensors,
-                   "YAML with what shall differ from sensors.yaml, as a scene's key `sensors`")
+                   "YAML with what differs from sensors.yaml, as a scene's key `sensors`")
       ->check(CLI::ExistingFile);
   emulate->add_option("--set", emulation.overrides, "path.to.key=value over --sensors")
       ->needs("--sensors");
@@ -141,7 +142,7 @@ int main(int argc, char** argv) {
                         {{{78, "wrong configuration"}, {config::kExitInterrupted, "interrupted"}},
                          {{"--out", "--output"}}}))
     return *code;
-  try {
+  return common::run_program("palpate-collect", [&] {
     if (*compare) collect::run_compare(data, !skin_as_is, part, evaluations, std::cout);
     if (*emulate) run_emulate(emulation);
     if (*hand) {
@@ -154,14 +155,5 @@ int main(int argc, char** argv) {
     }
     if (*localise) collect::run_localise(collection, localization, std::cout);
     return 0;
-  } catch (const common::Interrupted&) {
-    std::cerr << "palpate-collect: interrupted\n";
-    return config::kExitInterrupted;
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-collect: " << error.what() << "\n";
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-collect: " << error.what() << "\n";
-    return 1;
-  }
+  });
 }

@@ -1,11 +1,177 @@
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <numeric>
+#include <optional>
+#include <palpate/component_command_t.hpp>
+#include <palpate/component_event_t.hpp>
+#include <palpate/feature_t.hpp>
+#include <palpate/shape_target_t.hpp>
+#include <string>
+#include <vector>
+
+#include "rt/bus/authentication.hpp"
+#include "rt/bus/message_bus.hpp"
+#include "rt/bus/session.hpp"
+#include "rt/bus/text.hpp"
+#include "rt/config/command_line.hpp"
+#include "tools/command/request.hpp"
+#include "tools/common/program.hpp"
+
 // palpate-command: sends commands to a running palpated. See --help.
 
-#include <CLI/CLI.hpp>
-#include <cstdio>
+namespace palpate::command {
+namespace {
 
-#include "rt/config/command_line.hpp"
-#include "tools/command/conversation.hpp"
-#include "tools/command/request.hpp"
+/// The daemon's answer to a command.
+struct Answer {
+  std::string event;   // empty: no answer
+  std::string reason;  // as far as known, also without an answer
+  bool done() const { return !event.empty() && event != "refused"; }
+};
+
+/// Sends commands to a daemon and repeats each until it is answered; the daemon executes it once.
+class Conversation {
+ public:
+  /// Subscribes to both buses and starts `housekeeping`; neither must have been started.
+  Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping, const bus::Access& access);
+
+  /// Waits for the final answer, at most `timeout` s: for a replacement, its result.
+  Answer ask(component_command_t command, double timeout);
+  /// The chunks of one target.
+  Answer ask(std::vector<shape_target_t> target, double timeout);
+
+  /// After an accepted target, once: waits until the norm of the feature error is at most `within`
+  /// (m, rad or 1/m, as the feature's), at most `timeout` s. Returns the last received error; empty
+  /// if there was none.
+  std::optional<double> follow(double within, double timeout);
+
+ private:
+  template <class Send, class Renew>
+  Answer wait(Send send, Renew renew, double timeout);
+
+  bus::MessageBus& control_;
+  bus::MessageBus& housekeeping_;
+  bus::TypedSubscription<feature_t> features_;
+  bus::TypedSubscription<component_event_t> events_;
+  bus::TypedPublisher<component_command_t> commands_;
+  bus::TypedPublisher<shape_target_t> targets_;
+  bus::MessageSigner command_sealer_, target_sealer_;
+  bus::HeaderStamper command_stamp_, target_stamp_;
+  int revision_ = -1;  // of the last target
+};
+
+using Clock = std::chrono::steady_clock;
+constexpr std::chrono::milliseconds kRepeat{200};
+constexpr std::int64_t kPatience = 20'000'000;  // ns, polling interval of the bus
+
+Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeeping,
+                           const bus::Access& access)
+    : control_(control),
+      housekeeping_(housekeeping),
+      features_(control, "FEATURE", 64),
+      events_(housekeeping, "COMPONENT_EVENT", 64),
+      commands_(control, "COMPONENT_COMMAND"),
+      targets_(control, "SHAPE_TARGET"),
+      command_sealer_("COMPONENT_COMMAND", access),
+      target_sealer_("SHAPE_TARGET", access),
+      command_stamp_(bus::random_session()),
+      target_stamp_(bus::random_session()) {
+  housekeeping_.start_without_thread();
+}
+
+/// `send`: sends, and returns the counter of the message; counters do not decrease. `renew` is
+/// called if it was signed before the daemon started, which would never accept it.
+template <class Send, class Renew>
+Answer Conversation::wait(Send send, Renew renew, double timeout) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout);
+  const std::int64_t first = send();
+  std::int64_t last = first;
+  auto again = Clock::now() + kRepeat;
+  Answer answer;
+  while (Clock::now() < end) {
+    housekeeping_.receive(kPatience);
+    component_event_t event;
+    std::int64_t arrival_ns = 0;
+    while (events_.take(event, arrival_ns)) {
+      const std::string name = bus::get_text(event.event);
+      if (name == "no_access") answer.reason = name + ": " + bus::get_text(event.reason);
+      if (event.command_counter < first || event.command_counter > last) continue;
+      if (name == "no_access") {
+        if (event.command_counter == last) renew();
+        continue;
+      }
+      if (name == "replacing") {
+        answer.reason = "the replacement has begun, but its end was not heard of";
+        continue;
+      }
+      return {name, bus::get_text(event.reason)};
+    }
+    if (Clock::now() < again) continue;
+    last = send();
+    again = Clock::now() + kRepeat;
+  }
+  return answer;
+}
+
+Answer Conversation::ask(component_command_t command, double timeout) {
+  const auto seal = [&] {
+    const std::int64_t now = bus::wall_clock_us();
+    command_stamp_.put(command, now);
+    command_sealer_.put(command, now);
+  };
+  seal();
+  // Identical in each repetition, so that the daemon recognises it.
+  const auto send = [&] {
+    commands_.publish(command);
+    return command.counter;
+  };
+  return wait(send, seal, timeout);
+}
+
+Answer Conversation::ask(std::vector<shape_target_t> target, double timeout) {
+  // The daemon does not answer a repeated target: a new revision of it is answered, with the
+  // counter of the chunk that completed it.
+  int revision = target.at(0).revision - 1;
+  const auto send = [&] {
+    ++revision;
+    for (shape_target_t& chunk : target) {
+      const std::int64_t now = bus::wall_clock_us();
+      chunk.revision = revision;
+      target_stamp_.put(chunk, now);
+      target_sealer_.put(chunk, now);
+      targets_.publish(chunk);
+    }
+    return target.back().counter;
+  };
+  const Answer answer = wait(
+      send, [] {}, timeout);
+  revision_ = revision;
+  return answer;
+}
+
+std::optional<double> Conversation::follow(double within, double timeout) {
+  const auto end = Clock::now() + std::chrono::duration<double>(timeout);
+  control_.start_without_thread();
+  std::optional<double> error;
+  while (Clock::now() < end && !(error && *error <= within)) {
+    control_.receive(kPatience);
+    feature_t feature;
+    std::int64_t arrival_ns = 0;
+    while (features_.take(feature, arrival_ns)) {
+      if (feature.revision != revision_) continue;
+      const int count = std::clamp(feature.error_count, 0, 32);
+      error =
+          std::sqrt(std::inner_product(feature.error, feature.error + count, feature.error, 0.));
+    }
+  }
+  return error;
+}
+
+}  // namespace
+}  // namespace palpate::command
 
 namespace {
 
@@ -49,7 +215,7 @@ void add_events(CLI::App& app, Options& options) {
       ->allow_extra_args(false)
       ->excludes(yaml);
 
-  CLI::App* target = app.add_subcommand("target", "where the feature of the shape shall be");
+  CLI::App* target = app.add_subcommand("target", "desired value of the feature of the shape");
   target->add_option("kind", options.kind, "name of the feature, as configured")->required();
   target
       ->add_option("values", options.values,
@@ -117,7 +283,7 @@ int run(const CLI::App& app, Options& options) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  CLI::App app("palpate-command tells a running palpated what to do, and prints what it answers.");
+  CLI::App app("palpate-command sends a command to a running palpated, and prints the answer.");
   Options options;
   palpate::config::add_url_option(
       app, {{"control", &options.control}, {"housekeeping", &options.housekeeping}});
@@ -141,10 +307,5 @@ int main(int argc, char** argv) {
     return *code;
   if (make_key->empty() && app.get_subcommands().empty())
     return palpate::config::usage_error(app, "a command is required");
-  try {
-    return run(app, options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return palpate::common::run_program("error", [&] { return run(app, options); });
 }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cctype>
+#include <cstdlib>
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
@@ -36,6 +37,17 @@ void write_json(const nlohmann::json& json, const std::filesystem::path& file) {
   out << json.dump(2) << '\n';
   out.close();
   if (!out) throw std::runtime_error("cannot write " + file.string());
+}
+
+TemporaryFolder::TemporaryFolder(const std::string& prefix) {
+  std::string name = (std::filesystem::temp_directory_path() / (prefix + "-XXXXXX")).string();
+  if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be created");
+  path_ = name;
+}
+
+TemporaryFolder::~TemporaryFolder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path_, ignored);
 }
 
 }  // namespace palpate::common

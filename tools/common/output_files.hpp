@@ -16,4 +16,18 @@ std::string file_name(const std::string& title);
 /// Throws std::runtime_error if the file cannot be written.
 void write_json(const nlohmann::json& json, const std::filesystem::path& file);
 
+/// A folder for the files of one run, removed with its content at the end.
+class TemporaryFolder {
+ public:
+  /// Its name begins with `prefix`. Throws std::runtime_error.
+  explicit TemporaryFolder(const std::string& prefix);
+  ~TemporaryFolder();
+  TemporaryFolder(const TemporaryFolder&) = delete;
+  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
 }  // namespace palpate::common

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <functional>
-#include <sstream>
 #include <stdexcept>
 
 #include "tools/common/process.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::common {
 namespace {
@@ -16,13 +15,6 @@ namespace {
 constexpr int kMostPoints = 2000;       // per curve; more are not visible
 constexpr std::size_t kFewPoints = 12;  // are marked individually
 constexpr int kWidth = 1100, kHeight = 420;
-
-bool is_installed(const std::string& program) {
-  std::istringstream folders(std::getenv("PATH") ? std::getenv("PATH") : "");
-  for (std::string folder; std::getline(folders, folder, ':');)
-    if (std::filesystem::exists(std::filesystem::path(folder) / program)) return true;
-  return false;
-}
 
 std::string quoted(const std::string& text) {
   std::string result = "'";
@@ -75,10 +67,8 @@ void write_field(std::ostream& out, const ColourMatrix& matrix, int row, int col
     const double full = static_cast<double>(matrix.colours[column] >> shift & 0xffU);
     colour |= static_cast<unsigned>(255 + strength * (full - 255)) << shift;
   }
-  char text[8];
-  std::snprintf(text, sizeof text, "%06x", colour);
   out << "set object " << object << " rectangle from " << column << ',' << row << " to "
-      << column + 1 << ',' << row + 1 << " fillcolor rgb '#" << text
+      << column + 1 << ',' << row + 1 << " fillcolor rgb '#" << formatted("%06x", colour)
       << "' fillstyle solid border rgb '#c0c0c0'\n";
   if (share > 0)
     out << "set label " << object << " '" << 100 * share << "' at " << column + 0.5 << ','

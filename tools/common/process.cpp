@@ -8,9 +8,11 @@
 #include <cerrno>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <fstream>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
 
@@ -28,13 +30,13 @@ Clock::time_point after(double seconds) {
 }
 
 /// Between fork and exec only async-signal-safe calls are allowed.
-[[noreturn]] void become(char* const* arguments, int output, int error_pipe, pid_t parent) {
+[[noreturn]] void become(char* const* arguments, int input, int output, int error_pipe,
+                         pid_t parent) {
   setpgid(0, 0);
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   if (getppid() != parent) _exit(1);  // the parent died before prctl
   for (const int signal : {SIGINT, SIGTERM, SIGHUP, SIGPIPE}) ::signal(signal, SIG_DFL);
-  const int input = open("/dev/null", O_RDONLY);
-  dup2(input, STDIN_FILENO);
+  dup2(input >= 0 ? input : open("/dev/null", O_RDONLY), STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
   execvp(arguments[0], arguments);
@@ -46,7 +48,7 @@ Clock::time_point after(double seconds) {
 }  // namespace
 
 Process::Process(std::string name, const std::vector<std::string>& command,
-                 const std::filesystem::path& output)
+                 const std::filesystem::path& output, int input)
     : name_(std::move(name)), output_(output) {
   const int file = open(output.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0644);
   if (file < 0)
@@ -63,7 +65,7 @@ Process::Process(std::string name, const std::vector<std::string>& command,
 
   const pid_t parent = getpid();
   pid_ = fork();
-  if (pid_ == 0) become(arguments.data(), file, error_pipe[1], parent);
+  if (pid_ == 0) become(arguments.data(), input, file, error_pipe[1], parent);
   const int fork_error = errno;
   close(file);
   close(error_pipe[1]);
@@ -133,6 +135,15 @@ int run_to_end(const std::vector<std::string>& command, const std::filesystem::p
   }
   throw std::runtime_error(command.at(0) + " did not end within " +
                            std::to_string(static_cast<int>(timeout)) + " s");
+}
+
+bool is_installed(const std::string& program) {
+  if (program.find('/') != std::string::npos) return access(program.c_str(), X_OK) == 0;
+  const char* folders = std::getenv("PATH");
+  std::istringstream list(folders == nullptr ? "" : folders);
+  for (std::string folder; std::getline(list, folder, ':');)
+    if (access((std::filesystem::path(folder) / program).c_str(), X_OK) == 0) return true;
+  return false;
 }
 
 std::string tail(const std::filesystem::path& file, int lines) {

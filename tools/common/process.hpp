@@ -15,9 +15,10 @@ namespace palpate::common {
 class Process {
  public:
   /// Starts `command` (its first word a path, or a name in PATH); standard output and error go to
-  /// the file `output`. Throws std::runtime_error if it cannot be run.
+  /// the file `output`, standard input comes from the descriptor `input` (-1: it is empty), which
+  /// stays the caller's. Throws std::runtime_error if it cannot be run.
   Process(std::string name, const std::vector<std::string>& command,
-          const std::filesystem::path& output);
+          const std::filesystem::path& output, int input = -1);
   ~Process();
   Process(Process&& other) noexcept;
   Process& operator=(Process&&) = delete;
@@ -44,6 +45,9 @@ class Process {
 /// Runs a program to its end; throws Interrupted, and std::runtime_error after `timeout` seconds.
 int run_to_end(const std::vector<std::string>& command, const std::filesystem::path& output,
                double timeout);
+
+/// Whether a program, by its path or by its name in PATH, can be run.
+bool is_installed(const std::string& program);
 
 /// The last `lines` lines of a text file; empty if there is none.
 std::string tail(const std::filesystem::path& file, int lines);

@@ -6,6 +6,7 @@
 #include <cstdio>
 
 #include "tools/common/interruption.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::common {
 namespace {
@@ -17,10 +18,8 @@ constexpr int kTitle = 44;
 
 Progress::Progress(int position, int count, std::string title)
     : terminal_(isatty(STDERR_FILENO) == 1), start_(std::chrono::steady_clock::now()) {
-  char text[32];
-  std::snprintf(text, sizeof text, "[%2d/%d] ", position, count);
   title.resize(std::max<std::size_t>(title.size(), kTitle), ' ');
-  prefix_ = text + title;
+  prefix_ = formatted("[%2d/%d] ", position, count) + title;
 }
 
 Progress::~Progress() {

@@ -1,7 +1,6 @@
 #include "tools/common/table.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace palpate::common {
 namespace {
@@ -58,10 +57,6 @@ void Table::print(std::ostream& out) const {
   }
 }
 
-std::string number(double value, int decimals) {
-  char text[64];
-  std::snprintf(text, sizeof text, "%.*f", decimals, value);
-  return text;
-}
+std::string number(double value, int decimals) { return formatted("%.*f", decimals, value); }
 
 }  // namespace palpate::common

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdio>
 #include <ostream>
 #include <string>
 #include <vector>
@@ -27,6 +28,14 @@ class Table {
 
 /// Placeholder for a value that could not be read, or that a run did not provide.
 inline constexpr const char* kNotAvailable = "not available";
+
+/// Text by a format of std::printf.
+template <class... Values>
+std::string formatted(const char* format, Values... values) {
+  std::string text(static_cast<std::size_t>(std::snprintf(nullptr, 0, format, values...)), '\0');
+  std::snprintf(text.data(), text.size() + 1, format, values...);
+  return text;
+}
 
 /// Fixed-point text.
 std::string number(double value, int decimals);

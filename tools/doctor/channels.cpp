@@ -1,5 +1,3 @@
-#include "tools/doctor/channels.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
@@ -8,6 +6,7 @@
 
 #include "rt/bus/text.hpp"
 #include "rt/daemon/daemon.hpp"
+#include "tools/doctor/checks.hpp"
 #include "tools/log/type_table.hpp"
 
 namespace palpate::doctor {
@@ -74,22 +73,22 @@ void start_it(Line& control) {
 std::vector<Channel> channels_of(const std::string& path,
                                  const std::vector<std::string>& overrides) {
   const config::Node root = config::Node::load_file(path, overrides);
-  const daemon::Settings told = daemon::read_settings(root);
+  const daemon::Settings settings = daemon::read_settings(root);
   // A check needs no key, and leaves no record.
   std::vector<std::string> open = overrides;
   for (const std::string key : {"access", "record"})
     if (root.has(key)) open.push_back(key + "=~");
   Line lines[2];
-  lines[0].url = told.control_url;
-  lines[1].url = told.housekeeping_url;
+  lines[0].url = settings.control_url;
+  lines[1].url = settings.housekeeping_url;
   daemon::Daemon daemon(config::Node::load_file(path, open), *lines[0].bus, *lines[1].bus,
                         daemon::Mode::kDeterministic, 1);
   for (Line& line : lines) {
     line.bus->set_tap(&line.listener);
     line.bus->start();
   }
-  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 * told.loop.period));
-  const auto cycles = static_cast<int>(std::ceil((kBeginning + kCounted) / told.loop.period));
+  const auto period_ns = static_cast<std::int64_t>(std::llround(1e9 * settings.loop.period));
+  const auto cycles = static_cast<int>(std::ceil((kBeginning + kCounted) / settings.loop.period));
   for (int i = 1; i <= cycles; ++i) {
     daemon::Now now;
     now.monotonic_ns = i * period_ns;

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <nlohmann/json_fwd.hpp>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -28,5 +30,14 @@ inline Finding warn(std::string check, std::string found, std::string why, std::
 inline Finding fail(std::string check, std::string found, std::string why, std::string remedy) {
   return {std::move(check), Verdict::kFail, std::move(found), std::move(why), std::move(remedy)};
 }
+
+/// One line each; failed checks are followed by the reason and the fix. `only_bad` omits the
+/// others.
+void print(const Findings& findings, bool colours, bool only_bad, std::ostream& out);
+
+nlohmann::json to_json(const Findings& findings);
+
+/// The worst verdict.
+Verdict worst(const Findings& findings);
 
 }  // namespace palpate::doctor

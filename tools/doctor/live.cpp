@@ -52,7 +52,7 @@ Finding check_daemons(const Needs& needs, double seconds) {
       std::to_string(sessions.size()) + " heard on " + needs.housekeeping.group();
   if (sessions.size() <= 1) return ok("daemons", text);
   return fail("daemons", text,
-              "two palpated on one URL command one arm, and nobody can tell their messages apart",
+              "two palpated on one URL command one arm, and their messages cannot be distinguished",
               "pgrep -a palpated   # here and on every machine of the network; end all but one");
 }
 

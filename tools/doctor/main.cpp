@@ -4,15 +4,15 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
-#include "tools/doctor/channels.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/doctor/checks.hpp"
-#include "tools/doctor/report.hpp"
+#include "tools/doctor/finding.hpp"
 
 namespace {
 
@@ -75,18 +75,12 @@ doctor::Findings examine(const Options& options) {
 
 int run(const Options& options) {
   const doctor::Findings findings = examine(options);
-  if (options.json == "-") {
-    std::cout << doctor::to_json(findings).dump(2) << '\n';
-  } else {
+  if (options.json != "-") {
     const bool colours =
         !options.plain && isatty(STDOUT_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
     doctor::print(findings, colours, options.only_bad, std::cout);
-    if (!options.json.empty()) {
-      std::ofstream file(options.json);
-      file << doctor::to_json(findings).dump(2) << '\n';
-      if (!file) throw std::runtime_error(options.json + ": cannot be written");
-    }
   }
+  if (!options.json.empty()) palpate::common::write_json(doctor::to_json(findings), options.json);
   const doctor::Verdict worst = doctor::worst(findings);
   const bool is_bad =
       worst == doctor::Verdict::kFail || (options.strict && worst == doctor::Verdict::kWarn);
@@ -96,11 +90,7 @@ int run(const Options& options) {
 int list_channels(const Options& options) {
   const auto channels = doctor::channels_of(options.configuration, options.overrides);
   if (options.json != "-") doctor::print(channels, std::cout);
-  if (options.json == "-") std::cout << doctor::to_json(channels).dump(2) << '\n';
-  if (options.json.empty() || options.json == "-") return 0;
-  std::ofstream file(options.json);
-  file << doctor::to_json(channels).dump(2) << '\n';
-  if (!file) throw std::runtime_error(options.json + ": cannot be written");
+  if (!options.json.empty()) palpate::common::write_json(doctor::to_json(channels), options.json);
   return 0;
 }
 
@@ -142,17 +132,14 @@ int main(int argc, char** argv) {
   if (options.channels && options.configuration.empty())
     return palpate::config::usage_error(app, "--channels requires --config");
   if (app.count("--json") > 0 && options.json.empty()) options.json = "-";
-  try {
-    const std::string extension = std::filesystem::path(options.json).extension().string();
-    if (extension == ".yaml" || extension == ".yml")
-      return palpate::config::usage_error(
-          app, "--json " + options.json + ": would overwrite a configuration");
-    return options.channels ? list_channels(options) : run(options);
-  } catch (const palpate::config::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return palpate::config::kExitCode;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return palpate::config::kExitSoftware;
-  }
+  return palpate::common::run_program(
+      "error",
+      [&]() -> int {
+        const std::string extension = std::filesystem::path(options.json).extension().string();
+        if (extension == ".yaml" || extension == ".yml")
+          return palpate::config::usage_error(
+              app, "--json " + options.json + ": would overwrite a configuration");
+        return options.channels ? list_channels(options) : run(options);
+      },
+      palpate::config::kExitSoftware);
 }

@@ -29,7 +29,7 @@ Finding check_lcm(const Machine& machine) {
     for (const char* folder :
          {"usr/lib/x86_64-linux-gnu", "usr/lib/aarch64-linux-gnu", "usr/lib", "usr/local/lib"}) {
       if (machine.exists(std::string(folder) + "/liblcm.so.1"))
-        return ok("lcm", "/" + std::string(folder) + "/liblcm.so.1, of a version not told");
+        return ok("lcm", "/" + std::string(folder) + "/liblcm.so.1, of unknown version");
     }
     return fail("lcm", "liblcm is not installed", "nothing can be published",
                 "sudo apt-get install liblcm1 liblcm-bin");

@@ -14,7 +14,7 @@ constexpr std::int64_t kIdleLatency = 60;  // us
 constexpr char kLimits[] =
     "printf '@realtime - rtprio 99\\n@realtime - memlock unlimited\\n' | sudo tee "
     "/etc/security/limits.d/palpate.conf\n"
-    "sudo groupadd -f realtime && sudo usermod -aG realtime $USER   # then log in anew";
+    "sudo groupadd -f realtime && sudo usermod -aG realtime $USER   # then log in again";
 
 Finding check_kernel(const Machine& machine) {
   const std::string version = machine.read("proc/version").value_or("");
@@ -119,9 +119,10 @@ Finding check_isolation(const Machine& machine, const Needs& needs) {
   const std::vector<int> apart = cpu_list(isolated);
   if (needs.cpu < 0) {
     if (apart.empty()) return ok("isolcpus", "loop.cpu names no processor, none is isolated");
-    return warn("isolcpus", "processors " + isolated + " are isolated, loop.cpu names none",
-                "nothing runs on an isolated processor unless told to: palpated shares the others",
-                "set loop.cpu: " + std::to_string(apart.front()) + " in the configuration");
+    return warn(
+        "isolcpus", "processors " + isolated + " are isolated, loop.cpu names none",
+        "nothing runs on an isolated processor unless assigned to it: palpated shares the others",
+        "set loop.cpu: " + std::to_string(apart.front()) + " in the configuration");
   }
   const std::string cpu = std::to_string(needs.cpu);
   const std::vector<int> online =
@@ -143,7 +144,7 @@ Finding check_clock(const Machine& machine) {
   const std::string source = machine.read(folder + "current_clocksource").value_or("");
   const std::set<std::string> fast = {"tsc", "kvm-clock", "arch_sys_counter",
                                       "hyperv_clocksource_tsc_page", "xen"};
-  if (source.empty()) return warn("clock", "not told by the kernel", "", "");
+  if (source.empty()) return warn("clock", "not reported by the kernel", "", "");
   if (fast.count(source) > 0) return ok("clock", source);
   return warn("clock", source, "each reading of the time costs a microsecond or more",
               "echo tsc | sudo tee /" + folder +

@@ -1,15 +1,27 @@
 #include "tools/export/element_gradients.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/LU>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <stdexcept>
+#include <vector>
 
 #include "core/elasticity/element.hpp"
+#include "core/math/polar.hpp"
 
 namespace palpate::exporting {
 namespace {
+
+struct Lame {
+  explicit Lame(const Stiffness& of)
+      : mu(of.young_modulus / (2 * (1 + of.poisson_ratio))),
+        lambda(of.young_modulus * of.poisson_ratio /
+               ((1 + of.poisson_ratio) * (1 - 2 * of.poisson_ratio))) {}
+  double mu, lambda;  // Pa
+};
 
 constexpr int kTetrahedronNodes = 4, kQuadraticNodes = 10, kHexahedronNodes = 27;
 
@@ -37,7 +49,37 @@ Eigen::Matrix3Xd corners_of(const Eigen::Matrix3Xd& nodes, const Eigen::MatrixXi
   return corners;
 }
 
+/// Nodes at the centres of faces and of 27-node hexahedra.
+std::vector<char> inner_nodes(const log::MeshMessage& mesh) {
+  std::vector<char> inner(static_cast<std::size_t>(mesh.nodes.cols()), 0);
+  if (mesh.elements.rows() != 27) return inner;
+  for (Eigen::Index e = 0; e < mesh.elements.cols(); ++e) {
+    Eigen::Matrix3Xd nodes(3, 27);
+    for (int i = 0; i < 27; ++i) nodes.col(i) = mesh.nodes.col(mesh.elements(i, e));
+    const Eigen::Matrix3Xi places = grid_places(nodes);
+    for (int i = 0; i < 27; ++i)
+      if ((places.col(i).array() == 1).count() > 1)
+        inner[static_cast<std::size_t>(mesh.elements(i, e))] = 1;
+  }
+  return inner;
+}
+
 }  // namespace
+
+Eigen::Matrix3d corotational_first_stress(const Eigen::Matrix3d& F, const Stiffness& stiffness) {
+  const Lame lame(stiffness);
+  const Eigen::Matrix3d R = math::polar_rotation(F);
+  const Eigen::Matrix3d strain = R.transpose() * F - Eigen::Matrix3d::Identity();
+  return R * (2 * lame.mu * strain + lame.lambda * strain.trace() * Eigen::Matrix3d::Identity());
+}
+
+Eigen::Matrix3d cauchy_stress(Law law, const Eigen::Matrix3d& F, const Stiffness& stiffness) {
+  const double J = std::max(F.determinant(), kSmallestVolumeShare);
+  if (law == Law::kCorotational) return corotational_first_stress(F, stiffness) * F.transpose() / J;
+  const Lame lame(stiffness);
+  const Eigen::Matrix3d one = Eigen::Matrix3d::Identity();
+  return (lame.mu * (F * F.transpose() - one) + lame.lambda * std::log(J) * one) / J;
+}
 
 Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes) {
   const Eigen::Array3d lower = nodes.rowwise().minCoeff();
@@ -122,6 +164,35 @@ Eigen::Matrix3d ElementGradients::at(int element, int point, const Eigen::Matrix
   Eigen::Matrix3d F = Eigen::Matrix3d::Zero();
   for (int i = 0; i < elements_.rows(); ++i) F += x.col(elements_(i, element)) * gradient.row(i);
   return F;
+}
+
+Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which) {
+  const double crease = std::cos(40 * M_PI / 180);
+  const std::vector<char> inner = inner_nodes(mesh);
+  std::map<std::pair<int, int>, std::vector<Eigen::Vector3d>> normals;
+  for (const auto& triangle : mesh.triangles.colwise()) {
+    const Eigen::Vector3d a = mesh.nodes.col(triangle[0]), b = mesh.nodes.col(triangle[1]),
+                          c = mesh.nodes.col(triangle[2]);
+    for (int i = 0; i < 3; ++i)
+      normals[std::minmax(int{triangle[i]}, int{triangle[(i + 1) % 3]})].push_back(
+          (b - a).cross(c - a).normalized());
+  }
+  std::vector<std::pair<int, int>> chosen;
+  for (const auto& [edge, sides] : normals) {
+    if (inner[static_cast<std::size_t>(edge.first)] || inner[static_cast<std::size_t>(edge.second)])
+      continue;
+    const bool is_sharp = sides.size() != 2 || sides[0].dot(sides[1]) < crease;
+    // Diagonals of a face between the midpoints of its edges are not parallel to any axis of its
+    // box.
+    const Eigen::Vector3d along =
+        (mesh.nodes.col(edge.first) - mesh.nodes.col(edge.second)).cwiseAbs();
+    const bool is_diagonal = mesh.elements.rows() == 27 && along.maxCoeff() < 0.999 * along.norm();
+    if (which == Edges::kSharp ? is_sharp : !is_diagonal) chosen.push_back(edge);
+  }
+  Eigen::Matrix2Xi columns(2, static_cast<Eigen::Index>(chosen.size()));
+  for (std::size_t i = 0; i < chosen.size(); ++i)
+    columns.col(static_cast<Eigen::Index>(i)) << chosen[i].first, chosen[i].second;
+  return columns;
 }
 
 }  // namespace palpate::exporting

@@ -7,6 +7,25 @@
 
 namespace palpate::exporting {
 
+/// Constitutive law: that of palpated's model, or that of the simulator's object.
+enum class Law { kCorotational, kNeoHookean };
+
+/// Stiffness of an object: from ESTIMATE, or given by the user.
+struct Stiffness {
+  double young_modulus = 0;  // Pa
+  double poisson_ratio = 0;
+};
+
+/// Cauchy stress, Pa, at the deformation gradient F, with E = R^T F - 1 and J = det F:
+///    co-rotational  R (2 mu E + lambda tr(E) 1) (1 + E) R^T / J
+///    Neo-Hookean    (mu (F F^T - 1) + lambda log(J) 1) / J
+/// J is limited from below to kSmallestVolumeShare.
+inline constexpr double kSmallestVolumeShare = 0.01;
+Eigen::Matrix3d cauchy_stress(Law law, const Eigen::Matrix3d& F, const Stiffness& stiffness);
+
+/// First Piola-Kirchhoff stress of the co-rotational law, Pa: R (2 mu E + lambda tr(E) 1).
+Eigen::Matrix3d corotational_first_stress(const Eigen::Matrix3d& F, const Stiffness& stiffness);
+
 /// Deformation of the elements of a mesh: tetrahedra by their corners, straight-sided ones of ten
 /// nodes at four points, or 27-node hexahedra whose rest shape is a box, at 2 x 2 x 2 Gauss points.
 class ElementGradients {
@@ -43,5 +62,11 @@ class ElementGradients {
 
 /// Position of each node of a box-shaped 27-node hexahedron on its grid: 0, 1 or 2 along each axis.
 Eigen::Matrix3Xi grid_places(const Eigen::Matrix3Xd& nodes);
+
+/// Edges of the elements on the surface of a mesh, as columns of two nodes; for hexahedra without
+/// the lines through their faces. kSharp: edges at which the rest surface turns by more than 40
+/// deg.
+enum class Edges { kAll, kSharp };
+Eigen::Matrix2Xi surface_edges(const log::MeshMessage& mesh, Edges which);
 
 }  // namespace palpate::exporting

@@ -2,6 +2,7 @@
 
 #include "rt/config/command_line.hpp"
 #include "rt/config/node.hpp"
+#include "tools/common/program.hpp"
 #include "tools/export/commands.hpp"
 
 int main(int argc, char** argv) {
@@ -11,7 +12,7 @@ int main(int argc, char** argv) {
       "display.\n"
       "Several logs are merged by time; unknown types are named, counted and skipped; of a "
       "damaged\n"
-      "log all that is whole is read, and what is not is told with its place.");
+      "log all that is whole is read, and what is not is reported with its place.");
   app.footer(
       "Examples:\n"
       "  palpate-export info control.log housekeeping.log\n"
@@ -36,14 +37,8 @@ int main(int argc, char** argv) {
           {{{1, "a log cannot be read or nothing can be written"}, {78, "wrong configuration"}},
            {{"--configuration", "--config"}}}))
     return *code;
-  try {
+  return common::run_program("palpate-export", [&] {
     chosen();
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-export: " << error.what() << '\n';
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-export: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -4,8 +4,8 @@
 #include <optional>
 
 #include "core/math/rigid.hpp"
-#include "tools/export/compression.hpp"
 #include "tools/export/csv_export.hpp"
+#include "tools/export/mcap_writer.hpp"
 #include "tools/export/shape_follower.hpp"
 
 namespace palpate::exporting {

@@ -1,6 +1,8 @@
 #include "tools/export/mcap_writer.hpp"
 
+#include <lz4frame.h>
 #include <zlib.h>
+#include <zstd.h>
 
 #include <algorithm>
 #include <functional>
@@ -8,6 +10,28 @@
 
 namespace palpate::exporting {
 namespace {
+
+constexpr int kZstdLevel = 3;
+
+std::string lz4_frame(std::string_view bytes) {
+  LZ4F_preferences_t preferences{};
+  preferences.frameInfo.contentSize = bytes.size();
+  std::string packed(LZ4F_compressFrameBound(bytes.size(), &preferences), '\0');
+  const std::size_t size =
+      LZ4F_compressFrame(packed.data(), packed.size(), bytes.data(), bytes.size(), &preferences);
+  if (LZ4F_isError(size)) throw std::runtime_error(std::string("lz4: ") + LZ4F_getErrorName(size));
+  packed.resize(size);
+  return packed;
+}
+
+std::string zstd_frame(std::string_view bytes) {
+  std::string packed(ZSTD_compressBound(bytes.size()), '\0');
+  const std::size_t size =
+      ZSTD_compress(packed.data(), packed.size(), bytes.data(), bytes.size(), kZstdLevel);
+  if (ZSTD_isError(size)) throw std::runtime_error(std::string("zstd: ") + ZSTD_getErrorName(size));
+  packed.resize(size);
+  return packed;
+}
 
 constexpr std::string_view kMagic{"\x89MCAP0\r\n", 8};
 
@@ -76,6 +100,17 @@ std::uint32_t crc_of(std::string_view bytes, std::uint32_t before = 0) {
 }
 
 }  // namespace
+
+const char* name_of(Compression compression) {
+  constexpr const char* kNames[] = {"", "lz4", "zstd"};
+  return kNames[static_cast<std::size_t>(compression)];
+}
+
+std::string compress(Compression compression, std::string_view bytes) {
+  return compression == Compression::kLz4    ? lz4_frame(bytes)
+         : compression == Compression::kZstd ? zstd_frame(bytes)
+                                             : std::string(bytes);
+}
 
 void McapWriter::Span::add(std::uint64_t time) {
   first = empty ? time : std::min(first, time);

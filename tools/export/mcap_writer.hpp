@@ -7,10 +7,18 @@
 #include <utility>
 #include <vector>
 
-#include "tools/export/compression.hpp"
 #include "tools/export/output_file.hpp"
 
 namespace palpate::exporting {
+
+/// Compression of the chunks of an MCAP file.
+enum class Compression { kNone, kLz4, kZstd };
+
+/// Name in MCAP's registry: "", "lz4", "zstd".
+const char* name_of(Compression compression);
+
+/// A complete frame of the given kind. Throws std::runtime_error.
+std::string compress(Compression compression, std::string_view bytes);
 
 /// Writes an MCAP file (version 0 of its specification): chunks, each followed by an index of
 /// messages, then a summary with schemas, channels, chunk index, metadata index and statistics,

@@ -9,6 +9,7 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
 #include "sim/draw/annotate.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -328,15 +329,12 @@ void SceneDrawing::draw_arm(const robot_state_t& state) {
 
 void SceneDrawing::annotate(const Instant& instant) {
   const QuantityText text = text_of(options_.quantity);
-  char line[256];
-  std::snprintf(line, sizeof line, "%s%st = %.2f s", options_.title.c_str(),
-                options_.title.empty() ? "" : ", ", instant.time);
-  std::string title = line;
+  std::string title = options_.title + (options_.title.empty() ? "" : ", ") +
+                      common::formatted("t = %.2f s", instant.time);
   if (values_.size() > 0) {
-    std::snprintf(line, sizeof line, "   %s: mean %.3g, max %.3g %s", text.name.c_str(),
-                  text.factor * values_.mean(), text.factor * values_.maxCoeff(),
-                  text.unit.c_str());
-    title += line;
+    title += common::formatted("   %s: mean %.3g, max %.3g %s", text.name.c_str(),
+                               text.factor * values_.mean(), text.factor * values_.maxCoeff(),
+                               text.unit.c_str());
   }
   if (instant.status == shape_t::STATUS_OLD) title += "   SHAPE IS OLD";
   if (instant.status == shape_t::STATUS_NOT_CONVERGED) title += "   NOT CONVERGED";
@@ -353,9 +351,10 @@ void SceneDrawing::annotate(const Instant& instant) {
   legend.push_back({"shape at rest", {0.78F, 0.80F, 0.83F, 1}});
   if (draws_force_) {
     const double length = kArrow * size_;
-    std::snprintf(line, sizeof line, "force (%.2g N: %.0f mm)",
-                  std::max(largest_force_, 10 * kSmallestForce), length * 1e3);
-    legend.push_back({line, instant.contacts ? kForce : kTrueForce});
+    legend.push_back(
+        {common::formatted("force (%.2g N: %.0f mm)", std::max(largest_force_, 10 * kSmallestForce),
+                           length * 1e3),
+         instant.contacts ? kForce : kTrueForce});
   }
   if (draws_feature_) legend.push_back({"feature", kFeature});
   if (draws_target_) legend.push_back({"target of the feature", kTarget});

@@ -8,8 +8,7 @@
 #include "core/math/rigid.hpp"
 #include "sim/draw/renderer.hpp"
 #include "tools/drawing/robot_drawing.hpp"
-#include "tools/export/mesh_edges.hpp"
-#include "tools/export/quantity.hpp"
+#include "tools/export/element_gradients.hpp"
 #include "tools/export/shape_follower.hpp"
 
 namespace palpate::exporting {

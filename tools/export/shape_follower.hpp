@@ -12,6 +12,7 @@
 #include <palpate/shape_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <palpate/truth_contact_t.hpp>
+#include <string>
 
 #include "tools/export/shape_fields.hpp"
 #include "tools/export/source.hpp"
@@ -105,5 +106,22 @@ class ShapeFollower {
   std::deque<Instant> waiting_;  // pending, for the truth of their time
   std::optional<Truth> last_truth_;
 };
+
+/// Quantity shown by the colour of a shape.
+enum class Quantity { kNone, kDisplacement, kDeviation, kUncertainty, kStrain, kStress };
+
+/// Presentation of a quantity: caption of its colour bar, and the factor for its unit.
+struct QuantityText {
+  std::string name, unit;
+  double factor = 1;
+};
+QuantityText text_of(Quantity quantity);
+
+/// The quantity at the nodes of the solid shape: the estimate, or the truth if there is no
+/// estimate; SI. Empty if the instant does not provide it.
+Eigen::VectorXd values_at_nodes(const Instant& instant, Quantity quantity);
+
+/// Whether an instant provides the quantity.
+bool has_quantity(const Instant& instant, Quantity quantity);
 
 }  // namespace palpate::exporting

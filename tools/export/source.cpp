@@ -10,6 +10,7 @@
 #include <unordered_map>
 
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -17,14 +18,10 @@ namespace {
 constexpr std::int64_t kReportEvery = 20'000;  // events
 
 std::string size_text(std::int64_t bytes) {
-  char text[64];
-  if (bytes < 1'000'000)
-    std::snprintf(text, sizeof text, "%.0f kB", 1e-3 * static_cast<double>(bytes));
-  else if (bytes < 1'000'000'000)
-    std::snprintf(text, sizeof text, "%.1f MB", 1e-6 * static_cast<double>(bytes));
-  else
-    std::snprintf(text, sizeof text, "%.2f GB", 1e-9 * static_cast<double>(bytes));
-  return text;
+  const auto size = static_cast<double>(bytes);
+  return size < 1e6   ? common::formatted("%.0f kB", 1e-3 * size)
+         : size < 1e9 ? common::formatted("%.1f MB", 1e-6 * size)
+                      : common::formatted("%.2f GB", 1e-9 * size);
 }
 
 /// Header of every message of our types, after the fingerprint.

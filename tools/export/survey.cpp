@@ -1,7 +1,12 @@
 #include "tools/export/survey.hpp"
 
 #include <algorithm>
+#include <cstdio>
+#include <ctime>
 #include <optional>
+
+#include "tools/common/table.hpp"
+#include "tools/export/columns.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -70,6 +75,62 @@ void compare_clocks(Survey& survey) {
   }
 }
 
+std::string hex(std::uint64_t number) {
+  return common::formatted("%016llx", static_cast<unsigned long long>(number));
+}
+
+std::string clock_text(std::int64_t utime) {
+  const std::time_t seconds = utime / 1'000'000;
+  std::tm parts{};
+  if (gmtime_r(&seconds, &parts) == nullptr) return std::to_string(utime) + " us";
+  char text[64];
+  std::strftime(text, sizeof text, "%Y-%m-%d %H:%M:%S", &parts);
+  return text + common::formatted(".%03d UTC", static_cast<int>(utime / 1000 % 1000));
+}
+
+void print_row(std::ostream& out, const ChannelSurvey& channel) {
+  char text[256];
+  const std::string type = channel.type ? channel.type->name : "? " + hex(channel.fingerprint);
+  std::snprintf(text, sizeof text, "%-26s %-26s %9lld %9.1f %9.1f %8lld %7lld %9zu",
+                channel.channel.c_str(), type.c_str(), static_cast<long long>(channel.messages),
+                channel.rate(), 1e-3 * static_cast<double>(channel.longest_gap),
+                static_cast<long long>(channel.lost()), static_cast<long long>(channel.broken),
+                channel.sessions.size());
+  out << text << '\n';
+}
+
+void print_sessions(std::ostream& out, const ChannelSurvey& channel) {
+  for (const auto& [session, entry] : channel.sessions) {
+    const log::Sequence& sequence = entry.sequence;
+    const bool is_odd = sequence.lost() + sequence.late() + sequence.repeated() > 0;
+    if (channel.sessions.size() < 2 && !is_odd) continue;
+    out << "    " << channel.channel << ", session " << hex(static_cast<std::uint64_t>(session))
+        << ": " << sequence.received() << " messages, " << sequence.lost() << " lost, "
+        << sequence.late() << " overtaken, " << sequence.repeated() << " repeated\n";
+  }
+}
+
+/// Array sizes as [n][m]; sizes that vary between messages are given as the largest.
+std::string shape_text(const log::FieldInfo& field, int width) {
+  if (field.is_scalar()) return "";
+  const int rows = field.row_size() > 0 ? width / field.row_size() : 0;
+  std::string text = "[" + std::to_string(rows) + "]";
+  for (std::size_t d = 1; d < field.sizes.size(); ++d)
+    text += "[" + std::to_string(field.sizes[d]) + "]";
+  return text;
+}
+
+std::string units_of(const log::FieldInfo& field) {
+  std::string text;
+  std::string last;
+  for (std::size_t i = 0; i < field.units.size(); ++i) {
+    const std::string unit = unit_text(field, static_cast<int>(i));
+    if (unit != last) text += (text.empty() ? "" : ", ") + unit;
+    last = unit;
+  }
+  return text;
+}
+
 }  // namespace
 
 void TimeSpan::add(std::int64_t utime) {
@@ -136,6 +197,80 @@ Survey survey(log::MergedLog& log, const std::function<void(double)>& progress) 
   }
   compare_clocks(result);
   return result;
+}
+
+void print_info(const Survey& survey, std::ostream& out) {
+  out << common::formatted("%lld events in %.1f MB", static_cast<long long>(survey.events),
+                           1e-6 * static_cast<double>(survey.bytes));
+  if (!survey.received.empty)
+    out << common::formatted(", %.3f s, from ", survey.received.seconds())
+        << clock_text(survey.received.first) << " to " << clock_text(survey.received.last);
+  out << "\n\n";
+  out << common::formatted("%-26s %-26s %9s %9s %9s %8s %7s %9s", "channel", "type", "messages",
+                           "rate, Hz", "gap, ms", "lost", "broken", "sessions")
+      << '\n';
+  for (const ChannelSurvey& channel : survey.channels)
+    if (channel.type) print_row(out, channel);
+  for (const ChannelSurvey& channel : survey.channels)
+    if (!channel.type) print_row(out, channel);
+  out << '\n';
+  for (const ChannelSurvey& channel : survey.channels) print_sessions(out, channel);
+  out << survey.unknown() << " messages of types that are not palpate's, " << survey.broken()
+      << " broken ones\n";
+  for (const std::string& complaint : survey.complaints) out << "damaged: " << complaint << '\n';
+}
+
+nlohmann::json info_json(const Survey& survey) {
+  nlohmann::json channels = nlohmann::json::array();
+  for (const ChannelSurvey& channel : survey.channels) {
+    nlohmann::json sessions = nlohmann::json::array();
+    for (const auto& [session, entry] : channel.sessions) {
+      const log::Sequence& sequence = entry.sequence;
+      sessions.push_back({{"session", hex(static_cast<std::uint64_t>(session))},
+                          {"messages", sequence.received()},
+                          {"lost", sequence.lost()},
+                          {"overtaken", sequence.late()},
+                          {"repeated", sequence.repeated()},
+                          {"strange_clock", survey.strange_clocks.count(session) > 0}});
+    }
+    channels.push_back({{"channel", channel.channel},
+                        {"type", channel.type ? nlohmann::json(channel.type->name) : nullptr},
+                        {"fingerprint", hex(channel.fingerprint)},
+                        {"messages", channel.messages},
+                        {"bytes", channel.bytes},
+                        {"rate", channel.rate()},
+                        {"longest_gap", channel.longest_gap},
+                        {"lost", channel.lost()},
+                        {"broken", channel.broken},
+                        {"received_first", channel.received.first},
+                        {"received_last", channel.received.last},
+                        {"sent_first", channel.sent.first},
+                        {"sent_last", channel.sent.last},
+                        {"sessions", sessions}});
+  }
+  return {{"events", survey.events},
+          {"bytes", survey.bytes},
+          {"received_first", survey.received.first},
+          {"received_last", survey.received.last},
+          {"unknown", survey.unknown()},
+          {"broken", survey.broken()},
+          {"damage", survey.complaints},
+          {"channels", channels}};
+}
+
+void print_fields(const Survey& survey, std::ostream& out) {
+  for (const ChannelSurvey& channel : survey.channels) {
+    if (!channel.type) continue;
+    out << channel.channel << "  (" << channel.type->name << ": " << channel.type->comment << ")\n";
+    for (std::size_t f = 0; f < channel.type->fields.size(); ++f) {
+      const log::FieldInfo& field = channel.type->fields[f];
+      if (field.is_bytes()) continue;
+      out << common::formatted("  %-34s %-14s %s",
+                               (field.name + shape_text(field, channel.widths[f])).c_str(),
+                               units_of(field).c_str(), field.comment.c_str())
+          << '\n';
+    }
+  }
 }
 
 }  // namespace palpate::exporting

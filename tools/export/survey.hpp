@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <nlohmann/json.hpp>
+#include <ostream>
 #include <set>
 #include <string>
 #include <vector>
@@ -67,5 +69,14 @@ inline constexpr std::int64_t kStrangeClock = 3'600'000'000;  // us
 
 /// Reads all of `log`. `progress` is called from time to time with the completed fraction, 0 to 1.
 Survey survey(log::MergedLog& log, const std::function<void(double)>& progress = {});
+
+/// Contents of a log as a readable table: channels, types, rates, losses, times, unknown messages.
+void print_info(const Survey& survey, std::ostream& out);
+
+/// The same as data for programs; times in us, rates in Hz.
+nlohmann::json info_json(const Survey& survey);
+
+/// Every field of every channel with a known type: the names for --field and --channel, with units.
+void print_fields(const Survey& survey, std::ostream& out);
 
 }  // namespace palpate::exporting

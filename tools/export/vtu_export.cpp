@@ -2,11 +2,18 @@
 
 #include <array>
 #include <cstdio>
+#include <sstream>
 
-#include "tools/export/vtu_writer.hpp"
+#include "tools/common/table.hpp"
+#include "tools/common/vtu_writer.hpp"
+#include "tools/export/output_file.hpp"
+#include "tools/log/record.hpp"
 
 namespace palpate::exporting {
 namespace {
+
+using common::CellKind;
+using common::Grid;
 
 /// Positions on the grid of 3 x 3 x 3 nodes in VTK's order: corners, edges, faces, centre.
 constexpr std::array<std::array<int, 3>, 27> kVtkPlaces{
@@ -15,31 +22,45 @@ constexpr std::array<std::array<int, 3>, 27> kVtkPlaces{
      {1, 2, 2}, {0, 1, 2}, {0, 0, 1}, {2, 0, 1}, {2, 2, 1}, {0, 2, 1}, {0, 1, 1},
      {2, 1, 1}, {1, 0, 1}, {1, 2, 1}, {1, 1, 0}, {1, 1, 2}, {1, 1, 1}}};
 
-/// A .pvd file that grows.
+/// A .pvd file, which ParaView opens as one series over time, with its .vtu files.
 class Series {
  public:
   Series(const std::filesystem::path& folder, std::string name, std::string what)
       : folder_(folder), name_(std::move(name)), what_(std::move(what)) {}
 
   void add(double time, const Grid& grid) {
-    char number[32];
-    std::snprintf(number, sizeof number, "_%06zu.vtu", entries_.size());
-    const std::filesystem::path file = folder_ / name_ / (name_ + number);
-    write_vtu(file, grid);
-    entries_.push_back({time, file});
+    const std::filesystem::path file =
+        folder_ / name_ / (name_ + common::formatted("_%06zu.vtu", count_));
+    std::ostringstream text;
+    common::write_vtu(grid, common::VtuEncoding::kBase64, text);
+    write(file, text.str());
+    entries_ += "<DataSet timestep=\"";
+    log::append_number(time, entries_);
+    entries_ +=
+        "\" group=\"\" part=\"0\" file=\"" + name_ + "/" + file.filename().string() + "\"/>\n";
+    ++count_;
   }
 
   void finish(std::vector<Written>& written) const {
-    if (entries_.empty()) return;
+    if (count_ == 0) return;
     const std::filesystem::path file = folder_ / (name_ + ".pvd");
-    write_pvd(file, entries_);
-    written.push_back({file, what_, static_cast<std::int64_t>(entries_.size())});
+    write(file,
+          "<?xml version=\"1.0\"?>\n<VTKFile type=\"Collection\" version=\"1.0\" "
+          "byte_order=\"LittleEndian\">\n<Collection>\n" +
+              entries_ + "</Collection>\n</VTKFile>\n");
+    written.push_back({file, what_, static_cast<std::int64_t>(count_)});
   }
 
  private:
+  static void write(const std::filesystem::path& file, const std::string& text) {
+    OutputFile out(file);
+    out.write(text);
+    out.finish();
+  }
+
   std::filesystem::path folder_;
-  std::string name_, what_;
-  std::vector<SeriesEntry> entries_;
+  std::string name_, what_, entries_;
+  std::size_t count_ = 0;
 };
 
 Eigen::MatrixXi vtk_cells(const log::MeshMessage& mesh) {

@@ -70,13 +70,13 @@ void Checkpoint::write() {
   all["plan"] = hash_;
   for (const auto& [fit, best] : best_)
     all["fits"][fit] = {{"cost", best.cost}, {"values", best.values}};
-  const std::filesystem::path beside = path_.string() + ".new";
+  const std::filesystem::path temporary = path_.string() + ".new";
   {
-    std::ofstream out(beside);
+    std::ofstream out(temporary);
     out << all.dump(1) << '\n';
-    if (!out.flush()) throw std::runtime_error("cannot write " + beside.string());
+    if (!out.flush()) throw std::runtime_error("cannot write " + temporary.string());
   }
-  std::filesystem::rename(beside, path_);
+  std::filesystem::rename(temporary, path_);
   last_written_ = seconds_now();
 }
 

@@ -24,7 +24,7 @@ VectorXd difference(const Problem& problem, int member, VectorXd x, Index i, dou
   bool is_good = problem.predict(member, x, above, nullptr);
   x[i] = side == Side::kAbove ? middle : middle - h;
   is_good = problem.predict(member, x, below, nullptr) && is_good;
-  if (!is_good) throw std::runtime_error("no equilibrium beside the parameters to be checked");
+  if (!is_good) throw std::runtime_error("no equilibrium next to the parameters to be checked");
   return (above - below) / (upper - x[i]);
 }
 

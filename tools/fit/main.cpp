@@ -10,12 +10,11 @@
 #include "rt/config/node.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/common/progress.hpp"
-#include "tools/fit/findings.hpp"
-#include "tools/fit/held/held_plan_command.hpp"
+#include "tools/fit/held/held_plan_report.hpp"
 #include "tools/fit/kinds.hpp"
 #include "tools/fit/report.hpp"
-#include "tools/fit/report_files.hpp"
 
 namespace {
 
@@ -129,7 +128,8 @@ int main(int argc, char** argv) {
                  "Folder for material.yaml, samples.csv, fit.png and fits.csv, and the checkpoint");
   app.add_option("--json", options.json, "File for all results as JSON; - for the standard output");
   app.add_option("--set", options.overrides, "path.to.key=value over the plan's");
-  app.add_flag("--details", options.details, "Every fit's parameters, series and what is not told");
+  app.add_flag("--details", options.details,
+               "Every fit's parameters, series and what is undetermined");
   app.add_flag("--resume", options.resume, "Go on from the checkpoint in --output");
   app.add_flag("--check-gradients", options.check_gradients,
                "Compare derivatives with Ridders' differences; above 1e-6 is an error");
@@ -141,7 +141,7 @@ int main(int argc, char** argv) {
   int code = 0;
   fit::add_held_plan_command(app, code);
   common::catch_interruptions();
-  try {
+  return common::run_program("palpate-fit", [&]() -> int {
     if (const auto ended = config::parse(app, argc, argv,
                                          {{{1, "an error, a fit that failed, or wrong derivatives"},
                                            {78, "wrong plan"},
@@ -151,14 +151,5 @@ int main(int argc, char** argv) {
     if (!app.get_subcommands().empty()) return code;
     if (options.plan.empty()) return config::usage_error(app, "a plan or a command is required");
     return run(options);
-  } catch (const common::Interrupted&) {
-    std::cerr << "palpate-fit: interrupted\n";
-    return config::kExitInterrupted;
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-fit: " << error.what() << "\n";
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-fit: " << error.what() << "\n";
-    return 1;
-  }
+  });
 }

@@ -5,6 +5,7 @@
 #include <limits>
 #include <set>
 
+#include "tools/common/table.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
@@ -119,9 +120,9 @@ Entry read_entry(const config::Node& node, const std::string& name, bool is_in_l
   entry.group = name;
   if (node.has("group"))
     entry.group = node.text(
-        {"group", "", "medians and spread of fits of one group are told too; absent: the name"});
+        {"group", "", "medians and spread of fits of one group are printed too; absent: the name"});
   for (const config::Node& recording :
-       node.list({"recordings", "", "that tell the parameters together; see each `kind`"}))
+       node.list({"recordings", "", "that determine the parameters together; see each `kind`"}))
     entry.recordings.push_back(recording.dump());
   if (entry.recordings.empty()) node.fail("recordings", "must hold one or more");
   entry.parameters = node.dump("parameters");
@@ -134,11 +135,7 @@ Entry read_entry(const config::Node& node, const std::string& name, bool is_in_l
   return entry;
 }
 
-std::string short_number(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%g", value);
-  return text;
-}
+std::string short_number(double value) { return common::formatted("%g", value); }
 
 }  // namespace
 

@@ -1,15 +1,105 @@
 #include "tools/fit/recording.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <filesystem>
 #include <limits>
+#include <map>
+#include <memory>
+#include <mutex>
 #include <sstream>
+#include <string>
 #include <unordered_set>
+#include <utility>
+#include <vector>
 
-#include "tools/fit/csv_table.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::fit {
 namespace {
+
+/// A CSV as numbers.
+struct CsvTable {
+  std::string path;
+  std::vector<std::string> header;
+  std::vector<int> lines;                    // of the file, by row
+  std::vector<std::vector<double>> columns;  // NaN for cells that are not finite numbers
+  std::map<std::pair<std::size_t, std::size_t>, std::string> bad_cells;  // by row and column
+
+  std::size_t rows() const { return lines.size(); }
+  /// Throws import::CsvError with the columns that exist.
+  std::size_t column(const std::string& name) const;
+  /// Throws import::CsvError naming file, line, column and remedy if there is none.
+  double number(std::size_t row, std::size_t column) const;
+};
+
+/// NaN if the cell is not a finite number.
+double parsed(const std::string& cell) {
+  const char* const begin = cell.data() + (!cell.empty() && cell.front() == '+' ? 1 : 0);
+  const char* const end = cell.data() + cell.size();
+  double value = 0;
+  const auto [stop, code] = std::from_chars(begin, end, value);
+  const bool is_good = code == std::errc() && stop == end && begin != end && std::isfinite(value);
+  return is_good ? value : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::shared_ptr<const CsvTable> parse(const std::string& path) {
+  recordings::CsvReader reader(path);
+  auto table = std::make_shared<CsvTable>();
+  table->path = path;
+  table->header = reader.header();
+  table->columns.resize(table->header.size());
+  while (reader.next()) {
+    for (std::size_t k = 0; k < table->columns.size(); ++k) {
+      const std::string& cell = reader.text(static_cast<int>(k));
+      table->columns[k].push_back(parsed(cell));
+      if (std::isnan(table->columns[k].back())) table->bad_cells[{table->rows(), k}] = cell;
+    }
+    table->lines.push_back(reader.line());
+  }
+  return table;
+}
+
+struct Kept {
+  std::string path;
+  std::filesystem::file_time_type changed;
+  std::shared_ptr<const CsvTable> table;
+};
+
+std::size_t CsvTable::column(const std::string& name) const {
+  const auto found = std::find(header.begin(), header.end(), name);
+  if (found != header.end()) return static_cast<std::size_t>(found - header.begin());
+  std::string all;
+  for (const std::string& known : header) all += (all.empty() ? "'" : ", '") + known + "'";
+  throw recordings::CsvError(path + ": no column '" + name + "'; the columns are " + all);
+}
+
+double CsvTable::number(std::size_t row, std::size_t column) const {
+  const double value = columns[column][row];
+  if (!std::isnan(value)) return value;
+  throw recordings::CsvError(path + ":" + std::to_string(lines[row]) + ":" + header[column] +
+                             ": '" + bad_cells.at({row, column}) +
+                             "' is not a finite number; remove the row, or leave it out by `rows`");
+}
+
+/// Reads a file, plain or .gz. The last few files are cached as long as they are unchanged, since
+/// one file may hold several recordings in sequence. Throws import::CsvError if the file cannot be
+/// read. Thread-safe.
+std::shared_ptr<const CsvTable> read_csv(const std::string& path) {
+  constexpr std::size_t kMostKept = 8;
+  static std::mutex mutex;
+  static std::vector<Kept> all;
+  std::error_code error;
+  const auto changed = std::filesystem::last_write_time(path, error);
+  const std::lock_guard<std::mutex> lock(mutex);
+  for (const Kept& kept : all)
+    if (kept.path == path && !error && kept.changed == changed) return kept.table;
+  std::shared_ptr<const CsvTable> table = parse(path);
+  if (all.size() >= kMostKept) all.erase(all.begin());
+  all.push_back({path, changed, table});
+  return table;
+}
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -92,7 +182,7 @@ Selection read_selection(const config::Node& node, const config::Key& key, bool 
     return selection;
   }
   const config::Node entry = node.child(key);
-  selection.quantity = entry.text({"quantity", "", "that tells which samples"});
+  selection.quantity = entry.text({"quantity", "", "that selects the samples"});
   selection.from = entry.number({"from", "SI", "its least, of these"}, {}, -kInfinity);
   selection.to = entry.number({"to", "SI", "its greatest, of these"}, {}, kInfinity);
   if (!(selection.from <= selection.to)) entry.fail("to", "must not be below from");
@@ -198,7 +288,7 @@ void Recording::require_varying(const std::string& quantity) const {
   if (values.size() > 0 && values.maxCoeff() > values.minCoeff()) return;
   fail(0, quantity + " is the same in every row (" +
               (values.size() > 0 ? std::to_string(values[0]) : "none") +
-              "): nothing can be told from it; check the column's name");
+              "): nothing can be learnt from it; check the column's name");
 }
 
 void Recording::require_rising(const std::string& quantity) const {
@@ -234,6 +324,41 @@ std::vector<double> distinct_values(const std::filesystem::path& file, const std
 
 std::filesystem::path recording_path(const std::filesystem::path& folder, const std::string& file) {
   return folder / file;
+}
+
+std::vector<bool> selected_samples(const Selection& selection, const config::Node& node,
+                                   const std::string& key, const Recording& recording,
+                                   const NamedValues& others) {
+  const auto count =
+      static_cast<std::size_t>(others.empty() ? recording.rows() : others.front().second.size());
+  if (selection.quantity.empty())
+    return selection.is_all ? std::vector<bool>(count, true) : std::vector<bool>();
+  Eigen::VectorXd values;
+  const auto other = std::find_if(others.begin(), others.end(), [&](const auto& entry) {
+    return entry.first == selection.quantity;
+  });
+  if (other != others.end()) {
+    values = other->second;
+  } else if (selection.quantity == "sample") {
+    values.setLinSpaced(static_cast<Eigen::Index>(count), 0, static_cast<double>(count) - 1);
+  } else if (recording.has(selection.quantity)) {
+    values = recording.column(selection.quantity);
+  } else {
+    std::string known = "'sample'";
+    for (const auto& entry : others) known += ", '" + entry.first + "'";
+    node.fail(
+        key, "knows no quantity '" + selection.quantity + "'; allowed: " + known + ", or a column");
+  }
+  std::vector<bool> selected(static_cast<std::size_t>(values.size()));
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    selected[static_cast<std::size_t>(i)] = selection.holds(values[i]);
+  return selected;
+}
+
+std::vector<bool> held_out_samples(const config::Node& node, const Recording& recording,
+                                   const NamedValues& others) {
+  return selected_samples(read_selection(node, kHeldOut, false), node, "held_out", recording,
+                          others);
 }
 
 }  // namespace palpate::fit

@@ -4,19 +4,82 @@
 #include <cmath>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 
 #include "tools/common/table.hpp"
 
 namespace palpate::fit {
 namespace {
 
+using common::formatted;
 using common::number;
 using common::Table;
 
-std::string formatted(const char* format, double value) {
-  char text[48];
-  std::snprintf(text, sizeof text, format, value);
-  return text;
+nlohmann::json errors_json(const Errors& e) {
+  return {{"samples", e.count}, {"median", e.median}, {"rmse", e.rmse}, {"percent", e.percent}};
+}
+
+nlohmann::json uncertainty_json(const Uncertainty& u) {
+  nlohmann::json json;
+  for (const Estimate& e : u.estimates) {
+    nlohmann::json& one = json["parameters"][e.parameter.name];
+    one = {{"unit", e.parameter.unit}, {"standing", name_of(e.standing)}, {"value", e.value}};
+    if (e.standing != Standing::kEstimated) continue;
+    one["deviation"] = e.deviation;
+    one["interval"] = e.interval;
+    one["by"] = derivation(e);
+  }
+  json["determined"] = nlohmann::json::array();
+  for (const int i : u.determined)
+    json["determined"].push_back(u.estimates[static_cast<std::size_t>(i)].parameter.name);
+  for (Eigen::Index i = 0; i < u.covariance.rows(); ++i) {
+    json["covariance"].push_back(
+        std::vector<double>(u.covariance.row(i).begin(), u.covariance.row(i).end()));
+    json["correlation"].push_back(
+        std::vector<double>(u.correlation.row(i).begin(), u.correlation.row(i).end()));
+  }
+  json["undetermined"] = nlohmann::json::array();
+  for (const OpenDirection& open : u.open) {
+    nlohmann::json shares;
+    for (const auto& [name, share] : open.shares) shares[name] = share;
+    json["undetermined"].push_back(shares);
+  }
+  return json;
+}
+
+nlohmann::json result_json(const Job& job, const JobResult& result) {
+  nlohmann::json json = {{"fit", job.name}, {"group", job.group}, {"variant", job.variant}};
+  if (!result.error.empty()) {
+    json["error"] = result.error;
+    return json;
+  }
+  json.update(uncertainty_json(result.fit.uncertainty));
+  for (std::size_t s = 0; s < result.fit.series.size(); ++s) {
+    const SeriesFit& f = result.fit.series[s];
+    const SeriesNoise& noise = result.fit.uncertainty.noise[s];
+    json["series"].push_back({{"recording", f.recording},
+                              {"quantity", f.quantity},
+                              {"unit", f.unit},
+                              {"fitted", errors_json(f.fitted)},
+                              {"held_out", errors_json(f.held_out)},
+                              {"noise", noise.deviation},
+                              {"autocorrelation_factor", noise.factor},
+                              {"independent_samples", noise.effective}});
+  }
+  if (result.effective)
+    json["corotational"] = {{"young_modulus", result.effective->young_modulus},
+                            {"young_modulus_interval", result.effective->modulus_interval},
+                            {"poisson_ratio", result.effective->poisson_ratio},
+                            {"poisson_ratio_interval", result.effective->poisson_interval},
+                            {"strain_range", result.effective->strain_range}};
+  json["model"] = result.material;
+  json["cost"] = result.fit.solution.cost;
+  json["converged"] = result.fit.solution.is_converged;
+  json["iterations"] = result.fit.solution.iterations;
+  json["seconds"] = result.fit.seconds;
+  json["evaluations"] = {{"predictions", result.fit.count.predictions},
+                         {"with_derivatives", result.fit.count.jacobians}};
+  return json;
 }
 
 void print_parameters(const Uncertainty& u, std::ostream& out) {
@@ -32,7 +95,7 @@ void print_parameters(const Uncertainty& u, std::ostream& out) {
 
 void print_open(const Uncertainty& u, std::ostream& out) {
   for (const OpenDirection& open : u.open) {
-    out << "The data cannot tell";
+    out << "The data do not determine";
     const char* separator = " ";
     for (const auto& [name, share] : open.shares) {
       out << separator << name;
@@ -46,11 +109,11 @@ void print_open(const Uncertainty& u, std::ostream& out) {
 }
 
 void print_correlations(const Uncertainty& u, std::ostream& out) {
-  constexpr double kWorthTelling = 0.9;
+  constexpr double kWorthReporting = 0.9;
   for (std::size_t i = 0; i < u.determined.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       const double r = u.correlation(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-      if (std::abs(r) < kWorthTelling) continue;
+      if (std::abs(r) < kWorthReporting) continue;
       const auto name = [&](std::size_t k) {
         return u.estimates[static_cast<std::size_t>(u.determined[k])].parameter.name;
       };
@@ -83,7 +146,39 @@ void print_series(const JobResult& result, std::ostream& out) {
   table.print(out);
 }
 
+/// The member's own parameters, extracted from the problem's by their names there.
+Eigen::VectorXd values_of(const Member& member, const std::map<std::string, double>& values) {
+  const std::vector<Parameter>& wanted = member.experiment->parameters();
+  const std::string prefix = member.experiment->name() + ".";
+  Eigen::VectorXd result(static_cast<Eigen::Index>(wanted.size()));
+  for (std::size_t k = 0; k < wanted.size(); ++k) {
+    auto found = values.find(prefix + wanted[k].name);  // shared elsewhere, own parameter here
+    if (found == values.end()) found = values.find(wanted[k].name);
+    if (found == values.end()) found = values.find(wanted[k].name.substr(prefix.size()));
+    result[static_cast<Eigen::Index>(k)] = found->second;
+  }
+  return result;
+}
+
 }  // namespace
+
+nlohmann::json to_json(const Plan& plan, const std::vector<JobResult>& results) {
+  nlohmann::json json = {{"plan", plan.name}, {"about", plan.about}};
+  for (std::size_t k = 0; k < results.size(); ++k) {
+    nlohmann::json one = result_json(plan.jobs[k], results[k]);
+    for (const GradientCheck& check : results[k].gradients)
+      one["gradients"].push_back({{"quantity", check.quantity},
+                                  {"parameter", check.parameter},
+                                  {"difference", check.difference}});
+    if (results[k].numeric)
+      one["numeric"] = {{"seconds", results[k].numeric->seconds_numeric},
+                        {"evaluations", results[k].numeric->evaluations_numeric},
+                        {"analytic_seconds", results[k].numeric->seconds},
+                        {"analytic_evaluations", results[k].numeric->evaluations}};
+    json["fits"].push_back(std::move(one));
+  }
+  return json;
+}
 
 std::string readable(double value, const std::string& unit) {
   if (unit.empty()) return formatted("%.4g", value);
@@ -191,6 +286,34 @@ void print_comparison(const std::vector<JobResult>& results, std::ostream& out) 
       << formatted("%.1f", sum.seconds_numeric / sum.seconds) << " times the time ("
       << readable(sum.seconds_numeric, "s") << " / " << readable(sum.seconds, "s")
       << "); costs differ by at most " << formatted("%.1e", sum.difference) << ".\n";
+}
+
+void print_findings(const Job& job, const JobResult& result, std::ostream& out) {
+  if (!result.error.empty()) return;
+  const Problem& problem = *result.problem;
+  const Eigen::VectorXd all = problem.values(result.fit.solution.coordinates);
+  std::map<std::string, double> values;
+  for (std::size_t p = 0; p < problem.parameters().size(); ++p) {
+    values[problem.parameters()[p].name] = all[static_cast<Eigen::Index>(p)];
+  }
+  common::Table table({job.title(), "quantity", "measured", "predicted", "difference", "goal", ""});
+  bool is_empty = true;
+  for (const Member& member : problem.members()) {
+    for (const Finding& f : member.experiment->findings(values_of(member, values))) {
+      const double difference = f.predicted - f.measured;
+      const bool is_met = f.is_bound ? difference < 0 : std::abs(difference) <= f.allowed;
+      table.add({member.experiment->name(), f.what, readable(f.measured, f.unit),
+                 readable(f.predicted, f.unit), readable(difference, f.unit),
+                 f.is_bound      ? "less"
+                 : f.allowed > 0 ? readable(f.allowed, f.unit)
+                                 : "",
+                 f.is_bound || f.allowed > 0 ? (is_met ? "met" : "MISSED") : ""});
+      is_empty = false;
+    }
+  }
+  if (is_empty) return;
+  out << "\n";
+  table.print(out);
 }
 
 }  // namespace palpate::fit

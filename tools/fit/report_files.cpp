@@ -1,5 +1,3 @@
-#include "tools/fit/report_files.hpp"
-
 #include <algorithm>
 #include <cctype>
 #include <cstdio>
@@ -10,6 +8,8 @@
 #include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
+#include "tools/fit/report.hpp"
 
 namespace palpate::fit {
 namespace {
@@ -20,11 +20,7 @@ using Eigen::Index;
 constexpr std::size_t kMostFolders = 200;
 constexpr std::size_t kMostPlots = 6;
 
-std::string exact(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.9g", value);
-  return text;
-}
+std::string exact(double value) { return common::formatted("%.9g", value); }
 
 std::string pair_text(const std::array<double, 2>& pair) {
   return "[" + exact(pair[0]) + ", " + exact(pair[1]) + "]";
@@ -121,11 +117,11 @@ void write_material(const Job& job, const JobResult& result, std::ostream& out) 
   const Uncertainty& u = result.fit.uncertainty;
   out << "# " << job.title() << ": a material as palpate-fit found it; SI units.\nmaterial:\n"
       << "  model: " << result.material << "\n";
-  const auto is_told = [](const Estimate& e) {
+  const auto is_known = [](const Estimate& e) {
     return is_material(e) && e.standing != Standing::kUndetermined;
   };
   for (const Estimate& e : u.estimates)
-    if (is_told(e))
+    if (is_known(e))
       out << "  " << e.parameter.name << ": " << exact(e.value)
           << (e.standing == Standing::kAtBound ? "  # at the bound of what was allowed"
               : e.standing == Standing::kKnown ? "  # given, not fitted"
@@ -133,7 +129,7 @@ void write_material(const Job& job, const JobResult& result, std::ostream& out) 
           << "\n";
   out << "intervals:  # 95 %\n";
   for (const Estimate& e : u.estimates)
-    if (is_told(e) && e.standing == Standing::kEstimated)
+    if (is_known(e) && e.standing == Standing::kEstimated)
       out << "  " << e.parameter.name << ": " << pair_text(e.interval) << "\n";
   out << "undetermined: [";
   const char* separator = "";

@@ -74,7 +74,7 @@ std::string percent_or_nothing(const std::vector<double>& values) {
 std::vector<std::string> row_of(const std::string& title, const Figures& f,
                                 const std::string& modulus_note, const std::string& poisson_note) {
   return {title,
-          f.modulus.empty() ? "not told" : readable(median_of(f.modulus), "Pa"),
+          f.modulus.empty() ? "undetermined" : readable(median_of(f.modulus), "Pa"),
           modulus_note,
           f.poisson.empty() ? "" : number(median_of(f.poisson), 3),
           poisson_note,

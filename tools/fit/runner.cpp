@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "tools/common/interruption.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit/checkpoint.hpp"
 #include "tools/fit/kinds.hpp"
 
@@ -55,9 +56,7 @@ std::array<double, 2> strain_range_of(const Problem& problem) {
 
 /// Progress of a fit, for the progress line.
 std::string note_of(int iteration, double cost) {
-  char text[64];
-  std::snprintf(text, sizeof text, "iteration %d, cost %.5g", iteration, cost);
-  return text;
+  return common::formatted("iteration %d, cost %.5g", iteration, cost);
 }
 
 class Run {

@@ -3,12 +3,11 @@
 #include <Eigen/Cholesky>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
-
-#include "tools/fit/noise.hpp"
-#include "tools/fit/profile.hpp"
+#include <vector>
 
 namespace palpate::fit {
 namespace {
@@ -16,6 +15,62 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+
+VectorXd moved(const ProfileQuestion& q, double step) {
+  const VectorXd x = q.solution.coordinates + step * q.direction;
+  return x.cwiseMax(q.problem.lower()).cwiseMin(q.problem.upper());
+}
+
+/// Increase of the sum of squares with the coordinate `step` away and the others optimised.
+double rise_at(const ProfileQuestion& q, double step) {
+  SolverOptions options = q.options;
+  // Sufficient for an interval of three digits.
+  options.tolerance = std::max(options.tolerance, 1e-6);
+  options.iterations = std::min(options.iterations, 30);
+  std::vector<bool> held(static_cast<std::size_t>(q.direction.size()), false);
+  held[static_cast<std::size_t>(q.coordinate)] = true;
+  try {
+    return 2 * (solve(q.problem, options, moved(q, step), held).cost - q.solution.cost);
+  } catch (const std::runtime_error&) {  // no equilibrium so far away
+    return std::numeric_limits<double>::infinity();
+  }
+}
+
+/// The end on the side of `sign`; Illinois variant of false position on sqrt(rise), which is nearly
+/// linear.
+double end_on_side(const ProfileQuestion& q, double sign) {
+  constexpr int kWider = 8, kSteps = 10;
+  constexpr double kTolerance = 1e-2;
+  const double at = q.solution.coordinates[q.coordinate];
+  const double limit =
+      sign > 0 ? q.problem.upper()[q.coordinate] - at : at - q.problem.lower()[q.coordinate];
+  const double wanted = std::sqrt(q.rise);
+  const auto excess = [&](double step) {
+    return std::sqrt(std::max(0.0, rise_at(q, sign * step))) - wanted;
+  };
+  double inner = 0, inner_excess = -wanted;
+  double outer = std::min(q.reach, limit), outer_excess = excess(outer);
+  for (int k = 0; k < kWider && outer_excess < 0 && outer < limit; ++k) {
+    inner = outer, inner_excess = outer_excess;
+    outer = std::min(2 * outer, limit);
+    outer_excess = excess(outer);
+  }
+  if (outer_excess < 0) return at + sign * limit;
+  for (int k = 0; k < kSteps; ++k) {
+    const bool is_finite = std::isfinite(outer_excess);
+    const double part = is_finite ? inner_excess / (inner_excess - outer_excess) : 0.5;
+    const double middle = inner + part * (outer - inner), value = excess(middle);
+    if (std::abs(value) < kTolerance * wanted) return at + sign * middle;
+    if (value < 0) {
+      inner = middle, inner_excess = value;
+      outer_excess /= 2;
+    } else {
+      outer = middle, outer_excess = value;
+      inner_excess /= 2;
+    }
+  }
+  return at + sign * (inner + outer) / 2;
+}
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -137,18 +192,51 @@ bool is_at_bound(double x, double lower, double upper) {
 
 }  // namespace
 
-std::string name_of(Standing standing) {
-  switch (standing) {
-    case Standing::kEstimated:
-      return "estimated";
-    case Standing::kKnown:
-      return "known";
-    case Standing::kAtBound:
-      return "at bound";
-    case Standing::kUndetermined:
-      return "undetermined";
+bool does_curvature_mislead(const ProfileQuestion& q) {
+  if (!(q.rise > 0)) return false;
+  for (const double sign : {-1.0, 1.0}) {
+    const VectorXd x = moved(q, sign * q.reach);
+    const double rise = 2 * (cost_at(q.problem, q.options.loss, x) - q.solution.cost);
+    if (!(rise > 0.8 * q.rise && rise < 1.25 * q.rise)) return true;
   }
-  return "";
+  return false;
+}
+
+std::array<double, 2> profile_interval(const ProfileQuestion& q) {
+  if (!(q.rise > 0)) {
+    const double at = q.solution.coordinates[q.coordinate];
+    return {at, at};
+  }
+  return {end_on_side(q, -1), end_on_side(q, 1)};
+}
+
+double autocorrelation_factor(const Eigen::VectorXd& residuals) {
+  const Eigen::Index n = residuals.size();
+  if (n < 4) return 1;
+  const Eigen::VectorXd r = residuals.array() - residuals.mean();
+  const double variance = r.squaredNorm();
+  if (!(variance > 0)) return 1;
+  const auto rho = [&](Eigen::Index lag) {
+    return lag < n ? r.head(n - lag).dot(r.tail(n - lag)) / variance : 0.0;
+  };
+  const double white = 1.96 / std::sqrt(static_cast<double>(n));
+  if (rho(1) < white) return 1;
+  double sum = rho(1);
+  for (Eigen::Index lag = 2; lag + 1 < n; lag += 2) {
+    const double pair = rho(lag) + rho(lag + 1);
+    if (!(pair > 0)) break;
+    sum += pair;
+  }
+  return std::clamp(1 + 2 * sum, 1.0, static_cast<double>(n) / 2);
+}
+
+double student_quantile(double freedom) {
+  return boost::math::quantile(boost::math::students_t(std::max(freedom, 1.0)), 0.975);
+}
+
+std::string name_of(Standing standing) {
+  constexpr const char* kNames[] = {"estimated", "known", "at bound", "undetermined"};
+  return kNames[static_cast<std::size_t>(standing)];
 }
 
 Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& options,
@@ -185,7 +273,7 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
   double effective = 0;
   for (const SeriesNoise& noise : result.noise) effective += noise.effective;
   const double t = student_quantile(effective - static_cast<double>(moving.size()));
-  std::vector<Index> told;
+  std::vector<Index> determined_rows;
   for (std::size_t k = 0; k < moving.size(); ++k) {
     const auto parameter =
         static_cast<std::size_t>(problem.free()[static_cast<std::size_t>(moving[k])]);
@@ -214,14 +302,15 @@ Uncertainty find_uncertainty(const Problem& problem, const SolverOptions& option
       estimate.interval[side] = problem.to_value(
           static_cast<int>(parameter), std::clamp(ends[side], lower[moving[k]], upper[moving[k]]));
     result.determined.push_back(static_cast<int>(parameter));
-    told.push_back(row);
+    determined_rows.push_back(row);
   }
-  const auto n = static_cast<Index>(told.size());
+  const auto n = static_cast<Index>(determined_rows.size());
   result.covariance.resize(n, n);
   result.correlation.resize(n, n);
   for (Index i = 0; i < n; ++i)
     for (Index j = 0; j < n; ++j) {
-      const Index a = told[static_cast<std::size_t>(i)], b = told[static_cast<std::size_t>(j)];
+      const Index a = determined_rows[static_cast<std::size_t>(i)],
+                  b = determined_rows[static_cast<std::size_t>(j)];
       const int pa = result.determined[static_cast<std::size_t>(i)],
                 pb = result.determined[static_cast<std::size_t>(j)];
       const double c = spread.covariance(a, b);

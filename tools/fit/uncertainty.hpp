@@ -11,6 +11,35 @@
 
 namespace palpate::fit {
 
+/// Interval of one coordinate around the end of the search.
+struct ProfileQuestion {
+  const Problem& problem;
+  const SolverOptions& options;
+  const Solution& solution;
+  Eigen::Index coordinate = 0;
+  double reach = 0;           // by curvature
+  double rise = 0;            // increase of the sum of squares at the ends of the interval
+  Eigen::VectorXd direction;  // of all coordinates by this one, the others optimal by curvature
+};
+
+/// Whether the sum of squares at an end, along `direction`, has risen by less than 0.8 or more than
+/// 1.25 times `rise`, or there is no equilibrium.
+bool does_curvature_mislead(const ProfileQuestion& question);
+
+/// Points below and above at which the sum of squares, minimised over all other coordinates, has
+/// risen by `rise`; the bound if it does not rise so far (Venzon and Moolgavkar 1988, by
+/// bracketing).
+std::array<double, 2> profile_interval(const ProfileQuestion& question);
+
+/// Ratio of the number of samples to the effective number of independent ones: 1 + 2 sum rho_k over
+/// the residuals' autocorrelation, summed in pairs of lags while they are positive (Geyer 1992,
+/// initial positive sequence). 1 if rho_1 is within the range of white noise (1.96 / sqrt(n)).
+/// Samples are taken in their order.
+double autocorrelation_factor(const Eigen::VectorXd& residuals);
+
+/// Two-sided 95 % quantile of Student's t; `freedom` at least 1.
+double student_quantile(double freedom);
+
 /// Status of a parameter after the fit.
 enum class Standing {
   kEstimated,

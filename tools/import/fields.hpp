@@ -71,4 +71,8 @@ class FieldMapping {
   std::vector<Source> sources_;
 };
 
+/// What palpate-import reads, in Markdown: a table of fields, unit, whether required and effect for
+/// each of format_names(), from the table that the import itself goes by. It is docs/import.md.
+std::string formats_page();
+
 }  // namespace palpate::import

@@ -1,12 +1,12 @@
 #include <CLI/CLI.hpp>
-#include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <random>
 
 #include "rt/config/command_line.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/import/fields.hpp"
-#include "tools/import/formats_page.hpp"
 #include "tools/import/import_csv.hpp"
 
 namespace {
@@ -33,9 +33,7 @@ void write_json(const std::string& file, const palpate::import::ImportOptions& o
                                {"first_utime", summary.first_utime},
                                {"last_utime", summary.last_utime},
                                {"messages", summary.messages}};
-  std::ofstream out(file);
-  out << json.dump(2) << '\n';
-  if (!out) throw std::runtime_error(file + ": cannot be written");
+  palpate::common::write_json(json, file);
 }
 
 }  // namespace
@@ -97,7 +95,7 @@ int main(int argc, char** argv) {
       "Print the fields of each --format with unit and effect, and whether it is required");
   if (const auto code = config::parse(app, argc, argv, {{{78, "wrong map"}}})) return *code;
 
-  try {
+  return common::run_program("palpate-import", [&] {
     options.where = pairs(where, "--where");
     if (!preset.empty()) {
       options.streams = import::preset_streams(preset);
@@ -120,12 +118,6 @@ int main(int argc, char** argv) {
     for (const auto& [channel, count] : summary.messages)
       std::cout << "  " << channel << ": " << count << " messages\n";
     if (!json_file.empty()) write_json(json_file, options, summary);
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-import: " << error.what() << '\n';
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-import: " << error.what() << '\n';
-    return 1;
-  }
-  return 0;
+    return 0;
+  });
 }

@@ -1,12 +1,11 @@
 #pragma once
 
-#include <palpate/component_event_t.hpp>
-
 #include <algorithm>
 #include <cstring>
 #include <filesystem>
 #include <iterator>
 #include <lcm/lcm-cpp.hpp>
+#include <palpate/component_event_t.hpp>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -25,11 +24,16 @@ class EventLog {
   void write(const std::string& channel, std::int64_t time_us, const Message& message) {
     buffer_.resize(message.getEncodedSize());
     message.encode(buffer_.data(), 0, static_cast<int>(buffer_.size()));
+    write(channel, time_us, buffer_);
+  }
+
+  /// An encoded message, which is not changed.
+  void write(const std::string& channel, std::int64_t time_us, std::vector<std::uint8_t>& message) {
     lcm::LogEvent event{};
     event.timestamp = time_us;
     event.channel = channel;
-    event.datalen = static_cast<int>(buffer_.size());
-    event.data = buffer_.data();
+    event.datalen = static_cast<int>(message.size());
+    event.data = message.data();
     if (file_.writeEvent(&event) != 0) throw std::runtime_error(path_ + ": cannot be written");
   }
 

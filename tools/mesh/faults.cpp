@@ -5,7 +5,6 @@
 #include <sstream>
 
 #include "core/mesh/near_nodes.hpp"
-#include "tools/mesh/fault_text.hpp"
 
 namespace palpate::mesh_tool {
 

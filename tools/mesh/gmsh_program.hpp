@@ -31,4 +31,9 @@ using MeshingProgress = std::function<void(double, const std::string&)>;
 mesh::MeshWithGroups fill_by_gmsh(const mesh::TriangleSurface& surface,
                                   const MeshingOptions& options, const MeshingProgress& progress);
 
+/// Finds the positions of the midpoints of a mesh's boundary edges on the surface it was made of,
+/// and stores those that lie off the straight edge, so that quadratic elements follow the surface
+/// and straight ones can be given its volume (mesh::keep_curved_volume). Returns their number.
+int follow_surface(const mesh::TriangleSurface& surface, mesh::MeshWithGroups& mesh);
+
 }  // namespace palpate::mesh_tool

@@ -4,6 +4,7 @@
 
 #include "sim/draw/annotate.hpp"
 #include "sim/draw/png_file.hpp"
+#include "tools/common/table.hpp"
 #include "tools/mesh/quality.hpp"
 
 namespace palpate::mesh_tool {
@@ -17,11 +18,7 @@ constexpr int kLeft = 70, kRight = 20, kTop = 44, kBottom = 44;  // px
 const Colour kInk{0.15F, 0.18F, 0.22F, 1}, kBar{0.22F, 0.45F, 0.72F, 1},
     kGrid{0.86F, 0.88F, 0.91F, 1};
 
-std::string tick(double value) {
-  char text[24];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
-}
+std::string tick(double value) { return common::formatted("%.3g", value); }
 
 /// Bars of equal width between two ends, with the counts on the left.
 void draw_one(draw::Image& image, int x, int y, const Distribution& d, double low, double high) {

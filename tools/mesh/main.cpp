@@ -3,8 +3,8 @@
 #include <CLI/CLI.hpp>
 #include <iostream>
 
-#include "rt/config/command_line.hpp"
 #include "tools/common/interruption.hpp"
+#include "tools/common/program.hpp"
 #include "tools/mesh/commands.hpp"
 
 int main(int argc, char** argv) {
@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   mesh_tool::add_make_commands(app, code);
   mesh_tool::add_file_commands(app, code);
   common::catch_interruptions();
-  try {
+  return common::run_program("palpate-mesh", [&]() -> int {
     if (const auto ended = config::parse(app, argc, argv,
                                          {{{mesh_tool::kGood, "done, and the mesh is good"},
                                            {mesh_tool::kFailed, "an error of a file or program"},
@@ -37,11 +37,5 @@ int main(int argc, char** argv) {
                                            {config::kExitInterrupted, "interrupted"}}}))
       return *ended;
     return code;
-  } catch (const common::Interrupted&) {
-    std::cerr << "palpate-mesh: interrupted\n";
-    return config::kExitInterrupted;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-mesh: " << error.what() << '\n';
-    return mesh_tool::kFailed;
-  }
+  });
 }

@@ -11,8 +11,8 @@
 #include "core/mesh/side_groups.hpp"
 #include "core/mesh/surface_repair.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
 #include "tools/mesh/commands.hpp"
-#include "tools/mesh/full_volume.hpp"
 #include "tools/mesh/gmsh_program.hpp"
 #include "tools/mesh/options.hpp"
 #include "tools/mesh/quality.hpp"
@@ -141,11 +141,9 @@ void refine(const mesh::TriangleSurface& surface, const MakeOptions& options,
     }
     filled.middles.clear();
   }
-  char line[160];
-  std::snprintf(line, sizeof line,
-                "volume by that of the surface: %.3f %% with corners on it, %.3f %% written\n",
-                100 * straight / wanted, 100 * mesh::check(filled.mesh).volume / wanted);
-  out << line;
+  out << common::formatted(
+      "volume by that of the surface: %.3f %% with corners on it, %.3f %% written\n",
+      100 * straight / wanted, 100 * mesh::check(filled.mesh).volume / wanted);
 }
 
 /// Round bodies: by layers and shells if these give good elements, otherwise by gmsh on a fine
@@ -221,9 +219,9 @@ void add_gmsh_options(CLI::App& command, MakeOptions& options) {
       ->capture_default_str();
 }
 
-using Run = int (*)(const MakeOptions&);
+using Make = int (*)(const MakeOptions&);
 
-CLI::App* add(CLI::App& app, int& code, const std::string& name, const std::string& about, Run run,
+CLI::App* add(CLI::App& app, int& code, const std::string& name, const std::string& about, Make run,
               const std::shared_ptr<MakeOptions>& options) {
   CLI::App* command = app.add_subcommand(name, about);
   add_output_options(*command, options->output);

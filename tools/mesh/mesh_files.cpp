@@ -107,14 +107,14 @@ mesh::TriangleSurface boundary(const mesh::TetrahedralMesh& mesh) {
 }
 
 void write_file(const path& file, const std::string& bytes) {
-  const path beside = file.string() + ".part" + std::to_string(getpid());
+  const path temporary = file.string() + ".part" + std::to_string(getpid());
   {
-    std::ofstream out(beside, std::ios::binary);
+    std::ofstream out(temporary, std::ios::binary);
     out << bytes;
     if (!out.flush()) throw std::runtime_error(file.string() + ": cannot be written");
   }
   std::error_code error;
-  std::filesystem::rename(beside, file, error);
+  std::filesystem::rename(temporary, file, error);
   if (error) throw std::runtime_error(file.string() + ": " + error.message());
 }
 

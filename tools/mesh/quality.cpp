@@ -12,6 +12,7 @@
 #include "core/mesh/report.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/mesh/tetrahedron_quality.hpp"
+#include "tools/common/table.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
@@ -19,9 +20,7 @@ namespace {
 constexpr double kDegrees = 180 / EIGEN_PI;
 
 std::string number(double value, int digits = 4) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
+  return common::formatted("%.*g", digits, value);
 }
 
 std::vector<double> edge_lengths(const mesh::TetrahedralMesh& mesh) {
@@ -114,14 +113,11 @@ std::string text(const Quality& quality) {
       << "\nvolume " << number(quality.volume, 6) << " m^3, area " << number(quality.area)
       << " m^2, box " << number(size.x()) << " x " << number(size.y()) << " x " << number(size.z())
       << " m\n";
-  char line[120];
-  std::snprintf(line, sizeof line, "%-30s %11s %11s %11s\n", "", "least", "mean", "most");
-  out << line;
-  for (const Distribution& d : quality.distributions) {
-    std::snprintf(line, sizeof line, "%-30s %11s %11s %11s\n", d.name.c_str(),
-                  number(d.least()).c_str(), number(d.mean()).c_str(), number(d.most()).c_str());
-    out << line;
-  }
+  constexpr char kRow[] = "%-30s %11s %11s %11s\n";
+  out << common::formatted(kRow, "", "least", "mean", "most");
+  for (const Distribution& d : quality.distributions)
+    out << common::formatted(kRow, d.name.c_str(), number(d.least()).c_str(),
+                             number(d.mean()).c_str(), number(d.most()).c_str());
   return out.str();
 }
 

@@ -2,7 +2,6 @@
 #include <set>
 
 #include "core/mesh/surface_report.hpp"
-#include "tools/mesh/fault_text.hpp"
 #include "tools/mesh/faults.hpp"
 
 namespace palpate::mesh_tool {
@@ -152,7 +151,7 @@ class SurfaceFaults {
       const int part = report_.part[t];
       if (part != largest && report_.depth[part] % 2 == 0) others.push_back(t);
     }
-    add_triangles("parts", "triangles of parts beside the largest", others);
+    add_triangles("parts", "triangles of parts other than the largest", others);
   }
 
   const mesh::TriangleSurface& surface_;

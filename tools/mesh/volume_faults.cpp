@@ -8,7 +8,6 @@
 #include "core/mesh/repair.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/surface.hpp"
-#include "tools/mesh/fault_text.hpp"
 #include "tools/mesh/faults.hpp"
 
 namespace palpate::mesh_tool {

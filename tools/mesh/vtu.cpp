@@ -1,21 +1,159 @@
 #include "tools/mesh/vtu.hpp"
 
+#include <zlib.h>
+
 #include <algorithm>
+#include <boost/property_tree/ptree.hpp>
 #include <boost/property_tree/xml_parser.hpp>
+#include <charconv>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 #include <functional>
 #include <iterator>
 #include <limits>
+#include <map>
 #include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
 
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/report.hpp"
 #include "tools/common/base64.hpp"
-#include "tools/mesh/vtu_array.hpp"
 
 namespace palpate::mesh_tool {
 namespace {
+
+/// Storage of the arrays of a .vtu.
+struct VtuStorage {
+  bool is_compressed = false;    // zlib
+  bool has_wide_header = false;  // 64-bit lengths instead of 32-bit ones
+  bool appended_is_raw = false;
+  std::string appended;  // content after the underscore of AppendedData
+};
+
+// Of one array; more is treated as damage.
+constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 33;
+
+std::vector<double> parse_ascii(const std::string& text) {
+  std::vector<double> numbers;
+  std::istringstream stream(text);
+  for (std::string word; stream >> word;) {
+    double number = 0;
+    const auto [rest, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error != std::errc() || rest != word.data() + word.size())
+      throw std::runtime_error("'" + word + "' is not a number");
+    numbers.push_back(number);
+  }
+  return numbers;
+}
+
+template <typename Number>
+std::vector<double> convert(const std::string& bytes) {
+  std::vector<double> numbers(bytes.size() / sizeof(Number));
+  for (std::size_t i = 0; i < numbers.size(); ++i) {
+    Number number;
+    std::memcpy(&number, &bytes[i * sizeof number], sizeof number);
+    numbers[i] = static_cast<double>(number);
+  }
+  return numbers;
+}
+
+std::vector<double> convert(const std::string& bytes, const std::string& type) {
+  static const std::map<std::string, std::vector<double> (*)(const std::string&)> kTypes{
+      {"Float32", convert<float>},      {"Float64", convert<double>},
+      {"Int8", convert<std::int8_t>},   {"UInt8", convert<std::uint8_t>},
+      {"Int16", convert<std::int16_t>}, {"UInt16", convert<std::uint16_t>},
+      {"Int32", convert<std::int32_t>}, {"UInt32", convert<std::uint32_t>},
+      {"Int64", convert<std::int64_t>}, {"UInt64", convert<std::uint64_t>}};
+  const auto found = kTypes.find(type);
+  if (found == kTypes.end()) throw std::runtime_error("numbers of type '" + type + "'");
+  return found->second(bytes);
+}
+
+/// Bytes of one array, header first, from base64 or raw storage that may be followed by other data.
+class Block {
+ public:
+  Block(const std::string& storage, std::size_t from, bool is_raw) : storage_(storage), at_(from) {
+    if (!is_raw) {
+      // Header and data are encoded separately, or together: decoding whatever is present handles
+      // both.
+      const std::size_t end = storage.find_first_not_of(
+          "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/= \t\r\n", from);
+      decoded_ =
+          common::from_base64(storage.substr(from, end == std::string::npos ? end : end - from));
+      bytes_ = &decoded_;
+      at_ = 0;
+    }
+  }
+  std::uint64_t length(bool wide) {
+    std::uint64_t value = 0;
+    std::memcpy(&value, take(wide ? 8 : 4).data(), wide ? 8 : 4);
+    if (value > kMostBytes) throw std::runtime_error("a length that cannot be");
+    return value;
+  }
+  std::string take(std::uint64_t count) {
+    if (at_ > bytes_->size() || bytes_->size() - at_ < count)
+      throw std::runtime_error("the data end too early");
+    at_ += count;
+    return bytes_->substr(at_ - count, count);
+  }
+
+ private:
+  const std::string& storage_;
+  std::string decoded_;
+  const std::string* bytes_ = &storage_;
+  std::size_t at_;
+};
+
+std::string unpack(Block& block, const VtuStorage& storage) {
+  const bool wide = storage.has_wide_header;
+  if (!storage.is_compressed) return block.take(block.length(wide));
+  const std::uint64_t blocks = block.length(wide), size = block.length(wide),
+                      last = block.length(wide);
+  if (blocks > kMostBytes / (size + 1)) throw std::runtime_error("a length that cannot be");
+  std::vector<std::uint64_t> lengths;
+  for (std::uint64_t b = 0; b < blocks; ++b) lengths.push_back(block.length(wide));
+  std::string bytes;
+  for (std::uint64_t b = 0; b < blocks; ++b) {
+    const std::string packed = block.take(lengths[b]);
+    std::string plain(b + 1 == blocks && last > 0 ? last : size, '\0');
+    // zlib compresses by a factor of at most a thousand: a larger size is damage, for which no
+    // memory is allocated.
+    if (plain.size() > 2000 * packed.size() + 1000) throw std::runtime_error("a length that lies");
+    uLongf count = plain.size();
+    if (uncompress(reinterpret_cast<Bytef*>(plain.data()), &count,
+                   reinterpret_cast<const Bytef*>(packed.data()), packed.size()) != Z_OK ||
+        count != plain.size()) {
+      throw std::runtime_error("data that zlib cannot unpack");
+    }
+    bytes += plain;
+  }
+  return bytes;
+}
+
+/// The numbers of a DataArray. Throws std::runtime_error with the reason.
+std::vector<double> read_vtu_array(const boost::property_tree::ptree& array,
+                                   const VtuStorage& storage) {
+  const auto format = array.get<std::string>("<xmlattr>.format", "ascii");
+  const auto type = array.get<std::string>("<xmlattr>.type", "");
+  if (format == "ascii") return parse_ascii(array.data());
+  if (format == "binary") {
+    const std::string text = array.data();
+    const std::size_t first = text.find_first_not_of(" \t\r\n");
+    if (first == std::string::npos) return {};
+    // Compressed data begin as a new block after the header's padding, which the decoder continues
+    // with.
+    Block block(text, first, false);
+    return convert(unpack(block, storage), type);
+  }
+  if (format != "appended") throw std::runtime_error("format '" + format + "'");
+  const auto offset = array.get<std::uint64_t>("<xmlattr>.offset", 0);
+  if (offset > storage.appended.size()) throw std::runtime_error("an offset behind the file's end");
+  Block block(storage.appended, offset, storage.appended_is_raw);
+  return convert(unpack(block, storage), type);
+}
 
 using boost::property_tree::ptree;
 using mesh::ElementOrder;
@@ -170,14 +308,12 @@ class VtuReader {
     std::vector<bool> keep(points_.cols(), on_fault_ == mesh::OnFault::kKeep);
     for (const int n : middle_nodes_) keep[n] = false;
     for (const Eigen::Vector4i& t : tetrahedra_) {
-      for (const int n : t) {
+      for (const int n : t)
         if (n >= 0) keep[n] = true;
-      }
     }
     for (const mesh::OtherCell& cell : result_.others) {
-      for (int i = 0; i < cell.corner_count; ++i) {
+      for (int i = 0; i < cell.corner_count; ++i)
         if (cell.corners[i] >= 0) keep[cell.corners[i]] = true;
-      }
     }
     std::vector<int> number(points_.cols(), -1);
     for (int n = 0; n < points_.cols(); ++n) {
@@ -191,9 +327,8 @@ class VtuReader {
     result_.mesh.tetrahedra.resize(4, static_cast<int>(tetrahedra_.size()));
     for (int t = 0; t < result_.mesh.tetrahedron_count(); ++t)
       result_.mesh.tetrahedra.col(t) = tetrahedra_[t].unaryExpr(renumber);
-    for (mesh::OtherCell& cell : result_.others) {
+    for (mesh::OtherCell& cell : result_.others)
       for (int i = 0; i < cell.corner_count; ++i) cell.corners[i] = renumber(cell.corners[i]);
-    }
     mesh::EdgeMiddles middles;
     for (const auto& [edge, middle] : result_.middles)
       middles.emplace(std::minmax(renumber(edge.first), renumber(edge.second)), middle);
@@ -213,13 +348,11 @@ class VtuReader {
       for (std::size_t t = 0; t < cells.size(); ++t) {
         if (flags[cells[t]] == 0) continue;
         group.tetrahedra.push_back(static_cast<int>(t));
-        for (const int n : result_.mesh.tetrahedra.col(static_cast<int>(t))) {
+        for (const int n : result_.mesh.tetrahedra.col(static_cast<int>(t)))
           if (n >= 0) used[n] = true;
-        }
       }
-      for (int n = 0; n < result_.mesh.node_count(); ++n) {
+      for (int n = 0; n < result_.mesh.node_count(); ++n)
         if (used[n]) group.nodes.push_back(n);
-      }
       if (!group.tetrahedra.empty())
         result_.groups[key.substr(sizeof kGroup - 1)] = std::move(group);
     }
@@ -235,47 +368,6 @@ class VtuReader {
   mesh::MeshWithGroups result_;
 };
 
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    result += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-  }
-  return result;
-}
-
-class VtuWriter {
- public:
-  VtuWriter(VtuEncoding encoding, std::ostream& out) : encoding_(encoding), out_(out) {}
-
-  template <typename Number>
-  void array(const std::string& name, const std::string& type, int components,
-             const std::vector<Number>& numbers) {
-    const bool ascii = encoding_ == VtuEncoding::kAscii;
-    out_ << "        <DataArray type=\"" << type << "\" Name=\"" << escaped(name)
-         << "\" NumberOfComponents=\"" << components << "\" format=\""
-         << (ascii ? "ascii" : "binary") << "\">\n";
-    if (ascii) {
-      for (std::size_t i = 0; i < numbers.size(); ++i) {
-        out_ << text(numbers[i]) << (i % 12 == 11 || i + 1 == numbers.size() ? '\n' : ' ');
-      }
-    } else {
-      const std::uint64_t length = numbers.size() * sizeof(Number);
-      std::string bytes(reinterpret_cast<const char*>(&length), sizeof length);
-      bytes.append(reinterpret_cast<const char*>(numbers.data()), length);
-      out_ << common::to_base64(bytes) << '\n';
-    }
-    out_ << "        </DataArray>\n";
-  }
-
- private:
-  static std::string text(double value) { return mesh::shortest(value); }
-  static std::string text(std::int64_t value) { return std::to_string(value); }
-  static std::string text(std::uint8_t value) { return std::to_string(int{value}); }
-
-  VtuEncoding encoding_;
-  std::ostream& out_;
-};
-
 }  // namespace
 
 mesh::MeshWithGroups read_vtu(std::istream& stream, const std::string& name,
@@ -286,38 +378,22 @@ mesh::MeshWithGroups read_vtu(std::istream& stream, const std::string& name,
 void write_vtu(const mesh::MeshWithGroups& mesh, ElementOrder order, VtuEncoding encoding,
                std::ostream& out) {
   const mesh::ElementMesh elements = mesh::element_mesh(mesh, order);
-  VtuWriter writer(encoding, out);
-  out << "<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" "
-         "byte_order=\"LittleEndian\" header_type=\"UInt64\">\n  <UnstructuredGrid>\n"
-      << "    <Piece NumberOfPoints=\"" << elements.node_count() << "\" NumberOfCells=\""
-      << elements.element_count() << "\">\n      <Points>\n";
-  const auto flat = [](const auto& matrix) {
-    return std::vector<typename std::decay_t<decltype(matrix)>::Scalar>(
-        matrix.data(), matrix.data() + matrix.size());
-  };
-  writer.array("Points", "Float64", 3, flat(elements.nodes));
-  out << "      </Points>\n      <Cells>\n";
-  const int count = elements.element_count(), nodes = elements.nodes_per_element();
-  std::vector<std::int64_t> ends(count);
-  for (int t = 0; t < count; ++t) ends[t] = std::int64_t{nodes} * (t + 1);
-  const std::vector<int> connectivity = flat(elements.elements);
-  writer.array("connectivity", "Int64", 1,
-               std::vector<std::int64_t>(connectivity.begin(), connectivity.end()));
-  writer.array("offsets", "Int64", 1, ends);
-  const bool quadratic = order == ElementOrder::kQuadratic;
-  writer.array("types", "UInt8", 1,
-               std::vector<std::uint8_t>(count, quadratic ? kQuadraticTetrahedron : kTetrahedron));
-  out << "      </Cells>\n      <CellData>\n";
-  std::vector<double> quality(count);
+  const int count = elements.element_count();
+  common::Grid grid;
+  grid.points = elements.nodes;
+  grid.kind = order == ElementOrder::kQuadratic ? common::CellKind::kQuadraticTetrahedron
+                                                : common::CellKind::kTetrahedron;
+  grid.cells = elements.elements;
+  Eigen::RowVectorXd quality(count);
   for (int t = 0; t < count; ++t) quality[t] = mesh::radius_ratio(mesh.mesh, t);
-  writer.array("quality", "Float64", 1, quality);
+  grid.cell_fields.push_back({"quality", quality});
   for (const auto& [name, group] : mesh.groups) {
     if (group.tetrahedra.empty()) continue;
-    std::vector<std::uint8_t> flags(count, 0);
+    Eigen::RowVectorXd flags = Eigen::RowVectorXd::Zero(count);
     for (const int t : group.tetrahedra) flags[t] = 1;
-    writer.array(kGroup + name, "UInt8", 1, flags);
+    grid.cell_fields.push_back({kGroup + name, flags, true});
   }
-  out << "      </CellData>\n    </Piece>\n  </UnstructuredGrid>\n</VTKFile>\n";
+  common::write_vtu(grid, encoding, out);
 }
 
 }  // namespace palpate::mesh_tool

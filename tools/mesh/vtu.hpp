@@ -6,6 +6,7 @@
 
 #include "core/mesh/element_mesh.hpp"
 #include "core/mesh/mesh_reader.hpp"
+#include "tools/common/vtu_writer.hpp"
 
 namespace palpate::mesh_tool {
 
@@ -16,10 +17,10 @@ namespace palpate::mesh_tool {
 mesh::MeshWithGroups read_vtu(std::istream& stream, const std::string& name,
                               mesh::OnFault on_fault);
 
-enum class VtuEncoding { kAscii, kBase64 };
+using common::VtuEncoding;
 
 /// Writes the same, with the elements' radius ratio as cell data "quality", and one array of 0 and
-/// 1 for each group of tetrahedra. Numbers are preserved bit-exactly in either form.
+/// 1 for each group of tetrahedra.
 void write_vtu(const mesh::MeshWithGroups& mesh, mesh::ElementOrder order, VtuEncoding encoding,
                std::ostream& out);
 

@@ -19,6 +19,16 @@
 namespace palpate::record {
 namespace {
 
+constexpr std::size_t kMostKnown = 4096;  // names; a sender of random names must not exhaust memory
+
+std::regex compiled(const std::string& pattern) {
+  try {
+    return std::regex(pattern, std::regex::ECMAScript | std::regex::optimize);
+  } catch (const std::regex_error& error) {
+    throw std::invalid_argument("\"" + pattern + "\" is no regular expression: " + error.what());
+  }
+}
+
 constexpr int kDatagramsAtOnce = 64;                 // of one URL before the others are served
 constexpr std::int64_t kLongestEnd = 2'000'000'000;  // ns
 
@@ -37,6 +47,19 @@ void increment(std::atomic<std::int64_t>& counter) noexcept {
 }
 
 }  // namespace
+
+ChannelFilter::ChannelFilter(const std::string& pattern, bool invert)
+    : pattern_(compiled(pattern)), all_(pattern == ".*"), invert_(invert) {}
+
+bool ChannelFilter::wants(std::string_view channel) {
+  if (all_) return !invert_;
+  std::string name(channel);
+  const auto found = known_.find(name);
+  if (found != known_.end()) return found->second;
+  const bool wanted = std::regex_match(name, pattern_) != invert_;
+  if (known_.size() < kMostKnown) known_.emplace(std::move(name), wanted);
+  return wanted;
+}
 
 struct Listener::Group {
   bus::UdpmSocket socket;

@@ -4,15 +4,31 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <regex>
 #include <string>
 #include <string_view>
 #include <thread>
+#include <unordered_map>
 #include <vector>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/udpm_url.hpp"
 
 namespace palpate::record {
+
+/// Selection of channels: those whose whole name matches a regular expression, or all others.
+class ChannelFilter {
+ public:
+  /// Throws std::invalid_argument if `pattern` is not a regular expression (ECMAScript).
+  explicit ChannelFilter(const std::string& pattern = ".*", bool invert = false);
+
+  bool wants(std::string_view channel);
+
+ private:
+  std::regex pattern_;
+  bool all_, invert_;
+  std::unordered_map<std::string, bool> known_;  // cached answers
+};
 
 /// An LCM URL with its label for the user.
 struct Source {

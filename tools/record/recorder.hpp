@@ -8,10 +8,9 @@
 #include <string>
 #include <vector>
 
-#include "tools/record/channel_filter.hpp"
 #include "tools/record/listener.hpp"
 #include "tools/record/log_files.hpp"
-#include "tools/record/sequence_gaps.hpp"
+#include "tools/record/message_types.hpp"
 
 namespace palpate::record {
 

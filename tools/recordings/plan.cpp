@@ -96,7 +96,7 @@ DataPlan read_data(const config::Node& node) {
   data.outputs = read_groups(node, {"outputs", "", "columns that come out, by kind"});
   if (node.has("contact")) {
     const config::Node contact = node.child({"contact", "", "rows that count; absent: all"});
-    data.contact_column = contact.text({"column", "", "that tells of contact"});
+    data.contact_column = contact.text({"column", "", "that indicates contact"});
     data.contact_threshold = contact.number(
         {"above", "", "rows count where the column, tared, is above this"}, {-1e9, 1e9});
   }
@@ -153,9 +153,9 @@ NetworkPlan read_network(const config::Node& node) {
   }
   if (network.layers.empty() || network.layers.size() > 8)
     node.fail("layers", "must be one to eight");
-  network.linear =
-      node.flag({"linear", "", "a ridge regression beside the cells, which learn what it leaves"},
-                network.linear);
+  network.linear = node.flag(
+      {"linear", "", "a ridge regression in parallel with the cells, which learn what it leaves"},
+      network.linear);
   network.shrink = node.flag(
       {"shrink", "", "each output takes of the cells only what served it on the validation rows"},
       network.shrink);

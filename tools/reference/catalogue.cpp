@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cctype>
+#include <iostream>
+#include <ostream>
 
 namespace palpate::reference {
 namespace {
@@ -136,7 +138,7 @@ void sort_by_tree(std::vector<Section>& sections) {
 }
 
 /// Keys that an arm or a fallback shares with the first of its kind are documented once.
-bool is_told_elsewhere(const Section& section, const std::vector<Section>& sections) {
+bool is_described_elsewhere(const Section& section, const std::vector<Section>& sections) {
   if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
     return true;
   const std::string arm = "second_arm.";
@@ -157,6 +159,31 @@ bool is_told_elsewhere(const Section& section, const std::vector<Section>& secti
 bool has_names_for_keys(const std::string& path) {
   return path == "parameters" ||
          (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
+}
+
+/// Escapes characters that would end a table cell.
+std::string cell(const std::string& text) {
+  std::string safe;
+  for (const char c : text) safe += c == '|' ? std::string("\\|") : std::string(1, c);
+  return safe;
+}
+
+std::string default_of(const Parameter& parameter) {
+  std::string text;
+  for (const std::string& value : parameter.defaults)
+    text += (text.empty() ? "`" : " or `") + value + "`";
+  if (!text.empty()) return text;
+  return parameter.required ? "**required**" : "absent";
+}
+
+std::string condition_of(const Parameter& parameter) {
+  std::string text;
+  for (const auto& [choice, values] : parameter.only_with) {
+    text += (text.empty() ? "" : "; ") + choice + " ";
+    for (auto value = values.begin(); value != values.end(); ++value)
+      text += (value == values.begin() ? "`" : ", `") + *value + "`";
+  }
+  return text.empty() ? "" : "(" + text + ") ";
 }
 
 }  // namespace
@@ -213,7 +240,7 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
   sort_by_tree(sections);
   const std::vector<Section> all = sections;
   sections.erase(std::remove_if(sections.begin(), sections.end(),
-                                [&](const Section& s) { return is_told_elsewhere(s, all); }),
+                                [&](const Section& s) { return is_described_elsewhere(s, all); }),
                  sections.end());
   return sections;
 }
@@ -225,6 +252,28 @@ std::vector<std::string> untold(const std::vector<Section>& sections) {
       if (parameter.meaning.empty())
         names.push_back(section.path + (section.path.empty() ? "" : ".") + parameter.name);
   return names;
+}
+
+void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level) {
+  for (const Section& section : sections) {
+    out << std::string(static_cast<std::size_t>(level), '#') << " "
+        << (section.path.empty() ? "Top level" : "`" + section.path + "`") << "\n\n"
+        << "| key | type | unit | default | allowed | meaning |\n"
+        << "| --- | --- | --- | --- | --- | --- |\n";
+    for (const Parameter& parameter : section.parameters)
+      out << "| `" << parameter.name << "` | " << parameter.type << " | " << parameter.unit << " | "
+          << cell(default_of(parameter)) << " | " << cell(parameter.allowed) << " | "
+          << cell(condition_of(parameter) + parameter.meaning) << " |\n";
+    out << "\n";
+  }
+}
+
+bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level) {
+  const std::vector<Section> sections = merge(readings);
+  write_markdown(out, sections, level);
+  for (const std::string& name : untold(sections))
+    std::cerr << "error: " << name << " is declared without a description\n";
+  return untold(sections).empty();
 }
 
 }  // namespace palpate::reference

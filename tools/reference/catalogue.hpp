@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <iosfwd>
 #include <map>
 #include <set>
 #include <string>
@@ -45,5 +46,12 @@ std::vector<Section> merge(const std::vector<Declarations>& readings);
 
 /// "path.name" of every parameter without a description in its declaration.
 std::vector<std::string> untold(const std::vector<Section>& sections);
+
+/// One table per section, its heading at `level`.
+void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level);
+
+/// One table per section of all readings together. Returns false, and names the key on standard
+/// error, if a declaration has no description.
+bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level);
 
 }  // namespace palpate::reference

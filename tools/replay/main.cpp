@@ -4,10 +4,11 @@
 #include <CLI/CLI.hpp>
 #include <chrono>
 #include <cstdio>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 #include "rt/config/command_line.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/replay/play_command.hpp"
 #include "tools/replay/replay.hpp"
 
@@ -87,11 +88,7 @@ int run(const Options& options) {
               result.duration, took.count(), static_cast<long long>(result.shapes),
               static_cast<unsigned long long>(result.shape_hash));
   const bool agrees = !options.replay.compare || print_comparison(result);
-  if (!options.json.empty()) {
-    std::ofstream file(options.json);
-    file << to_json(result).dump(2) << '\n';
-    if (!file) throw std::runtime_error(options.json + ": cannot be written");
-  }
+  if (!options.json.empty()) palpate::common::write_json(to_json(result), options.json);
   if (result.shapes == 0 && result.starts == 0 && !options.replay.start &&
       !options.replay.compare) {
     std::fprintf(stderr,
@@ -139,13 +136,6 @@ int main(int argc, char** argv) {
   if (!player->parsed() && (options.replay.log.empty() || options.configuration.empty()))
     return palpate::config::usage_error(app, "a log and --config are required");
 
-  try {
-    return player->parsed() ? play.run() : run(options);
-  } catch (const palpate::config::Error& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return palpate::config::kExitCode;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return palpate::common::run_program("error",
+                                      [&] { return player->parsed() ? play.run() : run(options); });
 }

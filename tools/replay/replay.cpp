@@ -1,6 +1,9 @@
 #include "tools/replay/replay.hpp"
 
+#include <array>
 #include <cmath>
+#include <cstring>
+#include <optional>
 #include <palpate/component_command_t.hpp>
 #include <set>
 #include <stdexcept>
@@ -9,9 +12,39 @@
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/text.hpp"
 #include "rt/daemon/stepped_clock.hpp"
+#include "tools/log/event_log.hpp"
 
 namespace palpate::replay {
 namespace {
+
+// Header of an encoded message: fingerprint, utime, seq, session; for a command also counter and
+// code.
+constexpr int kUtimeAt = 8, kSeqAt = 16, kHeaderEnd = 28, kCommandHeaderEnd = 28 + 8 + 32;
+
+constexpr std::array<const char*, 4> kStates = {"CONTACTS", "ESTIMATE", "FEATURE", "SHAPE"};
+constexpr std::array<const char*, 3> kCommands = {"TWIST_COMMAND", "JOINT_VELOCITY_COMMAND",
+                                                  "HAND_COMMAND"};
+
+/// Without the suffix of a second arm.
+std::string plain(const std::string& channel) {
+  const std::size_t size = channel.size();
+  return size > 2 && channel.compare(size - 2, 2, "_1") == 0 ? channel.substr(0, size - 2)
+                                                             : channel;
+}
+
+template <std::size_t kSize>
+bool is_one(const std::string& channel, const std::array<const char*, kSize>& names) {
+  for (const char* name : names) {
+    if (channel == name) return true;
+  }
+  return false;
+}
+
+std::int64_t utime_of(const std::uint8_t* data) {
+  std::uint64_t big_endian = 0;
+  std::memcpy(&big_endian, data + kUtimeAt, sizeof(big_endian));
+  return static_cast<std::int64_t>(__builtin_bswap64(big_endian));
+}
 
 constexpr std::int64_t kSession = 1;  // of a deterministic run
 
@@ -60,10 +93,7 @@ class Run {
         clock_(*control_, kSession),
         inputs_(inputs_of(*control_)) {
     control_->start();
-    if (!options.output.empty()) {
-      output_ = std::make_unique<lcm::LogFile>(options.output, "w");
-      if (!output_->good()) throw std::runtime_error(options.output + ": cannot be written");
-    }
+    if (!options.output.empty()) output_.emplace(options.output);
   }
 
   /// Paced by the log's own time; returns the time of its end, ns.
@@ -141,13 +171,7 @@ class Run {
         shapes_.add(message.data.data(), message.data.size());
       }
       if (options_.compare) comparison_.take_replayed(message.channel, message.data.data(), size);
-      if (output_ == nullptr) continue;
-      lcm::LogEvent event{};
-      event.timestamp = message.time_ns / 1000;
-      event.channel = message.channel;
-      event.datalen = size;
-      event.data = message.data.data();
-      output_->writeEvent(&event);
+      if (output_) output_->write(message.channel, message.time_ns / 1000, message.data);
     }
     published_.clear();
   }
@@ -165,7 +189,7 @@ class Run {
   daemon::Daemon daemon_;
   daemon::SteppedClock clock_;
   std::set<std::string> inputs_;
-  std::unique_ptr<lcm::LogFile> output_;
+  std::optional<log::EventLog> output_;
   std::vector<bus::Published> published_;
   math::Fnv1a shapes_;
   Comparison comparison_;
@@ -173,6 +197,50 @@ class Run {
 };
 
 }  // namespace
+
+bool Comparison::concerns(const std::string& channel) {
+  return is_one(plain(channel), kStates) || is_one(plain(channel), kCommands);
+}
+
+void Comparison::take(Hashes& hashes, const std::string& channel, const std::uint8_t* data,
+                      int size) {
+  const int skipped_to = is_one(plain(channel), kCommands) ? kCommandHeaderEnd : kHeaderEnd;
+  if (size < skipped_to) return;
+  math::Fnv1a& hash = hashes[utime_of(data)];
+  hash.add(data, kSeqAt);
+  hash.add(data + skipped_to, static_cast<std::size_t>(size - skipped_to));
+}
+
+void Comparison::take_recorded(const std::string& channel, const std::uint8_t* data, int size) {
+  if (concerns(channel)) take(recorded_[channel], channel, data, size);
+}
+
+void Comparison::take_replayed(const std::string& channel, const std::uint8_t* data, int size) {
+  if (concerns(channel)) take(replayed_[channel], channel, data, size);
+}
+
+std::map<std::string, ChannelComparison> Comparison::result() const {
+  std::map<std::string, ChannelComparison> result;
+  for (const auto& [channel, hashes] : replayed_)
+    result[channel].replayed = static_cast<std::int64_t>(hashes.size());
+  for (const auto& [channel, hashes] : recorded_) {
+    ChannelComparison& one = result[channel];
+    one.recorded = static_cast<std::int64_t>(hashes.size());
+    const auto replayed = replayed_.find(channel);
+    if (replayed == replayed_.end()) continue;
+    for (const auto& [utime, hash] : hashes) {
+      const auto same = replayed->second.find(utime);
+      if (same == replayed->second.end()) continue;
+      ++one.common;
+      if (same->second.value() == hash.value()) {
+        ++one.equal;
+      } else if (one.first_difference < 0) {
+        one.first_difference = utime;
+      }
+    }
+  }
+  return result;
+}
 
 ReplayResult replay(const config::Node& configuration, const ReplayOptions& options) {
   bus::EventLogReader log(options.log);

@@ -17,19 +17,8 @@ constexpr std::int64_t kOtherClock = 10'000'000;  // us
 }  // namespace
 
 const char* name(Order order) noexcept {
-  switch (order) {
-    case Order::kName:
-      return "name";
-    case Order::kRate:
-      return "rate";
-    case Order::kBandwidth:
-      return "bandwidth";
-    case Order::kLost:
-      return "lost";
-    case Order::kAge:
-      break;
-  }
-  return "age";
+  constexpr const char* kNames[] = {"name", "rate", "bandwidth", "lost", "age"};
+  return kNames[static_cast<std::size_t>(order)];
 }
 
 Order next(Order order) noexcept {
@@ -110,27 +99,16 @@ std::vector<ChannelRow> ChannelTable::rows(std::int64_t now_ns, Order order) con
     rows.back().source = key.first;
     rows.back().channel = key.second;
   }
-  const auto by = [&rows](auto value) {
-    std::stable_sort(rows.begin(), rows.end(), [&value](const ChannelRow& a, const ChannelRow& b) {
-      return value(a) > value(b);
-    });
+  if (order == Order::kName) return rows;  // as the map has them
+  const auto value = [order](const ChannelRow& row) -> double {
+    return order == Order::kRate        ? row.rate
+           : order == Order::kBandwidth ? row.bandwidth
+           : order == Order::kLost      ? static_cast<double>(row.lost)
+                                        : row.age;
   };
-  switch (order) {
-    case Order::kName:
-      break;  // as the map has them
-    case Order::kRate:
-      by([](const ChannelRow& row) { return row.rate; });
-      break;
-    case Order::kBandwidth:
-      by([](const ChannelRow& row) { return row.bandwidth; });
-      break;
-    case Order::kLost:
-      by([](const ChannelRow& row) { return row.lost; });
-      break;
-    case Order::kAge:
-      by([](const ChannelRow& row) { return row.age; });
-      break;
-  }
+  std::stable_sort(rows.begin(), rows.end(), [&value](const ChannelRow& a, const ChannelRow& b) {
+    return value(a) > value(b);
+  });
   return rows;
 }
 

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tools/record/listener.hpp"
-#include "tools/record/sequence_gaps.hpp"
+#include "tools/record/message_types.hpp"
 
 namespace palpate::top {
 

@@ -1,18 +1,102 @@
-// palpate-top: shows traffic on palpate's LCM URLs, in a terminal. See --help.
+#include <sys/ioctl.h>
+#include <unistd.h>
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cerrno>
 #include <csignal>
-#include <fstream>
+#include <cstdlib>
 #include <iostream>
 #include <mutex>
 #include <nlohmann/json.hpp>
+#include <stdexcept>
+#include <string>
 #include <thread>
 
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "tools/top/terminal.hpp"
+#include "tools/common/keyboard.hpp"
+#include "tools/common/output_files.hpp"
+#include "tools/common/program.hpp"
 #include "tools/top/view.hpp"
+
+// palpate-top: shows traffic on palpate's LCM URLs, in a terminal. See --help.
+
+namespace palpate::top {
+namespace {
+
+constexpr char kOpen[] = "\x1b[?1049h\x1b[?25l\x1b[2J";
+constexpr char kClose[] = "\x1b[?25h\x1b[?1049l";
+
+/// Keys that a terminal sends.
+enum class Key { kNone, kQuit, kSort, kReset, kUp, kDown, kPageUp, kPageDown, kHome };
+
+/// The terminal in full-screen mode: keys arrive immediately without echo, the cursor is hidden,
+/// and the previous contents are restored at the end.
+class Terminal {
+ public:
+  /// Throws std::runtime_error if standard input or output is not a terminal.
+  Terminal() {
+    if (isatty(STDOUT_FILENO) == 0 || !keyboard_.is_there())
+      throw std::runtime_error("this is no terminal; --once prints plain text, --json JSON");
+    draw(kOpen);
+    // Only to end the wait: the size is queried at each drawing.
+    struct sigaction action {};
+    action.sa_handler = [](int) {};
+    sigaction(SIGWINCH, &action, nullptr);
+  }
+
+  ~Terminal() { draw(kClose); }
+  Terminal(const Terminal&) = delete;
+  Terminal& operator=(const Terminal&) = delete;
+
+  struct Size {
+    int columns = 80, rows = 24;
+  };
+  Size size() const noexcept {
+    winsize given{};
+    Size size;
+    if (ioctl(STDOUT_FILENO, TIOCGWINSZ, &given) == 0 && given.ws_col > 0 && given.ws_row > 0)
+      size = {given.ws_col, given.ws_row};
+    return size;
+  }
+
+  void draw(const std::string& bytes) const noexcept {
+    for (std::size_t done = 0; done < bytes.size();) {
+      const ssize_t wrote = write(STDOUT_FILENO, bytes.data() + done, bytes.size() - done);
+      if (wrote < 0 && errno != EINTR) return;
+      if (wrote > 0) done += static_cast<std::size_t>(wrote);
+    }
+  }
+
+  /// Waits for a key, up to a time-out; kNone if there was none or the size has changed, kQuit also
+  /// at the end of the input.
+  Key wait(int timeout_ms) {
+    const std::string key = keyboard_.wait(std::int64_t{timeout_ms} * 1'000'000);
+    if (key == common::Keyboard::kEndOfInput || key == "q" || key == "Q") return Key::kQuit;
+    if (key == "s") return Key::kSort;
+    if (key == "r") return Key::kReset;
+    if (key == "k" || key == "\x1b[A" || key == "\x1bOA") return Key::kUp;
+    if (key == "j" || key == "\x1b[B" || key == "\x1bOB") return Key::kDown;
+    if (key == "\x1b[5~") return Key::kPageUp;
+    if (key == "\x1b[6~") return Key::kPageDown;
+    if (key == "g" || key == "\x1b[H") return Key::kHome;
+    return Key::kNone;
+  }
+
+ private:
+  common::Keyboard keyboard_{false};  // a suspended program would leave the screen as it is
+};
+
+/// Whether the terminal has colours and the user enables them (NO_COLOR, TERM).
+bool wants_colours() {
+  const char* none = std::getenv("NO_COLOR");
+  const char* term = std::getenv("TERM");
+  return (none == nullptr || *none == '\0') && term != nullptr && std::string(term) != "dumb";
+}
+
+}  // namespace
+}  // namespace palpate::top
 
 namespace {
 
@@ -31,7 +115,7 @@ struct Options {
 constexpr char kHelp[] =
     "palpate-top shows what goes over palpate's LCM URLs: the daemon's state, cycle times by "
     "phase,\n"
-    "overruns, faults and inputs as HEALTH tells them, and of every channel the rate, jitter\n"
+    "overruns, faults and inputs as HEALTH reports them, and of every channel the rate, jitter\n"
     "(standard deviation and longest interval, ms), age, latency (from the sender's clock, ms),\n"
     "losses (gaps in the numbers), bandwidth, and whether its type is one of palpate's.\n"
     "It only listens, through palpate's guarded receiver: no packet can end it.\n"
@@ -83,13 +167,7 @@ int print_once(Everything& everything, const record::Listener& listener, const O
     if (options.once) {
       for (const top::Line& line : top::lines_of(view)) std::cout << line.text << '\n';
     }
-    if (options.json == "-") {
-      std::cout << top::json_of(view).dump(2) << '\n';
-    } else if (!options.json.empty()) {
-      std::ofstream file(options.json);
-      file << top::json_of(view).dump(2) << '\n';
-      if (!file) throw std::runtime_error(options.json + ": cannot be written");
-    }
+    if (!options.json.empty()) common::write_json(top::json_of(view), options.json);
     return view.rows.empty() ? palpate::config::kExitUnavailable : 0;
   });
 }
@@ -186,10 +264,5 @@ int main(int argc, char** argv) {
   struct sigaction action {};
   action.sa_handler = [](int) { stopped = 1; };
   for (const int signal : {SIGINT, SIGTERM, SIGHUP}) sigaction(signal, &action, nullptr);
-  try {
-    return run(options);
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "error: %s\n", error.what());
-    return 1;
-  }
+  return common::run_program("error", [&] { return run(options); });
 }

@@ -5,17 +5,14 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "tools/common/table.hpp"
+
 namespace palpate::top {
 namespace {
 
 using Count = long long;
 
-template <class... Values>
-std::string formatted(const char* format, Values... values) {
-  std::array<char, 512> text{};
-  std::snprintf(text.data(), text.size(), format, values...);
-  return text.data();
-}
+using common::formatted;
 
 /// "12.3", or "-" if unknown.
 std::string figure(double value, bool known) {
@@ -86,16 +83,10 @@ void add_inputs(const health_t& health, std::vector<Line>& lines) {
 }
 
 Tone tone_of(int state) {
-  switch (state) {
-    case 2:
-      return Tone::kGood;
-    case 3:
-      return Tone::kWarning;
-    case 4:
-      return Tone::kBad;
-    default:
-      return Tone::kTitle;
-  }
+  return state == 2   ? Tone::kGood
+         : state == 3 ? Tone::kWarning
+         : state == 4 ? Tone::kBad
+                      : Tone::kTitle;
 }
 
 void add_daemon(const View& view, std::vector<Line>& lines) {
@@ -163,19 +154,8 @@ void add_datagrams(const View& view, std::vector<Line>& lines) {
 }
 
 const char* colour(Tone tone) {
-  switch (tone) {
-    case Tone::kPlain:
-      break;
-    case Tone::kTitle:
-      return "\x1b[1m";
-    case Tone::kGood:
-      return "\x1b[1;32m";
-    case Tone::kWarning:
-      return "\x1b[33m";
-    case Tone::kBad:
-      return "\x1b[1;31m";
-  }
-  return "";
+  constexpr const char* kNames[] = {"", "\x1b[1m", "\x1b[1;32m", "\x1b[33m", "\x1b[1;31m"};
+  return kNames[static_cast<std::size_t>(tone)];
 }
 
 nlohmann::json json_of(const health_t& health) {

@@ -9,6 +9,7 @@
 #include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
 #include "rt/inference/model_file.hpp"
+#include "tools/common/program.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/train/report.hpp"
 
@@ -152,13 +153,5 @@ int main(int argc, char** argv) {
   if (const auto code =
           config::parse(app, argc, argv, {{{78, "wrong plan"}}, {{"--out", "--output"}}}))
     return *code;
-  try {
-    return run(options);
-  } catch (const config::Error& error) {
-    std::cerr << "palpate-train: " << error.what() << "\n";
-    return config::kExitCode;
-  } catch (const std::exception& error) {
-    std::cerr << "palpate-train: " << error.what() << "\n";
-    return 1;
-  }
+  return common::run_program("palpate-train", [&] { return run(options); });
 }

@@ -121,7 +121,7 @@ void print_score(const recordings::Plan& plan, const recordings::DataSet& data, 
   }
   common::Table table(header);
   for (const Method& method : score.methods) {
-    std::vector<std::string> row{method.name, method.tared ? "anew" : ""};
+    std::vector<std::string> row{method.name, method.tared ? "again" : ""};
     for (const double rms : method.errors.rms) row.push_back(common::number(rms, 4));
     for (std::size_t g = 0; g < plan.data.outputs.size(); ++g) {
       row.push_back(common::number(method.errors.norms[g], 4));

@@ -134,16 +134,17 @@ class Feeder {
     w = torch::empty({plan_.steps, plan_.lanes, 1});
     for (int l = 0; l < plan_.lanes; ++l) {
       Lane& lane = lanes_[l];
-      const bool anew = !plan_.carry || lane.sequence == nullptr ||
-                        lane.begin + plan_.steps > lane.sequence->inputs.rows();
-      if (anew) draw(lane, state, l);
+      const bool restarts = !plan_.carry || lane.sequence == nullptr ||
+                            lane.begin + plan_.steps > lane.sequence->inputs.rows();
+      if (restarts) draw(lane, state, l);
       for (int t = 0; t < plan_.steps; ++t) {
         const Eigen::Index row = lane.begin + t;
         const Eigen::Index place = t * plan_.lanes + l;
         using Row = Eigen::Map<Eigen::RowVectorXf>;
         Row(x.data_ptr<float>() + place * inputs, inputs) = lane.sequence->inputs.row(row);
         Row(y.data_ptr<float>() + place * outputs, outputs) = lane.sequence->targets.row(row);
-        w.data_ptr<float>()[place] = anew && t < plan_.burn_in ? 0.f : lane.sequence->weights[row];
+        w.data_ptr<float>()[place] =
+            restarts && t < plan_.burn_in ? 0.f : lane.sequence->weights[row];
       }
       lane.begin += plan_.steps;
     }

@@ -17,7 +17,7 @@ def arrays(data):
     return found
 
 
-def contents(path):
+def series(path):
     reader = simple.PVDReader(FileName=path)
     reader.UpdatePipelineInformation()
     times = list(reader.TimestepValues)
@@ -34,4 +34,4 @@ def contents(path):
             "surface": surface.GetDataInformation().GetNumberOfCells()}
 
 
-print("\n" + json.dumps({path: contents(path) for path in sys.argv[1:]}))
+print("\n" + json.dumps({path: series(path) for path in sys.argv[1:]}))

@@ -67,9 +67,9 @@ TEST_F(StartHint, ALogWithoutStartEndsWithOneAndNamesTheOption) {
 }
 
 TEST_F(StartHint, ALogWithStartOrTheOptionHasNoHint) {
-  std::vector<std::string> with_option = command(log(""));
-  with_option.push_back("--start");
-  for (const std::vector<std::string>& words : {with_option, command(log("start"))}) {
+  std::vector<std::string> started = command(log(""));
+  started.push_back("--start");
+  for (const std::vector<std::string>& words : {started, command(log("start"))}) {
     ChildProcess replay(words);
     EXPECT_EQ(replay.wait(seconds(60)), 0) << replay.output();
     EXPECT_THAT(replay.output(), Not(HasSubstr("--start")));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <filesystem>
 #include <memory>
 
@@ -7,6 +8,25 @@
 #include "tools/fit/experiment.hpp"
 
 namespace palpate::fit {
+
+/// Natural cubic spline, linear outside its ends.
+class Spline {
+ public:
+  /// x rising, at least two.
+  Spline(Eigen::VectorXd x, Eigen::VectorXd y);
+
+  double value(double x) const { return at(x).value; }
+  double slope(double x) const { return at(x).slope; }
+
+  struct Point {
+    double value = 0;
+    double slope = 0;
+  };
+  Point at(double x) const;
+
+ private:
+  Eigen::VectorXd x_, y_, bend_;  // second derivatives
+};
 
 /// Kind `indentation`: a rigid ball pressed into a layer, frictionless, at large strain, by finite
 /// elements (core/solid/solid_indentation.hpp). By similarity

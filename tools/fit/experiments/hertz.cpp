@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
@@ -11,7 +10,7 @@ namespace {
 
 constexpr double kLargestPoisson = 0.5;
 
-struct Indentation {
+struct HertzData {
   Eigen::VectorXd depth;  // m
   Eigen::VectorXd force;  // N
 };
@@ -32,9 +31,9 @@ std::vector<WantedColumn> wanted_columns(bool has_depth) {
   return wanted;
 }
 
-Indentation read_indentation(const Recording& recording) {
+HertzData read_indentation(const Recording& recording) {
   if (recording.has("depth")) return {recording.column("depth"), recording.column("force")};
-  Indentation result;
+  HertzData result;
   result.depth = result.force = Eigen::VectorXd::Zero(recording.rows());
   for (const std::string axis : {"x", "y", "z"}) {
     const Eigen::VectorXd& normal = recording.column("normal_" + axis);
@@ -54,7 +53,7 @@ class Hertz final : public Experiment {
             node.child({"columns", "", "where each quantity stands in the file"}).has("depth")));
     name_ = recording.name();
     recording.require_rows(3);
-    const Indentation data = read_indentation(recording);
+    const HertzData data = read_indentation(recording);
     check(recording, data);
 
     is_linear_ = node.choice({"model", "", "force with depth to the 3/2, or in proportion"},
@@ -124,14 +123,14 @@ class Hertz final : public Experiment {
   }
 
  private:
-  static void check(const Recording& recording, const Indentation& data) {
+  static void check(const Recording& recording, const HertzData& data) {
     Eigen::Index deepest = 0;
     if (!(data.depth.maxCoeff(&deepest) > data.depth.minCoeff()))
-      recording.fail(0, "depth is the same in every row: nothing can be told from it");
+      recording.fail(0, "depth is the same in every row: nothing can be learnt from it");
     if (!(data.depth[deepest] > 0))
       recording.fail(deepest, "no depth is positive; give its column `sign: -1`");
     if (!(data.force.maxCoeff() > data.force.minCoeff()))
-      recording.fail(0, "force is the same in every row: nothing can be told from it");
+      recording.fail(0, "force is the same in every row: nothing can be learnt from it");
     const Eigen::VectorXd centred = data.depth.array() - data.depth.mean();
     if (!(data.force[deepest] > 0) || centred.dot(data.force) <= 0)
       recording.fail(deepest,

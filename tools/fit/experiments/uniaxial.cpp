@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/solid/strain_energy.hpp"
-#include "tools/fit/experiments/overstress.hpp"
 #include "tools/fit/experiments/uniaxial_data.hpp"
 
 namespace palpate::fit {
@@ -157,7 +156,7 @@ class Uniaxial final : public Experiment {
     if (is_poisson_free && !has_width)
       node.fail("poisson_ratio",
                 "can be free only where the recording has a column `width` or a "
-                "`video`: the load alone cannot tell it");
+                "`video`: the load alone does not determine it");
     if (!is_poisson_free)
       parameters_[1].start = parameters_[1].lower = parameters_[1].upper =
           poisson == "by_width" ? 0 : node.number("poisson_ratio", {-0.5, 0.5}, 0.5);
@@ -243,6 +242,28 @@ class Uniaxial final : public Experiment {
 };
 
 }  // namespace
+
+StressHistory relaxing_part(const StressHistory& elastic, const Eigen::VectorXd& time, double ratio,
+                            double relaxation_time, Eigen::Index ratio_column,
+                            Eigen::Index time_column) {
+  const Eigen::Index n = elastic.stress.size();
+  StressHistory q;
+  q.stress.setZero(n);
+  q.by_parameter.setZero(n, elastic.by_parameter.cols());
+  for (Eigen::Index i = 1; i < n; ++i) {
+    const double h = time[i] - time[i - 1], tau = relaxation_time;
+    const double a = std::exp(-h / tau), b = -std::expm1(-h / tau) * tau / h;
+    const double a_tau = a * h / (tau * tau), b_tau = b / tau - a / tau;
+    const double change = elastic.stress[i] - elastic.stress[i - 1];
+    q.stress[i] = a * q.stress[i - 1] + ratio * b * change;
+    q.by_parameter.row(i) =
+        a * q.by_parameter.row(i - 1) +
+        ratio * b * (elastic.by_parameter.row(i) - elastic.by_parameter.row(i - 1));
+    q.by_parameter(i, ratio_column) += b * change;
+    q.by_parameter(i, time_column) += a_tau * q.stress[i - 1] + ratio * b_tau * change;
+  }
+  return q;
+}
 
 std::unique_ptr<Experiment> make_uniaxial(const config::Node& node,
                                           const std::filesystem::path& folder) {

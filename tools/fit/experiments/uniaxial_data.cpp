@@ -4,9 +4,7 @@
 #include <cstdio>
 
 #include "core/math/constants.hpp"
-#include "tools/fit/experiments/cycles.hpp"
 #include "tools/fit/experiments/video.hpp"
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
@@ -30,7 +28,7 @@ double read_area(const config::Node& geometry) {
   };
   const auto diameter = length({"diameter", "", "of the section, where there is no area"});
   const auto width = length({"width", "", "of the section, where there is neither of them"});
-  const auto thickness = length({"thickness", "", "of the section, beside its width"});
+  const auto thickness = length({"thickness", "", "of the section, in addition to its width"});
   if (area) return *area;
   if (diameter) return kPi / 4 * *diameter * *diameter;
   if (!width || !thickness)
@@ -64,9 +62,11 @@ void check(const Recording& recording, const UniaxialData& data) {
   if (data.time.size() > 0) recording.require_rising("time");
   Index least = 0, most = 0;
   const double low = data.strain.minCoeff(&least), high = data.strain.maxCoeff(&most);
-  if (!(high > low)) recording.fail(0, "strain is the same in every row: nothing can be told");
+  if (!(high > low))
+    recording.fail(0, "strain is the same in every row: nothing can be learnt from it");
   if (!(data.load.maxCoeff() > data.load.minCoeff()))
-    recording.fail(0, std::string(load) + " is the same in every row: nothing can be told");
+    recording.fail(0,
+                   std::string(load) + " is the same in every row: nothing can be learnt from it");
   const std::string way = data.is_compression ? "compression" : "tension";
   if (std::abs(low) > std::abs(high))
     recording.fail(least, "strain goes further against `direction: " + way +

@@ -2,7 +2,6 @@
 
 #include "tools/fit/held/held_decay.hpp"
 #include "tools/fit/held/held_object.hpp"
-#include "tools/fit/held_out.hpp"
 #include "tools/fit/recording.hpp"
 
 namespace palpate::fit {
@@ -59,7 +58,7 @@ struct HeldSource {
  private:
   static HeldCell read_cell(const config::Node& node) {
     const std::string configuration =
-        node.path({"configuration", "", "of palpated, which tells the object"});
+        node.path({"configuration", "", "of palpated, which describes the object"});
     std::vector<std::string> overrides;
     if (node.has("set")) overrides = node.texts({"set", "", "laid over it: path.to.key=value"});
     return read_held_cell(configuration, overrides);
@@ -95,7 +94,7 @@ std::unique_ptr<Experiment> make_held_object(const config::Node& node,
   if (node.has("markers"))
     options.markers =
         node.points({"markers", "m", "at rest, in the object, that a camera follows"});
-  options.model_error = node.number({"model_error", "", "share of a wrench that no model tells"},
+  options.model_error = node.number({"model_error", "", "share of a wrench that no model explains"},
                                     {0, 1}, options.model_error);
   options.points = node.integer({"points", "", "of the surface, by which shapes are compared"},
                                 {1, 256}, options.points);

@@ -7,7 +7,7 @@
 #include "core/mesh/point_locator.hpp"
 #include "tools/fit/experiment.hpp"
 #include "tools/fit/held/held_cell.hpp"
-#include "tools/fit/held/held_recording.hpp"
+#include "tools/fit/held/held_log.hpp"
 
 namespace palpate::fit {
 

@@ -3,8 +3,11 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
+#include "core/math/constants.hpp"
+#include "tools/common/table.hpp"
 #include "tools/fit/held/held_decay.hpp"
 #include "tools/fit/held/held_object.hpp"
 
@@ -13,6 +16,20 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
+using math::kPi;
+
+constexpr char kAxes[] = "xyz";
+
+std::string describe(const math::Vector6d& motion) {
+  std::string text;
+  for (int k = 0; k < 6; ++k) {
+    if (motion[k] == 0) continue;
+    text += text.empty() ? "" : ", ";
+    text += k < 3 ? common::formatted("%c %+.3g mm", kAxes[k], 1e3 * motion[k])
+                  : common::formatted("turn %c %+.3g deg", kAxes[k - 3], 180 / kPi * motion[k]);
+  }
+  return text.empty() ? "hold still" : text;
+}
 
 // Of all parameters of a plan: those that may be identified, then the bias, then the grasp's
 // offset.
@@ -175,15 +192,15 @@ void look_at_ringing(const HeldCell& cell, const HeldPlanOptions& options, const
   MatrixXd normal = own.transpose() * own;
   normal.diagonal().array() += 1e-9 * normal.diagonal().maxCoeff();
   const MatrixXd cross = own.transpose() * shared;
-  MatrixXd told = shared.transpose() * shared - cross.transpose() * normal.ldlt().solve(cross);
+  MatrixXd gained = shared.transpose() * shared - cross.transpose() * normal.ldlt().solve(cross);
   // Total information with the model's own error: (measured^-1 + error^2)^-1, where `measured` may
   // be singular.
   const Eigen::Matrix4d error =
       Eigen::Matrix4d::Identity() / (options.model_error * options.model_error);
-  told -= told * (told + error).ldlt().solve(told);
+  gained -= gained * (gained + error).ldlt().solve(gained);
   constexpr int kPlaces[] = {kYoung, kDensity, kMass, kStiffness};
   for (int a = 0; a < 4; ++a)
-    for (int b = 0; b < 4; ++b) candidate.information(kPlaces[a], kPlaces[b]) = told(a, b);
+    for (int b = 0; b < 4; ++b) candidate.information(kPlaces[a], kPlaces[b]) = gained(a, b);
 }
 
 /// Covariance of the material parameters, with all others unknown too.
@@ -225,6 +242,41 @@ std::vector<Knowledge> knowledge_of(const Information& information, const Scale&
 }
 
 }  // namespace
+
+std::vector<HandMotion> candidate_motions(const HeldCell& cell, const HeldPlanOptions& options) {
+  std::vector<HandMotion> motions;
+  const auto add = [&](const math::Vector6d& from_rest) {
+    motions.push_back({describe(from_rest), from_rest, math::Vector6d::Zero()});
+  };
+  add(math::Vector6d::Zero());
+  const auto along = [&](int axis, double sign) {
+    math::Vector6d motion = math::Vector6d::Zero();
+    motion[axis] = sign * (axis < 3 ? options.amplitude : options.turn);
+    return motion;
+  };
+  for (int axis = 0; axis < 6; ++axis)
+    for (double sign : {1.0, -1.0}) add(along(axis, sign));
+  for (int shift = 0; shift < 3; ++shift)
+    for (int turn = 3; turn < 6; ++turn)
+      for (double sign : {1.0, -1.0}) add(along(shift, 1) + along(turn, sign));
+  if (cell.object.body.fixed_nodes.empty()) {
+    for (int axis = 3; axis < 6; ++axis) {
+      for (double angle : {0.5 * kPi, -0.5 * kPi, kPi}) {
+        math::Vector6d motion = math::Vector6d::Zero();
+        motion[axis] = angle;
+        add(motion);
+      }
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    HandMotion motion;
+    motion.stop[axis] = options.speed;
+    motion.name =
+        common::formatted("stop from %c %+.3g m/s and let it ring", kAxes[axis], options.speed);
+    motions.push_back(motion);
+  }
+  return motions;
+}
 
 double Knowledge::half() const {
   return is_logarithmic ? value * (factor() - 1) : kNormal95 * deviation;

@@ -1,7 +1,7 @@
 #include "tools/lab/studies/study_reference.hpp"
 
 #include "tools/lab/studies/study_plan.hpp"
-#include "tools/reference/markdown.hpp"
+#include "tools/reference/catalogue.hpp"
 
 namespace palpate::studies {
 namespace {

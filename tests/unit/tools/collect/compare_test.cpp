@@ -1,11 +1,9 @@
-#include "tools/collect/compare.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "tests/support/recordings.hpp"
-#include "tools/collect/nelder_mead.hpp"
+#include "tools/collect/compare.hpp"
 
 namespace palpate::collect {
 namespace {

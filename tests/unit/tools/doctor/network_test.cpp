@@ -1,5 +1,5 @@
 #include "tests/unit/tools/doctor/tree.hpp"
-#include "tools/doctor/routes.hpp"
+#include "tools/doctor/checks.hpp"
 
 namespace palpate::doctor {
 namespace {

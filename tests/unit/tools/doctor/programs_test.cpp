@@ -2,7 +2,7 @@
 #include <sstream>
 
 #include "tests/unit/tools/doctor/tree.hpp"
-#include "tools/doctor/report.hpp"
+#include "tools/doctor/finding.hpp"
 
 namespace palpate::doctor {
 namespace {

@@ -215,10 +215,10 @@ class Reader:
                        chunk["index"], chunk["index_length"], chunk["length"] - head), "a wrong chunk index")
                 indexed.add(start)
             elif opcode == STATISTICS:
-                stated = [fields.number(n) for n in (8, 2, 4, 4, 4, 4, 8, 8)]
+                reported = [fields.number(n) for n in (8, 2, 4, 4, 4, 4, 8, 8)]
                 times = self.times or [0]
-                check(stated == [self.messages, len(self.schemas), len(self.channels), 0, len(self.metadata),
-                               len(self.chunks), min(times), max(times)], f"wrong statistics {stated}")
+                check(reported == [self.messages, len(self.schemas), len(self.channels), 0, len(self.metadata),
+                               len(self.chunks), min(times), max(times)], f"wrong statistics {reported}")
                 counts = {self.channels[c][1]: n for c, n in fields.pairs(2, 8) if n}
                 check(counts == dict(self.counts), "wrong counts of messages")
             elif opcode == METADATA_INDEX:

@@ -104,16 +104,13 @@ TEST(ShapeFields, MidsideNodesThatAreNotPublishedAreReconstructed) {
     if (is_end(box, i)) loads.col(i) << 0.1, 0.05, -0.1;
   const elasticity::StaticSolution solution = elasticity::solve_static(body, loads);
   ASSERT_TRUE(solution.converged);
-  const Eigen::Matrix3Xd corner_positions = solution.positions.leftCols(box.nodes.cols());
-  EXPECT_GT((corner_positions - box.nodes).cwiseAbs().maxCoeff(), 0.02)
-      << "bent by a tenth of its length";
+  const Eigen::Matrix3Xd corners = solution.positions.leftCols(box.nodes.cols());
+  EXPECT_GT((corners - box.nodes).cwiseAbs().maxCoeff(), 0.02) << "bent by a tenth of its length";
 
   MidsideNodes midsides(box);
-  EXPECT_LT((midsides.at(corner_positions, kFoam.poisson_ratio) - solution.positions)
-                .cwiseAbs()
-                .maxCoeff(),
+  EXPECT_LT((midsides.at(corners, kFoam.poisson_ratio) - solution.positions).cwiseAbs().maxCoeff(),
             1e-7);
-  const ShapeFields fields = ShapeEvaluator(box, Law::kCorotational).at(corner_positions, kFoam);
+  const ShapeFields fields = ShapeEvaluator(box, Law::kCorotational).at(corners, kFoam);
   const elasticity::ElementStress expected = elasticity::element_stress(body, solution.positions);
   EXPECT_LT((fields.von_mises - expected.von_mises).norm(), 1e-3 * expected.von_mises.norm());
   for (Eigen::Index i = 0; i < box.nodes.cols(); ++i) {
@@ -123,7 +120,7 @@ TEST(ShapeFields, MidsideNodesThatAreNotPublishedAreReconstructed) {
   EXPECT_LT(fields.force.rowwise().sum().norm(), 1e-9);
   // Linear elements between the same corners would be far off.
   box.element_kind = shape_mesh_t::LINEAR_TETRAHEDRA;
-  const ShapeFields linear = ShapeEvaluator(box, Law::kCorotational).at(corner_positions, kFoam);
+  const ShapeFields linear = ShapeEvaluator(box, Law::kCorotational).at(corners, kFoam);
   EXPECT_GT((linear.von_mises - expected.von_mises).norm(), 0.2 * expected.von_mises.norm());
 }
 

@@ -1,12 +1,10 @@
-#include "tools/export/survey.hpp"
-
 #include <gtest/gtest.h>
 
 #include <palpate/imu_t.hpp>
 #include <sstream>
 
 #include "tests/unit/tools/export/small_run.hpp"
-#include "tools/export/info.hpp"
+#include "tools/export/survey.hpp"
 
 namespace palpate::exporting {
 namespace {

@@ -6,7 +6,6 @@
 #include "tests/unit/tools/export/python.hpp"
 #include "tests/unit/tools/export/small_run.hpp"
 #include "tools/export/vtu_export.hpp"
-#include "tools/export/vtu_writer.hpp"
 
 namespace palpate::exporting {
 namespace {
@@ -131,15 +130,6 @@ TEST(VtkOrder, PutsCornersEdgesFacesAndMiddleInTheirPlaces) {
   EXPECT_EQ(at(18), 0.5 * (at(2) + at(6)));
   EXPECT_EQ(at(20), Eigen::Vector3d(0, 0.5, 0.5));
   EXPECT_EQ(at(26), Eigen::Vector3d(0.5, 0.5, 0.5));
-}
-
-TEST(WriteVtu, AFieldOfAnotherLengthIsRefused) {
-  const support::ScratchFolder scratch;
-  Grid grid;
-  grid.points = Eigen::Matrix3Xd::Zero(3, 2);
-  grid.cells = Eigen::RowVector2i(0, 1);
-  grid.point_fields = {{"wrong", Eigen::MatrixXd::Zero(1, 3)}};
-  EXPECT_THROW(write_vtu(scratch.path() / "a.vtu", grid), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,13 +1,11 @@
-#include "tools/fit/experiments/ball.hpp"
-
 #include <gtest/gtest.h>
 
 #include <fstream>
 
 #include "tests/support/scratch_folder.hpp"
 #include "tests/unit/tools/fit/gradient.hpp"
+#include "tools/fit/experiments/ball.hpp"
 #include "tools/fit/experiments/hertz.hpp"
-#include "tools/fit/experiments/spline.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,4 +1,3 @@
-#include "tools/fit/experiments/cycles.hpp"
 
 #include <gtest/gtest.h>
 

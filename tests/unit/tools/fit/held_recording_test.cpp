@@ -1,5 +1,3 @@
-#include "tools/fit/held/held_recording.hpp"
-
 #include <gtest/gtest.h>
 
 #include <palpate/ft_wrench_t.hpp>
@@ -8,6 +6,7 @@
 
 #include "core/math/random.hpp"
 #include "tests/support/scratch_folder.hpp"
+#include "tools/fit/held/held_log.hpp"
 #include "tools/log/event_log.hpp"
 
 namespace palpate::fit {

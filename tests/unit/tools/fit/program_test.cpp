@@ -133,7 +133,7 @@ TEST_F(ProgramTest, UndeterminedParametersAreNamedNotGuessed) {
   ASSERT_EQ(run_program({"--set", "parameters.poisson_ratio={lower: 0, upper: 0.5}"}), 0)
       << output();
   EXPECT_THAT(output(),
-              AllOf(HasSubstr("undetermined"), ContainsRegex("The data [a-z ]+ young_modulus"),
+              AllOf(HasSubstr("undetermined"), HasSubstr("The data do not determine young_modulus"),
                     HasSubstr("poisson_ratio")));
 }
 

@@ -1,12 +1,10 @@
-#include "tools/fit/recording.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 
 #include "tests/unit/tools/fit/fit_folder.hpp"
-#include "tools/fit/held_out.hpp"
+#include "tools/fit/recording.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::fit {

@@ -1,5 +1,3 @@
-#include "tools/fit/solver.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,7 +7,8 @@
 #include "tests/unit/tools/fit/curve_experiment.hpp"
 #include "tools/fit/fit.hpp"
 #include "tools/fit/gradient_check.hpp"
-#include "tools/fit/noise.hpp"
+#include "tools/fit/solver.hpp"
+#include "tools/fit/uncertainty.hpp"
 
 namespace palpate::fit {
 namespace {

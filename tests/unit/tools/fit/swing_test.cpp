@@ -1,8 +1,8 @@
-#include "tools/fit/experiments/swing.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
+
+#include "tools/fit/experiments/beam.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/fit/uncertainty.hpp"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -7,7 +5,7 @@
 
 #include "tests/unit/tools/fit/curve_experiment.hpp"
 #include "tools/fit/fit.hpp"
-#include "tools/fit/noise.hpp"
+#include "tools/fit/uncertainty.hpp"
 
 namespace palpate::fit {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/fit/experiments/uniaxial.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +9,7 @@
 #include "core/math/random.hpp"
 #include "core/solid/strain_energy.hpp"
 #include "tests/unit/tools/fit/fit_folder.hpp"
-#include "tools/fit/experiments/overstress.hpp"
+#include "tools/fit/experiments/uniaxial.hpp"
 #include "tools/fit/gradient_check.hpp"
 
 namespace palpate::fit {

@@ -1,5 +1,3 @@
-#include "tools/import/import_csv.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -16,7 +14,7 @@
 #include "rt/bus/event_log_reader.hpp"
 #include "tests/support/recordings.hpp"
 #include "tools/import/fields.hpp"
-#include "tools/import/formats_page.hpp"
+#include "tools/import/import_csv.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
 namespace palpate::import {

@@ -1,8 +1,6 @@
-#include "tools/record/listener.hpp"
-
 #include <gtest/gtest.h>
 
-#include "tools/record/channel_filter.hpp"
+#include "tools/record/listener.hpp"
 
 namespace palpate::record {
 namespace {

@@ -1,8 +1,8 @@
-#include "tools/record/sequence_gaps.hpp"
-
 #include <gtest/gtest.h>
 
 #include <limits>
+
+#include "tools/record/message_types.hpp"
 
 namespace palpate::record {
 namespace {

@@ -1,5 +1,3 @@
-#include "tools/recordings/log_table.hpp"
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -13,6 +11,7 @@
 #include <stdexcept>
 
 #include "tools/recordings/data_set.hpp"
+#include "tools/recordings/recording_table.hpp"
 
 namespace palpate::recordings {
 namespace {

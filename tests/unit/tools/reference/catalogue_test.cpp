@@ -1,11 +1,9 @@
-#include "tools/reference/catalogue.hpp"
-
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "rt/config/node.hpp"
-#include "tools/reference/markdown.hpp"
+#include "tools/reference/catalogue.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -29,7 +27,7 @@ const Parameter& parameter(const std::vector<Section>& sections, const std::stri
   for (const Section& section : sections)
     for (const Parameter& known : section.parameters)
       if (section.path == path && known.name == name) return known;
-  ADD_FAILURE() << path << "." << name << " is not in the catalogue";
+  ADD_FAILURE() << path << "." << name << " is not described";
   return kNone;
 }
 

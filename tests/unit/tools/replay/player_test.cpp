@@ -1,4 +1,3 @@
-#include "tools/replay/player.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,10 +8,10 @@
 #include <random>
 
 #include "tools/recordings/csv_reader.hpp"
-#include "tools/recordings/delay.hpp"
 #include "tools/recordings/errors.hpp"
 #include "tools/recordings/recording_table.hpp"
 #include "tools/recordings/ridge.hpp"
+#include "tools/recordings/wrist_data.hpp"
 
 namespace palpate::train {
 namespace {

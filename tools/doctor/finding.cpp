@@ -1,4 +1,4 @@
-#include "tools/doctor/report.hpp"
+#include "tools/doctor/finding.hpp"
 
 #include <algorithm>
 #include <iomanip>
@@ -9,29 +9,15 @@ namespace palpate::doctor {
 namespace {
 
 const char* colour(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "\x1b[32m";
-    case Verdict::kWarn:
-      return "\x1b[33m";
-    case Verdict::kFail:
-      break;
-  }
-  return "\x1b[1;31m";
+  constexpr const char* kNames[] = {"\x1b[32m", "\x1b[33m", "\x1b[1;31m"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 }  // namespace
 
 const char* name(Verdict verdict) noexcept {
-  switch (verdict) {
-    case Verdict::kOk:
-      return "ok";
-    case Verdict::kWarn:
-      return "warn";
-    case Verdict::kFail:
-      break;
-  }
-  return "fail";
+  constexpr const char* kNames[] = {"ok", "warn", "fail"};
+  return kNames[static_cast<std::size_t>(verdict)];
 }
 
 void print(const Findings& findings, bool colours, bool only_bad, std::ostream& out) {
