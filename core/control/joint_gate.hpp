@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/control/joint_limits.hpp"
+#include "core/control/control_law.hpp"
 #include "core/control/safety_gate.hpp"
 
 namespace palpate::control {

@@ -35,7 +35,7 @@ void JointLimits::check() const {
     throw std::invalid_argument("limits of unlike numbers of joints");
   if (!((upper - lower).array() > 0).all() || !(speed.array() > 0).all() ||
       !(acceleration.array() > 0).all() || !(upper - lower).allFinite())
-    throw std::invalid_argument("a joint's limits leave it nothing");
+    throw std::invalid_argument("limits of a joint: lower >= upper, or a speed or acceleration <= 0");
 }
 
 MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::control {
 namespace {

@@ -1,10 +1,8 @@
 #include <algorithm>
 
-#include "core/control/dual_quaternion.hpp"
-#include "core/control/fem_jacobian.hpp"
-#include "core/control/kinematic_jacobian.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/math/constants.hpp"
 #include "rt/plugin/built_in_names.hpp"
 #include "rt/registry/plugin_registry.hpp"

@@ -3,8 +3,7 @@
 #include <initializer_list>
 #include <limits>
 
-#include "core/control/fem_jacobian.hpp"
-#include "core/control/kinematic_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"

@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/control/dual_quaternion.hpp"
-#include "core/control/kinematic_jacobian.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/jacobian_providers.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/math/random.hpp"
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"

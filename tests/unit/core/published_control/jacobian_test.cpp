@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "core/control/kinematic_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/published_control/constant_jacobian.hpp"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/control/proportional_twist.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "core/control/proportional_twist.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/published_control/broyden_update.hpp"
 #include "core/published_control/factored_update.hpp"
 #include "core/published_control/fourier_view.hpp"
