@@ -7,6 +7,12 @@
 
 namespace palpate::mesh {
 
+/// Divides non-tetrahedral cells: pyramids into two tetrahedra, prisms into three, hexahedra into
+/// twelve around a new node at their centre. A rectangle is divided at its corner with the lowest
+/// number, so that neighbours match. Returns the number of divided cells; a cell with an invalid
+/// node is unchanged. New tetrahedra have the number of their cell and are appended.
+int split_cells(MeshWithGroups& mesh);
+
 /// Treatment of a mesh with several parts (parts share no face; those that share only an edge or a
 /// node are connected by a hinge without stiffness).
 enum class Parts { kKeepAll, kKeepLargest };

@@ -91,7 +91,8 @@ struct PayloadFit {
   /// Condition number of the regressor with unit columns.
   double condition = 0;
   int sample_count = 0;
-  std::vector<std::string> untold;  // parameters in combinations that the data do not identify
+  std::vector<std::string>
+      unidentified;  // parameters in combinations that the data do not identify
 };
 
 /// Identifies mass, first moment and bias by least squares; the inertia remains zero. Throws

@@ -78,10 +78,10 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
       node.number({"clearance_deviations", "",
                    "standard deviations of the estimated shape that are kept beside the clearance"},
                   {0, 10}, limits.clearance_deviations);
-  limits.untold_deviation =
+  limits.fallback_deviation =
       node.number({"untold_deviation", "m",
                    "what such a deviation is taken to be where the estimation tells none"},
-                  {0, 0.1}, limits.untold_deviation);
+                  {0, 0.1}, limits.fallback_deviation);
   limits.damper = node.number(
       {"damper", "1/s", "a limit is approached no faster than by this share of what is left"},
       {0.01, 1e3}, limits.damper);

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/draw/normals.hpp"
+#include "sim/draw/solids.hpp"
 
 namespace palpate::draw {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "sim/object/pack_log.hpp"
+#include "sim/object/hexahedron_pack.hpp"
 
 namespace palpate::object {
 namespace {

@@ -10,7 +10,7 @@ const Eigen::Vector3d kAmber(0.95, 0.72, 0.30);
 
 math::Pose read_pose(const config::Node& node, const Eigen::Vector3d& middle_W) {
   if (node.has("pose")) {
-    if (node.has("eye")) node.fail("eye", "given beside pose; allowed: one of them");
+    if (node.has("eye")) node.fail("eye", "given together with pose; allowed: one of them");
     return node.pose({"pose", "m", "X_WC, z forwards; in place of eye and target"});
   }
   const Eigen::Vector3d eye =
@@ -33,9 +33,10 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
   options.X_WC = read_pose(node, scene.X_WO * Eigen::Vector3d(0.5 * (lower + upper)));
   options.noise = scene.sensors.camera.noise;
   options.calibration_error = scene.sensors.camera.calibration_error;
-  if (node.choice({"segmentation", "",
-                   "how the object is told from the rest: by colour and box, or by the truth"},
-                  {"colour", "truth"}, "colour") == "truth")
+  if (node.choice(
+          {"segmentation", "",
+           "how the object is distinguished from the rest: by colour and box, or by the truth"},
+          {"colour", "truth"}, "colour") == "truth")
     options.segmentation = camera::Segmentation::kTruth;
 
   camera::ObjectFilter& filter = options.filter;
@@ -47,7 +48,7 @@ camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& sc
   filter.upper = box.vector3({"upper", "m", "highest corner"}, {}, upper.array() + about);
   const Eigen::Vector3f colour =
       node.vector3({"colour", "", "of the object: red, green, blue"}, {0, 1}, kAmber).cast<float>();
-  if (!(colour.sum() > 0.2F)) node.fail("colour", "too dark to be told from black");
+  if (!(colour.sum() > 0.2F)) node.fail("colour", "too dark to be distinguished from black");
   filter.colour = {colour.x(), colour.y(), colour.z(), 1};
   filter.tolerance = node.number({"tolerance", "", "of its hue"}, {0.001, 1}, filter.tolerance);
   options.margin = node.integer({"margin", "pixels", "taken off the rim of what is seen"}, {0, 50},

@@ -91,7 +91,7 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
   std::printf("\ncommands: %lld accepted, %lld rejected (%lld without access), %lld lost\n",
               static_cast<long long>(simulation.commands().accepted()),
               static_cast<long long>(simulation.commands().rejected()),
-              static_cast<long long>(simulation.commands().refused()),
+              static_cast<long long>(simulation.commands().rejected()),
               static_cast<long long>(simulation.commands().lost()));
   if (simulation.camera() != nullptr)
     std::printf("camera: %lld pictures left out because one was still being drawn\n",
@@ -139,7 +139,7 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
-  result["commands_refused"] = simulation.commands().refused();
+  result["commands_refused"] = simulation.commands().rejected();
   result["commands_lost"] = simulation.commands().lost();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();

@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <stdexcept>
 
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tools/export/video.hpp"
 
 namespace palpate::exporting {

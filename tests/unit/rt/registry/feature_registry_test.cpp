@@ -72,7 +72,7 @@ TEST_F(FeatureRegistry, SaysWhyAFeatureCannotBe) {
   EXPECT_NE(refusal("{component: points, surface: 9, " + straight + "}").find("no meaning"),
             std::string::npos);
   EXPECT_NE(refusal("{component: fourier_contour, " + straight + ", harmonics: 2}")
-                .find("cannot tell 2 harmonics apart"),
+                .find("cannot resolve 2 harmonics"),
             std::string::npos);
 }
 
