@@ -8,7 +8,6 @@
 #include <set>
 #include <utility>
 
-#include "core/mesh/flat_elements.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/near_nodes.hpp"
 #include "core/mesh/node_motion.hpp"

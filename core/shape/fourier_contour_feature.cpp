@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::shape {
 namespace {

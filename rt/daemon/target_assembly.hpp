@@ -4,7 +4,7 @@
 #include <palpate/shape_target_t.hpp>
 #include <vector>
 
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::daemon {
 

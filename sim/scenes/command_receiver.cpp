@@ -63,7 +63,7 @@ void CommandReceiver::apply(robot::Robot& robot) {
   while (joints_.take(joints, arrival_ns)) apply(joints, robot);
 }
 
-std::int64_t CommandReceiver::rejected() const {
+std::int64_t CommandReceiver::unauthorised() const {
   return twist_admission_.rejected() + joint_admission_.rejected() + hand_admission_.rejected();
 }
 

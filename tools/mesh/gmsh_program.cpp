@@ -10,7 +10,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/surface_files.hpp"
 #include "tools/common/interruption.hpp"

@@ -6,7 +6,7 @@
 #include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
 #include "core/elasticity/corotational_model.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::bench {
 namespace {

@@ -7,8 +7,7 @@
 #include "core/control/jacobian_providers.hpp"
 #include "core/control/twist_law.hpp"
 #include "core/math/random.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 

@@ -5,7 +5,7 @@
 #include "core/control/twist_law.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/math/random.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::control {

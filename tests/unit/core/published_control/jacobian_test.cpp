@@ -11,7 +11,7 @@
 #include "core/published_control/difference_jacobian.hpp"
 #include "core/published_control/diminishing_rigidity.hpp"
 #include "core/published_control/geodesic.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

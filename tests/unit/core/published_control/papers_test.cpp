@@ -11,7 +11,7 @@
 #include "core/published_control/factored_update.hpp"
 #include "core/published_control/learning_jacobian.hpp"
 #include "core/published_control/two_camera_view.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

@@ -14,7 +14,7 @@
 #include "core/published_control/learning_jacobian.hpp"
 #include "core/published_control/two_camera_view.hpp"
 #include "core/published_control/weighted_least_squares_update.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
