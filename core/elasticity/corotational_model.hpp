@@ -7,8 +7,8 @@
 #include "core/elasticity/body.hpp"
 #include "core/elasticity/element_forces.hpp"
 #include "core/elasticity/inertia.hpp"
-#include "core/elasticity/node_warp.hpp"
 #include "core/elasticity/refactor_job.hpp"
+#include "core/elasticity/sensitivity.hpp"
 #include "core/math/team.hpp"
 
 namespace palpate::elasticity {

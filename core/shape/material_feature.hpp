@@ -59,6 +59,7 @@ class MaterialFeature : public Feature {
   const std::vector<int>& support() const noexcept override { return points_.support(); }
   const Eigen::SparseMatrix<double>& jacobian() const noexcept override { return jacobian_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
+  bool is_defined() const noexcept override { return is_defined_; }
 
  protected:
   MaterialFeature(const mesh::ElementMesh& mesh, std::vector<Eigen::Vector3d> rest_points);
@@ -74,6 +75,8 @@ class MaterialFeature : public Feature {
   Eigen::Vector3d position(int point, const Eigen::Matrix3Xd& positions) const noexcept {
     return points_.position(point, positions);
   }
+
+  bool is_defined_ = true;
 
  private:
   struct Carrier {

@@ -74,11 +74,7 @@ class DistanceFeature : public MaterialFeature {
   /// If the points coincide, the Jacobian keeps their last direction.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
-  bool is_defined() const noexcept override { return is_defined_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
-
- private:
-  bool is_defined_ = true;
 };
 
 }  // namespace palpate::shape

@@ -7,14 +7,26 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
+#include "rt/config/node.hpp"
 #include "sim/camera/background_camera.hpp"
 #include "sim/camera/depth_camera.hpp"
+#include "sim/camera/shape_camera.hpp"
 #include "sim/object/hyperelastic_plant.hpp"
 #include "sim/robot/robot.hpp"
 #include "sim/scenes/scene.hpp"
 #include "sim/sensors/channel.hpp"
 
 namespace palpate::scenes {
+
+/// A scene's key "camera": its pose (`pose` X_WC, or `eye` and `target` in W; default target is the
+/// centre of the object at rest), how the object is segmented (`segmentation`: colour or truth;
+/// `box` in O; `colour` of the object; `tolerance`; `margin`) and the spacing of its points
+/// (`voxel`). Requires the scene's object and sensors to be read already. Throws config::Error.
+camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene);
+
+/// `occlusions` of the same key: the camera observes and sends nothing from `at` on for `duration`
+/// s.
+std::vector<Occlusion> read_occlusions(const config::Node& node);
 
 /// Bodies in view of a scene's camera: arms and hands as the primitive shapes of their URDF file,
 /// the object, and a block of the test rig behind the clamped face.

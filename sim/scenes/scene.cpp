@@ -7,7 +7,7 @@
 #include "core/math/constants.hpp"
 #include "rt/config/key_file.hpp"
 #include "rt/config/material_file.hpp"
-#include "sim/scenes/camera_settings.hpp"
+#include "sim/scenes/camera_publisher.hpp"
 
 namespace palpate::scenes {
 namespace {

@@ -18,14 +18,12 @@ Body linear_body(Body body) {
 
 }  // namespace
 
-Thesis2018::Thesis2018(Body body, const Thesis2018Options& options)
+Thesis2018::Thesis2018(Body body)
     : ComparisonModel(linear_body(std::move(body))),
-      options_(options),
       system_(body_),
       rhs_(Eigen::MatrixXd::Zero(3 * system_.pattern.size(), 1)),
       element_matrix_(12, 12),
       element_mass_(4, 4) {
-  if (!(options.time_step > 0)) throw std::invalid_argument("thesis2018: time step must be > 0");
   for (Matrix3Xd* m : {&impulse_, &dv_, &product_}) {
     m->setZero(3, x_.cols());
   }
@@ -38,7 +36,7 @@ void Thesis2018::reset() noexcept {
 
 /// Assembles M + h D + h^2 K in system_.matrix, and h times the right-hand force in impulse_.
 void Thesis2018::assemble() noexcept {
-  const double h = options_.time_step;
+  const double h = kTimeStep;
   const Damping& damping = body_.damping;
   const double mass_share = 1 + h * damping.mass_factor;
   const double stiffness_share = h * damping.stiffness_factor + h * h;
@@ -67,7 +65,7 @@ void Thesis2018::assemble() noexcept {
 StepReport Thesis2018::advance(double) noexcept {
   StepReport report;
   const factor::Held held{held_.is_held(0), held_.is_held(1)};
-  const double h = options_.time_step;
+  const double h = kTimeStep;
   assemble();
   // grasped nodes reach their pose within the step
   dv_.setZero();
