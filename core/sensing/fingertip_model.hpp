@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "core/sensing/linear_tactile.hpp"
 #include "core/sensing/tare.hpp"
 
@@ -40,22 +38,12 @@ class PlacelessForce {
 };
 
 /// State that the sensor models of a BioTac share: tare, contact with hysteresis and its location.
-class FingertipModel : public SensorModel {
+class FingertipModel : public TaredModel<kTactileInputCount, SensorState::Offset::kCounts> {
  public:
-  void zero() noexcept override { tare_.start(); }
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kCounts);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kCounts, tare_);
-  }
-
   bool in_contact() const noexcept { return in_contact_; }
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
 
  protected:
-  explicit FingertipModel(int tare_samples) : tare_(tare_samples) {}
+  using TaredModel::TaredModel;
 
   /// Begins to tare, without a contact.
   void reset_contact() noexcept;
@@ -65,13 +53,11 @@ class FingertipModel : public SensorModel {
   UpdateResult report(const FingertipOptions& options, const Eigen::Vector3d& force,
                       ContactSet& contacts) const noexcept;
 
-  Tare<kTactileInputCount> tare_;
   TactileInputs inputs_ = TactileInputs::Zero();  // tared counts of the latest sample
   bool in_contact_ = false;
   bool has_location_ = false;  // location of the present contact
   PlacelessForce placeless_;
   Eigen::Vector3d location_ = Eigen::Vector3d::Zero();
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -49,8 +49,8 @@ void AccelerometerOffset::reset() noexcept {
 }
 
 FtNewtonEuler::FtNewtonEuler(const Options& options)
-    : options_(options),
-      tare_(options.tare_samples),
+    : TaredModel(options.tare_samples),
+      options_(options),
       low_pass_(smoothing(options.cutoff, options.sample_rate)),
       offset_(options.imu_offset_time) {
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 
 #include "core/math/filter.hpp"
 #include "core/sensing/payload.hpp"
@@ -49,7 +48,7 @@ class AccelerometerOffset {
 /// Contact wrench at the wrist = reading minus load of a rigid payload (load_wrench): gravity from
 /// the robot's orientation and, while an IMU delivers data, inertial forces from it. The remainder
 /// of the wrench of the sensor on the hand equals the wrench of the hand on the object.
-class FtNewtonEuler : public SensorModel {
+class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload> {
  public:
   struct Options {
     PayloadParameters payload;
@@ -87,17 +86,7 @@ class FtNewtonEuler : public SensorModel {
   explicit FtNewtonEuler(const Options& options);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kWithoutPayload);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kWithoutPayload, tare_);
-  }
-
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
   /// Whether the last update compensated inertial forces.
   bool used_imu() const noexcept { return used_imu_; }
 
@@ -114,7 +103,6 @@ class FtNewtonEuler : public SensorModel {
   Options options_;
   Eigen::Matrix3d R_SI_;
   Eigen::Vector3d p_SI_;  // origin of I in S
-  Tare<6> tare_;
   math::ExponentialAverage<6> low_pass_;
   bool has_output_ = false;
   bool used_imu_ = false;
@@ -130,7 +118,6 @@ class FtNewtonEuler : public SensorModel {
   math::Vector6d smoothed_ = math::Vector6d::Zero();  // accelerations, linear first, in S
   math::Vector6d speed_ = math::Vector6d::Zero();     // velocity of the flange, smoothed
   double speed_time_ = 0;                             // s, by the robot's clock
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -78,12 +78,12 @@ void SignalHistory::mean(int first, double delay, Eigen::Ref<Eigen::VectorXd> me
 }
 
 FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
-    : options_(options),
+    : TaredModel(options.tare_samples),
+      options_(options),
       ticks_per_step_(checked_ticks(options)),
       input_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options.inputs.size()))),
       network_(std::move(executor), options.inputs, options.outputs),
-      history_(make_history(options, kWidth)),
-      tare_(options.tare_samples) {
+      history_(make_history(options, kWidth)) {
   if (options.outputs.size() != 6) throw std::invalid_argument("outputs must be six");
   for (const int input : options.inputs)
     if (input >= kObserverInputCount) throw std::invalid_argument("there is no such input");

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
 
 #include "core/sensing/input_domain.hpp"
 #include "core/sensing/payload.hpp"
@@ -41,7 +40,7 @@ class SignalHistory {
 /// delayed to the latest of them and averaged over the same window; the network steps once every
 /// fixed number of ticks, and the contact is held in between. Times are arrival times on the grid
 /// of the loop.
-class FtRnnob : public SensorModel {
+class FtRnnob : public TaredModel<6, SensorState::Offset::kWithoutPayload> {
  public:
   struct Options {
     /// Indices into observer_inputs() of the network's inputs, in its order.
@@ -80,20 +79,10 @@ class FtRnnob : public SensorModel {
   FtRnnob(const Options& options, std::unique_ptr<Executor> executor);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kWithoutPayload);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kWithoutPayload, tare_);
-  }
   const Executor* executor(int index) const noexcept override {
     return index == 0 ? &network_.executor() : nullptr;
   }
-
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
   static constexpr int kWidth = 22;  // columns of the history
@@ -113,7 +102,6 @@ class FtRnnob : public SensorModel {
   Eigen::VectorXd input_;                              // network inputs, as passed to the domain
   StreamedModel network_;
   SignalHistory history_;
-  Tare<6> tare_;
 
   Row row_ = Row::Zero();  // row of this tick
   /// a finite value was received since the last restart
@@ -124,7 +112,6 @@ class FtRnnob : public SensorModel {
   Eigen::Vector3d previous_rate_S_ = Eigen::Vector3d::Zero();
   bool has_rest_ = false;
   math::Vector6d rest_ = math::Vector6d::Zero();  // result of the last step
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing
