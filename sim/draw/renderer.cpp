@@ -122,7 +122,7 @@ void Renderer::add_edges(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi&
   Batch batch;
   batch.lines = true;
   batch.translucent = style.edges->alpha < 1;
-  batch.line_width = static_cast<float>(style.edge_width);
+  batch.line_width = 1;
   for (const auto& [from, to] : edges) {
     append(batch.positions, points.col(from));
     append(batch.positions, points.col(to));

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/math/random.hpp"
+#include "tests/unit/core/sensing/wrist_signals.hpp"
 
 namespace palpate::sensing {
 namespace {
