@@ -1,13 +1,35 @@
 #pragma once
 
+#include <Eigen/Core>
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
-#include "core/control/joint_limits.hpp"
 #include "core/elasticity/deformation_model.hpp"
+#include "core/kinematics/serial_chain.hpp"
+#include "core/math/rigid.hpp"
 #include "core/shape/feature.hpp"
 
 namespace palpate::control {
+
+/// Motion limits of the joints of an arm, one entry per joint; rad, s (m for prismatic joints).
+struct JointLimits {
+  kinematics::SerialChain::Joints lower, upper;  // position limits
+  kinematics::SerialChain::Joints speed, acceleration;
+
+  int count() const noexcept { return static_cast<int>(speed.size()); }
+  bool empty() const noexcept { return count() == 0; }
+  /// Throws std::invalid_argument if sizes differ, a range is empty or a limit is not positive.
+  void check() const;
+};
+
+/// Present state of the joints of the arm that holds the grasp.
+struct JointInputs {
+  kinematics::SerialChain::Joints q;
+  /// Jacobian of the twist of the origin of G, in O
+  kinematics::SerialChain::Jacobian V_O_G_by_joints;
+};
 
 /// Inputs of a Jacobian provider that learns from motion.
 struct Experience {
@@ -75,5 +97,31 @@ class ControlLaw {
   virtual void compute(const LawInputs& inputs, LawOutput& output) noexcept = 0;
   virtual void reset() noexcept {}
 };
+
+/// limit / |v| if |v| > limit, else 1; also exact if the squares overflow.
+inline double factor_to_limit(const Eigen::Vector3d& v, double limit) noexcept {
+  const double largest = v.cwiseAbs().maxCoeff();
+  if (!(largest > 0)) return 1;
+  return std::min(1.0, limit / largest / (v / largest).norm());
+}
+
+/// Largest factor up to 1 by which the twist satisfies both limits.
+inline double speed_factor(const math::Twist& V, double linear, double angular) noexcept {
+  return std::min(factor_to_limit(V.linear, linear), factor_to_limit(V.angular, angular));
+}
+
+/// Scales the whole twist until both speeds satisfy their limits; the screw axis is unchanged.
+inline math::Twist limit_speed(const math::Twist& V, double linear, double angular) noexcept {
+  const double factor = speed_factor(V, linear, angular);
+  return {factor * V.linear, factor * V.angular};
+}
+
+/// Maximum speed, m/s (rad/s), towards a wall at `distance` from which braking with `deceleration`
+/// from the next step on still stops before it: v dt + v^2 / 2a = distance.
+inline double approach_speed(double distance, double deceleration, double dt) noexcept {
+  if (!(distance > 0)) return 0;
+  const double step = deceleration * dt;
+  return std::sqrt(step * step + 2 * deceleration * distance) - step;
+}
 
 }  // namespace palpate::control

@@ -3,7 +3,7 @@
 #include <Eigen/Cholesky>
 #include <stdexcept>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::control {
 namespace {
@@ -26,7 +26,7 @@ JointGate::JointGate(const JointLimits& limits) : limits_(limits) {
   last_ = Joints::Zero(limits.count());
 }
 
-const char* JointGate::refusal(const JointGateInputs& joints) const noexcept {
+const char* JointGate::reason_to_reject(const JointGateInputs& joints) const noexcept {
   if (joints.q.size() != last_.size() || joints.J_W_E.cols() != last_.size())
     return "the joints are not known";
   if (joints.requested.size() != last_.size() || !joints.requested.allFinite())
@@ -65,8 +65,8 @@ JointGate::Joints JointGate::limited(const JointGateInputs& joints, const Joints
 GateOutput JointGate::apply(const JointGateInputs& joints, GateInputs inputs,
                             SafetyGate& hand) noexcept {
   const double dt = gate_step(inputs.dt);
-  const char* refused = refusal(joints);
-  if (refused == nullptr) {
+  const char* rejection = reason_to_reject(joints);
+  if (rejection == nullptr) {
     if (!in_use_) last_ = joints_for(joints.J_W_E, hand.last().vector());
     inputs.requested_W_E =
         math::Twist::from(math::Vector6d(joints.J_W_E.lazyProduct(joints.requested)));
@@ -75,11 +75,11 @@ GateOutput JointGate::apply(const JointGateInputs& joints, GateInputs inputs,
   }
   in_use_ = true;
   GateOutput output = hand.apply(inputs);
-  if (refused != nullptr) {
-    output.refused = true;
-    output.reason = refused;
+  if (rejection != nullptr) {
+    output.rejected = true;
+    output.reason = rejection;
   }
-  if (!inputs.active || output.refused) {
+  if (!inputs.active || output.rejected) {
     last_ = braked(dt);
   } else {
     Joints wanted = joints.requested;
@@ -91,13 +91,13 @@ GateOutput JointGate::apply(const JointGateInputs& joints, GateInputs inputs,
   }
   if (!last_.allFinite()) {
     pass();
-    output.refused = true;
+    output.rejected = true;
     output.reason = "command is not finite";
   }
   output.joint_velocity = last_;
-  if (refused == nullptr)
+  if (rejection == nullptr)
     output.V_W_E = math::Twist::from(math::Vector6d(joints.J_W_E.lazyProduct(last_)));
-  output.limited = refused != nullptr || last_ != joints.requested;
+  output.limited = rejection != nullptr || last_ != joints.requested;
   hand.replace_last(output.V_W_E);
   return output;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/control/joint_limits.hpp"
+#include "core/control/control_law.hpp"
 #include "core/control/safety_gate.hpp"
 
 namespace palpate::control {
@@ -40,7 +40,7 @@ class JointGate {
 
  private:
   using Joints = kinematics::SerialChain::Joints;
-  const char* refusal(const JointGateInputs& joints) const noexcept;
+  const char* reason_to_reject(const JointGateInputs& joints) const noexcept;
   Joints braked(double dt) const noexcept;
   Joints limited(const JointGateInputs& joints, const Joints& wanted, double dt,
                  const char*& reason) const noexcept;

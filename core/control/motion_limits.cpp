@@ -32,10 +32,11 @@ struct MotionLimits::Rows {
 void JointLimits::check() const {
   const auto n = speed.size();
   if (lower.size() != n || upper.size() != n || acceleration.size() != n)
-    throw std::invalid_argument("limits of unlike numbers of joints");
+    throw std::invalid_argument("limits of joints: lists of different lengths");
   if (!((upper - lower).array() > 0).all() || !(speed.array() > 0).all() ||
       !(acceleration.array() > 0).all() || !(upper - lower).allFinite())
-    throw std::invalid_argument("a joint's limits leave it nothing");
+    throw std::invalid_argument(
+        "limits of a joint: lower >= upper, or a speed or acceleration <= 0");
 }
 
 MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> grasps,
@@ -56,7 +57,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   positive(options.slip.lever, "lever of friction");
   positive(options.slip.width, "width of a pinch");
   if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) ||
-      !(options.clearance_deviations >= 0) || !(options.untold_deviation >= 0) ||
+      !(options.clearance_deviations >= 0) || !(options.fallback_deviation >= 0) ||
       !(options.pivot >= 0))
     throw std::invalid_argument("pinch, clearance, its deviations and pivot must not be negative");
   if (!(options.slip.sticking >= 0 && options.slip.sticking < 1))
@@ -93,7 +94,7 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
   if (options.stretch > 0) stretch_.emplace(*body, elasticity::Strain::kStretch);
   if (!options.obstacles.empty())
     obstacles_.emplace(mesh::extract_surface(body->mesh), options.obstacles,
-                       options.untold_deviation);
+                       options.fallback_deviation);
 }
 
 double MotionLimits::buckling_scale(const elasticity::DeformationModel& model) noexcept {

@@ -66,7 +66,7 @@ struct MotionLimitOptions {
   double clearance_deviations = 2;
   /// m, fallback standard deviation when the estimator provides none: shapes from the hand's pose
   /// alone have a mean error of 0.8 mm under the mismatch "all", 2.7 mm at most.
-  double untold_deviation = 1e-3;
+  double fallback_deviation = 1e-3;
   /// Limits of commanded joints, for a single grasp; empty if twists are commanded.
   JointLimits joints;
   /// Damper rate, 1/s: a limit is approached no faster than by this fraction of the remaining

@@ -12,9 +12,9 @@ constexpr int kSteps = 3;  // on a curved face: accurate to a micrometre
 }  // namespace
 
 ObstacleGaps::ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles,
-                           double untold)
+                           double fallback_deviation)
     : obstacles_(std::move(obstacles)),
-      untold_(untold),
+      fallback_deviation_(fallback_deviation),
       nodes_(surface.nodes),
       matcher_(surface, kSteps),
       points_(kPoints * obstacles_.size()) {}
@@ -34,7 +34,7 @@ void ObstacleGaps::look(const Eigen::Matrix3Xd& positions,
       point.away_O =
           from_center > 1e-9 ? Eigen::Vector3d(way / from_center) : Eigen::Vector3d::UnitZ();
       point.gap = from_center - obstacle.radius;
-      point.deviation = node_deviation == nullptr ? untold_ : 0;
+      point.deviation = node_deviation == nullptr ? fallback_deviation_ : 0;
       for (int k = 0; node_deviation != nullptr && k < point.on.count; ++k)
         point.deviation = std::max<double>(
             point.deviation, (*node_deviation)[static_cast<std::size_t>(point.on.nodes[k])]);

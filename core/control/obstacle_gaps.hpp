@@ -29,8 +29,9 @@ class ObstacleGaps {
     double deviation = 0;
   };
 
-  /// `untold`: m, standard deviation of positions when none is estimated.
-  ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles, double untold);
+  /// `fallback_deviation`: m, standard deviation of positions when none is estimated.
+  ObstacleGaps(const mesh::Surface& surface, std::vector<Obstacle> obstacles,
+               double fallback_deviation);
 
   /// Evaluates the object with these positions (3 x n, m). `node_deviation`: m, by node; nullptr:
   /// not estimated.
@@ -44,7 +45,7 @@ class ObstacleGaps {
                           Point* points) const noexcept;
 
   std::vector<Obstacle> obstacles_;
-  double untold_;
+  double fallback_deviation_;
   std::vector<int> nodes_;  // nodes of the surface
   contact::SurfaceMatcher matcher_;
   std::vector<Point> points_;

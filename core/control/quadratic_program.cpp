@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::control {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/control/motion_limits.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/twist_law.hpp"
 
 namespace palpate::control {
 

@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::control {
 namespace {
@@ -60,21 +60,21 @@ GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
   const double dt = gate_step(inputs.dt);
 
   GateOutput output;
-  const char* refused = refusal(inputs);
+  const char* rejection = reason_to_reject(inputs);
   if (!inputs.active) {
     output.V_W_E = braked(dt);
     output.reason = "inactive";
-  } else if (refused != nullptr) {
+  } else if (rejection != nullptr) {
     output.V_W_E = braked(dt);
-    output.refused = true;
-    output.reason = refused;
+    output.rejected = true;
+    output.reason = rejection;
   } else {
     output.V_W_E = limited(inputs, dt, output.reason);
   }
 
   if (!is_finite(output.V_W_E)) {
     output = GateOutput();
-    output.refused = true;
+    output.rejected = true;
     output.reason = "command is not finite";
   }
   output.limited = output.V_W_E.linear != inputs.requested_W_E.linear ||
@@ -84,7 +84,7 @@ GateOutput SafetyGate::apply(const GateInputs& inputs) noexcept {
 }
 
 /// Reason for rejecting the request, or nullptr.
-const char* SafetyGate::refusal(const GateInputs& inputs) noexcept {
+const char* SafetyGate::reason_to_reject(const GateInputs& inputs) noexcept {
   if (inputs.wrench_valid) {
     const double force = inputs.contact.force.stableNorm();
     const double torque = inputs.contact.torque.stableNorm();

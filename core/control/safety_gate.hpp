@@ -39,8 +39,8 @@ struct GateOutput {
   math::Twist V_W_E;  // always finite and within limits
   /// Joint velocities that produce it, if joints are commanded.
   kinematics::SerialChain::Joints joint_velocity;
-  bool limited = false;  // output differs from the request
-  bool refused = false;  // the request was not finite, or force or torque exceeded its limit
+  bool limited = false;   // output differs from the request
+  bool rejected = false;  // the request was not finite, or force or torque exceeded its limit
   const char* reason = "";
 };
 
@@ -75,7 +75,7 @@ class SafetyGate {
     Eigen::Vector3d lower, upper;
   };
   Walls walls(const math::Pose& X_WE, double dt) const noexcept;
-  const char* refusal(const GateInputs& inputs) noexcept;
+  const char* reason_to_reject(const GateInputs& inputs) noexcept;
   math::Twist limited(const GateInputs& inputs, double dt, const char*& reason) const noexcept;
   math::Twist braked(double dt) const noexcept;
 

@@ -1,10 +1,35 @@
 #pragma once
 
 #include "core/control/control_law.hpp"
-#include "core/control/dead_band.hpp"
 #include "core/control/pseudo_inverse.hpp"
 
 namespace palpate::control {
+
+/// Stop band with hysteresis: at rest from when both errors are inside the band until one of them
+/// leaves a larger band.
+class DeadBand {
+ public:
+  struct Options {
+    double position = 1e-3;  // m
+    double angle = 3.5e-3;   // rad
+    double release = 1.2;    // >= 1, motion resumes outside this multiple of the band
+  };
+
+  explicit DeadBand(const Options& options) : options_(options) {}
+
+  bool rests(double position_error, double angle_error) noexcept {
+    const double factor = resting_ ? options_.release : 1.0;
+    resting_ =
+        position_error <= factor * options_.position && angle_error <= factor * options_.angle;
+    return resting_;
+  }
+
+  void reset() noexcept { resting_ = false; }
+
+ private:
+  Options options_;
+  bool resting_ = false;
+};
 
 struct TwistLawOptions {
   double gain = 1.0;           // 1/s, > 0
@@ -56,6 +81,31 @@ class TwistLaw : public ControlLaw {
   Eigen::VectorXd angle_rows_;     // the same for the angle
   double point_scale_ = 1;         // 1 / sqrt(number of points in the error)
   Eigen::VectorXd motion_;
+};
+
+/// Proportional law u = J^+ (gain * error). Supports every feature; with an exact J each component
+/// of the error decays as exp(-gain t).
+class ProportionalTwist : public TwistLaw {
+ public:
+  explicit ProportionalTwist(const Options& options) : TwistLaw(options) {}
+
+ protected:
+  void motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept override {
+    motion = *inputs.error;
+  }
+};
+
+/// Pose control with dual quaternions (Ozgur and Mezouar 2016). The feature's twist is -gain times
+/// the screw of x_c (x) x_d*, so that it approaches its target along one screw while angle and
+/// distance decay as exp(-gain t). Supports pose features.
+class DualQuaternion : public TwistLaw {
+ public:
+  explicit DualQuaternion(const Options& options) : TwistLaw(options) {}
+
+  void configure_for(const shape::Feature& feature) override;
+
+ protected:
+  void motion_to_target(const LawInputs& inputs, Eigen::VectorXd& motion) noexcept override;
 };
 
 }  // namespace palpate::control

@@ -56,4 +56,8 @@ struct Body {
 /// Nodes of each grasp: the border groups of a pattern.
 std::vector<std::vector<int>> patches(const Body& body);
 
+/// Pose of G in O given by the node positions of a grasp, held or not: the least-squares rigid
+/// motion. With fewer than three nodes: displacement only.
+math::Pose grasp_pose(const Body& body, int grasp, const Eigen::Matrix3Xd& positions) noexcept;
+
 }  // namespace palpate::elasticity

@@ -3,6 +3,30 @@
 #include <algorithm>
 
 namespace palpate::elasticity {
+namespace {
+
+// Relative to the body's size: rounding errors in single precision stay below 1e-4.
+constexpr double kMove = 2e-3;
+
+}  // namespace
+
+SecantPairs::SecantPairs(int size) {
+  for (Pair& pair : pairs_) {
+    pair.step.setZero(size);
+    pair.change.setZero(size);
+  }
+}
+
+void SecantPairs::add(const Eigen::VectorXf& step, const Eigen::VectorXf& change) noexcept {
+  const float curvature = dot(step, change);
+  if (!(curvature > 1e-5F * step.norm() * change.norm())) return;
+  Pair& pair = pairs_[next_];
+  pair.step = step;
+  pair.change = change;
+  pair.scale = 1 / curvature;
+  next_ = (next_ + 1) % kPairs;
+  count_ = std::min(count_ + 1, kPairs);
+}
 
 RefactorJob::RefactorJob(const Body& body, const ElementSet& elements,
                          const factor::Supernodes& supernodes, factor::PanelPrecision precision,
@@ -64,6 +88,31 @@ void RefactorJob::run() noexcept {
     factor.usable = factorise(1e-4 * largest);
   }
   factor.usable = factor.usable && factor.panels.assign(factorisation_);
+}
+
+TangentProduct::TangentProduct(const Body& body, const std::vector<Lame>& materials,
+                               const std::vector<int>& numbering, Precision precision)
+    : forces_(make_element_forces(body.mesh, materials, numbering, precision)),
+      x_(NodalField::Zero(4, body.mesh.node_count())),
+      forward_(x_),
+      backward_(x_) {
+  const Eigen::Vector3d size =
+      body.mesh.nodes.rowwise().maxCoeff() - body.mesh.nodes.rowwise().minCoeff();
+  move_ = kMove * size.maxCoeff();
+}
+
+const NodalField& TangentProduct::multiply(const NodalField& x, const NodalField& column) noexcept {
+  const double largest = column.cwiseAbs().maxCoeff();
+  forward_.setZero();
+  if (!(largest > 0)) return forward_;
+  const double step = move_ / largest;
+  backward_.setZero();
+  x_ = x + step * column;
+  forces_->add(x_, 0, forward_);
+  x_ = x - step * column;
+  forces_->add(x_, 0, backward_);
+  forward_ = (forward_ - backward_) / (2 * step);
+  return forward_;
 }
 
 }  // namespace palpate::elasticity

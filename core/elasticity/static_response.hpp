@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/elasticity/body.hpp"
-#include "core/elasticity/mesh_forces.hpp"
+#include "core/elasticity/body_system.hpp"
 #include "core/elasticity/sensitivity.hpp"
 #include "core/factor/supernodal_factor.hpp"
 #include "core/mesh/point_locator.hpp"

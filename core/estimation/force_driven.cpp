@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 #include "core/estimation/nodal_loads.hpp"
 
 namespace palpate::estimation {

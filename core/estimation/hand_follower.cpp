@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 
 namespace palpate::estimation {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/contact/surface_edges.hpp"
+#include "core/contact/surface_match.hpp"
 #include "core/estimation/estimator.hpp"
 #include "core/estimation/patch_motion.hpp"
 #include "core/estimation/shape_history.hpp"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 #include "core/estimation/nodal_loads.hpp"
 
 namespace palpate::estimation {

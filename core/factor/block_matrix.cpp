@@ -4,7 +4,6 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/factor/elimination_order.hpp"
 #include "core/math/pack.hpp"
 
 namespace palpate::factor {

@@ -1,4 +1,4 @@
-#include "core/factor/dense_ldl.hpp"
+#include "core/factor/supernodal_factor.hpp"
 
 #include <cmath>
 

@@ -1,4 +1,4 @@
-#include "core/math/column_factor.hpp"
+#include "core/math/quadratic_program.hpp"
 
 #include <cmath>
 

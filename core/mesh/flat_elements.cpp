@@ -1,5 +1,3 @@
-#include "core/mesh/flat_elements.hpp"
-
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>

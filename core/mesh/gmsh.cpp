@@ -1,10 +1,9 @@
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 
 #include <array>
 #include <cstdlib>
 #include <utility>
 
-#include "core/mesh/gmsh_binary.hpp"
 #include "core/mesh/gmsh_content.hpp"
 
 namespace palpate::mesh {

@@ -1,4 +1,4 @@
-#include "core/mesh/gmsh_binary.hpp"
+#include "core/mesh/gmsh_content.hpp"
 
 #include <cstdint>
 #include <cstdlib>

@@ -7,6 +7,24 @@
 
 namespace palpate::mesh {
 
+/// Treatment of elements without volume, by their numbers in the file.
+struct FlatElements {
+  std::vector<long> peeled;     // removed from the surface, where they covered others
+  std::vector<long> inflated;   // given volume by moving interior nodes
+  std::vector<long> collapsed;  // one of their edges was collapsed to a node
+  std::vector<long> left;
+};
+
+/// Removes tetrahedra without volume (by the criterion of check()) such that the others remain
+/// conforming and fill the same space. Other tetrahedra must be positively oriented.
+FlatElements remove_flat_elements(MeshWithGroups& mesh);
+
+/// Divides non-tetrahedral cells: pyramids into two tetrahedra, prisms into three, hexahedra into
+/// twelve around a new node at their centre. A rectangle is divided at its corner with the lowest
+/// number, so that neighbours match. Returns the number of divided cells; a cell with an invalid
+/// node is unchanged. New tetrahedra have the number of their cell and are appended.
+int split_cells(MeshWithGroups& mesh);
+
 /// Treatment of a mesh with several parts (parts share no face; those that share only an edge or a
 /// node are connected by a hinge without stiffness).
 enum class Parts { kKeepAll, kKeepLargest };

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <functional>
+#include <string>
+
 #include "core/mesh/mesh_reader.hpp"
 
 namespace palpate::mesh {
@@ -19,5 +22,10 @@ MeshWithGroups make_cylinder(double radius, double length, int rings, int layers
 /// into `cells`^3 and projected onto the surface. Groups: the triangles `surface`, the tetrahedra
 /// `body`. Throws std::invalid_argument if a number is not positive.
 MeshWithGroups make_ellipsoid(const Eigen::Vector3d& half_axes, int cells, RoundSides sides);
+
+/// Groups the boundary triangles of a mesh by the name that `name` returns for their corners
+/// (columns, m); an empty name means no group. All tetrahedra become the group `body`.
+void group_sides(MeshWithGroups& mesh,
+                 const std::function<std::string(const Eigen::Matrix3d&)>& name);
 
 }  // namespace palpate::mesh

@@ -120,7 +120,7 @@ TriangleSurface read_stl(std::istream& stream, const std::string& name) {
   if (first == std::string::npos || bytes.compare(first, 5, "solid") != 0) {
     throw ParseError(name +
                      ":1: is no STL: neither begins with 'solid' nor has the length that "
-                     "its binary header tells");
+                     "its binary header declares");
   }
   TriangleSurface surface = read_ascii_stl(bytes, name);
   if (surface.triangle_count() == 0) throw ParseError(name + ":1: holds no triangles");

@@ -8,6 +8,11 @@
 
 namespace palpate::mesh {
 
+/// Pairs of triangles that meet elsewhere than in shared corners and edges: self-intersections and
+/// overlaps of the surface. Triangles without area are ignored. All indices must be in range and
+/// coordinates finite.
+std::vector<std::pair<int, int>> find_intersections(const TriangleSurface& surface);
+
 /// Edge given by its points, the lower index first.
 using SurfaceEdge = std::pair<int, int>;
 

@@ -1,4 +1,4 @@
-#include "core/mesh/tetgen.hpp"
+#include "core/mesh/mesh_formats.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,10 +1,8 @@
-#include "core/mesh/vega.hpp"
-
 #include <algorithm>
 #include <set>
 #include <sstream>
 
-#include "core/mesh/tetgen.hpp"
+#include "core/mesh/mesh_formats.hpp"
 
 namespace palpate::mesh {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/control/fem_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 
 namespace palpate::published_control {
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "core/control/support_motion.hpp"
+#include "core/control/jacobian_providers.hpp"
 
 namespace palpate::published_control {
 namespace {

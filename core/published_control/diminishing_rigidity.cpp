@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/control/support_motion.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/published_control/geodesic.hpp"
 
 namespace palpate::published_control {

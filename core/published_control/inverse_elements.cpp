@@ -6,7 +6,7 @@
 #include <limits>
 #include <stdexcept>
 
-#include "core/control/support_motion.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/static_solver.hpp"
 
 namespace palpate::published_control {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/shape/material_points.hpp"
+#include "core/shape/material_feature.hpp"
 
 namespace palpate::published_control {
 

@@ -3,7 +3,7 @@
 #include <Eigen/LU>
 #include <stdexcept>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 
 namespace palpate::published_control {
 namespace {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/control/speed_limit.hpp"
+#include "core/control/control_law.hpp"
 #include "core/published_control/feature_view.hpp"
 
 namespace palpate::published_control {

@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/control/control_law.hpp"
-#include "core/control/dead_band.hpp"
+#include "core/control/twist_law.hpp"
 
 namespace palpate::published_control {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 
 namespace palpate::published_sensing {
 

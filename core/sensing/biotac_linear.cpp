@@ -1,21 +1,12 @@
 #include "core/sensing/biotac_linear.hpp"
 
-#include <cmath>
 #include <stdexcept>
 
 namespace palpate::sensing {
 
 BiotacLinear::BiotacLinear(const Options& options)
-    : options_(options), tare_(options.tare_samples) {
-  if (options.finger < 0 || options.finger > 4)
-    throw std::invalid_argument("finger must be 0 to 4");
-  if (std::abs(options.localization.polarity) != 1)
-    throw std::invalid_argument("polarity must be 1 or -1");
-  if (options.localization.threshold < 0 || !(options.localization.saturation > 0))
-    throw std::invalid_argument("threshold must not be negative, saturation must be above 0");
-  if (options.release_force < 0 || options.contact_force < options.release_force)
-    throw std::invalid_argument("contact_force must not be below release_force");
-  if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+    : FingertipModel(options.tare_samples), options_(options) {
+  options.check();
   const LinearTactileModel& model = options.model;
   if (!model.matrix.allFinite() || !model.offset.allFinite() || !model.place.allFinite())
     throw std::invalid_argument("the model's numbers must be finite");
@@ -26,10 +17,8 @@ BiotacLinear::BiotacLinear(const Options& options)
 }
 
 void BiotacLinear::reset() noexcept {
-  tare_.reset();
-  tare_.start();
-  has_inputs_ = in_contact_ = has_location_ = false;
-  placeless_.reset();
+  reset_contact();
+  has_inputs_ = false;
 }
 
 UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) noexcept {
@@ -51,13 +40,8 @@ UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) 
   if (!tare_.is_known()) return {Status::kDegraded, "taring"};
 
   const Eigen::Vector3d force = options_.model.force(inputs_);
-  const double size = force.norm();
-  in_contact_ = size > (in_contact_ ? options_.release_force : options_.contact_force);
-  if (!in_contact_) {
-    has_location_ = false;
-    placeless_.reset();
-    return {};
-  }
+  detect_contact(options_, force.norm());
+  if (!in_contact_) return {};
   const Localization found = locate_contact(inputs_.head<kElectrodeCount>(), options_.localization);
   if (found.active > 0) {
     location_ = options_.model.place.size() > 0 ? options_.model.location(inputs_) : found.location;
@@ -65,13 +49,7 @@ UpdateResult BiotacLinear::update(const Signals& signals, ContactSet& contacts) 
   }
   if (!has_location_) return placeless_.judge(stream.fresh_count);
 
-  Contact contact;
-  contact.source = static_cast<Source>(static_cast<int>(Source::kFinger0) + options_.finger);
-  contact.location = location_;
-  contact.wrench.force = force;
-  contact.force_deviation = options_.force_deviation;
-  if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
-  return {};
+  return report(options_, force, contacts);
 }
 
 }  // namespace palpate::sensing

@@ -27,24 +27,16 @@ Eigen::Vector3d place_of_normal(const Eigen::Vector3d& direction,
 
 BiotacLstm::BiotacLstm(const Options& options, std::unique_ptr<Executor> force,
                        std::optional<Direction> direction)
-    : options_(options),
+    : FingertipModel(options.tare_samples),
+      options_(options),
       force_(std::move(force), options.inputs, options.outputs),
-      tare_(options.tare_samples),
       random_(kSeed) {
-  if (options.finger < 0 || options.finger > 4)
-    throw std::invalid_argument("finger must be 0 to 4");
+  options.check();
   check_inputs(options.inputs);
   if (options.outputs.size() != 3) throw std::invalid_argument("a force has three outputs");
   if (!(options.rate > 0)) throw std::invalid_argument("rate must be above 0");
-  if (std::abs(options.localization.polarity) != 1)
-    throw std::invalid_argument("polarity must be 1 or -1");
-  if (options.localization.threshold < 0 || !(options.localization.saturation > 0))
-    throw std::invalid_argument("threshold must not be negative, saturation must be above 0");
-  if (options.release_force < 0 || options.contact_force < options.release_force)
-    throw std::invalid_argument("contact_force must not be below release_force");
   if (!(options.largest_force > options.contact_force))
     throw std::invalid_argument("largest_force must be above contact_force");
-  if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
   if (direction) {
     check_inputs(direction->inputs);
     if (direction->outputs.size() != 3)
@@ -58,11 +50,9 @@ BiotacLstm::BiotacLstm(const Options& options, std::unique_ptr<Executor> force,
 void BiotacLstm::reset() noexcept {
   force_.reset();
   if (direction_) direction_->reset();
-  tare_.reset();
-  tare_.start();
+  reset_contact();
   random_ = math::Random(kSeed);
-  has_time_ = in_contact_ = limited_ = has_location_ = false;
-  placeless_.reset();
+  has_time_ = limited_ = false;
   interval_ = 1 / options_.rate;
 }
 
@@ -138,14 +128,10 @@ UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) no
 
   Eigen::Vector3d force = force_.answer();
   const double size = force.norm();
-  in_contact_ = size > (in_contact_ ? options_.release_force : options_.contact_force);
+  detect_contact(options_, size);
   limited_ = size > options_.largest_force;
   if (limited_) force *= options_.largest_force / size;
-  if (!in_contact_) {
-    has_location_ = false;
-    placeless_.reset();
-    return verdict();
-  }
+  if (!in_contact_) return verdict();
   // nothing changes between samples
   if (stream.fresh_count > 0 || !has_location_) has_location_ = locate() || has_location_;
   if (!has_location_) {
@@ -153,13 +139,8 @@ UpdateResult BiotacLstm::update(const Signals& signals, ContactSet& contacts) no
     return placeless.status == Status::kOk ? verdict() : placeless;
   }
 
-  Contact contact;
-  contact.source = static_cast<Source>(static_cast<int>(Source::kFinger0) + options_.finger);
-  contact.location = location_;
-  contact.wrench.force = force;
-  contact.force_deviation = options_.force_deviation;
-  if (!contacts.push(contact)) return {Status::kDegraded, "no room for another contact"};
-  return verdict();
+  const UpdateResult reported = report(options_, force, contacts);
+  return reported.status == Status::kOk ? verdict() : reported;
 }
 
 }  // namespace palpate::sensing

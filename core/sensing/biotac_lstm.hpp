@@ -1,13 +1,10 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 
 #include "core/sensing/electrode_scatter.hpp"
-#include "core/sensing/linear_tactile.hpp"
-#include "core/sensing/placeless_force.hpp"
+#include "core/sensing/fingertip_model.hpp"
 #include "core/sensing/streamed_model.hpp"
-#include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
 
@@ -21,7 +18,7 @@ Eigen::Vector3d place_of_normal(const Eigen::Vector3d& direction,
 /// (Sanchez 2019, section 3.2); location from the electrodes or, with a second network, from the
 /// predicted surface normal. A contact is reported while the force exceeds a threshold with
 /// hysteresis; it has no torque about its location.
-class BiotacLstm : public SensorModel {
+class BiotacLstm : public FingertipModel {
  public:
   /// Network that predicts the outward normal of the skin at the contact.
   struct Direction {
@@ -32,21 +29,14 @@ class BiotacLstm : public SensorModel {
     Eigen::Matrix3d R_TN = Eigen::Matrix3d::Identity();
   };
 
-  struct Options {
-    int finger = 0;           // index of the BioTac, 0 to 4
+  struct Options : FingertipOptions {
     std::vector<int> inputs;  // indices into tactile_inputs(), in the network's order
     /// Indices of the outputs that are the force on the object, in T.
     std::vector<int> outputs{0, 1, 2};
     double rate = 100;  // Hz, rate of the training samples
-    LocalizationOptions localization;
     ElectrodeScatter scatter = ElectrodeScatter::kNominal;
-    int tare_samples = 50;        // samples at rest, at the start and after each zero()
-    double contact_force = 0.15;  // N: a contact begins above it (Sanchez 2019, section 2.3)
-    double release_force = 0.10;  // N: and ends below it
     /// N, plausible maximum: a larger prediction is scaled down, status degraded
     double largest_force = 50;
-    double max_age = 0.05;          // s, maximum age of the latest sample
-    double force_deviation = 0.03;  // N, standard deviation of each axis
   };
 
   /// Throws std::invalid_argument naming the invalid option.
@@ -54,21 +44,11 @@ class BiotacLstm : public SensorModel {
              std::optional<Direction> direction = {});
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kCounts);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kCounts, tare_);
-  }
   const Executor* executor(int index) const noexcept override;
 
-  bool in_contact() const noexcept { return in_contact_; }
   /// Network output for the latest sample, N, in T, before threshold and limit.
   Eigen::Vector3d force() const noexcept { return force_.answer(); }
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
   void take(const BioTac& sample) noexcept;
@@ -79,18 +59,11 @@ class BiotacLstm : public SensorModel {
   StreamedModel force_;
   std::optional<StreamedModel> direction_;
   Eigen::Matrix3d R_TN_ = Eigen::Matrix3d::Identity();
-  Tare<kTactileInputCount> tare_;
-  TactileInputs inputs_ = TactileInputs::Zero();  // tared counts of the latest sample
   math::Random random_;
   bool has_time_ = false;
   double time_ = 0;      // s, time of the latest sample
   double interval_ = 0;  // s, smoothed interval between samples
-  bool in_contact_ = false;
   bool limited_ = false;
-  bool has_location_ = false;  // location of the present contact
-  PlacelessForce placeless_;
-  Eigen::Vector3d location_ = Eigen::Vector3d::Zero();
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -20,9 +20,37 @@ double share(double dt, double time_constant) noexcept {
 
 }  // namespace
 
+void AccelerometerOffset::follow(const Eigen::Vector3d& acceleration_S, double step,
+                                 const Velocity& velocity) noexcept {
+  // s, largest gap between two velocities; beyond it the clock has jumped
+  constexpr double kLongestGap = 0.1;
+  constexpr double kShortestMean = 0.03;  // s, limits the effect of the noise of two velocities
+  if (!(memory_ > 0) || !(step > 0)) return;
+  if (!velocity.linear.allFinite()) {
+    pause();
+    return;
+  }
+  const double gap = velocity.time - before_.time;
+  const Eigen::Vector3d change = velocity.linear - before_.linear;
+  const bool follows = has_velocity_ && gap >= 0 && gap < kLongestGap;
+  before_ = velocity;
+  has_velocity_ = true;
+  if (!follows) return;
+  age_ += step;
+  // The changes of the velocity sum to its total change, regardless of delay and noise of each.
+  const double over = std::max({step, kShortestMean, std::min(age_, memory_)});
+  value_S_ += (step * (acceleration_S - value_S_) - velocity.R_WS.transpose() * change) / over;
+}
+
+void AccelerometerOffset::reset() noexcept {
+  value_S_.setZero();
+  age_ = 0;
+  pause();
+}
+
 FtNewtonEuler::FtNewtonEuler(const Options& options)
-    : options_(options),
-      tare_(options.tare_samples),
+    : TaredModel(options.tare_samples),
+      options_(options),
       low_pass_(smoothing(options.cutoff, options.sample_rate)),
       offset_(options.imu_offset_time) {
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");

@@ -1,19 +1,54 @@
 #pragma once
 
-#include <cstdint>
+#include <Eigen/Core>
 
 #include "core/math/filter.hpp"
-#include "core/sensing/accelerometer_offset.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
 
+/// Offset of an accelerometer, in a frame S that moves with it: the mean over a time window of its
+/// reading minus the actual change of the robot's velocity. Without the robot's velocity an offset
+/// could be distinguished from acceleration only for an arm that starts at rest: in the first
+/// tenths of a second of a motion the mean contains little else than its acceleration. Nothing
+/// allocates.
+class AccelerometerOffset {
+ public:
+  /// Velocity of the origin of S in W as reported by the robot.
+  struct Velocity {
+    double time = 0;                                     // s, of the robot's clock
+    Eigen::Vector3d linear = Eigen::Vector3d::Zero();    // m/s
+    Eigen::Matrix3d R_WS = Eigen::Matrix3d::Identity();  // orientation at that time
+  };
+
+  /// `memory`: s, time constant of the mean; during its first seconds a plain mean is used. 0: the
+  /// offset is zero.
+  explicit AccelerometerOffset(double memory) : memory_(memory) {}
+
+  /// Adds an acceleration of the origin of S (m/s^2, in S, without gravity), measured over the last
+  /// `step` s.
+  void follow(const Eigen::Vector3d& acceleration_S, double step,
+              const Velocity& velocity) noexcept;
+  /// Marks a gap in the accelerations: the next velocity has no predecessor.
+  void pause() noexcept { has_velocity_ = false; }
+  void reset() noexcept;
+
+  const Eigen::Vector3d& value_S() const noexcept { return value_S_; }
+
+ private:
+  double memory_;
+  Eigen::Vector3d value_S_ = Eigen::Vector3d::Zero();
+  double age_ = 0;  // s of readings in the mean
+  Velocity before_;
+  bool has_velocity_ = false;
+};
+
 /// Contact wrench at the wrist = reading minus load of a rigid payload (load_wrench): gravity from
 /// the robot's orientation and, while an IMU delivers data, inertial forces from it. The remainder
 /// of the wrench of the sensor on the hand equals the wrench of the hand on the object.
-class FtNewtonEuler : public SensorModel {
+class FtNewtonEuler : public TaredModel<6, SensorState::Offset::kWithoutPayload> {
  public:
   struct Options {
     PayloadParameters payload;
@@ -51,17 +86,7 @@ class FtNewtonEuler : public SensorModel {
   explicit FtNewtonEuler(const Options& options);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kBesidePayload);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kBesidePayload, tare_);
-  }
-
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
   /// Whether the last update compensated inertial forces.
   bool used_imu() const noexcept { return used_imu_; }
 
@@ -78,7 +103,6 @@ class FtNewtonEuler : public SensorModel {
   Options options_;
   Eigen::Matrix3d R_SI_;
   Eigen::Vector3d p_SI_;  // origin of I in S
-  Tare<6> tare_;
   math::ExponentialAverage<6> low_pass_;
   bool has_output_ = false;
   bool used_imu_ = false;
@@ -94,7 +118,6 @@ class FtNewtonEuler : public SensorModel {
   math::Vector6d smoothed_ = math::Vector6d::Zero();  // accelerations, linear first, in S
   math::Vector6d speed_ = math::Vector6d::Zero();     // velocity of the flange, smoothed
   double speed_time_ = 0;                             // s, by the robot's clock
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -3,10 +3,19 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 namespace palpate::sensing {
 namespace {
+
+constexpr double kMostRows = 1e6;
+
+int checked_capacity(int width, int window, double largest_delay) {
+  if (width < 1 || window < 1 || !(largest_delay >= 0) || !(window + largest_delay <= kMostRows))
+    throw std::invalid_argument("signal history: width, window or delay is out of range");
+  return window + static_cast<int>(std::ceil(largest_delay)) + 1;
+}
 
 // Column offsets in a row of the history. Quaternion x, y, z, w of S in W; velocity and position of
 // S in W; angular velocity and specific force at I in the axes of S; reading in S.
@@ -41,13 +50,40 @@ SignalHistory make_history(const FtRnnob::Options& options, int width) {
 
 }  // namespace
 
+SignalHistory::SignalHistory(int width, int window, double largest_delay)
+    : rows_(Eigen::MatrixXd::Zero(width, checked_capacity(width, window, largest_delay))),
+      window_(window) {}
+
+void SignalHistory::push(const Eigen::Ref<const Eigen::VectorXd>& row) noexcept {
+  const int capacity = static_cast<int>(rows_.cols());
+  // After weeks at 1 kHz: reduces the count without changing its effect.
+  if (count_ == std::numeric_limits<int>::max()) count_ = capacity + (count_ % capacity);
+  rows_.col(count_ % capacity) = row;
+  ++count_;
+}
+
+void SignalHistory::mean(int first, double delay, Eigen::Ref<Eigen::VectorXd> mean) const noexcept {
+  mean.setZero();
+  const int rows = std::min(window_, count_);
+  const auto capacity = static_cast<int>(rows_.cols());
+  const Eigen::Index width = mean.size();
+  for (int k = count_ - rows; k < count_; ++k) {
+    const double at = std::max(k - delay, 0.0);
+    const int left = static_cast<int>(at);
+    const double part = at - left;
+    mean += (1 - part) * rows_.col(left % capacity).segment(first, width);
+    if (part > 0) mean += part * rows_.col((left + 1) % capacity).segment(first, width);
+  }
+  if (rows > 0) mean /= rows;
+}
+
 FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
-    : options_(options),
+    : TaredModel(options.tare_samples),
+      options_(options),
       ticks_per_step_(checked_ticks(options)),
       input_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(options.inputs.size()))),
       network_(std::move(executor), options.inputs, options.outputs),
-      history_(make_history(options, kWidth)),
-      tare_(options.tare_samples) {
+      history_(make_history(options, kWidth)) {
   if (options.outputs.size() != 6) throw std::invalid_argument("outputs must be six");
   for (const int input : options.inputs)
     if (input >= kObserverInputCount) throw std::invalid_argument("there is no such input");

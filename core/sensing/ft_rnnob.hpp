@@ -1,23 +1,46 @@
 #pragma once
 
-#include <cstdint>
+#include <Eigen/Core>
 
 #include "core/sensing/input_domain.hpp"
 #include "core/sensing/payload.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "core/sensing/sensor_model.hpp"
-#include "core/sensing/signal_history.hpp"
 #include "core/sensing/streamed_model.hpp"
 #include "core/sensing/tare.hpp"
 
 namespace palpate::sensing {
+
+/// Rows of signals on a uniform time grid, for delayed means. Before the first row the signals are
+/// assumed constant.
+class SignalHistory {
+ public:
+  /// For means over up to `window` rows, delayed by up to `largest_delay` rows. Throws
+  /// std::invalid_argument if an argument is out of range (width and window >= 1, delay >= 0, at
+  /// most 1e6 rows).
+  SignalHistory(int width, int window, double largest_delay);
+
+  void clear() noexcept { count_ = 0; }
+  int count() const noexcept { return count_; }  // rows since the last clear()
+  /// `row`: length width.
+  void push(const Eigen::Ref<const Eigen::VectorXd>& row) noexcept;
+  /// Mean of the columns from `first` on, as many as `mean` has entries, over the last `window`
+  /// rows, or all available ones, each delayed by `delay` rows (may be fractional). Zero without
+  /// any row.
+  void mean(int first, double delay, Eigen::Ref<Eigen::VectorXd> mean) const noexcept;
+
+ private:
+  Eigen::MatrixXd rows_;  // one column per row of the grid: column k % capacity is row k
+  int window_;
+  int count_ = 0;
+};
 
 /// Contact wrench at the wrist = reading minus load of a rigid payload minus a recurrent network's
 /// prediction of the residual (Sanchez 2019, section 3.4, there without a payload). All streams are
 /// delayed to the latest of them and averaged over the same window; the network steps once every
 /// fixed number of ticks, and the contact is held in between. Times are arrival times on the grid
 /// of the loop.
-class FtRnnob : public SensorModel {
+class FtRnnob : public TaredModel<6, SensorState::Offset::kWithoutPayload> {
  public:
   struct Options {
     /// Indices into observer_inputs() of the network's inputs, in its order.
@@ -56,20 +79,10 @@ class FtRnnob : public SensorModel {
   FtRnnob(const Options& options, std::unique_ptr<Executor> executor);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kBesidePayload);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kBesidePayload, tare_);
-  }
   const Executor* executor(int index) const noexcept override {
     return index == 0 ? &network_.executor() : nullptr;
   }
-
-  /// Samples rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
   static constexpr int kWidth = 22;  // columns of the history
@@ -89,7 +102,6 @@ class FtRnnob : public SensorModel {
   Eigen::VectorXd input_;                              // network inputs, as passed to the domain
   StreamedModel network_;
   SignalHistory history_;
-  Tare<6> tare_;
 
   Row row_ = Row::Zero();  // row of this tick
   /// a finite value was received since the last restart
@@ -100,7 +112,6 @@ class FtRnnob : public SensorModel {
   Eigen::Vector3d previous_rate_S_ = Eigen::Vector3d::Zero();
   bool has_rest_ = false;
   math::Vector6d rest_ = math::Vector6d::Zero();  // result of the last step
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

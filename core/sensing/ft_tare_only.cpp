@@ -6,8 +6,8 @@
 namespace palpate::sensing {
 
 FtTareOnly::FtTareOnly(const Options& options)
-    : options_(options),
-      tare_(options.tare_samples),
+    : TaredModel(options.tare_samples),
+      options_(options),
       delay_(options.delay),
       average_(options.moving_average) {
   if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");

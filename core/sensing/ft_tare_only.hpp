@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdint>
-
 #include "core/math/filter.hpp"
 #include "core/sensing/sensor_model.hpp"
 #include "core/sensing/tare.hpp"
@@ -10,7 +8,7 @@ namespace palpate::sensing {
 
 /// Contact wrench at the wrist = reading minus the reading at zero(). Valid only while the hand
 /// keeps its orientation and does not accelerate.
-class FtTareOnly : public SensorModel {
+class FtTareOnly : public TaredModel<6, SensorState::Offset::kReading> {
  public:
   struct Options {
     int tare_samples = 500;
@@ -28,25 +26,13 @@ class FtTareOnly : public SensorModel {
   explicit FtTareOnly(const Options& options);
 
   UpdateResult update(const Signals& signals, ContactSet& contacts) noexcept override;
-  void zero() noexcept override { tare_.start(); }
   void reset() noexcept override;
-  SensorState save() const noexcept override {
-    return sensing::save(tare_, SensorState::Offset::kReading);
-  }
-  bool restore(const SensorState& state) noexcept override {
-    return sensing::restore(state, SensorState::Offset::kReading, tare_);
-  }
-
-  /// Readings rejected since construction because a number was not finite.
-  std::int64_t skipped() const noexcept { return skipped_; }
 
  private:
   Options options_;
-  Tare<6> tare_;
   math::DelayLine<6> delay_;
   math::MovingAverage<6> average_;
   bool has_reading_ = false;
-  std::int64_t skipped_ = 0;
 };
 
 }  // namespace palpate::sensing

@@ -24,17 +24,6 @@ LoadMotion motion_at_rest(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& gr
   return motion;
 }
 
-LoadMotion motion_from_world(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& acceleration_W,
-                             const Eigen::Vector3d& angular_velocity_W,
-                             const Eigen::Vector3d& angular_acceleration_W,
-                             const Eigen::Vector3d& gravity_W) noexcept {
-  LoadMotion motion;
-  motion.specific_force = R_WS.transpose() * (acceleration_W - gravity_W);
-  motion.angular_velocity = R_WS.transpose() * angular_velocity_W;
-  motion.angular_acceleration = R_WS.transpose() * angular_acceleration_W;
-  return motion;
-}
-
 math::Wrench load_wrench(const PayloadParameters& payload, const LoadMotion& motion) noexcept {
   const Eigen::Vector3d& f = motion.specific_force;
   const Eigen::Vector3d& omega = motion.angular_velocity;

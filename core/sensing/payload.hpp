@@ -32,13 +32,6 @@ struct LoadMotion {
 /// Motion of a sensor at rest: gravity only.
 LoadMotion motion_at_rest(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& gravity_W) noexcept;
 
-/// Motion from the acceleration of the origin and the angular velocity and acceleration of the
-/// frame, in W.
-LoadMotion motion_from_world(const Eigen::Matrix3d& R_WS, const Eigen::Vector3d& acceleration_W,
-                             const Eigen::Vector3d& angular_velocity_W,
-                             const Eigen::Vector3d& angular_acceleration_W,
-                             const Eigen::Vector3d& gravity_W) noexcept;
-
 /// Reading of the sensor, in S at its origin: wrench exerted on the load by Newton-Euler, F = m (a
 /// - g) + alpha x mc + omega x (omega x mc), T = mc x (a - g) + I alpha + omega x I omega, plus the
 /// bias (Kubus, Kroeger and Wahl 2007).
@@ -91,7 +84,8 @@ struct PayloadFit {
   /// Condition number of the regressor with unit columns.
   double condition = 0;
   int sample_count = 0;
-  std::vector<std::string> untold;  // parameters in combinations that the data do not identify
+  std::vector<std::string>
+      unidentified;  // parameters in combinations that the data do not identify
 };
 
 /// Identifies mass, first moment and bias by least squares; the inertia remains zero. Throws

@@ -13,7 +13,7 @@ constexpr double kHuber = 1.345;  // standard deviations; 95 % efficiency for no
 constexpr int kPlainPasses = 3;
 constexpr int kRobustPasses = 20;
 // Component of a unit vector above which a parameter counts as not identifiable.
-constexpr double kUntoldShare = 0.1;
+constexpr double kUnidentifiedShare = 0.1;
 
 double median(std::vector<double>& values) {
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -108,9 +108,10 @@ PayloadFit identify(const std::vector<MotionSample>& samples, std::vector<int> c
     }
     solution = solution.cwiseProduct(scale);
     variance = variance.cwiseProduct(scale.cwiseAbs2());
-    fit.untold.clear();
+    fit.unidentified.clear();
     for (int c = 0; c < k; ++c)
-      if (lost[c] > kUntoldShare * kUntoldShare) fit.untold.push_back(column_name(columns[c]));
+      if (lost[c] > kUnidentifiedShare * kUnidentifiedShare)
+        fit.unidentified.push_back(column_name(columns[c]));
 
     const Eigen::VectorXd error = measured - regressor * solution;
     residuals = Eigen::Map<const Eigen::Matrix<double, 6, Eigen::Dynamic>>(error.data(), 6, n);
@@ -170,7 +171,7 @@ Eigen::Vector3d estimate_gravity_direction(const std::vector<StaticPose>& poses)
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(regressor, Eigen::ComputeThinU | Eigen::ComputeThinV);
   const Eigen::Vector3d weight = svd.solve(measured).head<3>();
   if (svd.singularValues()[5] < 1e-3 * svd.singularValues()[0] || weight.norm() == 0)
-    throw std::invalid_argument("the poses do not tell the load's weight from the bias");
+    throw std::invalid_argument("the poses do not separate the load's weight from the bias");
   return weight.normalized();
 }
 

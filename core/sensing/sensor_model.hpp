@@ -41,9 +41,9 @@ struct UpdateResult {
 struct SensorState {
   enum class Offset {
     kUnknown,
-    kReading,        // wrist reading, including the payload
-    kBesidePayload,  // wrist reading minus the payload's wrench
-    kCounts,         // fingertip counts
+    kReading,         // wrist reading, including the payload
+    kWithoutPayload,  // wrist reading minus the payload's wrench
+    kCounts,          // fingertip counts
   };
   Offset meaning = Offset::kUnknown;
   std::array<double, 24> offset{};  // N, N m; counts

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <cstdint>
 #include <stdexcept>
 
 #include "core/sensing/sensor_model.hpp"
@@ -79,5 +80,25 @@ bool restore(const SensorState& state, SensorState::Offset meaning, Tare<kSize>&
   if (offset.allFinite()) tare.set(offset);
   return true;
 }
+
+/// Sensor model with an offset at rest that zero() measures and that a replacement takes over.
+template <int kSize, SensorState::Offset kMeaning>
+class TaredModel : public SensorModel {
+ public:
+  void zero() noexcept override { tare_.start(); }
+  SensorState save() const noexcept override { return sensing::save(tare_, kMeaning); }
+  bool restore(const SensorState& state) noexcept override {
+    return sensing::restore(state, kMeaning, tare_);
+  }
+
+  /// Samples rejected since construction because a number was not finite.
+  std::int64_t skipped() const noexcept { return skipped_; }
+
+ protected:
+  explicit TaredModel(int tare_samples) : tare_(tare_samples) {}
+
+  Tare<kSize> tare_;
+  std::int64_t skipped_ = 0;
+};
 
 }  // namespace palpate::sensing

@@ -30,7 +30,6 @@ class AngleFeature : public MaterialFeature {
   /// Where the angle is undefined, value and Jacobian keep their last values.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
-  bool is_defined() const noexcept override { return is_defined_; }
   void error(const Eigen::Ref<const Eigen::VectorXd>& value,
              const Eigen::Ref<const Eigen::VectorXd>& target,
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
@@ -42,7 +41,6 @@ class AngleFeature : public MaterialFeature {
   std::optional<Eigen::Vector3d> axis_;
   double angle_ = 0;
   Eigen::RowVector3d by_a_, by_b_;
-  bool is_defined_ = true;
 };
 
 }  // namespace palpate::shape

@@ -34,7 +34,6 @@ class CurvatureFeature : public MaterialFeature {
   /// if a triple becomes collinear, without an axis, its last normal is used.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
-  bool is_defined() const noexcept override { return is_defined_; }
   bool is_valid_target(const double* target, int count) const noexcept override;
 
  private:
@@ -48,7 +47,6 @@ class CurvatureFeature : public MaterialFeature {
 
   std::optional<Eigen::Vector3d> axis_;
   std::array<Triple, 3> triples_;
-  bool is_defined_ = true;
 };
 
 }  // namespace palpate::shape

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::shape {
 namespace {
@@ -50,8 +50,8 @@ Eigen::MatrixXd fit_of(const FourierContourFeature::Options& options) {
   const Eigen::VectorXd& singular = svd.singularValues();
   if (waves.cols() > points || singular[0] > kWorstCondition * singular[singular.size() - 1]) {
     throw std::invalid_argument("feature fourier_contour: " + std::to_string(points) +
-                                " points so placed cannot tell " +
-                                std::to_string(options.harmonics) + " harmonics apart");
+                                " points so placed cannot resolve " +
+                                std::to_string(options.harmonics) + " harmonics");
   }
   return svd.solve(Eigen::MatrixXd::Identity(points, points));
 }

@@ -26,7 +26,6 @@ class PoseFeature : public MaterialFeature {
   /// Keeps the last orientation while the points are collinear.
   void evaluate(const Eigen::Matrix3Xd& positions,
                 Eigen::Ref<Eigen::VectorXd> value) noexcept override;
-  bool is_defined() const noexcept override { return is_defined_; }
   void error(const Eigen::Ref<const Eigen::VectorXd>& value,
              const Eigen::Ref<const Eigen::VectorXd>& target,
              Eigen::Ref<Eigen::VectorXd> error) const noexcept override;
@@ -37,7 +36,6 @@ class PoseFeature : public MaterialFeature {
 
   Eigen::Matrix3d R_OC_ = Eigen::Matrix3d::Identity();
   Eigen::Matrix<double, 6, 9> by_points_;
-  bool is_defined_ = true;
 };
 
 }  // namespace palpate::shape

@@ -87,7 +87,7 @@ class MessageSigner {
 enum class Admitted {
   kFresh,
   kRepeated,  // the last accepted message again: not executed, and not suspicious
-  kRefused
+  kRejected
 };
 
 /// Replay guard: accepts messages of one incoming channel with a valid code and a counter above all
@@ -110,30 +110,30 @@ class ReplayGuard {
   Admitted judge(const Message& message) noexcept {
     if (!key_) return Admitted::kFresh;
     before_start_ = -1;
-    if (!verify(*key_, channel_, message)) return refuse("no valid authentication code");
+    if (!verify(*key_, channel_, message)) return reject("no valid authentication code");
     if (any_ && message.counter == counter_) return Admitted::kRepeated;
     if (message.counter <= start_) {
       before_start_ = message.counter;
-      return refuse("sent before this program started");
+      return reject("sent before this program started");
     }
-    if (message.counter <= counter_) return refuse("counter of an older message");
+    if (message.counter <= counter_) return reject("counter of an older message");
     counter_ = message.counter;
     any_ = true;
     return Admitted::kFresh;
   }
 
   const std::string& channel() const noexcept { return channel_; }
-  std::int64_t refused() const noexcept { return refused_; }
+  std::int64_t rejected() const noexcept { return rejected_; }
   const char* reason() const noexcept { return reason_; }  // reason of the last rejection
   /// Counter of the last rejected message if it was sent before the start: it was certainly not
   /// executed, so that its sender may repeat it with a new counter. -1 for any other rejection.
   std::int64_t before_start() const noexcept { return before_start_; }
 
  private:
-  Admitted refuse(const char* reason) noexcept {
-    ++refused_;
+  Admitted reject(const char* reason) noexcept {
+    ++rejected_;
     reason_ = reason;
-    return Admitted::kRefused;
+    return Admitted::kRejected;
   }
 
   std::string channel_;
@@ -142,7 +142,7 @@ class ReplayGuard {
   std::int64_t counter_;
   std::int64_t before_start_ = -1;
   bool any_ = false;  // the counter belongs to a received message
-  std::int64_t refused_ = 0;
+  std::int64_t rejected_ = 0;
   const char* reason_ = "";
 };
 

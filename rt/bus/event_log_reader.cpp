@@ -10,7 +10,6 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "rt/bus/event_log.hpp"
 #include "rt/bus/udpm_frame.hpp"
 
 namespace palpate::bus {

@@ -4,7 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
 
 namespace palpate::bus {
 namespace {

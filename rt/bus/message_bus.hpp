@@ -58,18 +58,18 @@ class Subscription {
   const SubscriptionCounters& counters() const noexcept { return counters_; }
 
  private:
-  bool is_heard(const void* data, std::int64_t arrival_ns) noexcept;
+  bool is_followed(const void* data, std::int64_t arrival_ns) noexcept;
 
   std::string channel_;
   int encoded_size_;
   std::int64_t fingerprint_;
   struct Sender {
     std::int64_t session = 0;
-    std::int64_t heard_ns = 0;  // arrival of its last message
+    std::int64_t received_ns = 0;  // arrival of its last message
     bool any = false;
   };
   std::int64_t silence_ns_ = -1;  // negative: all publishers are accepted
-  Sender heard_, before_;
+  Sender followed_, before_;
   SubscriptionCounters counters_;
   struct Queue;
   std::unique_ptr<Queue> queue_;

@@ -67,7 +67,7 @@ void Subscription::offer(const void* data, int size, std::int64_t arrival_ns) no
     return increment(counters_.wrong_type);
   }
   if (size != encoded_size_) return increment(counters_.wrong_size);
-  if (!is_heard(data, arrival_ns)) return increment(counters_.other_sender);
+  if (!is_followed(data, arrival_ns)) return increment(counters_.other_sender);
   Slot& slot = queue_->ring.back();
   std::memcpy(slot.data.data(), data, static_cast<std::size_t>(size));
   slot.arrival_ns = arrival_ns;
@@ -75,18 +75,18 @@ void Subscription::offer(const void* data, int size, std::int64_t arrival_ns) no
   increment(counters_.received);
 }
 
-bool Subscription::is_heard(const void* data, std::int64_t arrival_ns) noexcept {
+bool Subscription::is_followed(const void* data, std::int64_t arrival_ns) noexcept {
   if (silence_ns_ < 0 || encoded_size_ < kSessionAt + 8) return true;
   const std::int64_t session = number_at(static_cast<const std::uint8_t*>(data) + kSessionAt);
-  if (heard_.any && session != heard_.session) {
+  if (followed_.any && session != followed_.session) {
     constexpr int kPatience = 5;
     const bool goes_on = before_.any && session == before_.session &&
-                         arrival_ns - before_.heard_ns < kPatience * silence_ns_;
-    const bool is_silent = arrival_ns - heard_.heard_ns >= silence_ns_;
+                         arrival_ns - before_.received_ns < kPatience * silence_ns_;
+    const bool is_silent = arrival_ns - followed_.received_ns >= silence_ns_;
     if (!goes_on && !is_silent) return false;
-    before_ = goes_on ? Sender() : heard_;
+    before_ = goes_on ? Sender() : followed_;
   }
-  heard_ = {session, arrival_ns, true};
+  followed_ = {session, arrival_ns, true};
   return true;
 }
 

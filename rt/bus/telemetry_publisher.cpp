@@ -4,7 +4,7 @@
 #include <ctime>
 #include <stdexcept>
 
-#include "rt/loop/helper_thread.hpp"
+#include "rt/loop/real_time.hpp"
 
 namespace palpate::bus {
 

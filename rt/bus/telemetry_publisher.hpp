@@ -29,7 +29,7 @@ class TelemetryPublisher {
 
   /// Number of messages that were not sent: queue full, too large, or rejected by the bus.
   std::int64_t lost() const noexcept {
-    return queue_.dropped() + queue_.refused() + failed_.load(std::memory_order_relaxed);
+    return queue_.dropped() + queue_.rejected() + failed_.load(std::memory_order_relaxed);
   }
 
  private:

@@ -10,7 +10,6 @@
 
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "rt/loop/helper_thread.hpp"
 #include "rt/loop/real_time.hpp"
 
 namespace palpate::bus {

@@ -16,7 +16,7 @@ namespace {
 constexpr char kScheme[] = "udpm://";
 constexpr int kLargestBuffer = 1 << 30;
 
-[[noreturn]] void refuse(const std::string& url, const std::string& why) {
+[[noreturn]] void reject(const std::string& url, const std::string& why) {
   throw std::invalid_argument("LCM URL \"" + url + "\": " + why +
                               "; expected udpm://ADDRESS:PORT?ttl=N&recv_buf_size=BYTES, "
                               "for instance udpm://239.255.76.67:7667?ttl=0");
@@ -28,7 +28,7 @@ int number(const std::string& url, const std::string& name, const std::string& t
   const char* end = text.data() + text.size();
   const auto result = std::from_chars(text.data(), end, value);
   if (result.ec != std::errc() || result.ptr != end || value < low || value > high)
-    refuse(url, name + " must be " + std::to_string(low) + " to " + std::to_string(high) +
+    reject(url, name + " must be " + std::to_string(low) + " to " + std::to_string(high) +
                     ", not \"" + text + "\"");
   return value;
 }
@@ -40,9 +40,9 @@ void read_group(const std::string& url, const std::string& group, UdpmUrl& out) 
   if (colon != std::string::npos) out.port = number(url, "port", group.substr(colon + 1), 1, 65535);
   in_addr parsed{};
   if (inet_pton(AF_INET, out.address.c_str(), &parsed) != 1)
-    refuse(url, "\"" + out.address + "\" is not an IPv4 address");
+    reject(url, "\"" + out.address + "\" is not an IPv4 address");
   if (!IN_MULTICAST(ntohl(parsed.s_addr)))
-    refuse(url, out.address + " is not a multicast address (224.0.0.0 to 239.255.255.255)");
+    reject(url, out.address + " is not a multicast address (224.0.0.0 to 239.255.255.255)");
 }
 
 void read_option(const std::string& url, const std::string& option, UdpmUrl& out) {
@@ -54,7 +54,7 @@ void read_option(const std::string& url, const std::string& option, UdpmUrl& out
   else if (key == "recv_buf_size")
     out.receive_buffer_size = number(url, key, value, 0, kLargestBuffer);
   else
-    refuse(url, "unknown option \"" + key + "\"");
+    reject(url, "unknown option \"" + key + "\"");
 }
 
 }  // namespace
@@ -74,7 +74,7 @@ sockaddr_in UdpmUrl::socket_address() const {
 }
 
 UdpmUrl parse_udpm_url(const std::string& url) {
-  if (url.rfind(kScheme, 0) != 0) refuse(url, "not of the kind udpm");
+  if (url.rfind(kScheme, 0) != 0) reject(url, "not of the kind udpm");
   UdpmUrl result;
   const std::size_t question = url.find('?');
   const std::size_t begin = std::strlen(kScheme);

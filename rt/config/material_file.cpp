@@ -23,7 +23,7 @@ Node MaterialFile::corotational() const {
         "material_file",
         holder_.path({"material_file", "",
                       "material that palpate-fit has written; it goes over section material"}) +
-            " has no section corotational: its recordings did not tell Young's "
+            " has no section corotational: its recordings did not determine Young's "
             "modulus");
   return root_.child("corotational");
 }

@@ -5,9 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/mesh/gmsh.hpp"
-#include "core/mesh/tetgen.hpp"
-#include "core/mesh/vega.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "rt/config/node.hpp"
 
 namespace palpate::config {

@@ -178,7 +178,8 @@ math::Pose Node::pose(const Key& key) const {
     if (!math::is_unit_quaternion(wxyz.data())) {
       node.fail("quaternion", "norm is not 1; allowed: a unit quaternion [w, x, y, z]");
     }
-    if (node.has("rpy_deg")) node.fail("rpy_deg", "given beside quaternion; allowed: one of them");
+    if (node.has("rpy_deg"))
+      node.fail("rpy_deg", "given together with quaternion; allowed: one of them");
     rotation = math::rotation_from_wxyz(wxyz.data());
   } else {
     const Eigen::Vector3d rpy =

@@ -57,7 +57,7 @@ void Commands::handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::i
 void Commands::handle_command(pipeline::Pipeline& pipeline, Replacing& replacing,
                               std::int64_t cycle, std::int64_t utime) noexcept {
   const bus::Admitted admitted = command_admission_.judge(command_);
-  if (admitted == bus::Admitted::kRefused) return;
+  if (admitted == bus::Admitted::kRejected) return;
   const char* slot = bus::get_text(command_.slot);
   const Event event = pipeline::event_from(bus::get_text(command_.event));
   if (command_.session == last_session_ && command_.counter == last_counter_) {
@@ -116,16 +116,16 @@ void Commands::handle_target(pipeline::Pipeline& pipeline, std::int64_t utime) n
   answer("feature", accepted ? "target" : "refused", target_.counter, reason, utime);
 }
 
-void Commands::announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
-                                std::int64_t utime) noexcept {
+void Commands::announce_rejected(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
+                                 std::int64_t utime) noexcept {
   constexpr std::int64_t kInterval = 1'000'000'000;  // ns
-  if (refused_told_ns_ != 0 && monotonic_ns - refused_told_ns_ < kInterval) return;
+  if (rejected_reported_ns_ != 0 && monotonic_ns - rejected_reported_ns_ < kInterval) return;
   const bus::ReplayGuard* admissions[] = {&command_admission_, &target_admission_, &manual};
-  for (std::size_t i = 0; i < refused_told_.size(); ++i) {
-    const std::int64_t more = admissions[i]->refused() - refused_told_[i];
+  for (std::size_t i = 0; i < rejected_reported_.size(); ++i) {
+    const std::int64_t more = admissions[i]->rejected() - rejected_reported_[i];
     if (more == 0) continue;
-    refused_told_[i] += more;
-    refused_told_ns_ = monotonic_ns;
+    rejected_reported_[i] += more;
+    rejected_reported_ns_ = monotonic_ns;
     char reason[200];
     std::snprintf(reason, sizeof(reason), "%lld of %s, the last one: %s",
                   static_cast<long long>(more), admissions[i]->channel().c_str(),
@@ -174,7 +174,7 @@ void Commands::announce_wrong_type(const bus::Subscription& channel, std::int64_
   char* at = append(reason, end, channel.channel());
   at = append(at, end, ": messages of type ");
   at = append_hexadecimal(at, end, channel.counters().last_wrong_fingerprint);
-  at = append(at, end, " are refused, ");
+  at = append(at, end, " are rejected, ");
   at = append_hexadecimal(at, end, channel.fingerprint());
   *append(at, end, " is expected") = '\0';
   answer("bus", "wrong type", -1, reason, utime);

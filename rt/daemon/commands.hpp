@@ -36,11 +36,11 @@ class Commands {
               std::int64_t utime) noexcept;
 
   /// Reports, at most once per second, that commands or manual forces (`manual`) were rejected.
-  void announce_refused(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
-                        std::int64_t utime) noexcept;
+  void announce_rejected(const bus::ReplayGuard& manual, std::int64_t monotonic_ns,
+                         std::int64_t utime) noexcept;
   /// Number of commands and targets without a valid code or with an old counter.
-  std::int64_t refused() const noexcept {
-    return command_admission_.refused() + target_admission_.refused();
+  std::int64_t rejected() const noexcept {
+    return command_admission_.rejected() + target_admission_.rejected();
   }
 
   /// Publishes the outcome of a replacement.
@@ -80,8 +80,8 @@ class Commands {
   std::array<char, 32> last_answer_{};  // to the last command
   std::array<char, 256> last_reason_{};
   TargetAssembly assembly_;
-  std::array<std::int64_t, 3> refused_told_{};  // for commands, targets, manual forces
-  std::int64_t refused_told_ns_ = 0;
+  std::array<std::int64_t, 3> rejected_reported_{};  // for commands, targets, manual forces
+  std::int64_t rejected_reported_ns_ = 0;
 
   bus::HeaderStamper stamp_;
   bus::TypedPublisher<component_event_t> events_;

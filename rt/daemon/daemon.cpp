@@ -78,7 +78,7 @@ void Daemon::tick(const Now& now) noexcept {
 
   inputs_.read(now.monotonic_ns, dt, now.stepped);
   if (inputs_.any_began_anew())
-    pipeline_.stop("a sensor, hand or robot has started anew: waits for start");
+    pipeline_.stop("a sensor, hand or robot has restarted: waits for start");
   commands_.handle(pipeline_, replacing_, counters_.cycles, now.utime);
   if (const bus::Subscription* channel = types_.look(now.monotonic_ns))
     commands_.announce_wrong_type(*channel, now.utime);
@@ -96,15 +96,15 @@ void Daemon::tick(const Now& now) noexcept {
   pipeline_.control(dt);
   mark(Phase::kControl);
   pipeline_.gate(dt);
-  bool limited = false, refused = false;
+  bool limited = false, rejected = false;
   for (int arm = 0; arm < pipeline_.arm_count(); ++arm) {
     const control::GateOutput& gate = pipeline_.gate_output(arm);
     telemetry_.publish_command(arm, gate, pipeline_.is_running(), now.utime);
     limited = limited || gate.limited;
-    refused = refused || gate.refused;
+    rejected = rejected || gate.rejected;
   }
   if (limited) ++counters_.gate_limited;
-  if (refused) ++counters_.gate_refused;
+  if (rejected) ++counters_.gate_rejected;
   mark(Phase::kGate);
   publish(now);
   mark(Phase::kPublish);
@@ -136,9 +136,9 @@ void Daemon::publish(const Now& now) noexcept {
     if (record_ && condition.state == pipeline::LifeCycle::kFaulted) record_->hand_over("fault");
     commands_.announce(condition, now.utime);
   }
-  commands_.announce_refused(inputs_.manual_admission(), now.monotonic_ns, now.utime);
-  if (pipeline_.fallbacks_taken() != told_fallbacks_) {
-    told_fallbacks_ = pipeline_.fallbacks_taken();
+  commands_.announce_rejected(inputs_.manual_admission(), now.monotonic_ns, now.utime);
+  if (pipeline_.fallbacks_taken() != reported_fallbacks_) {
+    reported_fallbacks_ = pipeline_.fallbacks_taken();
     if (record_) record_->hand_over("fallback");
     commands_.announce("all", "", "", "fallback", pipeline_.fallback_reason(), now.utime);
   }
@@ -149,7 +149,7 @@ void Daemon::publish(const Now& now) noexcept {
   if (pipeline_.is_running()) {
     if (status == elasticity::StepStatus::kConverged) shape_ns_ = now.monotonic_ns;
     if (status != elasticity::StepStatus::kConverged) ++counters_.shapes_not_converged;
-    if (pipeline_.estimate().jumped) tell_jump(now);
+    if (pipeline_.estimate().jumped) report_jump(now);
   }
   const std::int64_t cycle = counters_.cycles;
   if (cycle % settings_.shape_every == 0 && pipeline_.is_running()) {
@@ -160,14 +160,14 @@ void Daemon::publish(const Now& now) noexcept {
     const auto cycles = std::max<std::int64_t>(1, std::llround(seconds / settings_.loop.period));
     return cycle % cycles == offset % cycles;
   };
-  const bool news = health_.has_news(condition, inputs_, now.monotonic_ns);
-  if (every(0.1, 3) || news) {
+  const bool is_new = health_.has_new_data(condition, inputs_, now.monotonic_ns);
+  if (every(0.1, 3) || is_new) {
     if (mode_ == Mode::kRealTime && pipeline_.is_running()) {
       counters_.page_faults = loop::page_faults_of_this_thread() - faults_at_start_;
       const std::int64_t allocations = loop::allocations_of_this_thread();
       counters_.allocations = allocations < 0 ? -1 : allocations - allocations_at_start_;
     }
-    counters_.commands_refused = commands_.refused() + inputs_.manual_admission().refused();
+    counters_.commands_rejected = commands_.rejected() + inputs_.manual_admission().rejected();
     health_.publish(counters_, condition, inputs_, pipeline_.running_models(), now.utime);
   }
   if (every(1.0, 7)) health_.publish_config(now.utime);
@@ -177,10 +177,10 @@ void Daemon::publish(const Now& now) noexcept {
 }
 
 /// At most once per second, however often the shape jumps.
-void Daemon::tell_jump(const Now& now) noexcept {
+void Daemon::report_jump(const Now& now) noexcept {
   constexpr std::int64_t kSecond = 1'000'000'000;
-  if (told_jump_ns_ != 0 && now.monotonic_ns - told_jump_ns_ < kSecond) return;
-  told_jump_ns_ = now.monotonic_ns;
+  if (jump_reported_ns_ != 0 && now.monotonic_ns - jump_reported_ns_ < kSecond) return;
+  jump_reported_ns_ = now.monotonic_ns;
   const bool restarted = pipeline_.estimate().step.restarted;
   commands_.announce("estimation", "", "", "jump",
                      restarted ? "the shape was one that the object can hardly have, and is given "

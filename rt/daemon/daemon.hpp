@@ -6,12 +6,10 @@
 #include "rt/daemon/crash_record.hpp"
 #include "rt/daemon/health.hpp"
 #include "rt/daemon/inputs.hpp"
-#include "rt/daemon/overrun_monitor.hpp"
 #include "rt/daemon/refactoring.hpp"
 #include "rt/daemon/replacing.hpp"
 #include "rt/daemon/settings.hpp"
 #include "rt/daemon/telemetry.hpp"
-#include "rt/daemon/type_watch.hpp"
 #include "rt/pipeline/pipeline.hpp"
 
 namespace palpate::daemon {
@@ -62,7 +60,7 @@ class Daemon {
   void mark(Phase phase) noexcept;
   void replace(const Now& now) noexcept;
   void publish(const Now& now) noexcept;
-  void tell_jump(const Now& now) noexcept;
+  void report_jump(const Now& now) noexcept;
 
   Mode mode_;
   Settings settings_;
@@ -81,10 +79,10 @@ class Daemon {
   Counters counters_;
   pipeline::LifeCycle announced_ = pipeline::LifeCycle::kUnconfigured;
   bool woke_late_ = false;  // in the previous cycle
-  int told_fallbacks_ = 0;
+  int reported_fallbacks_ = 0;
   std::int64_t phase_began_ns_ = 0;
   std::int64_t shape_ns_ = 0;  // time of the last update of the shape
-  std::int64_t told_jump_ns_ = 0;
+  std::int64_t jump_reported_ns_ = 0;
   std::int64_t faults_at_start_ = 0;
   std::int64_t allocations_at_start_ = 0;
 };

@@ -48,14 +48,14 @@ void Health::describe(std::int64_t configuration_hash, std::int64_t mesh_hash) n
   config_message_.mesh_hash = mesh_hash;
 }
 
-bool Health::has_news(const pipeline::Condition& condition, const Inputs& inputs,
-                      std::int64_t now_ns) noexcept {
+bool Health::has_new_data(const pipeline::Condition& condition, const Inputs& inputs,
+                          std::int64_t now_ns) noexcept {
   const std::int64_t since_ns = now_ns - news_ns_;
   const bool another_state = message_.state != static_cast<int>(condition.state);
   const std::int64_t troubles = troubles_of(inputs);
-  const bool news = (another_state && since_ns >= kBetweenStates) ||
-                    (troubles != troubles_ && since_ns >= kBetweenTroubles);
-  if (!news) return false;
+  const bool is_new = (another_state && since_ns >= kBetweenStates) ||
+                      (troubles != troubles_ && since_ns >= kBetweenTroubles);
+  if (!is_new) return false;
   news_ns_ = now_ns;
   troubles_ = troubles;
   return true;
@@ -77,8 +77,8 @@ void Health::publish(const Counters& counters, const pipeline::Condition& condit
   message_.allocations = counters.allocations;
   message_.telemetry_dropped = control_.unpublished() + housekeeping_.unpublished();
   message_.gate_limited = counters.gate_limited;
-  message_.gate_refused = counters.gate_refused;
-  message_.commands_refused = counters.commands_refused;
+  message_.gate_refused = counters.gate_rejected;
+  message_.commands_refused = counters.commands_rejected;
 
   const auto microseconds = [](std::int64_t ns) { return static_cast<float>(ns) * 1e-3F; };
   message_.phase_count = kPhases;

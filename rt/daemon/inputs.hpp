@@ -126,4 +126,34 @@ class Inputs {
   Channel<shape_observation_t> observation_;
 };
 
+/// Detects messages of a different type, or a different version of it, on the channels of a bus.
+/// Each channel is reported at once and then at most once per second.
+class TypeWatch {
+ public:
+  explicit TypeWatch(const bus::MessageBus& bus) : bus_(bus) {}
+
+  /// Next channel to report; nullptr if there is none. `now_ns`: clock of the arrival times.
+  const bus::Subscription* look(std::int64_t now_ns) noexcept {
+    const auto& channels = bus_.subscriptions();
+    for (std::size_t i = 0; i < channels.size() && i < reported_.size(); ++i) {
+      const std::int64_t count = channels[i]->counters().wrong_type.load(std::memory_order_relaxed);
+      Reported& reported = reported_[i];
+      if (count == reported.count || (reported.count > 0 && now_ns - reported.at_ns < kInterval))
+        continue;
+      reported = {count, now_ns};
+      return channels[i];
+    }
+    return nullptr;
+  }
+
+ private:
+  static constexpr std::int64_t kInterval = 1'000'000'000;
+  struct Reported {
+    std::int64_t count = 0;
+    std::int64_t at_ns = 0;
+  };
+  const bus::MessageBus& bus_;
+  std::array<Reported, 32> reported_{};
+};
+
 }  // namespace palpate::daemon

@@ -1,10 +1,17 @@
 // palpated: estimates and controls the shape of a soft object. See README.md and --help.
 
+#include <spdlog/async.h>
+#include <spdlog/sinks/stdout_color_sinks.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <csignal>
 #include <fstream>
+#include <future>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -12,7 +19,6 @@
 #include "rt/bus/udpm_frame.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/daemon/daemon.hpp"
-#include "rt/daemon/log.hpp"
 #include "rt/daemon/service_manager.hpp"
 #include "rt/daemon/stepped_clock.hpp"
 
@@ -22,6 +28,30 @@ using palpate::bus::wall_clock_us;
 using palpate::daemon::Daemon;
 using palpate::daemon::Mode;
 using palpate::daemon::Now;
+
+/// Makes spdlog write from a separate thread and drop lines if its queue is full, so that a full
+/// disk or a blocked journal never delays the daemon. Block signals before this call.
+void start_log() {
+  constexpr std::size_t kRoom = 1024;  // lines
+  spdlog::init_thread_pool(kRoom, 1);
+  spdlog::set_default_logger(
+      spdlog::create_async_nb<spdlog::sinks::stdout_color_sink_mt>("palpated"));
+  spdlog::set_pattern("%H:%M:%S.%e %^%l%$ %v");
+}
+
+/// Waits briefly for the last lines to be written; if that fails, ends the process without them.
+/// Otherwise returns the exit code.
+int end_log(int exit_code) {
+  auto written = std::make_shared<std::promise<void>>();
+  auto future = written->get_future();
+  std::thread([written] {
+    spdlog::shutdown();
+    written->set_value();
+  }).detach();
+  if (future.wait_for(std::chrono::milliseconds(100)) != std::future_status::ready)
+    _exit(exit_code);
+  return exit_code;
+}
 
 /// Blocks, in all threads, the signals that end the program or request a record; wait_for_end()
 /// receives them.
@@ -36,7 +66,7 @@ sigset_t block_signals() {
 }
 
 /// Logs the events of the loop.
-void tell_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
+void log_events(Daemon& daemon, palpate::daemon::LoopWatch& watch) {
   palpate::daemon::EventRecord record;
   while (daemon.take_record(record)) {
     const char* component = record.component.data();
@@ -69,7 +99,7 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
   LoopWatch watch(manager);
   while (!stop) {
     const int signal = sigtimedwait(&signals, nullptr, &interval);
-    tell_events(daemon, watch);
+    log_events(daemon, watch);
     write_record(daemon);
     switch (watch.look(palpate::loop::monotonic_ns(), cycles)) {
       case LoopWatch::Verdict::kStalled:
@@ -88,7 +118,7 @@ void wait_for_end(const sigset_t& signals, Daemon& daemon, const std::atomic<boo
       break;
     }
   }
-  manager.tell("STOPPING=1");
+  manager.notify("STOPPING=1");
 }
 
 /// Pairs of a fraction of cycles and the latency, us, which it exceeds; four fractions per decade.
@@ -114,8 +144,8 @@ nlohmann::json statistics(const Daemon& daemon) {
                          {"page_faults", counters.page_faults},
                          {"allocations", counters.allocations},
                          {"gate_limited", counters.gate_limited},
-                         {"gate_refused", counters.gate_refused},
-                         {"commands_refused", counters.commands_refused}};
+                         {"gate_refused", counters.gate_rejected},
+                         {"commands_refused", counters.commands_rejected}};
   for (int i = 0; i < palpate::daemon::kPhases; ++i) {
     const palpate::loop::LatencyHistogram& latency = counters.latency[i];
     json["latency_us"][name(static_cast<palpate::daemon::Phase>(i))] = {
@@ -205,7 +235,7 @@ std::string extent_of(const palpate::registry::Object& object) {
                      object.body.fixed_nodes.size());
 }
 
-/// Builds all that a start would build, beside the network and the folder of records.
+/// Builds all that a start would build, except the network and the folder of records.
 int check(const Options& options) {
   const auto root = palpate::config::Node::load_file(options.configuration, options.overrides);
   const auto bus = palpate::bus::make_memory_bus(palpate::bus::make_memory_hub());
@@ -293,7 +323,7 @@ int main(int argc, char** argv) {
     return palpate::config::usage_error(app, "--config is required");
 
   const sigset_t signals = block_signals();
-  palpate::daemon::start_log();
+  start_log();
   int code = 1;
   try {
     code = options.check ? check(options) : run(options, signals);
@@ -303,5 +333,5 @@ int main(int argc, char** argv) {
   } catch (const std::exception& error) {
     spdlog::error("{}", error.what());
   }
-  return palpate::daemon::end_log(code);
+  return end_log(code);
 }

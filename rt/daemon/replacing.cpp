@@ -69,7 +69,7 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
   if (state_ == State::kBuilding) {
     if (delay_ >= 0 && cycle < due_) return Outcome::kNothing;
     if ((delay_ < 0 ? worker_.finished() : worker_.wait()) == nullptr) return Outcome::kNothing;
-    if (replacement_ == nullptr) return submit_clean(Outcome::kRefused);
+    if (replacement_ == nullptr) return submit_clean(Outcome::kRejected);
     state_ = State::kRunningAlong;
   }
   if (state_ == State::kRunningAlong) {
@@ -78,7 +78,7 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
       case pipeline::Pipeline::Along::kWaits:
         return Outcome::kNothing;
       case pipeline::Pipeline::Along::kRefused:
-        return refuse(reason);
+        return reject(reason);
       case pipeline::Pipeline::Along::kReady:
         state_ = State::kWaitingForFactor;
         refactoring.pause(true);
@@ -91,8 +91,8 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
 
 Replacing::Outcome Replacing::put_in(Refactoring& refactoring) noexcept {
   refactoring.pause(false);
-  if (pipeline_.on_fallback()) return refuse("a fallback runs: reset first");
-  if (!pipeline_.take(*replacement_)) return refuse("the present shape cannot be carried over");
+  if (pipeline_.on_fallback()) return reject("a fallback runs: reset first");
+  if (!pipeline_.take(*replacement_)) return reject("the present shape cannot be carried over");
   pipeline_.take(fallbacks_);
   ++replaced_;
   std::swap(root_.hash, wanted_->hash);
@@ -106,9 +106,9 @@ Replacing::Outcome Replacing::put_in(Refactoring& refactoring) noexcept {
   return submit_clean(Outcome::kReplaced);
 }
 
-Replacing::Outcome Replacing::refuse(const char* reason) noexcept {
+Replacing::Outcome Replacing::reject(const char* reason) noexcept {
   bus::put_text(reason_, reason);
-  return submit_clean(Outcome::kRefused);
+  return submit_clean(Outcome::kRejected);
 }
 
 Replacing::Outcome Replacing::submit_clean(Outcome outcome) noexcept {

@@ -18,7 +18,7 @@ namespace palpate::daemon {
 /// neither allocates nor waits.
 class Replacing {
  public:
-  enum class Outcome { kNothing, kReplaced, kRefused };
+  enum class Outcome { kNothing, kReplaced, kRejected };
 
   /// `delay` >= 0, in deterministic mode: cycles from a request to the exchange, waiting if
   /// necessary; negative: as soon as available.
@@ -28,7 +28,7 @@ class Replacing {
   /// Accepts the event "replace" of a command; "" or the reason for immediate rejection.
   const char* request(const component_command_t& command, std::int64_t cycle) noexcept;
 
-  /// Called once per cycle, after the sensors were read. After kRefused nothing has changed.
+  /// Called once per cycle, after the sensors were read. After kRejected nothing has changed.
   Outcome service(Refactoring& refactoring, std::int64_t cycle) noexcept;
 
   /// Command of the last outcome.
@@ -42,7 +42,7 @@ class Replacing {
 
   void build() noexcept;
   void clean() noexcept;
-  Outcome refuse(const char* reason) noexcept;
+  Outcome reject(const char* reason) noexcept;
   Outcome put_in(Refactoring& refactoring) noexcept;
   Outcome submit_clean(Outcome outcome) noexcept;
 

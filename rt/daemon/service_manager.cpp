@@ -40,7 +40,7 @@ ServiceManager::~ServiceManager() {
   if (file_ >= 0) close(file_);
 }
 
-bool ServiceManager::tell(const std::string& lines) noexcept {
+bool ServiceManager::notify(const std::string& lines) noexcept {
   if (file_ < 0) return false;
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
@@ -57,10 +57,10 @@ LoopWatch::Verdict LoopWatch::look(std::int64_t now_ns, std::int64_t cycles) noe
   if (cycles != cycles_ || moved_ns_ == 0) moved_ns_ = now_ns;
   cycles_ = cycles;
   if (cycles == 0) return Verdict::kNothing;
-  if (first) manager_.tell("READY=1");
+  if (first) manager_.notify("READY=1");
   if (manager_.watchdog_ns() > 0 && cycles != pinged_cycles_ &&
       now_ns - pinged_ns_ >= manager_.watchdog_ns() / 2) {
-    manager_.tell("WATCHDOG=1");
+    manager_.notify("WATCHDOG=1");
     pinged_cycles_ = cycles;
     pinged_ns_ = now_ns;
   }
@@ -73,7 +73,7 @@ LoopWatch::Verdict LoopWatch::look(std::int64_t now_ns, std::int64_t cycles) noe
 void LoopWatch::set_status(const std::string& status) {
   if (status == status_) return;
   status_ = status;
-  manager_.tell("STATUS=" + status);
+  manager_.notify("STATUS=" + status);
 }
 
 }  // namespace palpate::daemon

@@ -18,7 +18,7 @@ class ServiceManager {
   ServiceManager& operator=(const ServiceManager&) = delete;
 
   /// Sends lines such as "READY=1". Never waits; false if they were not sent.
-  bool tell(const std::string& lines) noexcept;
+  bool notify(const std::string& lines) noexcept;
 
   /// Watchdog interval of the service manager; 0: disabled.
   std::int64_t watchdog_ns() const noexcept { return watchdog_ns_; }

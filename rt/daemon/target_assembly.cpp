@@ -48,7 +48,7 @@ TargetAssembly::Taken TargetAssembly::take(const shape_target_t& chunk,
   reason = wrong(chunk);
   if (*reason != '\0') {
     known_ = true;
-    return Taken::kRefused;
+    return Taken::kRejected;
   }
   const std::uint32_t bit = 1U << static_cast<unsigned>(chunk.chunk);
   if ((here_ & bit) != 0) return Taken::kWaits;

@@ -4,7 +4,7 @@
 #include <palpate/shape_target_t.hpp>
 #include <vector>
 
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::daemon {
 
@@ -19,10 +19,10 @@ class TargetAssembly {
   TargetAssembly();
 
   enum class Taken {
-    kWaits,   // further chunks are missing
-    kKnown,   // older than, or part of, a target that is complete or rejected
-    kWhole,   // complete
-    kRefused  // the complete target is rejected, see `reason`
+    kWaits,    // further chunks are missing
+    kKnown,    // older than, or part of, a target that is complete or rejected
+    kWhole,    // complete
+    kRejected  // the complete target is rejected, see `reason`
   };
   Taken take(const shape_target_t& chunk, const char*& reason) noexcept;
 

@@ -76,16 +76,16 @@ ModelFile read_model_file(const std::string& path) {
   ModelFile file;
   file.path = path;
   file.bytes = read_bytes(path, kLargestModule);
-  const std::string beside = card_path(path);
-  require_file(beside);
+  const std::string card = card_path(path);
+  require_file(card);
   try {
-    file.card = read_card(beside);
+    file.card = read_card(card);
   } catch (const std::exception& error) {
     throw ModelError(error.what());
   }
   const std::string hash = sha256_of(file.bytes);
   if (hash != file.card.sha256)
-    throw ModelError(path + ": its SHA-256 is " + hash + ", that in " + beside + " " +
+    throw ModelError(path + ": its SHA-256 is " + hash + ", that in " + card + " " +
                      file.card.sha256 + ": the file is damaged or not the card's");
   return file;
 }

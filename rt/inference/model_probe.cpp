@@ -19,7 +19,6 @@
 
 #include "rt/config/installation.hpp"
 #include "rt/inference/model_card.hpp"
-#include "rt/inference/probe/limits.hpp"
 
 extern char** environ;
 

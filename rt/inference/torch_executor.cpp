@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "rt/loop/handover_ring.hpp"
-#include "rt/loop/helper_thread.hpp"
 #include "rt/loop/real_time.hpp"
 
 namespace palpate::inference {

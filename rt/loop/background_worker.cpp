@@ -7,7 +7,7 @@
 #include <cerrno>
 #include <stdexcept>
 
-#include "rt/loop/helper_thread.hpp"
+#include "rt/loop/real_time.hpp"
 
 namespace palpate::loop {
 namespace {

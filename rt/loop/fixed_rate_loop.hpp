@@ -5,9 +5,46 @@
 #include <string>
 
 #include "rt/loop/latency_histogram.hpp"
-#include "rt/loop/time_grid.hpp"
 
 namespace palpate::loop {
+
+/// One cycle of a fixed-rate loop.
+struct Tick {
+  std::int64_t now_ns;       // CLOCK_MONOTONIC at wake-up
+  std::int64_t lateness_ns;  // delay after the grid point
+  std::int64_t missed;       // grid points skipped before this one
+};
+
+/// Absolute time grid of a fixed-rate loop, as pure arithmetic on clock readings. A cycle that ends
+/// after the next grid point, or a wake-up late by a period or more, is one overrun; the grid
+/// points that it covers are skipped, so that missed cycles are not repeated and the grid never
+/// drifts.
+class TimeGrid {
+ public:
+  /// Throws std::invalid_argument unless period_ns > 0.
+  explicit TimeGrid(std::int64_t period_ns);
+
+  /// Resets the grid; the next begin_wait() starts a new one.
+  void restart() noexcept { started_ = false; }
+
+  /// Ends the cycle at `now_ns`; returns the next wake-up time.
+  std::int64_t begin_wait(std::int64_t now_ns) noexcept;
+
+  /// Wake-up at `now_ns`, not before the time returned by begin_wait().
+  Tick end_wait(std::int64_t now_ns) noexcept;
+
+  std::int64_t overruns() const noexcept { return overruns_; }
+  /// Total lateness of all overruns.
+  std::int64_t overrun_ns() const noexcept { return overrun_ns_; }
+
+ private:
+  std::int64_t period_ns_;
+  bool started_ = false;
+  std::int64_t next_ns_ = 0;
+  std::int64_t missed_ = 0;
+  std::int64_t overruns_ = 0;
+  std::int64_t overrun_ns_ = 0;
+};
 
 /// Real-time settings granted by the operating system, one line each for the log.
 struct RealTimeGrant {

@@ -12,7 +12,6 @@
 #include <utility>
 
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "rt/loop/helper_thread.hpp"
 #include "rt/loop/real_time.hpp"
 
 namespace palpate::loop {

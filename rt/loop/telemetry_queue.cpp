@@ -20,7 +20,7 @@ TelemetryQueue::TelemetryQueue(int depth, int largest)
 
 bool TelemetryQueue::commit(std::string_view channel, int size) noexcept {
   if (size < 0 || size > largest_ || channel.empty() || channel.size() > kLongestChannel) {
-    refused_.fetch_add(1, std::memory_order_relaxed);
+    rejected_.fetch_add(1, std::memory_order_relaxed);
     return false;
   }
   Record& record = ring_.back();

@@ -37,13 +37,13 @@ class TelemetryQueue {
   const Record* take() noexcept { return ring_.take(); }
 
   std::int64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
-  std::int64_t refused() const noexcept { return refused_.load(std::memory_order_relaxed); }
+  std::int64_t rejected() const noexcept { return rejected_.load(std::memory_order_relaxed); }
 
  private:
   int largest_;
   HandoverRing<Record> ring_;
   std::atomic<std::int64_t> dropped_{0};
-  std::atomic<std::int64_t> refused_{0};
+  std::atomic<std::int64_t> rejected_{0};
 };
 
 }  // namespace palpate::loop

@@ -324,7 +324,7 @@ control::JointInputs Pipeline::joint_inputs(const Arm& arm) const noexcept {
 
 /// In the previous tick, while this arm's own gate did not reject its command.
 bool Pipeline::other_refused(int arm) const noexcept {
-  return arm_count() > 1 && arms_[1 - arm].output.refused && !arms_[arm].output.refused;
+  return arm_count() > 1 && arms_[1 - arm].output.rejected && !arms_[arm].output.rejected;
 }
 
 const control::GateOutput& Pipeline::gate(double dt) noexcept {

@@ -3,7 +3,7 @@
 #include <memory>
 #include <string>
 
-#include "core/control/joint_limits.hpp"
+#include "core/control/control_law.hpp"
 #include "core/kinematics/serial_chain.hpp"
 #include "rt/config/node.hpp"
 

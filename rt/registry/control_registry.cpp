@@ -1,10 +1,8 @@
 #include <algorithm>
 
-#include "core/control/dual_quaternion.hpp"
-#include "core/control/fem_jacobian.hpp"
-#include "core/control/kinematic_jacobian.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/math/constants.hpp"
 #include "rt/plugin/built_in_names.hpp"
 #include "rt/registry/plugin_registry.hpp"
@@ -80,10 +78,10 @@ control::MotionLimitOptions read_motion_limits(const config::Node& node) {
       node.number({"clearance_deviations", "",
                    "standard deviations of the estimated shape that are kept beside the clearance"},
                   {0, 10}, limits.clearance_deviations);
-  limits.untold_deviation =
+  limits.fallback_deviation =
       node.number({"untold_deviation", "m",
                    "what such a deviation is taken to be where the estimation tells none"},
-                  {0, 0.1}, limits.untold_deviation);
+                  {0, 0.1}, limits.fallback_deviation);
   limits.damper = node.number(
       {"damper", "1/s", "a limit is approached no faster than by this share of what is left"},
       {0.01, 1e3}, limits.damper);

@@ -1,9 +1,7 @@
 #include "core/shape/angle_feature.hpp"
 #include "core/shape/curvature_feature.hpp"
-#include "core/shape/distance_feature.hpp"
 #include "core/shape/fourier_contour_feature.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "rt/registry/registry.hpp"
 

@@ -9,7 +9,7 @@
 namespace palpate::camera {
 
 /// Error model of a structured-light camera such as the first Kinect. Axial and lateral noise by
-/// distance z and angle theta between surface normal and line of sight: Nguyen, Izadi and Lovell
+/// distance z and angle theta between surface normal and viewing ray: Nguyen, Izadi and Lovell
 /// 2012, "Modeling Kinect sensor noise for improved 3D reconstruction and tracking", eqs. 1 to 3.
 /// Disparity steps and range: Khoshelham and Elberink 2012, "Accuracy and resolution of Kinect
 /// depth data for indoor mapping applications", Sensors 12(2). The loss at edges is our choice. The
@@ -46,7 +46,7 @@ class DepthNoise {
 
  private:
   struct Surroundings {
-    double angle = 0;       // rad, between normal and line of sight
+    double angle = 0;       // rad, between normal and viewing ray
     bool at_jump = false;   // one of the four neighbours belongs to another surface
     bool has_slope = true;  // not for surfaces that are one pixel wide, or seen edge-on
   };

@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "sim/draw/normals.hpp"
+#include "sim/draw/solids.hpp"
 
 namespace palpate::draw {
 namespace {
@@ -122,7 +122,6 @@ void Renderer::add_edges(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi&
   Batch batch;
   batch.lines = true;
   batch.translucent = style.edges->alpha < 1;
-  batch.line_width = static_cast<float>(style.edge_width);
   for (const auto& [from, to] : edges) {
     append(batch.positions, points.col(from));
     append(batch.positions, points.col(to));

@@ -22,7 +22,6 @@ struct MeshStyle {
   Colour colour{0.7F, 0.7F, 0.7F, 1};
   Shading shading = Shading::kSmooth;
   std::optional<Colour> edges;         // wireframe of the triangles, if requested
-  double edge_width = 1;               // px
   std::vector<Colour> vertex_colours;  // one per point instead of `colour`, or empty
 };
 

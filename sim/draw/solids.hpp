@@ -27,4 +27,9 @@ TriangleMesh make_sphere(double radius);
 /// Arrow from the origin along z; the head takes at most half of the length.
 TriangleMesh make_arrow(double length, double shaft_radius);
 
+/// Unit normals at the corners of each triangle, 3 x 3m: the area-weighted mean over the triangles
+/// that share the vertex and whose normals lie within `crease` radians; 0 gives flat shading.
+Eigen::Matrix3Xd corner_normals(const Eigen::Matrix3Xd& points, const Eigen::Matrix3Xi& triangles,
+                                double crease);
+
 }  // namespace palpate::draw

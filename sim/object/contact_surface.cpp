@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/object/quadratic_shape.hpp"
+#include "sim/object/hexahedral_grid.hpp"
 
 namespace palpate::object {
 

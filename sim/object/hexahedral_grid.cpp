@@ -4,8 +4,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "sim/object/quadratic_shape.hpp"
-
 namespace palpate::object {
 namespace {
 

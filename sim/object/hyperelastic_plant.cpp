@@ -5,8 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
-#include "sim/object/critical_step.hpp"
 #include "sim/object/graded_borders.hpp"
+#include "sim/object/neo_hookean_solid.hpp"
 
 namespace palpate::object {
 namespace {

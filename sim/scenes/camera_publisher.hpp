@@ -2,14 +2,53 @@
 
 #include <cstdint>
 #include <palpate/shape_observation_t.hpp>
+#include <string>
+#include <vector>
 
 #include "rt/bus/message_bus.hpp"
 #include "rt/bus/session.hpp"
+#include "rt/config/node.hpp"
 #include "sim/camera/background_camera.hpp"
-#include "sim/scenes/camera_scenery.hpp"
+#include "sim/camera/depth_camera.hpp"
+#include "sim/camera/shape_camera.hpp"
+#include "sim/object/hyperelastic_plant.hpp"
+#include "sim/robot/robot.hpp"
+#include "sim/scenes/scene.hpp"
 #include "sim/sensors/channel.hpp"
 
 namespace palpate::scenes {
+
+/// A scene's key "camera": its pose (`pose` X_WC, or `eye` and `target` in W; default target is the
+/// centre of the object at rest), how the object is segmented (`segmentation`: colour or truth;
+/// `box` in O; `colour` of the object; `tolerance`; `margin`) and the spacing of its points
+/// (`voxel`). Requires the scene's object and sensors to be read already. Throws config::Error.
+camera::ShapeCameraOptions read_camera(const config::Node& node, const Scene& scene);
+
+/// `occlusions` of the same key: the camera observes and sends nothing from `at` on for `duration`
+/// s.
+std::vector<Occlusion> read_occlusions(const config::Node& node);
+
+/// Bodies in view of a scene's camera: arms and hands as the primitive shapes of their URDF file,
+/// the object, and a block of the test rig behind the clamped face.
+class CameraScenery {
+ public:
+  CameraScenery(const Scene& scene, const std::vector<Arm>& arms);
+
+  /// All bodies at their current poses, in W of the first arm. A copy, which another thread may
+  /// render.
+  std::vector<camera::Body> now(const std::vector<Arm>& arms, const object::Plant& plant) const;
+
+ private:
+  struct Visual {
+    std::size_t arm;
+    std::string link;
+    camera::Body body;  // posed in the link
+  };
+  std::vector<Visual> visuals_;
+  std::vector<camera::Body> still_;
+  math::Pose X_WO_;
+  draw::Colour object_colour_;
+};
 
 /// A scene's camera: publishes SHAPE_OBSERVATION on the control bus, at the camera's rate, with
 /// delay and losses of the sensor table; nothing during an occlusion. Images are rendered in a

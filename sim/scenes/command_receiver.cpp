@@ -63,8 +63,8 @@ void CommandReceiver::apply(robot::Robot& robot) {
   while (joints_.take(joints, arrival_ns)) apply(joints, robot);
 }
 
-std::int64_t CommandReceiver::refused() const {
-  return twist_admission_.refused() + joint_admission_.refused() + hand_admission_.refused();
+std::int64_t CommandReceiver::unauthorised() const {
+  return twist_admission_.rejected() + joint_admission_.rejected() + hand_admission_.rejected();
 }
 
 std::int64_t CommandReceiver::lost() const {

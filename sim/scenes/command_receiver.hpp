@@ -33,7 +33,7 @@ class CommandReceiver {
   std::int64_t accepted() const { return accepted_; }
   std::int64_t rejected() const { return rejected_; }
   /// Number of the rejected commands without a valid code or with an old counter.
-  std::int64_t refused() const;
+  std::int64_t unauthorised() const;
   /// Number of lost commands: gaps in the sequences, and drops by a full queue.
   std::int64_t lost() const;
 

@@ -18,8 +18,7 @@
 #include "rt/bus/authentication.hpp"
 #include "rt/bus/instance_lock.hpp"
 #include "rt/config/command_line.hpp"
-#include "sim/scenes/lock_step.hpp"
-#include "sim/scenes/real_time_pacer.hpp"
+#include "sim/scenes/pacing.hpp"
 #include "sim/scenes/simulation.hpp"
 #include "sim/scenes/soft_box_plant.hpp"
 
@@ -91,7 +90,7 @@ void report(const Simulation& simulation, const nlohmann::json& result) {
   std::printf("\ncommands: %lld accepted, %lld rejected (%lld without access), %lld lost\n",
               static_cast<long long>(simulation.commands().accepted()),
               static_cast<long long>(simulation.commands().rejected()),
-              static_cast<long long>(simulation.commands().refused()),
+              static_cast<long long>(simulation.commands().unauthorised()),
               static_cast<long long>(simulation.commands().lost()));
   if (simulation.camera() != nullptr)
     std::printf("camera: %lld pictures left out because one was still being drawn\n",
@@ -139,7 +138,7 @@ int run(const Options& options) {
   result["real_time_factor"] = wall > 0 ? simulation.time() / wall : 0.0;
   result["commands_accepted"] = simulation.commands().accepted();
   result["commands_rejected"] = simulation.commands().rejected();
-  result["commands_refused"] = simulation.commands().refused();
+  result["commands_refused"] = simulation.commands().unauthorised();
   result["commands_lost"] = simulation.commands().lost();
   if (simulation.camera() != nullptr)
     result["camera_pictures_left_out"] = simulation.camera()->left_out();

@@ -7,7 +7,7 @@
 #include "core/math/constants.hpp"
 #include "rt/config/key_file.hpp"
 #include "rt/config/material_file.hpp"
-#include "sim/scenes/camera_settings.hpp"
+#include "sim/scenes/camera_publisher.hpp"
 
 namespace palpate::scenes {
 namespace {
@@ -351,7 +351,7 @@ Scene read_scene(const config::Node& node) {
   if (!scene.cuts.empty() && scene.soft_box)
     node.fail("cuts", "go through hyperelastic objects alone");
   if (node.has("markers")) {
-    if (scene.camera) node.fail("markers", "given beside camera; allowed: one of them");
+    if (scene.camera) node.fail("markers", "given together with camera; allowed: one of them");
     if (scene.soft_box) node.fail("markers", "stick to hyperelastic objects alone");
     scene.markers = read_markers(
         node.child({"markers", "", "points that a tracker publishes in SHAPE_OBSERVATION"}), scene);

@@ -112,7 +112,7 @@ void read(const config::Node& node, camera::DepthNoiseOptions& noise) {
       node.number({"edge_loss", "", "share of pixels lost at edges"}, {0, 1}, noise.edge_loss);
   noise.most_angle =
       kDegree * node.number({"most_angle_deg", "degrees",
-                             "between surface and line of sight, beyond which nothing is seen"},
+                             "between surface and viewing ray, beyond which nothing is seen"},
                             {1, 89}, noise.most_angle / kDegree);
   noise.nearest = node.number({"nearest", "m", "that is seen"}, {0, 10}, noise.nearest);
   noise.farthest =
@@ -147,7 +147,7 @@ void read(const config::Node& node, SensorTable& table) {
     table.camera.calibration_error = camera.pose(
         {"calibration_error", "m", "of the pose of the camera that the receiver believes"});
   table.kinematics_error =
-      node.pose({"kinematics_error", "m", "of the pose of the flange that ROBOT_STATE tells"});
+      node.pose({"kinematics_error", "m", "of the pose of the flange that ROBOT_STATE reports"});
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "rt/bus/checked_decode.hpp"
-#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
 #include "tools/export/foxglove.hpp"
 #include "tools/export/json_schema.hpp"
 #include "tools/export/mcap_writer.hpp"

@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "sim/draw/image.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tools/common/process.hpp"
 #include "tools/common/table.hpp"
 

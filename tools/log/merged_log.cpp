@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
 
 namespace palpate::log {
 

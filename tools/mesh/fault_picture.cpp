@@ -7,7 +7,7 @@
 
 #include "core/mesh/near_nodes.hpp"
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "sim/draw/renderer.hpp"
 #include "tools/mesh/mesh_files.hpp"
 

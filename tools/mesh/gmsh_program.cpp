@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/mesh/surface_files.hpp"

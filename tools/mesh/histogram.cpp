@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tools/common/table.hpp"
 #include "tools/mesh/quality.hpp"
 

@@ -8,7 +8,6 @@
 #include "core/mesh/node_motion.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
-#include "core/mesh/side_groups.hpp"
 #include "core/mesh/surface_repair.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"

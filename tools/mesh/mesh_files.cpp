@@ -6,11 +6,9 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/surface.hpp"
 #include "core/mesh/surface_files.hpp"
-#include "core/mesh/tetgen.hpp"
-#include "core/mesh/vega.hpp"
 #include "tools/mesh/vtu.hpp"
 
 namespace palpate::mesh_tool {

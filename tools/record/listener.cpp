@@ -14,7 +14,7 @@
 #include "rt/bus/udpm_socket.hpp"
 #include "rt/config/command_line.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
-#include "rt/loop/helper_thread.hpp"
+#include "rt/loop/real_time.hpp"
 
 namespace palpate::record {
 namespace {

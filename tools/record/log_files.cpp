@@ -10,7 +10,7 @@
 #include <ctime>
 #include <stdexcept>
 
-#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
 
 namespace palpate::record {
 namespace {

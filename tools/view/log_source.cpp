@@ -8,7 +8,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "rt/bus/event_log.hpp"
 #include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/text.hpp"
 

@@ -8,10 +8,8 @@ namespace palpate::elasticity {
 namespace {
 
 using Eigen::Matrix3Xd;
-using Eigen::Vector3d;
 
 Body linear_body(Body body) {
-  body.check();
   if (body.mesh.order != mesh::ElementOrder::kLinear) {
     throw std::invalid_argument("integrator thesis2018 needs linear tetrahedra");
   }
@@ -20,45 +18,25 @@ Body linear_body(Body body) {
 
 }  // namespace
 
-Thesis2018::Thesis2018(Body body, const Thesis2018Options& options)
-    : body_(linear_body(std::move(body))),
-      options_(options),
+Thesis2018::Thesis2018(Body body)
+    : ComparisonModel(linear_body(std::move(body))),
       system_(body_),
-      gravity_(body_.gravity_O),
-      x_(body_.mesh.nodes),
       rhs_(Eigen::MatrixXd::Zero(3 * system_.pattern.size(), 1)),
       element_matrix_(12, 12),
       element_mass_(4, 4) {
-  if (!(options.time_step > 0)) throw std::invalid_argument("thesis2018: time step must be > 0");
-  for (Matrix3Xd* m : {&loads_, &v_, &impulse_, &dv_, &product_, &reactions_}) {
+  for (Matrix3Xd* m : {&impulse_, &dv_, &product_}) {
     m->setZero(3, x_.cols());
   }
 }
 
-void Thesis2018::prepare() {
-  reset();
-  gravity_ = body_.gravity_O;
-}
-
 void Thesis2018::reset() noexcept {
-  x_ = body_.mesh.nodes;
-  v_.setZero();
-  loads_.setZero();
-  reactions_.setZero();
-  is_held_ = {false, false};
+  ComparisonModel::reset();
   system_.forces.reset();
 }
 
-void Thesis2018::hold(int grasp, const math::Pose& X_OG) noexcept {
-  X_OG_[grasp] = X_OG;
-  is_held_[grasp] = true;
-}
-
-void Thesis2018::release(int grasp) noexcept { is_held_[grasp] = false; }
-
 /// Assembles M + h D + h^2 K in system_.matrix, and h times the right-hand force in impulse_.
 void Thesis2018::assemble() noexcept {
-  const double h = options_.time_step;
+  const double h = kTimeStep;
   const Damping& damping = body_.damping;
   const double mass_share = 1 + h * damping.mass_factor;
   const double stiffness_share = h * damping.stiffness_factor + h * h;
@@ -84,19 +62,16 @@ void Thesis2018::assemble() noexcept {
   impulse_.noalias() += h * gravity_ * system_.elements.nodal_mass().transpose();
 }
 
-StepReport Thesis2018::step(double) noexcept {
+StepReport Thesis2018::advance(double) noexcept {
   StepReport report;
-  bool finite = loads_.allFinite() && gravity_.allFinite();
-  for (int g = 0; g < 2; ++g) finite = finite && (!is_held_[g] || X_OG_[g].matrix().allFinite());
-  if (!finite) return report;
-
-  const double h = options_.time_step;
+  const factor::Held held{held_.is_held(0), held_.is_held(1)};
+  const double h = kTimeStep;
   assemble();
   // grasped nodes reach their pose within the step
   dv_.setZero();
   for (std::size_t g = 0; g < body_.grasps.size(); ++g) {
-    if (!is_held_[g]) continue;
-    const math::Pose moved = X_OG_[g] * body_.grasps[g].X_OG_rest.inverse();
+    if (!held[g]) continue;
+    const math::Pose moved = held_.motion(static_cast<int>(g));
     for (int node : body_.grasps[g].nodes) {
       dv_.col(node) = (moved * body_.mesh.nodes.col(node) - x_.col(node)) / h - v_.col(node);
     }
@@ -106,46 +81,20 @@ StepReport Thesis2018::step(double) noexcept {
     const int node = system_.pattern.node(k);
     rhs_.block<3, 1>(3 * k, 0) = impulse_.col(node) - product_.col(node);
   }
-  if (!system_.factor.factorise(system_.matrix) || !system_.factor.is_positive(is_held_))
-    return report;
-  system_.factor.solve(rhs_, is_held_);
+  if (!system_.factor.factorise(system_.matrix) || !system_.factor.is_positive(held)) return report;
+  system_.factor.solve(rhs_, held);
   if (!rhs_.allFinite()) return report;
   for (int k = 0; k < system_.pattern.size(); ++k) {
-    if (system_.pattern.is_free(k, is_held_))
+    if (system_.pattern.is_free(k, held))
       dv_.col(system_.pattern.node(k)) = rhs_.block<3, 1>(3 * k, 0);
   }
   system_.matrix.multiply(dv_, product_);
-  reactions_ = (product_ - impulse_) / h;
+  forces_ = (product_ - impulse_) / h;
   v_ += dv_;
   x_ += h * v_;
   report.status = StepStatus::kConverged;
   report.iterations = 1;
   return report;
-}
-
-math::Wrench Thesis2018::reaction(int grasp) const noexcept {
-  math::Wrench wrench;
-  if (!is_held_[grasp]) return wrench;
-  for (int node : body_.grasps[grasp].nodes) {
-    wrench.force += reactions_.col(node);
-    wrench.torque +=
-        (x_.col(node) - X_OG_[grasp].translation()).cross(Vector3d(reactions_.col(node)));
-  }
-  return wrench;
-}
-
-bool Thesis2018::restore(const Matrix3Xd& positions, const Matrix3Xd& velocities) noexcept {
-  if (positions.cols() != x_.cols() || velocities.cols() != x_.cols() || !positions.allFinite() ||
-      !velocities.allFinite()) {
-    return false;
-  }
-  x_ = positions;
-  v_ = velocities;
-  for (int node : body_.fixed_nodes) {
-    x_.col(node) = body_.mesh.nodes.col(node);
-    v_.col(node).setZero();
-  }
-  return true;
 }
 
 }  // namespace palpate::elasticity

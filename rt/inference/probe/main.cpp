@@ -12,7 +12,7 @@
 #include <iterator>
 #include <vector>
 
-#include "rt/inference/probe/limits.hpp"
+#include "rt/inference/model_probe.hpp"
 #include "rt/inference/torch_module.hpp"
 #include "rt/loop/sanitizer.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <iostream>
 
-#include "rt/bus/event_log.hpp"
+#include "rt/bus/event_log_reader.hpp"
 #include "rt/bus/log_ring.hpp"
 #include "rt/bus/udpm_frame.hpp"
 #include "tests/fuzz/target.hpp"

@@ -5,12 +5,10 @@
 #include <cmath>
 #include <sstream>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/repair.hpp"
 #include "core/mesh/report.hpp"
-#include "core/mesh/tetgen.hpp"
-#include "core/mesh/vega.hpp"
 #include "tests/fuzz/target.hpp"
 
 namespace palpate::fuzz {

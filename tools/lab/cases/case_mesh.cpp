@@ -4,7 +4,7 @@
 #include <cmath>
 #include <fstream>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/surface.hpp"
 #include "rt/config/node.hpp"
 #include "tools/common/table.hpp"

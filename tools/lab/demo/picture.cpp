@@ -6,7 +6,7 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/frames.hpp"
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "sim/draw/renderer.hpp"
 #include "sim/robot/robot.hpp"
 #include "tools/lab/demo/shape_drawing.hpp"

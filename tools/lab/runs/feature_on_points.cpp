@@ -6,10 +6,8 @@
 
 #include "core/shape/angle_feature.hpp"
 #include "core/shape/curvature_feature.hpp"
-#include "core/shape/distance_feature.hpp"
 #include "core/shape/fourier_contour_feature.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 
 namespace palpate::runs {

@@ -30,7 +30,7 @@ nlohmann::json to_json(const PayloadScore& score) {
                          {"force_rms", score.fit.force_rms},
                          {"torque_rms", score.fit.torque_rms},
                          {"condition", score.fit.condition},
-                         {"untold", score.fit.untold},
+                         {"untold", score.fit.unidentified},
                          {"reversed", score.reversed},
                          {"gravity_tilt", score.gravity_tilt},
                          {"drift_force", list(score.fit.bias_drift.force)}};
@@ -80,7 +80,7 @@ void print(const std::vector<PayloadScore>& scores, std::ostream& out) {
           << triple(score.fit.bias_drift.force * (score.fit.sample_count - 1), 2)
           << " N from the first pose to the last\n";
     // Not excited at all, or so little that the value is below its own standard deviation.
-    std::vector<std::string> weak = score.fit.untold;
+    std::vector<std::string> weak = score.fit.unidentified;
     const sensing::PayloadVector values = sensing::to_vector(score.fit.parameters);
     for (int i = 4; i < 10; ++i) {
       const std::string name = sensing::payload_parameter_name(i);

@@ -6,7 +6,7 @@
 #include <sstream>
 
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "sim/draw/renderer.hpp"
 
 namespace palpate::studies {

@@ -3,10 +3,10 @@
 
 #include <benchmark/benchmark.h>
 
-#include "core/control/fem_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
 #include "core/elasticity/corotational_model.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 
 namespace palpate::bench {
 namespace {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 #include "core/mesh/surface.hpp"
 #include "tests/unit/core/elasticity/bodies.hpp"
 

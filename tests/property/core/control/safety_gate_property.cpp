@@ -66,7 +66,7 @@ RC_GTEST_PROP(SafetyGateProperty, OutputIsFiniteAndWithinLimitsWhateverComesIn, 
     RC_ASSERT(V.linear.norm() <= limits.linear_speed * kRounding);
     RC_ASSERT(V.angular.norm() <= limits.angular_speed * kRounding);
 
-    const bool stopping = output.refused || !inputs.active;
+    const bool stopping = output.rejected || !inputs.active;
     const bool step_known = std::isfinite(inputs.dt) && inputs.dt > 0;
     const double dt = step_known ? inputs.dt : 1e-3;
     const auto reach = [&](double acceleration, double speed) {
@@ -116,7 +116,7 @@ RC_GTEST_PROP(SafetyGateProperty, AFeasibleRequestPassesInTheEnd, ()) {
   for (int i = 0; i < 500; ++i) output = gate.apply(inputs);
   RC_ASSERT(output.V_W_E.linear == inputs.requested_W_E.linear);
   RC_ASSERT(output.V_W_E.angular == inputs.requested_W_E.angular);
-  RC_ASSERT(!output.limited && !output.refused);
+  RC_ASSERT(!output.limited && !output.rejected);
 }
 
 }  // namespace

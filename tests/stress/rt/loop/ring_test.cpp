@@ -86,7 +86,7 @@ TEST(TelemetryQueueStress, RecordsComeWholeAndInOrder) {
     const auto number = static_cast<std::uint8_t>(i % 255);
     std::memset(queue.buffer(), number, 1 + number);
     ASSERT_TRUE(queue.commit(number % 2 == 0 ? "EVEN" : "ODD", 1 + number));
-    EXPECT_EQ(queue.refused(), 0);
+    EXPECT_EQ(queue.rejected(), 0);
   }
   done = true;
   publisher.join();

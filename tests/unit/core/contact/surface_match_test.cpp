@@ -4,7 +4,6 @@
 
 #include <random>
 
-#include "core/contact/surface_edges.hpp"
 #include "core/contact/surface_search.hpp"
 
 namespace palpate::contact {

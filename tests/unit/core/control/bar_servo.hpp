@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include "core/control/fem_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
 #include "core/elasticity/corotational_model.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::control {

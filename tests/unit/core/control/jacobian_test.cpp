@@ -3,11 +3,9 @@
 #include <initializer_list>
 #include <limits>
 
-#include "core/control/fem_jacobian.hpp"
-#include "core/control/kinematic_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/corotational_model.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 

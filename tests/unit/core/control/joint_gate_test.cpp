@@ -101,7 +101,7 @@ TEST_F(SlidingTable, WhatIsNotFiniteOrNotActiveRampsToZeroWithinATenthOfASecond)
   const auto expect_stop = [&](bool refused) {
     for (int i = 0; i < 100; ++i) {
       const GateOutput output = tick();
-      EXPECT_EQ(output.refused, refused);
+      EXPECT_EQ(output.rejected, refused);
       EXPECT_TRUE(output.joint_velocity.allFinite());
       if (i < 50) {
         EXPECT_GT(output.joint_velocity[0], 0) << "no sudden stop";
@@ -127,7 +127,7 @@ TEST_F(SlidingTable, RefusesWhileTheForceIsTooHigh) {
   inputs_.wrench_valid = true;
   inputs_.contact.force << 11, 0, 0;
   const GateOutput output = tick();
-  EXPECT_TRUE(output.refused);
+  EXPECT_TRUE(output.rejected);
   EXPECT_EQ(output.joint_velocity.norm(), 0);
 }
 

@@ -4,12 +4,10 @@
 #include <cmath>
 #include <limits>
 
-#include "core/control/dual_quaternion.hpp"
-#include "core/control/kinematic_jacobian.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/jacobian_providers.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/math/random.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 

@@ -81,7 +81,7 @@ TEST_F(BarServo, KeepsAwayFromAnObstacle) {
     limited.limits.obstacles.push_back(ball);
     limited.limits.clearance = 0.004;
     limited.limits.clearance_deviations = 3;
-    limited.limits.untold_deviation = 0.1;  // but they are given
+    limited.limits.fallback_deviation = 0.1;  // but they are given
     limited.body = &body_;
     body_ = support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic);
     QuadraticProgramLaw law(servo(), limited);

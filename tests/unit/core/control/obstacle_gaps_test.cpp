@@ -32,8 +32,8 @@ class BentBar : public ::testing::TestWithParam<mesh::ElementOrder> {
 TEST_P(BentBar, ComesNearestBetweenNodes) {
   // Halfway between two nodes, along and across.
   const std::vector<Obstacle> balls{{{0.235, 0.021, 0.13}, 0.03}, {{0.31, 0.03, 0.12}, 0.02}};
-  constexpr double kAssumedDeviation = 7e-4;
-  ObstacleGaps gaps(surface_, balls, kAssumedDeviation);
+  constexpr double kFallbackDeviation = 7e-4;
+  ObstacleGaps gaps(surface_, balls, kFallbackDeviation);
   gaps.look(x_, nullptr);
   ASSERT_EQ(gaps.points().size(), 2u * ObstacleGaps::kPoints);
   for (std::size_t o = 0; o < balls.size(); ++o) {
@@ -50,7 +50,7 @@ TEST_P(BentBar, ComesNearestBetweenNodes) {
                     .norm(),
                 1e-12);
     }
-    EXPECT_EQ(points[0].deviation, kAssumedDeviation);
+    EXPECT_EQ(points[0].deviation, kFallbackDeviation);
   }
   EXPECT_GT(gaps.points()[1].gap, gaps.points()[0].gap + 1e-4) << "nodes alone would not see it";
 }

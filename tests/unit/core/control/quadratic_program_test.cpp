@@ -194,7 +194,7 @@ TEST(QuadraticProgramLaw, RefusesLimitsThatCannotBe) {
   EXPECT_THROW(make([](L& l) { l.limits.obstacles.resize(1); }), std::invalid_argument)
       << "no object";
   EXPECT_THROW(make([](L& l) { l.limits.clearance_deviations = -1; }), std::invalid_argument);
-  EXPECT_THROW(make([](L& l) { l.limits.untold_deviation = -1; }), std::invalid_argument);
+  EXPECT_THROW(make([](L& l) { l.limits.fallback_deviation = -1; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.grasps = {0, 1}; }), std::invalid_argument);
   EXPECT_THROW(make([](L& l) { l.smoothness = -1; }), std::invalid_argument);
 }

@@ -35,7 +35,7 @@ TEST(SafetyGate, LetsASmallRequestThroughOnceItHasAccelerated) {
   EXPECT_EQ(later.V_W_E.linear, inputs.requested_W_E.linear);
   EXPECT_EQ(later.V_W_E.angular, inputs.requested_W_E.angular);
   EXPECT_FALSE(later.limited);
-  EXPECT_FALSE(later.refused);
+  EXPECT_FALSE(later.rejected);
 }
 
 TEST(SafetyGate, ScalesTheWholeTwist) {
@@ -85,7 +85,7 @@ TEST(SafetyGate, InactiveIsAtRestWithin100Milliseconds) {
   }
   const GateOutput output = gate.apply(inputs);
   EXPECT_EQ(output.V_W_E.vector().norm(), 0);
-  EXPECT_FALSE(output.refused);
+  EXPECT_FALSE(output.rejected);
 }
 
 TEST(SafetyGate, RefusesWhileForceOrTorqueIsTooHigh) {
@@ -93,23 +93,23 @@ TEST(SafetyGate, RefusesWhileForceOrTorqueIsTooHigh) {
   GateInputs inputs = request({0.1, 0, 0});
   inputs.wrench_valid = true;
   inputs.contact.force << 0, 0, 9.9;
-  EXPECT_FALSE(repeat(gate, inputs, 1000).refused);
+  EXPECT_FALSE(repeat(gate, inputs, 1000).rejected);
   inputs.contact.force << 0, 0, 10.1;
   GateOutput output = repeat(gate, inputs, 101);
-  EXPECT_TRUE(output.refused);
+  EXPECT_TRUE(output.rejected);
   EXPECT_EQ(output.V_W_E.vector().norm(), 0);
   EXPECT_STREQ(output.reason, "contact force or torque is above its limit");
   inputs.contact.force << 0, 0, 9.5;  // not yet
-  EXPECT_TRUE(gate.apply(inputs).refused);
+  EXPECT_TRUE(gate.apply(inputs).rejected);
   inputs.wrench_valid = false;  // and not because inputs are missing
-  EXPECT_TRUE(gate.apply(inputs).refused);
+  EXPECT_TRUE(gate.apply(inputs).rejected);
   inputs.wrench_valid = true;
   inputs.contact.force << 0, 0, 8.9;
-  EXPECT_FALSE(gate.apply(inputs).refused);
+  EXPECT_FALSE(gate.apply(inputs).rejected);
   inputs.contact.torque << 3.1, 0, 0;
-  EXPECT_TRUE(gate.apply(inputs).refused);
+  EXPECT_TRUE(gate.apply(inputs).rejected);
   inputs.contact.torque << std::numeric_limits<double>::quiet_NaN(), 0, 0;
-  EXPECT_TRUE(gate.apply(inputs).refused);
+  EXPECT_TRUE(gate.apply(inputs).rejected);
 }
 
 TEST(SafetyGate, RefusesNonsenseAndRampsDown) {
@@ -120,15 +120,15 @@ TEST(SafetyGate, RefusesNonsenseAndRampsDown) {
   GateInputs bad = good;
   bad.requested_W_E.angular.y() = nan;
   GateOutput output = gate.apply(bad);
-  EXPECT_TRUE(output.refused);
+  EXPECT_TRUE(output.rejected);
   EXPECT_LT(output.V_W_E.linear.x(), before);
   EXPECT_GT(output.V_W_E.linear.x(), 0);
   bad = good;
   bad.X_WE.matrix()(1, 3) = nan;
-  EXPECT_TRUE(gate.apply(bad).refused);
+  EXPECT_TRUE(gate.apply(bad).rejected);
   bad = good;
   bad.dt = -1;
-  EXPECT_TRUE(gate.apply(bad).refused);
+  EXPECT_TRUE(gate.apply(bad).rejected);
 }
 
 TEST(SafetyGate, AnOverloadIsForgottenWithoutAStepOfTheCommand) {
@@ -140,10 +140,10 @@ TEST(SafetyGate, AnOverloadIsForgottenWithoutAStepOfTheCommand) {
   inputs.contact.force.x() = 1.01 * limits.force;
   const double braking = gate.apply(inputs).V_W_E.linear.x();
   inputs.contact.force.x() = 0.95 * limits.force;  // not below the release threshold
-  EXPECT_TRUE(gate.apply(inputs).refused);
+  EXPECT_TRUE(gate.apply(inputs).rejected);
   gate.forget_overload();
   const GateOutput output = gate.apply(inputs);
-  EXPECT_FALSE(output.refused);
+  EXPECT_FALSE(output.rejected);
   EXPECT_GT(output.V_W_E.linear.x(), 0.5 * braking);
 }
 

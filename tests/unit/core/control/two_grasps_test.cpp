@@ -1,11 +1,11 @@
 // Two grasps that move together: twelve columns.
 #include <gtest/gtest.h>
 
-#include "core/control/fem_jacobian.hpp"
-#include "core/control/proportional_twist.hpp"
+#include "core/control/jacobian_providers.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/elasticity/corotational_model.hpp"
 #include "core/math/random.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 
 namespace palpate::control {

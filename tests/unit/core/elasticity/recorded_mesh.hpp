@@ -3,7 +3,7 @@
 #include <fstream>
 #include <string>
 
-#include "core/mesh/tetgen.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "tests/support/recordings.hpp"
 
 namespace palpate::elasticity {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "core/elasticity/node_warp.hpp"
-#include "core/elasticity/rigid_blend.hpp"
+#include "core/elasticity/corotational_model.hpp"
+#include "core/elasticity/sensitivity.hpp"
 #include "tests/unit/core/elasticity/elements.hpp"
 #include "tests/unit/core/elasticity/stepping.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <limits>
 
-#include "core/elasticity/grasp_pose.hpp"
+#include "core/elasticity/body.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"

@@ -1,8 +1,8 @@
 // Both estimators on the co-rotational model.
 #include <gtest/gtest.h>
 
+#include "core/elasticity/body.hpp"
 #include "core/elasticity/corotational_model.hpp"
-#include "core/elasticity/grasp_pose.hpp"
 #include "core/elasticity/pad_compliance.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"

@@ -1,4 +1,4 @@
-#include "core/factor/elimination_order.hpp"
+#include "core/factor/block_matrix.hpp"
 
 #include <gtest/gtest.h>
 

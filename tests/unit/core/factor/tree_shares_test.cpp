@@ -1,4 +1,4 @@
-#include "core/factor/tree_shares.hpp"
+#include "core/factor/solve_panels.hpp"
 
 #include <gtest/gtest.h>
 

@@ -3,9 +3,7 @@
 
 #include <sstream>
 
-#include "core/mesh/gmsh.hpp"
-#include "core/mesh/tetgen.hpp"
-#include "core/mesh/vega.hpp"
+#include "core/mesh/mesh_formats.hpp"
 
 namespace palpate::mesh {
 namespace {

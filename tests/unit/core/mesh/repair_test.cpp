@@ -9,7 +9,6 @@
 #include <limits>
 #include <set>
 
-#include "core/mesh/cell_split.hpp"
 #include "core/mesh/node_motion.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/surface.hpp"

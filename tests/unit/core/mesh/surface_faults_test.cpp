@@ -13,7 +13,6 @@
 #include "core/mesh/surface_files.hpp"
 #include "core/mesh/surface_repair.hpp"
 #include "core/mesh/surface_report.hpp"
-#include "core/mesh/triangle_intersections.hpp"
 #include "tests/unit/core/mesh/random_meshes.hpp"
 
 namespace palpate::mesh {

@@ -5,12 +5,10 @@
 
 #include <sstream>
 
-#include "core/mesh/gmsh.hpp"
+#include "core/mesh/mesh_formats.hpp"
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
-#include "core/mesh/tetgen.hpp"
-#include "core/mesh/vega.hpp"
 #include "tests/unit/core/mesh/random_meshes.hpp"
 
 namespace palpate::mesh {

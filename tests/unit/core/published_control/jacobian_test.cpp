@@ -4,14 +4,14 @@
 
 #include <cmath>
 
-#include "core/control/kinematic_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"
 #include "core/published_control/diminishing_rigidity.hpp"
 #include "core/published_control/geodesic.hpp"
-#include "core/shape/point_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

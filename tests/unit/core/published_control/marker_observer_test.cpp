@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 

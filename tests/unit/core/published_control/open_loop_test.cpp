@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

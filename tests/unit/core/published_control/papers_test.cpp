@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "core/control/proportional_twist.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/published_control/constant_jacobian.hpp"
 #include "core/published_control/difference_jacobian.hpp"
@@ -11,7 +11,7 @@
 #include "core/published_control/factored_update.hpp"
 #include "core/published_control/learning_jacobian.hpp"
 #include "core/published_control/two_camera_view.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

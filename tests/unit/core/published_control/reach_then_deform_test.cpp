@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 

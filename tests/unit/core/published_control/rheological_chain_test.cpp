@@ -4,7 +4,7 @@
 
 #include "core/published_control/chain_plan.hpp"
 #include "core/published_control/open_loop.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 
 namespace palpate::published_control {

@@ -5,7 +5,7 @@
 
 #include <functional>
 
-#include "core/control/proportional_twist.hpp"
+#include "core/control/twist_law.hpp"
 #include "core/published_control/broyden_update.hpp"
 #include "core/published_control/factored_update.hpp"
 #include "core/published_control/fourier_view.hpp"
@@ -14,7 +14,7 @@
 #include "core/published_control/learning_jacobian.hpp"
 #include "core/published_control/two_camera_view.hpp"
 #include "core/published_control/weighted_least_squares_update.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/published_control/held_bar_plant.hpp"
 

@@ -2,9 +2,7 @@
 
 #include "core/published_control/fourier_view.hpp"
 #include "core/published_control/two_camera_view.hpp"
-#include "core/shape/distance_feature.hpp"
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/estimation/rigid_model.hpp"
 

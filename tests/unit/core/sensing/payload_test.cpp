@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/math/random.hpp"
+#include "tests/unit/core/sensing/wrist_signals.hpp"
 
 namespace palpate::sensing {
 namespace {
@@ -144,7 +145,7 @@ TEST(IdentifyStatic, RecoversASimulatedHandWithinOnePercent) {
   EXPECT_LT((fit.parameters.bias.force - truth.bias.force).norm(), 0.01 * truth.bias.force.norm());
   EXPECT_LT((fit.parameters.bias.torque - truth.bias.torque).norm(),
             0.01 * truth.bias.torque.norm());
-  EXPECT_TRUE(fit.untold.empty());
+  EXPECT_TRUE(fit.unidentified.empty());
   EXPECT_NEAR(fit.force_rms, 0.025 * std::sqrt(3), 0.01);
 }
 
@@ -221,8 +222,8 @@ TEST(IdentifyStatic, NamesWhatOneOrientationCannotDetermine) {
     pose.F_S = load_wrench(hand(), motion_at_rest(pose.R_WS, kGravity));
   }
   const PayloadFit fit = identify_static(poses, kGravity);
-  EXPECT_THAT(fit.untold, testing::IsSupersetOf({"mass", "bias_fz", "mass*com_z"}));
-  EXPECT_THAT(fit.untold, testing::Not(testing::Contains("bias_fx")));
+  EXPECT_THAT(fit.unidentified, testing::IsSupersetOf({"mass", "bias_fz", "mass*com_z"}));
+  EXPECT_THAT(fit.unidentified, testing::Not(testing::Contains("bias_fx")));
   EXPECT_LT(fit.force_rms, 1e-9);  // and nevertheless explains every reading
 }
 
@@ -263,13 +264,14 @@ TEST(IdentifyMotion, RecoversAllInertialParametersWithinOnePercent) {
   EXPECT_LT((fit.parameters.center_of_mass() - truth.center_of_mass()).norm(),
             0.01 * truth.center_of_mass().norm());
   EXPECT_LT((fit.parameters.inertia - truth.inertia).norm(), 0.01 * truth.inertia.norm());
-  EXPECT_TRUE(fit.untold.empty());
+  EXPECT_TRUE(fit.unidentified.empty());
 }
 
 TEST(IdentifyMotion, NamesTheInertiaThatOnlyTurningDetermines) {
   const PayloadFit fit = identify_motion(motion_samples(hand(), false));
-  EXPECT_THAT(fit.untold, testing::UnorderedElementsAre("inertia_xx", "inertia_xy", "inertia_xz",
-                                                        "inertia_yy", "inertia_yz", "inertia_zz"));
+  EXPECT_THAT(fit.unidentified,
+              testing::UnorderedElementsAre("inertia_xx", "inertia_xy", "inertia_xz", "inertia_yy",
+                                            "inertia_yz", "inertia_zz"));
   EXPECT_NEAR(fit.parameters.mass, 4.8, 0.048);
 }
 

@@ -1,4 +1,4 @@
-#include "core/sensing/signal_history.hpp"
+#include "core/sensing/ft_rnnob.hpp"
 
 #include <gtest/gtest.h>
 

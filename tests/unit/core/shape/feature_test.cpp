@@ -3,8 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "core/shape/point_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "tests/unit/core/shape/shapes.hpp"
 

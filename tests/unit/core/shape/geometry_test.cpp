@@ -9,9 +9,8 @@
 
 #include "core/shape/angle_feature.hpp"
 #include "core/shape/curvature_feature.hpp"
-#include "core/shape/distance_feature.hpp"
 #include "core/shape/fourier_contour_feature.hpp"
-#include "core/shape/points_feature.hpp"
+#include "core/shape/point_features.hpp"
 #include "rt/loop/allocation_counter.hpp"
 #include "tests/unit/core/shape/shapes.hpp"
 

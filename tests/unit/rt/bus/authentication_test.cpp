@@ -124,9 +124,9 @@ TEST_F(AdmissionTest, FreshMessagesComeThroughOnceAndInOrder) {
   EXPECT_EQ(receiver_.judge(first), Admitted::kFresh);
   EXPECT_EQ(receiver_.judge(first), Admitted::kRepeated);
   EXPECT_EQ(receiver_.judge(second), Admitted::kFresh);
-  EXPECT_EQ(receiver_.refused(), 0);
-  EXPECT_EQ(receiver_.judge(first), Admitted::kRefused) << "replayed within the session";
-  EXPECT_EQ(receiver_.refused(), 1);
+  EXPECT_EQ(receiver_.rejected(), 0);
+  EXPECT_EQ(receiver_.judge(first), Admitted::kRejected) << "replayed within the session";
+  EXPECT_EQ(receiver_.rejected(), 1);
   EXPECT_STREQ(receiver_.reason(), "counter of an older message");
   EXPECT_EQ(receiver_.before_start(), -1) << "it may have been obeyed";
 }
@@ -136,7 +136,7 @@ TEST_F(AdmissionTest, ReplayOfAnotherSessionIsRefused) {
   EXPECT_EQ(receiver_.judge(recorded), Admitted::kFresh);
   MessageSigner restarted(kChannel, {key_of(1), kStart + 100});
   EXPECT_EQ(receiver_.judge(sent(restarted, kStart + 100)), Admitted::kFresh);
-  EXPECT_EQ(receiver_.judge(recorded), Admitted::kRefused);
+  EXPECT_EQ(receiver_.judge(recorded), Admitted::kRejected);
 }
 
 TEST_F(AdmissionTest, WhatWasRecordedBeforeAReceiversRestartIsRefused) {
@@ -146,8 +146,8 @@ TEST_F(AdmissionTest, WhatWasRecordedBeforeAReceiversRestartIsRefused) {
   ReplayGuard begun(kChannel, {key_of(1), 0});
   begun.begin(kStart + 60'000);
   for (const twist_command_t& message : recorded) {
-    EXPECT_EQ(restarted.judge(message), Admitted::kRefused);
-    EXPECT_EQ(begun.judge(message), Admitted::kRefused);
+    EXPECT_EQ(restarted.judge(message), Admitted::kRejected);
+    EXPECT_EQ(begun.judge(message), Admitted::kRejected);
     EXPECT_EQ(restarted.before_start(), message.counter);
     EXPECT_EQ(begun.before_start(), message.counter);
   }
@@ -158,7 +158,7 @@ TEST_F(AdmissionTest, WhatWasRecordedBeforeAReceiversRestartIsRefused) {
 TEST_F(AdmissionTest, ForgedCountersDoNotMoveTheReceiver) {
   twist_command_t forged = sent(sender_, kStart + 1);
   forged.counter = std::numeric_limits<std::int64_t>::max();
-  EXPECT_EQ(receiver_.judge(forged), Admitted::kRefused);
+  EXPECT_EQ(receiver_.judge(forged), Admitted::kRejected);
   EXPECT_STREQ(receiver_.reason(), "no valid authentication code");
   EXPECT_EQ(receiver_.judge(sent(sender_, kStart + 2)), Admitted::kFresh);
 }

@@ -7,7 +7,6 @@
 #include <fstream>
 #include <lcm/lcm-cpp.hpp>
 
-#include "rt/bus/event_log.hpp"
 #include "rt/bus/log_ring.hpp"
 #include "tests/support/scratch_folder.hpp"
 

@@ -24,7 +24,7 @@ class HealthNews : public ::testing::Test {
     now_ms_ += 1;
     bus::set_time(*hub_, 1'000'000 * now_ms_);
     inputs_.read(1'000'000 * now_ms_, 1e-3);
-    if (!health_.has_news(condition, inputs_, 1'000'000 * now_ms_)) return false;
+    if (!health_.has_new_data(condition, inputs_, 1'000'000 * now_ms_)) return false;
     health_.publish(counters_, condition, inputs_, {}, 1000 * now_ms_);
     return true;
   }

@@ -1,4 +1,4 @@
-#include "rt/daemon/overrun_monitor.hpp"
+#include "rt/daemon/health.hpp"
 
 #include <gtest/gtest.h>
 

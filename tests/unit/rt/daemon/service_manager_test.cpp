@@ -58,11 +58,11 @@ TEST(LoopWatch, StatusIsSentWhenItChanges) {
 TEST(ServiceManager, WithoutASocketOrAListenerNothingHappens) {
   ServiceManager none("", 1'000'000);
   EXPECT_EQ(none.watchdog_ns(), 0);
-  EXPECT_FALSE(none.tell("READY=1"));
-  ServiceManager no_listener("@palpate_no_listener_here", 1'000'000);
-  EXPECT_FALSE(no_listener.tell("READY=1"));
+  EXPECT_FALSE(none.notify("READY=1"));
+  ServiceManager unread("@palpate_no_listener_here", 1'000'000);
+  EXPECT_FALSE(unread.notify("READY=1"));
   ServiceManager too_long(std::string(300, 'x'), 1'000'000);
-  EXPECT_FALSE(too_long.tell("READY=1"));
+  EXPECT_FALSE(too_long.notify("READY=1"));
 }
 
 }  // namespace

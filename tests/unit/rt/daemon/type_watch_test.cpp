@@ -1,4 +1,4 @@
-#include "rt/daemon/type_watch.hpp"
+#include "rt/daemon/inputs.hpp"
 
 #include <gtest/gtest.h>
 

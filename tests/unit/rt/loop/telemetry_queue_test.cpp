@@ -44,7 +44,7 @@ TEST(TelemetryQueue, CountsWhatItDropsAndRefuses) {
   EXPECT_FALSE(queue.commit("A", -1));
   EXPECT_FALSE(queue.commit("", 1));
   EXPECT_FALSE(queue.commit(std::string(64, 'C'), 1));
-  EXPECT_EQ(queue.refused(), 4);
+  EXPECT_EQ(queue.rejected(), 4);
   EXPECT_EQ(text_of(*queue.take()), "5");
   EXPECT_EQ(queue.take(), nullptr);
 }

@@ -1,4 +1,4 @@
-#include "rt/loop/time_grid.hpp"
+#include "rt/loop/fixed_rate_loop.hpp"
 
 #include <gtest/gtest.h>
 

@@ -148,7 +148,7 @@ TEST(Pipeline, TooMuchForceAtTheWristStopsTheHand) {
   ASSERT_TRUE(pipeline.set_target(1, "point", nullptr, 0, target.data(), 3, reason)) << reason;
   run(pipeline, signals, 300);
   const control::GateOutput output = pipeline.gate(1e-3);
-  EXPECT_TRUE(output.refused);
+  EXPECT_TRUE(output.rejected);
   EXPECT_EQ(output.V_W_E.vector().norm(), 0);
 }
 

@@ -117,7 +117,7 @@ TEST_F(TwoArms, TooMuchForceAtEitherWristStopsBoth) {
     ASSERT_GT(velocity(1).norm(), 0);
     push(pressed, {0, 0, 30});  // N, above the limit of 20
     run(200);
-    EXPECT_TRUE(pipeline_->gate_output(pressed).refused) << pressed;
+    EXPECT_TRUE(pipeline_->gate_output(pressed).rejected) << pressed;
     for (int arm = 0; arm < 2; ++arm) EXPECT_EQ(velocity(arm).norm(), 0) << pressed << arm;
     push(pressed, Eigen::Vector3d::Zero());
     run(100);

@@ -6,7 +6,7 @@
 #include <set>
 
 #include "core/math/random.hpp"
-#include "sim/camera/segmentation.hpp"
+#include "sim/camera/shape_camera.hpp"
 #include "tests/unit/sim/camera/bodies.hpp"
 
 namespace palpate::camera {

@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 
 namespace palpate::draw {
 namespace {

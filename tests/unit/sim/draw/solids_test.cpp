@@ -5,8 +5,6 @@
 #include <Eigen/Geometry>
 #include <cmath>
 
-#include "sim/draw/normals.hpp"
-
 namespace palpate::draw {
 namespace {
 

@@ -6,7 +6,6 @@
 #include <random>
 
 #include "sim/object/hexahedral_grid.hpp"
-#include "sim/object/quadratic_shape.hpp"
 
 namespace palpate::object {
 namespace {

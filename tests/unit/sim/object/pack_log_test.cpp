@@ -1,4 +1,4 @@
-#include "sim/object/pack_log.hpp"
+#include "sim/object/hexahedron_pack.hpp"
 
 #include <gtest/gtest.h>
 

@@ -64,7 +64,7 @@ TEST_F(CommandAccess, WhoHasNotTheKeyMovesNothing) {
   stage_.run(0.02);
   EXPECT_EQ(receiver().accepted(), 0);
   EXPECT_EQ(receiver().rejected(), 101);
-  EXPECT_EQ(receiver().refused(), 101);
+  EXPECT_EQ(receiver().unauthorised(), 101);
   EXPECT_LT(speed(), 1e-4);
   EXPECT_EQ(stage_.simulation.robot().hand_positions().norm(), 0);
 }
@@ -90,7 +90,8 @@ TEST_F(CommandAccess, WhoHasItSteersAndCannotBeReplayed) {
     EXPECT_LT(speed(), 1e-3);
   }
   EXPECT_EQ(receiver().accepted(), 200);
-  EXPECT_EQ(receiver().refused(), 399) << "the very last one is known, and rejected all the same";
+  EXPECT_EQ(receiver().unauthorised(), 399)
+      << "the very last one is known, and rejected all the same";
   EXPECT_EQ(receiver().rejected(), 400);
 }
 
@@ -117,7 +118,7 @@ TEST_F(CommandAccess, WhatWasSentBeforeTheStartIsRefused) {
     send("TWIST_COMMAND", message);
     stage_.simulation.step();
   }
-  EXPECT_EQ(receiver().refused(), 1);
+  EXPECT_EQ(receiver().unauthorised(), 1);
   EXPECT_EQ(receiver().accepted(), 1);
 }
 

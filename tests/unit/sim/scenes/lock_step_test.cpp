@@ -1,4 +1,4 @@
-#include "sim/scenes/lock_step.hpp"
+#include "sim/scenes/pacing.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "sim/scenes/wander.hpp"
+#include "sim/scenes/motion_plan.hpp"
 
 #include <gtest/gtest.h>
 

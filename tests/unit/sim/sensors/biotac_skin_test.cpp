@@ -4,8 +4,6 @@
 
 #include <cmath>
 
-#include "sim/sensors/biotac_film.hpp"
-
 namespace palpate::sensors {
 namespace {
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/draw/annotate.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tests/unit/tools/export/python.hpp"
 #include "tests/unit/tools/export/small_run.hpp"
 

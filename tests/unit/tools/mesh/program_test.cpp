@@ -9,7 +9,7 @@
 #include "core/mesh/mesh_writer.hpp"
 #include "core/mesh/report.hpp"
 #include "core/mesh/round_mesh.hpp"
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tests/unit/tools/mesh/mesh_folder.hpp"
 #include "tools/mesh/faults.hpp"
 #include "tools/mesh/mesh_files.hpp"

@@ -8,7 +8,7 @@
 #include <random>
 
 #include "core/math/rigid.hpp"
-#include "core/sensing/accelerometer_offset.hpp"
+#include "core/sensing/ft_newton_euler.hpp"
 #include "core/sensing/recurrent_network.hpp"
 #include "core/sensing/recurrent_observer_inputs.hpp"
 #include "rt/inference/model_file.hpp"

@@ -5,7 +5,7 @@
 
 #include <sstream>
 
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 #include "tests/unit/tools/lab/studies/study_folder.hpp"
 #include "tools/lab/studies/html.hpp"
 #include "tools/lab/studies/study_host.hpp"

@@ -1,4 +1,4 @@
-#include "sim/draw/png_file.hpp"
+#include "sim/draw/image.hpp"
 
 #include <png.h>
 

@@ -1,8 +1,6 @@
-#include "core/control/fem_jacobian.hpp"
+#include "core/control/jacobian_providers.hpp"
 
 #include <stdexcept>
-
-#include "core/control/support_motion.hpp"
 
 namespace palpate::control {
 
@@ -29,6 +27,23 @@ bool FemJacobian::fill(int grasp, const shape::Feature& feature,
   }
   accumulate_support(
       feature, [&](int node) { return dx_dxi.middleRows<3>(3 * node); }, J);
+  return J.allFinite();
+}
+
+bool KinematicJacobian::update(const shape::Feature& feature,
+                               const elasticity::DeformationModel& model, const math::Pose& X_OG,
+                               Eigen::Ref<Eigen::MatrixXd> J) noexcept {
+  const Eigen::Matrix3Xd& positions = model.positions();
+  const Eigen::Vector3d p_OG = X_OG.translation();
+  accumulate_support(
+      feature,
+      [&](int node) {
+        const Eigen::Vector3d r = positions.col(node) - p_OG;
+        Eigen::Matrix<double, 3, 6> motion;
+        motion << Eigen::Matrix3d::Identity(), -math::cross_matrix(r);
+        return motion;
+      },
+      J);
   return J.allFinite();
 }
 
