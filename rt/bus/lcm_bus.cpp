@@ -12,16 +12,35 @@ namespace {
 
 /// Publishes through liblcm, which starts its own receiver only for a subscription, and none is
 /// made here.
-class LcmBus final : public MessageBus {
+class LcmSender {
  public:
-  explicit LcmBus(const UdpmUrl& url) : url_(url), receiver_(datagrams_) {
-    // liblcm finds a missing route as well, but reports it on stderr and returns nothing to
-    // explain.
-    require_route(url);
-    lcm_.reset(lcm_create(url.text().c_str()));
+  explicit LcmSender(const UdpmUrl& url) : lcm_(lcm_create(url.text().c_str())) {
     if (!lcm_)
       throw std::runtime_error("liblcm cannot open " + url.text() + "; its message is above");
   }
+
+  bool publish(const char* channel, const void* data, int size) noexcept {
+    if (!fits_one_datagram(channel, size)) return false;
+    return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
+  }
+
+ private:
+  struct Destroy {
+    void operator()(lcm_t* lcm) const noexcept { lcm_destroy(lcm); }
+  };
+  std::unique_ptr<lcm_t, Destroy> lcm_;
+};
+
+/// liblcm finds a missing route as well, but reports it on stderr and returns nothing to explain.
+const UdpmUrl& with_route(const UdpmUrl& url) {
+  require_route(url);
+  return url;
+}
+
+class LcmBus final : public MessageBus {
+ public:
+  explicit LcmBus(const UdpmUrl& url)
+      : url_(with_route(url)), receiver_(datagrams_), sender_(url) {}
 
   Subscription& subscribe(const std::string& channel, int encoded_size, std::int64_t fingerprint,
                           int depth) override {
@@ -36,27 +55,24 @@ class LcmBus final : public MessageBus {
   void stop() noexcept override { receiver_.stop(); }
 
   bool publish(const char* channel, const void* data, int size) noexcept override {
-    if (!fits_one_datagram(channel, size)) return false;
-    return lcm_publish(lcm_.get(), channel, data, static_cast<unsigned>(size)) == 0;
+    return sender_.publish(channel, data, size);
   }
   void start_publisher(int depth, int largest) override {
     // liblcm locks while it sends: a separate instance for the publisher never delays a command
-    outlet_ = std::make_unique<LcmBus>(url_);
-    publisher_ = std::make_unique<TelemetryPublisher>(*outlet_, depth, largest);
+    publisher_ = std::make_unique<TelemetryPublisher>(
+        [sender = std::make_shared<LcmSender>(url_)](const char* channel, const void* data,
+                                                     int size) {
+          return sender->publish(channel, data, size);
+        },
+        depth, largest);
   }
-  bool publish_later(const char* channel, const void* data, int size) noexcept override {
-    return publisher_ ? publisher_->publish(channel, data, size) : publish(channel, data, size);
-  }
+  Outlet* outlet() noexcept override { return publisher_.get(); }
   std::int64_t unpublished() const noexcept override { return publisher_ ? publisher_->lost() : 0; }
 
  private:
-  struct Destroy {
-    void operator()(lcm_t* lcm) const noexcept { lcm_destroy(lcm); }
-  };
   UdpmUrl url_;
   UdpmReceiver receiver_;
-  std::unique_ptr<lcm_t, Destroy> lcm_;
-  std::unique_ptr<LcmBus> outlet_;
+  LcmSender sender_;
   std::unique_ptr<TelemetryPublisher> publisher_;
 };
 

@@ -48,9 +48,9 @@ class Subscription {
   /// Called by the receiver. `arrival_ns`: CLOCK_MONOTONIC (or virtual time).
   void offer(const void* data, int size, std::int64_t arrival_ns) noexcept;
 
-  /// Called by the consumer: copies the oldest message to `buffer` (of length encoded_size). False
-  /// if the queue is empty.
-  bool take(void* buffer, std::int64_t& arrival_ns) noexcept;
+  /// Called by the consumer: the oldest message, encoded_size() bytes, valid until the next call;
+  /// nullptr if the queue is empty.
+  const void* take(std::int64_t& arrival_ns) noexcept;
 
   const std::string& channel() const noexcept { return channel_; }
   int encoded_size() const noexcept { return encoded_size_; }
@@ -85,6 +85,19 @@ class MessageTap {
   ~MessageTap() = default;
 };
 
+/// Queue from the loop to a bus's own publishing thread; used by one thread at a time. Neither
+/// allocates nor waits.
+class Outlet {
+ public:
+  /// Where the next message is to be encoded; nullptr, counted as lost, if `size` is too large.
+  virtual std::uint8_t* buffer(int size) noexcept = 0;
+  /// Hands over the `size` bytes in buffer(). False, counted as lost, for an invalid channel name.
+  virtual bool commit(const char* channel, int size) noexcept = 0;
+
+ protected:
+  ~Outlet() = default;
+};
+
 /// Message transport. Set-up: subscribe, then start. publish() neither allocates nor throws and may
 /// be called by one thread at a time.
 class MessageBus {
@@ -108,16 +121,13 @@ class MessageBus {
   virtual void stop() noexcept = 0;
   /// False if the message does not fit into one datagram or the system rejects it.
   virtual bool publish(const char* channel, const void* data, int size) noexcept = 0;
-  /// Set-up: publish_later() uses a thread of the bus from now on, with a queue of `depth` messages
-  /// of at most `largest` encoded bytes. Without this call, and on a bus that delivers
-  /// synchronously, publish_later() equals publish().
+  /// Set-up: messages that are not required within the cycle are published by a thread of the bus
+  /// from now on, through outlet(), with a queue of `depth` messages of at most `largest` encoded
+  /// bytes. No effect on a bus that delivers synchronously.
   virtual void start_publisher(int /*depth*/, int /*largest*/) {}
-  /// As publish(), for messages that are not required within the cycle: costs the caller a copy.
-  /// Messages lost later are counted by unpublished().
-  virtual bool publish_later(const char* channel, const void* data, int size) noexcept {
-    return publish(channel, data, size);
-  }
-  /// Number of messages passed to publish_later() that were not sent.
+  /// Queue of start_publisher(); nullptr without its thread.
+  virtual Outlet* outlet() noexcept { return nullptr; }
+  /// Number of messages passed to outlet() that were not sent.
   virtual std::int64_t unpublished() const noexcept { return 0; }
   const DatagramCounters& datagrams() const noexcept { return datagrams_; }
   /// In order of subscription.
@@ -168,16 +178,14 @@ template <class T>
 class TypedSubscription {
  public:
   TypedSubscription(MessageBus& bus, const std::string& channel, int depth)
-      : bus_(&bus),
-        raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)),
-        buffer_(raw_->encoded_size()) {}
+      : bus_(&bus), raw_(&bus.subscribe(channel, T().getEncodedSize(), T::getHash(), depth)) {}
 
   /// False if there is no message. Does not allocate for types of fixed size.
   bool take(T& message, std::int64_t& arrival_ns) noexcept {
-    if (!raw_->take(buffer_.data(), arrival_ns)) return false;
-    if (MessageTap* tap = bus_->tap())
-      tap->note(raw_->channel(), buffer_.data(), raw_->encoded_size());
-    return message.decode(buffer_.data(), 0, static_cast<int>(buffer_.size())) >= 0;
+    const void* data = raw_->take(arrival_ns);
+    if (data == nullptr) return false;
+    if (MessageTap* tap = bus_->tap()) tap->note(raw_->channel(), data, raw_->encoded_size());
+    return message.decode(data, 0, raw_->encoded_size()) >= 0;
   }
   const SubscriptionCounters& counters() const noexcept { return raw_->counters(); }
   void lock_to_first_publisher(std::int64_t silence_ns) noexcept {
@@ -187,14 +195,13 @@ class TypedSubscription {
  private:
   MessageBus* bus_;
   Subscription* raw_;
-  std::vector<std::uint8_t> buffer_;
 };
 
 /// kNow: in the publishing thread; kLater: in the bus's own thread, if it has one.
 enum class Urgency { kNow, kLater };
 
-/// Encodes into its own buffer and publishes; for types of fixed size nothing allocates after
-/// construction. Variable types allocate when they grow.
+/// Encodes into its own buffer, or with kLater into the bus's queue, and publishes; for types of
+/// fixed size nothing allocates after construction. Variable types allocate when they grow.
 template <class T>
 class TypedPublisher {
  public:
@@ -212,11 +219,13 @@ class TypedPublisher {
 
   bool publish(const T& message) noexcept {
     const int size = message.getEncodedSize();
-    if (size > static_cast<int>(buffer_.size())) buffer_.resize(size);
-    if (message.encode(buffer_.data(), 0, size) < 0) return false;
-    if (MessageTap* tap = bus_->tap()) tap->note(channel_, buffer_.data(), size);
-    return urgency_ == Urgency::kNow ? bus_->publish(channel_.c_str(), buffer_.data(), size)
-                                     : bus_->publish_later(channel_.c_str(), buffer_.data(), size);
+    Outlet* outlet = urgency_ == Urgency::kLater ? bus_->outlet() : nullptr;
+    if (outlet == nullptr && size > static_cast<int>(buffer_.size())) buffer_.resize(size);
+    std::uint8_t* data = outlet != nullptr ? outlet->buffer(size) : buffer_.data();
+    if (data == nullptr || message.encode(data, 0, size) < 0) return false;
+    if (MessageTap* tap = bus_->tap()) tap->note(channel_, data, size);
+    return outlet != nullptr ? outlet->commit(channel_.c_str(), size)
+                             : bus_->publish(channel_.c_str(), data, size);
   }
 
  private:

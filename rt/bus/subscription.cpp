@@ -90,12 +90,11 @@ bool Subscription::is_followed(const void* data, std::int64_t arrival_ns) noexce
   return true;
 }
 
-bool Subscription::take(void* buffer, std::int64_t& arrival_ns) noexcept {
+const void* Subscription::take(std::int64_t& arrival_ns) noexcept {
   const Slot* slot = queue_->ring.take();
-  if (slot == nullptr) return false;
-  std::memcpy(buffer, slot->data.data(), slot->data.size());
+  if (slot == nullptr) return nullptr;
   arrival_ns = slot->arrival_ns;
-  return true;
+  return slot->data.data();
 }
 
 }  // namespace palpate::bus

@@ -1,15 +1,15 @@
 #include "rt/bus/telemetry_publisher.hpp"
 
-#include <cstring>
 #include <ctime>
 #include <stdexcept>
+#include <utility>
 
 #include "rt/loop/real_time.hpp"
 
 namespace palpate::bus {
 
-TelemetryPublisher::TelemetryPublisher(MessageBus& bus, int depth, int largest)
-    : bus_(bus), queue_(depth, largest) {
+TelemetryPublisher::TelemetryPublisher(Send send, int depth, int largest)
+    : send_(std::move(send)), queue_(depth, largest) {
   if (sem_init(&wake_, 0, 0) != 0) throw std::runtime_error("the system has no semaphore left");
   thread_ = loop::start_helper_thread("palpate-publish", [this] { work(); });
 }
@@ -21,9 +21,13 @@ TelemetryPublisher::~TelemetryPublisher() {
   sem_destroy(&wake_);
 }
 
-bool TelemetryPublisher::publish(const char* channel, const void* data, int size) noexcept {
-  if (size > 0 && size <= queue_.largest())
-    std::memcpy(queue_.buffer(), data, static_cast<std::size_t>(size));
+std::uint8_t* TelemetryPublisher::buffer(int size) noexcept {
+  if (size <= queue_.largest()) return queue_.buffer();
+  too_large_.fetch_add(1, std::memory_order_relaxed);
+  return nullptr;
+}
+
+bool TelemetryPublisher::commit(const char* channel, int size) noexcept {
   if (!queue_.commit(channel, size)) return false;
   wake();
   return true;
@@ -39,7 +43,7 @@ bool TelemetryPublisher::publish_queued() noexcept {
   bool any = false;
   while (const loop::TelemetryQueue::Record* record = queue_.take()) {
     any = true;
-    if (!bus_.publish(record->channel, record->data.data(), record->size))
+    if (!send_(record->channel, record->data.data(), record->size))
       failed_.fetch_add(1, std::memory_order_relaxed);
   }
   return any;

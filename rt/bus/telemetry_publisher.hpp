@@ -3,6 +3,7 @@
 #include <semaphore.h>
 
 #include <atomic>
+#include <functional>
 #include <thread>
 
 #include "rt/bus/message_bus.hpp"
@@ -11,25 +12,27 @@
 namespace palpate::bus {
 
 /// Publishes messages of the loop from a thread of its own: sending to a multicast group executes
-/// the receiving side of the network stack in the sender's time, ten times that of the copy which
-/// the loop makes here. Lost messages are counted; the loop never waits.
-class TelemetryPublisher {
+/// the receiving side of the network stack in the sender's time, ten times that of the encoding,
+/// which the loop does here. Lost messages are counted; the loop never waits.
+class TelemetryPublisher final : public Outlet {
  public:
-  /// Queue of `depth` messages of at most `largest` encoded bytes. From now on the publisher's
-  /// thread is the one that publishes on `bus`, which must outlive this object.
-  TelemetryPublisher(MessageBus& bus, int depth, int largest);
+  /// As MessageBus::publish(); called by the publisher's thread.
+  using Send = std::function<bool(const char* channel, const void* data, int size)>;
+
+  /// Queue of `depth` messages of at most `largest` encoded bytes.
+  TelemetryPublisher(Send send, int depth, int largest);
   /// Publishes the queued messages, then ends.
   ~TelemetryPublisher();
   TelemetryPublisher(const TelemetryPublisher&) = delete;
   TelemetryPublisher& operator=(const TelemetryPublisher&) = delete;
 
-  /// Called by the loop's thread with an encoded message. False if it is larger than `largest` or
-  /// the channel name is too long.
-  bool publish(const char* channel, const void* data, int size) noexcept;
+  std::uint8_t* buffer(int size) noexcept override;
+  bool commit(const char* channel, int size) noexcept override;
 
   /// Number of messages that were not sent: queue full, too large, or rejected by the bus.
   std::int64_t lost() const noexcept {
-    return queue_.dropped() + queue_.rejected() + failed_.load(std::memory_order_relaxed);
+    return queue_.dropped() + queue_.rejected() + too_large_.load(std::memory_order_relaxed) +
+           failed_.load(std::memory_order_relaxed);
   }
 
  private:
@@ -37,8 +40,9 @@ class TelemetryPublisher {
   void work() noexcept;
   bool publish_queued() noexcept;  // false if the queue was empty
 
-  MessageBus& bus_;
+  Send send_;
   loop::TelemetryQueue queue_;
+  std::atomic<std::int64_t> too_large_{0};
   std::atomic<std::int64_t> failed_{0};
   std::atomic<bool> stop_{false};
   std::atomic<bool> asleep_{false};

@@ -92,8 +92,7 @@ TEST(LcmBus, PublishesLaterInOrderAndCountsWhatItCannot) {
       EXPECT_TRUE(now.publish(imu_t{}));
     }
     EXPECT_EQ(scope.count(), 0);
-    const std::vector<char> large(201);
-    EXPECT_FALSE(sender->publish_later("FT_WRENCH", large.data(), 201));
+    EXPECT_EQ(sender->outlet()->buffer(201), nullptr);
     EXPECT_EQ(sender->unpublished(), 1);
   }  // ends only after everything handed over has been sent
   ASSERT_TRUE(eventually([&] { return subscription.counters().received == kMessages; }));
@@ -171,7 +170,7 @@ TEST(LcmBus, LargestMessageOfOneDatagramArrivesWholeAndALargerOneIsRefused) {
   ASSERT_TRUE(eventually([&] { return subscription.counters().received == 1; }));
   std::vector<std::uint8_t> buffer(kSize);
   std::int64_t arrival_ns = 0;
-  ASSERT_TRUE(subscription.take(buffer.data(), arrival_ns));
+  ASSERT_TRUE(wire::take(subscription, buffer.data(), arrival_ns));
   data.resize(kSize);
   EXPECT_EQ(buffer, data);
   data.resize(70'000);

@@ -5,6 +5,7 @@
 
 #include "rt/bus/message_bus.hpp"
 #include "tests/stress/rhythm.hpp"
+#include "tests/unit/rt/bus/messages.hpp"
 
 namespace palpate::bus {
 namespace {
@@ -29,7 +30,7 @@ TEST(SubscriptionStress, MessagesComeWholeWhateverTheReceiverOffers) {
       std::int64_t arrival = 0, last = -1;
       for (bool finished = false;;) {
         rhythm.beat();
-        if (!queue.take(bytes.data(), arrival)) {
+        if (!wire::take(queue, bytes.data(), arrival)) {
           if (finished) return;
           finished = done;
           continue;

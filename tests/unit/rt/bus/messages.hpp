@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "rt/bus/message_bus.hpp"
+
 namespace palpate::bus::wire {
 
 /// The encoded form of `message`.
@@ -26,6 +28,14 @@ inline std::vector<std::uint8_t> datagram(const std::string& channel,
   data.insert(data.end(), payload.begin(), payload.end());
   data.shrink_to_fit();  // so that the address sanitizer detects a read beyond the end
   return data;
+}
+
+/// Copies the oldest message of a subscription, if there is one.
+inline bool take(Subscription& subscription, void* buffer, std::int64_t& arrival_ns) {
+  const void* data = subscription.take(arrival_ns);
+  if (data != nullptr)
+    std::memcpy(buffer, data, static_cast<std::size_t>(subscription.encoded_size()));
+  return data != nullptr;
 }
 
 }  // namespace palpate::bus::wire

@@ -31,14 +31,14 @@ TEST(Subscription, DeliversInOrderWithTheTimeOfArrival) {
   Subscription subscription = wrench_subscription(4);
   std::vector<std::uint8_t> buffer(static_cast<std::size_t>(subscription.encoded_size()));
   std::int64_t arrival_ns = 0;
-  EXPECT_FALSE(subscription.take(buffer.data(), arrival_ns));
+  EXPECT_FALSE(wire::take(subscription, buffer.data(), arrival_ns));
   for (int i = 0; i < 3; ++i) offer(subscription, wrench_number(i), 1000 + i);
   for (int i = 0; i < 3; ++i) {
-    ASSERT_TRUE(subscription.take(buffer.data(), arrival_ns));
+    ASSERT_TRUE(wire::take(subscription, buffer.data(), arrival_ns));
     EXPECT_EQ(buffer, wire::encoded(wrench_number(i)));
     EXPECT_EQ(arrival_ns, 1000 + i);
   }
-  EXPECT_FALSE(subscription.take(buffer.data(), arrival_ns));
+  EXPECT_FALSE(wire::take(subscription, buffer.data(), arrival_ns));
   EXPECT_EQ(subscription.counters().received, 3);
   EXPECT_EQ(subscription.counters().dropped, 0);
 }
@@ -51,7 +51,7 @@ TEST(Subscription, KeepsTheNewestWhenNoneIsTaken) {
   std::vector<std::uint8_t> buffer(static_cast<std::size_t>(subscription.encoded_size()));
   for (int i = 95; i < 100; ++i) {
     std::int64_t arrival_ns = 0;
-    ASSERT_TRUE(subscription.take(buffer.data(), arrival_ns));
+    ASSERT_TRUE(wire::take(subscription, buffer.data(), arrival_ns));
     EXPECT_EQ(arrival_ns, i);
   }
 }
@@ -97,7 +97,7 @@ TEST(Subscription, RefusesAnotherSizeOrType) {
   EXPECT_EQ(subscription.counters().last_wrong_fingerprint, imu_t::getHash());
   EXPECT_EQ(subscription.counters().received, 0);
   std::int64_t arrival_ns = 0;
-  EXPECT_FALSE(subscription.take(data.data(), arrival_ns));
+  EXPECT_FALSE(wire::take(subscription, data.data(), arrival_ns));
 }
 
 TEST(Subscription, RefusesToBeMadeWrong) {
@@ -123,7 +123,7 @@ TEST(Subscription, TwoThreadsLoseOnlyWhatIsCounted) {
     std::int64_t arrival_ns = 0;
     int last = -1;
     for (bool finished = false;;) {
-      if (!subscription.take(buffer.data(), arrival_ns)) {
+      if (!wire::take(subscription, buffer.data(), arrival_ns)) {
         if (finished) return;
         finished = done;
         continue;
@@ -152,7 +152,7 @@ TEST(Subscription, NeitherSideAllocates) {
   std::int64_t arrival_ns = 0;
   const loop::NoAllocationScope scope;
   for (int i = 0; i < 20; ++i) subscription.offer(data.data(), static_cast<int>(data.size()), i);
-  while (subscription.take(buffer.data(), arrival_ns)) {
+  while (wire::take(subscription, buffer.data(), arrival_ns)) {
   }
   EXPECT_EQ(scope.count(), 0);
 }

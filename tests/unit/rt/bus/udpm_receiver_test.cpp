@@ -23,7 +23,7 @@ class UdpmReceiverTest : public ::testing::Test {
   bool holds_nothing() {
     std::int64_t arrival_ns = 0;
     Bytes buffer(static_cast<std::size_t>(wrench_.encoded_size()));
-    return !wrench_.take(buffer.data(), arrival_ns);
+    return !wire::take(wrench_, buffer.data(), arrival_ns);
   }
 
   const Bytes good_ = wire::encoded(ft_wrench_t{});
@@ -37,7 +37,7 @@ TEST_F(UdpmReceiverTest, PassesAGoodMessageOn) {
   hand(wire::datagram("FT_WRENCH", good_));
   Bytes buffer(good_.size());
   std::int64_t arrival_ns = 0;
-  ASSERT_TRUE(wrench_.take(buffer.data(), arrival_ns));
+  ASSERT_TRUE(wire::take(wrench_, buffer.data(), arrival_ns));
   EXPECT_EQ(buffer, good_);
   EXPECT_EQ(arrival_ns, 42);
   EXPECT_EQ(counters_.received, 1);
