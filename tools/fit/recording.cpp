@@ -101,7 +101,7 @@ std::shared_ptr<const CsvTable> read_csv(const std::string& path) {
   return table;
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 std::string joined(const std::vector<std::string>& texts) {
   std::string result;
@@ -167,7 +167,7 @@ std::vector<Filter> read_filters(const config::Node& node, const CsvTable& table
       node.child({"where", "", "only rows that have these numbers in these columns"});
   for (const std::string& column : where.keys()) {
     const config::Key key = config::Key::named_by_user(column, "COLUMN", "", "in that column");
-    filters.push_back({table.column(column), where.number(key, {-kInfinity, kInfinity})});
+    filters.push_back({table.column(column), where.number(key, {-kUnlimited, kUnlimited})});
   }
   return filters;
 }
@@ -183,8 +183,8 @@ Selection read_selection(const config::Node& node, const config::Key& key, bool 
   }
   const config::Node entry = node.child(key);
   selection.quantity = entry.text({"quantity", "", "that selects the samples"});
-  selection.from = entry.number({"from", "SI", "its least, of these"}, {}, -kInfinity);
-  selection.to = entry.number({"to", "SI", "its greatest, of these"}, {}, kInfinity);
+  selection.from = entry.number({"from", "SI", "its least, of these"}, {}, -kUnlimited);
+  selection.to = entry.number({"to", "SI", "its greatest, of these"}, {}, kUnlimited);
   if (!(selection.from <= selection.to)) entry.fail("to", "must not be below from");
   return selection;
 }

@@ -72,7 +72,7 @@ double end_on_side(const ProfileQuestion& q, double sign) {
   return at + sign * (inner + outer) / 2;
 }
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfiniteDeviation = std::numeric_limits<double>::infinity();
 
 /// Residuals of every series at the end of the search, raw and weighted by the loss.
 struct Linearised {
@@ -161,7 +161,7 @@ Spread find_spread(const Problem& problem, const Linearised& at,
       continue;
     }
     OpenDirection direction;
-    direction.deviation = is_null ? kInfinity : 1 / singular[k];
+    direction.deviation = is_null ? kInfiniteDeviation : 1 / singular[k];
     const double most = std::min(direction.deviation, 1.0);
     unknown += most * most * svd.matrixV().col(k) * svd.matrixV().col(k).transpose();
     for (Index i = 0; i < n; ++i) {
