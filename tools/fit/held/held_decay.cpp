@@ -54,9 +54,7 @@ bool read_ringing(const HeldLog& log, std::int64_t begin, double duration, doubl
   return true;
 }
 
-constexpr const char* kWrench[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 constexpr double kArm = 0.1;  // m, at which torques are weighted like forces
-constexpr double kFinestForce = 1e-3, kFinestTorque = 1e-4;
 
 /// One mode at one time: its two waves, and their derivatives by d and by omega at constant d.
 struct Waves {

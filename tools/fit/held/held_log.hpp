@@ -10,6 +10,11 @@
 
 namespace palpate::fit {
 
+/// Lower bounds of a sensor's standard deviation, regardless of its scatter: N and N m.
+inline constexpr double kFinestForce = 1e-3, kFinestTorque = 1e-4;
+/// Components of a wrench, in the order of its six numbers.
+inline constexpr const char* kWrench[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
+
 /// Selection of the moments of a recording that count as equilibria. The log is divided into blocks
 /// of 0.1 s; a block is calm if the mean pose of the hand moves by less than the two speeds
 /// relative to both of its neighbours. A sample is the mean over `window` of calm blocks that

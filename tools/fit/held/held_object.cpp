@@ -14,13 +14,11 @@ using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 using elasticity::Sensitivity;
 
-// Lower bounds of a sensor's standard deviation, regardless of its scatter: N, N m and m.
-constexpr double kFinestForce = 1e-3, kFinestTorque = 1e-4, kFinestPoint = 1e-5;
+constexpr double kFinestPoint = 1e-5;  // m, as kFinestForce
 
 constexpr int kFootSteps = 40;  // of the perpendicular on a curved face, exact to rounding
 
 constexpr const char* kAxes[6] = {"x", "y", "z", "rx", "ry", "rz"};
-constexpr const char* kWrench[6] = {"fx", "fy", "fz", "tx", "ty", "tz"};
 
 /// Every k-th column, so that at most `most` remain.
 Matrix3Xd thinned(const Matrix3Xd& points, int most) {
