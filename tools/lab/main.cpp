@@ -22,7 +22,6 @@
 #include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
-#include "tools/lab/studies/sensing_study.hpp"
 #include "tools/lab/studies/sensing_training.hpp"
 #include "tools/lab/studies/study.hpp"
 #include "tools/lab/studies/study_reference.hpp"
@@ -164,17 +163,21 @@ int run(CLI::App& app, int argc, char** argv) {
   StudyCommand thesis(app,
                       {"thesis", "the applications of the thesis",
                        "the applications of the thesis with every method, model error and seed",
-                       "tools/lab/studies/thesis.yaml"});
+                       "tools/lab/studies/thesis.yaml", "out/thesis"});
   StudyCommand estimate(app, {"estimate", "estimators of the shape, blind and with observations",
                               "every estimator on bars and blocks under the grid of model errors",
-                              "tools/lab/studies/estimate.yaml"});
+                              "tools/lab/studies/estimate.yaml", "out/estimate"});
   StudyCommand control(
       app, {"control", "shape control, blind and with observations",
             "controllers on points far from the hand, limits and drop-outs under the grid of model "
             "errors",
-            "tools/lab/studies/control.yaml"});
-
-  SensingStudyCommand published_sensing(app);
+            "tools/lab/studies/control.yaml", "out/control"});
+  StudyCommand published_sensing(
+      app, {"published-sensing", "the published sensing methods on one plant before a camera",
+            "the sensing methods of the thesis' Table 2.1 on one plant before a camera, compared "
+            "with palpate's own: each task is simulated once for each level of vision and seed, "
+            "and every method is run on that recording",
+            "tools/lab/studies/published_sensing.yaml", "out/published-sensing", true});
 
   TrainSensingCommand train_sensing(app);
 
@@ -196,9 +199,8 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
-  for (StudyCommand* study : {&thesis, &estimate, &control})
+  for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
     if (const auto code = study->run(root, std::cout)) return *code;
-  if (const auto code = published_sensing.run(root, std::cout)) return *code;
   if (const auto code = reference.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;

@@ -5,15 +5,21 @@
 #include <memory>
 #include <optional>
 #include <ostream>
+#include <string>
 
 namespace palpate::studies {
 
 /// A command that runs a plan: every method under every model error with every seed.
 struct Study {
-  std::string name;            // of the command, its folder and its JSON file
-  std::string title;           // of the report
-  std::string about;           // for --help
-  std::filesystem::path plan;  // its default plan, below the source tree
+  std::string name;              // of the command and its JSON file
+  std::string title;             // of the report
+  std::string about;             // for --help
+  std::filesystem::path plan;    // its default plan, below the source tree
+  std::filesystem::path output;  // its default folder
+  /// False: each job is simulated with the daemon in the loop. True: the hand's motion does not
+  /// depend on the estimate (kinds force and tactile), so that each application is simulated once
+  /// for each level and seed, and every method runs on that recording (palpate-replay).
+  bool replayed = false;
 };
 
 /// Runs, scores and reports a study.
@@ -23,7 +29,8 @@ class StudyCommand {
   ~StudyCommand();
 
   /// Runs the command if it was given and returns the exit code: 0, or 1 if a job failed. `root`:
-  /// the source tree. Throws config::Error for an invalid plan, and Interrupted.
+  /// the source tree. Throws config::Error for an invalid plan, std::invalid_argument for a
+  /// replayed study with an application of kind control, and Interrupted.
   std::optional<int> run(const std::filesystem::path& root, std::ostream& out);
 
  private:

@@ -151,6 +151,14 @@ std::vector<std::string> state_names(const StudyApplication& application,
   return names;
 }
 
+/// Mean of a number over the states; the cap if the run failed, which is also the upper bound.
+double capped_mean(const StudyResult& result, const char* key, double cap) {
+  if (!result.json.is_object()) return cap;
+  double sum = 0;
+  for (const Json& state : result.json["states"]) sum += std::min(cap, state[key].get<double>());
+  return sum / static_cast<double>(result.json["states"].size());
+}
+
 }  // namespace
 
 ReportTable summary_table(const StudyApplication& application,
@@ -192,6 +200,34 @@ ReportTable control_table(const StudyApplication& application,
   for_each_group(application, results, table, [](const Group& group, auto& row) {
     for (const RunColumn& column : kControl) row.push_back(cell(group, column));
   });
+  return table;
+}
+
+ReportTable errors_table(const StudyApplication& application,
+                         const std::vector<StudyResult>& results, double cap) {
+  ReportTable table{{application.name + ", mean / Hausdorff, mm"}, {}};
+  for (const runs::Mismatch& level : application.levels) table.header.push_back(level.name);
+  bool any = false;
+  for (const runs::Method& method : application.methods) {
+    std::vector<std::string> row{method.name};
+    for (const runs::Mismatch& level : application.levels) {
+      std::vector<double> means, surfaces;
+      for (const StudyResult& result : results) {
+        const StudyJob& job = result.job;
+        if (job.application != application.name || job.method != method.name ||
+            job.mismatch != level.name || !(result.failed || result.json.is_object()))
+          continue;
+        means.push_back(capped_mean(result, "mean_mm", cap));
+        surfaces.push_back(capped_mean(result, "hausdorff_mm", cap));
+      }
+      any = any || !means.empty();
+      row.push_back(means.empty() ? ""
+                                  : common::number(common::median_of(means).value, 2) + " / " +
+                                        common::number(common::median_of(surfaces).value, 2));
+    }
+    table.rows.push_back(row);
+  }
+  if (!any) table.rows.clear();
   return table;
 }
 

@@ -37,6 +37,12 @@ ReportTable state_table(const StudyApplication& application,
 ReportTable control_table(const StudyApplication& application,
                           const std::vector<StudyResult>& results);
 
+/// Shape of a replayed study: one row per method, one column per level; nodes' mean error and the
+/// surfaces' Hausdorff distance, mm, means over the states, then medians over the seeds. `cap`: mm,
+/// the most of any state, and what a failed run counts as. Empty without results.
+ReportTable errors_table(const StudyApplication& application,
+                         const std::vector<StudyResult>& results, double cap);
+
 /// The values of the thesis, without results of ours.
 ReportTable published_table(const StudyApplication& application);
 
