@@ -14,7 +14,6 @@
 #include "tools/lab/endurance/cycle_cost.hpp"
 #include "tools/lab/endurance/latency.hpp"
 #include "tools/lab/endurance/soak.hpp"
-#include "tools/lab/endurance/virtual_soak.hpp"
 #include "tools/lab/faults/faults.hpp"
 #include "tools/lab/scores/score.hpp"
 #include "tools/lab/sensor_models/emulated_tactile.hpp"

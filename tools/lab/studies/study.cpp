@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -14,7 +15,6 @@
 #include "tools/lab/studies/study_host.hpp"
 #include "tools/lab/studies/study_job.hpp"
 #include "tools/lab/studies/study_progress.hpp"
-#include "tools/lab/studies/study_report.hpp"
 #include "tools/lab/studies/study_scheduler.hpp"
 
 namespace palpate::studies {
@@ -55,6 +55,37 @@ struct StudyCommand::Options {
   std::string shard;
 
   fs::path folder(const std::string& job_name) const { return fs::absolute(output) / job_name; }
+};
+
+/// Hashes of the inputs of jobs and recordings.
+class StudyCommand::Hashes {
+ public:
+  Hashes(bool replayed, bool pictures) : replayed_(replayed), pictures_(pictures) {
+    for (const fs::path& program : study_programs())
+      if (!replayed) programs_.push_back(hash_of_file(program));
+  }
+  std::string of(const StudyJob& job) const {
+    return replayed_ ? hash_of_replay(job, of_recording(job), pictures_)
+                     : hash_of_inputs(job, programs_);
+  }
+  /// Each recording serves many jobs.
+  const std::string& of_recording(const StudyJob& job) const {
+    std::string& hash = recordings_[recording_of(job)];
+    if (hash.empty()) hash = hash_of_recording(scene_of(job));
+    return hash;
+  }
+
+ private:
+  const bool replayed_, pictures_;
+  std::vector<std::string> programs_;
+  mutable std::map<std::string, std::string> recordings_;
+};
+
+/// What a call of the command has to run: recordings first, then one task per job.
+struct StudyCommand::Work {
+  std::vector<Task> recordings;
+  std::vector<StudyJob> jobs;
+  std::vector<Task> tasks;  // of the jobs
 };
 
 StudyCommand::StudyCommand(CLI::App& app, Study study)
@@ -120,6 +151,59 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
 
 StudyCommand::~StudyCommand() = default;
 
+void StudyCommand::run_one(const std::vector<StudyJob>& jobs, const Hashes& hashes) const {
+  const Options& o = *options_;
+  for (const StudyJob& job : jobs) {
+    const std::string recording = recording_of(job);
+    if (study_.replayed && o.job == recording) {
+      record_sensing(scene_of(job), o.folder(recording));
+      return;
+    }
+    if (o.job != job.name) continue;
+    fs::create_directories(o.folder(job.name));
+    if (study_.replayed)
+      run_replayed_job(job, hashes.of(job), o.folder(recording), o.folder(job.name), o.pictures);
+    else
+      run_study_job(job, hashes.of(job), o.folder(job.name), o.keep_logs);
+    return;
+  }
+  throw std::invalid_argument("no job is called " + o.job);
+}
+
+StudyCommand::Work StudyCommand::work_of(const std::vector<StudyJob>& jobs, const Hashes& hashes,
+                                         const fs::path& root, const fs::path& plan_file) const {
+  const Options& o = *options_;
+  const auto task_of = [&](const std::string& name, const StudyJob& job, const std::string& hash) {
+    Task task{name,
+              {fs::read_symlink("/proc/self/exe").string(), "--root", root.string(), study_.name,
+               "--plan", plan_file.string(), "--output", fs::absolute(o.output).string(), "--seeds",
+               std::to_string(job.seed), "--job", name},
+              o.folder(name),
+              hash};
+    if (job.real_time) task.command.emplace_back("--real-time");
+    if (o.keep_logs) task.command.emplace_back("--keep-logs");
+    if (o.pictures) task.command.emplace_back("--pictures");
+    return task;
+  };
+  Work work;
+  if (study_.replayed) {
+    std::set<std::string> known;
+    for (const StudyJob& job : jobs)
+      if (known.insert(recording_of(job)).second)
+        work.recordings.push_back(task_of(recording_of(job), job, hashes.of_recording(job)));
+    if (!o.shard.empty()) work.recordings = shard_of(work.recordings, read_shard(o.shard));
+    std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(work.jobs), [&](const StudyJob& job) {
+      return std::any_of(work.recordings.begin(), work.recordings.end(),
+                         [&](const Task& task) { return task.name == recording_of(job); });
+    });
+  } else {
+    work.jobs = o.shard.empty() ? jobs : shard_of(jobs, read_shard(o.shard));
+  }
+  for (const StudyJob& job : work.jobs)
+    work.tasks.push_back(task_of(job.name, job, hashes.of(job)));
+  return work;
+}
+
 namespace {
 
 void print_list(const std::vector<StudyJob>& jobs, std::ostream& out) {
@@ -141,7 +225,8 @@ nlohmann::json result_of(const Task& task) {
   return nlohmann::json::parse(in);
 }
 
-/// Runs the jobs that have no result yet and prints `what`, such as "jobs: ", with the counts.
+/// Runs the tasks that have no result yet and prints their counts: `before`3 `run`, 0 kept, 1
+/// failed.
 std::vector<TaskOutcome> run_all(const std::vector<Task>& tasks, int workers,
                                  const std::string& before, const std::string& run,
                                  std::ostream& out) {
@@ -158,20 +243,15 @@ std::vector<TaskOutcome> run_all(const std::vector<Task>& tasks, int workers,
   return outcomes;
 }
 
-/// What a call of the command has to run: recordings first, then one task per job.
-struct Work {
-  std::vector<Task> recordings;
-  std::vector<StudyJob> jobs;
-  std::vector<Task> tasks;  // of the jobs
-};
-
 void print_failures(const StudyReport& report, std::ostream& out) {
   for (const std::string& failure : report.failures) out << "FAILED: " << failure << '\n';
 }
 
-/// Runs the work and enters failures into the report.
-void run_work(const Work& work, bool replayed, int workers, StudyReport& report,
-              std::ostream& out) {
+}  // namespace
+
+void StudyCommand::run_work(const Work& work, StudyReport& report, std::ostream& out) const {
+  const int workers = options_->workers;
+  const bool replayed = study_.replayed;
   // A failed recording makes its methods fail, and each reports it.
   if (replayed) run_all(work.recordings, workers, "recordings: ", "run", out);
   const std::vector<TaskOutcome> outcomes =
@@ -184,12 +264,9 @@ void run_work(const Work& work, bool replayed, int workers, StudyReport& report,
   }
 }
 
-}  // namespace
-
 std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   if (!command_->parsed()) return std::nullopt;
   const Options& o = *options_;
-  const bool replayed = study_.replayed;
   const fs::path plan_file = fs::absolute(o.plan.empty() ? root / study_.plan : o.plan);
   StudyReport report;
   report.name = study_.name;
@@ -202,76 +279,25 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
     return 0;
   }
   for (const StudyJob& job : jobs)
-    if (replayed && job.kind == "control")
+    if (study_.replayed && job.kind == "control")
       throw std::invalid_argument(job.application + ": what is controlled cannot be replayed");
   common::catch_interruptions();
-  std::vector<std::string> programs;
-  for (const fs::path& program : study_programs())
-    if (!replayed) programs.push_back(hash_of_file(program));
-  const auto hash_of = [&](const StudyJob& job, const std::string& recording) {
-    return replayed ? hash_of_replay(job, recording, o.pictures) : hash_of_inputs(job, programs);
-  };
+  const Hashes hashes(study_.replayed, o.pictures);
   if (!o.job.empty()) {
-    for (const StudyJob& job : jobs) {
-      const std::string recording = recording_of(job);
-      if (replayed && o.job == recording) {
-        record_sensing(scene_of(job), o.folder(recording));
-        return 0;
-      }
-      if (o.job != job.name) continue;
-      fs::create_directories(o.folder(job.name));
-      if (replayed)
-        run_replayed_job(job, hash_of(job, hash_of_recording(scene_of(job))), o.folder(recording),
-                         o.folder(job.name), o.pictures);
-      else
-        run_study_job(job, hash_of(job, ""), o.folder(job.name), o.keep_logs);
-      return 0;
-    }
-    throw std::invalid_argument("no job is called " + o.job);
+    run_one(jobs, hashes);
+    return 0;
   }
 
-  const auto task_of = [&](const std::string& name, const StudyJob& job, const std::string& hash) {
-    Task task{name,
-              {fs::read_symlink("/proc/self/exe").string(), "--root", fs::absolute(root).string(),
-               study_.name, "--plan", plan_file.string(), "--output",
-               fs::absolute(o.output).string(), "--seeds", std::to_string(job.seed), "--job", name},
-              o.folder(name),
-              hash};
-    if (job.real_time) task.command.emplace_back("--real-time");
-    if (o.keep_logs) task.command.emplace_back("--keep-logs");
-    if (o.pictures) task.command.emplace_back("--pictures");
-    return task;
-  };
-  Work work;
-  std::map<std::string, std::string> recording_hashes;  // by name
-  if (replayed) {
-    for (const StudyJob& job : jobs) {
-      const std::string name = recording_of(job);
-      if (recording_hashes.count(name) > 0) continue;
-      const std::string hash = recording_hashes[name] = hash_of_recording(scene_of(job));
-      work.recordings.push_back(task_of(name, job, hash));
-    }
-    if (!o.shard.empty()) work.recordings = shard_of(work.recordings, read_shard(o.shard));
-    std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(work.jobs), [&](const StudyJob& job) {
-      return std::any_of(work.recordings.begin(), work.recordings.end(),
-                         [&](const Task& task) { return task.name == recording_of(job); });
-    });
-  } else {
-    work.jobs = o.shard.empty() ? jobs : shard_of(jobs, read_shard(o.shard));
-  }
-  for (const StudyJob& job : work.jobs) {
-    const std::string recording = replayed ? recording_hashes[recording_of(job)] : "";
-    work.tasks.push_back(task_of(job.name, job, hash_of(job, recording)));
-    report.results.push_back({job, {}, false});
-  }
+  const Work work = work_of(jobs, hashes, fs::absolute(root), plan_file);
+  for (const StudyJob& job : work.jobs) report.results.push_back({job, {}, false});
   fs::create_directories(report.folder);
   report.host = describe_host();
-  report.host["mode"] = replayed                ? "recorded in lock-step, replayed"
+  report.host["mode"] = study_.replayed         ? "recorded in lock-step, replayed"
                         : o.selection.real_time ? "real time"
                                                 : "lock-step";
   report.host["runs side by side"] = o.workers;
   if (!o.report_only) {
-    run_work(work, replayed, o.workers, report, out);
+    run_work(work, report, out);
     report.host["load at the end"] = describe_host()["load"];
   }
   if (!o.shard.empty()) {
@@ -281,7 +307,7 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   }
   for (std::size_t i = 0; i < work.tasks.size(); ++i)
     report.results[i].json = result_of(work.tasks[i]);
-  if (replayed)
+  if (study_.replayed)
     print_errors(report, o.cap, out);
   else
     print_study(report, out);

@@ -6,6 +6,9 @@
 #include <optional>
 #include <ostream>
 #include <string>
+#include <vector>
+
+#include "tools/lab/studies/study_report.hpp"
 
 namespace palpate::studies {
 
@@ -35,6 +38,13 @@ class StudyCommand {
 
  private:
   struct Options;
+  class Hashes;
+  struct Work;
+  void run_one(const std::vector<StudyJob>& jobs, const Hashes& hashes) const;
+  Work work_of(const std::vector<StudyJob>& jobs, const Hashes& hashes,
+               const std::filesystem::path& root, const std::filesystem::path& plan_file) const;
+  /// Runs the work and enters failures into the report.
+  void run_work(const Work& work, StudyReport& report, std::ostream& out) const;
   Study study_;
   std::unique_ptr<Options> options_;
   CLI::App* command_;
