@@ -56,20 +56,19 @@ int run(CLI::App& app, int argc, char** argv) {
   std::string data;
   CLI::App* demo_command = app.add_subcommand(
       "demo",
-      "simulator and daemon through the applications of the thesis; table, plots, pictures");
-  demo_command->add_option("--output", demo.output, "folder for everything that it writes")
-      ->required();
+      "run of simulator and daemon through the applications of the thesis; table, plots, pictures");
+  demo_command->add_option("--output", demo.output, "folder of all output")->required();
   demo_command->add_option("--data", data, "recordings (default: PALPATE_DATA or ../shared/data)");
-  demo_command->add_option("--stages", demo.stages, "which stages")
+  demo_command->add_option("--stages", demo.stages, "stages to run")
       ->check(CLI::IsMember({"sensing", "control", "recording"}))
       ->capture_default_str();
   demo_command
       ->add_option("--scene-set", demo.scene_overrides,
-                   "override a key of every scene: path.to.key=value (repeatable)")
+                   "key of every scene to override: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   demo_command
       ->add_option("--daemon-set", demo.daemon_overrides,
-                   "override a key of palpated beside the simulator (repeatable)")
+                   "key of palpated to override (repeatable)")
       ->allow_extra_args(false);
   demo_command->add_option("--json", json, "write the summary to this file too");
 
@@ -77,7 +76,7 @@ int run(CLI::App& app, int argc, char** argv) {
   soak.output = "out/soak";
   CLI::App* soak_command =
       app.add_subcommand("soak",
-                         "daemon beside simulator for long: memory, overruns, latency; or, in "
+                         "daemon with simulator for long: memory, overruns, latency; or, in "
                          "virtual time, hours under a random mix of faults");
   soak_command->add_option("--minutes", soak.minutes)
       ->check(CLI::Range(0.5, 1e4))
@@ -86,7 +85,7 @@ int run(CLI::App& app, int argc, char** argv) {
   soak_command->add_flag("--virtual", virtual_soak,
                          "in virtual time, with one fault after another at random; minutes are "
                          "virtual too, about fourteen of them a minute");
-  soak_command->add_option("--seed", soak.seed, "of the faults in virtual time")
+  soak_command->add_option("--seed", soak.seed, "seed of the faults in virtual time")
       ->capture_default_str();
   soak_command->add_option("--output", soak.output, "folder for what the programs print")
       ->capture_default_str();
@@ -97,14 +96,14 @@ int run(CLI::App& app, int argc, char** argv) {
   bool unstressed = false;
   CLI::App* latency_command = app.add_subcommand(
       "latency",
-      "the loop's wake-up and cycle beside cyclictest in the same minute, with and without "
+      "the loop's wake-up and cycle compared with cyclictest in the same minute, with and without "
       "stress-ng");
-  latency_command->add_option("--seconds", latency.seconds, "each of the two")
+  latency_command->add_option("--seconds", latency.seconds, "duration of each of the two runs")
       ->check(CLI::Range(5.0, 1e5))
       ->capture_default_str();
-  latency_command->add_flag("--no-stress", unstressed, "only as the machine is");
+  latency_command->add_flag("--no-stress", unstressed, "no run under stress");
   latency_command
-      ->add_option("--daemon-set", latency.overrides, "override a key of palpated (repeatable)")
+      ->add_option("--daemon-set", latency.overrides, "key of palpated to override (repeatable)")
       ->allow_extra_args(false);
   latency_command->add_option("--output", latency.output, "folder for picture and outputs")
       ->capture_default_str();
@@ -113,19 +112,20 @@ int run(CLI::App& app, int argc, char** argv) {
   CycleCostOptions cost;
   CLI::App* cost_command = app.add_subcommand(
       "cost",
-      "what estimator, Jacobian and quadratic program take of the processor, a cycle, for objects "
-      "of 150 to 700 nodes with every limit; 1 where any of it allocates");
-  cost_command->add_option("--cycles", cost.cycles, "of each object")
+      "processor time of estimator, Jacobian and quadratic program in a cycle, for objects of 150 "
+      "to 700 nodes with every limit; exit code 1 where any of it allocates memory");
+  cost_command->add_option("--cycles", cost.cycles, "number of cycles for each object")
       ->check(CLI::Range(100, 10'000'000))
       ->capture_default_str();
   cost_command
       ->add_option("--daemon-set", cost.overrides,
-                   "override a key of rt/config/examples/bar_long_soft_limits.yaml (repeatable)")
+                   "key of rt/config/examples/bar_long_soft_limits.yaml to override (repeatable)")
       ->allow_extra_args(false);
   cost_command->add_option("--json", json, "write the result to this file");
 
   ScoreOptions score;
-  CLI::App* score_command = app.add_subcommand("score", "scores recorded logs of a simulated run");
+  CLI::App* score_command =
+      app.add_subcommand("score", "score of recorded logs of a simulated run");
   score_command->add_option("--control", score.control, "log of the control URL")
       ->required()
       ->check(CLI::ExistingFile);
@@ -142,13 +142,13 @@ int run(CLI::App& app, int argc, char** argv) {
 
   PayloadOptions payload;
   CLI::App* payload_command =
-      app.add_subcommand("payload", "identifies the payload of recorded arms; residual forces");
+      app.add_subcommand("payload", "payload identified from recordings of arms; residual forces");
   payload_command->add_option("--data", data, "recordings (default as for demo)");
   payload_command->add_option("--json", json, "write the result to this file");
 
   TactileOptions tactile;
   CLI::App* tactile_command = app.add_subcommand(
-      "tactile", "fits the linear force map of a BioTac; force and place errors");
+      "tactile", "linear force map fitted to a BioTac; errors of force and contact point");
   tactile_command->add_option("--data", data, "recordings (default as for demo)");
   tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
   tactile_command->add_option("--json", json, "write the result to this file");

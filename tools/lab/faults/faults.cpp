@@ -148,20 +148,21 @@ struct FaultsCommand::Options {
 FaultsCommand::FaultsCommand(CLI::App& app)
     : options_(std::make_unique<Options>()),
       command_(app.add_subcommand(
-          "faults", "injects faults, in virtual time or into processes; what became of each")) {
+          "faults",
+          "fault injection, in virtual time or into processes, and the outcome of each fault")) {
   command_->add_flag("--process", options_->process,
-                     "done to palpated itself over LCM and in real time, on ports of its own");
-  command_->add_option("--seeds", options_->seeds, "of each row")
+                     "injection into palpated itself over LCM and in real time, on separate ports");
+  command_->add_option("--seeds", options_->seeds, "number of seeds of each row")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command_->add_option("--first-seed", options_->first_seed, "to run a seed once more")
+  command_->add_option("--first-seed", options_->first_seed, "first seed, to repeat one")
       ->capture_default_str();
   command_->add_option("--rows", options_->rows, "numbers of rows, as 1,2,5 (default: all)")
       ->delimiter(',');
-  command_->add_option("--jobs", options_->jobs, "processes at a time")
+  command_->add_option("--jobs", options_->jobs, "number of concurrent processes")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command_->add_option("--json", options_->json, "write the table to this file too");
+  command_->add_option("--json", options_->json, "file for the table, in addition");
   command_->add_option("--output", options_->output, "folder for faults.csv and faults.png");
 }
 

@@ -141,7 +141,7 @@ std::vector<Row> message_rows() {
   return {
       loss(0.10, "error of shape grows by at most 5 %", 5),
       loss(0.20, "error of shape grows by at most 15 %", 15),
-      loss(0.50, "goes on", kNone),
+      loss(0.50, "continues", kNone),
       scenario_row({"1", "bursts of up to 20 ms", "no change of state", "changes", 0, false, {}},
                    bursts, judge_bursts),
       scenario_row({"2",

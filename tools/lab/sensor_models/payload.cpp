@@ -30,7 +30,7 @@ nlohmann::json to_json(const PayloadScore& score) {
                          {"force_rms", score.fit.force_rms},
                          {"torque_rms", score.fit.torque_rms},
                          {"condition", score.fit.condition},
-                         {"untold", score.fit.untold},
+                         {"undetermined", score.fit.untold},
                          {"reversed", score.reversed},
                          {"gravity_tilt", score.gravity_tilt},
                          {"drift_force", list(score.fit.bias_drift.force)}};
@@ -89,7 +89,7 @@ void print(const std::vector<PayloadScore>& scores, std::ostream& out) {
         weak.push_back(name);
     }
     if (weak.empty()) continue;
-    out << score.recording << ": the data cannot tell";
+    out << score.recording << ": the data do not determine";
     for (const std::string& name : weak) out << " " << name;
     out << "\n";
   }

@@ -96,10 +96,12 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
           ", scored on the plant's truth. Writes report.html, runs.csv, states.csv and " +
           study_.name +
           ".json.\nWhat has been run with the same inputs and programs is not run again; Ctrl-C "
-          "ends it, and the same command goes on where it stopped.");
+          "ends it, and the same command resumes where it stopped.");
   Options& o = *options_;
   o.output = study_.output;
-  command_->add_option("--plan", o.plan, "applications (default: " + study_.plan.string() + ")")
+  command_
+      ->add_option("--plan", o.plan,
+                   "plan of the applications (default: " + study_.plan.string() + ")")
       ->check(CLI::ExistingFile);
   command_->add_option("--output", o.output, "folder of the report, and of one folder a job")
       ->capture_default_str();
@@ -107,15 +109,15 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
       ->add_option("--only", o.selection.applications,
                    "applications whose name holds this text (repeatable)")
       ->allow_extra_args(false);
-  command_->add_option("--seeds", o.selection.seeds, "these instead of the plan's, e.g. 1,2,3")
+  command_->add_option("--seeds", o.selection.seeds, "seeds instead of the plan's, e.g. 1,2,3")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
   command_->add_flag("--quick", o.selection.quick,
                      "the first seed alone, without what the plan marks `quick: false`");
-  command_->add_option("--json", o.json, "write the results to this file too");
-  CLI::Option* list = command_->add_flag("--list", o.list, "name the jobs and end");
-  CLI::Option* report =
-      command_->add_flag("--report-only", o.report_only, "report what has been run; run nothing");
+  command_->add_option("--json", o.json, "file for the results, in addition");
+  CLI::Option* list = command_->add_flag("--list", o.list, "list of the jobs; nothing is run");
+  CLI::Option* report = command_->add_flag("--report-only", o.report_only,
+                                           "report of existing results; nothing is run");
   command_
       ->add_option(
           "--shard", o.shard,
@@ -128,20 +130,20 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
       ->check(check_shard)
       ->excludes(list)
       ->excludes(report);
-  command_->add_option("--job", o.job, "run this one job here, as each of them is run")
+  command_->add_option("--job", o.job, "name of a single job, run in this process")
       ->excludes(list)
       ->excludes(report);
   const char* side_by_side = "runs side by side; each keeps about two cores busy";
   if (study_.replayed) {
     o.workers = kReplaysSideBySide;
     side_by_side = "recordings or replays side by side";
-    command_->add_option("--cap", o.cap, "mm, what a failed run counts as, and the most of any")
+    command_->add_option("--cap", o.cap, "mm, error of a failed run and upper limit of any error")
         ->check(CLI::PositiveNumber)
         ->capture_default_str();
-    command_->add_flag("--pictures", o.pictures, "draw every state, for the report");
+    command_->add_flag("--pictures", o.pictures, "pictures of every state, for the report");
   } else {
     command_->add_flag("--real-time", o.selection.real_time,
-                       "in real time instead of in lock-step, which does not depend on the load");
+                       "real time instead of lock-step, which does not depend on the load");
     command_->add_flag("--keep-logs", o.keep_logs, "keep the LCM logs of the runs (about 4 MB/s)");
   }
   command_->add_option("--jobs", o.workers, side_by_side)

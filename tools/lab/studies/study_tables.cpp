@@ -69,16 +69,6 @@ constexpr RunColumn kControl[] = {
 
 using Group = std::vector<const Json*>;  // results that differ only by their seed
 
-Group group_of(const StudyApplication& application, const std::vector<StudyResult>& results,
-               const std::string& method, const std::string& level) {
-  Group group;
-  for (const StudyResult& result : results)
-    if (result.job.application == application.name && result.job.method == method &&
-        result.job.mismatch == level && !result.json.is_null())
-      group.push_back(&result.json);
-  return group;
-}
-
 /// Of one result; `state` empty: over all of them.
 std::vector<double> state_values(const Json& result, const std::string& state, const char* key) {
   std::vector<double> values;
@@ -128,7 +118,7 @@ void for_each_group(const StudyApplication& application, const std::vector<Study
   for (const runs::Mismatch& level : application.levels) {
     table.rows.push_back({"model error: " + level.name});
     for (const runs::Method& method : application.methods) {
-      const Group group = group_of(application, results, method.name, level.name);
+      const Group group = results_of(application, results, method.name, level.name);
       std::vector<std::string> row{method.name};
       add_cells(group, row);
       row.push_back(std::to_string(group.size()));
@@ -161,6 +151,17 @@ double capped_mean(const StudyResult& result, const char* key, double cap) {
 
 }  // namespace
 
+std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
+                                              const std::vector<StudyResult>& results,
+                                              const std::string& method, const std::string& level) {
+  Group group;
+  for (const StudyResult& result : results)
+    if (result.job.application == application.name && result.job.method == method &&
+        result.job.mismatch == level && !result.json.is_null())
+      group.push_back(&result.json);
+  return group;
+}
+
 ReportTable summary_table(const StudyApplication& application,
                           const std::vector<StudyResult>& results) {
   ReportTable table{{"method"}, {}};
@@ -182,7 +183,7 @@ ReportTable state_table(const StudyApplication& application,
     for (const std::string& state : state_names(application, results)) {
       table.rows.push_back({state + ", model error: " + level.name});
       for (const runs::Method& method : application.methods) {
-        const Group group = group_of(application, results, method.name, level.name);
+        const Group group = results_of(application, results, method.name, level.name);
         std::vector<std::string> row{method.name};
         for (const StateColumn& column : kShape) row.push_back(cell(group, state, column));
         for (const StateColumn& column : kPose) row.push_back(cell(group, state, column));

@@ -23,6 +23,11 @@ struct ReportTable {
   std::vector<std::vector<std::string>> rows;  // a row of one cell spans the table as a title
 };
 
+/// Results of an application with one method and model error; they differ by their seed alone.
+std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
+                                              const std::vector<StudyResult>& results,
+                                              const std::string& method, const std::string& level);
+
 /// Shape, pose and cost of an application: one row per method, under each level of model error;
 /// errors are means over the states (maxima of maxima), then medians over the seeds with their 95 %
 /// intervals, as in all tables.
