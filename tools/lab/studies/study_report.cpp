@@ -10,7 +10,6 @@
 #include "tools/common/process.hpp"
 #include "tools/common/table.hpp"
 #include "tools/lab/studies/poke_score.hpp"
-#include "tools/lab/studies/study_overview.hpp"
 #include "tools/lab/studies/study_tactile.hpp"
 
 namespace palpate::studies {

@@ -8,7 +8,6 @@
 #include "sim/draw/png_file.hpp"
 #include "tests/unit/tools/lab/studies/study_folder.hpp"
 #include "tools/lab/studies/study_host.hpp"
-#include "tools/lab/studies/study_overview.hpp"
 
 namespace palpate::studies {
 namespace {
