@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
@@ -185,11 +186,7 @@ std::optional<int> FaultsCommand::run(std::ostream& out) {
     progress.finish(reports.back().met(), name(reports.back().worst()));
   }
   print_faults(reports, out);
-  if (!options.json.empty()) {
-    std::ofstream file(options.json);
-    file << faults_json(reports).dump(2) << '\n';
-    if (!file) throw std::runtime_error("cannot write " + options.json.string());
-  }
+  if (!options.json.empty()) common::write_json(faults_json(reports), options.json);
   if (!options.output.empty()) {
     std::filesystem::create_directories(options.output);
     write_faults_csv(reports, options.output / "faults.csv");

@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "core/math/constants.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::sensor_models {
@@ -120,9 +121,7 @@ int run_payload(const PayloadOptions& options, std::ostream& out) {
   if (!options.json.empty()) {
     nlohmann::json json = nlohmann::json::array();
     for (const PayloadScore& score : scores) json.push_back(to_json(score));
-    std::ofstream file(options.json);
-    file << json.dump(2) << '\n';
-    if (!file) throw std::runtime_error(options.json.string() + ": cannot be written");
+    common::write_json(json, options.json);
   }
   const bool all_met = std::all_of(scores.begin(), scores.end(),
                                    [](const PayloadScore& score) { return score.met(); });
