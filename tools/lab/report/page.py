@@ -38,7 +38,8 @@ figcaption{color:#555}pre{background:#f5f5f5;padding:.6em;overflow-x:auto}
 {{ body }}
 </body></html>
 """,
-    "table": """<table{% if figures %} class="figures"{% endif %}><tr>{% for cell in header %}<th>{{ cell }}</th>{% endfor %}</tr>
+    "table": """<table{% if figures %} class="figures"{% endif %}>
+{%- if header|select|list %}<tr>{% for cell in header %}<th>{{ cell }}</th>{% endfor %}</tr>{% endif %}
 {% for row in rows %}<tr>{% if row|length == 1 and header|length > 1 -%}
 <td class="title" colspan="{{ header|length }}">{{ row[0] }}</td>{% else -%}
 {% for cell in row %}<td>{{ cell }}</td>{% endfor -%}
