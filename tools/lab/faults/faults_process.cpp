@@ -22,9 +22,9 @@
 namespace palpate::faults {
 namespace {
 
-constexpr double kPatience = 20;  // s, until a process publishes its first message
-constexpr double kLatest = 0.1;   // s, of a message being sent
-constexpr double kRunsBy = 0.2;   // s of a scenario
+constexpr double kProcessPatience = 20;  // s, until a process publishes its first message
+constexpr double kLatest = 0.1;          // s, of a message being sent
+constexpr double kRunsBy = 0.2;          // s of a scenario
 constexpr int kConfigurationErrors = 5;
 constexpr int kExitConfiguration = 78;
 
@@ -84,7 +84,8 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
   const config::Node root = configuration(overrides);
   FaultWire wire(urls);
   common::Process daemon = start_palpated(root, urls, folder.path());
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
+  for (double waited = 0; !wire.heard() && daemon.running() && waited < kProcessPatience;
+       waited += 0.01)
     common::sleep_for(0.01);
 
   wire.play(bench.recording, scenario, [&](int tick) {
@@ -134,7 +135,8 @@ void refuse_one(math::Random& random, RunResult& result) {
   common::Process daemon(
       "palpated", {(common::program_folder() / "palpated").string(), "--config", file.string()},
       folder.path() / "palpated.txt");
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
+  for (double waited = 0; !wire.heard() && daemon.running() && waited < kProcessPatience;
+       waited += 0.01)
     common::sleep_for(0.01);
   const std::string where = mutation.what + " " + mutation.key + ": ";
   if (daemon.running()) {
@@ -160,8 +162,8 @@ RunResult refuse_configurations(const Bench&, std::uint64_t seed) {
   return result;
 }
 
-constexpr double kFaultsSimulatorPatience = 40;  // s; the plant settles first
-constexpr double kBraked = 0.5;                  // s after which all motion must have ended
+constexpr double kSimulatorPatience = 40;  // s; the plant settles first
+constexpr double kBraked = 0.5;            // s after which all motion must have ended
 
 std::string source(const char* path) { return (config::data_folder() / path).string(); }
 
@@ -177,7 +179,7 @@ common::Process start_simulator(const runs::Urls& urls, const std::filesystem::p
 
 /// False if the condition is not met in time.
 bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
-  for (double waited = 0; waited < kFaultsSimulatorPatience; waited += 0.02) {
+  for (double waited = 0; waited < kSimulatorPatience; waited += 0.02) {
     if (condition()) return true;
     user.spin(0.02);
   }

@@ -26,8 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double kSlack = 10;             // s in real time; the scene ends the run
-constexpr double kReplayPatience = 1500;  // s
+constexpr double kSlack = 10;          // s in real time; the scene ends the run
+constexpr double kJobPatience = 1500;  // s
 
 /// A controller that plans before the hand moves needs the target at that time.
 std::string goal_of(const Eigen::VectorXd& values) {
@@ -211,7 +211,7 @@ void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const
   reader.collect("SHAPE", log.shapes);
   reader.collect("SHAPE_MESH", log.shape_chunks);
   reader.collect("ESTIMATE", log.estimates);
-  replay(scene_of(job), recording, job.daemon_overrides, folder, kReplayPatience, reader);
+  replay(scene_of(job), recording, job.daemon_overrides, folder, kJobPatience, reader);
 
   scores::ScoredRun scored = scored_run(job);
   scored.shape = scores::score_shape(log);
