@@ -23,7 +23,7 @@ namespace palpate::faults {
 namespace {
 
 constexpr double kProcessPatience = 20;  // s, until a process publishes its first message
-constexpr double kLatest = 0.1;          // s, of a message being sent
+constexpr double kLatestSend = 0.1;      // s, of a message being sent
 constexpr double kRunsBy = 0.2;          // s of a scenario
 constexpr int kConfigurationErrors = 5;
 constexpr int kExitConfiguration = 78;
@@ -103,7 +103,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
                 common::tail(daemon.output(), 1));
     return result;
   }
-  late = wire.latest() > kLatest;
+  late = wire.latest() > kLatestSend;
   if (late) return std::nullopt;
   if (!has_run(trace, std::max(scenario.window.begin, kRunsBy))) return std::nullopt;
   return judge_process(trace, play(bench, scenario), bench, scenario);
