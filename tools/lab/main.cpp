@@ -14,7 +14,6 @@
 #include "tools/lab/endurance/cycle_cost.hpp"
 #include "tools/lab/endurance/latency.hpp"
 #include "tools/lab/endurance/soak.hpp"
-#include "tools/lab/endurance/virtual_soak.hpp"
 #include "tools/lab/faults/faults.hpp"
 #include "tools/lab/scores/score.hpp"
 #include "tools/lab/sensor_models/emulated_tactile.hpp"
@@ -22,7 +21,6 @@
 #include "tools/lab/sensor_models/payload.hpp"
 #include "tools/lab/sensor_models/sensors.hpp"
 #include "tools/lab/sensor_models/tactile.hpp"
-#include "tools/lab/studies/sensing_study.hpp"
 #include "tools/lab/studies/sensing_training.hpp"
 #include "tools/lab/studies/study.hpp"
 #include "tools/lab/studies/study_reference.hpp"
@@ -58,20 +56,19 @@ int run(CLI::App& app, int argc, char** argv) {
   std::string data;
   CLI::App* demo_command = app.add_subcommand(
       "demo",
-      "simulator and daemon through the applications of the thesis; table, plots, pictures");
-  demo_command->add_option("--output", demo.output, "folder for everything that it writes")
-      ->required();
+      "run of simulator and daemon through the applications of the thesis; table, plots, pictures");
+  demo_command->add_option("--output", demo.output, "folder of all output")->required();
   demo_command->add_option("--data", data, "recordings (default: PALPATE_DATA or ../shared/data)");
-  demo_command->add_option("--stages", demo.stages, "which stages")
+  demo_command->add_option("--stages", demo.stages, "stages to run")
       ->check(CLI::IsMember({"sensing", "control", "recording"}))
       ->capture_default_str();
   demo_command
       ->add_option("--scene-set", demo.scene_overrides,
-                   "override a key of every scene: path.to.key=value (repeatable)")
+                   "key of every scene to override: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   demo_command
       ->add_option("--daemon-set", demo.daemon_overrides,
-                   "override a key of palpated beside the simulator (repeatable)")
+                   "key of palpated to override (repeatable)")
       ->allow_extra_args(false);
   demo_command->add_option("--json", json, "write the summary to this file too");
 
@@ -79,7 +76,7 @@ int run(CLI::App& app, int argc, char** argv) {
   soak.output = "out/soak";
   CLI::App* soak_command =
       app.add_subcommand("soak",
-                         "daemon beside simulator for long: memory, overruns, latency; or, in "
+                         "daemon with simulator for long: memory, overruns, latency; or, in "
                          "virtual time, hours under a random mix of faults");
   soak_command->add_option("--minutes", soak.minutes)
       ->check(CLI::Range(0.5, 1e4))
@@ -88,7 +85,7 @@ int run(CLI::App& app, int argc, char** argv) {
   soak_command->add_flag("--virtual", virtual_soak,
                          "in virtual time, with one fault after another at random; minutes are "
                          "virtual too, about fourteen of them a minute");
-  soak_command->add_option("--seed", soak.seed, "of the faults in virtual time")
+  soak_command->add_option("--seed", soak.seed, "seed of the faults in virtual time")
       ->capture_default_str();
   soak_command->add_option("--output", soak.output, "folder for what the programs print")
       ->capture_default_str();
@@ -99,14 +96,14 @@ int run(CLI::App& app, int argc, char** argv) {
   bool unstressed = false;
   CLI::App* latency_command = app.add_subcommand(
       "latency",
-      "the loop's wake-up and cycle beside cyclictest in the same minute, with and without "
+      "the loop's wake-up and cycle compared with cyclictest in the same minute, with and without "
       "stress-ng");
-  latency_command->add_option("--seconds", latency.seconds, "each of the two")
+  latency_command->add_option("--seconds", latency.seconds, "duration of each of the two runs")
       ->check(CLI::Range(5.0, 1e5))
       ->capture_default_str();
-  latency_command->add_flag("--no-stress", unstressed, "only as the machine is");
+  latency_command->add_flag("--no-stress", unstressed, "no run under stress");
   latency_command
-      ->add_option("--daemon-set", latency.overrides, "override a key of palpated (repeatable)")
+      ->add_option("--daemon-set", latency.overrides, "key of palpated to override (repeatable)")
       ->allow_extra_args(false);
   latency_command->add_option("--output", latency.output, "folder for picture and outputs")
       ->capture_default_str();
@@ -115,19 +112,20 @@ int run(CLI::App& app, int argc, char** argv) {
   CycleCostOptions cost;
   CLI::App* cost_command = app.add_subcommand(
       "cost",
-      "what estimator, Jacobian and quadratic program take of the processor, a cycle, for objects "
-      "of 150 to 700 nodes with every limit; 1 where any of it allocates");
-  cost_command->add_option("--cycles", cost.cycles, "of each object")
+      "processor time of estimator, Jacobian and quadratic program in a cycle, for objects of 150 "
+      "to 700 nodes with every limit; exit code 1 where any of it allocates memory");
+  cost_command->add_option("--cycles", cost.cycles, "number of cycles for each object")
       ->check(CLI::Range(100, 10'000'000))
       ->capture_default_str();
   cost_command
       ->add_option("--daemon-set", cost.overrides,
-                   "override a key of rt/config/examples/bar_long_soft_limits.yaml (repeatable)")
+                   "key of rt/config/examples/bar_long_soft_limits.yaml to override (repeatable)")
       ->allow_extra_args(false);
   cost_command->add_option("--json", json, "write the result to this file");
 
   ScoreOptions score;
-  CLI::App* score_command = app.add_subcommand("score", "scores recorded logs of a simulated run");
+  CLI::App* score_command =
+      app.add_subcommand("score", "score of recorded logs of a simulated run");
   score_command->add_option("--control", score.control, "log of the control URL")
       ->required()
       ->check(CLI::ExistingFile);
@@ -144,13 +142,13 @@ int run(CLI::App& app, int argc, char** argv) {
 
   PayloadOptions payload;
   CLI::App* payload_command =
-      app.add_subcommand("payload", "identifies the payload of recorded arms; residual forces");
+      app.add_subcommand("payload", "payload identified from recordings of arms; residual forces");
   payload_command->add_option("--data", data, "recordings (default as for demo)");
   payload_command->add_option("--json", json, "write the result to this file");
 
   TactileOptions tactile;
   CLI::App* tactile_command = app.add_subcommand(
-      "tactile", "fits the linear force map of a BioTac; force and place errors");
+      "tactile", "linear force map fitted to a BioTac; errors of force and contact point");
   tactile_command->add_option("--data", data, "recordings (default as for demo)");
   tactile_command->add_option("--model", tactile.model, "write the fitted map for biotac_linear");
   tactile_command->add_option("--json", json, "write the result to this file");
@@ -164,17 +162,21 @@ int run(CLI::App& app, int argc, char** argv) {
   StudyCommand thesis(app,
                       {"thesis", "the applications of the thesis",
                        "the applications of the thesis with every method, model error and seed",
-                       "tools/lab/studies/thesis.yaml"});
+                       "tools/lab/studies/thesis.yaml", "out/thesis"});
   StudyCommand estimate(app, {"estimate", "estimators of the shape, blind and with observations",
                               "every estimator on bars and blocks under the grid of model errors",
-                              "tools/lab/studies/estimate.yaml"});
+                              "tools/lab/studies/estimate.yaml", "out/estimate"});
   StudyCommand control(
       app, {"control", "shape control, blind and with observations",
             "controllers on points far from the hand, limits and drop-outs under the grid of model "
             "errors",
-            "tools/lab/studies/control.yaml"});
-
-  SensingStudyCommand published_sensing(app);
+            "tools/lab/studies/control.yaml", "out/control"});
+  StudyCommand published_sensing(
+      app, {"published-sensing", "the published sensing methods on one plant before a camera",
+            "the sensing methods of the thesis' Table 2.1 on one plant before a camera, compared "
+            "with palpate's own: each task is simulated once for each level of vision and seed, "
+            "and every method is run on that recording",
+            "tools/lab/studies/published_sensing.yaml", "out/published-sensing", true});
 
   TrainSensingCommand train_sensing(app);
 
@@ -196,9 +198,8 @@ int run(CLI::App& app, int argc, char** argv) {
   if (const auto code = cases.run(data, std::cout)) return *code;
   if (const auto code = sensors.run(default_data(root), std::cout)) return *code;
   if (const auto code = observer.run(root, std::cout)) return *code;
-  for (StudyCommand* study : {&thesis, &estimate, &control})
+  for (StudyCommand* study : {&thesis, &estimate, &control, &published_sensing})
     if (const auto code = study->run(root, std::cout)) return *code;
-  if (const auto code = published_sensing.run(root, std::cout)) return *code;
   if (const auto code = reference.run(root, std::cout)) return *code;
   if (const auto code = train_sensing.run(root, std::cout)) return *code;
   if (const auto code = faults.run(std::cout)) return *code;

@@ -58,7 +58,7 @@ tasks:
       scene: {folder}/scene.yaml
       configuration: rt/config/examples/bar_long_soft.yaml
       mismatch_file: tools/lab/studies/published_sensing_tuning_vision.yaml
-      mismatch: [told right, told wrong]
+      mismatch: [correct model, wrong model]
       seeds: [101]
     methods:
       spline: {{estimation.controls: [4, 9, whole], estimation.memory: [0.01, 1000]}}

@@ -1,4 +1,4 @@
-#include "tools/lab/endurance/virtual_soak.hpp"
+// Soak in virtual time; see soak.hpp.
 
 #include <unistd.h>
 
@@ -11,6 +11,7 @@
 #include "tools/common/output_files.hpp"
 #include "tools/common/progress.hpp"
 #include "tools/common/table.hpp"
+#include "tools/lab/endurance/soak.hpp"
 #include "tools/lab/faults/long_run.hpp"
 #include "tools/lab/scores/report.hpp"
 

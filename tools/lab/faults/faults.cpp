@@ -1,14 +1,141 @@
 #include "tools/lab/faults/faults.hpp"
 
+#include <cmath>
 #include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
+#include "tools/common/output_files.hpp"
+#include "tools/common/plot.hpp"
 #include "tools/common/progress.hpp"
+#include "tools/common/table.hpp"
+#include "tools/lab/faults/campaign.hpp"
 #include "tools/lab/faults/faults_process.hpp"
-#include "tools/lab/faults/faults_report.hpp"
 
 namespace palpate::faults {
+namespace {
+
+std::string milliseconds(double seconds) {
+  return seconds < 0 ? "-" : common::number(1e3 * seconds, 0);
+}
+
+std::string amount(double value, const std::string& unit) {
+  if (value < 0) return "-";
+  std::ostringstream text;
+  text.precision(4);
+  text << value;
+  return unit.empty() ? text.str() : text.str() + " " + unit;
+}
+
+std::string limit_of(const Row& row) {
+  return std::isfinite(row.limit) ? "<= " + amount(row.limit, row.unit) : "none";
+}
+
+/// The table: outcomes, times to detect and to recover, each row's bound with the measured value,
+/// every miss with its row and seed, and how many seeds survived.
+void print_faults(const std::vector<RowReport>& reports, std::ostream& out) {
+  common::Table table({"fault", "unaffected", "degraded", "safe stop", "failed", "state ms",
+                       "reported ms", "back ms", "measured", "figure", ""});
+  int seeds = 0, survived = 0, crashes = 0, missed = 0;
+  for (const RowReport& report : reports) {
+    std::vector<std::string> cells = {report.row.number + " " + report.row.fault};
+    for (const int count : report.outcomes) cells.push_back(std::to_string(count));
+    cells.insert(cells.end(),
+                 {milliseconds(report.detected), milliseconds(report.visible),
+                  milliseconds(report.recovered), amount(report.measured, report.row.unit),
+                  limit_of(report.row), report.met() ? "met" : "MISSED"});
+    table.add(cells);
+    seeds += report.seeds;
+    survived += report.survived();
+    crashes += report.crashes;
+    missed += report.met() ? 0 : 1;
+  }
+  table.print(out);
+  out << "State: longest until it is other than active; reported: until HEALTH or an event says "
+         "so; "
+         "back: from the fault's end.\n";
+  for (const RowReport& report : reports)
+    if (!report.met())
+      out << "MISSED " << report.row.number << ' ' << report.row.fault << " (" << report.row.figure
+          << "): " << amount(report.measured, report.row.unit) << ", " << report.below_figure
+          << " of " << report.seeds << " seeds; " << report.miss << '\n';
+  for (const Elsewhere& row : rows_elsewhere())
+    out << row.number << ' ' << row.fault << ": " << row.where << '\n';
+  out << "survived " << survived << " of " << seeds << " seeds (95 %: at least "
+      << common::number(100 * wilson_lower(survived, seeds), 2) << " %), " << crashes
+      << " crashes or hangs, " << missed << " of " << reports.size() << " figures missed\n";
+}
+
+nlohmann::json faults_json(const std::vector<RowReport>& reports) {
+  nlohmann::json json = nlohmann::json::array();
+  for (const RowReport& report : reports) {
+    nlohmann::json row = {{"row", report.row.number},
+                          {"fault", report.row.fault},
+                          {"figure", report.row.figure},
+                          {"seeds", report.seeds},
+                          {"survived", report.survived()},
+                          {"wilson_95", wilson_lower(report.survived(), report.seeds)},
+                          {"crashes", report.crashes},
+                          {"state_s", report.detected},
+                          {"reported_s", report.visible},
+                          {"back_s", report.recovered},
+                          {"measured", report.measured},
+                          {"unit", report.row.unit},
+                          {"met", report.met()},
+                          {"missed_seeds", report.below_figure},
+                          {"first_miss", report.miss}};
+    if (std::isfinite(report.row.limit)) row["limit"] = report.row.limit;
+    for (int i = 0; i < kOutcomes; ++i)
+      row["outcomes"][name(static_cast<Outcome>(i))] = report.outcomes[i];
+    json.push_back(row);
+  }
+  return json;
+}
+
+void write_faults_csv(const std::vector<RowReport>& reports, const std::filesystem::path& file) {
+  std::ofstream out(file);
+  out << "row,fault,seeds,unaffected,degraded,safe_stop,failed,crashes,wilson_95,state_s,reported_"
+         "s,"
+         "back_s,measured,unit,limit,met,missed_seeds\n";
+  for (const RowReport& report : reports) {
+    out << report.row.number << ",\"" << report.row.fault << "\"," << report.seeds;
+    for (const int count : report.outcomes) out << ',' << count;
+    out << ',' << report.crashes << ',' << wilson_lower(report.survived(), report.seeds) << ','
+        << report.detected << ',' << report.visible << ',' << report.recovered << ','
+        << report.measured << ",\"" << report.row.unit << "\"," << report.row.limit << ','
+        << (report.met() ? 1 : 0) << ',' << report.below_figure << '\n';
+  }
+  if (!out) throw std::runtime_error("cannot write " + file.string());
+}
+
+/// A matrix of faults by outcome, coloured by outcome, with an intensity by the share of the seeds.
+/// False if gnuplot is not installed.
+bool draw_faults(const std::vector<RowReport>& reports, const std::filesystem::path& picture) {
+  common::ColourMatrix matrix;
+  matrix.title = "% of " + std::to_string(reports.front().seeds) +
+                 " seeds (longest time until the state changes / is back)";
+  constexpr unsigned kColours[] = {0x2e9e4f, 0xe8b923, 0x2f6fb5, 0xc8322b};
+  for (int i = 0; i < kOutcomes; ++i) {
+    matrix.columns.push_back(name(static_cast<Outcome>(i)));
+    matrix.colours.push_back(kColours[i]);
+  }
+  for (const RowReport& report : reports) {
+    std::string times = milliseconds(report.detected) + " / " + milliseconds(report.recovered);
+    matrix.rows.push_back(report.row.number + " " + report.row.fault +
+                          (report.detected < 0 ? "" : "  (" + times + " ms)") +
+                          (report.met() ? "" : "  MISSED"));
+    std::vector<double> shares;
+    for (const int count : report.outcomes)
+      shares.push_back(static_cast<double>(count) / report.seeds);
+    matrix.shares.push_back(shares);
+  }
+  return common::draw(matrix, picture);
+}
+
+}  // namespace
 
 struct FaultsCommand::Options {
   int seeds = 100;
@@ -22,20 +149,21 @@ struct FaultsCommand::Options {
 FaultsCommand::FaultsCommand(CLI::App& app)
     : options_(std::make_unique<Options>()),
       command_(app.add_subcommand(
-          "faults", "injects faults, in virtual time or into processes; what became of each")) {
+          "faults",
+          "fault injection, in virtual time or into processes, and the outcome of each fault")) {
   command_->add_flag("--process", options_->process,
-                     "done to palpated itself over LCM and in real time, on ports of its own");
-  command_->add_option("--seeds", options_->seeds, "of each row")
+                     "injection into palpated itself over LCM and in real time, on separate ports");
+  command_->add_option("--seeds", options_->seeds, "number of seeds of each row")
       ->check(CLI::Range(1, 1'000'000))
       ->capture_default_str();
-  command_->add_option("--first-seed", options_->first_seed, "to run a seed once more")
+  command_->add_option("--first-seed", options_->first_seed, "first seed, to repeat one")
       ->capture_default_str();
   command_->add_option("--rows", options_->rows, "numbers of rows, as 1,2,5 (default: all)")
       ->delimiter(',');
-  command_->add_option("--jobs", options_->jobs, "processes at a time")
+  command_->add_option("--jobs", options_->jobs, "number of concurrent processes")
       ->check(CLI::Range(1, 256))
       ->capture_default_str();
-  command_->add_option("--json", options_->json, "write the table to this file too");
+  command_->add_option("--json", options_->json, "file for the table, in addition");
   command_->add_option("--output", options_->output, "folder for faults.csv and faults.png");
 }
 
@@ -44,32 +172,28 @@ FaultsCommand::~FaultsCommand() = default;
 std::optional<int> FaultsCommand::run(std::ostream& out) {
   if (!command_->parsed()) return std::nullopt;
   const Options& options = *options_;
-  const std::vector<faults::Row> rows =
-      options.process ? choose_process_rows(options.rows) : faults::choose_rows(options.rows);
-  const faults::Bench bench = faults::make_bench();
-  std::vector<faults::RowReport> reports;
+  const std::vector<Row> rows =
+      options.process ? choose_process_rows(options.rows) : choose_rows(options.rows);
+  const Bench bench = make_bench();
+  std::vector<RowReport> reports;
   for (std::size_t i = 0; i < rows.size(); ++i) {
     common::Progress progress(static_cast<int>(i) + 1, static_cast<int>(rows.size()),
                               rows[i].number + " " + rows[i].fault);
-    reports.push_back(faults::run_row(
+    reports.push_back(run_row(
         bench, rows[i], options.seeds, options.jobs,
         [&](int done) { progress.show(static_cast<double>(done) / options.seeds); },
         options.first_seed));
     progress.finish(reports.back().met(), name(reports.back().worst()));
   }
   print_faults(reports, out);
-  if (!options.json.empty()) {
-    std::ofstream file(options.json);
-    file << faults_json(reports).dump(2) << '\n';
-    if (!file) throw std::runtime_error("cannot write " + options.json.string());
-  }
+  if (!options.json.empty()) common::write_json(faults_json(reports), options.json);
   if (!options.output.empty()) {
     std::filesystem::create_directories(options.output);
     write_faults_csv(reports, options.output / "faults.csv");
     if (draw_faults(reports, options.output / "faults.png"))
       out << "picture: " << (options.output / "faults.png").string() << '\n';
   }
-  for (const faults::RowReport& report : reports)
+  for (const RowReport& report : reports)
     if (!report.met()) return 1;
   return 0;
 }

@@ -1,29 +1,30 @@
 #include "tools/lab/faults/faults_process.hpp"
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <csignal>
+#include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
 
+#include "rt/config/installation.hpp"
 #include "tools/common/interruption.hpp"
 #include "tools/common/process.hpp"
 #include "tools/lab/faults/campaign.hpp"
 #include "tools/lab/faults/fault_wire.hpp"
-#include "tools/lab/faults/faults_simulator.hpp"
+#include "tools/lab/faults/judge.hpp"
 #include "tools/lab/faults/mutation.hpp"
 #include "tools/lab/faults/process_judge.hpp"
+#include "tools/lab/runs/operator.hpp"
 
 namespace palpate::faults {
 namespace {
 
-using faults::Bench;
-using faults::Row;
-using faults::RunResult;
-using faults::Scenario;
-
-constexpr double kPatience = 20;  // s, until a process publishes its first message
-constexpr double kLatest = 0.1;   // s, of a message being sent
-constexpr double kRunsBy = 0.2;   // s of a scenario
+constexpr double kProcessPatience = 20;  // s, until a process publishes its first message
+constexpr double kLatestSend = 0.1;      // s, of a message being sent
+constexpr double kRunsBy = 0.2;          // s of a scenario
 constexpr int kConfigurationErrors = 5;
 constexpr int kExitConfiguration = 78;
 
@@ -33,6 +34,46 @@ void write_text(const std::filesystem::path& file, const std::string& text) {
   if (!out) throw std::runtime_error("cannot write " + file.string());
 }
 
+/// Temporary folder of one run, deleted with this object.
+class FaultFolder {
+ public:
+  FaultFolder() {
+    std::string name = (std::filesystem::temp_directory_path() / "palpate_faults_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error("cannot make the folder " + name);
+    path_ = name;
+  }
+  ~FaultFolder() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  FaultFolder(const FaultFolder&) = delete;
+  FaultFolder& operator=(const FaultFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// `overrides` plus settings that separate a busy machine's delays from the fault.
+std::vector<std::string> patient(std::vector<std::string> overrides) {
+  for (const char* key : {"loop.degraded_after_ms=5000", "loop.overrun_window_ms=5000",
+                          "loop.safe_stop_after_ms=5000"})
+    overrides.emplace_back(key);
+  return overrides;
+}
+
+/// Starts palpated with that configuration and these ports; its output goes to palpated.txt in
+/// `folder`.
+common::Process start_palpated(const config::Node& configuration, const runs::Urls& urls,
+                               const std::filesystem::path& folder) {
+  const std::filesystem::path file = folder / "palpated.yaml";
+  write_text(file, configuration.dump());
+  return {"palpated",
+          {(common::program_folder() / "palpated").string(), "--config", file.string(), "--set",
+           "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping},
+          folder / "palpated.txt"};
+}
+
 /// Empty if the daemon was not active before the fault, or if this machine stalled so long that the
 /// scenario was a different one.
 std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario, bool& late) {
@@ -40,10 +81,11 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
   const runs::Urls urls = runs::private_urls();
   const std::vector<std::string> overrides =
       scenario.held.length > 0 ? scenario.overrides : patient(scenario.overrides);
-  const config::Node root = faults::configuration(overrides);
+  const config::Node root = configuration(overrides);
   FaultWire wire(urls);
   common::Process daemon = start_palpated(root, urls, folder.path());
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
+  for (double waited = 0; !wire.heard() && daemon.running() && waited < kProcessPatience;
+       waited += 0.01)
     common::sleep_for(0.01);
 
   wire.play(bench.recording, scenario, [&](int tick) {
@@ -52,8 +94,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
     if (tick == scenario.held.tick + scenario.held.length) kill(daemon.pid(), SIGCONT);
   });
   const bool alive = daemon.running();
-  const faults::Trace trace =
-      wire.trace(scenario.ticks, registry::read_gate_limits(root), faults::kTick);
+  const Trace trace = wire.trace(scenario.ticks, registry::read_gate_limits(root), kTick);
   const int code = daemon.stop();
   if (!alive || code != 0) {
     RunResult result;
@@ -62,7 +103,7 @@ std::optional<RunResult> play_once(const Bench& bench, const Scenario& scenario,
                 common::tail(daemon.output(), 1));
     return result;
   }
-  late = wire.latest() > kLatest;
+  late = wire.latest() > kLatestSend;
   if (late) return std::nullopt;
   if (!has_run(trace, std::max(scenario.window.begin, kRunsBy))) return std::nullopt;
   return judge_process(trace, play(bench, scenario), bench, scenario);
@@ -74,7 +115,7 @@ RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
   for (int attempt = 0; attempt < 5; ++attempt)
     if (const auto result = play_once(bench, scenario, late)) return *result;
   RunResult result;
-  result.fail(late ? kNotPlayed : "palpated does not run when it is told to start");
+  result.fail(late ? kNotPlayed : "palpated does not run after the command to start");
   return result;
 }
 
@@ -83,9 +124,9 @@ RunResult play_to_process(const Bench& bench, const Scenario& scenario) {
 void refuse_one(math::Random& random, RunResult& result) {
   const FaultFolder folder;
   const runs::Urls urls = runs::private_urls();
-  faults::Mutation mutation;
+  Mutation mutation;
   do {  // without its own ports the daemon would receive other programs' messages
-    mutation = faults::mutate_configuration(
+    mutation = mutate_configuration(
         random, {"bus.control=" + urls.control, "bus.housekeeping=" + urls.housekeeping});
   } while (mutation.key == "control" || mutation.key == "housekeeping" || mutation.key == "bus");
   const std::filesystem::path file = folder.path() / "mutated.yaml";
@@ -94,7 +135,8 @@ void refuse_one(math::Random& random, RunResult& result) {
   common::Process daemon(
       "palpated", {(common::program_folder() / "palpated").string(), "--config", file.string()},
       folder.path() / "palpated.txt");
-  for (double waited = 0; !wire.heard() && daemon.running() && waited < kPatience; waited += 0.01)
+  for (double waited = 0; !wire.heard() && daemon.running() && waited < kProcessPatience;
+       waited += 0.01)
     common::sleep_for(0.01);
   const std::string where = mutation.what + " " + mutation.key + ": ";
   if (daemon.running()) {
@@ -106,7 +148,7 @@ void refuse_one(math::Random& random, RunResult& result) {
   const std::string words = common::tail(daemon.output(), 5);
   if (code != kExitConfiguration)
     result.fail(where + "exit code " + std::to_string(code) + ": " + words);
-  result.outcome = std::max(result.outcome, faults::Outcome::kSafeStop);
+  result.outcome = std::max(result.outcome, Outcome::kSafeStop);
   if (names_its_place(mutation, words)) return;
   ++result.measured;
   result.note(where + words);
@@ -120,12 +162,103 @@ RunResult refuse_configurations(const Bench&, std::uint64_t seed) {
   return result;
 }
 
+constexpr double kSimulatorPatience = 40;  // s; the plant settles first
+constexpr double kBraked = 0.5;            // s after which all motion must have ended
+
+std::string source(const char* path) { return (config::data_folder() / path).string(); }
+
+common::Process start_simulator(const runs::Urls& urls, const std::filesystem::path& folder,
+                                const char* words) {
+  return {"palpate-sim",
+          {(common::program_folder() / "palpate-sim").string(),
+           source("sim/scenes/bar_long_soft_control.yaml"), "--set", "object.elements=[8, 1, 1]",
+           "--set", "bus.control=" + urls.control, "--set", "bus.housekeeping=" + urls.housekeeping,
+           "--set", "bus.pictures=" + urls.pictures},
+          folder / words};
+}
+
+/// False if the condition is not met in time.
+bool wait_until(runs::Operator& user, const std::function<bool()>& condition) {
+  for (double waited = 0; waited < kSimulatorPatience; waited += 0.02) {
+    if (condition()) return true;
+    user.spin(0.02);
+  }
+  return condition();
+}
+
+bool starts(runs::Operator& user) {
+  return wait_until(user, [&, next = 0]() mutable {
+    if (next++ % 25 == 0) user.send_event("start");
+    return user.is_active();
+  });
+}
+
+RunResult kill_simulator(const Bench& bench, std::uint64_t seed) {
+  math::Random random(seed, "simulator killed");
+  const FaultFolder folder;
+  const runs::Urls urls = runs::private_urls();
+  const config::Node root = configuration(patient({}));
+  FaultWire wire(urls);
+  common::Process daemon = start_palpated(root, urls, folder.path());
+  RunResult result;
+  runs::Operator user(urls);
+  double killed = 0, again = 0;
+  {
+    const common::Process simulator = start_simulator(urls, folder.path(), "simulator.txt");
+    if (!wait_until(user, [&] { return user.heard() && user.has_robot_state(); })) {
+      result.fail("no simulator: " + common::tail(folder.path() / "simulator.txt", 1));
+      return result;
+    }
+    wire.begin();
+    if (!starts(user)) result.fail("does not become active");
+    runs::ControlTarget target;
+    target.kind = "point";
+    target.values = bench.recording.target;
+    user.set_target(target);
+    user.spin(0.3 + random.uniform(0, 0.5));
+    killed = wire.now();
+    kill(simulator.pid(), SIGKILL);
+    user.spin(random.uniform(0, 0.5));
+  }
+  const common::Process simulator = start_simulator(urls, folder.path(), "simulator_again.txt");
+  constexpr int kInactive = 1;
+  if (!wait_until(user, [&] { return user.health() && user.health()->state == kInactive; }))
+    result.fail("is not inactive with a new simulator");
+  user.spin(0.5);
+  again = wire.now();
+  if (!starts(user)) result.fail("does not become active again");
+
+  const int ticks = static_cast<int>(wire.now() * 1e3);
+  const Trace trace = wire.trace(ticks, registry::read_gate_limits(root), kTick);
+  if (const int code = daemon.stop(); code != 0) {
+    result.crashed = true;
+    result.fail("palpated ended with exit code " + std::to_string(code));
+  }
+  const RunResult whole = judge_alone(trace, {killed, again});
+  if (!result.has_miss()) result = whole;
+  const double zero = zero_after(trace, killed, again);
+  if (zero < 0 || zero > kBraked) result.fail("moves without a simulator, or before start");
+  result.measured = 1e3 * zero;
+  return result;
+}
+
+/// palpate-sim, running with palpated, is killed while the loop is closed, and restarted.
+Row killed_simulator_row() {
+  return {"19",
+          "simulator killed, started again",
+          "zero command in 100 ms, inactive until start",
+          "ms",
+          100,
+          false,
+          kill_simulator};
+}
+
 }  // namespace
 
 std::vector<Row> process_rows() {
   constexpr double kLater = 200;  // ms
   std::vector<Row> rows;
-  for (const Row& row : faults::all_rows()) {
+  for (const Row& row : all_rows()) {
     if (row.number == "21") {
       rows.push_back(
           {row.number, std::to_string(kConfigurationErrors) + " errors in the configuration",
@@ -134,7 +267,7 @@ std::vector<Row> process_rows() {
     if (!row.scenario) continue;
     Row process{row.number,
                 row.fault,
-                "taken as in virtual time, told 200 ms later at most",
+                "taken as in virtual time, reported 200 ms later at most",
                 "ms later",
                 kLater,
                 false,
@@ -148,7 +281,7 @@ std::vector<Row> process_rows() {
 }
 
 std::vector<Row> choose_process_rows(const std::vector<std::string>& numbers) {
-  return faults::choose_rows(process_rows(), numbers);
+  return choose_rows(process_rows(), numbers);
 }
 
 }  // namespace palpate::faults

@@ -10,13 +10,14 @@ namespace {
 
 constexpr double kLongest = 0.8,
                  kLatest = 0.021;  // s: duration of a fault, and delay that it causes
-constexpr std::int64_t kMillisecond = 1'000'000;
+constexpr std::int64_t kWireMillisecond = 1'000'000;
 constexpr const char* kChannels[] = {"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"};
 
 /// Each selected message is up to `most` ms late, so that they overtake each other.
 Stream delay(Stream stream, const Which& which, int most, math::Random& random) {
   for (bus::Published& message : stream)
-    if (which(message)) message.time_ns += kMillisecond * static_cast<int>(random.below(most + 1));
+    if (which(message))
+      message.time_ns += kWireMillisecond * static_cast<int>(random.below(most + 1));
   return stream;
 }
 

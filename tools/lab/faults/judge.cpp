@@ -146,11 +146,11 @@ RunResult judge(const Trace& trace, const Trace& reference, const Window& window
   const bool shows =
       result.visible >= 0 && result.visible <= kVisibleWithin + kNextMessage + 0.5 * kTick;
   const bool harmed = result.outcome != Outcome::kUnaffected;
-  if (harmed && result.visible < 0) result.fail("silent: neither HEALTH nor an event tells");
+  if (harmed && result.visible < 0) result.fail("silent: neither HEALTH nor an event reports it");
   if (must_show && !shows)
     result.fail(result.visible < 0
-                    ? "silent: neither HEALTH nor an event tells"
-                    : "HEALTH tells after " + std::to_string(1e3 * result.visible) + " ms");
+                    ? "silent: neither HEALTH nor an event reports it"
+                    : "HEALTH reports it after " + std::to_string(1e3 * result.visible) + " ms");
   return result;
 }
 

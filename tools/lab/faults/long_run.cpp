@@ -170,7 +170,7 @@ std::string LongRun::put_fault() {
       return "the daemon's clock jumps";
     case 4:
       simulation_.reset();
-      return "simulator starts anew";
+      return "simulator starts again";
     case 5:
       silent_until_ = tick_ + ticks;
       return "commands are lost";

@@ -60,7 +60,7 @@ int longest_command_while_inactive(const Trace& trace) {
 
 }  // namespace
 
-double told_after(const Trace& trace, double from) {
+double reported_after(const Trace& trace, double from) {
   HealthNote before;
   double first = -1;
   for (const HealthNote& note : trace.health) {
@@ -85,12 +85,12 @@ bool has_run(const Trace& trace, double time) {
 
 RunResult judge_alone(const Trace& trace, const Window& window) {
   RunResult result = outcome_of(trace, window);
-  result.visible = told_after(trace, window.begin);
+  result.visible = reported_after(trace, window.begin);
   constexpr int kLasts = 50;  // ms
   if (const int longest = longest_command_while_inactive(trace); longest > kLasts)
     result.fail("commands of " + std::to_string(longest) + " ms while it is inactive");
   if (result.outcome != Outcome::kUnaffected && result.visible < 0)
-    result.fail("silent: neither HEALTH nor an event tells");
+    result.fail("silent: neither HEALTH nor an event reports it");
   return result;
 }
 
@@ -101,7 +101,7 @@ RunResult judge_process(const Trace& trace, const Trace& expected, const Bench& 
   const RunResult wanted = judge(expected, bench.reference, window, false);
   RunResult result = judge_alone(trace, window);
   const bool shows = wanted.visible >= 0;
-  if (shows && result.visible < 0) result.fail("silent: neither HEALTH nor an event tells");
+  if (shows && result.visible < 0) result.fail("silent: neither HEALTH nor an event reports it");
   if (shows) result.measured = 1e3 * std::max(0.0, result.visible - wanted.visible);
 
   const double zero = zero_after(expected, window.begin, window.end);

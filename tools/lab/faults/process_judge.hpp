@@ -7,7 +7,7 @@ namespace palpate::faults {
 /// s from `from` until HEALTH or an event of a process reports something that it did not before;
 /// -1: never. Unlike visible_after() it needs no second run, since runs of a process are not
 /// repeatable.
-double told_after(const Trace& trace, double from);
+double reported_after(const Trace& trace, double from);
 
 /// Whether it was active at some time before `time`.
 bool has_run(const Trace& trace, double time);

@@ -153,7 +153,7 @@ Row overflow_row(bool with_fallback) {
   return scenario_row(
       {"12",
        std::string("controller overflows") + (with_fallback ? ", with fallback" : ""),
-       with_fallback ? "the fallback commands within 1 T, told" : "faulted within 1 T, kept",
+       with_fallback ? "the fallback commands within 1 T, reported" : "faulted within 1 T, kept",
        "ms",
        1,
        false,
@@ -237,7 +237,7 @@ std::vector<Row> component_rows() {
       overflow_row(true),
       scenario_row({"12",
                     "process held still, 250 to 800 ms",
-                    "degraded or safe stop by its length, within 1 T of going on",
+                    "degraded or safe stop by its length, within 1 T of its continuation",
                     "ms",
                     1,
                     false,

@@ -143,9 +143,9 @@ RunResult run_and_look_for_jumps(const Bench& bench, const Scenario& scenario, b
   });
   RunResult result = judge(trace, bench.reference, scenario.window, harms || jumped);
   result.measured = trace.not_finite + trace.beyond_limits;
-  const bool told = std::any_of(trace.events.begin(), trace.events.end(),
-                                [](const EventNote& event) { return event.event == "jump"; });
-  if (jumped && !told) result.fail("it jumps, and no event tells");
+  const bool reported = std::any_of(trace.events.begin(), trace.events.end(),
+                                    [](const EventNote& event) { return event.event == "jump"; });
+  if (jumped && !reported) result.fail("it jumps, and no event reports it");
   if (trace.cycles.back().state != pipeline::LifeCycle::kActive)
     result.note("not active 0.65 s later");
   return result;

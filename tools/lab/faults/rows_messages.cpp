@@ -63,12 +63,17 @@ Scenario disorder(const Bench& bench, std::uint64_t seed) {
   return scenario_of(bench, reorder(bench.recording.stream, sensors_in(kWindow), reach, random));
 }
 
-RunResult judge_disorder(const Bench& bench, const Scenario& scenario) {
+/// Measured: cycles that differ from those of `expected`.
+RunResult judge_cycles(const Bench& bench, const Scenario& scenario, const Trace& expected) {
   const Trace trace = play(bench, scenario);
-  const Trace kept = Replay(bench.recording).run(rising(scenario.stream), scenario.ticks);
   RunResult result = judge(trace, bench.reference, scenario.window, true);
-  result.measured = different_cycles(trace, kept, true);
+  result.measured = different_cycles(trace, expected, true);
   return result;
+}
+
+RunResult judge_disorder(const Bench& bench, const Scenario& scenario) {
+  return judge_cycles(bench, scenario,
+                      Replay(bench.recording).run(rising(scenario.stream), scenario.ticks));
 }
 
 Scenario duplicates(const Bench& bench, std::uint64_t seed) {
@@ -78,10 +83,7 @@ Scenario duplicates(const Bench& bench, std::uint64_t seed) {
 }
 
 RunResult judge_duplicates(const Bench& bench, const Scenario& scenario) {
-  const Trace trace = play(bench, scenario);
-  RunResult result = judge(trace, bench.reference, scenario.window, true);
-  result.measured = different_cycles(trace, bench.reference, true);
-  return result;
+  return judge_cycles(bench, scenario, bench.reference);
 }
 
 std::string hexadecimal(std::int64_t number) {
@@ -141,7 +143,7 @@ std::vector<Row> message_rows() {
   return {
       loss(0.10, "error of shape grows by at most 5 %", 5),
       loss(0.20, "error of shape grows by at most 15 %", 15),
-      loss(0.50, "goes on", kNone),
+      loss(0.50, "continues", kNone),
       scenario_row({"1", "bursts of up to 20 ms", "no change of state", "changes", 0, false, {}},
                    bursts, judge_bursts),
       scenario_row({"2",

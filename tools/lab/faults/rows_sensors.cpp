@@ -161,7 +161,7 @@ RunResult judge_hand_stops(const Bench& bench, const Scenario& scenario) {
   const Trace trace = play(bench, scenario);
   RunResult result = judge(trace, bench.reference, scenario.window, false);
   result.measured = 1e3 * result.visible;
-  if (result.visible < 0) result.fail("silent: neither HEALTH nor an event tells");
+  if (result.visible < 0) result.fail("silent: neither HEALTH nor an event reports it");
   return result;
 }
 

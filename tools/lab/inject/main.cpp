@@ -180,9 +180,9 @@ int run(CLI::App& app, int argc, char** argv) {
 
 int main(int argc, char** argv) {
   CLI::App app(
-      "palpate-inject sends to an LCM URL what nobody should: packets that are malformed in every\n"
+      "palpate-inject sends harmful input to an LCM URL: packets that are malformed in every\n"
       "way known to hurt a receiver, seeded, or far too many messages. For tests of palpated, and\n"
-      "of whatever else listens there; other programs may well end.");
+      "of any other receiver there; other programs may well end.");
   try {
     return run(app, argc, argv);
   } catch (const std::exception& error) {

@@ -53,8 +53,6 @@ bool has_moved(const estimate_t& from, const estimate_t& to) {
   return way > kMoves;
 }
 
-bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
-
 void score_estimates(const log::RunLog& run, BeliefScore& score) {
   const std::int64_t start = run.shapes.front().utime;
   std::int64_t next = start;
@@ -63,7 +61,7 @@ void score_estimates(const log::RunLog& run, BeliefScore& score) {
   double moved = 0;
   const estimate_t* before = nullptr;
   for (const estimate_t& estimate : run.estimates) {
-    if (tells_contact(estimate)) {
+    if (reports_contact(estimate)) {
       ++with_contact;
       if (!score.first_contact) score.first_contact = seconds(estimate.utime - start);
     }

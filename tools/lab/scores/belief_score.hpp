@@ -25,6 +25,11 @@ struct BeliefScore {
   double contact_share = 0;             // of the time
 };
 
+/// Whether the estimate reports an unknown contact.
+inline bool reports_contact(const estimate_t& estimate) {
+  return estimate.unknown_contact_deviation >= 0;
+}
+
 /// Throws std::runtime_error if the log lacks shape, truth or meshes.
 BeliefScore score_belief(const log::RunLog& run);
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <stdexcept>
 
 #include "core/math/constants.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
 
 namespace palpate::sensor_models {
@@ -30,7 +30,7 @@ nlohmann::json to_json(const PayloadScore& score) {
                          {"force_rms", score.fit.force_rms},
                          {"torque_rms", score.fit.torque_rms},
                          {"condition", score.fit.condition},
-                         {"untold", score.fit.unidentified},
+                         {"undetermined", score.fit.unidentified},
                          {"reversed", score.reversed},
                          {"gravity_tilt", score.gravity_tilt},
                          {"drift_force", list(score.fit.bias_drift.force)}};
@@ -89,7 +89,7 @@ void print(const std::vector<PayloadScore>& scores, std::ostream& out) {
         weak.push_back(name);
     }
     if (weak.empty()) continue;
-    out << score.recording << ": the data cannot tell";
+    out << score.recording << ": the data do not determine";
     for (const std::string& name : weak) out << " " << name;
     out << "\n";
   }
@@ -120,9 +120,7 @@ int run_payload(const PayloadOptions& options, std::ostream& out) {
   if (!options.json.empty()) {
     nlohmann::json json = nlohmann::json::array();
     for (const PayloadScore& score : scores) json.push_back(to_json(score));
-    std::ofstream file(options.json);
-    file << json.dump(2) << '\n';
-    if (!file) throw std::runtime_error(options.json.string() + ": cannot be written");
+    common::write_json(json, options.json);
   }
   const bool all_met = std::all_of(scores.begin(), scores.end(),
                                    [](const PayloadScore& score) { return score.met(); });

@@ -185,7 +185,7 @@ int run_sensors(const SensorsOptions& options, std::ostream& out) {
     common::write_json(json, options.json);
   }
   const auto pictures = draw_sensors(comparisons, options.output);
-  out << "wrote " << csv.string() << " and " << pictures.size() << " pictures beside it\n";
+  out << "wrote " << csv.string() << " and " << pictures.size() << " pictures next to it\n";
   return damaged.empty() ? 0 : 1;
 }
 
@@ -193,7 +193,7 @@ SensorsCommand::SensorsCommand(CLI::App& app) {
   options_.output = "out/sensors";
   command_ = app.add_subcommand(
       "sensors",
-      "every sensor model on every recording that fits it, beside what it is compared with. A "
+      "every sensor model on every recording that fits it, with what it is compared with. A "
       "model "
       "is scored on rows that it was not trained on; where a recording has none it says so");
   command_->add_option("--data", options_.data,
@@ -201,7 +201,7 @@ SensorsCommand::SensorsCommand(CLI::App& app) {
   command_->add_option("--train", options_.train,
                        "recordings to fit to (default: PALPATE_DATA or ../shared/data)");
   command_->add_option("--model", options_.models,
-                       "module of palpate-train, its card beside it (repeatable; default: the "
+                       "module of palpate-train, its card next to it (repeatable; default: the "
                        "presets, trained on --train)");
   command_->add_option("--output", options_.output, "folder for trained models, CSV and pictures")
       ->capture_default_str();

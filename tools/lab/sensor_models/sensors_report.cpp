@@ -6,6 +6,7 @@
 
 #include "core/math/constants.hpp"
 #include "core/sensing/biotac_geometry.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/plot.hpp"
 #include "tools/common/table.hpp"
 
@@ -107,24 +108,7 @@ std::string legend_of(SensorKind kind) {
          " s) is taken off, as the sensor's bias of that session";
 }
 
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string result = "\"";
-  for (const char c : text) result += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return result + "\"";
-}
-
-const char* json_name(SensorKind kind) {
-  switch (kind) {
-    case SensorKind::kForce:
-      return "fingertip_force";
-    case SensorKind::kDirection:
-      return "fingertip_direction";
-    case SensorKind::kWrist:
-      break;
-  }
-  return "wrist";
-}
+std::string json_name(SensorKind kind) { return common::file_name(name_of(kind)); }
 
 std::vector<double> list(const Eigen::VectorXd& values) { return {values.begin(), values.end()}; }
 
@@ -219,10 +203,10 @@ void write_sensors_csv(const std::vector<SensorComparison>& comparisons, std::os
   for (const SensorComparison& comparison : comparisons)
     for (const SensorScore& score : comparison.scores) {
       const recordings::Errors& errors = score.errors;
-      out << json_name(comparison.kind) << ',' << quoted(comparison.file) << ','
-          << quoted(score.recording.empty() ? "all" : score.recording) << ',' << comparison.origin
-          << ',' << quoted(score.method) << ',' << (score.is_model ? "yes" : "no") << ','
-          << name_of(score.tare) << ',' << errors.rows;
+      out << json_name(comparison.kind) << ',' << common::csv_cell(comparison.file) << ','
+          << common::csv_cell(score.recording.empty() ? "all" : score.recording) << ','
+          << comparison.origin << ',' << common::csv_cell(score.method) << ','
+          << (score.is_model ? "yes" : "no") << ',' << name_of(score.tare) << ',' << errors.rows;
       for (const Eigen::VectorXd* values :
            {&errors.rms, &errors.mean_absolute, &errors.correlation})
         for (Eigen::Index i = 0; i < 6; ++i) {
@@ -274,9 +258,8 @@ std::vector<std::filesystem::path> draw_sensors(const std::vector<SensorComparis
     std::string name = comparison.file;
     std::replace(name.begin(), name.end(), '/', '-');
     name = name.substr(0, name.rfind(".csv"));
-    const std::filesystem::path picture =
-        folder / (std::string(json_name(comparison.kind)) + "-" + name + "-" +
-                  std::to_string(pictures.size() + 1) + ".png");
+    const std::filesystem::path picture = folder / (json_name(comparison.kind) + "-" + name + "-" +
+                                                    std::to_string(pictures.size() + 1) + ".png");
     if (!common::draw(plots_of(comparison), picture)) return {};
     pictures.push_back(picture);
   }

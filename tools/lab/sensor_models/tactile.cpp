@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "core/math/constants.hpp"
+#include "tools/common/output_files.hpp"
 #include "tools/common/table.hpp"
 #include "tools/recordings/csv_reader.hpp"
 
@@ -162,12 +163,6 @@ nlohmann::json to_json(const LocalizationScore& score) {
           {"mean_direction", score.mean_direction}};
 }
 
-std::ofstream open(const std::filesystem::path& file) {
-  std::ofstream out(file);
-  if (!out) throw std::runtime_error(file.string() + ": cannot be written");
-  return out;
-}
-
 }  // namespace
 
 TactileForceScore score_tactile_force(const std::filesystem::path& file) {
@@ -279,7 +274,8 @@ int run_tactile(const TactileOptions& options, std::ostream& out) {
     met = print_force(score, out) && met;
     json["force"] = to_json(score);
     if (!options.model.empty()) {
-      std::ofstream file = open(options.model);
+      std::ofstream file(options.model);
+      if (!file) throw std::runtime_error(options.model.string() + ": cannot be written");
       write_tactile_yaml(score.fit.model, file);
     }
   } else {
@@ -295,7 +291,7 @@ int run_tactile(const TactileOptions& options, std::ostream& out) {
   } else {
     out << "biotac_normal_dir: absent below " << options.data.string() << "\n";
   }
-  if (!options.json.empty()) open(options.json) << json.dump(2) << '\n';
+  if (!options.json.empty()) common::write_json(json, options.json);
   return met ? 0 : 1;
 }
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "tools/lab/scores/belief_score.hpp"
 #include "tools/log/plant_truth.hpp"
 
 namespace palpate::studies {
@@ -20,8 +21,6 @@ constexpr double kBefore = 0.5;  // s, over which the state before a poke is ave
 constexpr double kWindow = 0.5;  // s, over which contact point and force are averaged
 constexpr double kLinger =
     0.5;  // s, after a poke, in which a reported contact is not a false alarm
-
-bool tells_contact(const estimate_t& estimate) { return estimate.unknown_contact_deviation >= 0; }
 
 /// The wrench of the hand on the object at the sensor, in the sensor's axes.
 Vector6d at_sensor(const truth_contact_t& truth, const math::Pose& X_GS) {
@@ -64,8 +63,8 @@ class Run {
     for (const estimate_t& estimate : log_.estimates) {
       const double now = time(estimate.utime);
       if (now < poke.at) continue;
-      if (now < end && !found_at && tells_contact(estimate)) found_at = now;
-      if (now >= end && found_at && !tells_contact(estimate)) {
+      if (now < end && !found_at && scores::reports_contact(estimate)) found_at = now;
+      if (now >= end && found_at && !scores::reports_contact(estimate)) {
         result.gone = now - end;
         break;
       }
@@ -119,8 +118,8 @@ class Run {
       const double now = time(contact.utime);
       if (now < full - kWindow || now > full || contact.force_deviation < 0) continue;
       if (!motion_.at(contact.utime, truth)) continue;
-      const Eigen::Map<const Vector3d> told(contact.location);
-      place += (told - point.at(truth).col(0)).norm();
+      const Eigen::Map<const Vector3d> reported(contact.location);
+      place += (reported - point.at(truth).col(0)).norm();
       force += Eigen::Map<const Vector3d>(contact.force);
       observable += contact.location_deviation >= 0 ? 1 : 0;
       ++count;
@@ -184,21 +183,21 @@ PokeScores score_pokes(const std::vector<scenes::Poke>& pokes, const log::RunLog
   if (log.truths.empty() || log.shapes.empty() || log.estimates.empty())
     throw std::runtime_error("the log holds no truth or no estimate");
   const Run run(log, shape, frames);
-  PokeScores scores;
-  for (const scenes::Poke& poke : pokes) scores.pokes.push_back(run.score(poke));
-  bool told = false;
+  PokeScores result;
+  for (const scenes::Poke& poke : pokes) result.pokes.push_back(run.score(poke));
+  bool reported = false;
   double last = run.time(log.estimates.front().utime);
   for (const estimate_t& estimate : log.estimates) {
     const double now = run.time(estimate.utime);
-    const bool tells = tells_contact(estimate);
+    const bool reports = scores::reports_contact(estimate);
     if (!is_poked(pokes, now)) {
-      scores.quiet += now - last;
-      if (tells && !told) scores.false_alarms.push_back(now);
+      result.quiet += now - last;
+      if (reports && !reported) result.false_alarms.push_back(now);
     }
-    told = tells;
+    reported = reports;
     last = now;
   }
-  return scores;
+  return result;
 }
 
 nlohmann::json to_json(const PokeScores& scores, double length) {

@@ -18,10 +18,8 @@ constexpr double kLate = 50;  // ms, within which a measurable poke must be dete
 Runs runs_of(const StudyApplication& application, const std::vector<StudyResult>& results,
              const std::string& method, const std::string& level) {
   Runs runs;
-  for (const StudyResult& result : results)
-    if (result.job.application == application.name && result.job.method == method &&
-        result.job.mismatch == level && result.json.is_object() && result.json.contains("pokes"))
-      runs.push_back(&result.json["pokes"]);
+  for (const Json* result : results_of(application, results, method, level))
+    if (result->contains("pokes")) runs.push_back(&result->at("pokes"));
   return runs;
 }
 
@@ -127,7 +125,7 @@ void add_row(ReportTable& table, const std::string& method, const Runs& runs) {
 ReportTable poke_table(const StudyApplication& application,
                        const std::vector<StudyResult>& results) {
   ReportTable table{{"method", "felt by the hand", "found", "within 50 ms", "ms from felt",
-                     "place mm where told observable"},
+                     "place mm where reported observable"},
                     {}};
   for (const Figure& figure : kFigures) table.header.emplace_back(figure.header);
   table.header.emplace_back("false alarms in s");

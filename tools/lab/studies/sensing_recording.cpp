@@ -108,23 +108,28 @@ SensingRecording record_sensing(const SensingScene& scene, const fs::path& folde
   return read_recording(scene, folder);
 }
 
-std::vector<std::string> replay_command(const SensingScene& scene,
-                                        const SensingRecording& recording,
-                                        const std::vector<std::string>& overrides,
-                                        const fs::path& output) {
+void replay(const SensingScene& scene, const SensingRecording& recording,
+            const std::vector<std::string>& overrides, const fs::path& folder, double patience,
+            log::LogReader& reader) {
+  const fs::path replayed = folder / "replay.log", said = folder / "palpate-replay.txt";
   std::vector<std::string> command{(common::program_folder() / "palpate-replay").string(),
                                    recording.sensors.string(),
                                    "--start",
                                    "--config",
                                    scene.configuration.string(),
                                    "--output",
-                                   output.string()};
+                                   replayed.string()};
   for (const std::vector<std::string>* settings : {&scene.daemon_overrides, &overrides})
     for (const std::string& setting : *settings) {
       command.push_back("--set");
       command.push_back(setting);
     }
-  return command;
+  const int code = common::run_to_end(command, said, patience);
+  if (code != 0)
+    throw runs::RunFailed("palpate-replay, exit code " + std::to_string(code) + ":\n" +
+                          common::tail(said, 8));
+  reader.read(replayed);
+  fs::remove(replayed);
 }
 
 }  // namespace palpate::studies

@@ -35,10 +35,10 @@ SensingRecording record_sensing(const SensingScene& scene, const std::filesystem
 /// hash.
 SensingRecording read_recording(const SensingScene& scene, const std::filesystem::path& folder);
 
-/// The replay as a command: `overrides` of the configuration, log to `output`.
-std::vector<std::string> replay_command(const SensingScene& scene,
-                                        const SensingRecording& recording,
-                                        const std::vector<std::string>& overrides,
-                                        const std::filesystem::path& output);
+/// Replays the recording by palpate-replay with `overrides` of the configuration and collects its
+/// log with `reader`; the program's output stays in `folder`. `patience`: s. Throws RunFailed.
+void replay(const SensingScene& scene, const SensingRecording& recording,
+            const std::vector<std::string>& overrides, const std::filesystem::path& folder,
+            double patience, log::LogReader& reader);
 
 }  // namespace palpate::studies

@@ -86,18 +86,13 @@ math::Pose grasp_of(const estimate_t& m) {
 Samples gather(const SensingScene& scene, const SensingRecording& recording,
                const registry::Object& object, const Eigen::Matrix3Xd& units,
                LearnedShape::Inputs inputs, const fs::path& folder) {
-  const fs::path replayed = folder / "replay.log";
-  if (common::run_to_end(replay_command(scene, recording, {}, replayed),
-                         folder / "palpate-replay.txt", kReplayPatience) != 0)
-    throw runs::RunFailed("palpate-replay:\n" + common::tail(folder / "palpate-replay.txt", 10));
   std::vector<estimate_t> estimates;
   std::vector<contacts_t> contacts;
   log::LogReader reader(log::LogClock::kSent);
   reader.collect("ESTIMATE", estimates);
   reader.collect("CONTACTS", contacts);
-  reader.read(replayed);
-  fs::remove(replayed);
-  if (estimates.size() < 100) throw runs::RunFailed("the replay tells nothing of the hand");
+  replay(scene, recording, {}, folder, kReplayPatience, reader);
+  if (estimates.size() < 100) throw runs::RunFailed("the replay contains no hand poses");
   const log::PlantPoints points(log::assemble(recording.truth.truth_chunks), units);
   const log::PlantMotion motion(recording.truth.truths);
   const std::int64_t begin = estimates.front().utime, end = estimates.back().utime;

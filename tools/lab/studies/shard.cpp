@@ -15,11 +15,4 @@ Shard read_shard(const std::string& text) {
   return {static_cast<std::size_t>(index), static_cast<std::size_t>(count)};
 }
 
-std::vector<Task> shard_of(const std::vector<Task>& tasks, const Shard& shard) {
-  std::vector<Task> part;
-  for (std::size_t i = shard.index - 1; i < tasks.size(); i += shard.count)
-    part.push_back(tasks[i]);
-  return part;
-}
-
 }  // namespace palpate::studies

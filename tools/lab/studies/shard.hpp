@@ -1,9 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <vector>
-
-#include "tools/lab/studies/study_scheduler.hpp"
 
 namespace palpate::studies {
 
@@ -15,8 +14,13 @@ struct Shard {
 /// Parses "I/N". Throws std::invalid_argument unless 1 <= I <= N.
 Shard read_shard(const std::string& text);
 
-/// The shard's part of `tasks`: every N-th, so that long and short ones are distributed evenly. The
-/// N parts hold each task once.
-std::vector<Task> shard_of(const std::vector<Task>& tasks, const Shard& shard);
+/// The shard's part of a list: every N-th entry, so that long and short ones are distributed
+/// evenly. The N parts hold each entry once.
+template <class Entry>
+std::vector<Entry> shard_of(const std::vector<Entry>& all, const Shard& shard) {
+  std::vector<Entry> part;
+  for (std::size_t i = shard.index - 1; i < all.size(); i += shard.count) part.push_back(all[i]);
+  return part;
+}
 
 }  // namespace palpate::studies

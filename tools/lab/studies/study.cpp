@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <fstream>
+#include <map>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -13,7 +15,6 @@
 #include "tools/lab/studies/study_host.hpp"
 #include "tools/lab/studies/study_job.hpp"
 #include "tools/lab/studies/study_progress.hpp"
-#include "tools/lab/studies/study_report.hpp"
 #include "tools/lab/studies/study_scheduler.hpp"
 
 namespace palpate::studies {
@@ -21,7 +22,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kCoresAJob = 2;  // simulator and daemon
+constexpr int kCoresAJob = 2;          // simulator and daemon
+constexpr int kReplaysSideBySide = 2;  // default
 
 std::string check_shard(const std::string& text) {
   try {
@@ -40,63 +42,66 @@ int default_workers() {
 
 struct StudyCommand::Options {
   fs::path plan;
-  std::string study;
   fs::path output;
   fs::path json;
   StudySelection selection;
   int workers = default_workers();
+  double cap = 100;  // mm
   bool list = false;
   bool report_only = false;
   bool keep_logs = false;
+  bool pictures = false;
   std::string job;
   std::string shard;
 
-  fs::path folder(const StudyJob& wanted) const { return fs::absolute(output) / wanted.name; }
-
-  /// Executes one job in a separate process.
-  std::vector<std::string> command_of(const StudyJob& wanted, const fs::path& root,
-                                      const fs::path& plan_file) const {
-    std::vector<std::string> command{fs::read_symlink("/proc/self/exe").string(),
-                                     "--root",
-                                     fs::absolute(root).string(),
-                                     study,
-                                     "--plan",
-                                     plan_file.string(),
-                                     "--output",
-                                     fs::absolute(output).string(),
-                                     "--seeds",
-                                     std::to_string(wanted.seed),
-                                     "--job",
-                                     wanted.name};
-    if (wanted.real_time) command.push_back("--real-time");
-    if (keep_logs) command.push_back("--keep-logs");
-    return command;
-  }
+  fs::path folder(const std::string& job_name) const { return fs::absolute(output) / job_name; }
 };
 
-namespace {
+/// Hashes of the inputs of jobs and recordings.
+class StudyCommand::Hashes {
+ public:
+  Hashes(bool replayed, bool pictures) : replayed_(replayed), pictures_(pictures) {
+    for (const fs::path& program : study_programs())
+      if (!replayed) programs_.push_back(hash_of_file(program));
+  }
+  std::string of(const StudyJob& job) const {
+    return replayed_ ? hash_of_replay(job, of_recording(job), pictures_)
+                     : hash_of_inputs(job, programs_);
+  }
+  /// Each recording serves many jobs.
+  const std::string& of_recording(const StudyJob& job) const {
+    std::string& hash = recordings_[recording_of(job)];
+    if (hash.empty()) hash = hash_of_recording(scene_of(job));
+    return hash;
+  }
 
-std::vector<std::string> program_hashes() {
-  std::vector<std::string> hashes;
-  for (const fs::path& program : study_programs()) hashes.push_back(hash_of_file(program));
-  return hashes;
-}
+ private:
+  const bool replayed_, pictures_;
+  std::vector<std::string> programs_;
+  mutable std::map<std::string, std::string> recordings_;
+};
 
-}  // namespace
+/// What a call of the command has to run: recordings first, then one task per job.
+struct StudyCommand::Work {
+  std::vector<Task> recordings;
+  std::vector<StudyJob> jobs;
+  std::vector<Task> tasks;  // of the jobs
+};
 
 StudyCommand::StudyCommand(CLI::App& app, Study study)
     : study_(std::move(study)), options_(std::make_unique<Options>()) {
   command_ = app.add_subcommand(
       study_.name,
       study_.about +
-          ", scored on the plant's truth; writes report.html, runs.csv, states.csv and " +
+          ", scored on the plant's truth. Writes report.html, runs.csv, states.csv and " +
           study_.name +
           ".json.\nWhat has been run with the same inputs and programs is not run again; Ctrl-C "
-          "ends it, and the same command goes on where it stopped.");
+          "ends it, and the same command resumes where it stopped.");
   Options& o = *options_;
-  o.study = study_.name;
-  o.output = "out/" + study_.name;
-  command_->add_option("--plan", o.plan, "applications (default: " + study_.plan.string() + ")")
+  o.output = study_.output;
+  command_
+      ->add_option("--plan", o.plan,
+                   "plan of the applications (default: " + study_.plan.string() + ")")
       ->check(CLI::ExistingFile);
   command_->add_option("--output", o.output, "folder of the report, and of one folder a job")
       ->capture_default_str();
@@ -104,34 +109,102 @@ StudyCommand::StudyCommand(CLI::App& app, Study study)
       ->add_option("--only", o.selection.applications,
                    "applications whose name holds this text (repeatable)")
       ->allow_extra_args(false);
-  command_->add_option("--seeds", o.selection.seeds, "these instead of the plan's, e.g. 1,2,3")
+  command_->add_option("--seeds", o.selection.seeds, "seeds instead of the plan's, e.g. 1,2,3")
       ->delimiter(',')
       ->check(CLI::NonNegativeNumber);
   command_->add_flag("--quick", o.selection.quick,
                      "the first seed alone, without what the plan marks `quick: false`");
-  command_->add_option("--jobs", o.workers, "runs side by side; each keeps about two cores busy")
-      ->check(CLI::Range(1, 256))
-      ->capture_default_str();
-  command_->add_flag("--real-time", o.selection.real_time,
-                     "in real time instead of in lock-step, which does not depend on the load");
-  command_->add_option("--json", o.json, "write the results to this file too");
-  command_->add_flag("--keep-logs", o.keep_logs, "keep the LCM logs of the runs (about 4 MB/s)");
-  CLI::Option* list = command_->add_flag("--list", o.list, "name the jobs and end");
-  CLI::Option* report =
-      command_->add_flag("--report-only", o.report_only, "report what has been run; run nothing");
+  command_->add_option("--json", o.json, "file for the results, in addition");
+  CLI::Option* list = command_->add_flag("--list", o.list, "list of the jobs; nothing is run");
+  CLI::Option* report = command_->add_flag("--report-only", o.report_only,
+                                           "report of existing results; nothing is run");
   command_
-      ->add_option("--shard", o.shard,
-                   "I/N: run the I-th of N equal parts of the jobs alone and report nothing; when "
-                   "all parts are in one folder --report-only reports them together")
+      ->add_option(
+          "--shard", o.shard,
+          study_.replayed
+              ? "I/N: run the I-th of N equal parts of the recordings, with all methods on "
+                "them, alone and report nothing; when all parts are in one folder "
+                "--report-only reports them together"
+              : "I/N: run the I-th of N equal parts of the jobs alone and report nothing; "
+                "when all parts are in one folder --report-only reports them together")
       ->check(check_shard)
       ->excludes(list)
       ->excludes(report);
-  command_->add_option("--job", o.job, "run this one job here, as each of them is run")
+  command_->add_option("--job", o.job, "name of a single job, run in this process")
       ->excludes(list)
       ->excludes(report);
+  const char* side_by_side = "runs side by side; each keeps about two cores busy";
+  if (study_.replayed) {
+    o.workers = kReplaysSideBySide;
+    side_by_side = "recordings or replays side by side";
+    command_->add_option("--cap", o.cap, "mm, error of a failed run and upper limit of any error")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str();
+    command_->add_flag("--pictures", o.pictures, "pictures of every state, for the report");
+  } else {
+    command_->add_flag("--real-time", o.selection.real_time,
+                       "real time instead of lock-step, which does not depend on the load");
+    command_->add_flag("--keep-logs", o.keep_logs, "keep the LCM logs of the runs (about 4 MB/s)");
+  }
+  command_->add_option("--jobs", o.workers, side_by_side)
+      ->check(CLI::Range(1, 256))
+      ->capture_default_str();
 }
 
 StudyCommand::~StudyCommand() = default;
+
+void StudyCommand::run_one(const std::vector<StudyJob>& jobs, const Hashes& hashes) const {
+  const Options& o = *options_;
+  for (const StudyJob& job : jobs) {
+    const std::string recording = recording_of(job);
+    if (study_.replayed && o.job == recording) {
+      record_sensing(scene_of(job), o.folder(recording));
+      return;
+    }
+    if (o.job != job.name) continue;
+    fs::create_directories(o.folder(job.name));
+    if (study_.replayed)
+      run_replayed_job(job, hashes.of(job), o.folder(recording), o.folder(job.name), o.pictures);
+    else
+      run_study_job(job, hashes.of(job), o.folder(job.name), o.keep_logs);
+    return;
+  }
+  throw std::invalid_argument("no job is called " + o.job);
+}
+
+StudyCommand::Work StudyCommand::work_of(const std::vector<StudyJob>& jobs, const Hashes& hashes,
+                                         const fs::path& root, const fs::path& plan_file) const {
+  const Options& o = *options_;
+  const auto task_of = [&](const std::string& name, const StudyJob& job, const std::string& hash) {
+    Task task{name,
+              {fs::read_symlink("/proc/self/exe").string(), "--root", root.string(), study_.name,
+               "--plan", plan_file.string(), "--output", fs::absolute(o.output).string(), "--seeds",
+               std::to_string(job.seed), "--job", name},
+              o.folder(name),
+              hash};
+    if (job.real_time) task.command.emplace_back("--real-time");
+    if (o.keep_logs) task.command.emplace_back("--keep-logs");
+    if (o.pictures) task.command.emplace_back("--pictures");
+    return task;
+  };
+  Work work;
+  if (study_.replayed) {
+    std::set<std::string> known;
+    for (const StudyJob& job : jobs)
+      if (known.insert(recording_of(job)).second)
+        work.recordings.push_back(task_of(recording_of(job), job, hashes.of_recording(job)));
+    if (!o.shard.empty()) work.recordings = shard_of(work.recordings, read_shard(o.shard));
+    std::copy_if(jobs.begin(), jobs.end(), std::back_inserter(work.jobs), [&](const StudyJob& job) {
+      return std::any_of(work.recordings.begin(), work.recordings.end(),
+                         [&](const Task& task) { return task.name == recording_of(job); });
+    });
+  } else {
+    work.jobs = o.shard.empty() ? jobs : shard_of(jobs, read_shard(o.shard));
+  }
+  for (const StudyJob& job : work.jobs)
+    work.tasks.push_back(task_of(job.name, job, hashes.of(job)));
+  return work;
+}
 
 namespace {
 
@@ -154,26 +227,44 @@ nlohmann::json result_of(const Task& task) {
   return nlohmann::json::parse(in);
 }
 
-std::string count_of(const std::vector<TaskOutcome>& outcomes, TaskOutcome::State state) {
-  return std::to_string(
-      std::count_if(outcomes.begin(), outcomes.end(),
-                    [state](const TaskOutcome& outcome) { return outcome.state == state; }));
-}
-
-/// Runs the jobs that have no result yet. One outcome per task.
-std::vector<TaskOutcome> run_all(const std::vector<Task>& tasks, int workers, std::ostream& out) {
+/// Runs the tasks that have no result yet and prints their counts: `before`3 `run`, 0 kept, 1
+/// failed.
+std::vector<TaskOutcome> run_all(const std::vector<Task>& tasks, int workers,
+                                 const std::string& before, const std::string& run,
+                                 std::ostream& out) {
   ScheduleDisplay display;
   SchedulerOptions options;
   options.workers = workers;
   options.show = [&display](const ScheduleStatus& status) { display.show(status); };
   std::vector<TaskOutcome> outcomes = run_tasks(tasks, options);
-  out << count_of(outcomes, TaskOutcome::State::kDone) << " jobs run, "
-      << count_of(outcomes, TaskOutcome::State::kKept) << " kept, "
-      << count_of(outcomes, TaskOutcome::State::kFailed) << " failed\n";
+  std::map<TaskOutcome::State, int> count;
+  for (const TaskOutcome& outcome : outcomes) ++count[outcome.state];
+  out << before << count[TaskOutcome::State::kDone] << ' ' << run << ", "
+      << count[TaskOutcome::State::kKept] << " kept, " << count[TaskOutcome::State::kFailed]
+      << " failed\n";
   return outcomes;
 }
 
+void print_failures(const StudyReport& report, std::ostream& out) {
+  for (const std::string& failure : report.failures) out << "FAILED: " << failure << '\n';
+}
+
 }  // namespace
+
+void StudyCommand::run_work(const Work& work, StudyReport& report, std::ostream& out) const {
+  const int workers = options_->workers;
+  const bool replayed = study_.replayed;
+  // A failed recording makes its methods fail, and each reports it.
+  if (replayed) run_all(work.recordings, workers, "recordings: ", "run", out);
+  const std::vector<TaskOutcome> outcomes =
+      replayed ? run_all(work.tasks, workers, "methods on recordings: ", "run", out)
+               : run_all(work.tasks, workers, "", "jobs run", out);
+  for (std::size_t i = 0; i < outcomes.size(); ++i) {
+    if (outcomes[i].state != TaskOutcome::State::kFailed) continue;
+    report.results[i].failed = true;
+    report.failures.push_back(outcomes[i].name + ": " + outcomes[i].failure);
+  }
+}
 
 std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   if (!command_->parsed()) return std::nullopt;
@@ -182,61 +273,52 @@ std::optional<int> StudyCommand::run(const fs::path& root, std::ostream& out) {
   StudyReport report;
   report.name = study_.name;
   report.title = study_.title;
+  report.folder = fs::absolute(o.output);
   report.plan = read_study_plan(plan_file, fs::absolute(root));
   const std::vector<StudyJob> jobs = study_jobs(report.plan, o.selection);
   if (o.list) {
     print_list(jobs, out);
     return 0;
   }
+  for (const StudyJob& job : jobs)
+    if (study_.replayed && job.kind == "control")
+      throw std::invalid_argument(job.application + ": what is controlled cannot be replayed");
   common::catch_interruptions();
-  const std::vector<std::string> programs = program_hashes();
+  const Hashes hashes(study_.replayed, o.pictures);
   if (!o.job.empty()) {
-    const auto job =
-        std::find_if(jobs.begin(), jobs.end(), [&o](const StudyJob& j) { return j.name == o.job; });
-    if (job == jobs.end()) throw std::invalid_argument("no job is called " + o.job);
-    fs::create_directories(o.folder(*job));
-    run_study_job(*job, hash_of_inputs(*job, programs), o.folder(*job), o.keep_logs);
+    run_one(jobs, hashes);
     return 0;
   }
 
-  std::vector<Task> tasks;
-  for (const StudyJob& job : jobs)
-    tasks.push_back({job.name, o.command_of(job, root, plan_file), o.folder(job),
-                     hash_of_inputs(job, programs)});
-  if (!o.shard.empty()) {
-    const std::vector<Task> part = shard_of(tasks, read_shard(o.shard));
-    int failed = 0;
-    for (const TaskOutcome& outcome : run_all(part, o.workers, out)) {
-      if (outcome.state != TaskOutcome::State::kFailed) continue;
-      out << outcome.name << ": " << outcome.failure << '\n';
-      ++failed;
-    }
-    out << "shard " << o.shard << ": " << part.size() << " of " << tasks.size() << " jobs\n";
-    return failed == 0 ? 0 : 1;
-  }
-  report.folder = fs::absolute(o.output);
+  const Work work = work_of(jobs, hashes, fs::absolute(root), plan_file);
+  for (const StudyJob& job : work.jobs) report.results.push_back({job, {}, false});
   fs::create_directories(report.folder);
   report.host = describe_host();
-  report.host["mode"] = o.selection.real_time ? "real time" : "lock-step";
+  report.host["mode"] = study_.replayed         ? "recorded in lock-step, replayed"
+                        : o.selection.real_time ? "real time"
+                                                : "lock-step";
   report.host["runs side by side"] = o.workers;
-  for (std::size_t i = 0; i < jobs.size(); ++i) report.results.push_back({jobs[i], {}, false});
   if (!o.report_only) {
-    const std::vector<TaskOutcome> outcomes = run_all(tasks, o.workers, out);
-    for (std::size_t i = 0; i < jobs.size(); ++i) {
-      if (outcomes[i].state != TaskOutcome::State::kFailed) continue;
-      report.results[i].failed = true;
-      report.failures.push_back(outcomes[i].name + ": " + outcomes[i].failure);
-    }
+    run_work(work, report, out);
     report.host["load at the end"] = describe_host()["load"];
   }
-  for (std::size_t i = 0; i < jobs.size(); ++i) report.results[i].json = result_of(tasks[i]);
-  print_study(report, out);
+  if (!o.shard.empty()) {
+    print_failures(report, out);
+    out << "shard " << o.shard << ": " << work.jobs.size() << " of " << jobs.size() << " jobs\n";
+    return report.failures.empty() ? 0 : 1;
+  }
+  for (std::size_t i = 0; i < work.tasks.size(); ++i)
+    report.results[i].json = result_of(work.tasks[i]);
+  if (study_.replayed)
+    print_errors(report, o.cap, out);
+  else
+    print_study(report, out);
+  print_failures(report, out);
   write_study(report);
   if (!o.json.empty())
     fs::copy_file(report.folder / (study_.name + ".json"), o.json,
                   fs::copy_options::overwrite_existing);
-  out << "\nreport.html, runs.csv, states.csv and " << study_.name << ".json are in "
-      << report.folder.string() << '\n';
+  out << '\n' << make_page(report, root) << '\n';
   return report.failures.empty() ? 0 : 1;
 }
 

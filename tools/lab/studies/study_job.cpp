@@ -15,6 +15,7 @@
 #include "tools/lab/scores/reached_shape.hpp"
 #include "tools/lab/scores/score.hpp"
 #include "tools/lab/studies/poke_score.hpp"
+#include "tools/lab/studies/study_hash.hpp"
 #include "tools/lab/studies/study_picture.hpp"
 #include "tools/lab/studies/study_score.hpp"
 #include "tools/lab/studies/study_tactile.hpp"
@@ -25,7 +26,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double kSlack = 10;  // s in real time; the scene ends the run
+constexpr double kSlack = 10;          // s in real time; the scene ends the run
+constexpr double kJobPatience = 1500;  // s
 
 /// A controller that plans before the hand moves needs the target at that time.
 std::string goal_of(const Eigen::VectorXd& values) {
@@ -66,14 +68,37 @@ Json json_in(const fs::path& file) {
   return Json::parse(in, nullptr, false);
 }
 
-Json describe(const StudyJob& job) {
-  return {{"name", job.name},
-          {"application", job.application},
-          {"kind", job.kind},
-          {"method", job.method},
-          {"model_error", job.mismatch},
-          {"seed", job.seed},
-          {"mode", job.real_time ? "real time" : "lock-step"}};
+/// The head of every result.
+Json result_head(const StudyJob& job, const std::string& inputs_hash, const char* mode) {
+  return {{"inputs_hash", inputs_hash},
+          {"version", PALPATE_VERSION},
+          {"job",
+           {{"name", job.name},
+            {"application", job.application},
+            {"kind", job.kind},
+            {"method", job.method},
+            {"model_error", job.mismatch},
+            {"seed", job.seed},
+            {"mode", mode}}}};
+}
+
+scores::ScoredRun scored_run(const StudyJob& job) {
+  scores::ScoredRun scored;
+  scored.stage = job.application;
+  scored.name = job.method;
+  scored.mismatch = job.mismatch;
+  return scored;
+}
+
+registry::Frames frames_of(const StudyJob& job) {
+  return registry::read_frames(
+      config::Node::load_file(job.configuration.string(), job.daemon_overrides));
+}
+
+/// A result is written completely or not at all.
+void write_result(const Json& result, const fs::path& folder) {
+  common::write_json(result, folder / "result.json.part");
+  fs::rename(folder / "result.json.part", folder / "result.json");
 }
 
 /// Images are for human readers: a job without them is still scored.
@@ -124,17 +149,12 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
   const runs::RunPlan plan = plan_of(job);
   runs::RunFiles files;
   const log::RunLog log = run_and_read(job, plan, folder, files);
-  scores::ScoredRun scored;
-  scored.stage = job.application;
-  scored.name = job.method;
-  scored.mismatch = job.mismatch;
+  scores::ScoredRun scored = scored_run(job);
   scores::score_into(scored, log, scores::gate_of(plan), job.target ? &*job.target : nullptr);
-  const config::Node configuration =
-      config::Node::load_file(job.configuration.string(), job.daemon_overrides);
-  const registry::Frames frames = registry::read_frames(configuration);
+  const registry::Frames frames = frames_of(job);
   const math::Pose& X_WO = frames.X_WO;
 
-  Json result{{"inputs_hash", inputs_hash}, {"version", PALPATE_VERSION}, {"job", describe(job)}};
+  Json result = result_head(job, inputs_hash, job.real_time ? "real time" : "lock-step");
   result["score"] = to_json(scored);
   // A stepped daemon has no clock relative to which it could be late.
   if (!job.real_time) result["score"]["loop"].erase("latency_us");
@@ -157,12 +177,57 @@ void run_study_job(const StudyJob& job, const std::string& inputs_hash, const fs
     result["pokes"] = to_json(score_pokes(pokes, log, *scored.shape, frames), scored.shape->length);
   result["shape_error"] = shape_curve(*scored.shape);
   if (scored.feature) result["control"] = control_curves(*scored.feature, log);
-  // A result is written completely or not at all.
-  common::write_json(result, folder / "result.json.part");
-  fs::rename(folder / "result.json.part", folder / "result.json");
+  write_result(result, folder);
   if (keep_logs) return;
   fs::remove(files.control);
   fs::remove(files.housekeeping);
+}
+
+SensingScene scene_of(const StudyJob& job) {
+  return {job.scene, job.scene_overrides, job.configuration, {}, job.duration};
+}
+
+std::string recording_of(const StudyJob& job) {
+  return "recordings/" +
+         common::file_name(job.application + " " + job.mismatch + " " + std::to_string(job.seed));
+}
+
+std::string hash_of_replay(const StudyJob& job, const std::string& recording_hash, bool pictures) {
+  const fs::path programs = common::program_folder();
+  return hash_of_inputs(
+      job, {recording_hash, hash_of_file(programs / "palpate-replay"),
+            hash_of_file(programs / "palpate-evaluate"), pictures ? "drawn" : "not drawn"});
+}
+
+void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const fs::path& recorded,
+                      const fs::path& folder, bool pictures) {
+  SensingRecording recording = read_recording(scene_of(job), recorded);
+  log::RunLog log;
+  log.truths = std::move(recording.truth.truths);
+  log.truth_chunks = std::move(recording.truth.truth_chunks);
+  log.truth_contacts = std::move(recording.truth.truth_contacts);
+  log.observations = std::move(recording.truth.observations);
+  log::LogReader reader(log::LogClock::kSent);
+  reader.collect("SHAPE", log.shapes);
+  reader.collect("SHAPE_MESH", log.shape_chunks);
+  reader.collect("ESTIMATE", log.estimates);
+  replay(scene_of(job), recording, job.daemon_overrides, folder, kJobPatience, reader);
+
+  scores::ScoredRun scored = scored_run(job);
+  scored.shape = scores::score_shape(log);
+  const math::Pose X_WO = frames_of(job).X_WO;
+  Json result = result_head(job, inputs_hash, "replayed");
+  result["score"] = to_json(scored);
+  const std::vector<StateScore> states = score_states(job, log, *scored.shape, X_WO);
+  for (std::size_t i = 0; i < states.size(); ++i) {
+    Json state = to_json(states[i], scored.shape->length);
+    state["picture"] = pictures ? picture_of(states[i], i + 1, X_WO, folder) : "";
+    result["states"].push_back(std::move(state));
+  }
+  result["shape_error"] = shape_curve(*scored.shape);
+  if (!log.estimates.empty())
+    result["young_modulus_kPa"] = 1e-3 * std::exp(log.estimates.back().log_young_modulus);
+  write_result(result, folder);
 }
 
 }  // namespace palpate::studies

@@ -1,4 +1,4 @@
-#include "tools/lab/studies/study_overview.hpp"
+#include "tools/lab/studies/study_tables.hpp"
 
 #include <algorithm>
 #include <map>

@@ -33,11 +33,11 @@ std::vector<std::string> names(const config::Node& node, const config::Key& key)
 
 std::vector<runs::Method> chosen_methods(const config::Node& node, const fs::path& root) {
   const std::vector<runs::Method> known = runs::read_methods(
-      source_file(node, {"method_file", "", "of the methods, in the folder of palpate"}, root,
-                  "tools/lab/studies/methods.yaml"));
+      source_file(node, {"method_file", "", "file of the methods, relative to palpate's folder"},
+                  root, "tools/lab/studies/methods.yaml"));
   std::vector<runs::Method> chosen;
   for (const std::string& name :
-       names(node, {"methods", "", "that run, by their names in method_file"})) {
+       names(node, {"methods", "", "methods to run, by their names in method_file"})) {
     const auto found =
         std::find_if(known.begin(), known.end(),
                      [&name](const runs::Method& method) { return method.name == name; });
@@ -76,9 +76,9 @@ void add_settings(const config::Node& node, StudyApplication& application) {
 
 std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::path& root,
                                           const StudyApplication& application) {
-  const fs::path file =
-      source_file(node, {"mismatch_file", "", "of the model errors, in the folder of palpate"},
-                  root, "tools/lab/studies/mismatch.yaml");
+  const fs::path file = source_file(
+      node, {"mismatch_file", "", "file of the model errors, relative to palpate's folder"}, root,
+      "tools/lab/studies/mismatch.yaml");
   std::vector<runs::Mismatch> levels;
   for (const std::string& name :
        names(node, {"mismatch", "", "model errors, each for every method, by their names"}))
@@ -89,7 +89,7 @@ std::vector<runs::Mismatch> chosen_levels(const config::Node& node, const fs::pa
 std::vector<int> seeds_of(const config::Node& node) {
   std::vector<int> seeds;
   for (const double seed :
-       node.numbers({"seeds", "", "of the scene's noise, a run for each"}, -1, {0, 1e9})) {
+       node.numbers({"seeds", "", "seeds of the scene's noise, one run for each"}, -1, {0, 1e9})) {
     if (seed != std::floor(seed)) node.fail("seeds", "wants whole numbers");
     seeds.push_back(static_cast<int>(seed));
   }
@@ -101,29 +101,32 @@ runs::ControlTarget read_target(const config::Node& node, const std::string& nam
   runs::ControlTarget target;
   target.name = name;
   target.kind =
-      node.choice({"feature", "", "what is steered"},
+      node.choice({"feature", "", "controlled feature"},
                   {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"});
-  target.rest_points = node.points({"rest_points", "m", "that it names on the rest shape, in O"});
+  target.rest_points =
+      node.points({"rest_points", "m", "points of the feature on the rest shape, in O"});
   const bool is_place = target.kind == "point" || target.kind == "points" || target.kind == "pose";
   if (node.has("axis"))
-    target.axis = node.vector3({"axis", "", "about which an angle or curvature is signed, in O"});
+    target.axis = node.vector3({"axis", "", "axis of the sign of an angle or curvature, in O"});
   if (target.kind == "fourier_contour") {
-    target.harmonics = node.integer({"harmonics", "", "of a contour"}, {1, 31}, target.harmonics);
-    target.closed = node.flag({"closed", "", "whether a contour is closed"}, target.closed);
+    target.harmonics = node.integer({"harmonics", "", "number of harmonics of a contour"}, {1, 31},
+                                    target.harmonics);
+    target.closed = node.flag({"closed", "", "closed contour"}, target.closed);
   }
   if (node.has("hand")) {
-    if (node.has("displacement")) node.fail("displacement", "has no meaning beside \"hand\"");
-    const config::Node hand = node.child(
-        {"hand", "", "the target is where this motion of the hand would bring the feature"});
-    target.hand = runs::HandMotion{
-        hand.vector3({"translation", "m", "of the hand, in O"}, {-1, 1}, Eigen::Vector3d::Zero()),
-        hand.vector3({"rotation_deg", "deg", "of the hand, a rotation vector"}, {-180, 180},
-                     Eigen::Vector3d::Zero())};
+    if (node.has("displacement")) node.fail("displacement", "has no meaning with \"hand\"");
+    const config::Node hand =
+        node.child({"hand", "", "motion of the hand that would bring the feature to the target"});
+    target.hand =
+        runs::HandMotion{hand.vector3({"translation", "m", "translation of the hand, in O"},
+                                      {-1, 1}, Eigen::Vector3d::Zero()),
+                         hand.vector3({"rotation_deg", "deg", "rotation vector of the hand"},
+                                      {-180, 180}, Eigen::Vector3d::Zero())};
   } else if (!is_place) {
     node.fail("hand", "is needed: a " + target.kind + " cannot be displaced");
   } else {
-    target.displacement =
-        node.vector3({"displacement", "m", "of the feature from where it rests"}, {-1, 1});
+    target.displacement = node.vector3(
+        {"displacement", "m", "offset of the target from the feature at rest"}, {-1, 1});
   }
   try {
     target.displace();
@@ -145,20 +148,21 @@ void read_motion(const config::Node& node, StudyApplication& application) {
   if (motion && !node.has("duration")) return;
   application.duration = node.number(
       {"duration", "s",
-       "of a scene that does not move by itself; else half a second more than it moves"},
+       "length of a scene without its own motion; otherwise half a second more than its motion"},
       {0.5, 3600});
 }
 
 StudyApplication read_application(const config::Node& node, const fs::path& root) {
   StudyApplication application;
-  application.name = node.text({"name", "", "of the application"});
-  application.kind = node.choice({"kind", "", "what is scored"}, {"force", "control", "tactile"});
-  application.note = node.text({"note", "", "printed beside its results"}, "");
-  application.quick = node.flag({"quick", "", "it is among those that --quick runs"}, true);
+  application.name = node.text({"name", "", "name of the application"});
+  application.kind =
+      node.choice({"kind", "", "score that is computed"}, {"force", "control", "tactile"});
+  application.note = node.text({"note", "", "remark that is printed with the results"}, "");
+  application.quick = node.flag({"quick", "", "part of a run with --quick"}, true);
   application.scene =
-      source_file(node, {"scene", "", "of palpate-sim, in the folder of palpate"}, root);
-  application.configuration =
-      source_file(node, {"configuration", "", "of palpated, in the folder of palpate"}, root);
+      source_file(node, {"scene", "", "scene of palpate-sim, relative to palpate's folder"}, root);
+  application.configuration = source_file(
+      node, {"configuration", "", "configuration of palpated, relative to palpate's folder"}, root);
   application.methods = chosen_methods(node, root);
   application.levels = chosen_levels(node, root, application);
   add_settings(
@@ -166,27 +170,27 @@ StudyApplication read_application(const config::Node& node, const fs::path& root
       application);
   application.seeds = seeds_of(node);
   read_motion(node, application);
-  for (const config::Node& state : node.list({"states", "", "instants that are scored apart"}))
+  for (const config::Node& state : node.list({"states", "", "instants that are scored separately"}))
     application.states.push_back(
-        {state.text({"name", "", "of the instant"}),
-         state.number({"time", "s", "since the start"}, {0, application.duration})});
+        {state.text({"name", "", "name of the instant"}),
+         state.number({"time", "s", "time since the start"}, {0, application.duration})});
   if (node.has("pose_points")) {
-    application.pose_points =
-        node.points({"pose_points", "m", "three on the rest shape whose pose is scored, in O"});
+    application.pose_points = node.points(
+        {"pose_points", "m", "three points of the rest shape whose pose is scored, in O"});
     if (application.pose_points.size() != 3) node.fail("pose_points", "wants three points");
   }
   if (application.kind == "control") {
-    application.target =
-        read_target(node.child({"target", "", "where what is steered shall go"}), application.name);
+    application.target = read_target(node.child({"target", "", "target of the controlled feature"}),
+                                     application.name);
     if (application.target->kind == "pose")
       application.pose_points = application.target->rest_points;
   } else if (node.has("target")) {
     node.fail("target", "belongs to kind control alone");
   }
   for (const config::Node& figure :
-       node.list({"published", "", "figures of a publication, printed beside ours"}))
-    application.published.push_back({figure.text({"quantity", "", "what was measured"}),
-                                     figure.text({"value", "", "with its unit"})});
+       node.list({"published", "", "figures of a publication, printed with palpate's"}))
+    application.published.push_back({figure.text({"quantity", "", "measured quantity"}),
+                                     figure.text({"value", "", "value with its unit"})});
   return application;
 }
 
@@ -245,10 +249,11 @@ StudyPlan read_study_plan(const fs::path& file, const fs::path& root) {
   const config::Node node = config::Node::load_file(file.string());
   StudyPlan plan;
   plan.octree_resolution = node.number(
-      {"octree_resolution", "m", "of the octrees that shapes are compared by"}, {1e-3, 1});
+      {"octree_resolution", "m", "edge of the octrees' cubes, by which shapes are compared"},
+      {1e-3, 1});
   std::set<std::string> names;
   for (const config::Node& entry :
-       node.list({"applications", "", "what is run, each with every method, error and seed"})) {
+       node.list({"applications", "", "tasks to run, each with every method, error and seed"})) {
     plan.applications.push_back(read_application(entry, root));
     if (!names.insert(common::file_name(plan.applications.back().name)).second)
       entry.fail("name", "\"" + plan.applications.back().name + "\" is there twice");

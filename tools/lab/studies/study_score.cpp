@@ -93,7 +93,7 @@ std::optional<math::Vector6d> pose_error(const StudyJob& job, const log::RunLog&
     sum += feature.error(feature.value(points.at(log::positions(truth))), value);
     ++count;
   }
-  if (count == 0) throw std::runtime_error("the log holds no pose beside the plant's");
+  if (count == 0) throw std::runtime_error("the log holds no estimated pose");
   return sum / count;
 }
 

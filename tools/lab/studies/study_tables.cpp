@@ -69,16 +69,6 @@ constexpr RunColumn kControl[] = {
 
 using Group = std::vector<const Json*>;  // results that differ only by their seed
 
-Group group_of(const StudyApplication& application, const std::vector<StudyResult>& results,
-               const std::string& method, const std::string& level) {
-  Group group;
-  for (const StudyResult& result : results)
-    if (result.job.application == application.name && result.job.method == method &&
-        result.job.mismatch == level && !result.json.is_null())
-      group.push_back(&result.json);
-  return group;
-}
-
 /// Of one result; `state` empty: over all of them.
 std::vector<double> state_values(const Json& result, const std::string& state, const char* key) {
   std::vector<double> values;
@@ -128,7 +118,7 @@ void for_each_group(const StudyApplication& application, const std::vector<Study
   for (const runs::Mismatch& level : application.levels) {
     table.rows.push_back({"model error: " + level.name});
     for (const runs::Method& method : application.methods) {
-      const Group group = group_of(application, results, method.name, level.name);
+      const Group group = results_of(application, results, method.name, level.name);
       std::vector<std::string> row{method.name};
       add_cells(group, row);
       row.push_back(std::to_string(group.size()));
@@ -151,7 +141,26 @@ std::vector<std::string> state_names(const StudyApplication& application,
   return names;
 }
 
+/// Mean of a number over the states; the cap if the run failed, which is also the upper bound.
+double capped_mean(const StudyResult& result, const char* key, double cap) {
+  if (!result.json.is_object()) return cap;
+  double sum = 0;
+  for (const Json& state : result.json["states"]) sum += std::min(cap, state[key].get<double>());
+  return sum / static_cast<double>(result.json["states"].size());
+}
+
 }  // namespace
+
+std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
+                                              const std::vector<StudyResult>& results,
+                                              const std::string& method, const std::string& level) {
+  Group group;
+  for (const StudyResult& result : results)
+    if (result.job.application == application.name && result.job.method == method &&
+        result.job.mismatch == level && !result.json.is_null())
+      group.push_back(&result.json);
+  return group;
+}
 
 ReportTable summary_table(const StudyApplication& application,
                           const std::vector<StudyResult>& results) {
@@ -174,7 +183,7 @@ ReportTable state_table(const StudyApplication& application,
     for (const std::string& state : state_names(application, results)) {
       table.rows.push_back({state + ", model error: " + level.name});
       for (const runs::Method& method : application.methods) {
-        const Group group = group_of(application, results, method.name, level.name);
+        const Group group = results_of(application, results, method.name, level.name);
         std::vector<std::string> row{method.name};
         for (const StateColumn& column : kShape) row.push_back(cell(group, state, column));
         for (const StateColumn& column : kPose) row.push_back(cell(group, state, column));
@@ -192,6 +201,34 @@ ReportTable control_table(const StudyApplication& application,
   for_each_group(application, results, table, [](const Group& group, auto& row) {
     for (const RunColumn& column : kControl) row.push_back(cell(group, column));
   });
+  return table;
+}
+
+ReportTable errors_table(const StudyApplication& application,
+                         const std::vector<StudyResult>& results, double cap) {
+  ReportTable table{{application.name + ", mean / Hausdorff, mm"}, {}};
+  for (const runs::Mismatch& level : application.levels) table.header.push_back(level.name);
+  bool any = false;
+  for (const runs::Method& method : application.methods) {
+    std::vector<std::string> row{method.name};
+    for (const runs::Mismatch& level : application.levels) {
+      std::vector<double> means, surfaces;
+      for (const StudyResult& result : results) {
+        const StudyJob& job = result.job;
+        if (job.application != application.name || job.method != method.name ||
+            job.mismatch != level.name || !(result.failed || result.json.is_object()))
+          continue;
+        means.push_back(capped_mean(result, "mean_mm", cap));
+        surfaces.push_back(capped_mean(result, "hausdorff_mm", cap));
+      }
+      any = any || !means.empty();
+      row.push_back(means.empty() ? ""
+                                  : common::number(common::median_of(means).value, 2) + " / " +
+                                        common::number(common::median_of(surfaces).value, 2));
+    }
+    table.rows.push_back(row);
+  }
+  if (!any) table.rows.clear();
   return table;
 }
 

@@ -23,6 +23,11 @@ struct ReportTable {
   std::vector<std::vector<std::string>> rows;  // a row of one cell spans the table as a title
 };
 
+/// Results of an application with one method and model error; they differ by their seed alone.
+std::vector<const nlohmann::json*> results_of(const StudyApplication& application,
+                                              const std::vector<StudyResult>& results,
+                                              const std::string& method, const std::string& level);
+
 /// Shape, pose and cost of an application: one row per method, under each level of model error;
 /// errors are means over the states (maxima of maxima), then medians over the seeds with their 95 %
 /// intervals, as in all tables.
@@ -37,10 +42,25 @@ ReportTable state_table(const StudyApplication& application,
 ReportTable control_table(const StudyApplication& application,
                           const std::vector<StudyResult>& results);
 
+/// Shape of a replayed study: one row per method, one column per level; nodes' mean error and the
+/// surfaces' Hausdorff distance, mm, means over the states, then medians over the seeds. `cap`: mm,
+/// the most of any state, and what a failed run counts as. Empty without results.
+ReportTable errors_table(const StudyApplication& application,
+                         const std::vector<StudyResult>& results, double cap);
+
 /// The values of the thesis, without results of ours.
 ReportTable published_table(const StudyApplication& application);
 
 /// One row per job and state, RFC 4180.
 void write_states_csv(const std::vector<StudyResult>& results, std::ostream& out);
+
+/// Summary of a study: one row per method under each level of model error, over all applications
+/// and seeds. Shape errors at the states: medians over runs, with their 95 % intervals; a feature's
+/// errors likewise, and the fractions of runs that came within a distance of the target and stayed.
+/// A failed run counts as not having reached any target.
+ReportTable overview_table(const StudyPlan& plan, const std::vector<StudyResult>& results);
+
+/// One row per run, RFC 4180: its settings, and all its scores.
+void write_runs_csv(const std::vector<StudyResult>& results, std::ostream& out);
 
 }  // namespace palpate::studies

@@ -2,13 +2,12 @@
 text.
 """
 import functools
-import html
 
 from baselines.markdown import seeds_of
-from baselines.page import picture, plot, table
 from baselines.runs import of
 from baselines.statistics import cell, differences, mean_difference, verdict
 from baselines.tuning import words as words_of_tuning
+from page import Markup, element, error_plot, picture, section, table
 
 
 class Part:
@@ -30,7 +29,7 @@ class Part:
         known = about["methods"]
         missing = sorted({run["method"] for run in runs} - set(known))
         if missing:
-            raise SystemExit(f"{title}: no page tells of {', '.join(missing)}")
+            raise SystemExit(f"{title}: no page describes {', '.join(missing)}")
         self.methods = [method for method in known if of(runs, method=method)]
         self.baselines = [base for base in baselines if of(runs, method=base[0])]
         self.published = [m for m in self.methods if known[m]["row"] != "ours"]
@@ -79,14 +78,14 @@ class Part:
                         somewhere.update(dict.fromkeys(names))
                         if names:
                             parts.append(f"by {name} {word}: {'; '.join(names)}")
-                lines.append(f"{level}, {len(here)} methods beside {own}, {words}: " +
+                lines.append(f"{level}, {len(here)} methods compared with {own}, {words}: " +
                              (" - ".join(parts) if parts else "none wins or ties") + ".")
         only_ties = [method for method in ties if method not in wins]
         on_tasks = self.on_single_tasks(wins)
         return [f"{self.title}: {len(wins) + len(only_ties)} of {len(self.published)} other methods win or "
-                "tie with one of palpate's own by some measure, at some level of sight, in the mean of all "
+                "tie with one of palpate's own by some measure, at some level of vision, in the mean of all "
                 f"tasks. Win somewhere: {'; '.join(wins) or 'none'}. "
-                f"Only tie: {'; '.join(only_ties) or 'none'}. Beside these win on a single task: " +
+                f"Only tie: {'; '.join(only_ties) or 'none'}. In addition, these win on a single task: " +
                 ("; ".join(f"{m} ({', '.join(where)})" for m, where in on_tasks.items()) or "none") +
                 "."] + lines
 
@@ -113,16 +112,16 @@ class Part:
                 rows[row["method"]][row["level"]] = " / ".join(row["verdicts"])
             levels = [level for level in self.levels if any(level in row for row in rows.values())]
             measures = " / ".join(name for _, name, *_ in self.measures)
-            out.append(f"<p>Beside <b>{html.escape(own)}</b>, {html.escape(words)}; {measures}:</p>")
+            out.append(Markup("<p>Compared with <b>{}</b>, {}; {}:</p>").format(own, words, measures))
             out.append(table(["method"] + levels,
                              [[method] + [row.get(level, "") for level in levels]
                               for method, row in rows.items()]))
-        return "".join(out)
+        return Markup("").join(out)
 
     def comparison_tables(self):
         out = []
         for own, at, words in self.baselines:
-            header = ["sight", "method"]
+            header = ["vision", "method"]
             for _, name, unit, _ in self.measures:
                 header += [f"{name}, {unit}, minus that of {own}, {words}", "method is"]
             rows = []
@@ -133,7 +132,7 @@ class Part:
                 rows.append(cells + [f"{row['runs']} on {row['tasks']}", row["seeds"]])
             if rows:
                 out.append(table(header + ["runs, tasks", "seeds"], rows))
-        return "".join(out)
+        return Markup("").join(out)
 
     def row(self, runs):
         return [function(runs) for _, function in self.columns] + [
@@ -144,38 +143,41 @@ class Part:
         return [title for title, _ in self.columns] + ["seeds"]
 
     def task(self, application):
-        out = [f'<section class="page"><h2>{html.escape(application)}</h2>']
+        out = [element("h2", application)]
         for level in self.levels:
             here = of(self.runs, application=application, level=level)
             methods = [method for method in self.methods if of(here, method=method)]
             if not here:
                 continue
-            out.append(f"<h3>{html.escape(level)}</h3>")
+            out.append(element("h3", level))
             out.append(table(["method"] + self.header(),
                              [[m] + self.row(of(here, method=m)) for m in methods]))
             seed = min(run["seed"] for run in here)
-            out.append(plot([(m, run["curve"]) for m in methods
-                             for run in of(here, method=m, seed=seed)]))
-        return "".join(out) + "</section>"
+            out.append(error_plot([(m, run["curve"]) for m in methods
+                                   for run in of(here, method=m, seed=seed)]))
+        return section(*out)
 
     def method_page(self, method):
         about = self.about["methods"][method]
         facts = [(key, about[key]) for key in ("row", "cites", "source", "consumes", "keeps",
                                                "leaves out", "note") if key in about]
         settings = "; ".join(self.settings.get(method, []))
-        out = [f'<section class="page"><h2>{html.escape(method)}</h2>',
+        out = [element("h2", method),
                table(["", ""], facts + [("tuned by", words_of_tuning(method, self.trials))] +
                      ([("settings", settings)] if settings else []))]
         here = of(self.runs, method=method)
         groups = dict.fromkeys((run["application"], level) for run in here for level in self.levels)
         rows = [[application, level] + self.row(runs) for application, level in groups
                 if (runs := of(here, application=application, level=level))]
-        out.append(table(["task", "sight"] + self.header(), rows))
+        out.append(table(["task", "vision"] + self.header(), rows))
         seed = min(run["seed"] for run in here)
         shown = of(here, level="noisy vision", seed=seed) or of(here, seed=seed)
-        out.append(plot([(f"{run['application']}, {run['level']}", run["curve"]) for run in shown]))
-        out.append("".join(picture(run) for run in shown))
-        return "".join(out) + "</section>"
+        out.append(error_plot([(f"{run['application']}, {run['level']}", run["curve"])
+                               for run in shown]))
+        for run in shown:  # the last state for which there is an image
+            for file in sorted(run["folder"].glob("state_*.png"))[-1:]:
+                out.append(picture(file, f"{run['application']}, {run['level']}", 360))
+        return section(*out)
 
     def no_score(self):
         return table(["row", "work", "why it has no score"],
@@ -196,11 +198,11 @@ class Part:
                 seeds = sorted(set().union(*by_method.values()))
                 fewer = [f"{m} {sorted(s)}" for m, s in by_method.items() if sorted(s) != seeds]
                 rows.append([application, level, ", ".join(map(str, seeds)), "; ".join(fewer)])
-        return table(["task", "sight", "seeds", "methods with fewer"], rows)
+        return table(["task", "vision", "seeds", "methods with fewer"], rows)
 
     def body(self):
-        out = [f'<section class="page"><h2>{html.escape(self.title)}: differences</h2>']
-        out += [self.comparison_tables(), self.no_score(), self.seeds(), "</section>"]
+        out = [section(element("h2", f"{self.title}: differences"), self.comparison_tables(),
+                       self.no_score(), self.seeds())]
         out += [self.task(a) for a in dict.fromkeys(run["application"] for run in self.runs)]
         out += [self.method_page(method) for method in self.methods]
-        return "".join(out)
+        return Markup("").join(out)

@@ -6,8 +6,18 @@ folder, failed, curve ({"time_s": [...], "mm": [...]} or empty) and the measures
 import csv
 import json
 import statistics
+import sys
 
+# Methods by the names that results and random draws of earlier versions have for them.
+RENAMED = {"palpate, pose, wrench and sight": "palpate, pose, wrench and vision"}
 BANDS = ("5mm", "2mm", "1mm")
+
+
+def current_name(method, file):
+    """Name of a method today; warns where a file has an earlier one."""
+    if method in RENAMED:
+        print(f"warning: {file}: method \"{method}\" is called \"{RENAMED[method]}\" now", file=sys.stderr)
+    return RENAMED.get(method, method)
 
 
 def of(runs, **wanted):
@@ -29,8 +39,8 @@ def version_of(folder, name):
 
 def common(result, folder, version):
     job = result["job"]
-    return {"application": job["application"], "method": job["method"], "seed": job["seed"],
-            "level": job["model_error"], "version": result.get("version", version),
+    return {"application": job["application"], "method": current_name(job["method"], folder),
+            "seed": job["seed"], "level": job["model_error"], "version": result.get("version", version),
             "hash": result["inputs_hash"], "folder": folder, "failed": False}
 
 
@@ -40,7 +50,8 @@ def failures_in(folder):
         with open(file, newline="", encoding="utf-8") as text:
             for row in csv.DictReader(text):
                 if row.get("outcome") == "failed":
-                    yield (row["application"], row["method"], row["model_error"], int(row["seed"]))
+                    yield (row["application"], current_name(row["method"], file), row["model_error"],
+                       int(row["seed"]))
 
 
 def with_failures(folder, runs, fill):

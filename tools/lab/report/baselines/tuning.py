@@ -1,6 +1,8 @@
 """Results of the random search: number of trials of each method, and the selected trial."""
 import csv
 
+from baselines.runs import current_name
+
 
 def read_trials(file):
     """By method: trials, best (number), score, seed, version. Empty if no results were kept."""
@@ -9,11 +11,11 @@ def read_trials(file):
         return found
     with open(file, newline="", encoding="utf-8") as text:
         for row in csv.DictReader(text):
-            told = found.setdefault(row["method"], {"trials": 0, "score": float("inf")})
-            told["trials"] += 1
-            if float(row["score"]) < told["score"]:
-                told.update(best=int(row["trial"]), score=float(row["score"]), seed=row["seed"],
-                            version=row["version"])
+            entry = found.setdefault(current_name(row["method"], file), {"trials": 0, "score": float("inf")})
+            entry["trials"] += 1
+            if float(row["score"]) < entry["score"]:
+                entry.update(best=int(row["trial"]), score=float(row["score"]), seed=row["seed"],
+                             version=row["version"])
     return found
 
 
@@ -21,7 +23,7 @@ def words(method, trials):
     """"10 trials at random, the best #3 with 1.87"."""
     if method not in trials:
         return "none: nothing to tune, or trained"
-    told = trials[method]
-    if told["trials"] == 1:
+    entry = trials[method]
+    if entry["trials"] == 1:
         return "1 trial: nothing to tune"
-    return f"{told['trials']} trials at random, the best #{told['best']} with {told['score']:.2f}"
+    return f"{entry['trials']} trials at random, the best #{entry['best']} with {entry['score']:.2f}"

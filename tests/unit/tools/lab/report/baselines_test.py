@@ -12,7 +12,7 @@ import re
 import sys
 import tempfile
 import unittest
-from contextlib import redirect_stdout
+from contextlib import redirect_stderr, redirect_stdout
 
 sys.dont_write_bytecode = True
 HERE = pathlib.Path(os.environ["PALPATE_SOURCE_DIR"]) / "tools/lab/report"
@@ -90,7 +90,7 @@ class Report(unittest.TestCase):
             self.assertIn(f"<h2>{method}</h2>", html)
         self.assertIn("<td>ahead / behind</td>", html)
         self.assertIn("+12.98", html)  # a run that never settles is behind by the cap
-        self.assertIn("<polyline", html)
+        self.assertIn("data:image/svg+xml", html)
 
     def test_who_wins_on_one_task_alone_is_named_with_it_and_rows_name_their_seeds(self):
         for seed in (1, 2):
@@ -142,6 +142,14 @@ class Report(unittest.TestCase):
         with self.assertRaises(SystemExit) as end:
             report_baselines.main()
         self.assertIn("neither control/ nor sensing/", str(end.exception))
+
+    def test_a_method_keeps_its_results_when_it_is_renamed(self):
+        (before, now), = baseline_runs.RENAMED.items()
+        self.put("sensing", sensing_result(before, 1, 1.0))
+        with redirect_stderr(io.StringIO()) as warned:
+            runs = baseline_runs.sensing_runs(self.path / "sensing")
+        self.assertEqual([run["method"] for run in runs], [now])
+        self.assertIn(f'method "{before}" is called "{now}" now', warned.getvalue())
 
     def test_a_method_without_a_page_is_refused(self):
         self.put("control", control_result("unheard of", "blind", 1, 2, 1))

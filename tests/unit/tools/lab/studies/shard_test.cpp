@@ -5,6 +5,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "tools/lab/studies/study_scheduler.hpp"
+
 namespace palpate::studies {
 namespace {
 

@@ -7,9 +7,7 @@
 
 #include "sim/draw/image.hpp"
 #include "tests/unit/tools/lab/studies/study_folder.hpp"
-#include "tools/lab/studies/html.hpp"
 #include "tools/lab/studies/study_host.hpp"
-#include "tools/lab/studies/study_overview.hpp"
 
 namespace palpate::studies {
 namespace {
@@ -38,7 +36,13 @@ StudyResult result(const std::string& application, const std::string& method, in
   result.job.method = method;
   result.job.mismatch = "none";
   result.job.seed = seed;
-  result.json = {{"states", states},
+  result.json = {{"job",
+                  {{"name", result.job.name},
+                   {"application", application},
+                   {"method", method},
+                   {"model_error", "none"},
+                   {"seed", seed}}},
+                 {"states", states},
                  {"score", {{"feature", {{"error_mm", 3.0}, {"time_to_5mm_s", nullptr}}}}}};
   return result;
 }
@@ -145,18 +149,16 @@ TEST(StudyOverview, ALineARunOfWhatItScored) {
   EXPECT_THAT(csv, HasSubstr(",second,none,1,failed," PALPATE_VERSION ",,,\r\n"));
 }
 
-TEST(StudyPage, NoTextIsMarkup) {
-  const std::string page = study_page(canned());
-  EXPECT_THAT(page, Not(HasSubstr("<script>")));
-  EXPECT_THAT(page, Not(HasSubstr("<b>")));
-  EXPECT_THAT(page, Not(HasSubstr("<Fig")));
-  EXPECT_THAT(page, HasSubstr("a &lt;script&gt;&quot;b&quot; &amp; &#39;c&#39;, d"));
-  EXPECT_THAT(page, HasSubstr("&lt;b&gt;what happened"));
-}
-
-TEST(StudyPage, UnreadableValuesAreNotAvailable) {
-  const std::string page = study_page(canned());
-  EXPECT_THAT(page, HasSubstr("<td>error of &lt;Fig. 4.15&gt;</td><td>not available</td>"));
+TEST(StudyTables, AFailedReplayCountsAtTheCapWhichIsTheMostOfAny) {
+  StudyReport report = canned();
+  for (StudyResult& result : report.results)
+    for (json& state : result.json["states"]) state["hausdorff_mm"] = 100;
+  report.results[2] = {report.results[2].job, {}, true};
+  const ReportTable table = errors_table(report.plan.applications[0], report.results, 42);
+  ASSERT_EQ(table.rows.size(), 2u);
+  EXPECT_EQ(table.rows[0], (std::vector<std::string>{"first", "3.00 / 42.00"}));
+  EXPECT_EQ(table.rows[1], (std::vector<std::string>{"second", "42.00 / 42.00"}));
+  EXPECT_TRUE(errors_table(report.plan.applications[0], {}, 42).rows.empty());
 }
 
 TEST(StudyPage, NeedsNoOtherFile) {
@@ -164,18 +166,38 @@ TEST(StudyPage, NeedsNoOtherFile) {
   StudyReport report = canned();
   report.folder = folder.file("out");
   std::filesystem::create_directories(report.folder / "job_1");
-  EXPECT_THAT(study_page(report), HasSubstr("no picture"));
   draw::write_png(report.folder / "job_1/state.png", draw::Image(2, 2));
   write_study(report);
+  EXPECT_THAT(make_page(report, PALPATE_SOURCE_DIR),
+              HasSubstr("report.html, runs.csv, states.csv"));
   const std::string page = folder.read("out/report.html");
   EXPECT_THAT(page, HasSubstr("src=\"data:image/png;base64,iVBORw0KGgo"));
   EXPECT_THAT(page, Not(HasSubstr("src=\"job_1")));
   EXPECT_THAT(page, HasSubstr("octree resolution 10.0 mm"));
+  EXPECT_THAT(page, HasSubstr("3.00 (2.00 to 4.00)"));
+  EXPECT_THAT(page, Not(HasSubstr("<script>")));
+  EXPECT_THAT(page, HasSubstr("a &lt;script&gt;&#34;b&#34; &amp; &#39;c&#39;, d"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/report_study.txt")));
+}
+
+TEST(StudyPage, WithoutItTheNumbersAreComplete) {
+  StudyFolder folder;
+  StudyReport report = canned();
+  report.folder = folder.file("out");
+  folder.write("out/report.html", "of an earlier run");
+  write_study(report);
+  const std::string said = make_page(report, folder.file("no programs here"));
+  EXPECT_THAT(said, HasSubstr("no report.html: "));
+  EXPECT_THAT(said, HasSubstr("report_study"));
+  EXPECT_THAT(said, HasSubstr("runs.csv, states.csv and thesis.json are complete"));
+  EXPECT_FALSE(std::filesystem::exists(folder.file("out/report.html")));
   const json written = json::parse(folder.read("out/thesis.json"));
   EXPECT_EQ(written["runs"].size(), 2u);
   EXPECT_EQ(written["published"][0]["value"], "not available");
   EXPECT_EQ(written["failures"].size(), 1u);
   EXPECT_GT(written["host"]["cores"].get<int>(), 0);
+  ASSERT_EQ(written["applications"].size(), 1u);
+  EXPECT_EQ(written["applications"][0]["tables"][1]["title"], "Control");
 }
 
 }  // namespace
