@@ -59,6 +59,9 @@ def cpp(rows: list[dict[str, str]]) -> str:
     for row in rows:
         lines.append(f"/// {row['content']}.")
         lines.append(f'inline constexpr const char* {constant(row["channel"])} = "{row["channel"]}";')
+        for number in {"": (), "arm": (1,), "finger": range(5)}[row["number"]]:
+            name = f"{row['channel']}_{number}"
+            lines.append(f'inline constexpr const char* {constant(name)} = "{name}";')
     lines += ["", "/// Every channel, without the numbers of arms and fingers.", "inline constexpr Channel kAll[] = {"]
     for row in rows:
         bus = "k" + row["bus"].capitalize()
@@ -72,9 +75,6 @@ def cpp(rows: list[dict[str, str]]) -> str:
         "/// Name of a channel for arm 0 or arm 1, which ends in _1.",
         "inline std::string of_arm(std::string_view name, int arm) {",
         '  return arm == 0 ? std::string(name) : std::string(name) + "_" + std::to_string(arm);', "}", "",
-        "/// Name of a channel for a finger, 0 to 4.",
-        "inline std::string of_finger(std::string_view name, int finger) {",
-        '  return std::string(name) + "_" + std::to_string(finger);', "}", "",
         "/// Entry of a channel's name, with or without a number; nullptr for a foreign channel.",
         "inline const Channel* find(std::string_view name) {",
         "  std::string_view stem = name;",

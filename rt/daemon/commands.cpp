@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cstdio>
 #include <cstring>
+#include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
 
@@ -38,12 +39,12 @@ char* append_hexadecimal(char* at, char* end, std::int64_t number) noexcept {
 
 Commands::Commands(bus::MessageBus& control, bus::MessageBus& housekeeping, std::int64_t session,
                    const bus::Access& access)
-    : commands_(control, "COMPONENT_COMMAND", 8),
-      targets_(control, "SHAPE_TARGET", 2 * TargetAssembly::kMostChunks),
-      command_admission_("COMPONENT_COMMAND", access),
-      target_admission_("SHAPE_TARGET", access),
+    : commands_(control, channel::kComponentCommand, 8),
+      targets_(control, channel::kShapeTarget, 2 * TargetAssembly::kMostChunks),
+      command_admission_(channel::kComponentCommand, access),
+      target_admission_(channel::kShapeTarget, access),
       stamp_(session),
-      events_(housekeeping, "COMPONENT_EVENT", bus::Urgency::kLater) {}
+      events_(housekeeping, channel::kComponentEvent, bus::Urgency::kLater) {}
 
 void Commands::handle(pipeline::Pipeline& pipeline, Replacing& replacing, std::int64_t cycle,
                       std::int64_t utime) noexcept {

@@ -1,6 +1,7 @@
 #include "rt/daemon/health.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
 
@@ -37,8 +38,8 @@ Health::Health(const bus::MessageBus& control, bus::MessageBus& housekeeping, st
       housekeeping_(housekeeping),
       health_stamp_(session),
       config_stamp_(session),
-      health_(housekeeping, "HEALTH", bus::Urgency::kLater),
-      config_(housekeeping, "CONFIG", bus::Urgency::kLater) {
+      health_(housekeeping, channel::kHealth, bus::Urgency::kLater),
+      config_(housekeeping, channel::kConfig, bus::Urgency::kLater) {
   bus::put_text(config_message_.version, PALPATE_VERSION);
   describe(configuration_hash, mesh_hash);
 }

@@ -1,6 +1,7 @@
 #include "rt/daemon/inputs.hpp"
 
 #include <cmath>
+#include <palpate/channels.hpp>
 
 namespace palpate::daemon {
 namespace {
@@ -8,13 +9,13 @@ namespace {
 // Per channel; bounds the work per cycle under a message flood.
 constexpr int kMostPerCycle = 64;
 
-constexpr std::array<const char*, 5> kBiotacChannels = {"BIOTAC_0", "BIOTAC_1", "BIOTAC_2",
-                                                        "BIOTAC_3", "BIOTAC_4"};
+constexpr std::array<const char*, 5> kBiotacChannels = {
+    channel::kBiotac0, channel::kBiotac1, channel::kBiotac2, channel::kBiotac3, channel::kBiotac4};
 
 /// By arm: force-torque, IMU, robot, hand.
 constexpr std::array<std::array<const char*, 4>, 2> kArmChannels = {
-    {{"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"},
-     {"FT_WRENCH_1", "IMU_1", "ROBOT_STATE_1", "HAND_STATE_1"}}};
+    {{channel::kFtWrench, channel::kImu, channel::kRobotState, channel::kHandState},
+     {channel::kFtWrench1, channel::kImu1, channel::kRobotState1, channel::kHandState1}}};
 
 /// Larger than any force, speed and length of a robot cell in SI units, hence not a measurement.
 /// Larger finite numbers would overflow when squared.
@@ -159,9 +160,9 @@ Inputs::Inputs(bus::MessageBus& control, int arms, const FrozenAfter& frozen_aft
     : first_(control, kArmChannels[0], frozen_after),
       second_(arms > 1 ? std::make_unique<ArmChannels>(control, kArmChannels[1], frozen_after)
                        : nullptr),
-      manual_(control, "MANUAL_FORCE", 8),
-      manual_admission_("MANUAL_FORCE", access),
-      observation_(control, "SHAPE_OBSERVATION", 4) {
+      manual_(control, channel::kManualForce, 8),
+      manual_admission_(channel::kManualForce, access),
+      observation_(control, channel::kShapeObservation, 4) {
   observation_.lock_to_first_publisher();
   for (std::size_t i = 0; i < biotac_.size(); ++i) {
     biotac_[i] =

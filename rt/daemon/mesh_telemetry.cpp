@@ -1,6 +1,7 @@
 #include "rt/daemon/mesh_telemetry.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 namespace palpate::daemon {
 namespace {
@@ -20,8 +21,8 @@ std::int32_t shape_status(elasticity::StepStatus status) noexcept {
 }  // namespace
 
 MeshTelemetry::MeshTelemetry(bus::MessageBus& housekeeping, const registry::Object& object)
-    : shape_(housekeeping, "SHAPE", bus::Urgency::kLater),
-      mesh_publisher_(housekeeping, "SHAPE_MESH", bus::Urgency::kLater) {
+    : shape_(housekeeping, channel::kShape, bus::Urgency::kLater),
+      mesh_publisher_(housekeeping, channel::kShapeMesh, bus::Urgency::kLater) {
   shape_message_.mesh_hash = object.hash;
   shape_message_.node_count = object.corners.node_count();
   shape_message_.xyz_count = 3 * shape_message_.node_count;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <atomic>
+#include <palpate/channels.hpp>
 #include <palpate/sim_tick_t.hpp>
 #include <palpate/tick_done_t.hpp>
 
@@ -14,7 +15,9 @@ namespace palpate::daemon {
 class SteppedClock {
  public:
   SteppedClock(bus::MessageBus& control, std::int64_t session)
-      : ticks_(control, "SIM_TICK", 8), done_(control, "TICK_DONE"), stamp_(session) {}
+      : ticks_(control, channel::kSimTick, 8),
+        done_(control, channel::kTickDone),
+        stamp_(session) {}
 
   /// Executes received ticks; false if there were none.
   bool run_pending(Daemon& daemon) noexcept {

@@ -1,6 +1,7 @@
 #include "rt/daemon/telemetry.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
 
@@ -8,7 +9,7 @@ namespace palpate::daemon {
 namespace {
 
 constexpr double kNotEstimated = -1;
-constexpr const char* kCommandChannels[] = {"TWIST_COMMAND", "TWIST_COMMAND_1"};
+constexpr const char* kCommandChannels[] = {channel::kTwistCommand, channel::kTwistCommand1};
 
 void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 6, out); }
 
@@ -35,16 +36,16 @@ Telemetry::Telemetry(bus::MessageBus& control, bus::MessageBus& housekeeping,
       feature_stamp_(session),
       shape_stamp_(session),
       mesh_stamp_(session),
-      contacts_(control, "CONTACTS", bus::Urgency::kLater),
-      unknown_(control, "UNKNOWN_CONTACT", bus::Urgency::kLater),
-      estimate_(control, "ESTIMATE", bus::Urgency::kLater),
-      feature_(control, "FEATURE", bus::Urgency::kLater),
+      contacts_(control, channel::kContacts, bus::Urgency::kLater),
+      unknown_(control, channel::kUnknownContact, bus::Urgency::kLater),
+      estimate_(control, channel::kEstimate, bus::Urgency::kLater),
+      feature_(control, channel::kFeature, bus::Urgency::kLater),
       mesh_(std::make_unique<MeshTelemetry>(housekeeping, pipeline.object())) {
   for (int arm = 0; arm < pipeline.arm_count(); ++arm)
     commands_.emplace_back(control, kCommandChannels[arm], session, access);
   if (const int count = pipeline.joint_count()) {
-    joints_ = std::make_unique<Command<joint_velocity_command_t>>(control, "JOINT_VELOCITY_COMMAND",
-                                                                  session, access);
+    joints_ = std::make_unique<Command<joint_velocity_command_t>>(
+        control, channel::kJointVelocityCommand, session, access);
     joints_->message.joint_count = count;
   }
   unknown_message_.force_deviation = kNotEstimated;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 namespace palpate::scenes {
@@ -154,7 +155,7 @@ CameraPublisher::CameraPublisher(bus::MessageBus& control, const Scene& scene,
       scenery_(scene, arms),
       camera_(*scene.camera, kMostPoints),
       start_utime_(start_utime),
-      publisher_(control, "SHAPE_OBSERVATION"),
+      publisher_(control, channel::kShapeObservation),
       stamp_(session) {}
 
 bool CameraPublisher::is_occluded(std::int64_t now_us) const {

@@ -1,6 +1,8 @@
 #include "sim/scenes/command_receiver.hpp"
 
-#include "sim/scenes/channels.hpp"
+#include <palpate/channels.hpp>
+
+#include <palpate/channels.hpp>
 
 namespace palpate::scenes {
 namespace {
@@ -10,12 +12,12 @@ constexpr int kDepth = 64;
 CommandReceiver::CommandReceiver(bus::MessageBus& control, int arm,
                                  const std::optional<bus::Key>& key)
     : arm_(arm),
-      twists_(control, channel_of("TWIST_COMMAND", arm), kDepth),
-      joints_(control, channel_of("JOINT_VELOCITY_COMMAND", arm), kDepth),
-      hands_(control, channel_of("HAND_COMMAND", arm), kDepth),
-      twist_admission_(channel_of("TWIST_COMMAND", arm), {key, 0}),
-      joint_admission_(channel_of("JOINT_VELOCITY_COMMAND", arm), {key, 0}),
-      hand_admission_(channel_of("HAND_COMMAND", arm), {key, 0}) {}
+      twists_(control, channel::of_arm(channel::kTwistCommand, arm), kDepth),
+      joints_(control, channel::of_arm(channel::kJointVelocityCommand, arm), kDepth),
+      hands_(control, channel::of_arm(channel::kHandCommand, arm), kDepth),
+      twist_admission_(channel::of_arm(channel::kTwistCommand, arm), {key, 0}),
+      joint_admission_(channel::of_arm(channel::kJointVelocityCommand, arm), {key, 0}),
+      hand_admission_(channel::of_arm(channel::kHandCommand, arm), {key, 0}) {}
 
 void CommandReceiver::begin(std::int64_t start_us) {
   for (bus::ReplayGuard* admission : {&twist_admission_, &joint_admission_, &hand_admission_})

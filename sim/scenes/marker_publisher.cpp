@@ -1,6 +1,7 @@
 #include "sim/scenes/marker_publisher.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 namespace palpate::scenes {
 namespace {
@@ -18,7 +19,7 @@ MarkerPublisher::MarkerPublisher(bus::MessageBus& control, const Scene& scene,
       channel_(options_.timing, math::Random(scene.seed, "markers")),
       noise_(scene.seed, "marker noise"),
       start_utime_(start_utime),
-      publisher_(control, "SHAPE_OBSERVATION"),
+      publisher_(control, channel::kShapeObservation),
       stamp_(session) {
   for (const Eigen::Vector3d& point : options_.rest_points) markers_.push_back(plant.locate(point));
 }

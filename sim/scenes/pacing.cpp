@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <palpate/channels.hpp>
 
 namespace palpate::scenes {
 namespace {
@@ -22,8 +23,8 @@ constexpr std::chrono::milliseconds kRepeat{5};
 
 LockStep::LockStep(bus::MessageBus& control, std::int64_t session, double patience)
     : control_(control),
-      ticks_(control, "SIM_TICK"),
-      done_(control, "TICK_DONE", 64),
+      ticks_(control, channel::kSimTick),
+      done_(control, channel::kTickDone, 64),
       stamp_(session),
       patience_(
           std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(patience))) {}

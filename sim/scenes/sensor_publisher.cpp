@@ -2,24 +2,25 @@
 
 #include <algorithm>
 #include <iterator>
+#include <palpate/channels.hpp>
 
-#include "sim/scenes/channels.hpp"
+#include <palpate/channels.hpp>
 
 namespace palpate::scenes {
 
 SensorPublisher::SensorPublisher(bus::MessageBus& control, std::int64_t session,
                                  std::int64_t start_utime, int arm)
     : start_utime_(start_utime),
-      ft_(control, channel_of("FT_WRENCH", arm)),
-      imu_(control, channel_of("IMU", arm)),
-      robot_(control, channel_of("ROBOT_STATE", arm)),
-      hand_(control, channel_of("HAND_STATE", arm)),
+      ft_(control, channel::of_arm(channel::kFtWrench, arm)),
+      imu_(control, channel::of_arm(channel::kImu, arm)),
+      robot_(control, channel::of_arm(channel::kRobotState, arm)),
+      hand_(control, channel::of_arm(channel::kHandState, arm)),
       ft_stamp_(session),
       imu_stamp_(session),
       robot_stamp_(session),
       hand_stamp_(session) {
   for (int i = 0; i < sensors::kMostFingertips; ++i) {
-    biotacs_.emplace_back(control, channel_of("BIOTAC_" + std::to_string(i), arm));
+    biotacs_.emplace_back(control, channel::of_arm("BIOTAC_" + std::to_string(i), arm));
     biotac_stamps_.emplace_back(session);
   }
 }

@@ -1,6 +1,7 @@
 #include "sim/scenes/truth_publisher.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 #include "core/math/fnv1a.hpp"
 
@@ -82,10 +83,10 @@ std::vector<shape_mesh_t> mesh_chunks(const object::Plant& plant) {
 
 TruthPublisher::TruthPublisher(bus::MessageBus& housekeeping, const object::Plant& plant,
                                std::int64_t session)
-    : shapes_(housekeeping, "TRUTH_SHAPE"),
-      contacts_(housekeeping, "TRUTH_CONTACT"),
-      touches_(housekeeping, "TRUTH_TOUCH"),
-      meshes_(housekeeping, "TRUTH_MESH"),
+    : shapes_(housekeeping, channel::kTruthShape),
+      contacts_(housekeeping, channel::kTruthContact),
+      touches_(housekeeping, channel::kTruthTouch),
+      meshes_(housekeeping, channel::kTruthMesh),
       shape_stamp_(session),
       contact_stamp_(session),
       touch_stamp_(session),

@@ -7,6 +7,7 @@
 #include <iomanip>
 #include <iterator>
 #include <palpate/biotac_t.hpp>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <sstream>
 #include <stdexcept>
@@ -112,13 +113,13 @@ class LogCollection : public CollectionFile {
   void add(const Trial& trial, const std::vector<Sample>& samples) override {
     component_event_t mark = log::trial_event(trial.number, name_of(trial));
     mark_stamp_.put(mark, start_us_);
-    write("COMPONENT_EVENT", mark);
+    write(channel::kComponentEvent, mark);
     for (const Sample& sample : samples) {
       const std::int64_t utime = start_us_ + sample.time_us;
       ft_wrench_t wrench{};
       wrench_stamp_.put(wrench, utime);
       std::copy(sample.wrench.begin(), sample.wrench.end(), wrench.wrench);
-      write("FT_WRENCH", wrench);
+      write(channel::kFtWrench, wrench);
       biotac_t touch{};
       biotac_stamp_.put(touch, utime);
       touch.valid = biotac_t::VALID_ELECTRODES | biotac_t::VALID_PAC | biotac_t::VALID_PDC |
@@ -130,7 +131,7 @@ class LogCollection : public CollectionFile {
       touch.pdc = b.pdc;
       touch.tac = b.tac;
       touch.tdc = b.tdc;
-      write("BIOTAC_0", touch);
+      write(channel::kBiotac0, touch);
     }
     start_us_ += static_cast<std::int64_t>(1e6 * (kTrialTime + kApart));
     ++trials_;

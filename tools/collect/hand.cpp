@@ -1,6 +1,7 @@
 #include "tools/collect/hand.hpp"
 
 #include <palpate/biotac_t.hpp>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_command_t.hpp>
 
@@ -31,9 +32,9 @@ class Hand {
       : bus_(bus),
         channel_("BIOTAC_" + std::to_string(finger)),
         touches_(bus, channel_, 64),
-        wrenches_(bus, "FT_WRENCH", 512),
-        commands_(bus, "HAND_COMMAND"),
-        sealer_("HAND_COMMAND", {key, bus::wall_clock_us()}),
+        wrenches_(bus, channel::kFtWrench, 512),
+        commands_(bus, channel::kHandCommand),
+        sealer_(channel::kHandCommand, {key, bus::wall_clock_us()}),
         log_(log) {
     bus.start_without_thread();
   }
@@ -44,7 +45,7 @@ class Hand {
   void mark(int trial, const std::string& name) {
     component_event_t event = log::trial_event(trial, name);
     marks_.put(event, now_us<std::chrono::system_clock>());
-    log_.write("COMPONENT_EVENT", event.utime, event);
+    log_.write(channel::kComponentEvent, event.utime, event);
   }
 
   /// Requests an action for this long, while recording.
@@ -84,7 +85,7 @@ class Hand {
     }
     ft_wrench_t wrench{};
     while (wrenches_.take(wrench, arrival)) {
-      log_.write("FT_WRENCH", now_us<std::chrono::system_clock>(), wrench);
+      log_.write(channel::kFtWrench, now_us<std::chrono::system_clock>(), wrench);
       ++count_.wrenches;
     }
   }

@@ -5,6 +5,7 @@
 #include <cstdio>
 #include <numeric>
 #include <optional>
+#include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/feature_t.hpp>
@@ -71,12 +72,12 @@ Conversation::Conversation(bus::MessageBus& control, bus::MessageBus& housekeepi
                            const bus::Access& access)
     : control_(control),
       housekeeping_(housekeeping),
-      features_(control, "FEATURE", 64),
-      events_(housekeeping, "COMPONENT_EVENT", 64),
-      commands_(control, "COMPONENT_COMMAND"),
-      targets_(control, "SHAPE_TARGET"),
-      command_sealer_("COMPONENT_COMMAND", access),
-      target_sealer_("SHAPE_TARGET", access),
+      features_(control, channel::kFeature, 64),
+      events_(housekeeping, channel::kComponentEvent, 64),
+      commands_(control, channel::kComponentCommand),
+      targets_(control, channel::kShapeTarget),
+      command_sealer_(channel::kComponentCommand, access),
+      target_sealer_(channel::kShapeTarget, access),
       command_stamp_(bus::random_session()),
       target_stamp_(bus::random_session()) {
   housekeeping_.start_without_thread();

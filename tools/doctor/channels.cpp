@@ -2,6 +2,7 @@
 #include <cmath>
 #include <iomanip>
 #include <map>
+#include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
 
 #include "rt/bus/text.hpp"
@@ -65,7 +66,8 @@ void start_it(Line& control) {
   start.session = 2;
   bus::put_text(start.event, "start");
   const auto operator_bus = bus::make_memory_bus(control.hub);
-  bus::TypedPublisher<component_command_t>(*operator_bus, "COMPONENT_COMMAND").publish(start);
+  bus::TypedPublisher<component_command_t>(*operator_bus, channel::kComponentCommand)
+      .publish(start);
 }
 
 }  // namespace

@@ -1,3 +1,4 @@
+#include <palpate/channels.hpp>
 #include <set>
 
 #include "rt/bus/message_bus.hpp"
@@ -43,7 +44,7 @@ Finding check_daemons(const Needs& needs, double seconds) {
   record::Listener listener(
       {{"housekeeping", needs.housekeeping}}, [&](const record::Heard& heard) {
         const record::MessageType* type = record::type_of(heard.data, heard.size);
-        if (heard.channel == "HEALTH" && type != nullptr && type->name == "health_t" &&
+        if (heard.channel == channel::kHealth && type != nullptr && type->name == "health_t" &&
             type->fits(heard.data, heard.size) && sessions.size() < 100)
           sessions.insert(record::header_of(heard.data).session);
       });

@@ -1,11 +1,13 @@
+#include <palpate/channels.hpp>
+
 #include "command_input.hpp"
 
 namespace palpate::driver {
 
 CommandInput::CommandInput(bus::MessageBus& control, int joint_count, const bus::Access& access)
     : joint_count_(joint_count),
-      twists_(control, "TWIST_COMMAND", access),
-      joints_(control, "JOINT_VELOCITY_COMMAND", access) {
+      twists_(control, channel::kTwistCommand, access),
+      joints_(control, channel::kJointVelocityCommand, access) {
   command_.dq.setZero(joint_count);
 }
 

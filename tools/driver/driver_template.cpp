@@ -5,6 +5,7 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <thread>
@@ -40,7 +41,9 @@ struct Options {
 class Telemetry {
  public:
   Telemetry(bus::MessageBus& control, const SerialChain& chain)
-      : chain_(chain), states_(control, "ROBOT_STATE"), wrenches_(control, "FT_WRENCH") {
+      : chain_(chain),
+        states_(control, channel::kRobotState),
+        wrenches_(control, channel::kFtWrench) {
     state_.joint_count = chain.joint_count();
   }
 

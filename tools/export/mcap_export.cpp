@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iostream>
 #include <map>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 #include "rt/bus/checked_decode.hpp"
@@ -30,7 +31,7 @@ class Exporter {
     for (const ChannelSurvey& channel : source.found().channels)
       if (source.is_selected(channel)) add_channel(channel);
     const bool wants_scene = options.scene_rate > 0 && ShapeFollower::is_possible(source) &&
-                             (selects("SHAPE") || selects("TRUTH_SHAPE"));
+                             (selects(channel::kShape) || selects(channel::kTruthShape));
     if (!wants_scene) return;
     try {
       follower_.emplace(source, FollowerOptions{});
@@ -99,7 +100,8 @@ class Exporter {
   }
 
   void add_flange(const Message& message) {
-    if (message.event.channel != "ROBOT_STATE" || !is_due(next_flange_, message.time)) return;
+    if (message.event.channel != channel::kRobotState || !is_due(next_flange_, message.time))
+      return;
     robot_state_t state;
     if (!bus::checked_decode(state, message.event.data, message.event.size) ||
         !math::is_unit_quaternion(state.quaternion))
@@ -113,11 +115,11 @@ class Exporter {
     if (options_.X_WO)
       put("/tf", "foxglove.FrameTransform", object_transform(*options_.X_WO, instant.utime),
           instant.utime);
-    if (instant.estimate_mesh != nullptr && selects("SHAPE"))
+    if (instant.estimate_mesh != nullptr && selects(channel::kShape))
       put("/shape/estimate", "foxglove.SceneUpdate",
           estimate_scene(instant, kLightest * instant.estimate_mesh->mesh().longest_side()),
           instant.utime);
-    if (instant.truth_mesh != nullptr && selects("TRUTH_SHAPE"))
+    if (instant.truth_mesh != nullptr && selects(channel::kTruthShape))
       put("/shape/truth", "foxglove.SceneUpdate", truth_scene(instant), instant.utime);
   }
 

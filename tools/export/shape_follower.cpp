@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iostream>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 #include "rt/bus/checked_decode.hpp"
@@ -63,14 +64,14 @@ std::unique_ptr<ShapeEvaluator> evaluator_of(const std::vector<shape_mesh_t>& ch
 
 ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
     : source_(&source), options_(options) {
-  has_estimate_ = has(source, "SHAPE", "shape_t");
-  has_truth_ = has(source, "TRUTH_SHAPE", "shape_t");
+  has_estimate_ = has(source, channel::kShape, "shape_t");
+  has_truth_ = has(source, channel::kTruthShape, "shape_t");
   if (!has_estimate_ && !has_truth_)
     throw std::runtime_error(
         "the log holds no shape (neither SHAPE nor TRUTH_SHAPE): was the log of the housekeeping "
         "URL given?");
   for (const ChannelSurvey& channel : source.found().channels)
-    if (channel.channel == "SHAPE" && channel.type && channel.type->name == "shape_t")
+    if (channel.channel == channel::kShape && channel.type && channel.type->name == "shape_t")
       has_deviation_ =
           channel.widths[static_cast<std::size_t>(channel.type->field("deviation"))] > 0;
   read_meshes(source);
@@ -89,37 +90,38 @@ ShapeFollower::ShapeFollower(Source& source, const FollowerOptions& options)
 void ShapeFollower::read_meshes(Source& source) {
   using Chunks = std::map<std::int64_t, std::map<int, shape_mesh_t>>;
   Chunks estimates, truths;
-  source.each_of("reading meshes", {"SHAPE_MESH", "TRUTH_MESH"}, [&](const Message& message) {
-    shape_mesh_t chunk;
-    if (!decoded(message, chunk)) return;
-    const bool is_truth = message.event.channel == "TRUTH_MESH";
-    const auto& known = is_truth ? truths_ : estimates_;
-    if (known.count(chunk.mesh_hash) > 0) return;
-    Chunks& chunks = is_truth ? truths : estimates;
-    auto& parts = chunks[chunk.mesh_hash];
-    const int count = chunk.chunks;
-    parts[chunk.chunk] = std::move(chunk);
-    if (static_cast<int>(parts.size()) < count) return;
-    std::vector<shape_mesh_t> all;
-    for (auto& [number, part] : parts) all.push_back(part);
-    auto evaluator =
-        evaluator_of(all, message.event.channel, is_truth ? Law::kNeoHookean : Law::kCorotational);
-    auto& into = is_truth ? truths_ : estimates_;
-    if (evaluator)
-      into[all.front().mesh_hash] = std::move(evaluator);
-    else
-      parts.clear();
-  });
+  source.each_of("reading meshes", {channel::kShapeMesh, channel::kTruthMesh},
+                 [&](const Message& message) {
+                   shape_mesh_t chunk;
+                   if (!decoded(message, chunk)) return;
+                   const bool is_truth = message.event.channel == channel::kTruthMesh;
+                   const auto& known = is_truth ? truths_ : estimates_;
+                   if (known.count(chunk.mesh_hash) > 0) return;
+                   Chunks& chunks = is_truth ? truths : estimates;
+                   auto& parts = chunks[chunk.mesh_hash];
+                   const int count = chunk.chunks;
+                   parts[chunk.chunk] = std::move(chunk);
+                   if (static_cast<int>(parts.size()) < count) return;
+                   std::vector<shape_mesh_t> all;
+                   for (auto& [number, part] : parts) all.push_back(part);
+                   auto evaluator = evaluator_of(all, message.event.channel,
+                                                 is_truth ? Law::kNeoHookean : Law::kCorotational);
+                   auto& into = is_truth ? truths_ : estimates_;
+                   if (evaluator)
+                     into[all.front().mesh_hash] = std::move(evaluator);
+                   else
+                     parts.clear();
+                 });
 }
 
 bool ShapeFollower::is_possible(const Source& source) {
-  return has(source, "SHAPE", "shape_t") || has(source, "TRUTH_SHAPE", "shape_t");
+  return has(source, channel::kShape, "shape_t") || has(source, channel::kTruthShape, "shape_t");
 }
 
 const std::vector<std::string>& ShapeFollower::channels() {
-  static const std::vector<std::string> kChannels{"SHAPE",        "TRUTH_SHAPE",   "CONTACTS",
-                                                  "FEATURE",      "TRUTH_CONTACT", "ESTIMATE",
-                                                  "SHAPE_TARGET", "ROBOT_STATE"};
+  static const std::vector<std::string> kChannels{
+      channel::kShape,        channel::kTruthShape, channel::kContacts,    channel::kFeature,
+      channel::kTruthContact, channel::kEstimate,   channel::kShapeTarget, channel::kRobotState};
   return kChannels;
 }
 
@@ -142,24 +144,24 @@ void ShapeFollower::each(const std::string& title, const Take& take) {
 
 void ShapeFollower::follow(const Message& message, const Take& take) {
   const std::string& channel = message.event.channel;
-  if (channel == "SHAPE" || channel == "TRUTH_SHAPE") {
+  if (channel == channel::kShape || channel == channel::kTruthShape) {
     shape_t shape;
     if (!decoded(message, shape)) return;
-    if (channel == "SHAPE") {
+    if (channel == channel::kShape) {
       add_shape(shape, message);
       settle(message.utime, take);
     } else {
       add_truth(shape, message, take);
     }
-  } else if (channel == "CONTACTS") {
+  } else if (channel == channel::kContacts) {
     keep(message, latest_.contacts);
-  } else if (channel == "ESTIMATE") {
+  } else if (channel == channel::kEstimate) {
     keep(message, latest_.estimated);
-  } else if (channel == "TRUTH_CONTACT") {
+  } else if (channel == channel::kTruthContact) {
     keep(message, latest_.truth_contact);
-  } else if (channel == "FEATURE") {
+  } else if (channel == channel::kFeature) {
     keep(message, latest_.feature);
-  } else if (channel == "SHAPE_TARGET") {
+  } else if (channel == channel::kShapeTarget) {
     keep(message, latest_.target);
   } else {
     keep(message, latest_.robot);

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <palpate/biotac_t.hpp>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/imu_t.hpp>
 #include <palpate/robot_state_t.hpp>
@@ -268,7 +269,7 @@ const std::vector<std::string>& preset_names() {
 
 std::vector<Stream> preset_streams(const std::string& name) {
   if (name == "biotac_foam_bar")
-    return {{"BIOTAC_0", "biotac", {}}, {"FT_TRUTH", "force_torque", {}}};
+    return {{channel::kBiotac0, "biotac", {}}, {"FT_TRUTH", "force_torque", {}}};
   throw std::invalid_argument("unknown preset '" + name + "'; allowed: " + preset_names().front());
 }
 

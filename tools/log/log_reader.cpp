@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iostream>
+#include <palpate/channels.hpp>
 
 namespace palpate::log {
 
@@ -43,14 +44,14 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
                 LogClock clock) {
   RunLog run;
   LogReader loop(clock);
-  loop.collect("TWIST_COMMAND", run.commands);
-  loop.collect("FEATURE", run.features);
-  loop.collect("ESTIMATE", run.estimates);
-  loop.collect("UNKNOWN_CONTACT", run.unknown_contacts);
-  loop.collect("SHAPE_TARGET", run.targets);
-  loop.collect("ROBOT_STATE", run.robot);
-  loop.collect("CONTACTS", run.contacts);
-  loop.collect("SHAPE_OBSERVATION", run.observations);
+  loop.collect(channel::kTwistCommand, run.commands);
+  loop.collect(channel::kFeature, run.features);
+  loop.collect(channel::kEstimate, run.estimates);
+  loop.collect(channel::kUnknownContact, run.unknown_contacts);
+  loop.collect(channel::kShapeTarget, run.targets);
+  loop.collect(channel::kRobotState, run.robot);
+  loop.collect(channel::kContacts, run.contacts);
+  loop.collect(channel::kShapeObservation, run.observations);
   loop.read(control);
   if (clock == LogClock::kSent) {
     order_as_sent(run.commands, run.features, run.estimates, run.unknown_contacts, run.robot,
@@ -59,14 +60,14 @@ RunLog read_run(const std::filesystem::path& control, const std::filesystem::pat
   }
 
   LogReader slow(clock);
-  slow.collect("SHAPE", run.shapes);
-  slow.collect("SHAPE_MESH", run.shape_chunks);
-  slow.collect("TRUTH_SHAPE", run.truths);
-  slow.collect("TRUTH_MESH", run.truth_chunks);
-  slow.collect("TRUTH_CONTACT", run.truth_contacts);
-  slow.collect("TRUTH_TOUCH", run.truth_touches);
-  slow.collect("HEALTH", run.health);
-  slow.collect("COMPONENT_EVENT", run.events);
+  slow.collect(channel::kShape, run.shapes);
+  slow.collect(channel::kShapeMesh, run.shape_chunks);
+  slow.collect(channel::kTruthShape, run.truths);
+  slow.collect(channel::kTruthMesh, run.truth_chunks);
+  slow.collect(channel::kTruthContact, run.truth_contacts);
+  slow.collect(channel::kTruthTouch, run.truth_touches);
+  slow.collect(channel::kHealth, run.health);
+  slow.collect(channel::kComponentEvent, run.events);
   slow.read(housekeeping);
   if (clock == LogClock::kSent)
     order_as_sent(run.shapes, run.shape_chunks, run.truths, run.truth_chunks, run.truth_contacts,

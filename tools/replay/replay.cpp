@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstring>
 #include <optional>
+#include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
 #include <set>
 #include <stdexcept>
@@ -21,9 +22,10 @@ namespace {
 // code.
 constexpr int kUtimeAt = 8, kSeqAt = 16, kHeaderEnd = 28, kCommandHeaderEnd = 28 + 8 + 32;
 
-constexpr std::array<const char*, 4> kStates = {"CONTACTS", "ESTIMATE", "FEATURE", "SHAPE"};
-constexpr std::array<const char*, 3> kCommands = {"TWIST_COMMAND", "JOINT_VELOCITY_COMMAND",
-                                                  "HAND_COMMAND"};
+constexpr std::array<const char*, 4> kStates = {channel::kContacts, channel::kEstimate,
+                                                channel::kFeature, channel::kShape};
+constexpr std::array<const char*, 3> kCommands = {
+    channel::kTwistCommand, channel::kJointVelocityCommand, channel::kHandCommand};
 
 /// Without the suffix of a second arm.
 std::string plain(const std::string& channel) {
@@ -60,13 +62,13 @@ void send_start(bus::MessageBus& bus, const std::optional<bus::Key>& key) {
   command.session = kSession;
   bus::put_text(command.slot, "all");
   bus::put_text(command.event, "start");
-  bus::MessageSigner("COMPONENT_COMMAND", {key, 0}).put(command, 0);
-  bus::TypedPublisher<component_command_t>(bus, "COMPONENT_COMMAND").publish(command);
+  bus::MessageSigner(channel::kComponentCommand, {key, 0}).put(command, 0);
+  bus::TypedPublisher<component_command_t>(bus, channel::kComponentCommand).publish(command);
 }
 
 bool is_start(const bus::LoggedEvent& event) {
   component_command_t command{};
-  return event.channel == "COMPONENT_COMMAND" &&
+  return event.channel == channel::kComponentCommand &&
          command.decode(event.data, 0, event.size) == event.size &&
          bus::get_text(command.event) == std::string("start");
 }
@@ -121,7 +123,7 @@ class Run {
     for (; event != nullptr; event = log.next()) {
       now_ns = event->utime * 1000;
       offer(*event);
-      if (event->channel != "SIM_TICK") continue;
+      if (event->channel != channel::kSimTick) continue;
       bus::record(*hub_, &published_);
       clock_.run_pending(daemon_);  // a repeated tick is answered, not executed again
       collect();
@@ -166,7 +168,7 @@ class Run {
   void collect() {
     for (bus::Published& message : published_) {
       const int size = static_cast<int>(message.data.size());
-      if (message.channel == "SHAPE") {
+      if (message.channel == channel::kShape) {
         ++result_.shapes;
         shapes_.add(message.data.data(), message.data.size());
       }

@@ -1,6 +1,7 @@
 #include "tools/top/daemon_watch.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 #include "tools/record/message_types.hpp"
 
@@ -54,14 +55,14 @@ std::string printable(const std::uint8_t* field, int size) {
 }
 
 void DaemonWatch::take(const record::Heard& heard) {
-  if (heard.channel.substr(0, 6) == "HEALTH") {
+  if (heard.channel.substr(0, 6) == channel::kHealth) {
     health_t health{};
     if (!decoded(heard, health)) return;
     health_ = health;
     health_ns_ = heard.arrival_ns;
     if (heard_.size() < kMostSessions || heard_.count(health.session) > 0)
       heard_[health.session] = heard.arrival_ns;
-  } else if (heard.channel.substr(0, 15) == "COMPONENT_EVENT") {
+  } else if (heard.channel.substr(0, 15) == channel::kComponentEvent) {
     component_event_t event{};
     if (decoded(heard, event)) event_ = line_of(event);
   }

@@ -1,6 +1,7 @@
 #include "tools/view/commander.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
 
@@ -13,12 +14,12 @@ constexpr std::int64_t kPatience = 5'000'000, kPatienceReplacing = 60'000'000;  
 }  // namespace
 
 Commander::Commander(bus::MessageBus& control, const bus::Access& access)
-    : commands_(control, "COMPONENT_COMMAND"),
-      targets_(control, "SHAPE_TARGET"),
-      forces_(control, "MANUAL_FORCE"),
-      command_sealer_("COMPONENT_COMMAND", access),
-      target_sealer_("SHAPE_TARGET", access),
-      force_sealer_("MANUAL_FORCE", access),
+    : commands_(control, channel::kComponentCommand),
+      targets_(control, channel::kShapeTarget),
+      forces_(control, channel::kManualForce),
+      command_sealer_(channel::kComponentCommand, access),
+      target_sealer_(channel::kShapeTarget, access),
+      force_sealer_(channel::kManualForce, access),
       command_stamp_(bus::random_session()),
       target_stamp_(bus::random_session()),
       force_stamp_(bus::random_session()) {}

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 #include "rt/bus/event_log_reader.hpp"
@@ -111,12 +112,12 @@ void LogSource::note(const std::string& channel, const void* data, int size, std
   const auto add = [&](std::size_t which, double value) {
     if (std::isfinite(value)) noted_[which].push_back({time_us, static_cast<float>(value)});
   };
-  if (channel == "FEATURE") {
+  if (channel == channel::kFeature) {
     feature_t feature;
     if (bus::checked_decode(feature, data, size) && feature.error_count >= 1 &&
         feature.error_count <= 32)
       add(0, error_norm(feature));
-  } else if (channel == "HEALTH") {
+  } else if (channel == channel::kHealth) {
     health_t health;
     if (!bus::checked_decode(health, data, size) || health.phase_count != kPhases) return;
     add(1, static_cast<double>(health.p99_us[0]));

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <palpate/channels.hpp>
 
 namespace palpate::view {
 namespace {
 
-constexpr std::string_view kMeshes[] = {"SHAPE_MESH", "TRUTH_MESH"};
+constexpr std::string_view kMeshes[] = {channel::kShapeMesh, channel::kTruthMesh};
 
 template <class Numbers>
 bool all_finite(const Numbers& numbers) {

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <palpate/biotac_t.hpp>
+#include <palpate/channels.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
@@ -80,7 +81,7 @@ class Scene {
  public:
   static constexpr std::size_t kMostEvents = 500;
 
-  static constexpr std::string_view kEvents = "COMPONENT_EVENT";
+  static constexpr std::string_view kEvents = channel::kComponentEvent;
   static bool is_mesh(std::string_view channel);
 
   /// All channels that accept() takes.
@@ -95,24 +96,24 @@ class Scene {
   /// Resets to the initial state, except for known meshes: after a jump in a log.
   void forget_messages();
 
-  Latest<shape_t> shape{"SHAPE"}, truth{"TRUTH_SHAPE"};
-  Latest<truth_contact_t> truth_contact{"TRUTH_CONTACT"};
-  Latest<contacts_t> contacts{"CONTACTS"};
-  Latest<estimate_t> estimate{"ESTIMATE"};
-  Latest<feature_t> feature{"FEATURE"};
-  Latest<health_t> health{"HEALTH"};
-  Latest<config_t> config{"CONFIG"};
-  Latest<twist_command_t> twist{"TWIST_COMMAND"};
-  Latest<manual_force_t> manual{"MANUAL_FORCE"};
-  Latest<shape_observation_t> observation{"SHAPE_OBSERVATION"};
-  std::array<Latest<robot_state_t>, 2> robot{{{"ROBOT_STATE"}, {"ROBOT_STATE_1"}}};
-  std::array<Latest<hand_state_t>, 2> hand{{{"HAND_STATE"}, {"HAND_STATE_1"}}};
+  Latest<shape_t> shape{channel::kShape}, truth{channel::kTruthShape};
+  Latest<truth_contact_t> truth_contact{channel::kTruthContact};
+  Latest<contacts_t> contacts{channel::kContacts};
+  Latest<estimate_t> estimate{channel::kEstimate};
+  Latest<feature_t> feature{channel::kFeature};
+  Latest<health_t> health{channel::kHealth};
+  Latest<config_t> config{channel::kConfig};
+  Latest<twist_command_t> twist{channel::kTwistCommand};
+  Latest<manual_force_t> manual{channel::kManualForce};
+  Latest<shape_observation_t> observation{channel::kShapeObservation};
+  std::array<Latest<robot_state_t>, 2> robot{{{channel::kRobotState}, {channel::kRobotState1}}};
+  std::array<Latest<hand_state_t>, 2> hand{{{channel::kHandState}, {channel::kHandState1}}};
   /// Of the first arm's hand, then of the second's; decoded when they arrive.
-  std::array<Fingertip, 10> fingertips{{{"BIOTAC_0"},
-                                        {"BIOTAC_1"},
-                                        {"BIOTAC_2"},
-                                        {"BIOTAC_3"},
-                                        {"BIOTAC_4"},
+  std::array<Fingertip, 10> fingertips{{{channel::kBiotac0},
+                                        {channel::kBiotac1},
+                                        {channel::kBiotac2},
+                                        {channel::kBiotac3},
+                                        {channel::kBiotac4},
                                         {"BIOTAC_0_1"},
                                         {"BIOTAC_1_1"},
                                         {"BIOTAC_2_1"},

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/channels.hpp>
 #include <stdexcept>
 
 #include "tools/log/log_reader.hpp"
@@ -105,9 +106,9 @@ double turn_between(const math::Pose& a, const math::Pose& b) {
 HeldLog read_held_log(const std::string& log, const CalmRule& rule, const std::string& time) {
   HeldLog messages;
   log::LogReader reader(time == "sent" ? log::LogClock::kSent : log::LogClock::kReceived);
-  reader.collect("ROBOT_STATE", messages.robot);
-  reader.collect("FT_WRENCH", messages.wrenches);
-  reader.collect("SHAPE_OBSERVATION", messages.seen);
+  reader.collect(channel::kRobotState, messages.robot);
+  reader.collect(channel::kFtWrench, messages.wrenches);
+  reader.collect(channel::kShapeObservation, messages.seen);
   reader.read(log);
   if (messages.robot.empty())
     throw std::runtime_error(log + ": holds no ROBOT_STATE; record the channel of the arm too");

@@ -1,6 +1,7 @@
 // Shape sensing of the long soft bar through six poses, the hand following the scene.
 
 #include <map>
+#include <palpate/channels.hpp>
 #include <thread>
 
 #include "sim/scenes/scene.hpp"
@@ -125,8 +126,8 @@ void finish_replay(Replay& replay, common::Progress& progress) {
                           common::tail(replay.process->output(), 15));
   log::RunLog log;
   log::LogReader reader;
-  reader.collect("SHAPE", log.shapes);
-  reader.collect("SHAPE_MESH", log.shape_chunks);
+  reader.collect(channel::kShape, log.shapes);
+  reader.collect(channel::kShapeMesh, log.shape_chunks);
   reader.read(replay.output);
   log.truths = replay.live->truths;
   log.truth_chunks = replay.live->truth_chunks;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <palpate/channels.hpp>
 #include <palpate/component_event_t.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
@@ -48,15 +49,15 @@ std::int64_t arrival_us(const bus::UdpmSocket& socket) {
 
 FaultWire::FaultWire(const runs::Urls& urls)
     : sender_(bus::make_lcm_bus(urls.control)), user_(*sender_) {
-  control_.channels = {{"TWIST_COMMAND", decodes<twist_command_t>},
-                       {"CONTACTS", decodes<contacts_t>},
-                       {"ESTIMATE", decodes<estimate_t>},
-                       {"FEATURE", decodes<feature_t>}};
-  housekeeping_.channels = {{"SHAPE", decodes<shape_t>},
-                            {"SHAPE_MESH", decodes<shape_mesh_t>},
-                            {"HEALTH", decodes<health_t>},
-                            {"CONFIG", decodes<config_t>},
-                            {"COMPONENT_EVENT", decodes<component_event_t>}};
+  control_.channels = {{channel::kTwistCommand, decodes<twist_command_t>},
+                       {channel::kContacts, decodes<contacts_t>},
+                       {channel::kEstimate, decodes<estimate_t>},
+                       {channel::kFeature, decodes<feature_t>}};
+  housekeeping_.channels = {{channel::kShape, decodes<shape_t>},
+                            {channel::kShapeMesh, decodes<shape_mesh_t>},
+                            {channel::kHealth, decodes<health_t>},
+                            {channel::kConfig, decodes<config_t>},
+                            {channel::kComponentEvent, decodes<component_event_t>}};
   open(control_, urls.control);
   open(housekeeping_, urls.housekeeping);
   listener_ = std::thread([this] { listen(); });

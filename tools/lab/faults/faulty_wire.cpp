@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <iterator>
 #include <memory>
+#include <palpate/channels.hpp>
 #include <utility>
 
 namespace palpate::faults {
@@ -11,7 +12,8 @@ namespace {
 constexpr double kLongest = 0.8,
                  kLatest = 0.021;  // s: duration of a fault, and delay that it causes
 constexpr std::int64_t kWireMillisecond = 1'000'000;
-constexpr const char* kChannels[] = {"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"};
+constexpr const char* kChannels[] = {channel::kFtWrench, channel::kImu, channel::kRobotState,
+                                     channel::kHandState};
 
 /// Each selected message is up to `most` ms late, so that they overtake each other.
 Stream delay(Stream stream, const Which& which, int most, math::Random& random) {
@@ -34,7 +36,7 @@ std::string FaultyWire::put_any(double begin, math::Random& random) {
   const Window window{begin, begin + random.uniform(0.05, kLongest)};
   const Which all = sensors_in(window);
   const Which one = sensors_in(window, kChannels[random.below(std::size(kChannels))]);
-  const Which wrench = sensors_in(window, "FT_WRENCH");
+  const Which wrench = sensors_in(window, channel::kFtWrench);
   // The faults outlive this call, and draw random numbers as messages pass.
   const auto draws = std::make_shared<math::Random>(random.next());
   const double share = random.uniform(0.02, 1);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <palpate/channels.hpp>
 #include <utility>
 
 #include "rt/config/installation.hpp"
@@ -86,7 +87,7 @@ void LongRun::tick() {
 void LongRun::listen() {
   look_at(said_, *daemon_, *monitor_);
   for (const bus::Published& message : said_) {
-    if (message.channel != "TWIST_COMMAND" || tick_ < silent_until_) continue;
+    if (message.channel != channel::kTwistCommand || tick_ < silent_until_) continue;
     to_robot_->publish(message.channel.c_str(), message.data.data(),
                        static_cast<int>(message.data.size()));
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/channels.hpp>
 #include <palpate/config_t.hpp>
 #include <palpate/contacts_t.hpp>
 #include <palpate/estimate_t.hpp>
@@ -88,31 +89,31 @@ void Monitor::look(const bus::Published& message, const std::optional<Eigen::Vec
   ++messages_;
   const std::string& channel = message.channel;
   const auto check = [&](auto into) { return read(message, into); };
-  if (channel == "TWIST_COMMAND") {
+  if (channel == channel::kTwistCommand) {
     look_at_command(message, p_W_E, restrained);
     add(hash_, message);
-  } else if (channel == "CONTACTS") {
+  } else if (channel == channel::kContacts) {
     check(contacts_t());
     add(contact_hash_, message);
-  } else if (channel == "ESTIMATE") {
+  } else if (channel == channel::kEstimate) {
     check(estimate_t());
     add(hash_, message);
-  } else if (channel == "UNKNOWN_CONTACT") {
+  } else if (channel == channel::kUnknownContact) {
     check(unknown_contact_t());
     add(hash_, message);
-  } else if (channel == "FEATURE") {
+  } else if (channel == channel::kFeature) {
     check(feature_t());
     add(hash_, message);
-  } else if (channel == "SHAPE") {
+  } else if (channel == channel::kShape) {
     check(shape_t());
     add(hash_, message);
-  } else if (channel == "SHAPE_MESH") {
+  } else if (channel == channel::kShapeMesh) {
     check(shape_mesh_t());
-  } else if (channel == "CONFIG") {
+  } else if (channel == channel::kConfig) {
     check(config_t());
-  } else if (channel == "HEALTH") {
+  } else if (channel == channel::kHealth) {
     look_at_health(message);
-  } else if (channel == "COMPONENT_EVENT") {
+  } else if (channel == channel::kComponentEvent) {
     component_event_t event;
     if (read(message, event))
       events_.push_back({message.time_ns, bus::get_text(event.slot), bus::get_text(event.event),
@@ -191,9 +192,9 @@ void Monitor::look_at_health(const bus::Published& message) {
     note.frozen += health.frozen[i];
     const std::string name = bus::get_text(health.input_name[i]);
     const double age = health.age_ms[i];
-    if (name == "FT_WRENCH" || name == "IMU" || name == "ROBOT_STATE")
+    if (name == channel::kFtWrench || name == channel::kImu || name == channel::kRobotState)
       note.oldest_ms = std::max(note.oldest_ms, age);
-    if (name == "HAND_STATE") note.hand_ms = age;
+    if (name == channel::kHandState) note.hand_ms = age;
   }
   health_.push_back(note);
 }

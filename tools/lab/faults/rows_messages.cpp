@@ -1,5 +1,6 @@
 // Messages that are lost, late, duplicated or of another type.
 
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 
 #include "tools/lab/faults/rows.hpp"
@@ -101,7 +102,8 @@ struct WrongType {
 
 WrongType wrong_type(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "type");
-  constexpr const char* kChannels[] = {"FT_WRENCH", "IMU", "ROBOT_STATE", "HAND_STATE"};
+  constexpr const char* kChannels[] = {channel::kFtWrench, channel::kImu, channel::kRobotState,
+                                       channel::kHandState};
   WrongType wrong;
   wrong.channel = kChannels[random.below(4)];
   wrong.fingerprint = static_cast<std::int64_t>(random.next());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/channels.hpp>
 
 #include "tools/lab/faults/rows.hpp"
 #include "tools/lab/faults/scenario.hpp"
@@ -11,12 +12,14 @@ namespace {
 
 /// ms, within which a silent sensor must be detected: by default the sensor model's time-out plus
 /// one cycle.
-double seen_within(const std::string& channel) { return (channel == "IMU" ? 27 : 25) + 1 + 1e-6; }
+double seen_within(const std::string& channel) {
+  return (channel == channel::kImu ? 27 : 25) + 1 + 1e-6;
+}
 
 double period_of(const std::string& channel) {
-  if (channel == "FT_WRENCH") return 1e-3;
-  if (channel == "ROBOT_STATE") return 2e-3;
-  return channel == "IMU" ? 1.0 / 300 : 1e-2;
+  if (channel == channel::kFtWrench) return 1e-3;
+  if (channel == channel::kRobotState) return 2e-3;
+  return channel == channel::kImu ? 1.0 / 300 : 1e-2;
 }
 
 /// Arrival of the channel's last message before `time`, s.
@@ -45,7 +48,7 @@ Scenario denormal(const Bench& bench, std::uint64_t seed) {
   Scenario scenario;
   scenario.window = {0.25, 0.65};
   // A unit quaternion remains one: only for the force-torque and inertial sensors.
-  scenario.channel = random.below(2) == 0 ? "FT_WRENCH" : "IMU";
+  scenario.channel = random.below(2) == 0 ? channel::kFtWrench : channel::kImu;
   scenario.stream = mutate(
       bench.recording.stream, sensors_in(scenario.window, scenario.channel),
       random.uniform(0.02, 1), [](math::Random& r) { return std::ldexp(r.uniform(-1, 1), -1040); },
@@ -68,7 +71,7 @@ Scenario saturated(const Bench& bench, std::uint64_t seed) {
   Scenario scenario;
   scenario.window = {0.25 + random.uniform(0, 0.05), 0.55};
   const bool inertial = random.below(2) == 0;
-  scenario.channel = inertial ? "IMU" : "FT_WRENCH";
+  scenario.channel = inertial ? channel::kImu : channel::kFtWrench;
   const int number = static_cast<int>(random.below(inertial ? 3 : 6));
   const double scale = (inertial ? 157 : number < 3 ? 660 : 60) * (random.below(2) ? 1 : -1);
   scenario.stream = bench.recording.stream;
@@ -113,7 +116,7 @@ RunResult judge_stop(const Bench& bench, const Scenario& scenario) {
 
 Scenario only_bad(const Bench& bench, std::uint64_t seed) {
   math::Random random(seed, "only bad");
-  constexpr const char* kChannels[] = {"FT_WRENCH", "IMU", "ROBOT_STATE"};
+  constexpr const char* kChannels[] = {channel::kFtWrench, channel::kImu, channel::kRobotState};
   Scenario scenario;
   scenario.channel = kChannels[random.below(3)];
   scenario.window = {0.25 + random.uniform(0, 0.1), 0.55};
@@ -152,7 +155,8 @@ Row stop_row(const std::string& channel, const std::string& name) {
 
 /// The hand reports its grasp at 100 Hz; the last report remains valid.
 Scenario hand_stops(const Bench& bench, std::uint64_t seed) {
-  Scenario scenario = silence(bench, "HAND_STATE", 0.2, 0.4, math::Random(seed, "hand stops"));
+  Scenario scenario =
+      silence(bench, channel::kHandState, 0.2, 0.4, math::Random(seed, "hand stops"));
   scenario.must_show = false;
   return scenario;
 }
@@ -220,7 +224,7 @@ double samples_to_lock(const Trace& trace, const Trace& reference, double jump, 
     if ((trace.cycles[i].wrench - reference.cycles[i].wrench).lpNorm<Eigen::Infinity>() > kNoise)
       locked = t + kTick;
   }
-  return (locked - jump) / period_of("IMU");
+  return (locked - jump) / period_of(channel::kImu);
 }
 
 struct ClockJumps {
@@ -321,7 +325,7 @@ std::vector<Row> sensor_rows() {
                     "NaN, Inf, 1e308 only",
                     "stale within max_age + 1 T, zero in 100 ms",
                     "ms",
-                    seen_within("IMU"),
+                    seen_within(channel::kImu),
                     false,
                     {}},
                    only_bad, judge_stop),
@@ -329,9 +333,9 @@ std::vector<Row> sensor_rows() {
                    judge_numbers),
       scenario_row({"4", "saturated sensor", "zero command in 100 ms", "ms", 100, false, {}},
                    saturated, judge_saturated),
-      stop_row("FT_WRENCH", "force-torque"),
-      stop_row("ROBOT_STATE", "robot state"),
-      stop_row("IMU", "inertial unit"),
+      stop_row(channel::kFtWrench, "force-torque"),
+      stop_row(channel::kRobotState, "robot state"),
+      stop_row(channel::kImu, "inertial unit"),
       scenario_row({"5",
                     "hand's state stops",
                     "in HEALTH 100 ms after the next message was due",
@@ -342,9 +346,9 @@ std::vector<Row> sensor_rows() {
                    hand_stops, judge_hand_stops),
       scenario_row({"5", "target is repeated no more", "holds, to the bit", "cycles", 0, false, {}},
                    target_stops, judge_target_stops),
-      frozen_row("FT_WRENCH", "force-torque"),
-      frozen_row("ROBOT_STATE", "robot state"),
-      frozen_row("IMU", "inertial unit"),
+      frozen_row(channel::kFtWrench, "force-torque"),
+      frozen_row(channel::kRobotState, "robot state"),
+      frozen_row(channel::kImu, "inertial unit"),
       {"7", "wall clocks jump", "0 cycles missed, locks in 50 samples", "samples", 50, false,
        run_clock, senders_clocks},
       scenario_row({"19",

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <palpate/channels.hpp>
 
 namespace palpate::faults {
 namespace {
@@ -44,21 +45,21 @@ void put_header(bus::Published& message, const Header& header) {
 }
 
 bool is_sensor(const std::string& channel) {
-  return channel == "FT_WRENCH" || channel == "IMU" || channel == "ROBOT_STATE" ||
-         channel == "HAND_STATE";
+  return channel == channel::kFtWrench || channel == channel::kImu ||
+         channel == channel::kRobotState || channel == channel::kHandState;
 }
 
 std::vector<int> number_offsets(const bus::Published& message) {
   std::vector<int> offsets;
-  if (message.channel == "FT_WRENCH" || message.channel == "IMU") {
+  if (message.channel == channel::kFtWrench || message.channel == channel::kImu) {
     add_run(offsets, kHeaderSize, 6);
-  } else if (message.channel == "ROBOT_STATE") {
+  } else if (message.channel == channel::kRobotState) {
     const int joints = get<std::int32_t>(message, kHeaderSize);
     const int q = kHeaderSize + 4, dq = q + 16 * 8, pose = dq + 2 * 16 * 8;
     add_run(offsets, q, joints);
     add_run(offsets, dq, joints);
     add_run(offsets, pose, 3 + 4 + 6);
-  } else if (message.channel == "HAND_STATE") {
+  } else if (message.channel == channel::kHandState) {
     const int fingers = get<std::int32_t>(message, kHeaderSize + 4);
     const int position = kHeaderSize + 8, quaternion = position + 5 * 3 * 8;
     add_run(offsets, position, 3 * fingers);

@@ -4,6 +4,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <palpate/channels.hpp>
 
 namespace palpate::faults {
 namespace {
@@ -168,7 +169,7 @@ Stream restart(const Stream& stream, double at, double pause, std::int64_t sessi
 Stream throw_about(const Stream& stream, const Window& window, double reach, math::Random& random) {
   constexpr int kPositionOffset = kHeaderSize + 4 + 3 * 16 * 8;
   Stream result = stream;
-  const Which robot = sensors_in(window, "ROBOT_STATE");
+  const Which robot = sensors_in(window, channel::kRobotState);
   int left = 0;
   double offset[3] = {};
   for (bus::Published& message : result) {

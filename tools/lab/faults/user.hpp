@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
 #include <palpate/shape_target_t.hpp>
 #include <string>
@@ -14,7 +15,7 @@ namespace palpate::faults {
 class User {
  public:
   explicit User(bus::MessageBus& bus)
-      : commands_(bus, "COMPONENT_COMMAND"), targets_(bus, "SHAPE_TARGET") {}
+      : commands_(bus, channel::kComponentCommand), targets_(bus, channel::kShapeTarget) {}
 
   /// Sets `slot` to `instance`: the event replace; parameters are YAML.
   void send(const char* event, const char* slot = "all", const char* component = "",

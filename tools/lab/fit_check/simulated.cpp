@@ -1,6 +1,7 @@
 #include "tools/lab/fit_check/simulated.hpp"
 
 #include <algorithm>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/robot_state_t.hpp>
 #include <palpate/shape_observation_t.hpp>
@@ -45,7 +46,7 @@ void write_markers(const Seen& seen, double noise, math::Random random, log::Eve
       for (int axis = 0; axis < 3; ++axis)
         message.points[k][axis] =
             static_cast<float>(seen.points_W[i](axis, k) + deviation * random.normal());
-    log.write("SHAPE_OBSERVATION", message.utime, message);
+    log.write(channel::kShapeObservation, message.utime, message);
   }
 }
 
@@ -60,16 +61,16 @@ void write_messages(const std::vector<bus::Published>& published, const WrenchNo
   for (const bus::Published& p : published) {
     const int size = static_cast<int>(p.data.size());
     robot_state_t state;
-    if (p.channel == "ROBOT_STATE" && bus::checked_decode(state, p.data.data(), size))
+    if (p.channel == channel::kRobotState && bus::checked_decode(state, p.data.data(), size))
       log.write(p.channel, state.utime, state);
     ft_wrench_t wrench;
-    if (p.channel == "FT_WRENCH" && bus::checked_decode(wrench, p.data.data(), size))
+    if (p.channel == channel::kFtWrench && bus::checked_decode(wrench, p.data.data(), size))
       wrenches.push_back(wrench);
   }
   for (ft_wrench_t& wrench : wrenches) {
     for (int k = 0; k < 6; ++k)
       wrench.wrench[k] += (k < 3 ? deviation.force : deviation.torque) * random.normal();
-    log.write("FT_WRENCH", wrench.utime, wrench);
+    log.write(channel::kFtWrench, wrench.utime, wrench);
   }
 }
 

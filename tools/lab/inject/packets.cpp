@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <palpate/biotac_t.hpp>
+#include <palpate/channels.hpp>
 #include <palpate/component_command_t.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/hand_state_t.hpp>
@@ -68,16 +69,16 @@ std::vector<Kind> malformed_kinds() {
 }
 
 std::vector<Target> usual_targets() {
-  return {target<ft_wrench_t>("FT_WRENCH"),
-          target<imu_t>("IMU"),
-          target<robot_state_t>("ROBOT_STATE"),
-          target<hand_state_t>("HAND_STATE"),
-          target<manual_force_t>("MANUAL_FORCE"),
-          target<biotac_t>("BIOTAC_0"),
-          target<component_command_t>("COMPONENT_COMMAND"),
-          target<shape_target_t>("SHAPE_TARGET"),
-          target<sim_tick_t>("SIM_TICK"),
-          target<shape_t>("SHAPE")};
+  return {target<ft_wrench_t>(channel::kFtWrench),
+          target<imu_t>(channel::kImu),
+          target<robot_state_t>(channel::kRobotState),
+          target<hand_state_t>(channel::kHandState),
+          target<manual_force_t>(channel::kManualForce),
+          target<biotac_t>(channel::kBiotac0),
+          target<component_command_t>(channel::kComponentCommand),
+          target<shape_target_t>(channel::kShapeTarget),
+          target<sim_tick_t>(channel::kSimTick),
+          target<shape_t>(channel::kShape)};
 }
 
 Bytes short_message(std::uint32_t sequence, const std::string& channel, const Bytes& payload) {
@@ -125,7 +126,7 @@ PacketSource::Bytes PacketSource::arrays(std::int32_t count) {
   append_word(payload, static_cast<std::uint32_t>(count));
   append_word(payload, static_cast<std::uint32_t>(count));
   append_random(payload, draw(0, 200));
-  return short_message(draw_word(), "SHAPE", payload);
+  return short_message(draw_word(), channel::kShape, payload);
 }
 
 PacketSource::Bytes PacketSource::fragment(std::uint32_t sequence, std::uint32_t size,

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstring>
+#include <palpate/channels.hpp>
 
 #include "rt/bus/text.hpp"
 #include "rt/bus/udpm_url.hpp"
@@ -37,15 +38,15 @@ Urls private_urls() {
 Operator::Operator(const Urls& urls, const std::optional<bus::Key>& key)
     : control_(bus::make_lcm_bus(urls.control)),
       housekeeping_(bus::make_lcm_bus(urls.housekeeping)),
-      healths_(*housekeeping_, "HEALTH", 30),
-      events_(*housekeeping_, "COMPONENT_EVENT", 200),
-      features_(*control_, "FEATURE", 2),
-      twists_(*control_, "TWIST_COMMAND", 200),
-      commands_(*control_, "COMPONENT_COMMAND"),
-      targets_(*control_, "SHAPE_TARGET"),
+      healths_(*housekeeping_, channel::kHealth, 30),
+      events_(*housekeeping_, channel::kComponentEvent, 200),
+      features_(*control_, channel::kFeature, 2),
+      twists_(*control_, channel::kTwistCommand, 200),
+      commands_(*control_, channel::kComponentCommand),
+      targets_(*control_, channel::kShapeTarget),
       session_(wall_clock()),
-      command_sealer_("COMPONENT_COMMAND", {key, session_}),
-      target_sealer_("SHAPE_TARGET", {key, session_}) {
+      command_sealer_(channel::kComponentCommand, {key, session_}),
+      target_sealer_(channel::kShapeTarget, {key, session_}) {
   control_->start_without_thread();
   housekeeping_->start_without_thread();
 }
@@ -139,7 +140,7 @@ bool Operator::has_robot_state() const {
   if (!health_) return false;
   const int inputs = std::min<int>(health_->input_count, std::size(health_->input_name));
   for (int i = 0; i < inputs; ++i)
-    if (std::string(bus::get_text(health_->input_name[i])) == "ROBOT_STATE")
+    if (std::string(bus::get_text(health_->input_name[i])) == channel::kRobotState)
       return health_->received[i] > 0;
   return false;
 }

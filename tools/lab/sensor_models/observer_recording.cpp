@@ -5,6 +5,7 @@
 #include <deque>
 #include <lcm/lcm-cpp.hpp>
 #include <memory>
+#include <palpate/channels.hpp>
 #include <palpate/ft_wrench_t.hpp>
 #include <palpate/imu_t.hpp>
 #include <palpate/robot_state_t.hpp>
@@ -107,9 +108,9 @@ void write_wrist_csv(const std::filesystem::path& control_log, const registry::F
                      double rate, const std::filesystem::path& csv) {
   constexpr std::int64_t kPeriodUs = 1000;
   log::LogReader log;
-  Arrivals<robot_state_t> robot(log, "ROBOT_STATE");
-  Arrivals<imu_t> inertial(log, "IMU");
-  Arrivals<ft_wrench_t> wrench(log, "FT_WRENCH");
+  Arrivals<robot_state_t> robot(log, channel::kRobotState);
+  Arrivals<imu_t> inertial(log, channel::kImu);
+  Arrivals<ft_wrench_t> wrench(log, channel::kFtWrench);
   log.read(control_log);
   robot.check();
   inertial.check();

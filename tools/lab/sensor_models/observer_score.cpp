@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <palpate/channels.hpp>
 #include <palpate/contacts_t.hpp>
 #include <palpate/truth_touch_t.hpp>
 #include <stdexcept>
@@ -49,7 +50,7 @@ Errors errors_at_lag(const ForceSeries& felt, const ForceSeries& truth, std::siz
 ForceSeries read_wrist_contacts(const std::filesystem::path& log, double begin) {
   std::vector<contacts_t> messages;
   log::LogReader reader(log::LogClock::kSent);
-  reader.collect("CONTACTS", messages);
+  reader.collect(channel::kContacts, messages);
   reader.read(log);
   ForceSeries series;
   series.force.resize(3, static_cast<Eigen::Index>(messages.size()));
@@ -72,7 +73,7 @@ ForceSeries read_wrist_contacts(const std::filesystem::path& log, double begin) 
 ForceSeries read_true_touch(const std::filesystem::path& housekeeping_log) {
   std::vector<truth_touch_t> messages;
   log::LogReader reader(log::LogClock::kSent);
-  reader.collect("TRUTH_TOUCH", messages);
+  reader.collect(channel::kTruthTouch, messages);
   reader.read(housekeeping_log);
   ForceSeries series;
   series.force.setZero(3, static_cast<Eigen::Index>(messages.size()));

@@ -2,6 +2,7 @@
 
 #include <lcm/lcm-cpp.hpp>
 #include <nlohmann/json.hpp>
+#include <palpate/channels.hpp>
 #include <set>
 
 #include "rt/config/node.hpp"
@@ -35,15 +36,16 @@ std::int64_t sent_at(const bus::LoggedEvent& event) {
 /// times are those of a possibly slow machine.
 void keep_sensors(const fs::path& from, const fs::path& to) {
   static const std::set<std::string> kSensors{
-      "FT_WRENCH", "IMU",      "ROBOT_STATE", "HAND_STATE", "SHAPE_OBSERVATION",
-      "BIOTAC_0",  "BIOTAC_1", "BIOTAC_2",    "BIOTAC_3",   "BIOTAC_4"};
+      channel::kFtWrench,         channel::kImu,     channel::kRobotState, channel::kHandState,
+      channel::kShapeObservation, channel::kBiotac0, channel::kBiotac1,    channel::kBiotac2,
+      channel::kBiotac3,          channel::kBiotac4};
   bus::EventLogReader reader(from.string());
   lcm::LogFile writer(to.string(), "w");
   if (!writer.good()) throw runs::RunFailed(to.string() + " cannot be written");
   std::int64_t now = 0;
   while (const bus::LoggedEvent* event = reader.next()) {
     if (kSensors.count(event->channel) == 0) continue;
-    if (event->channel == "ROBOT_STATE") now = std::max(now, sent_at(*event));
+    if (event->channel == channel::kRobotState) now = std::max(now, sent_at(*event));
     if (now == 0) continue;
     lcm::LogEvent kept{};
     kept.timestamp = now;

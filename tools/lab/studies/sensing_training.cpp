@@ -3,6 +3,7 @@
 #include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <palpate/channels.hpp>
 
 #include "core/math/random.hpp"
 #include "core/mesh/surface.hpp"
@@ -89,8 +90,8 @@ Samples gather(const SensingScene& scene, const SensingRecording& recording,
   std::vector<estimate_t> estimates;
   std::vector<contacts_t> contacts;
   log::LogReader reader(log::LogClock::kSent);
-  reader.collect("ESTIMATE", estimates);
-  reader.collect("CONTACTS", contacts);
+  reader.collect(channel::kEstimate, estimates);
+  reader.collect(channel::kContacts, contacts);
   replay(scene, recording, {}, folder, kReplayPatience, reader);
   if (estimates.size() < 100) throw runs::RunFailed("the replay contains no hand poses");
   const log::PlantPoints points(log::assemble(recording.truth.truth_chunks), units);

@@ -4,6 +4,7 @@
 #include <fstream>
 #include <iostream>
 #include <nlohmann/json.hpp>
+#include <palpate/channels.hpp>
 #include <sstream>
 
 #include "rt/config/node.hpp"
@@ -208,9 +209,9 @@ void run_replayed_job(const StudyJob& job, const std::string& inputs_hash, const
   log.truth_contacts = std::move(recording.truth.truth_contacts);
   log.observations = std::move(recording.truth.observations);
   log::LogReader reader(log::LogClock::kSent);
-  reader.collect("SHAPE", log.shapes);
-  reader.collect("SHAPE_MESH", log.shape_chunks);
-  reader.collect("ESTIMATE", log.estimates);
+  reader.collect(channel::kShape, log.shapes);
+  reader.collect(channel::kShapeMesh, log.shape_chunks);
+  reader.collect(channel::kEstimate, log.estimates);
   replay(scene_of(job), recording, job.daemon_overrides, folder, kJobPatience, reader);
 
   scores::ScoredRun scored = scored_run(job);
