@@ -90,6 +90,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   parameter.unit = first.unit;
   parameter.allowed = first.allowed;
   parameter.meaning = first.meaning;
+  parameter.range = first.range;
+  parameter.choices = first.choices;
   const auto asked = [&](const Visit& visit) { return find(visit, first) != nullptr; };
   std::set<std::string> choices;
   for (const Visit& visit : visits)
@@ -110,6 +112,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
       continue;
     }
     parameter.required = parameter.required && declaration->required;
+    parameter.range.lower = std::min(parameter.range.lower, declaration->range.lower);
+    parameter.range.upper = std::max(parameter.range.upper, declaration->range.upper);
     if (!declaration->fallback.empty() &&
         std::count(parameter.defaults.begin(), parameter.defaults.end(), declaration->fallback) ==
             0)
@@ -135,10 +139,12 @@ void sort_by_tree(std::vector<Section>& sections) {
   sections = std::move(sorted);
 }
 
-/// Keys that an arm or a fallback shares with the first of its kind are documented once.
-bool is_told_elsewhere(const Section& section, const std::vector<Section>& sections) {
-  if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
-    return true;
+bool is_fallback(const std::string& path) {
+  return path.size() > 9 && path.substr(path.size() - 9) == ".fallback";
+}
+
+/// Keys that an arm shares with the first one are documented once.
+bool is_of_both_arms(const Section& section, const std::vector<Section>& sections) {
   const std::string arm = "second_arm.";
   if (section.path.compare(0, arm.size(), arm) != 0) return false;
   const auto same = [](const Parameter& a, const Parameter& b) {
@@ -185,7 +191,7 @@ Declarations declared_by(const std::string& file, const std::function<void()>& r
   return without_names(own);
 }
 
-std::vector<Section> merge(const std::vector<Declarations>& readings) {
+std::vector<Section> all_sections(const std::vector<Declarations>& readings) {
   std::vector<Section> sections;
   for (const Declarations& reading : readings) {
     for (const config::Declaration& declaration : reading) {
@@ -211,9 +217,17 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
     }
   }
   sort_by_tree(sections);
+  sections.erase(std::remove_if(sections.begin(), sections.end(),
+                                [](const Section& s) { return is_fallback(s.path); }),
+                 sections.end());
+  return sections;
+}
+
+std::vector<Section> merge(const std::vector<Declarations>& readings) {
+  std::vector<Section> sections = all_sections(readings);
   const std::vector<Section> all = sections;
   sections.erase(std::remove_if(sections.begin(), sections.end(),
-                                [&](const Section& s) { return is_told_elsewhere(s, all); }),
+                                [&](const Section& s) { return is_of_both_arms(s, all); }),
                  sections.end());
   return sections;
 }

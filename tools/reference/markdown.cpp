@@ -32,6 +32,18 @@ std::string condition_of(const Parameter& parameter) {
   return text.empty() ? "" : "(" + text + ") ";
 }
 
+/// Description of each alternative, if there is one.
+void write_choices(std::ostream& out, const Parameter& parameter) {
+  bool any = false;
+  for (const auto& [name, description] : parameter.choices) {
+    if (description.empty()) continue;
+    if (!any) out << "`" << parameter.name << "`:\n\n";
+    any = true;
+    out << "- `" << name << "`: " << description << "\n";
+  }
+  if (any) out << "\n";
+}
+
 }  // namespace
 
 void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level) {
@@ -45,6 +57,7 @@ void write_markdown(std::ostream& out, const std::vector<Section>& sections, int
           << cell(default_of(parameter)) << " | " << cell(parameter.allowed) << " | "
           << cell(condition_of(parameter) + parameter.meaning) << " |\n";
     out << "\n";
+    for (const Parameter& parameter : section.parameters) write_choices(out, parameter);
   }
 }
 
