@@ -86,7 +86,7 @@ OptionTable<control::MotionLimitOptions> motion_limit_options() {
           "clearance_deviations", "",
           "Number of standard deviations of the estimated shape that are added to the clearance",
           {0, 10}, &Options::clearance_deviations)
-      .number("assumed_deviation", "m",
+      .number("fallback_deviation", "m",
               "Standard deviation of the shape that is assumed where the estimator reports none",
               {0, 0.1}, &Options::untold_deviation)
       .alias("untold_deviation")

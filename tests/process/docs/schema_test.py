@@ -101,8 +101,10 @@ def main():
         for path in sorted(path for pattern in patterns for path in root.glob(pattern)):
             count += 1
             failures += [f"{path.relative_to(root)}: {message}" for message in messages(validators[kind], read(path))]
-            selected = re.search(r"^# yaml-language-server: \$schema=(\S+)$", path.read_text(), re.M)
-            if selected and (path.parent / selected[1]).resolve() != (root / "schema" / f"{kind}.json").resolve():
+            selected = re.match(r"# yaml-language-server: \$schema=(\S+)$", path.read_text(), re.M)
+            if not selected:
+                failures.append(f"{path.relative_to(root)}: its first line selects no schema")
+            elif "share/palpate" not in selected[1] and (path.parent / selected[1]).resolve() != (root / "schema" / f"{kind}.json").resolve():
                 failures.append(f"{path.relative_to(root)}: {selected[1]} is not schema/{kind}.json")
     for kind, name, changes, expected in WRONG:
         found = messages(validators[kind], changed(read(name), changes))
