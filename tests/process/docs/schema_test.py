@@ -27,7 +27,7 @@ WRONG = (
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"control.gain": 1000}, "1000"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"control.gain": "fast"}, "fast"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"control.gian": 1}, "gian"),
-    ("configuration", "rt/config/examples/bar_long_soft.yaml", {"control.sight": "markers"}, "sight"),
+    ("configuration", "rt/config/examples/bar_long_soft.yaml", {"control.limits": {"untold_deviation": 0.01}}, "untold_deviation"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"estimation.component": "pose"}, "pose"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"estimation.fade_ms": 10}, "fade_ms|False"),
     ("configuration", "rt/config/examples/bar_long_soft.yaml", {"loop.lock_memory": "perhaps"}, "perhaps"),
