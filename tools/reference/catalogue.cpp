@@ -232,7 +232,7 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
   return sections;
 }
 
-std::vector<std::string> untold(const std::vector<Section>& sections) {
+std::vector<std::string> undescribed(const std::vector<Section>& sections) {
   std::vector<std::string> names;
   for (const Section& section : sections)
     for (const Parameter& parameter : section.parameters)

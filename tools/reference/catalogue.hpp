@@ -50,6 +50,6 @@ std::vector<Section> all_sections(const std::vector<Declarations>& readings);
 std::vector<Section> merge(const std::vector<Declarations>& readings);
 
 /// "path.name" of every parameter without a description in its declaration.
-std::vector<std::string> untold(const std::vector<Section>& sections);
+std::vector<std::string> undescribed(const std::vector<Section>& sections);
 
 }  // namespace palpate::reference

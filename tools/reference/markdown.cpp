@@ -64,9 +64,9 @@ void write_markdown(std::ostream& out, const std::vector<Section>& sections, int
 bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level) {
   const std::vector<Section> sections = merge(readings);
   write_markdown(out, sections, level);
-  for (const std::string& name : untold(sections))
+  for (const std::string& name : undescribed(sections))
     std::cerr << "error: " << name << " is declared without a description\n";
-  return untold(sections).empty();
+  return undescribed(sections).empty();
 }
 
 }  // namespace palpate::reference

@@ -48,7 +48,7 @@ TEST(Catalogue, TellsWithWhichChoiceAKeyIsRead) {
   EXPECT_TRUE(speed.only_with.empty());
   EXPECT_EQ(speed.defaults, (std::vector<std::string>{"0.25", "0.5"}));
   EXPECT_FALSE(parameter(sections, "parts[]", "limit").required) << "it may be absent";
-  EXPECT_TRUE(untold(sections).empty());
+  EXPECT_TRUE(undescribed(sections).empty());
 }
 
 TEST(Catalogue, NamesWhatNobodyTellsTheMeaningOf) {
@@ -59,7 +59,7 @@ TEST(Catalogue, NamesWhatNobodyTellsTheMeaningOf) {
     root.child({"a", "", "section"}).number("b", {0, 2});
     declarations = list.all();
   }
-  EXPECT_EQ(untold(merge({declarations})), std::vector<std::string>{"a.b"});
+  EXPECT_EQ(undescribed(merge({declarations})), std::vector<std::string>{"a.b"});
 }
 
 TEST(Catalogue, MarkdownKeepsItsTablesWhole) {
