@@ -19,6 +19,11 @@ Json reference_to(const std::string& definition) {
   return {{"$ref", "#/definitions/" + definition}};
 }
 
+/// True for NAME, JOINT, ...: the document gives the names.
+bool is_any_name(const std::string& key) {
+  return std::all_of(key.begin(), key.end(), [](char c) { return c >= 'A' && c <= 'Z'; });
+}
+
 /// Name of the definition of a section: "sensing[].payload" is "sensing.item.payload".
 std::string definition_of(const std::string& path) {
   std::string name;
@@ -163,7 +168,9 @@ class Definitions {
       return {{"anyOf", {number("number", parameter), reference_to("quantity")}}};
     if (type == "section") return child(path, parameter.name);
     if (type == "list of sections")
-      return {{"type", "array"}, {"items", child(path, parameter.name + "[]")}};
+      return {{"type", "array"},
+              {"items",
+               {{"allOf", Json::array({child(path, parameter.name + "[]")})}, {"type", "object"}}}};
     const std::size_t digits = type.find_first_not_of("0123456789");
     return numbers(number("number", parameter), digits == 0 ? 0 : std::stoi(type));
   }
@@ -172,8 +179,12 @@ class Definitions {
     Json schema = type_schema(parameter, path);
     const bool is_section = parameter.type.find("section") != std::string::npos;
     const bool in_list = path.find("[]") != std::string::npos;
-    if ((partial_ && !in_list) || (is_section && !parameter.required)) schema = or_null(schema);
-    if (schema.contains("$ref")) schema = {{"allOf", Json::array({schema})}};
+    const bool is_optional = (partial_ && !in_list) || (is_section && !parameter.required);
+    // The definitions of sections and poses accept null.
+    const bool is_reference = schema.contains("$ref");
+    if (is_reference) schema = {{"allOf", Json::array({schema})}};
+    if (is_reference && is_section && !is_optional) schema["type"] = "object";
+    if (!is_reference && is_optional) schema = or_null(schema);
     std::string text = parameter.meaning;
     if (!parameter.unit.empty()) text += " [" + parameter.unit + "]";
     if (!text.empty()) schema["description"] = text;
@@ -243,7 +254,7 @@ class Definitions {
       const bool always = std::all_of(group.begin(), group.end(),
                                       [](const Parameter* p) { return p->only_with.empty(); });
       const Json schema = always ? group_schema(group, section.path) : Json(true);
-      if (name == "NAME") {
+      if (is_any_name(name)) {
         others = schema;
         continue;
       }
