@@ -248,7 +248,8 @@ class Definitions {
       for (const auto& [choice, values] : parameter.only_with) deciding.insert(choice);
     }
     Json properties = Json::object(), required = Json::array(), branches = Json::array();
-    Json others = false;
+    const bool has_quantities = find(section.path + ".QUANTITY") != nullptr;
+    Json others = has_quantities ? child(section.path, "QUANTITY") : Json(false);
     for (const std::string& name : order) {
       const Group& group = groups[name];
       const bool always = std::all_of(group.begin(), group.end(),
@@ -353,6 +354,19 @@ Json recording(const std::map<std::string, std::vector<Section>>& kinds) {
           {"allOf", branches}};
 }
 
+/// Sections that palpate-fit merges as text, so that no reader declares them: defaults of all
+/// recordings, and what a variant or a fit puts over the sections of the plan.
+void add_merged_sections(Json& definitions) {
+  const Json recording = reference_to("recording"), solver = reference_to("partial.solver"),
+             parameters = reference_to("partial.parameters");
+  for (const std::string plan : {"complete", "partial"}) {
+    definitions[plan]["properties"]["recording"] = recording;
+    definitions[plan + ".variants.item"]["properties"].update(
+        Json{{"recording", recording}, {"solver", solver}, {"parameters", parameters}});
+    definitions[plan + ".fits.item"]["properties"]["parameters"] = parameters;
+  }
+}
+
 }  // namespace
 
 std::string write_schema(const SchemaDocument& document) {
@@ -363,7 +377,10 @@ std::string write_schema(const SchemaDocument& document) {
   definitions.update(Definitions(document.sections, "partial", true).all());
   for (const auto& [kind, sections] : document.recordings)
     definitions.update(Definitions(sections, "recording." + kind, true).all());
-  if (!document.recordings.empty()) definitions["recording"] = recording(document.recordings);
+  if (!document.recordings.empty()) {
+    definitions["recording"] = recording(document.recordings);
+    add_merged_sections(definitions);
+  }
   const Json schema = {{"$schema", "http://json-schema.org/draft-07/schema#"},
                        {"title", document.title},
                        {"if", {{"required", Json::array({"base"})}}},
