@@ -387,7 +387,7 @@ std::string write_schema(const SchemaDocument& document) {
                        {"then", reference_to("partial")},
                        {"else", reference_to("complete")},
                        {"definitions", definitions}};
-  return schema.dump(1) + "\n";
+  return schema.dump() + "\n";
 }
 
 }  // namespace palpate::reference
