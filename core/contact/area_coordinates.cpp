@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::contact {
 
 AreaCoordinates::AreaCoordinates(const mesh::ElementMesh& mesh, const mesh::Surface& surface,
@@ -10,8 +12,8 @@ AreaCoordinates::AreaCoordinates(const mesh::ElementMesh& mesh, const mesh::Surf
     : collision_distance_(options.collision_distance),
       rest_positions_(mesh.nodes),
       triangles_(surface.triangles) {
-  if (!(options.collision_distance > 0))
-    throw std::invalid_argument("collision_distance must be above 0");
+  math::check_option(options.collision_distance > 0, "collision_distance",
+                     options.collision_distance, "above 0");
   if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
   fixed_.reserve(options.fixed_rest_points.size());
   for (const Eigen::Vector3d& point : options.fixed_rest_points)

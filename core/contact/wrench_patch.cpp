@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::contact {
 namespace {
 
@@ -39,17 +41,17 @@ WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& sur
       fixed_(!options.fixed_nodes.empty()),
       rest_positions_(mesh.nodes),
       triangles_(surface.triangles) {
-  if (!(options.radius > 0)) throw std::invalid_argument("radius must be above 0");
-  if (!(options.collision_distance > 0))
-    throw std::invalid_argument("collision_distance must be above 0");
+  math::check_option(options.radius > 0, "radius", options.radius, "above 0");
+  math::check_option(options.collision_distance > 0, "collision_distance",
+                     options.collision_distance, "above 0");
   if (triangles_.cols() == 0) throw std::invalid_argument("the mesh has no surface");
 
   if (fixed_) reference_ = mesh::PointLocator(mesh).locate(options.fixed_reference);
 
   std::vector<bool> members(mesh.node_count(), !fixed_);
   for (const int node : options.fixed_nodes) {
-    if (node < 0 || node >= mesh.node_count())
-      throw std::invalid_argument("fixed_nodes names a node that does not exist");
+    math::check_option(node >= 0 && node < mesh.node_count(), "fixed_nodes", node,
+                       "the nodes of the mesh");
     members[node] = true;
   }
   Eigen::VectorXd shares = pressure_shares(mesh, surface, members);
@@ -60,8 +62,8 @@ WrenchPatch::WrenchPatch(const mesh::ElementMesh& mesh, const mesh::Surface& sur
   const double total = shares.sum();
   for (int node = 0; node < mesh.node_count(); ++node)
     if (shares[node] > 0) candidates_.push_back({node, shares[node] / total, shares[node] / total});
-  if (static_cast<int>(candidates_.size()) < kLeastNodes)
-    throw std::invalid_argument("fixed_nodes must be three or more");
+  math::check_option(static_cast<int>(candidates_.size()) >= kLeastNodes, "fixed_nodes",
+                     candidates_.size(), "three or more on the surface");
   patch_.reserve(candidates_.size());
 }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::control {
 namespace {
 
@@ -43,47 +45,51 @@ MotionLimits::MotionLimits(const MotionLimitOptions& options, std::vector<int> g
                            const elasticity::Body* body)
     : options_(options), grasps_(std::move(grasps)) {
   const auto positive = [](double value, const char* name) {
-    if (!(value > 0 && std::isfinite(value)))
-      throw std::invalid_argument(std::string(name) + " of a motion must be positive");
+    math::check_option(value > 0 && std::isfinite(value), name, value, "above 0");
   };
-  positive(options.linear_speed, "linear speed");
-  positive(options.angular_speed, "angular speed");
-  positive(options.linear_acceleration, "linear acceleration");
-  positive(options.angular_acceleration, "angular acceleration");
-  positive(options.force, "largest force");
-  positive(options.torque, "largest torque");
+  const auto not_negative = [](double value, const char* name) {
+    math::check_option(value >= 0, name, value, "at least 0");
+  };
+  const auto fraction = [](double value, const char* name) {
+    math::check_option(value >= 0 && value < 1, name, value, "0 to below 1");
+  };
+  positive(options.linear_speed, "linear_speed");
+  positive(options.angular_speed, "angular_speed");
+  positive(options.linear_acceleration, "linear_acceleration");
+  positive(options.angular_acceleration, "angular_acceleration");
+  positive(options.force, "force");
+  positive(options.torque, "torque");
   positive(options.damper, "damper");
-  positive(options.slip.friction, "friction");
-  positive(options.slip.lever, "lever of friction");
-  positive(options.slip.width, "width of a pinch");
-  if (!(options.slip.pinch >= 0) || !(options.clearance >= 0) ||
-      !(options.clearance_deviations >= 0) || !(options.fallback_deviation >= 0) ||
-      !(options.pivot >= 0))
-    throw std::invalid_argument("pinch, clearance, its deviations and pivot must not be negative");
-  if (!(options.slip.sticking >= 0 && options.slip.sticking < 1))
-    throw std::invalid_argument("the share of a pinch that sticks must be from 0 to below 1");
+  positive(options.slip.friction, "slip.friction");
+  positive(options.slip.lever, "slip.lever");
+  positive(options.slip.width, "slip.width");
+  not_negative(options.slip.pinch, "slip.pinch");
+  not_negative(options.clearance, "clearance");
+  not_negative(options.clearance_deviations, "clearance_deviations");
+  not_negative(options.fallback_deviation, "fallback_deviation");
+  not_negative(options.pivot, "pivot");
+  fraction(options.slip.sticking, "slip.sticking");
   if (!(options.slip.normal_G.norm() > 1e-6))
     throw std::invalid_argument("the normal of a pinch must not be zero");
   options_.slip.normal_G.normalize();
   if (!(options.workspace_lower.array() < options.workspace_upper.array()).all())
     throw std::invalid_argument("the workspace of a motion is empty");
-  if (options.obstacles.size() > kMostObstacles)
-    throw std::invalid_argument("at most 4 obstacles can be kept away from");
-  for (const Obstacle& obstacle : options.obstacles) positive(obstacle.radius, "obstacle's radius");
-  if (grasps_.empty() || grasps_.size() > 2)
-    throw std::invalid_argument("one or two grasps can move");
+  math::check_option(options.obstacles.size() <= kMostObstacles, "obstacles",
+                     options.obstacles.size(), "at most 4");
+  for (const Obstacle& obstacle : options.obstacles) positive(obstacle.radius, "obstacles.radius");
+  math::check_option(!grasps_.empty() && grasps_.size() <= 2, "grasps", grasps_.size(), "1 or 2");
   options.joints.check();
   if (!options.joints.empty() && grasps_.size() != 1)
     throw std::invalid_argument("joints can be commanded of one arm, not of two at once");
-  if (!(options.stress >= 0) || !std::isfinite(options.stress))
-    throw std::invalid_argument("the largest stress must not be negative");
-  if (options.stretch != 0 && !(options.stretch > 1 && std::isfinite(options.stretch)))
-    throw std::invalid_argument("the largest stretch must be above 1, that of an object at rest");
+  math::check_option(options.stress >= 0 && std::isfinite(options.stress), "stress", options.stress,
+                     "at least 0");
+  math::check_option(
+      options.stretch == 0 || (options.stretch > 1 && std::isfinite(options.stretch)), "stretch",
+      options.stretch, "above 1, or 0 for no limit");
   const bool strains = options.stress > 0 || options.stretch > 0;
   if ((strains || !options.obstacles.empty()) && body == nullptr)
     throw std::invalid_argument("limits of stress and stretch and obstacles need an object");
-  if (!(options.strain_margin >= 0 && options.strain_margin < 1))
-    throw std::invalid_argument("the margin of stress and stretch must be from 0 to below 1");
+  fraction(options.strain_margin, "strain_margin");
   options_.stress *= 1 - options.strain_margin;
   if (options.stretch != 0)
     options_.stretch = 1 + (options.stretch - 1) * (1 - options.strain_margin);

@@ -4,21 +4,19 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::control {
 
 PseudoInverse::PseudoInverse(const Options& options) : options_(options) {
-  if (!(options.length > 0 && options.length < 1e3)) {
-    throw std::invalid_argument("length of the pseudo-inverse must be positive");
-  }
-  if (!(options.damping >= 0 && options.damping < 1)) {
-    throw std::invalid_argument("damping of the pseudo-inverse must lie in [0, 1)");
-  }
-  if (!(options.rank_tolerance >= 1e-6 && options.rank_tolerance < 1)) {
-    throw std::invalid_argument("rank tolerance of the pseudo-inverse must lie in [1e-6, 1)");
-  }
-  if (options.grasps < 1 || options.grasps > 2) {
-    throw std::invalid_argument("the pseudo-inverse moves one grasp or two");
-  }
+  using math::check_option;
+  check_option(options.length > 0 && options.length < 1e3, "characteristic_length", options.length,
+               "above 0 to below 1000");
+  check_option(options.damping >= 0 && options.damping < 1, "damping", options.damping,
+               "0 to below 1");
+  check_option(options.rank_tolerance >= 1e-6 && options.rank_tolerance < 1, "rank_tolerance",
+               options.rank_tolerance, "1e-6 to below 1");
+  check_option(options.grasps >= 1 && options.grasps <= 2, "grasps", options.grasps, "1 or 2");
   V_ = Normal::Identity(columns(), columns());
   lambda_ = Motion::Zero(columns());
   column_scale_ = Motion::Ones(columns());

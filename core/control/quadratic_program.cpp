@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "core/control/control_law.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::control {
 namespace {
@@ -51,8 +52,7 @@ QuadraticProgramLaw::QuadraticProgramLaw(const Options& options, const Limited& 
       limits_(limited.limits, limited.grasps, limited.body),
       program_(limits_.variables()),
       reach_(limits_.variables()) {
-  if (!(limited.smoothness >= 0))
-    throw std::invalid_argument("smoothness of the control law must not be negative");
+  math::check_option(limited.smoothness >= 0, "smoothness", limited.smoothness, "at least 0");
   if (static_cast<int>(limited.grasps.size()) != options.inverse.grasps)
     throw std::invalid_argument("limits speak of other grasps than the control law");
   before_ = PseudoInverse::Motion::Zero(6 * options.inverse.grasps);

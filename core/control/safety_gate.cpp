@@ -5,6 +5,7 @@
 #include <string>
 
 #include "core/control/control_law.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::control {
 namespace {
@@ -39,17 +40,14 @@ Vector3d advance(const Vector3d& centre, const Vector3d& base, const Vector3d& g
 
 SafetyGate::SafetyGate(const GateLimits& limits) : limits_(limits) {
   const auto check = [](double value, const char* name) {
-    if (!(value > 0 && value < 1e6)) {
-      throw std::invalid_argument("gate limit " + std::string(name) +
-                                  " must be positive and finite");
-    }
+    math::check_option(value > 0 && value < 1e6, name, value, "above 0 to below 1e6");
   };
-  check(limits.linear_speed, "linear_speed");
-  check(limits.angular_speed, "angular_speed");
-  check(limits.linear_acceleration, "linear_acceleration");
-  check(limits.angular_acceleration, "angular_acceleration");
-  check(limits.force, "force");
-  check(limits.torque, "torque");
+  check(limits.linear_speed, "gate.linear_speed");
+  check(limits.angular_speed, "gate.angular_speed");
+  check(limits.linear_acceleration, "gate.linear_acceleration");
+  check(limits.angular_acceleration, "gate.angular_acceleration");
+  check(limits.force, "gate.force");
+  check(limits.torque, "gate.torque");
   if (!limits.workspace_lower.allFinite() || !limits.workspace_upper.allFinite() ||
       !(limits.workspace_lower.array() < limits.workspace_upper.array()).all()) {
     throw std::invalid_argument("workspace of the gate is empty or not finite");

@@ -7,6 +7,7 @@
 
 #include "core/math/constants.hpp"
 #include "core/math/dual_quaternion.hpp"
+#include "core/math/option_check.hpp"
 
 namespace palpate::control {
 namespace {
@@ -31,16 +32,15 @@ TwistLawOptions TwistLawOptions::thesis() noexcept {
 TwistLaw::TwistLaw(const Options& options)
     : options_(options), inverse_(options.inverse), dead_band_(options.dead_band) {
   const auto check = [](double value, double least, const char* name) {
-    if (!(value >= least && value < 1e6)) {
-      throw std::invalid_argument(std::string(name) + " of the control law is out of range");
-    }
+    const std::string allowed = "at least " + std::to_string(least) + ", below 1e6";
+    math::check_option(value >= least && value < 1e6, name, value, allowed.c_str());
   };
   check(options.gain, 1e-6, "gain");
-  check(options.linear_speed, 1e-6, "linear speed");
-  check(options.angular_speed, 1e-6, "angular speed");
-  check(options.dead_band.position, 0, "dead band position");
-  check(options.dead_band.angle, 0, "dead band angle");
-  check(options.dead_band.release, 1, "dead band release");
+  check(options.linear_speed, 1e-6, "linear_speed");
+  check(options.angular_speed, 1e-6, "angular_speed");
+  check(options.dead_band.position, 0, "dead_band.position");
+  check(options.dead_band.angle, 0, "dead_band.angle");
+  check(options.dead_band.release, 1, "dead_band.release");
 }
 
 void TwistLaw::configure_for(const shape::Feature& feature) {

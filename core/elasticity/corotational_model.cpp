@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::elasticity {
 namespace {
 
@@ -49,11 +51,16 @@ CorotationalModel::CorotationalModel(Body body, const SolverOptions& options, Me
       factor_(supernodes_, options.panels, team()),
       job_(body_, elements_, supernodes_, options.panels, team()),
       blend_(body_) {
-  if (options.iterations < 1 || options.halvings < 0 || !(options.tolerance > 0) ||
-      !(options.accuracy >= 0) || !(options.time_step > 0) || !(options.turned > 0) ||
-      !(options.contraction > 0) || !(options.budget >= 0) || options.refine < 0) {
-    throw std::invalid_argument("solver options: a value is out of range");
-  }
+  using math::check_option;
+  check_option(options.iterations >= 1, "iterations", options.iterations, "at least 1");
+  check_option(options.halvings >= 0, "halvings", options.halvings, "at least 0");
+  check_option(options.tolerance > 0, "tolerance", options.tolerance, "above 0");
+  check_option(options.accuracy >= 0, "accuracy", options.accuracy, "at least 0");
+  check_option(options.time_step > 0, "time_step", options.time_step, "above 0");
+  check_option(options.turned > 0, "turned", options.turned, "above 0");
+  check_option(options.contraction > 0, "contraction", options.contraction, "above 0");
+  check_option(options.budget >= 0, "budget", options.budget, "at least 0");
+  check_option(options.refine >= 0, "refine", options.refine, "at least 0");
   if (!dynamic_ && options.refine > 0) {
     tangent_.emplace(body_, elements_.materials(), numbering_, options.precision);
   }

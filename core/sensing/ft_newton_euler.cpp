@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::sensing {
 namespace {
 
@@ -53,7 +55,7 @@ FtNewtonEuler::FtNewtonEuler(const Options& options)
       options_(options),
       low_pass_(smoothing(options.cutoff, options.sample_rate)),
       offset_(options.imu_offset_time) {
-  if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
+  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
   if (!(options.max_age > 0) || !(options.imu_max_age > 0))
     throw std::invalid_argument("max_age and imu_max_age must be above 0");
   if (options.imu_offset_time < 0 || options.angular_acceleration_time < 0 ||

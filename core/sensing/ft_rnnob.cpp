@@ -6,6 +6,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::sensing {
 namespace {
 
@@ -87,8 +89,8 @@ FtRnnob::FtRnnob(const Options& options, std::unique_ptr<Executor> executor)
   if (options.outputs.size() != 6) throw std::invalid_argument("outputs must be six");
   for (const int input : options.inputs)
     if (input >= kObserverInputCount) throw std::invalid_argument("there is no such input");
-  if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
-  if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
+  math::check_option(options.max_age > 0, "max_age", options.max_age, "above 0");
   options.domain.check(static_cast<int>(options.inputs.size()));
   if (options.domain.points.cols() > 0 && !options.network_gives_rest)
     throw std::invalid_argument("domain wants a network that gives the rest of a payload");

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::sensing {
 
 FtTareOnly::FtTareOnly(const Options& options)
@@ -10,8 +12,8 @@ FtTareOnly::FtTareOnly(const Options& options)
       options_(options),
       delay_(options.delay),
       average_(options.moving_average) {
-  if (std::abs(options.polarity) != 1) throw std::invalid_argument("polarity must be 1 or -1");
-  if (!(options.max_age > 0)) throw std::invalid_argument("max_age must be above 0");
+  math::check_option(std::abs(options.polarity) == 1, "polarity", options.polarity, "1, -1");
+  math::check_option(options.max_age > 0, "max_age", options.max_age, "above 0");
   if (options.tare_at_start) tare_.start();
 }
 

@@ -2,11 +2,13 @@
 
 #include <stdexcept>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::sensing {
 
 Manual::Manual(const Options& options) : options_(options) {
-  if (!(options.expires_after > 0)) throw std::invalid_argument("expires_after must be above 0");
-  if (!(options.max_force > 0)) throw std::invalid_argument("max_force must be above 0");
+  math::check_option(options.expires_after > 0, "expires_after", options.expires_after, "above 0");
+  math::check_option(options.max_force > 0, "max_force", options.max_force, "above 0");
 }
 
 UpdateResult Manual::update(const Signals& signals, ContactSet& contacts) noexcept {

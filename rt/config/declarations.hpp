@@ -1,9 +1,15 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "rt/config/option.hpp"
+
 namespace palpate::config {
+
+/// Names that a key allows, each with a one-line description ("": none).
+using Choices = std::vector<std::pair<std::string, std::string>>;
 
 /// Configuration parameter as declared by its reader.
 struct Declaration {
@@ -18,6 +24,8 @@ struct Declaration {
   bool required = false;
   bool present = false;  // present in the configuration
   std::string value;     // value read, for a choice
+  Range range = {};      // of a number, or of each of several
+  Choices choices = {};  // of a choice
 };
 
 /// During its lifetime, lists every parameter that this thread reads from any Node, each key of a

@@ -294,6 +294,10 @@ const std::set<std::string>& Document::used(const std::string& path) const {
   return found == used_.end() ? kNone : found->second;
 }
 
+void Document::warn(const std::string& text) {
+  if (std::count(warnings_.begin(), warnings_.end(), text) == 0) warnings_.push_back(text);
+}
+
 std::int64_t Document::hash() const { return math::Fnv1a().add(YAML::Dump(root_)).signed_value(); }
 
 }  // namespace palpate::config

@@ -44,6 +44,10 @@ class Document {
   /// Keys of the mapping at `path` that have been read, present or not.
   const std::set<std::string>& used(const std::string& path) const;
 
+  /// Adds a warning about the document, unless it is known.
+  void warn(const std::string& text);
+  const std::vector<std::string>& warnings() const { return warnings_; }
+
   /// 64-bit FNV-1a hash of the document as emitted in YAML.
   std::int64_t hash() const;
 
@@ -72,6 +76,7 @@ class Document {
   std::map<std::string, Source> sources_;  // source of each key outside lists
   std::vector<Override> overrides_;
   std::map<std::string, std::set<std::string>> used_;
+  std::vector<std::string> warnings_;
 };
 
 /// "a.b" from "a" and "b"; "b" below the root.

@@ -4,9 +4,8 @@ namespace palpate::config {
 
 std::optional<MaterialFile> MaterialFile::read(const Node& object) {
   if (!object.has("material_file")) return std::nullopt;
-  const std::string path =
-      object.path({"material_file", "",
-                   "material that palpate-fit has written; it goes over section material"});
+  const std::string path = object.path(
+      {"material_file", "", "Material file of palpate-fit; overrides section material"});
   MaterialFile file(object, Node::load_file(path));
   if (!file.root_.is_mapping("material") || !file.constants().has("model"))
     object.fail("material_file", path +
@@ -19,12 +18,11 @@ std::string MaterialFile::model() const { return constants().text("model"); }
 
 Node MaterialFile::corotational() const {
   if (!root_.is_mapping("corotational"))
-    holder_.fail(
-        "material_file",
-        holder_.path({"material_file", "",
-                      "material that palpate-fit has written; it goes over section material"}) +
-            " has no section corotational: its recordings did not determine Young's "
-            "modulus");
+    holder_.fail("material_file",
+                 holder_.path({"material_file", "",
+                               "Material file of palpate-fit; overrides section material"}) +
+                     " has no section corotational: its recordings do not "
+                     "determine Young's modulus");
   return root_.child("corotational");
 }
 
@@ -34,8 +32,8 @@ double MaterialFile::constant(const Key& key, Range range, double otherwise) con
 
 Node material_section(const Node& object) {
   return object.has("material_file")
-             ? object.child_or_empty({"material", "", "linear elastic material"})
-             : object.child({"material", "", "linear elastic material"});
+             ? object.child_or_empty({"material", "", "Linear elastic material"})
+             : object.child({"material", "", "Linear elastic material"});
 }
 
 double material_number(const Node& material, const std::optional<Node>& fitted, const Key& key,

@@ -132,6 +132,8 @@ void Node::leave_to_another(const std::string& key) const {
   if (entry.present) mark(mark, entry.value, join(impl_->path, key));
 }
 
+const std::vector<std::string>& Node::warnings() const { return impl_->document->warnings(); }
+
 void Node::fail(const std::string& key, const std::string& what) const {
   impl_->fail(key, key.empty() ? impl_->line : impl_->peek(key).line, what);
 }

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/math/rigid.hpp"
+#include "rt/config/declarations.hpp"
 #include "rt/config/key.hpp"
 #include "rt/config/option.hpp"
 
@@ -51,6 +52,8 @@ class Node {
   std::string choice(const Key& key, const std::vector<std::string>& allowed) const;
   std::string choice(const Key& key, const std::vector<std::string>& allowed,
                      const std::string& otherwise) const;
+  /// The name of a component, one of `known`.
+  std::string component(const Key& key, const Choices& known) const;
   /// A sequence of non-empty texts.
   std::vector<std::string> texts(const Key& key) const;
   /// A sequence of `count` numbers (any count if -1).
@@ -66,15 +69,21 @@ class Node {
   /// A path, relative to the folder of the file that defines it.
   std::string path(const Key& key) const;
 
-  /// The value of a declared option, or its default if the key is absent.
+  /// The value of a declared option, or its default if the key is absent. The key may have a former
+  /// name (Option::aliases), of which warnings() warns; both at once are an error.
   OptionValue value(const Option& option) const;
   /// The options of a component: read by the declarations of `table`.
   template <class Options>
   Options read(const OptionTable<Options>& table) const {
     Options options = table.defaults();
-    for (const auto& entry : table.entries()) entry.assign(options, value(entry.option));
+    for (const auto& entry : table.entries())
+      if (has_value(entry.option)) entry.assign(options, value(entry.option));
     return options;
   }
+
+  /// A line for each key of the document that has been read by its former name, with file, line,
+  /// former and present name.
+  const std::vector<std::string>& warnings() const;
 
   /// Declares a number with a unit ("10 mm") that its reader parses; `otherwise` describes the
   /// meaning of an absent key that is not required.
@@ -109,6 +118,10 @@ class Node {
  private:
   struct Impl;
   explicit Node(std::shared_ptr<Impl> impl);
+  /// False, and declared, for an optional key that is absent.
+  bool has_value(const Option& option) const;
+  /// Name by which the document contains the option: its own, or a former one.
+  std::string given_name(const Option& option) const;
   std::shared_ptr<Impl> impl_;
 };
 

@@ -131,6 +131,7 @@ struct Node::Impl {
     declaration.meaning = key.meaning;
     if (type.find("number") != std::string::npos && !is_unlimited(range))
       declaration.allowed = range_text(range);
+    declaration.range = range;
     declaration.present = entry.present;
     if (entry.present && entry.value.IsScalar()) declaration.value = entry.value.Scalar();
     list->add(declaration);
@@ -141,6 +142,12 @@ struct Node::Impl {
     Entry entry = find(key);
     if (!entry.present) fail(key, entry.line, "is missing; allowed: " + kind);
     return entry;
+  }
+
+  /// Adds a line to the document's warnings.
+  void warn(const std::string& key, const std::string& what) const {
+    const std::string full = join(path, key);
+    document->warn(document->location(full, peek(key).line) + ": " + full + ": " + what);
   }
 
   [[noreturn]] void fail(const std::string& key, int at, const std::string& what) const {

@@ -3,6 +3,31 @@
 #include "rt/config/node_impl.hpp"
 
 namespace palpate::config {
+namespace {
+
+Choices undescribed(const std::vector<std::string>& names) {
+  Choices choices;
+  for (const std::string& name : names) choices.emplace_back(name, "");
+  return choices;
+}
+
+std::string type_name(const Option& option) {
+  switch (option.kind) {
+    case Option::Kind::kNumber:
+      return "number";
+    case Option::Kind::kInteger:
+      return "whole number";
+    case Option::Kind::kFlag:
+      return "flag";
+    case Option::Kind::kChoice:
+      return "one of";
+    case Option::Kind::kNumbers:
+      break;
+  }
+  return std::to_string(option.count) + " numbers";
+}
+
+}  // namespace
 
 double Node::number(const Key& key, Range range) const {
   impl_->declare(key, "number", range).required = true;
@@ -69,6 +94,7 @@ std::string Node::text(const Key& key, const std::string& otherwise) const {
 std::string Node::choice(const Key& key, const std::vector<std::string>& names) const {
   Declaration& declared = impl_->declare(key, "one of");
   declared.allowed = listed(names);
+  declared.choices = undescribed(names);
   declared.required = declared.fallback.empty();
   const Impl::Entry entry = impl_->require(key.name, listed(names));
   const bool known = entry.value.IsScalar() &&
@@ -84,6 +110,7 @@ std::string Node::choice(const Key& key, const std::vector<std::string>& names,
                          const std::string& otherwise) const {
   Declaration& declared = impl_->declare(key, "one of");
   declared.allowed = listed(names);
+  declared.choices = undescribed(names);
   declared.fallback = otherwise;
   if (!declared.present) declared.value = otherwise;
   return impl_->find(key.name).present ? choice(key, names) : otherwise;
@@ -104,27 +131,63 @@ std::vector<std::string> Node::texts(const Key& key) const {
   return texts;
 }
 
-OptionValue Node::value(const Option& option) const {
+std::string Node::component(const Key& key, const Choices& known) const {
+  std::vector<std::string> names;
+  for (const auto& [name, description] : known) names.push_back(name);
+  Declaration& declared = impl_->declare(key, "one of");
+  declared.allowed = listed(names);
+  declared.required = true;
+  declared.choices = known;
+  return choice(key, names);
+}
+
+std::string Node::given_name(const Option& option) const {
+  for (const std::string& former : option.aliases) {
+    if (!has(former)) continue;
+    if (has(option.key))
+      fail(former, "is the former name of '" + option.key + "', which is given as well");
+    return former;
+  }
+  return option.key;
+}
+
+bool Node::has_value(const Option& option) const {
+  if (!option.optional) return true;
   const Key key(option.key, option.unit.c_str(), option.description.c_str());
+  Declaration& declared = impl_->declare(key, type_name(option), option.range);
+  declared.allowed = option.choices.empty() ? declared.allowed : listed(option.choices);
+  declared.choices = undescribed(option.choices);
+  impl_->find(option.key);
+  return has(given_name(option));
+}
+
+OptionValue Node::value(const Option& option) const {
+  Key key(given_name(option), option.unit.c_str(), option.description.c_str());
+  if (key.name != option.key) {
+    key.kind = option.key.c_str();
+    impl_->find(option.key);
+    impl_->warn(key.name, "is the former name of '" + option.key + "': rename it");
+  }
+  const bool given = option.required || (option.optional && has(key.name));
   switch (option.kind) {
     case Option::Kind::kNumber:
-      return option.required ? number(key, option.range)
-                             : number(key, option.range, std::get<double>(option.otherwise));
+      return given ? number(key, option.range)
+                   : number(key, option.range, std::get<double>(option.otherwise));
     case Option::Kind::kInteger:
-      return option.required ? integer(key, option.range)
-                             : integer(key, option.range, std::get<int>(option.otherwise));
+      return given ? integer(key, option.range)
+                   : integer(key, option.range, std::get<int>(option.otherwise));
     case Option::Kind::kFlag:
-      if (option.required && !has(option.key)) fail(option.key, "is missing; allowed: true, false");
+      if (given && !has(key.name)) fail(option.key, "is missing; allowed: true, false");
       return flag(key, std::get<bool>(option.otherwise));
     case Option::Kind::kChoice:
-      return option.required ? choice(key, option.choices)
-                             : choice(key, option.choices, std::get<std::string>(option.otherwise));
+      return given ? choice(key, option.choices)
+                   : choice(key, option.choices, std::get<std::string>(option.otherwise));
     case Option::Kind::kNumbers:
       break;
   }
-  return option.required ? numbers(key, option.count, option.range)
-                         : numbers(key, option.count, option.range,
-                                   std::get<std::vector<double>>(option.otherwise));
+  return given ? numbers(key, option.count, option.range)
+               : numbers(key, option.count, option.range,
+                         std::get<std::vector<double>>(option.otherwise));
 }
 
 std::vector<double> Node::numbers(const Key& key, int count, Range range) const {
@@ -179,7 +242,7 @@ math::Pose Node::pose(const Key& key) const {
       node.fail("quaternion", "norm is not 1; allowed: a unit quaternion [w, x, y, z]");
     }
     if (node.has("rpy_deg"))
-      node.fail("rpy_deg", "given together with quaternion; allowed: one of them");
+      node.fail("rpy_deg", "is given as well as quaternion; allowed: one of them");
     rotation = math::rotation_from_wxyz(wxyz.data());
   } else {
     const Eigen::Vector3d rpy =

@@ -32,6 +32,8 @@ struct Option {
   std::vector<std::string> choices;
   OptionValue otherwise;  // value of an absent key, in `unit`
   bool required = false;  // an absent key is an error
+  bool optional = false;  // an absent key has no value: the member keeps its default
+  std::vector<std::string> aliases = {};  // former names, accepted with a warning
 };
 
 /// The keys of a component and the members of its `Options` that they set. A member is named by a
@@ -40,7 +42,7 @@ struct Option {
 /// key means the member's default.
 ///   OptionTable<Options>()
 ///       .number("fade_ms", "ms", "Time constant ...", {1, 1e4}, &Options::fade, 1e-3)
-///       .flag("is_repaired", "Whether ...", &Options::is_repaired);
+///       .flag("is_repaired", "Repair of ...", &Options::is_repaired);
 template <class Options>
 class OptionTable {
  public:
@@ -150,6 +152,26 @@ class OptionTable {
   /// Makes the option declared last mandatory.
   OptionTable& required() {
     entries_.back().option.required = true;
+    return *this;
+  }
+
+  /// Lets an absent key of the option declared last have no value: the member keeps its default,
+  /// which means that there is none, and the reference shows no default.
+  OptionTable& optional() {
+    entries_.back().option.optional = true;
+    return *this;
+  }
+
+  /// Accepts `former`, the previous name of the option declared last. The reader warns of it; the
+  /// reference and the schema do not show it.
+  OptionTable& alias(std::string former) {
+    entries_.back().option.aliases.push_back(std::move(former));
+    return *this;
+  }
+
+  /// Appends the keys of another table of the same options.
+  OptionTable& part(const OptionTable& table) {
+    entries_.insert(entries_.end(), table.entries_.begin(), table.entries_.end());
     return *this;
   }
 

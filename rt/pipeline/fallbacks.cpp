@@ -2,7 +2,7 @@
 
 #include <initializer_list>
 
-#include "rt/registry/fallback_checks.hpp"
+#include "rt/registry/fallbacks.hpp"
 
 namespace palpate::pipeline {
 namespace {

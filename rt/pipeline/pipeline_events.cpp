@@ -16,6 +16,7 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
   slots_->warm_up();
   fallbacks_ = std::make_unique<Fallbacks>(root, *slots_, room_for_shape());
+  remarks_.insert(remarks_.end(), root.warnings().begin(), root.warnings().end());
   whole_ = {LifeCycle::kInactive, "waits for start"};
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cstring>
 
-#include "rt/registry/fallback_checks.hpp"
+#include "rt/registry/fallbacks.hpp"
 
 namespace palpate::pipeline {
 namespace {

@@ -7,9 +7,8 @@
 
 #include "core/estimation/shape_jump.hpp"
 #include "rt/pipeline/life_cycle.hpp"
-#include "rt/registry/contact_fallback.hpp"
+#include "rt/registry/fallbacks.hpp"
 #include "rt/registry/registry.hpp"
-#include "rt/registry/sensor_fallback.hpp"
 
 namespace palpate::pipeline {
 

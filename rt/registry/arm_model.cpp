@@ -16,7 +16,8 @@ constexpr double kTurn = 2 * math::kPi;
 kinematics::Joint to_joint(const urdf::Joint& from) {
   const bool turns_on = from.type == urdf::Joint::CONTINUOUS;
   if (from.type != urdf::Joint::REVOLUTE && from.type != urdf::Joint::PRISMATIC && !turns_on)
-    throw std::invalid_argument("joint " + from.name + ": is none that turns or slides");
+    throw std::invalid_argument("joint " + from.name +
+                                ": is neither revolute, continuous nor prismatic");
   if (!from.limits) throw std::invalid_argument("joint " + from.name + ": has no limits");
   kinematics::Joint joint;
   joint.name = from.name;
@@ -34,7 +35,7 @@ kinematics::Joint to_joint(const urdf::Joint& from) {
 void read_ends(const config::Node& node, const std::string& key, SerialChain::Joints& ends) {
   if (!node.has(key)) return;
   const std::vector<double> degrees =
-      node.numbers({key, "degrees", "of the joints, in place of those of the URDF"},
+      node.numbers({key, "degrees", "Position limits of the joints, in place of those of the URDF"},
                    static_cast<int>(ends.size()), {-3.6e5, 3.6e5});
   for (int i = 0; i < ends.size(); ++i) ends[i] = degrees[i] * kDegree;
 }
@@ -75,10 +76,10 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
     root.child("second_arm").fail("robot", "joints are commanded of the first arm only");
   if (!root.has("robot")) return nullptr;
   const config::Node node =
-      root.child({"robot", "", "joints of the first arm; needed to command them"});
+      root.child({"robot", "", "Joint model of the first arm; required to command joints"});
   try {
-    const std::string urdf = node.path({"urdf", "", "expanded URDF of the arm"});
-    const std::string flange = node.text({"flange", "", "link of the URDF that is E"}, "flange");
+    const std::string urdf = node.path({"urdf", "", "Expanded URDF file of the arm"});
+    const std::string flange = node.text({"flange", "", "Link of the URDF that is E"}, "flange");
     auto model = std::make_shared<ArmModel>(ArmModel{read_urdf(urdf, flange), {}});
     const SerialChain& chain = model->chain;
     const int n = chain.joint_count();
@@ -93,17 +94,18 @@ std::shared_ptr<const ArmModel> read_arm_model(const config::Node& root) {
     }
     read_ends(node, "joint_lower_deg", limits.lower);
     read_ends(node, "joint_upper_deg", limits.upper);
-    const double margin =
-        node.number({"joint_margin_deg", "degrees", "kept from both ends of every joint"}, {0, 90},
-                    1) *
-        kDegree;
+    const double margin = node.number({"joint_margin_deg", "degrees",
+                                       "Margin from both position limits of every joint"},
+                                      {0, 90}, 1) *
+                          kDegree;
     limits.lower.array() += margin;
     limits.upper.array() -= margin;
     limits.speed *= node.number(
-        {"joint_speed_share", "", "of the speeds in the URDF that are used"}, {0.01, 1}, 1);
+        {"joint_speed_share", "", "Fraction of the speed limits in the URDF that is used"},
+        {0.01, 1}, 1);
     limits.acceleration = SerialChain::Joints::Constant(
-        n,
-        node.number({"joint_acceleration", "rad/s^2", "largest of every joint"}, {0.01, 1e3}, 5));
+        n, node.number({"joint_acceleration", "rad/s^2", "Largest acceleration of every joint"},
+                       {0.01, 1e3}, 5));
     limits.check();
     return model;
   } catch (const std::invalid_argument& error) {

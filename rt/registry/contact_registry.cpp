@@ -1,47 +1,69 @@
 #include "core/contact/area_coordinates.hpp"
 #include "core/contact/wrench_patch.hpp"
-#include "rt/plugin/built_in_names.hpp"
 #include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
-std::unique_ptr<contact::ForceTransformer> make_area_coordinates(const config::Node& node,
-                                                                 const Object& object) {
-  contact::AreaCoordinates::Options options;
-  options.collision_distance = node.number(
-      {"collision_distance", "m", "from the surface, beyond which a contact is refused"}, {0, 10},
-      options.collision_distance);
-  if (node.has("fixed_rest_points"))
-    options.fixed_rest_points = node.points({"fixed_rest_points", "m",
-                                             "rest points in O that always carry the load, in "
-                                             "equal parts: a grasp that does not slide"});
-  return std::make_unique<contact::AreaCoordinates>(object.body.mesh, object.surface, options);
+using config::OptionTable;
+using contact::AreaCoordinates;
+using contact::WrenchPatch;
+
+template <class Options>
+OptionTable<Options> contact_options() {
+  return OptionTable<Options>().number(
+      "collision_distance", "m", "Distance from the surface beyond which a contact is rejected",
+      {0, 10}, &Options::collision_distance);
 }
 
-std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node& node,
-                                                             const Object& object) {
-  contact::WrenchPatch::Options options;
-  options.radius =
-      node.number({"radius", "m", "of the patch; widened where it holds too few nodes"}, {1e-4, 10},
-                  options.radius);
-  options.collision_distance = node.number(
-      {"collision_distance", "m", "from the surface, beyond which a contact is refused"}, {0, 10},
-      options.collision_distance);
-  if (node.flag(
-          {"on_grasp", "",
-           "whether the nodes of the grasp carry the load, wherever the contact is said to be"},
-          false)) {
+std::unique_ptr<contact::ForceTransformer> make_area_coordinates(AreaCoordinates::Options options,
+                                                                 const config::Node& node,
+                                                                 const Context& context) {
+  if (node.has("fixed_rest_points"))
+    options.fixed_rest_points = node.points(
+        {"fixed_rest_points", "m",
+         "Points of the rest shape, in O, that always carry the load in equal parts: a grasp "
+         "without slip"});
+  const Object& object = *context.object;
+  return std::make_unique<AreaCoordinates>(object.body.mesh, object.surface, options);
+}
+
+OptionTable<WrenchPatch::Options> wrench_patch_options() {
+  return contact_options<WrenchPatch::Options>().number(
+      "radius", "m", "Radius of the patch; increased where it contains too few nodes", {1e-4, 10},
+      &WrenchPatch::Options::radius);
+}
+
+std::unique_ptr<contact::ForceTransformer> make_wrench_patch(WrenchPatch::Options options,
+                                                             const config::Node& node,
+                                                             const Context& context) {
+  const Object& object = *context.object;
+  if (node.flag({"on_grasp", "",
+                 "Application of the load to the nodes of the grasp, whatever the reported "
+                 "location"},
+                false)) {
     const int grasp =
-        node.integer({"grasp", "", "which grasp: 0, or 1 of the second hand"}, {0, 1}, 0);
+        node.integer({"grasp", "", "Index of the grasp; 1: that of the second hand"}, {0, 1}, 0);
     const int count = static_cast<int>(object.body.grasps.size());
     if (count == 0) node.fail("on_grasp", "the object has no grasp_box");
-    if (grasp >= count) node.fail("grasp", "the object has no second_grasp_box");
+    if (grasp >= count)
+      node.fail("grasp", std::to_string(grasp) + ": the object has no second_grasp_box");
     options.fixed_nodes = object.body.grasps[grasp].nodes;
     options.fixed_reference = object.body.grasps[grasp].X_OG_rest.translation();
   }
-  return std::make_unique<contact::WrenchPatch>(object.body.mesh, object.surface, options);
+  return std::make_unique<WrenchPatch>(object.body.mesh, object.surface, options);
+}
+
+const Slot<contact::ForceTransformer>& transformers() {
+  static const auto slot =
+      Slot<contact::ForceTransformer>()
+          .add("area_coordinates", "Load on the nodes of the nearest triangle of the surface",
+               contact_options<AreaCoordinates::Options>(), make_area_coordinates)
+          .add("wrench_patch", "Wrench spread over the nodes of a patch", wrench_patch_options(),
+               make_wrench_patch);
+  return slot;
 }
 
 }  // namespace
@@ -49,18 +71,12 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node&
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
                                                                   const Context& context) {
   const auto& plugins = plugins_of(context).force_transformers;
-  const std::string name = node.choice(
-      {"component", "", "how a wrench at a place becomes loads of nodes"},
-      plugin::with_plugins({plugin::kForceTransformers.begin(), plugin::kForceTransformers.end()},
-                           plugins));
+  const std::string name = transformers().name(
+      node, {"component", "", "Method that converts a wrench at a location into loads of nodes"},
+      plugin::with_plugins(std::vector<std::string>(), plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
     return make_plugin(*entry, node, context);
-  try {
-    return name == "area_coordinates" ? make_area_coordinates(node, *context.object)
-                                      : make_wrench_patch(node, *context.object);
-  } catch (const std::invalid_argument& error) {
-    node.fail("", error.what());
-  }
+  return transformers().make(name, "", node, context);
 }
 
 }  // namespace palpate::registry

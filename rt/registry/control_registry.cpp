@@ -1,124 +1,148 @@
-#include <algorithm>
-
 #include "core/control/jacobian_providers.hpp"
 #include "core/control/quadratic_program.hpp"
 #include "core/control/twist_law.hpp"
 #include "core/math/constants.hpp"
-#include "rt/plugin/built_in_names.hpp"
+#include "rt/registry/box.hpp"
 #include "rt/registry/plugin_registry.hpp"
 #include "rt/registry/published_control_registry.hpp"
 #include "rt/registry/registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
+using config::OptionTable;
+using control::QuadraticProgramLaw;
+using control::TwistLawOptions;
 using math::kDegree;
+using published_control::MarkerObserver;
 
-control::TwistLawOptions read_twist_law(const config::Node& node) {
-  control::TwistLawOptions options;
-  if (node.choice(
-          {"preset", "", "thesis: 0.25 1/s, 1 m/s, 0.5 rad/s, dead band of 5 mm and 1 degree"},
-          {"palpate", "thesis"}, "palpate") == "thesis") {
-    options = control::TwistLawOptions::thesis();
-  }
-  options.gain = node.number({"gain", "1/s", "share of the error that is made up for in a second"},
-                             {1e-3, 50}, options.gain);
-  options.linear_speed = node.number({"linear_speed", "m/s", "largest of the origin of G"},
-                                     {1e-4, 10}, options.linear_speed);
-  options.angular_speed =
-      node.number({"angular_speed", "rad/s", "largest of G"}, {1e-4, 10}, options.angular_speed);
-  control::DeadBand::Options& band = options.dead_band;
-  band.position =
-      node.number({"dead_band_mm", "mm", "error of positions within which the hand rests"},
-                  {0, 1000}, band.position * 1e3) *
-      1e-3;
-  band.angle =
-      node.number({"dead_band_deg", "degrees", "error of angles within which the hand rests"},
-                  {0, 180}, band.angle / kDegree) *
-      kDegree;
-  options.inverse.length = node.number(
-      {"characteristic_length", "m", "a rotation by 1 rad weighs as much as this displacement"},
-      {1e-3, 10}, options.inverse.length);
+constexpr config::Range kAnywhere{-100, 100};  // m
+
+OptionTable<control::DeadBand::Options> dead_band_options(
+    const control::DeadBand::Options& defaults) {
+  using Options = control::DeadBand::Options;
+  return OptionTable<Options>(defaults)
+      .number("dead_band_mm", "mm", "Position error within which the hand rests", {0, 1000},
+              &Options::position, 1e-3)
+      .number("dead_band_deg", "degrees", "Angle error within which the hand rests", {0, 180},
+              &Options::angle, kDegree);
+}
+
+OptionTable<TwistLawOptions> twist_law_options(const TwistLawOptions& defaults) {
+  using Options = TwistLawOptions;
+  return OptionTable<Options>(defaults)
+      .number("gain", "1/s", "Fraction of the error that is corrected per second", {1e-3, 50},
+              &Options::gain)
+      .number("linear_speed", "m/s", "Largest speed of the origin of G", {1e-4, 10},
+              &Options::linear_speed)
+      .number("angular_speed", "rad/s", "Largest angular speed of G", {1e-4, 10},
+              &Options::angular_speed)
+      .part(dead_band_options(defaults.dead_band), &Options::dead_band)
+      .number(
+          "characteristic_length", "m",
+          "Displacement that has the same weight as a rotation by 1 rad", {1e-3, 10},
+          [](auto& options) -> auto& { return options.inverse.length; });
+}
+
+TwistLawOptions read_twist_law(const config::Node& node, MovingArms moving) {
+  const std::string preset =
+      node.choice({"preset", "",
+                   "Set of default values; thesis: 0.25 1/s, 1 m/s, 0.5 rad/s, dead band of 5 mm "
+                   "and 1 degree"},
+                  {"palpate", "thesis"}, "palpate");
+  TwistLawOptions options = node.read(
+      twist_law_options(preset == "thesis" ? TwistLawOptions::thesis() : TwistLawOptions()));
+  if (moving == MovingArms::kBoth) options.inverse.grasps = 2;
   return options;
 }
 
-control::Obstacle read_obstacle(const config::Node& node) {
-  control::Obstacle obstacle;
-  obstacle.center_O = node.vector3(
-      {"center", "m", "of a sphere that the object stays clear of, in O"}, {-100, 100});
-  obstacle.radius = node.number({"radius", "m", "of the sphere"}, {1e-4, 100});
-  return obstacle;
+OptionTable<control::MotionLimitOptions> motion_limit_options() {
+  using Options = control::MotionLimitOptions;
+  return OptionTable<Options>()
+      .number("linear_acceleration", "m/s^2", "Largest acceleration of the origin of G",
+              {1e-3, 100}, &Options::linear_acceleration)
+      .number("angular_acceleration", "rad/s^2", "Largest angular acceleration of G", {1e-3, 100},
+              &Options::angular_acceleration)
+      .number("force", "N", "Largest component of the force of a grasp", {1e-3, 1e4},
+              &Options::force)
+      .number("torque", "N m", "Largest component of the torque of a grasp", {1e-4, 1e4},
+              &Options::torque)
+      .number("stress", "Pa",
+              "Largest von Mises stress of the most loaded elements; absent: no limit", {1, 1e9},
+              &Options::stress)
+      .optional()
+      .number("stretch", "",
+              "Largest principal stretch of the most loaded elements; absent: no limit",
+              {1.001, 10}, &Options::stretch)
+      .optional()
+      .number("strain_margin", "",
+              "Margin for estimation errors, as a fraction of the limits of stress and stretch",
+              {0, 0.9}, &Options::strain_margin)
+      .number("clearance", "m", "Distance kept from obstacles", {0, 1}, &Options::clearance)
+      .number(
+          "clearance_deviations", "",
+          "Number of standard deviations of the estimated shape that are added to the clearance",
+          {0, 10}, &Options::clearance_deviations)
+      .number("fallback_deviation", "m",
+              "Standard deviation of the shape that is assumed where the estimator reports none",
+              {0, 0.1}, &Options::fallback_deviation)
+      .alias("untold_deviation")
+      .number("damper", "1/s",
+              "Fraction of the remaining distance per second with which a limit is approached at "
+              "most",
+              {0.01, 1e3}, &Options::damper)
+      .number("pivot", "",
+              "Fraction of the first smallest pivot of the stiffness below which motion slows "
+              "down, because the object is near buckling",
+              {0, 1}, &Options::pivot);
+}
+
+OptionTable<control::SlipCone> slip_options() {
+  using Options = control::SlipCone;
+  return OptionTable<Options>()
+      .number("pinch", "N", "Force with which the fingers press the object", {0, 1e4},
+              &Options::pinch)
+      .required()
+      .number("friction", "", "Coulomb friction coefficient", {1e-3, 10}, &Options::friction)
+      .number("lever", "m",
+              "Lever arm of the friction against rotation about the normal: two thirds of the "
+              "radius of a round patch",
+              {1e-4, 1}, &Options::lever)
+      .number("width", "m", "Distance from finger to finger", {1e-3, 10}, &Options::width)
+      .number("sticking", "",
+              "Fraction of the patch that must not slip; the remaining friction bears the load",
+              {0, 0.99}, &Options::sticking)
+      .vector3("normal", "", "Direction in which the fingers press, in G", {-1, 1},
+               &Options::normal_G)
+      .required();
+}
+
+OptionTable<control::Obstacle> obstacle_options() {
+  using Options = control::Obstacle;
+  return OptionTable<Options>()
+      .vector3("center", "m", "Centre of a sphere that the object must not touch, in O", kAnywhere,
+               &Options::center_O)
+      .required()
+      .number("radius", "m", "Radius of the sphere", {1e-4, 100}, &Options::radius)
+      .required();
 }
 
 control::MotionLimitOptions read_motion_limits(const config::Node& node) {
-  control::MotionLimitOptions limits;
-  limits.linear_acceleration =
-      node.number({"linear_acceleration", "m/s^2", "largest of the origin of G"}, {1e-3, 100},
-                  limits.linear_acceleration);
-  limits.angular_acceleration = node.number({"angular_acceleration", "rad/s^2", "largest of G"},
-                                            {1e-3, 100}, limits.angular_acceleration);
-  limits.force = node.number({"force", "N", "largest of each component of the wrench of a grasp"},
-                             {1e-3, 1e4}, limits.force);
-  limits.torque =
-      node.number({"torque", "N m", "largest of each component"}, {1e-4, 1e4}, limits.torque);
-  if (node.has("stress"))
-    limits.stress = node.number(
-        {"stress", "Pa", "largest von Mises stress of the worst elements; absent: no limit"},
-        {1, 1e9});
-  if (node.has("stretch"))
-    limits.stretch = node.number(
-        {"stretch", "", "largest principal stretch of these; absent: no limit"}, {1.001, 10});
-  limits.strain_margin = node.number({"strain_margin", "",
-                                      "share of the limits of stress and stretch that is left free "
-                                      "for what the estimate does not know"},
-                                     {0, 0.9}, limits.strain_margin);
-  limits.clearance =
-      node.number({"clearance", "m", "kept from obstacles"}, {0, 1}, limits.clearance);
-  limits.clearance_deviations =
-      node.number({"clearance_deviations", "",
-                   "standard deviations of the estimated shape that are kept beside the clearance"},
-                  {0, 10}, limits.clearance_deviations);
-  limits.fallback_deviation =
-      node.number({"untold_deviation", "m",
-                   "what such a deviation is taken to be where the estimation tells none"},
-                  {0, 0.1}, limits.fallback_deviation);
-  limits.damper = node.number(
-      {"damper", "1/s", "a limit is approached no faster than by this share of what is left"},
-      {0.01, 1e3}, limits.damper);
-  limits.pivot = node.number({"pivot", "",
-                              "share of the first smallest pivot of the stiffness below which "
-                              "motion slows down, since the object nears buckling"},
-                             {0, 1}, limits.pivot);
-  if (node.has("slip")) {
-    const config::Node slip = node.child(
-        {"slip", "", "grip of the hand, beyond which the object would slip; absent: it cannot"});
-    limits.slip.pinch =
-        slip.number({"pinch", "N", "with which the fingers press the object"}, {0, 1e4});
-    limits.slip.friction =
-        slip.number({"friction", "", "of Coulomb"}, {1e-3, 10}, limits.slip.friction);
-    limits.slip.lever =
-        slip.number({"lever", "m",
-                     "of the friction against turning about the normal: two thirds of the radius "
-                     "of a round patch"},
-                    {1e-4, 1}, limits.slip.lever);
-    limits.slip.width =
-        slip.number({"width", "m", "from finger to finger"}, {1e-3, 10}, limits.slip.width);
-    limits.slip.sticking = slip.number(
-        {"sticking", "",
-         "share of the patch that must not slip, which leaves the rest of what friction "
-         "bears for the load"},
-        {0, 0.99}, limits.slip.sticking);
-    limits.slip.normal_G =
-        slip.vector3({"normal", "", "in which the fingers press, in G"}, {-1, 1});
-  }
+  control::MotionLimitOptions limits = node.read(motion_limit_options());
+  if (node.has("slip"))
+    limits.slip = node.child({"slip", "",
+                              "Grip of the hand, beyond which the object would slip; absent: slip "
+                              "is not modelled"})
+                      .read(slip_options());
   if (node.has("workspace")) {
-    const config::Node workspace =
-        node.child({"workspace", "", "box that the origin of G stays in"});
-    limits.workspace_lower = workspace.vector3({"lower", "m", "lowest corner, in O"}, {-100, 100});
-    limits.workspace_upper = workspace.vector3({"upper", "m", "highest corner, in O"}, {-100, 100});
+    const Box box = node.child({"workspace", "", "Box in which the origin of G stays"})
+                        .read(box_options("in O", kAnywhere));
+    limits.workspace_lower = box.lower;
+    limits.workspace_upper = box.upper;
   }
-  for (const config::Node& obstacle : node.list({"obstacles", "", "spheres"}))
-    limits.obstacles.push_back(read_obstacle(obstacle));
+  for (const config::Node& obstacle : node.list({"obstacles", "", "Spheres to be avoided"}))
+    limits.obstacles.push_back(obstacle.read(obstacle_options()));
   return limits;
 }
 
@@ -128,40 +152,94 @@ control::FlangeBox flange_box(const Frames& frames, const control::GateLimits& g
 }
 
 std::unique_ptr<control::ControlLaw> make_quadratic_program(const config::Node& node,
-                                                            const control::TwistLawOptions& options,
                                                             const Context& context,
                                                             MovingArms moving) {
-  control::QuadraticProgramLaw::Limited limited;
+  const TwistLawOptions options = read_twist_law(node, moving);
+  QuadraticProgramLaw::Limited limited =
+      node.read(OptionTable<QuadraticProgramLaw::Limited>().number(
+          "smoothness", "", "Weight of the change of the command relative to that of the error",
+          {0, 1e3}, &QuadraticProgramLaw::Limited::smoothness));
   limited.body = &context.object->body;
   limited.limits = read_motion_limits(
-      node.child_or_empty({"limits", "", "limits that the law quadratic_program keeps"}));
+      node.child_or_empty({"limits", "", "Limits that the law quadratic_program enforces"}));
   limited.limits.linear_speed = options.linear_speed;
   limited.limits.angular_speed = options.angular_speed;
   limited.limits.flange[0] = flange_box(context.frames, context.gate[0]);
   if (context.second_frames)
     limited.limits.flange[1] = flange_box(*context.second_frames, context.gate[1]);
-  limited.smoothness = node.number(
-      {"smoothness", "", "weight of the change of the command against that of the error"}, {0, 1e3},
-      limited.smoothness);
   if (read_commands_joints(node, context)) limited.limits.joints = context.arm_model->limits;
   if (moving == MovingArms::kSecond) limited.grasps = {1};
   if (moving == MovingArms::kBoth) limited.grasps = {0, 1};
-  return std::make_unique<control::QuadraticProgramLaw>(options, limited);
+  return std::make_unique<QuadraticProgramLaw>(options, limited);
 }
+
+template <class Law>
+std::unique_ptr<control::ControlLaw> make_twist_law(const config::Node& node, const Context&,
+                                                    MovingArms moving) {
+  return std::make_unique<Law>(read_twist_law(node, moving));
+}
+
+const Slot<control::ControlLaw, MovingArms>& laws() {
+  static const auto slot =
+      Slot<control::ControlLaw, MovingArms>()
+          .add("proportional_twist", "Twist proportional to the error of the feature",
+               make_twist_law<control::ProportionalTwist>)
+          .add("dual_quaternion", "Twist along the screw motion that corrects a pose",
+               make_twist_law<control::DualQuaternion>)
+          .add("quadratic_program", "Twist or joint velocities that keep limits",
+               make_quadratic_program);
+  return slot;
+}
+
+std::unique_ptr<control::JacobianProvider> make_fem_jacobian(const config::Node& node,
+                                                             const Context& context,
+                                                             shape::Feature&) {
+  const MovingArms moving = read_moving_arms(node, context);
+  control::FemJacobian::Options options;
+  options.grasp = moving == MovingArms::kSecond ? 1 : 0;
+  options.both = moving == MovingArms::kBoth;
+  return std::make_unique<control::FemJacobian>(options);
+}
+
+std::unique_ptr<control::JacobianProvider> make_kinematic_jacobian(const config::Node& node,
+                                                                   const Context& context,
+                                                                   shape::Feature&) {
+  if (read_moving_arms(node, context) == MovingArms::kBoth)
+    node.fail("provider", "kinematic models one hand, which carries the feature; use fem");
+  return std::make_unique<control::KinematicJacobian>();
+}
+
+const Slot<control::JacobianProvider, shape::Feature&>& providers() {
+  static const auto slot = [] {
+    Slot<control::JacobianProvider, shape::Feature&> known;
+    known.add("fem", "Jacobian from the mechanics of the object", make_fem_jacobian)
+        .add("kinematic", "Jacobian of a feature that is rigid with the hand",
+             make_kinematic_jacobian);
+    for (const std::string& name : published_providers())
+      known.add(name, "Published method, for comparison",
+                [name](const config::Node& node, const Context& context, shape::Feature& feature) {
+                  return make_published_provider(name, node, context, feature);
+                });
+    return known;
+  }();
+  return slot;
+}
+
+constexpr const char* kLaw = "Control law, which converts the error of the feature into a motion";
 
 }  // namespace
 
 MovingArms read_moving_arms(const config::Node& control, const Context& context) {
-  const std::string arms = control.choice({"moves", "", "arms that the controller moves"},
+  const std::string arms = control.choice({"moves", "", "Arms that the controller moves"},
                                           {"first", "second", "both"}, "first");
   if (arms == "first") return MovingArms::kFirst;
-  if (!context.second_frames) control.fail("moves", "there is no section second_arm");
+  if (!context.second_frames) control.fail("moves", arms + ": there is no section second_arm");
   return arms == "second" ? MovingArms::kSecond : MovingArms::kBoth;
 }
 
 bool read_commands_joints(const config::Node& control, const Context& context) {
   if (control.choice({"command", "",
-                      "what is published: the twist of the flange, or velocities of joints (law "
+                      "Published command: the twist of the flange, or joint velocities (law "
                       "quadratic_program, section robot)"},
                      {"twist", "joint_velocity"}, "twist") == "twist")
     return false;
@@ -169,7 +247,7 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
     control.fail("command", "joint_velocity needs the arm's joints: section robot with key urdf");
   if (read_moving_arms(control, context) != MovingArms::kFirst)
     control.fail("command", "joint_velocity moves the first arm only; see moves");
-  if (control.text({"law", "", "what makes a motion of the error"}) != "quadratic_program")
+  if (control.text({"law", "", kLaw}) != "quadratic_program")
     control.fail("command", "joint_velocity needs the law quadratic_program");
   return true;
 }
@@ -177,93 +255,93 @@ bool read_commands_joints(const config::Node& control, const Context& context) {
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context,
                                                                   shape::Feature& feature) {
-  const MovingArms moving = read_moving_arms(node, context);
-  std::vector<std::string> names = {plugin::kJacobianProviders.begin(),
-                                    plugin::kJacobianProviders.end()};
-  const std::vector<std::string>& published = published_providers();
-  names.insert(names.end(), published.begin(), published.end());
+  read_moving_arms(node, context);  // an error also where the provider does not use it
   const auto& plugins = plugins_of(context).jacobian_providers;
-  const std::string name = node.choice(
-      {"provider", "",
-       "of the Jacobian: by the mechanics, as if the feature were rigid with the hand, or that of "
-       "a published method beside which palpate is measured"},
-      plugin::with_plugins(names, plugins));
+  const std::string name =
+      providers().name(node, {"provider", "", "Method that provides the feature's Jacobian"},
+                       plugin::with_plugins(std::vector<std::string>(), plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
     return make_plugin(*entry, node, context);
-  if (std::find(published.begin(), published.end(), name) != published.end())
-    return make_published_provider(name, node, context, feature);
-  if (name == "kinematic") {
-    if (moving == MovingArms::kBoth)
-      node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");
-    return std::make_unique<control::KinematicJacobian>();
-  }
-  control::FemJacobian::Options options;
-  options.grasp = moving == MovingArms::kSecond ? 1 : 0;
-  options.both = moving == MovingArms::kBoth;
-  return std::make_unique<control::FemJacobian>(options);
+  return providers().make(name, "provider", node, context, feature);
 }
 
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature) {
   const auto& plugins = plugins_of(context).control_laws;
-  const std::string name = node.choice(
-      {"law", "", "what makes a motion of the error"},
-      plugin::with_plugins({plugin::kControlLaws.begin(), plugin::kControlLaws.end()}, plugins));
-  if (const auto* entry = plugin::find_plugin(plugins, name)) {
-    std::unique_ptr<control::ControlLaw> own = make_plugin(*entry, node, context);
-    try {
-      own->configure_for(feature);
-    } catch (const std::invalid_argument& error) {
-      node.fail("law", name + ": " + error.what());
-    }
-    return own;
-  }
-  control::TwistLawOptions options = read_twist_law(node);
-  const MovingArms moving = read_moving_arms(node, context);
-  if (moving == MovingArms::kBoth) options.inverse.grasps = 2;
-  std::unique_ptr<control::ControlLaw> law;
+  const std::string name = laws().name(node, {"law", "", kLaw},
+                                       plugin::with_plugins(std::vector<std::string>(), plugins));
+  const auto* entry = plugin::find_plugin(plugins, name);
+  std::unique_ptr<control::ControlLaw> law =
+      entry != nullptr ? make_plugin(*entry, node, context)
+                       : laws().make(name, "law", node, context, read_moving_arms(node, context));
   try {
-    if (name == "dual_quaternion") {
-      law = std::make_unique<control::DualQuaternion>(options);
-    } else if (name == "quadratic_program") {
-      law = make_quadratic_program(node, options, context, moving);
-    } else {
-      law = std::make_unique<control::ProportionalTwist>(options);
-    }
     law->configure_for(feature);
   } catch (const std::invalid_argument& error) {
-    node.fail("law", error.what());
+    node.fail("law", name + ": " + error.what());
   }
   return law;
 }
 
+std::unique_ptr<MarkerObserver> make_marker_observer(const config::Node& node,
+                                                     const Context& context,
+                                                     const shape::Feature& feature) {
+  enum class Vision { kNone, kMarkers, kMarkersAndModel };
+  struct Choice {
+    Vision vision = Vision::kNone;
+  };
+  const Vision vision =
+      node.read(OptionTable<Choice>()
+                    .choice<Vision>("vision",
+                                    "Source of the feature's value: the model, tracked markers, or "
+                                    "markers and the model while they are hidden",
+                                    {{"none", Vision::kNone},
+                                     {"markers", Vision::kMarkers},
+                                     {"markers_and_model", Vision::kMarkersAndModel}},
+                                    &Choice::vision)
+                    .alias("sight"))
+          .vision;
+  if (vision == Vision::kNone) return nullptr;
+  using Options = MarkerObserver::Options;
+  Options options =
+      node.read(OptionTable<Options>()
+                    .number("vision_timeout", "s",
+                            "Time without a message of markers after which vision is lost",
+                            {0.001, 100}, &Options::patience)
+                    .alias("sight_patience"));
+  if (vision == Vision::kMarkersAndModel) options.kind = MarkerObserver::Kind::kOffset;
+  return std::make_unique<MarkerObserver>(context.object->body.mesh, feature.rest_points(),
+                                          options);
+}
+
 control::GateLimits read_gate_limits(const config::Node& root,
                                      const control::GateLimits& otherwise) {
+  using Limits = control::GateLimits;
   const config::Node node = root.child_or_empty(
-      {"gate", "", "last limits before the robot; in second_arm those of the second"});
-  control::GateLimits limits = otherwise;
-  limits.linear_speed = node.number({"linear_speed", "m/s", "largest of the origin of E"},
-                                    {1e-4, 10}, limits.linear_speed);
-  limits.angular_speed =
-      node.number({"angular_speed", "rad/s", "largest of E"}, {1e-4, 10}, limits.angular_speed);
-  limits.linear_acceleration =
-      node.number({"linear_acceleration", "m/s^2", "largest of the origin of E"}, {1e-3, 100},
-                  limits.linear_acceleration);
-  limits.angular_acceleration = node.number({"angular_acceleration", "rad/s^2", "largest of E"},
-                                            {1e-3, 100}, limits.angular_acceleration);
-  limits.force = node.number({"force", "N", "contact force above which the hand is stopped"},
-                             {0.01, 1e4}, limits.force);
-  limits.torque = node.number({"torque", "N m", "contact torque above which the hand is stopped"},
-                              {0.01, 1e3}, limits.torque);
+      {"gate", "", "Last limits before the robot; in second_arm those of the second arm"});
+  Limits limits = node.read(
+      OptionTable<Limits>(otherwise)
+          .number("linear_speed", "m/s", "Largest speed of the origin of E", {1e-4, 10},
+                  &Limits::linear_speed)
+          .number("angular_speed", "rad/s", "Largest angular speed of E", {1e-4, 10},
+                  &Limits::angular_speed)
+          .number("linear_acceleration", "m/s^2", "Largest acceleration of the origin of E",
+                  {1e-3, 100}, &Limits::linear_acceleration)
+          .number("angular_acceleration", "rad/s^2", "Largest angular acceleration of E",
+                  {1e-3, 100}, &Limits::angular_acceleration)
+          .number("force", "N", "Contact force above which the hand is stopped", {0.01, 1e4},
+                  &Limits::force)
+          .number("torque", "N m", "Contact torque above which the hand is stopped", {0.01, 1e3},
+                  &Limits::torque));
   if (node.has("workspace")) {
     const config::Node workspace =
-        node.child({"workspace", "", "box that the origin of E stays in"});
-    limits.workspace_lower = workspace.vector3({"lower", "m", "lowest corner, in W"}, {-100, 100});
-    limits.workspace_upper = workspace.vector3({"upper", "m", "highest corner, in W"}, {-100, 100});
-    if (!(limits.workspace_lower.array() < limits.workspace_upper.array()).all()) {
-      workspace.fail("upper", "must be above lower on every axis");
-    }
+        node.child({"workspace", "", "Box in which the origin of E stays"});
+    const Box box = workspace.read(box_options("in W", kAnywhere));
+    if (!(box.lower.array() < box.upper.array()).all())
+      workspace.fail("upper", workspace.dump("upper") + ": must be above lower on every axis, " +
+                                  workspace.dump("lower"));
+    limits.workspace_lower = box.lower;
+    limits.workspace_upper = box.upper;
   }
   return limits;
 }

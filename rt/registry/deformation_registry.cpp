@@ -7,130 +7,155 @@
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
 #include "rt/registry/registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
+using config::OptionTable;
 using Model = std::unique_ptr<elasticity::DeformationModel>;
 
-/// `threads`: number of threads that share a step, including the loop's; null for one. The others
-/// get `threads_fifo_priority`, which should equal the loop's. If it is rejected, so is the loop's,
-/// and the daemon reports it.
-std::shared_ptr<math::Team> make_team(const config::Node& node) {
-  loop::SpinTeamOptions options;
-  options.size = node.integer(
-      {"threads", "", "that share a step, the one of the loop among them; each takes a processor"},
-      {1, 8}, 1);
-  options.fifo_priority = node.integer(
-      {"threads_fifo_priority", "", "SCHED_FIFO priority of the others; best that of the loop"},
-      {0, 98}, 0);
-  if (options.size == 1) return nullptr;
-  return std::make_shared<loop::SpinTeam>(options);
+template <class Options>
+OptionTable<Options> iterations(const std::string& description, double most) {
+  return OptionTable<Options>().integer("iterations", description, {1, most}, &Options::iterations);
 }
 
-Model make_corotational(const config::Node& node, const std::string& name, const Context& context) {
-  const std::string integrator = node.choice(
-      {"integrator", "",
-       "thesis2018 reproduces the printed figures of the thesis, in corotational_dynamic alone"},
-      {"backward_euler", "thesis2018"}, "backward_euler");
+template <class Options>
+OptionTable<Options> tolerance() {
+  return OptionTable<Options>().number(
+      "tolerance", "N", "Largest unbalanced force of a node at which a step ends early", {1e-12, 1},
+      &Options::tolerance);
+}
+
+template <class Options>
+OptionTable<Options> accuracy() {
+  return OptionTable<Options>().number(
+      "accuracy", "m",
+      "Displacement of a node below which a further correction is omitted and the step ends",
+      {0, 1e-3}, &Options::accuracy);
+}
+
+OptionTable<elasticity::SolverOptions> solver_options() {
+  using Options = elasticity::SolverOptions;
+  return iterations<Options>("Largest number of quasi-Newton corrections in a step", 50)
+      .part(tolerance<Options>())
+      .part(accuracy<Options>())
+      .choice<elasticity::Precision>(
+          "precision", "Precision of the arithmetic inside elements",
+          {{"double", elasticity::Precision::kDouble}, {"single", elasticity::Precision::kSingle}},
+          &Options::precision)
+      .choice<factor::PanelPrecision>(
+          "panels", "Precision of the stored factor",
+          {{"single", factor::PanelPrecision::kSingle}, {"half", factor::PanelPrecision::kHalf}},
+          &Options::panels)
+      .integer("refine",
+               "Number of columns of the sensitivity that a quasi-static step corrects as well; "
+               "6: all once, 12: all twice",
+               {0, 12}, &Options::refine)
+      .flag("confirm", "Evaluation of the forces after a correction that is expected to end a step",
+            &Options::confirm)
+      // A step that exceeds its time budget keeps the last valid shape, which is reported. Because
+      // the timing depends on the machine, runs with a budget are not bitwise reproducible.
+      .number("budget", "s",
+              "Duration after which a step keeps the last valid shape, which is then reported as "
+              "old; 0: unlimited",
+              {0, 1}, &Options::budget);
+}
+
+/// The other threads should have the loop's priority. If it is rejected, so is the loop's, and the
+/// daemon reports it.
+OptionTable<loop::SpinTeamOptions> team_options() {
+  loop::SpinTeamOptions alone;
+  alone.size = 1;
+  return OptionTable<loop::SpinTeamOptions>(alone)
+      .integer("threads",
+               "Number of threads that share a step, including the loop's; each needs a processor",
+               {1, 8}, &loop::SpinTeamOptions::size)
+      .integer("threads_fifo_priority",
+               "SCHED_FIFO priority of the other threads; should equal the loop's", {0, 98},
+               &loop::SpinTeamOptions::fifo_priority);
+}
+
+template <class Corotational>
+Model make_corotational(const config::Node& node, const Context& context) {
+  constexpr bool kDynamic = std::is_same_v<Corotational, elasticity::CorotationalDynamic>;
   const elasticity::Body& body = context.object->body;
+  const std::string integrator =
+      node.choice({"integrator", "",
+                   "Time integration; thesis2018 reproduces the printed figures of the thesis, in "
+                   "corotational_dynamic only"},
+                  {"backward_euler", "thesis2018"}, "backward_euler");
   if (integrator == "thesis2018") {
-    if (name != "corotational_dynamic") {
-      node.fail("integrator", "thesis2018 needs component corotational_dynamic");
-    }
+    if (!kDynamic) node.fail("integrator", "thesis2018 needs component corotational_dynamic");
     return std::make_unique<elasticity::Thesis2018>(body);
   }
-  elasticity::SolverOptions options;
-  options.iterations =
-      node.integer({"iterations", "", "quasi-Newton corrections in a step, at most"}, {1, 50},
-                   options.iterations);
-  options.tolerance = node.number(
-      {"tolerance", "N", "largest force of a node out of balance at which a step ends early"},
-      {1e-12, 1}, options.tolerance);
-  options.accuracy = node.number(
-      {"accuracy", "m", "a step also ends where the next correction would move no node further"},
-      {0, 1e-3}, options.accuracy);
-  options.precision = node.choice({"precision", "", "of the arithmetic inside elements"},
-                                  {"double", "single"}, "double") == "single"
-                          ? elasticity::Precision::kSingle
-                          : elasticity::Precision::kDouble;
-  options.panels =
-      node.choice({"panels", "", "of the stored factor"}, {"single", "half"}, "single") == "half"
-          ? factor::PanelPrecision::kHalf
-          : factor::PanelPrecision::kSingle;
-  options.refine = node.integer({"refine", "",
-                                 "columns of the sensitivity that a quasi-static step corrects as "
-                                 "well; 6: all once, 12: twice"},
-                                {0, 12}, options.refine);
-  options.confirm = node.flag(
-      {"confirm", "",
-       "whether forces are evaluated once more after a correction that is expected to end a step"},
-      options.confirm);
-  // A step that exceeds its time budget keeps the last valid shape, which is reported. Because the
-  // timing depends on the machine, runs with a budget are not bitwise reproducible.
-  options.budget = node.number(
-      {"budget", "s", "after which a step keeps what it has, and the shape is marked old; 0: none"},
-      {0, 1}, options.budget);
+  elasticity::SolverOptions options = node.read(solver_options());
   if (options.budget > 0)
     options.clock = [] { return 1e-9 * static_cast<double>(loop::monotonic_ns()); };
   options.time_step = context.period;
-  options.team = make_team(node);
-  if (name == "corotational_dynamic") {
-    return std::make_unique<elasticity::CorotationalDynamic>(body, options);
-  }
-  return std::make_unique<elasticity::CorotationalQuasistatic>(body, options);
+  const loop::SpinTeamOptions team = node.read(team_options());
+  if (team.size > 1) options.team = std::make_shared<loop::SpinTeam>(team);
+  return std::make_unique<Corotational>(body, options);
 }
 
-Model make_mass_spring(const config::Node& node, const Context& context) {
-  elasticity::MassSpringOptions options;
-  options.iterations = node.integer({"iterations", "", "Newton corrections in a step, at most"},
-                                    {1, 50}, options.iterations);
-  options.tolerance = node.number(
-      {"tolerance", "N", "largest force of a node out of balance at which a step ends early"},
-      {1e-12, 1}, options.tolerance);
-  options.cg_iterations =
-      node.integer({"cg_iterations", "", "conjugate gradients in a correction, at most"},
-                   {1, 10000}, options.cg_iterations);
-  return std::make_unique<elasticity::MassSpringModel>(context.object->body, options);
+OptionTable<elasticity::MassSpringOptions> mass_spring_options() {
+  using Options = elasticity::MassSpringOptions;
+  return iterations<Options>("Largest number of Newton corrections in a step", 50)
+      .part(tolerance<Options>())
+      .integer("cg_iterations", "Largest number of conjugate gradient iterations in a correction",
+               {1, 10000}, &Options::cg_iterations);
 }
 
-Model make_shape_matching(const config::Node& node, const Context& context) {
-  elasticity::ShapeMatchingOptions options;
-  options.rings = node.integer({"rings", "", "of edges round each node that its region reaches"},
-                               {1, 5}, options.rings);
-  options.max_substeps =
-      node.integer({"max_substeps", "", "that a step may be split into to be as stiff as E says"},
-                   {1, 100}, options.max_substeps);
-  return std::make_unique<elasticity::ShapeMatchingModel>(context.object->body, options);
+OptionTable<elasticity::ShapeMatchingOptions> shape_matching_options() {
+  using Options = elasticity::ShapeMatchingOptions;
+  return OptionTable<Options>()
+      .integer("rings", "Number of rings of edges around each node that its region covers", {1, 5},
+               &Options::rings)
+      .integer("max_substeps",
+               "Largest number of parts of a step; more parts allow a higher stiffness", {1, 100},
+               &Options::max_substeps);
 }
 
-Model make_as_rigid_as_possible(const config::Node& node, const Context& context) {
-  elasticity::AsRigidAsPossibleOptions options;
-  options.iterations =
-      node.integer({"iterations", "", "pairs of a local and a global step, at most"}, {1, 100},
-                   options.iterations);
-  options.accuracy =
-      node.number({"accuracy", "m", "a step ends where an iteration moves no node further"},
-                  {0, 1e-3}, options.accuracy);
-  return std::make_unique<elasticity::AsRigidAsPossible>(context.object->body, options);
+OptionTable<elasticity::AsRigidAsPossibleOptions> as_rigid_as_possible_options() {
+  using Options = elasticity::AsRigidAsPossibleOptions;
+  return iterations<Options>("Largest number of pairs of a local and a global step", 100)
+      .part(accuracy<Options>());
+}
+
+/// Creates a model from body and options.
+template <class Made>
+auto on_body() {
+  return [](const auto& options, const config::Node&, const Context& context) {
+    return std::make_unique<Made>(context.object->body, options);
+  };
+}
+
+const Slot<elasticity::DeformationModel>& models() {
+  static const auto slot =
+      Slot<elasticity::DeformationModel>()
+          .add("corotational_quasistatic", "Co-rotational finite elements in static equilibrium",
+               make_corotational<elasticity::CorotationalQuasistatic>)
+          .add("corotational_dynamic", "Co-rotational finite elements with inertia and damping",
+               make_corotational<elasticity::CorotationalDynamic>)
+          .add("linear", "Linear finite elements, for comparison",
+               [](const config::Node&, const Context& context) -> Model {
+                 return std::make_unique<elasticity::LinearModel>(context.object->body);
+               })
+          .add("mass_spring", "Masses and springs, for comparison", mass_spring_options(),
+               on_body<elasticity::MassSpringModel>())
+          .add("shape_matching", "Shape matching, for comparison", shape_matching_options(),
+               on_body<elasticity::ShapeMatchingModel>())
+          .add("as_rigid_as_possible", "As-rigid-as-possible deformation, for comparison",
+               as_rigid_as_possible_options(), on_body<elasticity::AsRigidAsPossible>());
+  return slot;
 }
 
 }  // namespace
 
 Model make_deformation_model(const config::Node& node, const Context& context) {
   const std::string name =
-      node.choice({"component", "", "the mechanics"},
-                  {"corotational_quasistatic", "corotational_dynamic", "linear", "mass_spring",
-                   "shape_matching", "as_rigid_as_possible"});
-  try {
-    if (name == "linear") return std::make_unique<elasticity::LinearModel>(context.object->body);
-    if (name == "mass_spring") return make_mass_spring(node, context);
-    if (name == "shape_matching") return make_shape_matching(node, context);
-    if (name == "as_rigid_as_possible") return make_as_rigid_as_possible(node, context);
-    return make_corotational(node, name, context);
-  } catch (const std::invalid_argument& error) {
-    node.fail("", error.what());
-  }
+      models().name(node, {"component", "", "Model of the object's mechanics"});
+  return models().make(name, "", node, context);
 }
 
 }  // namespace palpate::registry

@@ -1,229 +1,249 @@
-#include <algorithm>
-
 #include "core/estimation/fingertip_driven.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "core/estimation/wrench_driven.hpp"
 #include "rt/registry/published_sensing_registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
+using config::OptionTable;
+using estimation::FingertipDriven;
+using estimation::ForceDriven;
+using estimation::PoseDriven;
+using estimation::PoseWrenchFilter;
+using estimation::WrenchDriven;
+
+template <class Options>
+OptionTable<Options> approach_speed(double Options::*speed) {
+  return OptionTable<Options>().number(
+      "approach_speed", "m/s",
+      "Largest speed of held or touched material towards its target position", {1e-3, 10}, speed);
+}
+
+OptionTable<estimation::HandFollower::Options> hand_options() {
+  using Options = estimation::HandFollower::Options;
+  return OptionTable<Options>()
+      .number("pose_timeout_ms", "ms", "Time without a new pose after which the pose is stale",
+              {1, 1e4}, &Options::pose_timeout, 1e-3)
+      .part(approach_speed(&Options::approach_speed));
+}
+
+OptionTable<PoseDriven::Options> pose_driven_options() {
+  return OptionTable<PoseDriven::Options>().part(hand_options(), &PoseDriven::Options::hand);
+}
+
+OptionTable<ForceDriven::Options> force_driven_options(const ForceDriven::Options& defaults) {
+  using Options = ForceDriven::Options;
+  return OptionTable<Options>(defaults)
+      .choice<ForceDriven::Variant>(
+          "variant",
+          "Variant of the method; repaired keeps torque and gravity, as_released is the thesis",
+          {{"as_released", ForceDriven::Variant::kAsReleased},
+           {"repaired", ForceDriven::Variant::kRepaired}},
+          &Options::variant)
+      .number("fade_ms", "ms",
+              "Time constant of the fade from the last load of a contact to none; variant repaired",
+              {1, 1e4}, &Options::fade, 1e-3)
+      .number("average_ms", "ms",
+              "Duration of the moving average of the force; variant as_released", {0, 1e4},
+              &Options::average, 1e-3)
+      .number("delay_ms", "ms", "Delay of the force; variant as_released", {0, 1e4},
+              &Options::delay, 1e-3);
+}
+
 std::unique_ptr<estimation::Estimator> make_force_driven(const config::Node& node,
                                                          const Context& context) {
-  using estimation::ForceDriven;
-  ForceDriven::Options options;
   const std::string filters =
-      node.choice({"filters", "", "launch file of the thesis whose filters are taken"},
+      node.choice({"filters", "", "Launch file of the thesis that provides the default filters"},
                   {"control", "sensing"}, "control");
-  if (filters == "sensing") options = ForceDriven::Options::sensing_launch();
-  options.variant =
-      node.choice({"variant", "", "repaired keeps torque and gravity; as_released is the thesis"},
-                  {"as_released", "repaired"}, "repaired") == "repaired"
-          ? ForceDriven::Variant::kRepaired
-          : ForceDriven::Variant::kAsReleased;
-  options.fade = node.number({"fade_ms", "ms", "repaired: from the last load of a contact to none"},
-                             {1, 1e4}, options.fade * 1e3) *
-                 1e-3;
-  options.average = node.number({"average_ms", "ms", "as released: moving average of the force"},
-                                {0, 1e4}, options.average * 1e3) *
-                    1e-3;
-  options.delay = node.number({"delay_ms", "ms", "as released: that the force is held back"},
-                              {0, 1e4}, options.delay * 1e3) *
-                  1e-3;
+  ForceDriven::Options options = node.read(force_driven_options(
+      filters == "sensing" ? ForceDriven::Options::sensing_launch() : ForceDriven::Options()));
   options.period = context.period;
   return std::make_unique<ForceDriven>(context.object->body, options);
 }
 
-std::unique_ptr<estimation::Estimator> make_fingertip_driven(const config::Node& node,
-                                                             const Context& context) {
-  using estimation::FingertipDriven;
-  FingertipDriven::Options options;
-  options.skin_stiffness =
-      node.number({"skin_stiffness", "N/m", "of a fingertip"}, {1, 1e7}, options.skin_stiffness);
-  options.friction = node.number({"friction", "", "of Coulomb, between fingertip and object"},
-                                 {0.01, 10}, options.friction);
-  options.slide = node.number({"slide", "m", "that a sliding touch lags behind before it is moved"},
-                              {1e-5, 0.1}, options.slide);
-  options.patience =
-      node.number({"patience_ms", "ms", "without a contact, until the touch is over"}, {1, 1e4},
-                  options.patience * 1e3) *
-      1e-3;
-  options.approach_speed = node.number(
-      {"approach_speed", "m/s", "of held or touched material towards where it shall be, at most"},
-      {1e-3, 10}, options.approach_speed);
-  return std::make_unique<FingertipDriven>(context.object->body, context.object->surface, options);
+OptionTable<FingertipDriven::Options> fingertip_driven_options() {
+  using Options = FingertipDriven::Options;
+  return OptionTable<Options>()
+      .number("skin_stiffness", "N/m", "Stiffness of a fingertip's skin", {1, 1e7},
+              &Options::skin_stiffness)
+      .number("friction", "", "Coulomb friction coefficient between fingertip and object",
+              {0.01, 10}, &Options::friction)
+      .number("slide", "m",
+              "Lag of a sliding contact behind its fingertip at which the contact point is moved",
+              {1e-5, 0.1}, &Options::slide)
+      .number("contact_timeout_ms", "ms",
+              "Time without a contact message after which a contact has ended", {1, 1e4},
+              &Options::patience, 1e-3)
+      .alias("patience_ms")
+      .part(approach_speed(&Options::approach_speed));
 }
 
-std::unique_ptr<estimation::Estimator> make_wrench_driven(const config::Node& node,
-                                                          const Context& context) {
-  using estimation::WrenchDriven;
-  WrenchDriven::Options options;
-  options.time_constant =
-      node.number({"time_constant_ms", "ms", "in which the grasp follows what the wrench says"},
-                  {1, 1e5}, options.time_constant * 1e3) *
-      1e-3;
-  options.average =
-      node.number({"average_ms", "ms", "time constant of the filter of the measured wrench"},
-                  {0.1, 1e4}, options.average * 1e3) *
-      1e-3;
-  options.least_stiffness =
-      node.number({"least_stiffness", "N/m", "below which the wrench tells nothing of a direction"},
-                  {1e-6, 1e6}, options.least_stiffness);
-  options.wrench_timeout =
-      node.number({"wrench_timeout_ms", "ms", "without a new wrench, until it counts as stale"},
-                  {1, 1e4}, options.wrench_timeout * 1e3) *
-      1e-3;
-  options.speed = node.number(
-      {"approach_speed", "m/s", "of held or touched material towards where it shall be, at most"},
-      {1e-3, 10}, options.speed);
-  return std::make_unique<WrenchDriven>(context.object->body, options);
+OptionTable<WrenchDriven::Options> wrench_driven_options() {
+  using Options = WrenchDriven::Options;
+  return OptionTable<Options>()
+      .number("time_constant_ms", "ms",
+              "Time constant with which the grasp follows the pose that the wrench implies",
+              {1, 1e5}, &Options::time_constant, 1e-3)
+      .number("average_ms", "ms", "Time constant of the filter of the measured wrench", {0.1, 1e4},
+              &Options::average, 1e-3)
+      .number("least_stiffness", "N/m",
+              "Stiffness below which the wrench does not determine a direction", {1e-6, 1e6},
+              &Options::least_stiffness)
+      .number("wrench_timeout_ms", "ms",
+              "Time without a new wrench after which the wrench is stale", {1, 1e4},
+              &Options::wrench_timeout, 1e-3)
+      .part(approach_speed(&Options::speed));
 }
 
-estimation::HandFollower::Options read_hand(const config::Node& node) {
-  estimation::HandFollower::Options options;
-  options.pose_timeout =
-      node.number({"pose_timeout_ms", "ms", "without a new pose, until it counts as stale"},
-                  {1, 1e4}, options.pose_timeout * 1e3) *
-      1e-3;
-  options.approach_speed = node.number(
-      {"approach_speed", "m/s", "of held or touched material towards where it shall be, at most"},
-      {1e-3, 10}, options.approach_speed);
-  return options;
+OptionTable<estimation::WrenchFilter::Options> wrench_filter_options() {
+  using Options = estimation::WrenchFilter::Options;
+  return OptionTable<Options>()
+      .number("pose_position_deviation", "m",
+              "Prior standard deviation of each axis of the offset of a grasp", {1e-6, 0.1},
+              &Options::position)
+      .number("pose_rotation_deviation", "rad",
+              "Prior standard deviation of each axis of the rotation of a grasp", {1e-6, 1},
+              &Options::rotation)
+      .number("log_young_modulus_deviation", "",
+              "Prior standard deviation of log E; 0.5 is a factor of 1.65", {1e-3, 3},
+              &Options::log_young)
+      .number("bias_force_deviation", "N", "Prior standard deviation of the bias of the force",
+              {1e-6, 100}, &Options::bias_force)
+      .number("bias_torque_deviation", "N m", "Prior standard deviation of the bias of the torque",
+              {1e-7, 10}, &Options::bias_torque)
+      .number("memory_s", "s",
+              "Time in which estimated parameters drift by their prior standard deviation",
+              {0.1, 1e6}, &Options::memory)
+      .number("shape_memory_s", "s",
+              "Time in which virtual loads drift by their prior standard deviation", {0.1, 1e6},
+              &Options::load_memory);
 }
 
-/// Options of shape observations, if configured.
-void read_sight(const config::Node& node, estimation::PoseWrenchFilter::Options& options) {
-  estimation::SurfaceFit::Options& sight = options.sight;
-  sight.lag =
-      node.number({"observation_lag_ms", "ms", "from when points are seen until they arrive"},
-                  {0, 250}, sight.lag * 1e3) *
-      1e-3;
-  sight.lag_deviation = node.number({"observation_lag_deviation_ms", "ms",
-                                     "uncertainty of that: what moves is seen less exactly"},
-                                    {0.01, 250}, sight.lag_deviation * 1e3) *
-                        1e-3;
-  sight.surface = node.number(
-      {"surface_deviation", "m",
-       "that mesh and calibration may be wrong by at a place, the same for all points near it"},
-      {0, 0.1}, sight.surface);
-  sight.correlation =
-      node.number({"surface_correlation_s", "s", "for which that error is the same"}, {1e-3, 60},
-                  sight.correlation);
-  sight.gate = node.number({"observation_gate", "deviations",
-                            "beyond which a point is of something else: a hand, a table"},
-                           {1, 100}, sight.gate);
-  sight.reach =
-      node.number({"observation_reach", "m", "beyond which it is, whatever else is uncertain"},
-                  {1e-4, 1}, sight.reach);
-  sight.points_per_tick =
-      node.integer({"observation_points_per_tick", "", "points taken in a cycle"}, {1, 256},
-                   sight.points_per_tick);
-  options.shape =
-      node.number({"shape_deviation", "m", "prior of what each virtual load moves the shape by"},
-                  {1e-6, 1}, options.shape);
-  options.fade =
-      node.number({"observation_fade_ms", "ms", "in which what was seen comes into the shape"},
-                  {1, 1e4}, options.fade * 1e3) *
-      1e-3;
-  options.filter.load_memory =
-      node.number({"shape_memory_s", "s", "in which virtual loads wander by their prior deviation"},
-                  {0.1, 1e6}, options.filter.load_memory);
+OptionTable<estimation::ContactSearch::Options> contact_search_options() {
+  using Options = estimation::ContactSearch::Options;
+  return OptionTable<Options>()
+      .number("contact_spacing", "m",
+              "Largest distance between candidate points of the search for unmeasured contacts",
+              {1e-3, 1}, &Options::spacing)
+      .number("contact_friction", "",
+              "Tangent of the half angle of the cone about the inward normal that contains the "
+              "force of an unmeasured contact",
+              {0.01, 10}, &Options::friction);
 }
 
-std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Node& node,
-                                                               const Context& context) {
-  using estimation::PoseWrenchFilter;
-  PoseWrenchFilter::Options options;
-  options.hand = read_hand(node);
-  estimation::WrenchFilter::Options& prior = options.filter;
-  prior.position = node.number(
-      {"pose_position_deviation", "m", "prior deviation of each axis of the offset of a grasp"},
-      {1e-6, 0.1}, prior.position);
-  prior.rotation = node.number(
-      {"pose_rotation_deviation", "rad", "prior deviation of each axis of its rotation"}, {1e-6, 1},
-      prior.rotation);
-  prior.log_young = node.number(
-      {"log_young_modulus_deviation", "", "prior deviation of log E; 0.5 is a factor of 1.65"},
-      {1e-3, 3}, prior.log_young);
-  prior.bias_force =
-      node.number({"bias_force_deviation", "N", "prior deviation of the bias of the force"},
-                  {1e-6, 100}, prior.bias_force);
-  prior.bias_torque =
-      node.number({"bias_torque_deviation", "N m", "prior deviation of the bias of the torque"},
-                  {1e-7, 10}, prior.bias_torque);
-  prior.memory =
-      node.number({"memory_s", "s", "in which what is learned wanders by its prior deviation"},
-                  {0.1, 1e6}, prior.memory);
-  options.period =
-      node.number({"wrench_period_ms", "ms", "between two wrenches that the filter takes"},
-                  {0.1, 1e3}, options.period * 1e3) *
-      1e-3;
-  options.force =
-      node.number({"force_deviation", "N", "deviation of the force of a wrench that is taken"},
-                  {1e-5, 10}, options.force);
-  options.torque = node.number({"torque_deviation", "N m", "deviation of its torque"}, {1e-6, 1},
-                               options.torque);
-  options.relative = node.number(
-      {"relative_error", "", "share of the predicted wrench that the model may be wrong by"},
-      {0, 1}, options.relative);
-  options.lag = node.number({"wrench_lag_ms", "ms", "of the wrench behind the pose"}, {0.01, 1e3},
-                            options.lag * 1e3) *
-                1e-3;
-  options.lag_deviation =
-      node.number({"wrench_lag_deviation_ms", "ms",
-                   "uncertainty of that: the wrench of a moving hand counts less"},
-                  {0.01, 1e3}, options.lag_deviation * 1e3) *
-      1e-3;
-  options.payload_error = node.number(
-      {"payload_error", "kg",
-       "of the hand that the sensor's model may have wrong, or late: the wrench of a hand that "
-       "accelerates counts less"},
-      {0, 1000}, options.payload_error);
-  options.contacts =
-      node.flag({"unknown_contacts", "", "whether pushes that nothing measures are looked for"},
-                options.contacts);
-  options.gate = node.number(
-      {"innovation_gate", "", "normalised square of the innovation of a hand that is not believed"},
-      {6, 1e6}, options.gate);
-  options.search.spacing =
-      node.number({"contact_spacing", "m", "at most, of the places that are looked at"}, {1e-3, 1},
-                  options.search.spacing);
-  options.search.friction =
-      node.number({"contact_friction", "",
-                   "the force of such a push lies within this cone about the inward normal"},
-                  {0.01, 10}, options.search.friction);
-  read_sight(node, options);
-  return std::make_unique<PoseWrenchFilter>(context.object->body, context.object->surface, options);
+OptionTable<estimation::SurfaceFit::Options> surface_fit_options() {
+  using Options = estimation::SurfaceFit::Options;
+  return OptionTable<Options>()
+      .number("observation_lag_ms", "ms", "Latency from the acquisition of points to their arrival",
+              {0, 250}, &Options::lag, 1e-3)
+      .number("observation_lag_deviation_ms", "ms",
+              "Standard deviation of that latency; reduces the weight of moving surfaces",
+              {0.01, 250}, &Options::lag_deviation, 1e-3)
+      .number("surface_deviation", "m",
+              "Standard deviation of the local error of mesh and calibration, common to all "
+              "neighbouring points",
+              {0, 0.1}, &Options::surface)
+      .number("surface_correlation_s", "s", "Correlation time of that error", {1e-3, 60},
+              &Options::correlation)
+      .number("observation_gate", "standard deviations",
+              "Distance beyond which a point is attributed to another object, such as a hand",
+              {1, 100}, &Options::gate)
+      .number("observation_reach", "m",
+              "Distance beyond which a point is attributed to another object, whatever the "
+              "uncertainty",
+              {1e-4, 1}, &Options::reach)
+      .integer("observation_points_per_tick", "Number of points processed in a cycle", {1, 256},
+               &Options::points_per_tick);
+}
+
+OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
+  using Options = PoseWrenchFilter::Options;
+  return OptionTable<Options>()
+      .part(hand_options(), &Options::hand)
+      .part(wrench_filter_options(), &Options::filter)
+      .number("wrench_period_ms", "ms", "Period of the wrench updates of the filter", {0.1, 1e3},
+              &Options::period, 1e-3)
+      .number("force_deviation", "N", "Standard deviation of the force of a wrench update",
+              {1e-5, 10}, &Options::force)
+      .number("torque_deviation", "N m", "Standard deviation of the torque of a wrench update",
+              {1e-6, 1}, &Options::torque)
+      .number("relative_error", "", "Relative model error of the predicted wrench", {0, 1},
+              &Options::relative)
+      .number("wrench_lag_ms", "ms", "Delay of the wrench relative to the pose", {0.01, 1e3},
+              &Options::lag, 1e-3)
+      .number("wrench_lag_deviation_ms", "ms",
+              "Standard deviation of that delay; reduces the weight of wrenches of a moving hand",
+              {0.01, 1e3}, &Options::lag_deviation, 1e-3)
+      .number("payload_error", "kg",
+              "Error of the hand's mass in the sensor's model; reduces the weight of wrenches of "
+              "an accelerating hand",
+              {0, 1000}, &Options::payload_error)
+      .flag("unknown_contacts", "Search for contacts that no sensor measures", &Options::contacts)
+      .number("innovation_gate", "",
+              "Normalised square of the innovation of a hand above which it is rejected", {6, 1e6},
+              &Options::gate)
+      .part(contact_search_options(), &Options::search)
+      .part(surface_fit_options(), &Options::sight)
+      .number("shape_deviation", "m",
+              "Prior standard deviation of the displacement by each virtual load", {1e-6, 1},
+              &Options::shape)
+      .number("observation_fade_ms", "ms",
+              "Time over which corrections from observations are faded into the shape", {1, 1e4},
+              &Options::fade, 1e-3);
+}
+
+/// Creates a component from body and options.
+template <class Estimator>
+auto on_body() {
+  return [](const auto& options, const config::Node&, const Context& context) {
+    return std::make_unique<Estimator>(context.object->body, options);
+  };
+}
+
+/// Creates a component from body, surface and options.
+template <class Estimator>
+auto on_surface() {
+  return [](const auto& options, const config::Node&, const Context& context) {
+    return std::make_unique<Estimator>(context.object->body, context.object->surface, options);
+  };
+}
+
+const Slot<estimation::Estimator>& estimators() {
+  static const Slot<estimation::Estimator> slot = [] {
+    Slot<estimation::Estimator> known;
+    known.add("pose_driven", "Shape from the pose of the hand", pose_driven_options(),
+              [](const PoseDriven::Options& options, const config::Node&, const Context&) {
+                return std::make_unique<PoseDriven>(options);
+              });
+    known.add("force_driven", "Shape from measured contact forces", make_force_driven);
+    known.add("wrench_driven", "Shape from the wrench at the wrist", wrench_driven_options(),
+              on_body<WrenchDriven>());
+    known.add("fingertip_driven", "Shape from the positions of touching fingertips",
+              fingertip_driven_options(), on_surface<FingertipDriven>());
+    known.add("pose_wrench_filter",
+              "Shape, stiffness and contacts from pose, wrench and observed surface points",
+              pose_wrench_filter_options(), on_surface<PoseWrenchFilter>());
+    for (const std::string& name : published_sensing_names())
+      known.add(name, "Published method, for comparison",
+                [name](const config::Node& node, const Context& context) {
+                  return make_published_sensing(name, node, context);
+                });
+    return known;
+  }();
+  return slot;
 }
 
 }  // namespace
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const std::vector<std::string>& published = published_sensing_names();
-  std::vector<std::string> names{"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
-                                 "pose_wrench_filter"};
-  names.insert(names.end(), published.begin(), published.end());
-  const std::string name = node.choice(
-      {"component", "",
-       "what drives the shape: the pose of the hand, the wrench, both, forces or fingertips; or a "
-       "published method beside which palpate is measured"},
-      names);
-  try {
-    if (std::find(published.begin(), published.end(), name) != published.end())
-      return make_published_sensing(name, node, context);
-    if (name == "force_driven") return make_force_driven(node, context);
-    if (name == "wrench_driven") return make_wrench_driven(node, context);
-    if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);
-    if (name == "fingertip_driven") return make_fingertip_driven(node, context);
-    estimation::PoseDriven::Options options;
-    options.hand = read_hand(node);
-    return std::make_unique<estimation::PoseDriven>(options);
-  } catch (const std::invalid_argument& error) {
-    node.fail("", error.what());
-  }
+  const std::string name =
+      estimators().name(node, {"component", "", "Estimator that drives the shape"});
+  return estimators().make(name, "", node, context);
 }
 
 }  // namespace palpate::registry

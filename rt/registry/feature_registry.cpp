@@ -4,107 +4,133 @@
 #include "core/shape/point_features.hpp"
 #include "core/shape/pose_feature.hpp"
 #include "rt/registry/registry.hpp"
+#include "rt/registry/slot.hpp"
 
 namespace palpate::registry {
 namespace {
 
-std::vector<Eigen::Vector3d> rest_points(const config::Node& node, std::size_t count) {
-  const std::vector<Eigen::Vector3d> points = node.points(
-      {"rest_points", "m",
-       "of the rest shape, in O: one; for a pose three, of which the first is the place"});
-  if (points.size() != count) {
+using config::Node;
+using shape::PointsFeature;
+using Points = std::vector<Eigen::Vector3d>;
+
+/// `what`: description of the points; `count`: their number, 0 for any that the feature accepts.
+Points rest_points(const Node& node, const char* what, std::size_t count = 0) {
+  const Points points = node.points({"rest_points", "m", what});
+  if (count != 0 && points.size() != count)
     node.fail("rest_points", "has " + std::to_string(points.size()) +
                                  " points; allowed: " + std::to_string(count));
-  }
   return points;
 }
 
-std::vector<int> components(const config::Node& node) {
+std::vector<int> components(const Node& node) {
   if (!node.has("components")) return {0, 1, 2};
   std::vector<int> axes;
   for (const double axis :
-       node.numbers({"components", "", "axes of O that count: 0, 1, 2 for x, y, z; absent: all"},
+       node.numbers({"components", "",
+                     "Axes of O along which the feature is evaluated: 0, 1, 2 for x, y, z; "
+                     "absent: all"},
                     -1, {0, 2})) {
     axes.push_back(static_cast<int>(axis));
   }
   return axes;
 }
 
-std::optional<Eigen::Vector3d> axis(const config::Node& node) {
+std::optional<Eigen::Vector3d> axis(const Node& node) {
   if (!node.has("axis")) return {};
-  return node.vector3(
-      {"axis", "", "about which the angle or curvature is signed, in O; absent: it is not signed"});
+  return node.vector3({"axis", "",
+                       "Axis in O about which the angle or curvature has a sign; absent: it has "
+                       "none"});
 }
 
 /// The listed points, or a sample of the whole surface.
-std::vector<Eigen::Vector3d> set_of_points(const config::Node& node,
-                                           const mesh::ElementMesh& mesh) {
-  if (!node.has("surface"))
-    return node.points({"rest_points", "m", "of the rest shape, in O: 1 to 512"});
-  if (node.has("rest_points")) node.fail("rest_points", "has no meaning beside \"surface\"");
+Points set_of_points(const Node& node, const mesh::ElementMesh& mesh) {
+  if (!node.has("surface")) return rest_points(node, "Points of the rest shape, in O: 1 to 512");
+  if (node.has("rest_points"))
+    node.fail("rest_points", "has no meaning together with \"surface\"; allowed: one of them");
   return shape::surface_points(
-      mesh,
-      node.integer({"surface", "",
-                    "this many points spread over the whole surface, in place of rest_points"},
-                   {1, shape::PointsFeature::kMostPoints}));
+      mesh, node.integer({"surface", "",
+                          "Number of points spread over the whole surface, in place of "
+                          "rest_points"},
+                         {1, PointsFeature::kMostPoints}));
+}
+
+shape::PoseFeature::Options pose_points(const Node& node) {
+  shape::PoseFeature::Options options;
+  const Points points =
+      rest_points(node, "Three points of the rest shape, in O; the first is the position", 3);
+  std::copy(points.begin(), points.end(), options.rest_points.begin());
+  return options;
+}
+
+config::OptionTable<shape::FourierContourFeature::Options> contour_options() {
+  using Options = shape::FourierContourFeature::Options;
+  return config::OptionTable<Options>()
+      .integer("harmonics", "Number of harmonics of the contour, four values per plane each",
+               {1, 31}, &Options::harmonics)
+      .flag("closed", "Closed contour; else an open one", &Options::closed);
+}
+
+/// Creates a feature from the mesh and the options that `read` returns.
+template <class Feature, class Read>
+auto on_mesh(Read read) {
+  return [read](const Node& node, const Context& context) -> std::unique_ptr<shape::Feature> {
+    const mesh::ElementMesh& mesh = context.object->body.mesh;
+    return std::make_unique<Feature>(mesh, typename Feature::Options(read(node, mesh)));
+  };
+}
+
+const Slot<shape::Feature>& features() {
+  using Mesh = mesh::ElementMesh;
+  static const auto slot =
+      Slot<shape::Feature>()
+          .add("point", "Position of a point",
+               on_mesh<shape::PointFeature>([](const Node& node, const Mesh&) {
+                 return shape::PointFeature::Options{
+                     rest_points(node, "One point of the rest shape, in O", 1)[0],
+                     components(node)};
+               }))
+          .add("points", "Positions of several points",
+               on_mesh<PointsFeature>([](const Node& node, const Mesh& mesh) {
+                 return PointsFeature::Options{set_of_points(node, mesh)};
+               }))
+          .add("pose", "Pose of a part of the object, from three points",
+               on_mesh<shape::PoseFeature>(
+                   [](const Node& node, const Mesh&) { return pose_points(node); }))
+          .add("distance", "Distance between two points",
+               on_mesh<shape::DistanceFeature>([](const Node& node, const Mesh&) {
+                 return shape::DistanceFeature::Options{
+                     rest_points(node, "Two points of the rest shape, in O")};
+               }))
+          .add("angle", "Angle at a point or between two directions",
+               on_mesh<shape::AngleFeature>([](const Node& node, const Mesh&) {
+                 return shape::AngleFeature::Options{
+                     rest_points(node,
+                                 "Points of the rest shape, in O: 3, the second is the corner, or "
+                                 "4 for two directions"),
+                     axis(node)};
+               }))
+          .add("curvature", "Curvature of a line",
+               on_mesh<shape::CurvatureFeature>([](const Node& node, const Mesh&) {
+                 return shape::CurvatureFeature::Options{
+                     rest_points(node, "Points of the rest shape, in O: 3 or 5 along the line"),
+                     axis(node)};
+               }))
+          .add("fourier_contour", "Fourier coefficients of a contour",
+               on_mesh<shape::FourierContourFeature>([](const Node& node, const Mesh&) {
+                 auto options = node.read(contour_options());
+                 options.rest_points = rest_points(
+                     node, "Points of the rest shape, in O: up to 64 along the contour");
+                 options.components = components(node);
+                 return options;
+               }));
+  return slot;
 }
 
 }  // namespace
 
-std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context) {
-  const std::string name =
-      node.choice({"component", "", "kind of the feature"},
-                  {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"});
-  const mesh::ElementMesh& mesh = context.object->body.mesh;
-  try {
-    if (name == "point") {
-      return std::make_unique<shape::PointFeature>(
-          mesh, shape::PointFeature::Options{rest_points(node, 1)[0], components(node)});
-    }
-    if (name == "points") {
-      return std::make_unique<shape::PointsFeature>(
-          mesh, shape::PointsFeature::Options{set_of_points(node, mesh)});
-    }
-    if (name == "distance") {
-      return std::make_unique<shape::DistanceFeature>(
-          mesh,
-          shape::DistanceFeature::Options{node.points(
-              {"rest_points", "m", "of the rest shape, in O: the two whose distance it is"})});
-    }
-    if (name == "angle") {
-      return std::make_unique<shape::AngleFeature>(
-          mesh,
-          shape::AngleFeature::Options{
-              node.points(
-                  {"rest_points", "m",
-                   "of the rest shape, in O: 3, the corner amid them, or 4 for two directions"}),
-              axis(node)});
-    }
-    if (name == "curvature") {
-      return std::make_unique<shape::CurvatureFeature>(
-          mesh,
-          shape::CurvatureFeature::Options{
-              node.points({"rest_points", "m", "of the rest shape, in O: 3 or 5 along the line"}),
-              axis(node)});
-    }
-    if (name == "fourier_contour") {
-      shape::FourierContourFeature::Options options;
-      options.rest_points =
-          node.points({"rest_points", "m", "of the rest shape, in O: up to 64 along the contour"});
-      options.harmonics =
-          node.integer({"harmonics", "", "of the contour, each four numbers a plane"}, {1, 31},
-                       options.harmonics);
-      options.closed = node.flag({"closed", "", "whether the contour is closed"}, options.closed);
-      options.components = components(node);
-      return std::make_unique<shape::FourierContourFeature>(mesh, options);
-    }
-    shape::PoseFeature::Options options;
-    const std::vector<Eigen::Vector3d> points = rest_points(node, 3);
-    std::copy(points.begin(), points.end(), options.rest_points.begin());
-    return std::make_unique<shape::PoseFeature>(mesh, options);
-  } catch (const std::invalid_argument& error) {
-    node.fail("", error.what());
-  }
+std::unique_ptr<shape::Feature> make_feature(const Node& node, const Context& context) {
+  const std::string name = features().name(node, {"component", "", "Kind of the feature"});
+  return features().make(name, "", node, context);
 }
 
 }  // namespace palpate::registry

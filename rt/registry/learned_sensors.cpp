@@ -1,10 +1,12 @@
 #include "rt/registry/learned_sensors.hpp"
 
+#include <algorithm>
+
 #include "core/sensing/biotac_lstm.hpp"
 #include "core/sensing/ft_rnnob.hpp"
 #include "rt/inference/model_file.hpp"
-#include "rt/registry/fallback_checks.hpp"
-#include "rt/registry/sensor_fallback.hpp"
+#include "rt/loop/fixed_rate_loop.hpp"
+#include "rt/registry/fallbacks.hpp"
 #include "rt/registry/sensor_keys.hpp"
 
 namespace palpate::registry {
@@ -16,19 +18,20 @@ constexpr double kPatience = 10;
 /// Validated model named by a key, with everything required to run it.
 class Model {
  public:
+  using Options = inference::TorchExecutorOptions;
+
   Model(const config::Node& node, const std::string& key, const Context& context)
       : node_(node), key_(key) {
     kind_ = node.choice({"executor", "",
-                         "who runs the network: libtorch on a thread of its own, or its weights in "
-                         "the loop itself"},
+                         "Runtime of the network: libtorch in a thread of its own, or compiled "
+                         "weights in the loop"},
                         {"torch", "compiled"}, "torch") == "torch"
                 ? inference::ExecutorKind::kTorch
                 : inference::ExecutorKind::kCompiled;
-    options_.wait =
-        node.number({"wait_us", "us",
-                     "that a cycle waits for the network; a later answer is taken in the next one"},
-                    {0, 1e5}, options_.wait * 1e6) *
-        1e-6;
+    options_ = node.read(config::OptionTable<Options>().number(
+        "wait_us", "us",
+        "Duration for which a cycle waits for the network; a later result is used in the next one",
+        {0, 1e5}, &Options::wait, 1e-6));
     if (context.deterministic) options_.wait = options_.patience = kPatience;
     options_.patience = std::max(options_.patience, options_.wait);
     options_.fifo_priority = context.inference.priority;
@@ -36,7 +39,7 @@ class Model {
     options_.remarks = context.remarks;
     try {
       file_ = inference::read_model_file(
-          node.path({key, "", "TorchScript module of palpate-train, its card beside it"}));
+          node.path({key, "", "TorchScript module of palpate-train, next to its model card"}));
     } catch (const inference::ModelError& error) {
       node.fail(key, error.what());
     }
@@ -91,7 +94,7 @@ class Model {
   config::Node node_;
   std::string key_;
   inference::ExecutorKind kind_{};
-  inference::TorchExecutorOptions options_;
+  Options options_;
   inference::ModelFile file_;
 };
 
@@ -105,7 +108,8 @@ std::pair<int, std::string> tactile_place(const std::string& name) {
 }
 
 std::vector<int> tactile_inputs_of(const Model& model) {
-  if (model.card().average > 0) model.fail("wants averaged counts, which this component has not");
+  if (model.card().average > 0)
+    model.fail("needs averaged counts, which this component does not provide");
   return model.inputs(tactile_place, "e1 to e19, pac0, pdc");
 }
 
@@ -125,50 +129,73 @@ std::optional<sensing::BiotacLstm::Direction> read_direction(const config::Node&
                                                              const Context& context, double rate) {
   if (!node.has("direction_file")) return {};
   const Model model(node, "direction_file", context);
-  if (model.card().rate != rate) model.fail("wants another rate than that of model_file");
+  if (model.card().rate != rate) model.fail("has another rate than that of model_file");
   sensing::BiotacLstm::Direction direction;
   direction.inputs = tactile_inputs_of(model);
   direction.outputs = model.outputs({{"nx", "1"}, {"ny", "1"}, {"nz", "1"}});
   direction.R_TN =
       node.pose({"direction_frame", "m",
-                 "X_TN, of the frame that the network of the direction tells a normal in"})
+                 "X_TN, pose of the frame in which the network of the direction predicts a normal"})
           .linear();
   direction.executor = model.make_executor();
   return direction;
 }
 
+config::OptionTable<sensing::BiotacLstm::Options> biotac_lstm_options() {
+  using Options = sensing::BiotacLstm::Options;
+  using sensing::ElectrodeScatter;
+  return fingertip_options<Options>()
+      .choice<ElectrodeScatter>("localisation",
+                                "Positions of the electrodes: nominal, or randomly scattered about "
+                                "them (gaussian: wider under pressure)",
+                                {{"nominal", ElectrodeScatter::kNominal},
+                                 {"gaussian", ElectrodeScatter::kGaussian},
+                                 {"inverted_gaussian", ElectrodeScatter::kInvertedGaussian}},
+                                &Options::scatter)
+      .number("largest_force", "N",
+              "Largest plausible force; a larger prediction is scaled down, and the model degraded",
+              {0, 1000}, &Options::largest_force);
+}
+
 }  // namespace
+
+InferenceSettings read_inference(const config::Node& root, bool deterministic) {
+  using Settings = InferenceSettings;
+  Settings defaults;
+  const int loop_priority = root.child_or_empty("loop").integer("fifo_priority", {0, 98},
+                                                                loop::LoopOptions().fifo_priority);
+  defaults.priority = std::max(0, loop_priority - 1);
+  const Settings settings =
+      root.child_or_empty({"inference", "", "Threads that run learned models"})
+          .read(config::OptionTable<Settings>(defaults)
+                    .integer("priority",
+                             "SCHED_FIFO priority of the inference threads; 0: ordinary scheduling",
+                             {0, 98}, &Settings::priority)
+                    .integer("cpu", "Processor to which the inference threads are bound; -1: any",
+                             {-1, 1023}, &Settings::cpu));
+  return deterministic ? Settings() : settings;
+}
 
 /// Null if the section names none.
 std::unique_ptr<sensing::SensorModel> make_tactile_fallback(const config::Node& node) {
-  if (has_fallback(node) || node.choice({"fallback", "", "what stands in where the network fails"},
-                                        {"none", "biotac_linear"}, "none") == "none") {
-    if (node.has("fallback_file")) node.fail("fallback_file", "wants fallback: biotac_linear");
+  if (has_fallback(node) ||
+      node.choice({"fallback", "", "Component that takes over where the network fails"},
+                  {"none", "biotac_linear"}, "none") == "none") {
+    if (node.has("fallback_file")) node.fail("fallback_file", "needs fallback: biotac_linear");
     return nullptr;
   }
   if (!node.has("fallback_file"))
-    node.fail("fallback", "wants fallback_file, a model written by palpate-evaluate tactile");
+    node.fail("fallback", "needs fallback_file, a model written by palpate-evaluate tactile");
   return make_biotac_linear(node, "fallback_file");
 }
 
 std::unique_ptr<sensing::SensorModel> make_biotac_lstm(const config::Node& node,
                                                        const Context& context) {
   const Model model(node, "model_file", context);
-  sensing::BiotacLstm::Options options;
-  read_fingertip_keys(node, options);
+  sensing::BiotacLstm::Options options = node.read(biotac_lstm_options());
   options.inputs = tactile_inputs_of(model);
   options.outputs = model.outputs({{"fx", "N"}, {"fy", "N"}, {"fz", "N"}});
   options.rate = model.card().rate;
-  const std::string scatter = node.choice({"localisation", "",
-                                           "whether electrodes count where they are, or drawn "
-                                           "about it (gaussian: wider under pressure)"},
-                                          {"nominal", "gaussian", "inverted_gaussian"}, "nominal");
-  if (scatter == "gaussian") options.scatter = sensing::ElectrodeScatter::kGaussian;
-  if (scatter == "inverted_gaussian")
-    options.scatter = sensing::ElectrodeScatter::kInvertedGaussian;
-  options.largest_force = node.number(
-      {"largest_force", "N", "that can be; a longer answer is shortened, and the model degraded"},
-      {0, 1000}, options.largest_force);
   auto direction = read_direction(node, context, options.rate);
   std::unique_ptr<sensing::SensorModel> fallback = make_tactile_fallback(node);
   auto learned =
@@ -183,7 +210,7 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
                                                     const Context& context) {
   const Model model(node, "model_file", context);
   const inference::ModelCard& card = model.card();
-  sensing::FtRnnob::Options options;
+  auto options = node.read(wrist_options<sensing::FtRnnob::Options>());
   options.inputs = model.inputs(observer_place, observer_names());
   options.outputs = model.outputs(
       {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}, {"tx", "N m"}, {"ty", "N m"}, {"tz", "N m"}});
@@ -205,18 +232,18 @@ std::unique_ptr<sensing::SensorModel> make_ft_rnnob(const config::Node& node, co
   const bool given = node.has("payload");
   if (given) options.payload = read_payload(node);
   options.fall_back =
-      !has_fallback(node) && node.choice({"fallback", "", "what stands in where the network fails"},
-                                         {"none", "newton_euler"}, "none") == "newton_euler";
+      !has_fallback(node) &&
+      node.choice({"fallback", "", "Component that takes over where the network fails"},
+                  {"none", "newton_euler"}, "none") == "newton_euler";
   if (options.fall_back && !given && !card.payload)
-    node.fail("fallback", "wants a payload, which neither the model's card nor this section has");
+    node.fail("fallback", "needs a payload, which neither the model's card nor this section has");
   if (given && !card.payload && !options.fall_back)
-    node.fail("payload", "serves the fallback alone with this model, and there is none");
+    node.fail("payload", "is used only by a fallback with this model, and there is none");
 
   options.period = context.period;
   options.gravity_W = frames.gravity_W;
   options.X_ES = frames.X_ES;
   options.X_EI = frames.X_EI;
-  read_wrist_keys(node, options);
   return std::make_unique<sensing::FtRnnob>(options, model.make_executor());
 }
 

@@ -9,6 +9,7 @@
 #include "core/mesh/report.hpp"
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
+#include "rt/registry/box.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -25,22 +26,23 @@ void check_size(const config::Node& node, const std::string& key, double count) 
 
 mesh::TetrahedralMesh read_mesh(const config::Node& object) {
   const config::Node node =
-      object.child({"mesh", "", "its tetrahedra; exactly one of box and file"});
+      object.child({"mesh", "", "Tetrahedral mesh; exactly one of box and file"});
   if (node.has("box") == node.has("file"))
-    node.fail("", "give exactly one of box and file (an empty `box:` takes away that of the base)");
+    node.fail("",
+              "exactly one of box and file is allowed (an empty `box:` removes that of the base)");
   mesh::TetrahedralMesh mesh;
   if (node.has("box")) {
-    const config::Node box = node.child({"box", "", "a box with a corner in O"});
-    const Eigen::Vector3d size = box.vector3({"size", "m", "edges of the box"}, {1e-3, 10});
-    const std::vector<double> cells =
-        box.numbers({"cells", "", "parts of each edge, six tetrahedra a cell"}, 3, {1, 200});
+    const config::Node box = node.child({"box", "", "Box with a corner in O"});
+    const Eigen::Vector3d size = box.vector3({"size", "m", "Edge lengths of the box"}, {1e-3, 10});
+    const std::vector<double> cells = box.numbers(
+        {"cells", "", "Number of cells along each edge, six tetrahedra per cell"}, 3, {1, 200});
     check_size(box, "cells", (cells[0] + 1) * (cells[1] + 1) * (cells[2] + 1));
     mesh = mesh::make_box(
         size, {static_cast<int>(cells[0]), static_cast<int>(cells[1]), static_cast<int>(cells[2])});
   } else {
     try {
       mesh = config::load_mesh(
-          node.path({"file", "", "TetGen .node or .ele, Gmsh .msh or Vega .veg, in m"}));
+          node.path({"file", "", "Mesh file in m: TetGen .node or .ele, Gmsh .msh or Vega .veg"}));
     } catch (const std::exception& error) {
       node.fail("file", error.what());
     }
@@ -96,13 +98,12 @@ void remark_on_bounds(const std::string& key, const mesh::ElementMesh& mesh,
 std::vector<int> nodes_in(const config::Node& object, const std::string& key,
                           const mesh::ElementMesh& mesh, std::vector<std::string>* remarks) {
   if (!object.has(key)) return {};
-  const config::Node box = object.child(
-      {key, "", key == "fixed_box" ? "nodes within it never move" : "nodes within it are held"});
-  const Eigen::Vector3d lower = box.vector3({"lower", "m", "lowest corner, in O at rest"});
-  const Eigen::Vector3d upper = box.vector3({"upper", "m", "highest corner, in O at rest"});
-  std::vector<int> nodes = mesh::nodes_in_box(mesh, lower, upper);
+  const char* nodes_are =
+      key == "fixed_box" ? "Box of the nodes that never move" : "Box of the nodes that are held";
+  const Box box = object.child({key, "", nodes_are}).read(box_options("in O at rest"));
+  std::vector<int> nodes = mesh::nodes_in_box(mesh, box.lower, box.upper);
   if (nodes.empty()) object.fail(key, "no node of the mesh lies in this box");
-  if (remarks != nullptr) remark_on_bounds(key, mesh, lower, upper, nodes, *remarks);
+  if (remarks != nullptr) remark_on_bounds(key, mesh, box.lower, box.upper, nodes, *remarks);
   return nodes;
 }
 
@@ -113,7 +114,7 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const Object& sol
   grasp.nodes = nodes_in(object, prefix + "grasp_box", mesh, remarks);
   if (object.has(prefix + "grasp_at_rest")) {
     grasp.X_OG_rest = object.pose(
-        {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: amid the nodes that are held"});
+        {prefix + "grasp_at_rest", "m", "X_OG at rest; absent: the centre of the held nodes"});
   } else {
     Eigen::Vector3d middle = Eigen::Vector3d::Zero();
     for (int node : grasp.nodes) middle += mesh.nodes.col(node);
@@ -122,7 +123,7 @@ elasticity::GraspRegion read_grasp(const config::Node& object, const Object& sol
   const std::string pads = prefix + "grasp_stiffness";
   if (!object.has(pads)) return grasp;
   const double stiffness =
-      object.number({pads, "N/m", "of the pads together; absent: they do not give way"}, {1, 1e9});
+      object.number({pads, "N/m", "Stiffness of all pads together; absent: rigid pads"}, {1, 1e9});
   try {
     grasp.compliance = elasticity::pad_compliance(solid.body, grasp, solid.surface, stiffness);
   } catch (const std::invalid_argument& error) {
@@ -141,11 +142,11 @@ void read_material(const config::Node& object, elasticity::Body& body) {
     fitted = file->constants();
   }
   body.material.young_modulus = config::material_number(
-      node, linear, {"young_modulus", "Pa", "E, of small strain"}, {1, 1e10});
-  body.material.poisson_ratio =
-      config::material_number(node, linear, {"poisson_ratio", "", "nu"}, {-0.9, 0.4999});
+      node, linear, {"young_modulus", "Pa", "Young's modulus E at small strain"}, {1, 1e10});
+  body.material.poisson_ratio = config::material_number(
+      node, linear, {"poisson_ratio", "", "Poisson's ratio nu"}, {-0.9, 0.4999});
   body.material.density =
-      config::material_number(node, fitted, {"density", "kg/m^3", "of mass"}, {0.1, 1e5});
+      config::material_number(node, fitted, {"density", "kg/m^3", "Mass density"}, {0.1, 1e5});
   constexpr config::Range kMass{0, 1e4}, kStiffness{0, 10};
   elasticity::Damping& damping = body.damping;
   if (file) {
@@ -154,19 +155,20 @@ void read_material(const config::Node& object, elasticity::Body& body) {
         file->constant("stiffness_damping", kStiffness, damping.stiffness_factor);
   }
   const config::Node given =
-      object.child_or_empty({"damping", "", "Rayleigh damping; over that of material_file"});
-  damping.mass_factor =
-      given.number({"mass_factor", "1/s", "share of the mass matrix"}, kMass, damping.mass_factor);
-  damping.stiffness_factor =
-      given.number({"stiffness_factor", "s", "share of the stiffness matrix"}, kStiffness,
-                   damping.stiffness_factor);
+      object.child_or_empty({"damping", "", "Rayleigh damping; overrides that of material_file"});
+  using elasticity::Damping;
+  damping = given.read(
+      config::OptionTable<Damping>(damping)
+          .number("mass_factor", "1/s", "Factor of the mass matrix", kMass, &Damping::mass_factor)
+          .number("stiffness_factor", "s", "Factor of the stiffness matrix", kStiffness,
+                  &Damping::stiffness_factor));
 }
 
 }  // namespace
 
 Object read_object(const config::Node& root, const Frames& frames,
                    std::vector<std::string>* remarks) {
-  const config::Node node = root.child({"object", "", "the soft object"});
+  const config::Node node = root.child({"object", "", "Soft object"});
   Object object;
   object.corners = read_mesh(node);
   object.hash = mesh::hash(object.corners);
@@ -174,7 +176,7 @@ Object read_object(const config::Node& root, const Frames& frames,
   body.mesh = mesh::make_element_mesh(
       object.corners,
       node.choice(
-          {"order", "", "of the elements: quadratic ones have 10 nodes and bend as they should"},
+          {"order", "", "Order of the elements; quadratic ones have 10 nodes and bend correctly"},
           {"linear", "quadratic"}, "quadratic") == "linear"
           ? mesh::ElementOrder::kLinear
           : mesh::ElementOrder::kQuadratic);
@@ -189,8 +191,8 @@ Object read_object(const config::Node& root, const Frames& frames,
     body.grasps.push_back(read_grasp(node, object, "second_", remarks));
   }
   if ((body.grasps.size() > 1) != root.has("second_arm"))
-    node.fail("second_grasp_box", "goes with a section second_arm, whose hand holds there");
-  if (node.flag({"gravity", "", "whether gravity acts on the object"}, true)) {
+    node.fail("second_grasp_box", "requires a section second_arm, whose hand holds there");
+  if (node.flag({"gravity", "", "Gravity on the object"}, true)) {
     body.gravity_O = frames.X_WO.linear().transpose() * frames.gravity_W;
   }
   try {

@@ -316,19 +316,4 @@ Provider make_published_provider(const std::string& name, const config::Node& no
   }
 }
 
-std::unique_ptr<published_control::MarkerObserver> make_marker_observer(
-    const config::Node& node, const Context& context, const shape::Feature& feature) {
-  const std::string kind = node.choice({"sight", "",
-                                        "whether the feature is read off tracked markers, and "
-                                        "whether the model stands in while they are hidden"},
-                                       {"none", "markers", "markers_and_model"}, "none");
-  if (kind == "none") return nullptr;
-  published_control::MarkerObserver::Options options;
-  if (kind == "markers_and_model") options.kind = published_control::MarkerObserver::Kind::kOffset;
-  options.patience = node.number({"sight_patience", "s", "that sight may be lost for"},
-                                 {0.001, 100}, options.patience);
-  return std::make_unique<published_control::MarkerObserver>(context.object->body.mesh,
-                                                             feature.rest_points(), options);
-}
-
 }  // namespace palpate::registry

@@ -13,7 +13,6 @@
 #include "rt/config/node.hpp"
 #include "rt/registry/arm_model.hpp"
 #include "rt/registry/frames.hpp"
-#include "rt/registry/inference_settings.hpp"
 #include "rt/registry/object.hpp"
 
 namespace palpate::plugin {
@@ -21,6 +20,16 @@ class Plugins;
 }
 
 namespace palpate::registry {
+
+/// Section `inference`: settings of the threads that run learned models.
+struct InferenceSettings {
+  int priority = 0;  // SCHED_FIFO; 0: SCHED_OTHER
+  int cpu = -1;      // processor affinity; -1: any
+};
+
+/// Keys priority (0 to 98, default one below the loop's) and cpu (-1 to 1023). Both are ignored in
+/// deterministic mode, which has no deadlines. Throws config::Error.
+InferenceSettings read_inference(const config::Node& root, bool deterministic);
 
 /// Information on the workcell for the construction of components, in addition to their own
 /// parameters.
@@ -55,7 +64,7 @@ std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Con
 std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::Node& node,
                                                                   const Context& context,
                                                                   shape::Feature& feature);
-/// Key `sight` of the controller; null without vision.
+/// Key `vision` of the controller; null without vision.
 std::unique_ptr<published_control::MarkerObserver> make_marker_observer(
     const config::Node& node, const Context& context, const shape::Feature& feature);
 /// Configured for `feature`.

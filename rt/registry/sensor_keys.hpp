@@ -2,59 +2,76 @@
 
 #include "core/sensing/biotac_geometry.hpp"
 #include "core/sensing/payload.hpp"
-#include "rt/registry/registry.hpp"
+#include "rt/config/node.hpp"
 
-// Keys common to several sensor models, each declared once. All functions throw config::Error.
+// Keys common to several sensor models, each declared once.
 namespace palpate::registry {
 
-/// Keys tare_samples, max_age_ms (stored in s) and force_deviation of any sensor model.
+/// Declares `polarity`: -1 or 1, which the components check.
 template <class Options>
-void read_sensor_keys(const config::Node& node, Options& options) {
-  options.tare_samples = node.integer({"tare_samples", "readings", "averaged by a tare"},
-                                      {1, 100000}, options.tare_samples);
-  options.max_age =
-      node.number({"max_age_ms", "ms", "of the latest reading, beyond which the model is degraded"},
-                  {1, 1e4}, options.max_age * 1e3) *
-      1e-3;
-  options.force_deviation =
-      node.number({"force_deviation", "N",
-                   "standard deviation of each axis of the output, which estimators weigh it by"},
-                  {0, 100}, options.force_deviation);
+config::OptionTable<Options> polarity_options() {
+  return config::OptionTable<Options>().integer(
+      "polarity",
+      "Sign of the readings: -1 for a sensor that reports its load's reaction, or whose counts "
+      "fall under pressure; else 1",
+      {-1, 1}, &Options::polarity);
 }
 
-/// Key polarity: -1 or 1.
-int read_polarity(const config::Node& node);
-
-/// The keys of read_sensor_keys(), tare_at_start and polarity, for wrist sensors.
+/// Keys of any sensor model.
 template <class Options>
-void read_wrist_keys(const config::Node& node, Options& options) {
-  read_sensor_keys(node, options);
-  options.tare_at_start =
-      node.flag({"tare_at_start", "",
-                 "whether it tares at the start and after a reset; nothing may be held then"},
-                options.tare_at_start);
-  options.polarity = read_polarity(node);
+config::OptionTable<Options> sensor_options() {
+  return config::OptionTable<Options>()
+      .integer("tare_samples", "Number of readings averaged by a tare", {1, 100000},
+               &Options::tare_samples)
+      .number("max_age_ms", "ms", "Age of the latest reading beyond which the model is degraded",
+              {1, 1e4}, &Options::max_age, 1e-3)
+      .number("force_deviation", "N",
+              "Standard deviation of each axis of the output, the weight of which it determines in "
+              "estimators",
+              {0, 100}, &Options::force_deviation);
 }
 
-/// Keys polarity, threshold, saturation, weighting of a fingertip.
-sensing::LocalizationOptions read_localization(const config::Node& node);
-
-/// The keys of read_sensor_keys() and read_localization(), finger, contact_force and release_force,
-/// for fingertips.
+/// Keys of wrist sensors.
 template <class Options>
-void read_fingertip_keys(const config::Node& node, Options& options) {
-  read_sensor_keys(node, options);
-  options.finger =
-      node.integer({"finger", "", "which fingertip: channel BIOTAC_n"}, {0, 4}, options.finger);
-  options.localization = read_localization(node);
-  options.contact_force = node.number({"contact_force", "N", "above which a contact begins"},
-                                      {0, 100}, options.contact_force);
-  options.release_force =
-      node.number({"release_force", "N", "below which it ends"}, {0, 100}, options.release_force);
+config::OptionTable<Options> wrist_options() {
+  return sensor_options<Options>()
+      .flag("tare_at_start",
+            "Tare at the start and after a reset, during which nothing may be held",
+            &Options::tare_at_start)
+      .part(polarity_options<Options>());
 }
 
-/// Keys `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
-/// torque).
+/// Keys of the location of a contact on a fingertip.
+inline config::OptionTable<sensing::LocalizationOptions> localization_options() {
+  using Options = sensing::LocalizationOptions;
+  return polarity_options<Options>()
+      .number("threshold", "counts", "Change of an electrode above which it is active", {0, 4095},
+              &Options::threshold)
+      .number("saturation", "counts", "Change of an electrode of full intensity", {1, 4095},
+              &Options::saturation)
+      .choice<sensing::Weighting>(
+          "weighting",
+          "Location of a contact from the intensities: their centroid, or as published in the "
+          "thesis",
+          {{"centroid", sensing::Weighting::kCentroid},
+           {"published", sensing::Weighting::kPublished}},
+          &Options::weighting);
+}
+
+/// Keys of fingertips.
+template <class Options>
+config::OptionTable<Options> fingertip_options() {
+  return sensor_options<Options>()
+      .integer("finger", "Index of the fingertip: channel BIOTAC_n", {0, 4}, &Options::finger)
+      .part(localization_options(), &Options::localization)
+      .number("contact_force", "N", "Force above which a contact begins", {0, 100},
+              &Options::contact_force)
+      .number("release_force", "N", "Force below which a contact ends", {0, 100},
+              &Options::release_force);
+}
+
+/// Section `payload`: mass, center_of_mass, inertia about S (xx, xy, xz, yy, yz, zz), bias (force,
+/// torque). Throws config::Error.
 sensing::PayloadParameters read_payload(const config::Node& node);
 
 }  // namespace palpate::registry

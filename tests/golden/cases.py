@@ -72,10 +72,10 @@ CASES = {
         "a bar between two arms, both steered, filter", daemon=(FILTER,), target=LIFTED),
     "control_broyden": Case("bar_long_soft_control_markers", "bar_long_soft", 5,
         "published controller [44], probes and markers", target=LIFTED, simulator=MARKERS,
-        daemon=(*STEER, "control.gain=3.2", "control.provider=broyden", "control.sight=markers")),
+        daemon=(*STEER, "control.gain=3.2", "control.provider=broyden", "control.vision=markers")),
     "control_diminishing": Case("bar_long_soft_control_markers", "bar_long_soft", 4,
         "published controller [43], markers", target=LIFTED, simulator=MARKERS,
-        daemon=(*STEER, "control.gain=3.5", "control.provider=diminishing_rigidity", "control.sight=markers")),
+        daemon=(*STEER, "control.gain=3.5", "control.provider=diminishing_rigidity", "control.vision=markers")),
     "sensing_cloud": Case("bar_long_soft_six_poses", "bar_long_soft", 4,
         "published sensing [33], finite elements drawn to a noisy cloud", simulator=(EYE, KINECT),
         daemon=("estimation={component: cloud_driven_fem, hand: true, spring_stiffness: 790.5, "

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cctype>
-#include <iostream>
-#include <ostream>
 
 namespace palpate::reference {
 namespace {
@@ -92,6 +90,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
   parameter.unit = first.unit;
   parameter.allowed = first.allowed;
   parameter.meaning = first.meaning;
+  parameter.range = first.range;
+  parameter.choices = first.choices;
   const auto asked = [&](const Visit& visit) { return find(visit, first) != nullptr; };
   std::set<std::string> choices;
   for (const Visit& visit : visits)
@@ -112,6 +112,8 @@ Parameter describe(const config::Declaration& first, const std::vector<Visit>& v
       continue;
     }
     parameter.required = parameter.required && declaration->required;
+    parameter.range.lower = std::min(parameter.range.lower, declaration->range.lower);
+    parameter.range.upper = std::max(parameter.range.upper, declaration->range.upper);
     if (!declaration->fallback.empty() &&
         std::count(parameter.defaults.begin(), parameter.defaults.end(), declaration->fallback) ==
             0)
@@ -137,10 +139,12 @@ void sort_by_tree(std::vector<Section>& sections) {
   sections = std::move(sorted);
 }
 
-/// Keys that an arm or a fallback shares with the first of its kind are documented once.
-bool is_described_elsewhere(const Section& section, const std::vector<Section>& sections) {
-  if (section.path.size() > 9 && section.path.substr(section.path.size() - 9) == ".fallback")
-    return true;
+bool is_fallback(const std::string& path) {
+  return path.size() > 9 && path.substr(path.size() - 9) == ".fallback";
+}
+
+/// Keys that an arm shares with the first one are documented once.
+bool is_of_both_arms(const Section& section, const std::vector<Section>& sections) {
   const std::string arm = "second_arm.";
   if (section.path.compare(0, arm.size(), arm) != 0) return false;
   const auto same = [](const Parameter& a, const Parameter& b) {
@@ -159,31 +163,6 @@ bool is_described_elsewhere(const Section& section, const std::vector<Section>& 
 bool has_names_for_keys(const std::string& path) {
   return path == "parameters" ||
          (path.size() > 5 && path.compare(path.size() - 5, 5, ".also") == 0);
-}
-
-/// Escapes characters that would end a table cell.
-std::string cell(const std::string& text) {
-  std::string safe;
-  for (const char c : text) safe += c == '|' ? std::string("\\|") : std::string(1, c);
-  return safe;
-}
-
-std::string default_of(const Parameter& parameter) {
-  std::string text;
-  for (const std::string& value : parameter.defaults)
-    text += (text.empty() ? "`" : " or `") + value + "`";
-  if (!text.empty()) return text;
-  return parameter.required ? "**required**" : "absent";
-}
-
-std::string condition_of(const Parameter& parameter) {
-  std::string text;
-  for (const auto& [choice, values] : parameter.only_with) {
-    text += (text.empty() ? "" : "; ") + choice + " ";
-    for (auto value = values.begin(); value != values.end(); ++value)
-      text += (value == values.begin() ? "`" : ", `") + *value + "`";
-  }
-  return text.empty() ? "" : "(" + text + ") ";
 }
 
 }  // namespace
@@ -212,7 +191,7 @@ Declarations declared_by(const std::string& file, const std::function<void()>& r
   return without_names(own);
 }
 
-std::vector<Section> merge(const std::vector<Declarations>& readings) {
+std::vector<Section> all_sections(const std::vector<Declarations>& readings) {
   std::vector<Section> sections;
   for (const Declarations& reading : readings) {
     for (const config::Declaration& declaration : reading) {
@@ -238,42 +217,28 @@ std::vector<Section> merge(const std::vector<Declarations>& readings) {
     }
   }
   sort_by_tree(sections);
-  const std::vector<Section> all = sections;
   sections.erase(std::remove_if(sections.begin(), sections.end(),
-                                [&](const Section& s) { return is_described_elsewhere(s, all); }),
+                                [](const Section& s) { return is_fallback(s.path); }),
                  sections.end());
   return sections;
 }
 
-std::vector<std::string> untold(const std::vector<Section>& sections) {
+std::vector<Section> merge(const std::vector<Declarations>& readings) {
+  std::vector<Section> sections = all_sections(readings);
+  const std::vector<Section> all = sections;
+  sections.erase(std::remove_if(sections.begin(), sections.end(),
+                                [&](const Section& s) { return is_of_both_arms(s, all); }),
+                 sections.end());
+  return sections;
+}
+
+std::vector<std::string> undescribed(const std::vector<Section>& sections) {
   std::vector<std::string> names;
   for (const Section& section : sections)
     for (const Parameter& parameter : section.parameters)
       if (parameter.meaning.empty())
         names.push_back(section.path + (section.path.empty() ? "" : ".") + parameter.name);
   return names;
-}
-
-void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level) {
-  for (const Section& section : sections) {
-    out << std::string(static_cast<std::size_t>(level), '#') << " "
-        << (section.path.empty() ? "Top level" : "`" + section.path + "`") << "\n\n"
-        << "| key | type | unit | default | allowed | meaning |\n"
-        << "| --- | --- | --- | --- | --- | --- |\n";
-    for (const Parameter& parameter : section.parameters)
-      out << "| `" << parameter.name << "` | " << parameter.type << " | " << parameter.unit << " | "
-          << cell(default_of(parameter)) << " | " << cell(parameter.allowed) << " | "
-          << cell(condition_of(parameter) + parameter.meaning) << " |\n";
-    out << "\n";
-  }
-}
-
-bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level) {
-  const std::vector<Section> sections = merge(readings);
-  write_markdown(out, sections, level);
-  for (const std::string& name : untold(sections))
-    std::cerr << "error: " << name << " is declared without a description\n";
-  return untold(sections).empty();
 }
 
 }  // namespace palpate::reference

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <functional>
-#include <iosfwd>
 #include <map>
 #include <set>
 #include <string>
@@ -30,6 +29,8 @@ struct Parameter {
   std::string meaning;
   std::vector<std::string> defaults;  // more than one if another choice changes it
   bool required = false;              // wherever it is read
+  config::Range range = {};           // of a number, the widest of all readings
+  config::Choices choices = {};       // of a choice
   /// It is read only if the other choices have one of these values.
   std::map<std::string, std::set<std::string>> only_with;
 };
@@ -40,18 +41,15 @@ struct Section {
   std::vector<Parameter> parameters;
 };
 
-/// Sections as a tree, each level in the order in which it is first read. Sections of a second arm
-/// that equal the first arm's, and those of fallbacks, are omitted.
+/// Sections as a tree, each level in the order in which it is first read, except those of
+/// fallbacks.
+std::vector<Section> all_sections(const std::vector<Declarations>& readings);
+
+/// As all_sections(), for documentation: sections of a second arm that equal the first arm's
+/// are omitted.
 std::vector<Section> merge(const std::vector<Declarations>& readings);
 
 /// "path.name" of every parameter without a description in its declaration.
-std::vector<std::string> untold(const std::vector<Section>& sections);
-
-/// One table per section, its heading at `level`.
-void write_markdown(std::ostream& out, const std::vector<Section>& sections, int level);
-
-/// One table per section of all readings together. Returns false, and names the key on standard
-/// error, if a declaration has no description.
-bool write_tables(std::ostream& out, const std::vector<Declarations>& readings, int level);
+std::vector<std::string> undescribed(const std::vector<Section>& sections);
 
 }  // namespace palpate::reference

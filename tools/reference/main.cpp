@@ -1,205 +1,19 @@
+// palpate-reference: every parameter, from the declarations in the code that reads it.
+
 #include <unistd.h>
-#include <yaml-cpp/yaml.h>
 
 #include <CLI/CLI.hpp>
 #include <filesystem>
 #include <fstream>
 #include <iostream>
-#include <string>
 #include <tuple>
-#include <vector>
 
-#include "core/sensing/recurrent_network.hpp"
-#include "rt/bus/authentication.hpp"
 #include "rt/config/command_line.hpp"
-#include "rt/config/installation.hpp"
 #include "rt/config/node.hpp"
-#include "rt/daemon/settings.hpp"
-#include "rt/inference/model_file.hpp"
-#include "rt/pipeline/pipeline.hpp"
-#include "tools/common/output_files.hpp"
-#include "tools/common/program.hpp"
 #include "tools/fit/kinds.hpp"
-#include "tools/fit/plan.hpp"
-#include "tools/recordings/plan.hpp"
-#include "tools/reference/catalogue.hpp"
-
-// palpate-reference: every parameter, from the declarations in the code that reads it.
-#ifndef PALPATE_WITHOUT_SIM
-#include "sim/scenes/scene.hpp"
-#endif
-
-namespace palpate::reference {
-namespace {
-
-/// The program that reads a document.
-enum class Reader { kDaemon, kScene, kTrain, kFit, kRecording };
-
-/// A document to be read, with overridden keys.
-struct Exploration {
-  std::string file;  // empty: it is `text`
-  std::vector<std::string> overrides;
-  std::string text = "";  // YAML
-  std::string kind = "";  // of a recording
-};
-
-namespace fs = std::filesystem;
-
-/// A network that outputs zero, with the given parameters.
-[[maybe_unused]] void write_network(const fs::path& folder, const std::string& name,
-                                    const std::vector<inference::Channel>& inputs,
-                                    const std::vector<inference::Channel>& outputs) {
-  inference::ModelCard card;
-  card.name = name;
-  card.rate = 100;
-  card.inputs = inputs;
-  card.outputs = outputs;
-  const auto weights = sensing::RecurrentWeights::zero(static_cast<int>(inputs.size()),
-                                                       static_cast<int>(outputs.size()), {4});
-  inference::write_model_file((folder / (name + ".pt")).string(), weights, card);
-}
-
-/// Recordings of a bar that is pulled and released four times, and of skin between two pads.
-void write_recordings(const fs::path& folder) {
-  std::ofstream bar(folder / "bar.csv");
-  bar << "time,strain,stretch,gap,length,stress,force,width,height,unit,probe\n";
-  for (int i = 0; i < 400; ++i) {
-    const double strain = 0.003 * std::min(i % 100, 100 - i % 100);
-    bar << 0.01 * i << "," << strain << "," << 1 + strain << "," << 0.02 * (1 - strain) << ","
-        << 0.02 * strain << "," << 1e4 * strain << "," << 10 * strain << ","
-        << 0.01 * (1 - 0.3 * strain) << "," << 0.02 * (1 - strain) << ",1,1\n";
-  }
-  std::ofstream field(folder / "field.csv"), pads(folder / "pads.csv");
-  field << "frame,point,x,y\n";
-  pads << "frame,x,y,far,force\n";
-  for (int frame = 0; frame < 3; ++frame) {
-    for (int point = 0; point < 4; ++point)
-      field << frame << "," << point << "," << 0.01 + 0.002 * point - 4e-4 * frame << ",0.001\n";
-    pads << frame << "," << -1e-3 * frame << ",0,0.03," << -0.02 * frame << "\n";
-  }
-}
-
-/// The files that explorations name below MODELS, unless they exist already.
-void write_models(const fs::path& folder) {
-  if (fs::exists(folder / "key")) return;
-  bus::make_key_file((folder / "key").string());
-  write_recordings(folder);
-  std::ofstream(folder / "material.yaml")
-      << "material: {model: linear, young_modulus: 3e4, poisson_ratio: 0.3}\n"
-         "corotational: {young_modulus: 3e4, poisson_ratio: 0.3}\n";
-  // One tetrahedron on the foam's base.
-  std::ofstream(folder / "foam.msh")
-      << "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$Nodes\n4\n1 0 0 0\n2 0.2 0 0\n3 0.1 0.04 0\n"
-         "4 0.1 0.02 0.04\n$EndNodes\n$Elements\n1\n1 4 2 0 1 1 2 3 4\n$EndElements\n";
-#ifndef PALPATE_WITHOUT_TORCH
-  const std::vector<inference::Channel> force = {{"fx", "N"}, {"fy", "N"}, {"fz", "N"}};
-  std::vector<inference::Channel> wrench = force;
-  for (const char* name : {"tx", "ty", "tz"}) wrench.push_back({name, "N m"});
-  write_network(folder, "observer", {{"gravity_z", "1"}}, wrench);
-  write_network(folder, "finger", {{"pdc", "count"}}, force);
-  write_network(folder, "direction", {{"pdc", "count"}}, {{"nx", "1"}, {"ny", "1"}, {"nz", "1"}});
-#endif
-}
-
-std::string replaced(std::string text, const std::string& word, const std::string& by) {
-  for (std::size_t at = text.find(word); at != std::string::npos; at = text.find(word, at))
-    text.replace(at, word.size(), by);
-  return text;
-}
-
-void read_daemon(const config::Node& root) {
-  const daemon::Settings settings = daemon::read_settings(root);
-  const pipeline::Pipeline pipeline(root, settings.loop.period, true);
-  root.check_all_used();
-}
-
-const char* chapter_of(Reader reader) {
-  constexpr const char* kNames[] = {"daemon", "scene", "train", "fit", "recording"};
-  return kNames[static_cast<std::size_t>(reader)];
-}
-
-#ifndef PALPATE_WITHOUT_SIM
-void read_scene(const config::Node& root, const std::string&) { scenes::read_scene(root); }
-#else
-void read_scene(const config::Node&, const std::string& file) {
-  throw config::Error(file + ": this build has no simulator");
-}
-#endif
-
-/// Keys read from the recording itself; those of a configuration that it names belong to the
-/// latter.
-Declarations read_recording(const config::Node& root, const config::DeclarationList& list) {
-  try {
-    fit::make_experiment(root, "");
-    root.check_all_used();
-  } catch (const config::Error&) {
-    throw;
-  } catch (const std::exception&) {
-    if (!root.has("log")) throw;  // a log need not exist: by then every key has been read
-  }
-  Declarations own;
-  for (const config::Declaration& declaration : list.all())
-    if (declaration.document == "<text>") own.push_back(declaration);
-  return without_names(own);
-}
-
-/// Reads it as palpated, palpate-sim, palpate-train or palpate-fit does before it starts; a
-/// recording as palpate-fit does. Throws config::Error if they would reject it.
-Declarations read(Reader reader, const Exploration& exploration) {
-  config::DeclarationList list;
-  const config::Node root = exploration.file.empty()
-                                ? config::Node::from_text(exploration.text)
-                                : config::Node::load_file(exploration.file, exploration.overrides);
-  if (reader == Reader::kDaemon) {
-    read_daemon(root);
-  } else if (reader == Reader::kTrain) {
-    recordings::read_plan(root);
-  } else if (reader == Reader::kFit) {
-    // Its parts are merged in separate documents.
-    fit::read_plan(root, "");
-    return without_names(list.all());
-  } else if (reader == Reader::kRecording) {
-    return read_recording(root, list);
-  } else {
-    read_scene(root, exploration.file);
-  }
-  Declarations own;
-  for (const config::Declaration& declaration : list.all())
-    if (declaration.document == exploration.file) own.push_back(declaration);
-  return own;
-}
-
-/// The documents of explorations.yaml; `models` is a folder for models and recordings that they
-/// name. Throws config::Error.
-std::vector<Exploration> explorations(Reader reader, const fs::path& models) {
-  write_models(models);
-  const fs::path data = config::data_folder();
-  const config::Node plan =
-      config::Node::load_file((data / "tools/reference/explorations.yaml").string());
-  std::string zeros = "[0";
-  for (int i = 1; i < 21; ++i) zeros += ", 0";
-  std::vector<Exploration> found;
-  for (const config::Node& item : plan.list(chapter_of(reader))) {
-#ifdef PALPATE_WITHOUT_TORCH
-    if (item.flag("torch", false)) continue;
-#endif
-    if (reader == Reader::kRecording) {
-      const std::string text = replaced(item.dump(), "ROOT", data.string());
-      found.push_back({"", {}, replaced(text, "MODELS", models.string()), item.text("kind")});
-      continue;
-    }
-    Exploration exploration{(data / item.text("file")).string(), {}};
-    if (item.has("set"))
-      for (const std::string& set : item.texts("set"))
-        exploration.overrides.push_back(
-            replaced(replaced(set, "MODELS", models.string()), "ZEROS", zeros + "]"));
-    found.push_back(exploration);
-  }
-  return found;
-}
-
-}  // namespace
-}  // namespace palpate::reference
+#include "tools/reference/exploration.hpp"
+#include "tools/reference/markdown.hpp"
+#include "tools/reference/schema.hpp"
 
 namespace {
 
@@ -208,54 +22,75 @@ using namespace palpate::reference;
 
 constexpr const char* kHead =
     "# Configuration\n\n"
-    "Made by `palpate-reference` from the declarations in the code that reads them; do not edit.\n"
-    "SI units throughout. A key that is not read is an error, which names file, line, key and "
-    "what\n"
-    "is allowed. `base: FILE` at the top puts a file's entries over those of another (an\n"
-    "empty entry, `key: ~`, takes away what is there) and `--set path.to.key=value` over both. A "
-    "pose is `{position: [x, y, z], quaternion: [w, x, y, "
-    "z]}`\n"
-    "or `{position: ..., rpy_deg: [r, p, y]}`; files are named relative to the file that names "
-    "them.\n"
-    "What stands in parentheses before a meaning says with which other choices a key is read.\n"
-    "`palpate-reference your.yaml` prints the same for the parts that one configuration uses.\n\n";
+    "Generated by `palpate-reference` from the declarations in the code; do not edit.\n"
+    "SI units throughout. An unknown key is an error, which names file, line, key and the allowed\n"
+    "keys. `base: FILE` at the top merges the entries of a file over those of another file (an\n"
+    "empty entry, `key: ~`, removes that of the base), and `--set path.to.key=value` overrides\n"
+    "both. A pose is `{position: [x, y, z], quaternion: [w, x, y, z]}` or\n"
+    "`{position: ..., rpy_deg: [r, p, y]}`; files are relative to the file that names them.\n"
+    "Parentheses before a description contain the choices with which a key is read.\n"
+    "`palpate-reference your.yaml` prints the same for the components of one configuration.\n\n"
+    "Editors complete and check these files by the JSON Schemas in `schema` (installed in\n"
+    "`share/palpate/schema`; `palpate-reference --schema FOLDER` writes them). With\n"
+    "yaml-language-server the first line of a file selects its schema:\n"
+    "`# yaml-language-server: $schema=/usr/share/palpate/schema/configuration.json`, or\n"
+    "`scene.json`, `training.json`, `fit.json`.\n\n";
 
 constexpr const char* kDaemon =
     "## palpated\n\n"
-    "A section of `sensing`, `contact`, `estimation`, `deformation`, `feature` or `control` may "
-    "have\n"
-    "a section `fallback`, as its slot's own, which takes its place where the component errs.\n"
-    "Sections of `second_arm` that are not listed are as those of the first arm.\n\n";
+    "A section of `sensing`, `contact`, `estimation`, `deformation`, `feature` or `control` may\n"
+    "have a section `fallback` with the same keys, which takes over after an error of the\n"
+    "component. Sections of `second_arm` that are not listed have the keys of the first arm.\n\n";
 
 constexpr const char* kFit =
     "## Plans of palpate-fit\n\n"
-    "`recording`, laid under every recording, and each entry of `recordings` hold what the next\n"
-    "chapter describes. NAME is that of a parameter.\n\n";
+    "`recording`, the defaults of all recordings, and each entry of `recordings` have the keys of\n"
+    "the next chapter. NAME is the name of a parameter.\n\n";
 
 constexpr const char* kRecording =
     "## Recordings of palpate-fit\n\n"
-    "Each by its `kind`. A number with unit is one in SI, `0.0105`, or one with a unit of its "
-    "own,\n"
-    "`10.5 mm`; its range is in SI. QUANTITY is each of those that `columns` names.\n\n";
+    "Each kind has its own keys. A number with unit is a number in SI, `0.0105`, or one with a\n"
+    "unit, `10.5 mm`; its range is in SI. QUANTITY is any quantity of `columns`.\n\n";
+
+/// A temporary folder.
+class Scratch {
+ public:
+  Scratch() {
+    std::string name =
+        (std::filesystem::temp_directory_path() / "palpate_reference_XXXXXX").string();
+    if (mkdtemp(name.data()) == nullptr) throw std::runtime_error(name + ": cannot be created");
+    path_ = name;
+  }
+  ~Scratch() {
+    std::error_code ignored;
+    std::filesystem::remove_all(path_, ignored);
+  }
+  Scratch(const Scratch&) = delete;
+  Scratch& operator=(const Scratch&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
 
 /// One table per kind of recording: they have little in common.
 bool write_recordings(std::ostream& out, const std::filesystem::path& models) {
   const std::vector<Exploration> all = explorations(Reader::kRecording, models);
-  bool is_complete = true;
+  bool complete = true;
   for (const fit::Kind& kind : fit::kinds()) {
     std::vector<Declarations> readings;
     for (const Exploration& exploration : all)
       if (exploration.kind == kind.name) readings.push_back(read(Reader::kRecording, exploration));
     out << "### Kind `" << kind.name << "`: " << kind.summary << "\n\n";
-    is_complete = write_tables(out, readings, 4) && is_complete && !readings.empty();
+    complete = write_tables(out, readings, 4) && complete && !readings.empty();
   }
-  return is_complete;
+  return complete;
 }
 
 bool write_all(std::ostream& out) {
-  const common::TemporaryFolder models("palpate-reference");
+  const Scratch models;
   out << kHead;
-  bool is_complete = true;
+  bool complete = true;
   const std::pair<Reader, const char*> chapters[] = {
       {Reader::kDaemon, kDaemon},
       {Reader::kScene, "## Scenes of palpate-sim\n\n"},
@@ -265,22 +100,51 @@ bool write_all(std::ostream& out) {
   for (const auto& [reader, title] : chapters) {
     out << title;
     if (reader == Reader::kRecording) {
-      is_complete = write_recordings(out, models.path()) && is_complete;
+      complete = write_recordings(out, models.path()) && complete;
       continue;
     }
     std::vector<Declarations> readings;
     for (const Exploration& exploration : explorations(reader, models.path()))
       readings.push_back(read(reader, exploration));
-    is_complete = write_tables(out, readings, 3) && is_complete;
+    complete = write_tables(out, readings, 3) && complete;
   }
-  return is_complete;
+  return complete;
+}
+
+/// Sections of all explorations, of recordings only those of one kind.
+std::vector<Section> sections_of(Reader reader, const std::filesystem::path& models,
+                                 const std::string& kind = "") {
+  std::vector<Declarations> readings;
+  for (const Exploration& exploration : explorations(reader, models))
+    if (kind.empty() || exploration.kind == kind) readings.push_back(read(reader, exploration));
+  return all_sections(readings);
+}
+
+/// One schema per kind of document.
+void write_schemas(const std::filesystem::path& folder) {
+  const Scratch models;
+  std::filesystem::create_directories(folder);
+  const std::tuple<Reader, const char*, const char*> documents[] = {
+      {Reader::kDaemon, "configuration.json", "Configuration of palpated"},
+      {Reader::kScene, "scene.json", "Scene of palpate-sim"},
+      {Reader::kTrain, "training.json", "Plan of palpate-train"},
+      {Reader::kFit, "fit.json", "Plan of palpate-fit"}};
+  for (const auto& [reader, name, title] : documents) {
+    SchemaDocument document{title, sections_of(reader, models.path())};
+    if (reader == Reader::kFit)
+      for (const fit::Kind& kind : fit::kinds())
+        document.recordings[kind.name] = sections_of(Reader::kRecording, models.path(), kind.name);
+    std::ofstream file(folder / name);
+    file << write_schema(document) << std::flush;
+    if (!file) throw std::runtime_error((folder / name).string() + ": cannot be written");
+  }
 }
 
 int run(const std::string& file, Reader reader, const std::vector<std::string>& overrides) {
-  const bool is_complete = file.empty()
-                               ? write_all(std::cout)
-                               : write_tables(std::cout, {read(reader, {file, overrides})}, 2);
-  return is_complete ? 0 : 1;
+  const bool complete = file.empty()
+                            ? write_all(std::cout)
+                            : write_tables(std::cout, {read(reader, {file, overrides})}, 2);
+  return complete ? 0 : 1;
 }
 
 }  // namespace
@@ -292,27 +156,47 @@ int main(int argc, char** argv) {
       "default, range and meaning, as the code "
       "declares them.");
   std::string file;
+  std::string schemas;
   std::vector<std::string> overrides;
   Reader reader = Reader::kDaemon;
   app.add_option("configuration", file,
-                 "only what this one is asked for; without it everything there is");
+                 "prints only the keys that this file uses; without it all keys");
   const std::tuple<const char*, Reader, const char*> kinds[] = {
-      {"--scene", Reader::kScene, "it is a scene of palpate-sim"},
-      {"--train", Reader::kTrain, "it is a plan of palpate-train"},
-      {"--fit", Reader::kFit, "it is a plan of palpate-fit"}};
-  CLI::Option_group* kind = app.add_option_group("what the file is", "absent: a configuration");
+      {"--scene", Reader::kScene, "scene of palpate-sim"},
+      {"--train", Reader::kTrain, "plan of palpate-train"},
+      {"--fit", Reader::kFit, "plan of palpate-fit"}};
+  CLI::Option_group* kind = app.add_option_group("kind of the file", "absent: a configuration");
   for (const auto& [name, of, meaning] : kinds) {
     kind->add_flag_callback(
         name, [&reader, of = of] { reader = of; }, meaning);
   }
   kind->require_option(0, 1);
+  app.add_option("--schema", schemas,
+                 "folder that receives JSON Schemas instead, which editors use for completion and "
+                 "checks")
+      ->type_name("FOLDER")
+      ->excludes("configuration");
   app.add_option("--set", overrides, "override a key: path.to.key=value (repeatable)")
       ->allow_extra_args(false);
   app.set_version_flag("--version", PALPATE_VERSION);
-  app.footer("Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md");
+  app.footer(
+      "Examples:\n  palpate-reference your.yaml\n  palpate-reference > configuration.md\n  "
+      "palpate-reference --schema schema");
   if (const auto code = config::parse(
           app, argc, argv,
           {{{1, "an error, or a parameter without a meaning"}, {78, "wrong configuration"}}}))
     return *code;
-  return common::run_program("error", [&] { return run(file, reader, overrides); });
+  try {
+    if (!schemas.empty()) {
+      write_schemas(schemas);
+      return 0;
+    }
+    return run(file, reader, overrides);
+  } catch (const palpate::config::Error& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return palpate::config::kExitCode;
+  } catch (const std::exception& error) {
+    std::cerr << "error: " << error.what() << "\n";
+    return 1;
+  }
 }

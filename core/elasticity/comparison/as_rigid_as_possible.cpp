@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "core/elasticity/comparison/lumped_body.hpp"
+#include "core/math/option_check.hpp"
 #include "core/math/polar.hpp"
 
 namespace palpate::elasticity {
@@ -101,8 +102,8 @@ void LaplacianFactor::solve(Eigen::Matrix3Xd& b) noexcept {
 
 AsRigidAsPossible::AsRigidAsPossible(Body body, const AsRigidAsPossibleOptions& options)
     : ComparisonModel(std::move(body)), options_(options) {
-  if (options.iterations < 1 || !(options.accuracy >= 0))
-    throw std::invalid_argument("as-rigid-as-possible options: a value is out of range");
+  math::check_option(options.iterations >= 1, "iterations", options.iterations, "at least 1");
+  math::check_option(options.accuracy >= 0, "accuracy", options.accuracy, "at least 0");
   const Matrix3Xd& rest = body_.mesh.nodes;
   const int n = body_.mesh.node_count();
   scales_.assign(n, 0);

@@ -7,6 +7,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/math/option_check.hpp"
+
 namespace palpate::elasticity {
 namespace {
 
@@ -52,10 +54,11 @@ double spring_share(const Eigen::Matrix<double, 3, 4>& corners) {
 
 MassSpringModel::MassSpringModel(Body body, const MassSpringOptions& options)
     : ComparisonModel(std::move(body)), options_(options) {
-  if (options.iterations < 1 || options.cg_iterations < 1 || options.halvings < 0 ||
-      !(options.tolerance > 0)) {
-    throw std::invalid_argument("mass-spring options: a value is out of range");
-  }
+  math::check_option(options.iterations >= 1, "iterations", options.iterations, "at least 1");
+  math::check_option(options.cg_iterations >= 1, "cg_iterations", options.cg_iterations,
+                     "at least 1");
+  math::check_option(options.halvings >= 0, "halvings", options.halvings, "at least 0");
+  math::check_option(options.tolerance > 0, "tolerance", options.tolerance, "above 0");
   const std::vector<LinearPiece> pieces = linear_pieces(body_.mesh);
   springs_ = make_springs(body_, pieces);
   masses_ = lumped_masses(body_, pieces);

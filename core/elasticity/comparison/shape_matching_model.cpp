@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/elasticity/comparison/lumped_body.hpp"
+#include "core/math/option_check.hpp"
 #include "core/math/polar.hpp"
 
 namespace palpate::elasticity {
@@ -52,9 +53,8 @@ double resistance(const Matrix3d& moment) {
 
 ShapeMatchingModel::ShapeMatchingModel(Body body, const ShapeMatchingOptions& options)
     : ComparisonModel(std::move(body)), options_(options) {
-  if (options.rings < 1 || options.rings > 5 || options.max_substeps < 1) {
-    throw std::invalid_argument("shape-matching options: a value is out of range");
-  }
+  math::check_option(options.rings >= 1 && options.rings <= 5, "rings", options.rings, "1 to 5");
+  math::check_option(options.max_substeps >= 1, "max_substeps", options.max_substeps, "at least 1");
   const std::vector<LinearPiece> pieces = linear_pieces(body_.mesh);
   const int n = body_.mesh.node_count();
   masses_ = lumped_masses(body_, pieces);

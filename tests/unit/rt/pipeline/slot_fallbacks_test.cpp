@@ -187,13 +187,13 @@ TEST(SlotFallbackConfiguration, WhatDoesNotFitIsNamed) {
   expect_complaint(
       "sensing.0.fallback={component: biotac_linear, finger: 1, model_file: none.yaml}",
       "biotac_linear is of finger 1, ft_newton_euler of the wrist of arm 0");
-  expect_complaint("sensing.0.fallback={component: manual}", "it cannot stand in for it");
+  expect_complaint("sensing.0.fallback={component: manual}", "manual is of");
   expect_complaint("sensing=[{component: manual, fallback: {component: ft_tare_only}}]",
-                   "nothing stands in for manual forces");
+                   "manual forces cannot have a fallback");
   expect_complaint("sensing.0.fallback={component: ft_tare_only, name: other}", "name");
   expect_complaint("sensing.0.fallback={component: ft_magic}", "ft_magic");
   expect_complaint("contact.0.fallback={component: wrench_patch, on_grasp: true}",
-                   "is the same as what it is to stand in for");
+                   "is the same as the component that it replaces");
   expect_complaint("contact.0.fallback={component: area_coordinates, sources: wrist}", "sources");
   expect_complaint(
       "feature.fallback={component: points, rest_points: [[0.25, 0.03, 0.06], [0, 0, 0]]}",
@@ -201,7 +201,7 @@ TEST(SlotFallbackConfiguration, WhatDoesNotFitIsNamed) {
   expect_complaint("feature.fallback={component: point, rest_points: [[0.2, 0.03, 0.06]]}",
                    "has other rest_points");
   expect_complaint("feature.fallback={component: point, rest_points: [[0.25, 0.03, 0.06]]}",
-                   "is the same as what it is to stand in for");
+                   "is the same as the component that it replaces");
   EXPECT_EQ(complaint("sensing.0.fallback={component: ft_tare_only}"), "");
   EXPECT_EQ(complaint("contact.0.fallback={component: area_coordinates}"), "");
 }

@@ -1,6 +1,6 @@
-#include "rt/registry/inference_settings.hpp"
-
 #include <gtest/gtest.h>
+
+#include "rt/registry/registry.hpp"
 
 namespace palpate::registry {
 namespace {

@@ -135,8 +135,10 @@ TEST_F(LearnedComponents, ACardWithoutPayloadLeavesItToTheNetwork) {
   observer->update(signals(), contacts);
   ASSERT_EQ(contacts.count, 1);
   EXPECT_NEAR(contacts.contacts[0].wrench.force.z(), 2 * 9.81, 1e-6);
-  EXPECT_THAT(complaint("ft_rnnob", ", fallback: newton_euler"), HasSubstr("wants a payload"));
-  EXPECT_THAT(complaint("ft_rnnob", ", payload: {mass: 1}"), HasSubstr("serves the fallback"));
+  EXPECT_THAT(complaint("ft_rnnob", ", fallback: newton_euler"),
+              HasSubstr("fallback: needs a payload"));
+  EXPECT_THAT(complaint("ft_rnnob", ", payload: {mass: 1}"),
+              HasSubstr("payload: is used only by a fallback"));
   EXPECT_EQ(complaint("ft_rnnob", ", payload: {mass: 1}, fallback: newton_euler"), "");
 }
 
@@ -148,7 +150,7 @@ TEST_F(LearnedComponents, MistakesAreNamed) {
   finger_.average = 0.1;
   write();
   EXPECT_THAT(complaint("ft_rnnob"), HasSubstr("must be a multiple of the model's"));
-  EXPECT_THAT(complaint("biotac_lstm"), HasSubstr("wants averaged counts"));
+  EXPECT_THAT(complaint("biotac_lstm"), HasSubstr("averaged counts"));
   observer_.rate = 100;
   observer_.delays[0].stream = "camera";
   write();

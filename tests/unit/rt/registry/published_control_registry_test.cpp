@@ -112,7 +112,7 @@ TEST_F(PublishedControlRegistry, WrongKeysAreNamed) {
   EXPECT_NE(error_of({"control.provider=gaussian_process", "control.samples=2"}).find("samples"),
             std::string::npos);
   EXPECT_NE(error_of({"control.provider=inverse_elements_force"}).find("goal"), std::string::npos);
-  EXPECT_NE(error_of({"control.sight=crystal_ball"}).find("markers_and_model"), std::string::npos);
+  EXPECT_NE(error_of({"control.vision=crystal_ball"}).find("markers_and_model"), std::string::npos);
   EXPECT_NE(error_of({"control.provider=rheological_chain", "control.masses=3",
                       "control.goal={displacement: [0, 0, 0.03]}"})
                 .find("masses"),
@@ -128,7 +128,7 @@ TEST_F(PublishedControlRegistry, WrongKeysAreNamed) {
 }
 
 TEST_F(PublishedControlRegistry, MarkersSayWhereTheFeatureIs) {
-  build({"control.sight=markers"});
+  build({"control.vision=markers"});
   run(50);
   aim({0, 0, 0.03});
   run(50);
@@ -146,7 +146,7 @@ TEST_F(PublishedControlRegistry, MarkersSayWhereTheFeatureIs) {
 }
 
 TEST_F(PublishedControlRegistry, WithTheModelAFeatureOutlivesItsMarkers) {
-  build({"control.sight=markers_and_model"});
+  build({"control.vision=markers_and_model"});
   run(50);
   aim({0, 0, 0.03});
   const double before = pipeline_->feature_state().value.z();

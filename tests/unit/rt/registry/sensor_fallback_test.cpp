@@ -1,4 +1,4 @@
-#include "rt/registry/sensor_fallback.hpp"
+#include "rt/registry/fallbacks.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,11 @@
+#include "tools/reference/catalogue.hpp"
+
 #include <gtest/gtest.h>
 
 #include <sstream>
 
 #include "rt/config/node.hpp"
-#include "tools/reference/catalogue.hpp"
+#include "tools/reference/markdown.hpp"
 
 namespace palpate::reference {
 namespace {
@@ -27,11 +29,11 @@ const Parameter& parameter(const std::vector<Section>& sections, const std::stri
   for (const Section& section : sections)
     for (const Parameter& known : section.parameters)
       if (section.path == path && known.name == name) return known;
-  ADD_FAILURE() << path << "." << name << " is not described";
+  ADD_FAILURE() << path << "." << name << " is not told";
   return kNone;
 }
 
-TEST(Catalogue, NamesTheChoiceThatReadsAKey) {
+TEST(Catalogue, TellsWithWhichChoiceAKeyIsRead) {
   const std::vector<Section> sections =
       merge({read("parts: [{component: a}, {component: b, gain: 1}]"),
              read("parts: [{component: a, limit: 1}]")});
@@ -46,10 +48,10 @@ TEST(Catalogue, NamesTheChoiceThatReadsAKey) {
   EXPECT_TRUE(speed.only_with.empty());
   EXPECT_EQ(speed.defaults, (std::vector<std::string>{"0.25", "0.5"}));
   EXPECT_FALSE(parameter(sections, "parts[]", "limit").required) << "it may be absent";
-  EXPECT_TRUE(untold(sections).empty());
+  EXPECT_TRUE(undescribed(sections).empty());
 }
 
-TEST(Catalogue, NamesKeysWithoutAMeaning) {
+TEST(Catalogue, NamesWhatNobodyTellsTheMeaningOf) {
   const config::Node root = config::Node::from_text("a: {b: 1}", "t.yaml");
   Declarations declarations;
   {
@@ -57,7 +59,7 @@ TEST(Catalogue, NamesKeysWithoutAMeaning) {
     root.child({"a", "", "section"}).number("b", {0, 2});
     declarations = list.all();
   }
-  EXPECT_EQ(untold(merge({declarations})), std::vector<std::string>{"a.b"});
+  EXPECT_EQ(undescribed(merge({declarations})), std::vector<std::string>{"a.b"});
 }
 
 TEST(Catalogue, MarkdownKeepsItsTablesWhole) {

@@ -2,9 +2,22 @@
 
 #include <memory>
 
+#include "core/contact/force_transformer.hpp"
 #include "core/sensing/sensor_model.hpp"
+#include "rt/registry/registry.hpp"
 
 namespace palpate::registry {
+
+/// Whether the section `node` of a slot contains a fallback section.
+bool has_fallback(const config::Node& node);
+
+/// Checks that a fallback can replace the component of `node`; each throws config::Error naming the
+/// mismatch. For any slot: a different component, or the same with other parameters.
+void check_differs(const config::Node& node);
+/// Same sensor.
+void check_sensor(const config::Node& node, const Context& context);
+/// Same kind and points, so that a target remains valid.
+void check_feature(const config::Node& node, const Context& context);
 
 /// True if no component exceeds a plausible magnitude; larger ones overflow in frame
 /// transformations.
@@ -42,6 +55,31 @@ class SensorFallback final : public sensing::SensorModel {
   const char* reason_;
   bool in_use_ = false;
   sensing::ContactSet unused_;
+};
+
+/// True if every load is finite and of plausible magnitude.
+bool are_plausible(const contact::ContactLoads& loads) noexcept;
+
+/// Force transformer with a fallback: if the first one returns implausible loads, the second one
+/// processes the same contact and remains active until reset().
+class ContactFallback final : public contact::ForceTransformer {
+ public:
+  ContactFallback(std::unique_ptr<contact::ForceTransformer> first,
+                  std::unique_ptr<contact::ForceTransformer> second)
+      : first_(std::move(first)), second_(std::move(second)) {}
+
+  int max_nodes() const noexcept override;
+  void distribute(const sensing::Contact& contact, const Eigen::Matrix3Xd& positions,
+                  contact::ContactLoads& out) noexcept override;
+  void reset() noexcept { in_use_ = false; }
+  bool in_use() const noexcept { return in_use_; }
+
+  /// Set-up: replaces the first transformer and returns the previous one.
+  void exchange(std::unique_ptr<contact::ForceTransformer>& first) noexcept { first_.swap(first); }
+
+ private:
+  std::unique_ptr<contact::ForceTransformer> first_, second_;
+  bool in_use_ = false;
 };
 
 }  // namespace palpate::registry
