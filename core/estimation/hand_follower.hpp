@@ -48,12 +48,12 @@ class HandFollower {
     math::Pose held = math::Pose::Identity();  // pose at which the model holds the grasp
     double age = 0;                            // s since the last new pose
     /// Deflection of the pads: (m, rad) of the object, in G.
-    math::Vector6d give = math::Vector6d::Zero();
+    math::Vector6d deflection = math::Vector6d::Zero();
     bool seen = false;
     bool inherited = false;  // pose taken over from another estimator, whose pad model may differ
   };
-  void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
-                const elasticity::Body& body) const noexcept;
+  void deflect(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
+               const elasticity::Body& body) const noexcept;
   double pad_share(int grasp, double dt, double stiffness,
                    const elasticity::DeformationModel& model) const noexcept;
   bool approach(Hand& hand, const math::Pose& goal, double dt) const noexcept;

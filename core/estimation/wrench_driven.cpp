@@ -28,7 +28,8 @@ WrenchDriven::WrenchDriven(const elasticity::Body& body, const Options& options)
           "times, stiffness and speeds of a wrench-driven estimator must be positive");
   }
   if (body.fixed_nodes.empty())
-    throw std::invalid_argument("a wrench does not tell where an object is that nothing fixes");
+    throw std::invalid_argument(
+        "a wrench does not determine the position of an object without fixed nodes");
   const Eigen::Matrix3Xd& nodes = body.mesh.nodes;
   length_ = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).maxCoeff() / 2;
 }
@@ -155,8 +156,7 @@ sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
     if (far_for_ > patience) trouble = "no pose of the grasp has the wrench of the hand";
   } else if (follows_[0] || follows_[1]) {
     far_for_ += dt;
-    if (far_for_ > options_.wrench_timeout)
-      trouble = "the model does not tell how stiff the grasp is";
+    if (far_for_ > options_.wrench_timeout) trouble = "the model has no stiffness of the grasp yet";
   }
   for (int g = 0; g < grasps; ++g) {
     if (!lets_go(inputs.grasps[g])) model.hold(g, hands_[g].held);

@@ -95,7 +95,7 @@ estimation::HandFollower::Options read_hand(const config::Node& node) {
 
 /// Options of shape observations, if configured.
 void read_sight(const config::Node& node, estimation::PoseWrenchFilter::Options& options) {
-  estimation::SurfaceFit::Options& sight = options.sight;
+  estimation::SurfaceFit::Options& sight = options.observation;
   sight.lag =
       node.number({"observation_lag_ms", "ms", "from when points are seen until they arrive"},
                   {0, 250}, sight.lag * 1e3) *

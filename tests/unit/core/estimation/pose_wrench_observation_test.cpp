@@ -119,7 +119,7 @@ elasticity::Body other() {
 class PoseWrenchSightTest : public ::testing::Test {
  protected:
   void start(const elasticity::Body& body, PoseWrenchFilter::Options options = {}) {
-    options.sight.lag = 1e-3 * kLate;
+    options.observation.lag = 1e-3 * kLate;
     model_ = std::make_unique<CorotationalQuasistatic>(body);
     model_->prepare();
     filter_ = std::make_unique<PoseWrenchFilter>(body, mesh::extract_surface(body.mesh), options);
@@ -287,7 +287,7 @@ TEST_F(PoseWrenchSightTest, AllocatesNothing) {
 double PoseWrenchSightTest::covered(bool amid_faces) {
   constexpr int kSeeds = 20;
   PoseWrenchFilter::Options options;
-  options.sight.surface = 0;  // its own mesh
+  options.observation.surface = 0;  // its own mesh
   options.relative = 0;
   const elasticity::Body body = support::held_bar({5, 1, 1}, mesh::ElementOrder::kQuadratic);
   double covered = 0, asked = 0;

@@ -297,7 +297,7 @@ TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   inputs_.grasps[0].wrench_valid = true;
   sensing::UpdateResult result;
   for (int i = 0; i < 60; ++i) result = estimator.update(inputs_, model, estimate_);
-  EXPECT_STREQ(result.reason, "the model does not tell how stiff the grasp is");
+  EXPECT_STREQ(result.reason, "the model has no stiffness of the grasp yet");
   EXPECT_TRUE(model.X_OG(0).isApprox(body.grasps[0].X_OG_rest));
 }
 
