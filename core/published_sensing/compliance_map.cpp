@@ -109,7 +109,7 @@ sensing::UpdateResult ComplianceMap::update(const estimation::EstimationInputs& 
   shape_ = rest_;
   for (int i = 0; i < inputs.contact_count; ++i) {
     const contact::ContactLoads& touch = inputs.contacts[i];
-    if (!touch.accepted || estimation::is_wrist(touch.source)) continue;
+    if (!touch.accepted || sensing::is_wrist(touch.source)) continue;
     Vector3d force = Vector3d::Zero();
     for (const contact::NodalLoad& load : touch.loads)
       if (estimation::is_valid(load, model.body().mesh.node_count())) force += load.force;

@@ -8,6 +8,14 @@ namespace palpate::sensing {
 /// Sensor that measured a contact; determines the frame of its location and wrench.
 enum class Source { kWrist0, kWrist1, kFinger0, kFinger1, kFinger2, kFinger3, kFinger4, kManual };
 
+inline bool is_wrist(Source source) noexcept {
+  return source == Source::kWrist0 || source == Source::kWrist1;
+}
+/// Whether the source is the wrist of arm 0 or 1.
+inline bool is_wrist(Source source, int arm) noexcept {
+  return source == (arm == 1 ? Source::kWrist1 : Source::kWrist0);
+}
+
 /// Contact wrench on the object. Wrist sources: about the origin of S, in S. Finger sources: at
 /// `location` in T. Manual: at a rest point, in O.
 struct Contact {
