@@ -59,7 +59,7 @@ class Witness : public estimation::Estimator {
 TEST(Pipeline, WhatIsSeenReachesTheEstimatorInTheObjectsFrame) {
   Pipeline pipeline(example(), 1e-3);
   estimation::ObservationInput seen;
-  pipeline.slots_at_setup().estimator = std::make_unique<Witness>(seen);
+  pipeline.components_at_setup().estimator = std::make_unique<Witness>(seen);
   sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 2);
