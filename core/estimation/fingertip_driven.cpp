@@ -87,9 +87,9 @@ void FingertipDriven::activate(elasticity::DeformationModel& model) noexcept {
   model.set_gravity(model.body().gravity_O);
 }
 
-sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
-                                              elasticity::DeformationModel& model,
-                                              Estimate& estimate) noexcept {
+UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
+                                     elasticity::DeformationModel& model,
+                                     Estimate& estimate) noexcept {
   const char* trouble = "";
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
   const double dt = step_guard_.step();
@@ -106,9 +106,9 @@ sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
   estimate.step = model.step(dt);
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk || *trouble == '\0') return step;
+  return {Status::kDegraded, trouble};
 }
 
 /// Reads the contact locations of this tick; begins and ends contacts.

@@ -50,9 +50,8 @@ void ForceDriven::activate(elasticity::DeformationModel& model) noexcept {
   model.set_gravity(repaired ? model.body().gravity_O : Eigen::Vector3d(Eigen::Vector3d::Zero()));
 }
 
-sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
-                                          elasticity::DeformationModel& model,
-                                          Estimate& estimate) noexcept {
+UpdateResult ForceDriven::update(const EstimationInputs& inputs,
+                                 elasticity::DeformationModel& model, Estimate& estimate) noexcept {
   const bool repaired = options_.variant == Variant::kRepaired;
   const char* trouble = gather(inputs, model.body().mesh.node_count());
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
@@ -83,9 +82,9 @@ sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk || *trouble == '\0') return step;
+  return {Status::kDegraded, trouble};
 }
 
 /// Collects the loads of the contacts received in this tick. Returns an error message, or "".

@@ -81,7 +81,7 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
   Hand& hand = hands_[grasp];
   const char* trouble = "";
   hand.age += dt;
-  if (input.pose_freshness == sensing::Freshness::kNew) {
+  if (input.pose_freshness == Freshness::kNew) {
     if (input.X_OG.matrix().allFinite()) {
       hand.hand = input.X_OG;
       hand.age = 0;

@@ -25,7 +25,7 @@ void ObservationUpdate::add_loads(const FusedState& state, Eigen::Matrix3Xd& loa
 void ObservationUpdate::update(const ObservationInput& seen, FusedState& state,
                                WrenchUpdate& wrenches, elasticity::DeformationModel& model,
                                double dt) noexcept {
-  const bool is_new = seen.freshness == sensing::Freshness::kNew;
+  const bool is_new = seen.freshness == Freshness::kNew;
   if (!is_active_ && !is_new) return;
   if (!is_active_) loads_.watch(model);
   is_active_ = true;

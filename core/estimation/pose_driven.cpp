@@ -20,9 +20,8 @@ void PoseDriven::take_over(const Estimate& last, elasticity::DeformationModel& m
   hands_.take_over(last, model);
 }
 
-sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
-                                         elasticity::DeformationModel& model,
-                                         Estimate& estimate) noexcept {
+UpdateResult PoseDriven::update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                                Estimate& estimate) noexcept {
   const char* trouble = "";
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
   const double dt = step_guard_.step();
@@ -43,9 +42,9 @@ sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk || *trouble == '\0') return step;
+  return {Status::kDegraded, trouble};
 }
 
 }  // namespace palpate::estimation

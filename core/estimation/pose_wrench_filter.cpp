@@ -87,9 +87,9 @@ void PoseWrenchFilter::take_over(const Estimate& last,
   }
 }
 
-sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
-                                               elasticity::DeformationModel& model,
-                                               Estimate& estimate) noexcept {
+UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
+                                      elasticity::DeformationModel& model,
+                                      Estimate& estimate) noexcept {
   const char* trouble = "";
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
   const double dt = step_guard_.step();
@@ -108,10 +108,10 @@ sensing::UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   contact_.advance(dt, state_, wrenches_, model);
   write_estimate(model, grasps, estimate);
 
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk) return step;
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk) return step;
   if (contact_.detector().is_overdue()) trouble = "nothing explains the wrench of the hand";
-  if (*trouble != '\0') return {sensing::Status::kDegraded, trouble};
+  if (*trouble != '\0') return {Status::kDegraded, trouble};
   return {};
 }
 

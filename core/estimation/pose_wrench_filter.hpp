@@ -48,8 +48,8 @@ class PoseWrenchFilter : public Estimator {
   void activate(elasticity::DeformationModel& model) noexcept override;
   /// Degraded under the conditions of the pose-driven estimator, and while the wrench cannot be
   /// explained. Without a wrench the pose alone determines the shape.
-  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
-                               Estimate& estimate) noexcept override;
+  UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                      Estimate& estimate) noexcept override;
   void reset() noexcept override;
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
 

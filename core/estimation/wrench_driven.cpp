@@ -14,7 +14,7 @@ namespace {
 constexpr double kFar = 0.2;  // fraction of a wrench: a larger difference is not noise
 
 bool lets_go(const GraspInput& input) noexcept {
-  return input.pose_freshness != sensing::Freshness::kNoData && !input.holding;
+  return input.pose_freshness != Freshness::kNoData && !input.holding;
 }
 
 }  // namespace
@@ -137,9 +137,9 @@ void WrenchDriven::move(const elasticity::Sensitivity& sensitivity, double dt) n
   }
 }
 
-sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
-                                           elasticity::DeformationModel& model,
-                                           Estimate& estimate) noexcept {
+UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
+                                  elasticity::DeformationModel& model,
+                                  Estimate& estimate) noexcept {
   const char* trouble = "";
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
   const double dt = step_guard_.step();
@@ -178,10 +178,10 @@ sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
   if (!model.velocities().isZero(0))
-    return {sensing::Status::kFault, "a wrench can only drive a quasi-static model"};
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+    return {Status::kFault, "a wrench can only drive a quasi-static model"};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk || *trouble == '\0') return step;
+  return {Status::kDegraded, trouble};
 }
 
 }  // namespace palpate::estimation

@@ -19,7 +19,7 @@ bool locate_finger(const ArmMeasurements& arm, sensing::Contact& contact) noexce
   math::Pose X_OT;
   if (arm.frames.X_OT[finger]) {
     X_OT = *arm.frames.X_OT[finger];
-  } else if (arm.known && hand.freshness != sensing::Freshness::kNoData &&
+  } else if (arm.known && hand.freshness != Freshness::kNoData &&
              finger < hand.latest.fingertip_count) {
     X_OT = arm.X_OE() * hand.latest.X_ET[finger];
   } else {
@@ -53,7 +53,7 @@ estimation::GraspInput grasp_input(const ArmMeasurements& arm, int index,
   input.X_OG = arm.X_OE() * arm.frames.X_EG;
   // Without a hand that reports its grasp, an arm that reports its pose counts as holding.
   const sensing::Stream<sensing::HandState, 4>& hand = arm.signals.hand;
-  const bool hand_known = hand.freshness != sensing::Freshness::kNoData;
+  const bool hand_known = hand.freshness != Freshness::kNoData;
   input.holding = arm.known && (!hand_known || hand.latest.grasp != sensing::Grasp::kNone);
   for (int i = 0; i < contacts_O.count; ++i) {
     const sensing::Contact& contact = contacts_O.contacts[i];
@@ -69,7 +69,7 @@ void update_observation(const ArmMeasurements& arm,
   const sensing::Stream<sensing::ShapeObservation, 1>& stream = arm.signals.observation;
   observation.freshness = stream.freshness;
   observation.age = stream.age;
-  if (stream.freshness != sensing::Freshness::kNew) return;
+  if (stream.freshness != Freshness::kNew) return;
   const sensing::ShapeObservation& seen = stream.latest;
   const math::Pose X_OW = arm.frames.X_WO.inverse();
   observation.time = seen.time;

@@ -8,7 +8,6 @@
 namespace palpate::published_sensing {
 
 using estimation::EstimationInputs;
-using sensing::Freshness;
 
 CloudEstimator::CloudEstimator(const elasticity::Body& body, const mesh::Surface& surface,
                                const Options& options)
@@ -47,9 +46,9 @@ void CloudEstimator::take_over(const estimation::Estimate& last,
   begin(model.positions());
 }
 
-sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
-                                             elasticity::DeformationModel& model,
-                                             estimation::Estimate& estimate) noexcept {
+UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
+                                    elasticity::DeformationModel& model,
+                                    estimation::Estimate& estimate) noexcept {
   const char* trouble = "";
   if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
   const double dt = step_guard_.step();
@@ -82,9 +81,9 @@ sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
     estimate.reaction[g] = model.reaction(g);
   }
   tell(estimate);
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  if (step.status != Status::kOk || *trouble == '\0') return step;
+  return {Status::kDegraded, trouble};
 }
 
 Eigen::Vector3d CloudEstimator::held_place(int grasp, int node,

@@ -37,14 +37,6 @@ struct ContactSet {
   }
 };
 
-enum class Status { kOk, kDegraded, kFault };
-
-/// Outcome of one update. `reason` is a string literal.
-struct UpdateResult {
-  Status status = Status::kOk;
-  const char* reason = "";
-};
-
 /// State that a sensor model hands over to its replacement while the loop runs: its offset at rest.
 struct SensorState {
   enum class Offset {

@@ -16,11 +16,11 @@ void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 
 std::int32_t estimate_status(pipeline::LifeCycle state) noexcept {
   switch (state) {
     case pipeline::LifeCycle::kActive:
-      return static_cast<std::int32_t>(sensing::Status::kOk);
+      return static_cast<std::int32_t>(Status::kOk);
     case pipeline::LifeCycle::kDegraded:
-      return static_cast<std::int32_t>(sensing::Status::kDegraded);
+      return static_cast<std::int32_t>(Status::kDegraded);
     default:
-      return static_cast<std::int32_t>(sensing::Status::kFault);
+      return static_cast<std::int32_t>(Status::kFault);
   }
 }
 

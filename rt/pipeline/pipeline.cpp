@@ -9,17 +9,17 @@ void Pipeline::sense(const sensing::Signals& signals, const sensing::Signals& se
   const std::array<const sensing::Signals*, 2> by_arm = {&signals, &second};
   for (int i = 0; i < arm_count(); ++i) {
     arms_[i].signals = by_arm[i];
-    arms_[i].known = by_arm[i]->robot.freshness != sensing::Freshness::kNoData;
+    arms_[i].known = by_arm[i]->robot.freshness != Freshness::kNoData;
     find_joints(arms_[i]);
   }
   contacts_.count = 0;
   for (ComponentSet::Sensing& instance : components_->sensing) {
     const int first = contacts_.count;
-    sensing::UpdateResult result = instance.model->update(*by_arm[instance.arm], contacts_);
+    UpdateResult result = instance.model->update(*by_arm[instance.arm], contacts_);
     for (int i = first; i < contacts_.count; ++i) {
       if (registry::is_plausible(contacts_.contacts[i])) continue;
       contacts_.count = first;
-      result = {sensing::Status::kDegraded, "a contact is not finite or beyond what can be"};
+      result = {Status::kDegraded, "a contact is not finite or beyond what can be"};
     }
     instance.condition.apply(result);
     if (instance.fallback != nullptr && instance.fallback->in_use() &&
@@ -137,8 +137,7 @@ bool Pipeline::steer(double dt, int first) noexcept {
   ComponentSet& components = *components_;
   if (components.control_condition.state == LifeCycle::kFaulted) return false;
   if (!components.feature->is_defined()) {
-    components.control_condition.apply(
-        {sensing::Status::kDegraded, "no such feature in this shape"});
+    components.control_condition.apply({Status::kDegraded, "no such feature in this shape"});
     return false;
   }
   if (!observe(dt, first)) return false;
@@ -159,19 +158,19 @@ bool Pipeline::steer(double dt, int first) noexcept {
   if (components.provider->commands(inputs, components.law_output.V_O_G)) {
     components.law_output.V_O_G_second = math::Twist();
     const bool finite = components.law_output.V_O_G.vector().allFinite();
-    components.control_condition.apply({finite ? sensing::Status::kOk : sensing::Status::kFault,
-                                        finite ? "" : "the command is not finite"});
+    components.control_condition.apply(
+        {finite ? Status::kOk : Status::kFault, finite ? "" : "the command is not finite"});
     return finite;
   }
   if (!knows_jacobian) {
-    components.control_condition.apply({sensing::Status::kDegraded, "no Jacobian yet"});
+    components.control_condition.apply({Status::kDegraded, "no Jacobian yet"});
     return false;
   }
   control::JointInputs joints;
   if (components.commands_joints) {
     if (!arms_[0].joints_known) {
       components.control_condition.apply(
-          {sensing::Status::kDegraded, "the robot's joints are not those of its model"});
+          {Status::kDegraded, "the robot's joints are not those of its model"});
       return false;
     }
     joints = joint_inputs(arms_[0]);
@@ -182,12 +181,11 @@ bool Pipeline::steer(double dt, int first) noexcept {
       !components.law_output.V_O_G_second.vector().allFinite()) {
     const char* why = components.law_output.remark;
     components.control_condition.apply(
-        {sensing::Status::kFault, *why == '\0' ? "the command is not finite" : why});
+        {Status::kFault, *why == '\0' ? "the command is not finite" : why});
     return false;
   }
   const char* remark = components.law_output.remark;
-  components.control_condition.apply(
-      {*remark == '\0' ? sensing::Status::kOk : sensing::Status::kDegraded, remark});
+  components.control_condition.apply({*remark == '\0' ? Status::kOk : Status::kDegraded, remark});
   // if it overflows, the target is far out of reach
   if (components.law_output.unreachable.allFinite()) {
     components.feature_state.unreachable = components.law_output.unreachable;

@@ -112,13 +112,12 @@ Pipeline::WarmupState Pipeline::warm_up(Replacement& replacement, const char*& r
       return WarmupState::kRejected;
     }
     sensing::ContactSet unused;
-    const sensing::UpdateResult result =
-        models[i].model->update(*arms_[models[i].arm].signals, unused);
-    if (result.status == sensing::Status::kFault) {
+    const UpdateResult result = models[i].model->update(*arms_[models[i].arm].signals, unused);
+    if (result.status == Status::kFault) {
       reason = result.reason;
       return WarmupState::kRejected;
     }
-    if (result.status == sensing::Status::kOk && replacement.warmup_ticks_ >= kTicks) continue;
+    if (result.status == Status::kOk && replacement.warmup_ticks_ >= kTicks) continue;
     ready = false;
     if (present == nullptr || present->condition.state != LifeCycle::kActive) continue;
     waits_with_present = false;

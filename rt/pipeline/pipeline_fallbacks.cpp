@@ -35,7 +35,7 @@ void Pipeline::check_loads(ComponentSet::Contact& instance, contact::ContactLoad
   if (registry::are_plausible(loads)) return;
   loads.accepted = false;
   loads.loads.clear();
-  instance.condition.apply({sensing::Status::kFault, "a load of a node is not finite"});
+  instance.condition.apply({Status::kFault, "a load of a node is not finite"});
 }
 
 /// Shape available to the controller.
@@ -46,7 +46,7 @@ const Eigen::Matrix3Xd& Pipeline::observed_positions() const noexcept {
 void Pipeline::update_markers() noexcept {
   if (!components_->markers) return;
   const estimation::ObservationInput& observation = estimation_inputs_.observation;
-  components_->markers->look(observation.freshness == sensing::Freshness::kNew, observation.age,
+  components_->markers->look(observation.freshness == Freshness::kNew, observation.age,
                              observation.points_O, components_->model->positions());
 }
 
@@ -57,7 +57,7 @@ bool Pipeline::feature_is_sound() noexcept {
   components.feature->evaluate(observed_positions(), components.feature_state.value);
   if (components.feature_state.value.allFinite()) return true;
   components.feature_state.value.setZero();
-  components.feature_condition.apply({sensing::Status::kFault, "the feature is not finite"});
+  components.feature_condition.apply({Status::kFault, "the feature is not finite"});
   return false;
 }
 
@@ -65,7 +65,7 @@ bool Pipeline::feature_is_sound() noexcept {
 bool Pipeline::observe(double dt, int first) noexcept {
   ComponentSet& components = *components_;
   if (components.markers && !components.markers->sees()) {
-    components.control_condition.apply({sensing::Status::kDegraded, "the markers are not seen"});
+    components.control_condition.apply({Status::kDegraded, "the markers are not seen"});
     return false;
   }
   const estimation::GraspInput& grasp = estimation_inputs_.grasps[first];

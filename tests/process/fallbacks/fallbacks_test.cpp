@@ -35,8 +35,8 @@ class ToldSensor final : public faults::FaultySensor {
  public:
   ToldSensor(std::unique_ptr<sensing::SensorModel> good, const bool& broken)
       : FaultySensor(std::move(good)), broken_(broken) {}
-  sensing::UpdateResult update(const sensing::Signals& signals,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals& signals,
+                      sensing::ContactSet& contacts) noexcept override {
     trouble = broken_ ? Trouble::kError : Trouble::kNone;
     return FaultySensor::update(signals, contacts);
   }

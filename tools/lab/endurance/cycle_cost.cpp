@@ -46,7 +46,7 @@ class Loop {
     inputs_.grasp_count = 1;
     inputs_.contacts = components_.loads.data();
     estimation::GraspInput& hand = inputs_.grasps[0];
-    hand.pose_freshness = sensing::Freshness::kNew;
+    hand.pose_freshness = Freshness::kNew;
     hand.holding = hand.wrench_valid = true;
     hand.X_OG = components_.model->body().grasps.at(0).X_OG_rest;
   }
@@ -58,7 +58,8 @@ class Loop {
     {
       const loop::NoAllocationScope scope;
       const std::int64_t start = processor_time_ns();
-      components_.estimator->update(inputs_, *components_.model, components_.estimate);
+      static_cast<void>(
+          components_.estimator->update(inputs_, *components_.model, components_.estimate));
       const std::int64_t estimated = processor_time_ns();
       components_.feature->evaluate(components_.model->positions(), feature.value);
       components_.feature->error(feature.value, target_, feature.error);

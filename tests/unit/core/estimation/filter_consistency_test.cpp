@@ -157,9 +157,9 @@ Verdict judge(std::uint64_t seed, Told told) {
     wrench.head<3>() += R * truth.segment<3>(7);
     wrench.tail<3>() += R * truth.tail<3>();
     for (int k = 0; k < 6; ++k) wrench[k] += (k < 3 ? force_noise : torque_noise) * normal(random);
-    inputs.grasps[0] = {sensing::Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
+    inputs.grasps[0] = {Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
     refactor(model);
-    filter.update(inputs, model, estimate);
+    static_cast<void>(filter.update(inputs, model, estimate));
     if (estimate.innovation_test < 0) continue;  // no wrench yet
     verdict.innovation += estimate.innovation_test;
     ++tests;

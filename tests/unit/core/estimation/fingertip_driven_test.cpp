@@ -30,9 +30,9 @@ class FingertipDrivenTest : public ::testing::Test {
   }
 
   /// The finger keeps contact at `place` for `ticks`.
-  sensing::UpdateResult run(const Vector3d& place, int ticks) {
+  UpdateResult run(const Vector3d& place, int ticks) {
     contact_.location = place;
-    sensing::UpdateResult result;
+    UpdateResult result;
     for (int i = 0; i < ticks; ++i) {
       result = estimator_->update(inputs_, *model_, estimate_);
       if (elasticity::Refactorisation* job = model_->wanted_refactorisation()) {
@@ -64,8 +64,8 @@ const Vector3d kBelow(0.5, 0.03, 0);  // middle of the lower edge of the free en
 TEST_F(FingertipDrivenTest, MaterialGoesWhereTheFingerIs) {
   run(kBelow, 200);  // touches without force
   EXPECT_LT(estimator_->force(1).norm(), 1e-6);
-  const sensing::UpdateResult result = run(kBelow + Vector3d(0, 0, 0.02), 1000);
-  EXPECT_EQ(result.status, sensing::Status::kOk) << result.reason;
+  const UpdateResult result = run(kBelow + Vector3d(0, 0, 0.02), 1000);
+  EXPECT_EQ(result.status, Status::kOk) << result.reason;
   const Vector3d force = estimator_->force(1);
   EXPECT_GT(force.z(), 0);
   const Vector3d left = kBelow + Vector3d(0, 0, 0.02) - node_at(kBelow);

@@ -55,7 +55,7 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
   estimator.activate(model);
   EstimationInputs inputs;
   inputs.grasp_count = 1;
-  inputs.grasps[0].pose_freshness = sensing::Freshness::kNew;
+  inputs.grasps[0].pose_freshness = Freshness::kNew;
   inputs.grasps[0].holding = true;
   inputs.grasps[0].X_OG = X_OG;
   Estimate estimate;
@@ -64,7 +64,7 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
       job->run();
       model.install(*job);
     }
-    estimator.update(inputs, model, estimate);
+    static_cast<void>(estimator.update(inputs, model, estimate));
   }
   double sum = 0;
   for (int node = 0; node < coarse.mesh.node_count(); ++node)

@@ -32,7 +32,7 @@ class GivingBar {
     const math::Pose correction =
         math::make_pose(math::exp_rotation(offset.tail<3>()), offset.head<3>());
     GraspInput input;
-    input.pose_freshness = sensing::Freshness::kNew;
+    input.pose_freshness = Freshness::kNew;
     input.holding = true;
     input.X_OG = hand_;
     for (int i = 0; i < 4000; ++i) {

@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
-using sensing::Freshness;
 
 constexpr int kLate = 60;    // ms, of the observations
 constexpr int kPeriod = 33;  // ms, between two messages
@@ -140,7 +139,7 @@ class PoseWrenchSightTest : public ::testing::Test {
       }
       world.tick(inputs_);
       pose_wrench_sight_refactor(*model_);
-      filter_->update(inputs_, *model_, estimate_);
+      static_cast<void>(filter_->update(inputs_, *model_, estimate_));
       if (each) each();
     }
   }
@@ -276,7 +275,7 @@ TEST_F(PoseWrenchSightTest, AllocatesNothing) {
     world.tick(inputs_);
     pose_wrench_sight_refactor(*model_);
     const loop::NoAllocationScope scope;
-    filter_->update(inputs_, *model_, estimate_);
+    static_cast<void>(filter_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;
   }
   EXPECT_TRUE(filter_->filter().has_loads());

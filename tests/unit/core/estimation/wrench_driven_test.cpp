@@ -15,8 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
-using sensing::Freshness;
-using sensing::Status;
 
 elasticity::Body bar() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
 
@@ -33,7 +31,7 @@ class WrenchDrivenTest : public ::testing::Test {
       inputs_.grasps[g].holding = inputs_.grasps[g].wrench_valid = true;
     }
   }
-  sensing::UpdateResult tick() {
+  UpdateResult tick() {
     refactor();
     return estimator_->update(inputs_, *model_, estimate_);
   }
@@ -43,8 +41,8 @@ class WrenchDrivenTest : public ::testing::Test {
       model_->install(*job);
     }
   }
-  sensing::UpdateResult run(double seconds) {
-    sensing::UpdateResult result;
+  UpdateResult run(double seconds) {
+    UpdateResult result;
     for (int i = 0; i < std::lround(1e3 * seconds); ++i) result = tick();
     return result;
   }
@@ -133,7 +131,7 @@ TEST_F(WrenchDrivenTest, FindsAlsoWhatOnlyTheHandKeepsFromSnapping) {
     if (i < 1000) X_OG.translation().x() -= 5e-5;
     inputs_.grasps[0].X_OG = X_OG;
     refactor();
-    by_pose.update(inputs_, *model_, estimate_);
+    static_cast<void>(by_pose.update(inputs_, *model_, estimate_));
   }
   const Eigen::Matrix3Xd truth = model_->positions();
   const Eigen::SelfAdjointEigenSolver<math::Matrix6d> modes(
@@ -191,7 +189,7 @@ TEST_F(WrenchDrivenTest, AStaleWrenchDegradesAndTheGraspStays) {
   inputs_.grasps[0].wrench_valid = false;
   run(0.051);
   const math::Pose held = estimate_.X_OG[0];
-  const sensing::UpdateResult result = run(0.1);
+  const UpdateResult result = run(0.1);
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_STREQ(result.reason, "wrench of the hand is stale");
   EXPECT_EQ(estimate_.X_OG[0].matrix(), held.matrix());
@@ -209,7 +207,7 @@ TEST_F(WrenchDrivenTest, SaysWhereNoPoseHasTheWrench) {
   body.gravity_O.setZero();
   start(body);
   inputs_.grasps[0].F_G_O.torque.x() = 2;  // N m: dozens of turns
-  const sensing::UpdateResult result = run(2);
+  const UpdateResult result = run(2);
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_STREQ(result.reason, "no pose of the grasp has the wrench of the hand");
 }
@@ -254,7 +252,7 @@ TEST_F(WrenchDrivenTest, TakesOverFromThePoseAndGivesBackWithoutAJump) {
   inputs_.grasps[0].X_OG = bent(body);
   for (int i = 0; i < 800; ++i) {
     refactor();
-    by_pose.update(inputs_, *model_, estimate_);
+    static_cast<void>(by_pose.update(inputs_, *model_, estimate_));
   }
   // The sensor's reading differs slightly from the model's reaction.
   inputs_.grasps[0].F_G_O = estimate_.reaction[0];
@@ -265,11 +263,11 @@ TEST_F(WrenchDrivenTest, TakesOverFromThePoseAndGivesBackWithoutAJump) {
     ASSERT_TRUE(model_->restore(before, model_->velocities()));
     next.take_over(estimate_, *model_);
     refactor();
-    next.update(inputs_, *model_, estimate_);
+    static_cast<void>(next.update(inputs_, *model_, estimate_));
     EXPECT_LT(distance(before), 1.2e-3) << "one step of 1 m/s, " << to_wrench;
     for (int i = 0; i < 600; ++i) {
       refactor();
-      next.update(inputs_, *model_, estimate_);
+      static_cast<void>(next.update(inputs_, *model_, estimate_));
     }
     EXPECT_EQ(next.update(inputs_, *model_, estimate_).status, Status::kOk);
   }
@@ -283,7 +281,7 @@ TEST_F(WrenchDrivenTest, ADynamicModelIsAFault) {
   WrenchDriven estimator(body, {});
   estimator.activate(model);
   inputs_.grasp_count = 1;
-  sensing::UpdateResult result;
+  UpdateResult result;
   for (int i = 0; i < 3; ++i) result = estimator.update(inputs_, model, estimate_);
   EXPECT_EQ(result.status, Status::kFault);
 }
@@ -295,7 +293,7 @@ TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   estimator.activate(model);
   inputs_.grasp_count = 1;
   inputs_.grasps[0].wrench_valid = true;
-  sensing::UpdateResult result;
+  UpdateResult result;
   for (int i = 0; i < 60; ++i) result = estimator.update(inputs_, model, estimate_);
   EXPECT_STREQ(result.reason, "the model has no stiffness of the grasp yet");
   EXPECT_TRUE(model.X_OG(0).isApprox(body.grasps[0].X_OG_rest));
@@ -308,7 +306,7 @@ TEST_F(WrenchDrivenTest, AllocatesNothing) {
   for (int i = 0; i < 100; ++i) {
     refactor();
     const loop::NoAllocationScope scope;
-    estimator_->update(inputs_, *model_, estimate_);
+    static_cast<void>(estimator_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;
   }
 }

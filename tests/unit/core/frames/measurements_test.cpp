@@ -6,7 +6,6 @@ namespace palpate::frames {
 namespace {
 
 using Eigen::Vector3d;
-using sensing::Freshness;
 using sensing::Source;
 
 class MeasurementsTest : public ::testing::Test {

@@ -29,14 +29,12 @@ std::string complaint(const std::string& override) {
 /// Outputs one contact and a configurable status.
 struct Scripted final : sensing::SensorModel {
   explicit Scripted(const bool& b) : broken(b) {}
-  sensing::UpdateResult update(const sensing::Signals&,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) noexcept override {
     sensing::Contact contact;
     contact.source = sensing::Source::kWrist0;
     contact.wrench.force.x() = 0.1;
     contacts.push(contact);
-    return broken ? sensing::UpdateResult{sensing::Status::kFault, "broken"}
-                  : sensing::UpdateResult{};
+    return broken ? UpdateResult{Status::kFault, "broken"} : UpdateResult{};
   }
   const bool& broken;
 };
