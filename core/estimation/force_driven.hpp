@@ -55,7 +55,7 @@ class ForceDriven : public Estimator {
     math::MovingAverage<3> average;
   };
 
-  const char* gather(const EstimationInputs& inputs, int node_count) noexcept;
+  UpdateResult gather(const EstimationInputs& inputs, int node_count) noexcept;
   void fade(SourceLoads& source, double dt) const noexcept;
   void refilter(SourceLoads& source) noexcept;
   math::Wrench wrist_wrench(int grasp, const Eigen::Matrix3Xd& positions,

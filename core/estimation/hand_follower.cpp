@@ -75,11 +75,11 @@ double HandFollower::pad_share(int grasp, double dt, double stiffness,
   return std::min(1.0, dt / options_.pad_time) / (1 + softness);
 }
 
-const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
-                                 elasticity::DeformationModel& model, const math::Pose& correction,
-                                 double stiffness) noexcept {
+UpdateResult HandFollower::follow(int grasp, const GraspInput& input, double dt,
+                                  elasticity::DeformationModel& model, const math::Pose& correction,
+                                  double stiffness) noexcept {
   Hand& hand = hands_[grasp];
-  const char* trouble = "";
+  UpdateResult result;
   hand.age += dt;
   if (input.pose_freshness == Freshness::kNew) {
     if (input.X_OG.matrix().allFinite()) {
@@ -87,10 +87,11 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
       hand.age = 0;
       hand.seen = true;
     } else {
-      trouble = "pose of the hand is not finite";
+      result = {Status::kDegraded, "pose of the hand is not finite"};
     }
   }
-  if (!hand.seen) return *trouble != '\0' ? trouble : "no pose of the hand yet";
+  if (!hand.seen)
+    return result.is_ok() ? UpdateResult{Status::kDegraded, "no pose of the hand yet"} : result;
 
   math::Pose goal = hand.hand * correction;
   if (hand.inherited) {
@@ -112,11 +113,12 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
     // a released grasp has moved freely: continue from its present pose
     if (!model.is_held(grasp))
       hand.held = elasticity::grasp_pose(model.body(), grasp, model.positions());
-    if (!approach(hand, goal, dt)) trouble = "model has not reached the hand's pose";
+    if (!approach(hand, goal, dt))
+      result = {Status::kDegraded, "model has not reached the hand's pose"};
     model.hold(grasp, hand.held);
   }
-  if (hand.age > options_.pose_timeout) trouble = "pose of the hand is stale";
-  return trouble;
+  if (hand.age > options_.pose_timeout) result = {Status::kDegraded, "pose of the hand is stale"};
+  return result;
 }
 
 /// True if the held pose equals the hand's or will within a few steps, as after a gap between two

@@ -32,12 +32,12 @@ class HandFollower {
 
   /// Takes the hand's pose and holds or releases the grasp in the model. `correction`, in G: offset
   /// from the kinematic pose of the hand to the pose to be held. `stiffness`: Young's modulus of
-  /// the object divided by that of the model, whose reactions are smaller by this factor. Returns
-  /// an error message, or "".
-  const char* follow(int grasp, const GraspInput& input, double dt,
-                     elasticity::DeformationModel& model,
-                     const math::Pose& correction = math::Pose::Identity(),
-                     double stiffness = 1) noexcept;
+  /// the object divided by that of the model, whose reactions are smaller by this factor. Degraded
+  /// while the pose is absent, stale or not finite, or the model has not reached it.
+  UpdateResult follow(int grasp, const GraspInput& input, double dt,
+                      elasticity::DeformationModel& model,
+                      const math::Pose& correction = math::Pose::Identity(),
+                      double stiffness = 1) noexcept;
 
   /// Pose at which the model holds the grasp.
   const math::Pose& X_OG(int grasp) const noexcept { return hands_[grasp].held; }

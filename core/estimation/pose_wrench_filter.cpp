@@ -90,12 +90,12 @@ void PoseWrenchFilter::take_over(const Estimate& last,
 UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
                                       elasticity::DeformationModel& model,
                                       Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
   const int grasps = std::min(inputs.grasp_count, state_.filter.grasp_count());
-  const char* input_trouble = set_boundary(inputs, grasps, dt, model);
-  if (*input_trouble != '\0') trouble = input_trouble;
+  result.take(set_boundary(inputs, grasps, dt, model));
   estimate.step = model.step(dt);
 
   if (model.sensitivity().valid)
@@ -109,28 +109,26 @@ UpdateResult PoseWrenchFilter::update(const EstimationInputs& inputs,
   write_estimate(model, grasps, estimate);
 
   const UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != Status::kOk) return step;
-  if (contact_.detector().is_overdue()) trouble = "nothing explains the wrench of the hand";
-  if (*trouble != '\0') return {Status::kDegraded, trouble};
-  return {};
+  if (contact_.detector().is_overdue())
+    result = {Status::kDegraded, "nothing explains the wrench of the hand"};
+  return step.is_ok() ? result : step;
 }
 
-/// Sets grasps, gravity and loads of the model. Returns an error message, or "".
-const char* PoseWrenchFilter::set_boundary(const EstimationInputs& inputs, int grasps, double dt,
-                                           elasticity::DeformationModel& model) noexcept {
-  const char* trouble = "";
+/// Sets grasps, gravity and loads of the model.
+UpdateResult PoseWrenchFilter::set_boundary(const EstimationInputs& inputs, int grasps, double dt,
+                                            elasticity::DeformationModel& model) noexcept {
+  UpdateResult result;
   for (int i = 0; i < grasps; ++i) {
-    const char* grasp_trouble =
-        follower_.follow(i, inputs.grasps[i], dt, model, state_.correction(i), state_.stiffness());
-    if (*grasp_trouble != '\0') trouble = grasp_trouble;
+    result.take(
+        follower_.follow(i, inputs.grasps[i], dt, model, state_.correction(i), state_.stiffness()));
   }
   state_.X_OG = {follower_.X_OG(0), follower_.X_OG(1)};
   model.set_gravity(model.body().gravity_O / state_.stiffness());
   if (!load_with_contacts(inputs, 1 / state_.stiffness(), model))
-    trouble = "a contact load is not valid";
+    result = {Status::kDegraded, "a contact load is not valid"};
   state_.load_with_contact(model);
   observations_.add_loads(state_, model.loads());
-  return trouble;
+  return result;
 }
 
 void PoseWrenchFilter::predict(const EstimationInputs& inputs, int grasps, double dt,

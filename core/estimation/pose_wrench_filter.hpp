@@ -56,8 +56,8 @@ class PoseWrenchFilter : public Estimator {
   const WrenchFilter& filter() const noexcept { return state_.filter; }
 
  private:
-  const char* set_boundary(const EstimationInputs& inputs, int grasps, double dt,
-                           elasticity::DeformationModel& model) noexcept;
+  UpdateResult set_boundary(const EstimationInputs& inputs, int grasps, double dt,
+                            elasticity::DeformationModel& model) noexcept;
   void predict(const EstimationInputs& inputs, int grasps, double dt,
                const elasticity::DeformationModel& model) noexcept;
   void update_wrench(const elasticity::DeformationModel& model) noexcept;

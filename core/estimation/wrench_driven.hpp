@@ -66,8 +66,8 @@ class WrenchDriven : public Estimator {
     bool answered = false;                             // the model has stepped with this grasp held
   };
 
-  const char* take(int grasp, const GraspInput& input, double dt,
-                   elasticity::DeformationModel& model) noexcept;
+  UpdateResult take(int grasp, const GraspInput& input, double dt,
+                    elasticity::DeformationModel& model) noexcept;
   void move(const elasticity::Sensitivity& sensitivity, double dt) noexcept;
 
   Options options_;

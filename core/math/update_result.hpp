@@ -12,6 +12,10 @@ struct [[nodiscard]] UpdateResult {
   const char* reason = "";
 
   bool is_ok() const noexcept { return status == Status::kOk; }
+  /// Takes a later result of the same update unless that is kOk.
+  void take(const UpdateResult& later) noexcept {
+    if (!later.is_ok()) *this = later;
+  }
 };
 
 /// Whether an input has never arrived, is the one of an earlier cycle, or arrived in this cycle.

@@ -66,12 +66,13 @@ void LearnedShape::activate(elasticity::DeformationModel& model) noexcept {
 UpdateResult LearnedShape::update(const estimation::EstimationInputs& inputs,
                                   elasticity::DeformationModel& model,
                                   estimation::Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const estimation::GraspInput& grasp = inputs.grasps[0];
   if (inputs.grasp_count < 1 || grasp.pose_freshness == Freshness::kNoData ||
       !grasp.X_OG.matrix().allFinite() || !grasp.wrench_valid || !grasp.F_G_O.force.allFinite()) {
-    trouble = "wrench or pose of the hand lacks";
+    result = {Status::kDegraded, "wrench or pose of the hand lacks"};
   } else {
     const double share = felt_ ? 1 - std::exp(-step_guard_.step() / average_) : 1;
     force_ += share * (grasp.F_G_O.force - force_);
@@ -90,8 +91,7 @@ UpdateResult LearnedShape::update(const estimation::EstimationInputs& inputs,
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
   if (!laid) return {Status::kDegraded, "the shape that was learned is not finite"};
-  if (*trouble != '\0') return {Status::kDegraded, trouble};
-  return {};
+  return result;
 }
 
 }  // namespace palpate::published_sensing

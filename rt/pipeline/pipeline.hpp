@@ -37,8 +37,8 @@ class Pipeline {
   void reset() noexcept;                    // rest shape, faults cleared, inactive
   void zero() noexcept;                     // tares every sensor model
   void fault(const char* reason) noexcept;  // fault latched by an external supervisor
-  /// Set by an external supervisor in each tick; nullptr without a timing problem.
-  void set_timing_trouble(const char* reason) noexcept;
+  /// Set by an external supervisor in each tick; degraded while there is a timing problem.
+  void set_timing(const UpdateResult& timing) noexcept;
 
   /// False, with the reason, if kind, points or values do not match the feature in its slot.
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,

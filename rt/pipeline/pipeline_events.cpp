@@ -69,11 +69,7 @@ void Pipeline::zero() noexcept {
 
 void Pipeline::fault(const char* reason) noexcept { whole_ = {LifeCycle::kFaulted, reason}; }
 
-void Pipeline::set_timing_trouble(const char* reason) noexcept {
-  if (!is_running()) return;
-  whole_ = reason == nullptr ? Condition{LifeCycle::kActive, ""}
-                             : Condition{LifeCycle::kDegraded, reason};
-}
+void Pipeline::set_timing(const UpdateResult& timing) noexcept { whole_.apply(timing); }
 
 bool Pipeline::is_running() const noexcept {
   return whole_.state == LifeCycle::kActive || whole_.state == LifeCycle::kDegraded;
