@@ -70,7 +70,7 @@ class WrenchDrivenTest : public ::testing::Test {
       }
       world.step(1e-3);
       for (int g = 0; g < inputs_.grasp_count; ++g) inputs_.grasps[g].F_G_O = world.reaction(g);
-      tick();
+      static_cast<void>(tick());
     }
     return world.positions();
   }
@@ -140,7 +140,7 @@ TEST_F(WrenchDrivenTest, FindsAlsoWhatOnlyTheHandKeepsFromSnapping) {
   inputs_.grasps[0].F_G_O = estimate_.reaction[0];
   estimate_.X_OG[0].translation() += Vector3d(0.002, 0.004, -0.006);
   estimator_->take_over(estimate_, *model_);
-  run(3);
+  static_cast<void>(run(3));
   EXPECT_LT(distance(truth), 5e-4);
 }
 
@@ -151,7 +151,7 @@ TEST_F(WrenchDrivenTest, AStiffObjectHardlyMovesWhateverTheHandFeels) {
   body.material.young_modulus = 1e9;
   start(body);
   inputs_.grasps[0].F_G_O.force = Vector3d(20, -10, 30);
-  run(1);
+  static_cast<void>(run(1));
   EXPECT_LT(distance(body.mesh.nodes), 2e-5);
   EXPECT_GT(distance(body.mesh.nodes), 1e-9);
   EXPECT_LT((estimate_.reaction[0].vector() - inputs_.grasps[0].F_G_O.vector()).norm(), 0.05);
@@ -187,7 +187,7 @@ TEST_F(WrenchDrivenTest, AStaleWrenchDegradesAndTheGraspStays) {
   inputs_.grasps[0].wrench_valid = true;
   feel(body, bent(body));
   inputs_.grasps[0].wrench_valid = false;
-  run(0.051);
+  static_cast<void>(run(0.051));
   const math::Pose held = estimate_.X_OG[0];
   const UpdateResult result = run(0.1);
   EXPECT_EQ(result.status, Status::kDegraded);
@@ -217,13 +217,13 @@ TEST_F(WrenchDrivenTest, WhatIsLetGoHangsFreeAndIsTakenUpThere) {
   start(body);
   feel(body, body.grasps[0].X_OG_rest);
   inputs_.grasps[0].holding = false;
-  run(0.5);
+  static_cast<void>(run(0.5));
   EXPECT_FALSE(model_->is_held(0));
   EXPECT_EQ(estimate_.reaction[0].force.norm(), 0);
   const Eigen::Matrix3Xd hanging = model_->positions();
   inputs_.grasps[0].holding = true;
   inputs_.grasps[0].wrench_valid = false;
-  tick();
+  static_cast<void>(tick());
   EXPECT_TRUE(model_->is_held(0));
   EXPECT_LT(distance(hanging), 5e-3);
 }
