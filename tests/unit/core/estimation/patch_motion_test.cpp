@@ -40,7 +40,7 @@ class GivingBar {
         job->run();
         model_->install(*job);
       }
-      follower_.follow(0, input, 1e-3, *model_, correction);
+      static_cast<void>(follower_.follow(0, input, 1e-3, *model_, correction));
       model_->step(1e-3);
     }
     return *model_;
