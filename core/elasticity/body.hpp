@@ -30,7 +30,7 @@ struct GraspRegion {
   math::Matrix6d compliance = math::Matrix6d::Zero();
   /// Compliance of the object near the grasp that the model lacks. It is inversely proportional to
   /// Young's modulus, so that the resulting displacement does not depend on the modulus. See
-  /// estimation::grasp_give.
+  /// estimation::grasp_compliance.
   math::Matrix6d object_compliance = math::Matrix6d::Zero();
 };
 

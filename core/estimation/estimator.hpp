@@ -8,7 +8,7 @@ namespace palpate::estimation {
 
 /// Inputs of one grasp in one tick.
 struct GraspInput {
-  sensing::Freshness pose_freshness = sensing::Freshness::kNoData;
+  Freshness pose_freshness = Freshness::kNoData;
   bool holding = false;
   math::Pose X_OG = math::Pose::Identity();  // pose of the hand, from the forward kinematics
   bool wrench_valid = false;
@@ -20,7 +20,7 @@ struct ObservationInput {
   static constexpr int kMostPoints = sensing::ShapeObservation::kMostPoints;
   using Points = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, kMostPoints>;
   /// kNewData only in the tick of arrival
-  sensing::Freshness freshness = sensing::Freshness::kNoData;
+  Freshness freshness = Freshness::kNoData;
   double age = 0;        // s since arrival
   double time = 0;       // s, acquisition time by the sender's clock
   double deviation = 0;  // m, standard deviation of each coordinate
@@ -98,9 +98,8 @@ class Estimator {
   /// Sets grasps held or released as this estimator needs them. Called before the first update and
   /// before the model factors, therefore it must not step the model.
   virtual void activate(elasticity::DeformationModel& model) noexcept = 0;
-  virtual sensing::UpdateResult update(const EstimationInputs& inputs,
-                                       elasticity::DeformationModel& model,
-                                       Estimate& estimate) noexcept = 0;
+  virtual UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                              Estimate& estimate) noexcept = 0;
   virtual void reset() noexcept {}
   /// Replaces another estimator whose last estimate was `last`; the model already has the shape.
   /// Like activate(), but continues from that state. Must not step the model.

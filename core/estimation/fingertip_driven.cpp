@@ -87,18 +87,19 @@ void FingertipDriven::activate(elasticity::DeformationModel& model) noexcept {
   model.set_gravity(model.body().gravity_O);
 }
 
-sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
-                                              elasticity::DeformationModel& model,
-                                              Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
+                                     elasticity::DeformationModel& model,
+                                     Estimate& estimate) noexcept {
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
   gather(inputs, dt, model);
   follow(dt, model);
   model.loads().setZero();
   for (const Touch& touch : touches_) {
     if (!touch.touching) continue;
-    if (!touch.ready) trouble = "the compliance at a touch is not known yet";
+    if (!touch.ready) result = {Status::kDegraded, "the compliance at a touch is not known yet"};
     for (int i = 0; i < touch.point.count; ++i)
       model.loads().col(touch.point.nodes[i]) += touch.point.weights[i] * touch.force;
   }
@@ -106,9 +107,8 @@ sensing::UpdateResult FingertipDriven::update(const EstimationInputs& inputs,
   estimate.step = model.step(dt);
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  return step.is_ok() ? result : step;
 }
 
 /// Reads the contact locations of this tick; begins and ends contacts.

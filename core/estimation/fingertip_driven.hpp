@@ -43,8 +43,8 @@ class FingertipDriven : public Estimator {
 
   /// Uses accepted contacts of fingers and ignores others. Degraded while a contact waits for the
   /// model's compliance.
-  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
-                               Estimate& estimate) noexcept override;
+  UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                      Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
   /// Force of a finger on the object as computed by the model, N, in O; zero without contact.

@@ -50,12 +50,12 @@ void ForceDriven::activate(elasticity::DeformationModel& model) noexcept {
   model.set_gravity(repaired ? model.body().gravity_O : Eigen::Vector3d(Eigen::Vector3d::Zero()));
 }
 
-sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
-                                          elasticity::DeformationModel& model,
-                                          Estimate& estimate) noexcept {
+UpdateResult ForceDriven::update(const EstimationInputs& inputs,
+                                 elasticity::DeformationModel& model, Estimate& estimate) noexcept {
   const bool repaired = options_.variant == Variant::kRepaired;
-  const char* trouble = gather(inputs, model.body().mesh.node_count());
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+  UpdateResult result = gather(inputs, model.body().mesh.node_count());
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
 
   model.loads().setZero();
@@ -64,7 +64,7 @@ sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
     if (repaired) {
       fade(source, dt);
       if (is_wrist(static_cast<sensing::Source>(s)) && source.seen && !source.present) {
-        trouble = "no fresh wrench at the wrist";
+        result = {Status::kDegraded, "no fresh wrench at the wrist"};
       }
     } else if (source.present) {
       refilter(source);
@@ -83,14 +83,13 @@ sensing::UpdateResult ForceDriven::update(const EstimationInputs& inputs,
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  return step.is_ok() ? result : step;
 }
 
 /// Collects the loads of the contacts received in this tick. Returns an error message, or "".
-const char* ForceDriven::gather(const EstimationInputs& inputs, int node_count) noexcept {
-  const char* trouble = "";
+UpdateResult ForceDriven::gather(const EstimationInputs& inputs, int node_count) noexcept {
+  UpdateResult result;
   for (SourceLoads& source : sources_) source.present = false;
   for (int i = 0; i < inputs.contact_count; ++i) {
     const contact::ContactLoads& contact = inputs.contacts[i];
@@ -98,7 +97,7 @@ const char* ForceDriven::gather(const EstimationInputs& inputs, int node_count) 
     SourceLoads& source = sources_[static_cast<int>(contact.source)];
     for (const contact::NodalLoad& load : contact.loads) {
       if (!is_valid(load, node_count)) {
-        trouble = "a contact load is not valid";
+        result = {Status::kDegraded, "a contact load is not valid"};
         continue;
       }
       if (!source.present) source.loads.clear();
@@ -106,11 +105,11 @@ const char* ForceDriven::gather(const EstimationInputs& inputs, int node_count) 
       if (source.loads.size() < source.loads.capacity()) {
         source.loads.push_back(load);
       } else {
-        trouble = "a contact has too many loads";
+        result = {Status::kDegraded, "a contact has too many loads"};
       }
     }
   }
-  return trouble;
+  return result;
 }
 
 void ForceDriven::fade(SourceLoads& source, double dt) const noexcept {

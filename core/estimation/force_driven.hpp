@@ -39,8 +39,8 @@ class ForceDriven : public Estimator {
 
   /// Repaired variant: degraded if the wrench at the wrist was received earlier and is now missing.
   /// estimate.X_OG is fitted to the mesh; estimate.reaction is the load applied for the wrist.
-  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
-                               Estimate& estimate) noexcept override;
+  UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                      Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
  private:
@@ -55,7 +55,7 @@ class ForceDriven : public Estimator {
     math::MovingAverage<3> average;
   };
 
-  const char* gather(const EstimationInputs& inputs, int node_count) noexcept;
+  UpdateResult gather(const EstimationInputs& inputs, int node_count) noexcept;
   void fade(SourceLoads& source, double dt) const noexcept;
   void refilter(SourceLoads& source) noexcept;
   math::Wrench wrist_wrench(int grasp, const Eigen::Matrix3Xd& positions,

@@ -14,11 +14,11 @@ math::Matrix6d compliance_of(const elasticity::GraspRegion& grasp, double stiffn
 }
 
 /// Displacement (m, rad) from one pose to another, in the axes of the first.
-math::Vector6d way_between(const math::Pose& from, const math::Pose& to) noexcept {
+math::Vector6d displacement_between(const math::Pose& from, const math::Pose& to) noexcept {
   const math::Pose motion = from.inverse() * to;
-  math::Vector6d way;
-  way << motion.translation(), math::log_rotation(motion.linear());
-  return way;
+  math::Vector6d displacement;
+  displacement << motion.translation(), math::log_rotation(motion.linear());
+  return displacement;
 }
 
 }  // namespace
@@ -52,13 +52,13 @@ void HandFollower::take_over(const Estimate& last, elasticity::DeformationModel&
 
 /// Advances the pad deflection by the fraction `share` towards its equilibrium under `reaction`,
 /// the predicted wrench of the hand at G, in O.
-void HandFollower::give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction,
-                            double stiffness, const elasticity::Body& body) const noexcept {
+void HandFollower::deflect(Hand& hand, int grasp, double share, const math::Wrench& reaction,
+                           double stiffness, const elasticity::Body& body) const noexcept {
   const math::Vector6d wrench =
       math::both_halves(hand.held.linear()).transpose() * reaction.vector();
   if (!wrench.allFinite()) return;
   const math::Vector6d goal = -(compliance_of(body.grasps[grasp], stiffness) * wrench);
-  hand.give += share * (goal - hand.give);
+  hand.deflection += share * (goal - hand.deflection);
 }
 
 /// The relaxation with this fraction is stable if share (1 + c k) < 2 for the eigenvalues c k of
@@ -75,36 +75,37 @@ double HandFollower::pad_share(int grasp, double dt, double stiffness,
   return std::min(1.0, dt / options_.pad_time) / (1 + softness);
 }
 
-const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
-                                 elasticity::DeformationModel& model, const math::Pose& correction,
-                                 double stiffness) noexcept {
+UpdateResult HandFollower::follow(int grasp, const GraspInput& input, double dt,
+                                  elasticity::DeformationModel& model, const math::Pose& correction,
+                                  double stiffness) noexcept {
   Hand& hand = hands_[grasp];
-  const char* trouble = "";
+  UpdateResult result;
   hand.age += dt;
-  if (input.pose_freshness == sensing::Freshness::kNew) {
+  if (input.pose_freshness == Freshness::kNew) {
     if (input.X_OG.matrix().allFinite()) {
       hand.hand = input.X_OG;
       hand.age = 0;
       hand.seen = true;
     } else {
-      trouble = "pose of the hand is not finite";
+      result = {Status::kDegraded, "pose of the hand is not finite"};
     }
   }
-  if (!hand.seen) return *trouble != '\0' ? trouble : "no pose of the hand yet";
+  if (!hand.seen)
+    return result.is_ok() ? UpdateResult{Status::kDegraded, "no pose of the hand yet"} : result;
 
   math::Pose goal = hand.hand * correction;
   if (hand.inherited) {
     hand.inherited = false;
-    if (model.is_held(grasp)) hand.give = way_between(goal, hand.held);
+    if (model.is_held(grasp)) hand.deflection = displacement_between(goal, hand.held);
   }
   if (model.is_held(grasp)) {
-    give_way(hand, grasp, pad_share(grasp, dt, stiffness, model), model.reaction(grasp), stiffness,
-             model.body());
+    deflect(hand, grasp, pad_share(grasp, dt, stiffness, model), model.reaction(grasp), stiffness,
+            model.body());
   } else {
-    hand.give.setZero();
+    hand.deflection.setZero();
   }
-  goal.translation() += goal.linear() * hand.give.head<3>();
-  goal.linear() *= math::exp_rotation(hand.give.tail<3>());
+  goal.translation() += goal.linear() * hand.deflection.head<3>();
+  goal.linear() *= math::exp_rotation(hand.deflection.tail<3>());
   if (!input.holding) {
     if (model.is_held(grasp)) model.release(grasp);
     hand.held = goal;
@@ -112,26 +113,27 @@ const char* HandFollower::follow(int grasp, const GraspInput& input, double dt,
     // a released grasp has moved freely: continue from its present pose
     if (!model.is_held(grasp))
       hand.held = elasticity::grasp_pose(model.body(), grasp, model.positions());
-    if (!approach(hand, goal, dt)) trouble = "model has not reached the hand's pose";
+    if (!approach(hand, goal, dt))
+      result = {Status::kDegraded, "model has not reached the hand's pose"};
     model.hold(grasp, hand.held);
   }
-  if (hand.age > options_.pose_timeout) trouble = "pose of the hand is stale";
-  return trouble;
+  if (hand.age > options_.pose_timeout) result = {Status::kDegraded, "pose of the hand is stale"};
+  return result;
 }
 
 /// True if the held pose equals the hand's or will within a few steps, as after a gap between two
 /// poses during which the hand has moved.
 bool HandFollower::approach(Hand& hand, const math::Pose& goal, double dt) const noexcept {
-  const Eigen::Vector3d way = goal.translation() - hand.held.translation();
+  const Eigen::Vector3d displacement = goal.translation() - hand.held.translation();
   const Eigen::Vector3d turn = math::log_rotation(goal.linear() * hand.held.linear().transpose());
-  const double share = std::max(way.norm() / (options_.approach_speed * dt),
+  const double share = std::max(displacement.norm() / (options_.approach_speed * dt),
                                 turn.norm() / (options_.approach_angular_speed * dt));
   constexpr double kSoon = 5;  // steps
   if (!(share > 1)) {
     hand.held = goal;
     return true;
   }
-  hand.held.translation() += way / share;
+  hand.held.translation() += displacement / share;
   hand.held.linear() = math::exp_rotation(turn / share) * hand.held.linear();
   return share <= kSoon;
 }

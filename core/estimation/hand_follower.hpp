@@ -32,12 +32,12 @@ class HandFollower {
 
   /// Takes the hand's pose and holds or releases the grasp in the model. `correction`, in G: offset
   /// from the kinematic pose of the hand to the pose to be held. `stiffness`: Young's modulus of
-  /// the object divided by that of the model, whose reactions are smaller by this factor. Returns
-  /// an error message, or "".
-  const char* follow(int grasp, const GraspInput& input, double dt,
-                     elasticity::DeformationModel& model,
-                     const math::Pose& correction = math::Pose::Identity(),
-                     double stiffness = 1) noexcept;
+  /// the object divided by that of the model, whose reactions are smaller by this factor. Degraded
+  /// while the pose is absent, stale or not finite, or the model has not reached it.
+  UpdateResult follow(int grasp, const GraspInput& input, double dt,
+                      elasticity::DeformationModel& model,
+                      const math::Pose& correction = math::Pose::Identity(),
+                      double stiffness = 1) noexcept;
 
   /// Pose at which the model holds the grasp.
   const math::Pose& X_OG(int grasp) const noexcept { return hands_[grasp].held; }
@@ -48,12 +48,12 @@ class HandFollower {
     math::Pose held = math::Pose::Identity();  // pose at which the model holds the grasp
     double age = 0;                            // s since the last new pose
     /// Deflection of the pads: (m, rad) of the object, in G.
-    math::Vector6d give = math::Vector6d::Zero();
+    math::Vector6d deflection = math::Vector6d::Zero();
     bool seen = false;
     bool inherited = false;  // pose taken over from another estimator, whose pad model may differ
   };
-  void give_way(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
-                const elasticity::Body& body) const noexcept;
+  void deflect(Hand& hand, int grasp, double share, const math::Wrench& reaction, double stiffness,
+               const elasticity::Body& body) const noexcept;
   double pad_share(int grasp, double dt, double stiffness,
                    const elasticity::DeformationModel& model) const noexcept;
   bool approach(Hand& hand, const math::Pose& goal, double dt) const noexcept;

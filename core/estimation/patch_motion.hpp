@@ -9,7 +9,7 @@ namespace palpate::estimation {
 /// compliant grasps. The model's sensitivities assume that a patch moves exactly as prescribed;
 /// with a compliance C between hand and patch it moves less by C w. With K = dw/dxi and B = dw/dp
 /// of rigidly held patches: dw = (I + K C)^-1 (K dxi + B dp), and the patch moves by dxi - C dw. C
-/// contains the pads and the compliance of grasp_give(). Nothing allocates.
+/// contains the pads and the compliance of grasp_compliance(). Nothing allocates.
 class PatchMotion {
  public:
   using Wrenches = Eigen::Matrix<double, 12, 12>;

@@ -20,20 +20,20 @@ void PoseDriven::take_over(const Estimate& last, elasticity::DeformationModel& m
   hands_.take_over(last, model);
 }
 
-sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
-                                         elasticity::DeformationModel& model,
-                                         Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+UpdateResult PoseDriven::update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                                Estimate& estimate) noexcept {
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
 
   const int grasps = std::min(inputs.grasp_count, static_cast<int>(model.body().grasps.size()));
   for (int i = 0; i < grasps; ++i) {
-    const char* grasp_trouble = hands_.follow(i, inputs.grasps[i], dt, model);
-    if (*grasp_trouble != '\0') trouble = grasp_trouble;
+    result.take(hands_.follow(i, inputs.grasps[i], dt, model));
   }
   // The wrist wrench is the reaction of the held grasp and must not be applied again.
-  if (!load_with_contacts(inputs, 1, model)) trouble = "a contact load is not valid";
+  if (!load_with_contacts(inputs, 1, model))
+    result = {Status::kDegraded, "a contact load is not valid"};
 
   estimate.step = model.step(dt);
   for (int i = 0; i < grasps; ++i) {
@@ -43,9 +43,8 @@ sensing::UpdateResult PoseDriven::update(const EstimationInputs& inputs,
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  return step.is_ok() ? result : step;
 }
 
 }  // namespace palpate::estimation

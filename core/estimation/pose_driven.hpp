@@ -24,8 +24,8 @@ class PoseDriven : public Estimator {
 
   /// Degraded while a pose is missing, stale (the last one is held), not finite, or cannot be
   /// reached within a few steps.
-  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
-                               Estimate& estimate) noexcept override;
+  UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                      Estimate& estimate) noexcept override;
   void reset() noexcept override;
   /// Holds every grasp at its pose in the estimate.
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;

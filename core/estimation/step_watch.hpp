@@ -19,7 +19,7 @@ class StepWatch {
 
   explicit StepWatch(const Options& options) : options_(options) {}
 
-  sensing::UpdateResult judge(const elasticity::StepReport& report, double dt) noexcept {
+  UpdateResult judge(const elasticity::StepReport& report, double dt) noexcept {
     using elasticity::StepStatus;
     const bool failed = report.status == StepStatus::kFailed;
     const bool unbalanced =
@@ -27,11 +27,11 @@ class StepWatch {
     failed_for_ = failed ? failed_for_ + dt : 0;
     unbalanced_for_ = unbalanced ? unbalanced_for_ + dt : 0;
     if (failed_for_ > options_.patience) {
-      return {sensing::Status::kFault, "deformation model keeps failing"};
+      return {Status::kFault, "deformation model keeps failing"};
     }
-    if (failed) return {sensing::Status::kDegraded, "deformation model failed in this step"};
+    if (failed) return {Status::kDegraded, "deformation model failed in this step"};
     if (unbalanced_for_ > options_.patience) {
-      return {sensing::Status::kDegraded, "deformation model does not converge"};
+      return {Status::kDegraded, "deformation model does not converge"};
     }
     return {};
   }

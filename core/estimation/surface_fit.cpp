@@ -37,7 +37,7 @@ SurfaceFit::SurfaceFit(const Eigen::Matrix3Xd& rest, const mesh::Surface& surfac
     if (!(value > 0)) throw std::invalid_argument("options of a surface fit must be positive");
   }
   if (!(options.lag >= 0 && options.lag < ShapeHistory::kLongest) || !(options.surface >= 0) ||
-      !(options.beside >= 0) || !(options.edge >= 0) || options.places < 1 ||
+      !(options.edge_band >= 0) || !(options.edge >= 0) || options.places < 1 ||
       options.points_per_tick < 1)
     throw std::invalid_argument("options of a surface fit are out of range");
   moment_.positions.setZero(3, rest.cols());
@@ -62,9 +62,9 @@ bool SurfaceFit::begin(const ObservationInput& seen, const ShapeHistory& history
     return false;
   points_ = seen.points_O;
   deviation_ = seen.deviation;
-  const double alike = std::max(1.0, static_cast<double>(points_.cols()) / options_.places);
-  alike_ = alike * options_.correlation / interval_;
-  beside_ = options_.beside * spacing_of(points_);
+  const double per_place = std::max(1.0, static_cast<double>(points_.cols()) / options_.places);
+  common_count_ = per_place * options_.correlation / interval_;
+  edge_band_ = options_.edge_band * spacing_of(points_);
   matcher_.take(moment_.positions);
   residual_count_ = edge_count_ = 0;
   information_.used = information_.rejected = 0;
@@ -133,13 +133,14 @@ void SurfaceFit::take(const Vector3d& p, const Basis& basis) noexcept {
     ++information_.rejected;
     return;
   }
-  // Huber weight: limits the influence of large residuals.
-  const double usual = 1.5 * std::max(plain, scale_ < 0 ? expected : scale_);
+  // Huber weight: limits the influence of residuals beyond 1.5 standard deviations.
+  constexpr double kHuber = 1.5;
+  const double usual = kHuber * std::max(plain, scale_ < 0 ? expected : scale_);
   const double trust = std::min(1.0, usual / std::max(std::abs(y), 1e-12));
-  constexpr double kBeside = 9;  // upper limit as a multiple of the variance of the surface
+  constexpr double kMostAtEdge = 9;  // upper limit as a multiple of the variance of the surface
   double lasting = options_.surface * options_.surface;
-  if (edges_.is_near(match, beside_)) lasting = std::clamp(own, lasting, kBeside * lasting);
-  const double weight = trust / (own + alike_ * lasting);
+  if (edges_.is_near(match, edge_band_)) lasting = std::clamp(own, lasting, kMostAtEdge * lasting);
+  const double weight = trust / (own + common_count_ * lasting);
   information_.matrix.noalias() += (weight * h) * h.transpose();
   information_.vector += weight * z * h;
   ++information_.used;
@@ -150,7 +151,8 @@ void SurfaceFit::close_message() noexcept {
   if (residual_count_ == 0) return;
   const auto middle = residuals_.begin() + residual_count_ / 2;
   std::nth_element(residuals_.begin(), middle, residuals_.begin() + residual_count_);
-  scale_ = 1.4826 * *middle;
+  constexpr double kDeviationPerMedian = 1.4826;  // of the magnitude of a normal variable
+  scale_ = kDeviationPerMedian * *middle;
 }
 
 }  // namespace palpate::estimation

@@ -27,7 +27,7 @@ class SurfaceFit {
     double surface = 5e-4;
     /// Near an edge the noise of the points acts as such an error: it decides to which face a point
     /// is assigned, and the thinning of a point cloud selects among points of both faces.
-    double beside = 1.5;  // in units of the distance between observed points
+    double edge_band = 1.5;  // in units of the distance between observed points
     /// Nearer than this to an edge, in standard deviations of the points, their noise has a
     /// non-zero mean: a point outside a convex edge lies off the face it is assigned to, whichever
     /// face that is, by 0.6 standard deviations at a right angle. Such points are omitted unless
@@ -88,10 +88,10 @@ class SurfaceFit {
   ObservationInput::Points points_;
   Eigen::Index next_ = 0;
   double deviation_ = 0;
-  double since_ = 0;     // s since the last message began
-  double interval_ = 0;  // s, between messages
-  double beside_ = 0;    // m, distance from an edge within which the noise acts as a common error
-  double alike_ = 1;     // number of measurements that share one realisation of the error
+  double since_ = 0;      // s since the last message began
+  double interval_ = 0;   // s, between messages
+  double edge_band_ = 0;  // m, distance from an edge within which the noise acts as a common error
+  double common_count_ = 1;  // number of measurements that share one realisation of the error
   /// m, robust standard deviation of the residuals of the last message; negative: none yet
   double scale_ = -1;
   std::array<double, ObservationInput::kMostPoints> residuals_{};

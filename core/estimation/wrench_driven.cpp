@@ -14,7 +14,7 @@ namespace {
 constexpr double kFar = 0.2;  // fraction of a wrench: a larger difference is not noise
 
 bool lets_go(const GraspInput& input) noexcept {
-  return input.pose_freshness != sensing::Freshness::kNoData && !input.holding;
+  return input.pose_freshness != Freshness::kNoData && !input.holding;
 }
 
 }  // namespace
@@ -28,7 +28,8 @@ WrenchDriven::WrenchDriven(const elasticity::Body& body, const Options& options)
           "times, stiffness and speeds of a wrench-driven estimator must be positive");
   }
   if (body.fixed_nodes.empty())
-    throw std::invalid_argument("a wrench does not tell where an object is that nothing fixes");
+    throw std::invalid_argument(
+        "a wrench does not determine the position of an object without fixed nodes");
   const Eigen::Matrix3Xd& nodes = body.mesh.nodes;
   length_ = (nodes.rowwise().maxCoeff() - nodes.rowwise().minCoeff()).maxCoeff() / 2;
 }
@@ -58,16 +59,15 @@ void WrenchDriven::take_over(const Estimate& last, elasticity::DeformationModel&
   }
 }
 
-/// Takes the hand's wrench and holds or releases the grasp in the model. Returns an error message,
-/// or "".
-const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
-                               elasticity::DeformationModel& model) noexcept {
+/// Takes the hand's wrench and holds or releases the grasp in the model.
+UpdateResult WrenchDriven::take(int grasp, const GraspInput& input, double dt,
+                                elasticity::DeformationModel& model) noexcept {
   Hand& hand = hands_[grasp];
   follows_[grasp] = false;
   if (lets_go(input)) {
     if (model.is_held(grasp)) model.release(grasp);
     hand = Hand();
-    return "";
+    return {};
   }
   if (!model.is_held(grasp)) {  // a released grasp has moved freely
     hand = Hand();
@@ -82,9 +82,12 @@ const char* WrenchDriven::take(int grasp, const GraspInput& input, double dt,
     hand.age = 0;
   }
   if (hand.age > options_.wrench_timeout)
-    return hand.seen ? "wrench of the hand is stale" : "no wrench of the hand yet";
+    return {Status::kDegraded,
+            hand.seen ? "wrench of the hand is stale" : "no wrench of the hand yet"};
   follows_[grasp] = hand.seen && hand.answered;
-  return input.wrench_valid && !measured.allFinite() ? "wrench of the hand is not finite" : "";
+  if (input.wrench_valid && !measured.allFinite())
+    return {Status::kDegraded, "wrench of the hand is not finite"};
+  return {};
 }
 
 /// Moves the grasps with a known wrench towards the poses at which the model's wrenches are equal
@@ -136,33 +139,35 @@ void WrenchDriven::move(const elasticity::Sensitivity& sensitivity, double dt) n
   }
 }
 
-sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
-                                           elasticity::DeformationModel& model,
-                                           Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
+                                  elasticity::DeformationModel& model,
+                                  Estimate& estimate) noexcept {
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
 
   follows_.fill(false);
   const int grasps = std::min(inputs.grasp_count, static_cast<int>(model.body().grasps.size()));
   for (int g = 0; g < grasps; ++g) {
-    const char* grasp_trouble = take(g, inputs.grasps[g], dt, model);
-    if (*grasp_trouble != '\0') trouble = grasp_trouble;
+    result.take(take(g, inputs.grasps[g], dt, model));
   }
   if (model.sensitivity().valid) {
     move(model.sensitivity(), dt);
     const double patience = options_.step.patience + 5 * options_.time_constant;
-    if (far_for_ > patience) trouble = "no pose of the grasp has the wrench of the hand";
+    if (far_for_ > patience)
+      result = {Status::kDegraded, "no pose of the grasp has the wrench of the hand"};
   } else if (follows_[0] || follows_[1]) {
     far_for_ += dt;
     if (far_for_ > options_.wrench_timeout)
-      trouble = "the model does not tell how stiff the grasp is";
+      result = {Status::kDegraded, "the model has no stiffness of the grasp yet"};
   }
   for (int g = 0; g < grasps; ++g) {
     if (!lets_go(inputs.grasps[g])) model.hold(g, hands_[g].held);
   }
   // The grasp is moved to reproduce the wrist wrench, which must not be applied again.
-  if (!load_with_contacts(inputs, 1, model)) trouble = "a contact load is not valid";
+  if (!load_with_contacts(inputs, 1, model))
+    result = {Status::kDegraded, "a contact load is not valid"};
 
   estimate.step = model.step(dt);
   const bool usable = estimate.step.status != elasticity::StepStatus::kFailed;
@@ -178,10 +183,9 @@ sensing::UpdateResult WrenchDriven::update(const EstimationInputs& inputs,
   estimate.poisson_ratio = model.body().material.poisson_ratio;
 
   if (!model.velocities().isZero(0))
-    return {sensing::Status::kFault, "a wrench can only drive a quasi-static model"};
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+    return {Status::kFault, "a wrench can only drive a quasi-static model"};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  return step.is_ok() ? result : step;
 }
 
 }  // namespace palpate::estimation

@@ -48,8 +48,8 @@ class WrenchDriven : public Estimator {
   /// grasp then stays in place. Also degraded if the wrench is not matched for some time. Fault if
   /// the model is dynamic, because its wrench contains inertial forces. estimate.X_OG: grasp poses
   /// determined from the wrenches.
-  sensing::UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
-                               Estimate& estimate) noexcept override;
+  UpdateResult update(const EstimationInputs& inputs, elasticity::DeformationModel& model,
+                      Estimate& estimate) noexcept override;
   void reset() noexcept override;
   /// Continues from the grasp poses of the estimate.
   void take_over(const Estimate& last, elasticity::DeformationModel& model) noexcept override;
@@ -66,8 +66,8 @@ class WrenchDriven : public Estimator {
     bool answered = false;                             // the model has stepped with this grasp held
   };
 
-  const char* take(int grasp, const GraspInput& input, double dt,
-                   elasticity::DeformationModel& model) noexcept;
+  UpdateResult take(int grasp, const GraspInput& input, double dt,
+                    elasticity::DeformationModel& model) noexcept;
   void move(const elasticity::Sensitivity& sensitivity, double dt) noexcept;
 
   Options options_;

@@ -8,7 +8,6 @@
 namespace palpate::published_sensing {
 
 using estimation::EstimationInputs;
-using sensing::Freshness;
 
 CloudEstimator::CloudEstimator(const elasticity::Body& body, const mesh::Surface& surface,
                                const Options& options)
@@ -47,23 +46,23 @@ void CloudEstimator::take_over(const estimation::Estimate& last,
   begin(model.positions());
 }
 
-sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
-                                             elasticity::DeformationModel& model,
-                                             estimation::Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
+                                    elasticity::DeformationModel& model,
+                                    estimation::Estimate& estimate) noexcept {
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const double dt = step_guard_.step();
   const elasticity::Body& body = model.body();
   const int grasps = std::min(inputs.grasp_count, static_cast<int>(body.grasps.size()));
   for (int g = 0; options_.hand && g < grasps; ++g) {
-    const char* of_grasp = follower_.follow(g, inputs.grasps[g], dt, model);
-    if (*of_grasp != '\0') trouble = of_grasp;
+    result.take(follower_.follow(g, inputs.grasps[g], dt, model));
   }
   const bool is_new =
       inputs.observation.freshness == Freshness::kNew && inputs.observation.points_O.cols() > 0;
   unseen_for_ = is_new ? 0 : unseen_for_ + dt;
   if (unseen_for_ > options_.patience) {
-    trouble = "nothing is seen of the shape";
+    result = {Status::kDegraded, "nothing is seen of the shape"};
     // With a known pose of the hand the model continues; old observations would only hold the shape
     // back.
     if (options_.hand) matches_.reset();
@@ -82,9 +81,8 @@ sensing::UpdateResult CloudEstimator::update(const EstimationInputs& inputs,
     estimate.reaction[g] = model.reaction(g);
   }
   tell(estimate);
-  const sensing::UpdateResult step = step_watch_.judge(estimate.step, dt);
-  if (step.status != sensing::Status::kOk || *trouble == '\0') return step;
-  return {sensing::Status::kDegraded, trouble};
+  const UpdateResult step = step_watch_.judge(estimate.step, dt);
+  return step.is_ok() ? result : step;
 }
 
 Eigen::Vector3d CloudEstimator::held_place(int grasp, int node,

@@ -28,9 +28,9 @@ class CloudEstimator : public estimation::Estimator {
   void activate(elasticity::DeformationModel& model) noexcept final;
   /// Degraded while no cloud has arrived for `patience`, the model does not converge or, with
   /// `hand`, the pose of the hand is missing.
-  sensing::UpdateResult update(const estimation::EstimationInputs& inputs,
-                               elasticity::DeformationModel& model,
-                               estimation::Estimate& estimate) noexcept final;
+  UpdateResult update(const estimation::EstimationInputs& inputs,
+                      elasticity::DeformationModel& model,
+                      estimation::Estimate& estimate) noexcept final;
   void reset() noexcept final;
   void take_over(const estimation::Estimate& last,
                  elasticity::DeformationModel& model) noexcept final;

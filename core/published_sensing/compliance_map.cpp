@@ -99,9 +99,9 @@ void ComplianceMap::activate(elasticity::DeformationModel& model) noexcept {
   for (int g = 0; g < static_cast<int>(model.body().grasps.size()); ++g) model.release(g);
 }
 
-sensing::UpdateResult ComplianceMap::update(const estimation::EstimationInputs& inputs,
-                                            elasticity::DeformationModel& model,
-                                            estimation::Estimate& estimate) noexcept {
+UpdateResult ComplianceMap::update(const estimation::EstimationInputs& inputs,
+                                   elasticity::DeformationModel& model,
+                                   estimation::Estimate& estimate) noexcept {
   const bool good = step_guard_.accepts(inputs.dt);
   since_ += step_guard_.step();
   const bool learns = since_ >= options_.every;
@@ -109,7 +109,7 @@ sensing::UpdateResult ComplianceMap::update(const estimation::EstimationInputs& 
   shape_ = rest_;
   for (int i = 0; i < inputs.contact_count; ++i) {
     const contact::ContactLoads& touch = inputs.contacts[i];
-    if (!touch.accepted || estimation::is_wrist(touch.source)) continue;
+    if (!touch.accepted || sensing::is_wrist(touch.source)) continue;
     Vector3d force = Vector3d::Zero();
     for (const contact::NodalLoad& load : touch.loads)
       if (estimation::is_valid(load, model.body().mesh.node_count())) force += load.force;
@@ -130,8 +130,8 @@ sensing::UpdateResult ComplianceMap::update(const estimation::EstimationInputs& 
       laid ? elasticity::StepStatus::kConverged : elasticity::StepStatus::kFailed, 0, 0};
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
-  if (!laid) return {sensing::Status::kDegraded, "the shape of a compliance map is not finite"};
-  if (!good) return {sensing::Status::kDegraded, "time step is not positive and finite"};
+  if (!laid) return {Status::kDegraded, "the shape of a compliance map is not finite"};
+  if (!good) return {Status::kDegraded, "time step is not positive and finite"};
   return {};
 }
 

@@ -76,9 +76,9 @@ class ComplianceMap final : public estimation::Estimator {
   const ComplianceProcess& process() const noexcept { return process_; }
 
   void activate(elasticity::DeformationModel& model) noexcept override;
-  sensing::UpdateResult update(const estimation::EstimationInputs& inputs,
-                               elasticity::DeformationModel& model,
-                               estimation::Estimate& estimate) noexcept override;
+  UpdateResult update(const estimation::EstimationInputs& inputs,
+                      elasticity::DeformationModel& model,
+                      estimation::Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
  private:

@@ -5,8 +5,6 @@
 
 namespace palpate::published_sensing {
 
-using sensing::Status;
-
 void LearnedShape::gather(Inputs inputs, const Eigen::Vector3d& force_O, const math::Pose& X_OG,
                           const math::Pose& X_OG_rest, Eigen::VectorXd& into) noexcept {
   const Eigen::Vector3d place = X_OG.translation() - X_OG_rest.translation();
@@ -65,15 +63,16 @@ void LearnedShape::activate(elasticity::DeformationModel& model) noexcept {
   for (int g = 0; g < static_cast<int>(model.body().grasps.size()); ++g) model.release(g);
 }
 
-sensing::UpdateResult LearnedShape::update(const estimation::EstimationInputs& inputs,
-                                           elasticity::DeformationModel& model,
-                                           estimation::Estimate& estimate) noexcept {
-  const char* trouble = "";
-  if (!step_guard_.accepts(inputs.dt)) trouble = "time step is not positive and finite";
+UpdateResult LearnedShape::update(const estimation::EstimationInputs& inputs,
+                                  elasticity::DeformationModel& model,
+                                  estimation::Estimate& estimate) noexcept {
+  UpdateResult result;
+  if (!step_guard_.accepts(inputs.dt))
+    result = {Status::kDegraded, "time step is not positive and finite"};
   const estimation::GraspInput& grasp = inputs.grasps[0];
-  if (inputs.grasp_count < 1 || grasp.pose_freshness == sensing::Freshness::kNoData ||
+  if (inputs.grasp_count < 1 || grasp.pose_freshness == Freshness::kNoData ||
       !grasp.X_OG.matrix().allFinite() || !grasp.wrench_valid || !grasp.F_G_O.force.allFinite()) {
-    trouble = "wrench or pose of the hand lacks";
+    result = {Status::kDegraded, "wrench or pose of the hand lacks"};
   } else {
     const double share = felt_ ? 1 - std::exp(-step_guard_.step() / average_) : 1;
     force_ += share * (grasp.F_G_O.force - force_);
@@ -92,8 +91,7 @@ sensing::UpdateResult LearnedShape::update(const estimation::EstimationInputs& i
   estimate.log_young_modulus = std::log(model.body().material.young_modulus);
   estimate.poisson_ratio = model.body().material.poisson_ratio;
   if (!laid) return {Status::kDegraded, "the shape that was learned is not finite"};
-  if (*trouble != '\0') return {Status::kDegraded, trouble};
-  return {};
+  return result;
 }
 
 }  // namespace palpate::published_sensing

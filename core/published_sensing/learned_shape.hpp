@@ -48,9 +48,9 @@ class LearnedShape final : public estimation::Estimator {
 
   void activate(elasticity::DeformationModel& model) noexcept override;
   /// Degraded while the hand's wrench or pose is missing.
-  sensing::UpdateResult update(const estimation::EstimationInputs& inputs,
-                               elasticity::DeformationModel& model,
-                               estimation::Estimate& estimate) noexcept override;
+  UpdateResult update(const estimation::EstimationInputs& inputs,
+                      elasticity::DeformationModel& model,
+                      estimation::Estimate& estimate) noexcept override;
   void reset() noexcept override;
 
  private:

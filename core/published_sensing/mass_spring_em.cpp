@@ -45,7 +45,7 @@ void MassSpringEm::expect(const Eigen::Vector3d& point,
 elasticity::StepReport MassSpringEm::advance(double dt, const estimation::EstimationInputs& inputs,
                                              elasticity::DeformationModel& model) noexcept {
   const estimation::ObservationInput& seen = inputs.observation;
-  if (seen.freshness == sensing::Freshness::kNew && seen.points_O.allFinite()) {
+  if (seen.freshness == Freshness::kNew && seen.points_O.allFinite()) {
     points_ = seen.points_O;
     next_ = 0;
     weight_next_.setZero();

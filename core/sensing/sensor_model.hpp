@@ -8,6 +8,14 @@ namespace palpate::sensing {
 /// Sensor that measured a contact; determines the frame of its location and wrench.
 enum class Source { kWrist0, kWrist1, kFinger0, kFinger1, kFinger2, kFinger3, kFinger4, kManual };
 
+inline bool is_wrist(Source source) noexcept {
+  return source == Source::kWrist0 || source == Source::kWrist1;
+}
+/// Whether the source is the wrist of arm 0 or 1.
+inline bool is_wrist(Source source, int arm) noexcept {
+  return source == (arm == 1 ? Source::kWrist1 : Source::kWrist0);
+}
+
 /// Contact wrench on the object. Wrist sources: about the origin of S, in S. Finger sources: at
 /// `location` in T. Manual: at a rest point, in O.
 struct Contact {
@@ -27,14 +35,6 @@ struct ContactSet {
     contacts[count++] = contact;
     return true;
   }
-};
-
-enum class Status { kOk, kDegraded, kFault };
-
-/// Outcome of one update. `reason` is a string literal.
-struct UpdateResult {
-  Status status = Status::kOk;
-  const char* reason = "";
 };
 
 /// State that a sensor model hands over to its replacement while the loop runs: its offset at rest.

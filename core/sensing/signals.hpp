@@ -4,10 +4,9 @@
 #include <cstdint>
 
 #include "core/math/rigid.hpp"
+#include "core/math/update_result.hpp"
 
 namespace palpate::sensing {
-
-enum class Freshness { kNoData, kOld, kNew };
 
 /// Samples of one channel: all since the last tick, oldest first, and the latest one with its age.
 /// Capacity is fixed; the receiver drops and counts excess samples.

@@ -30,7 +30,7 @@ class ComponentReports {
 
   static void report_faults(const pipeline::SensorReport& report, Reported& reported,
                             Commands& commands, std::int64_t utime) noexcept;
-  std::array<Reported, pipeline::Slots::kMostSensors> reported_;  // by instance
+  std::array<Reported, pipeline::ComponentSet::kMostSensors> reported_;  // by instance
 };
 
 }  // namespace palpate::daemon

@@ -61,8 +61,9 @@ void Daemon::supervise(const Now& now) noexcept {
   if (verdict == OverrunMonitor::Verdict::kSafeStop && pipeline_.is_running()) {
     pipeline_.fault("no command for too long: safe stop");
   } else {
-    pipeline_.set_timing_trouble(
-        verdict == OverrunMonitor::Verdict::kDegraded ? "the loop runs late" : nullptr);
+    pipeline_.set_timing(verdict == OverrunMonitor::Verdict::kDegraded
+                             ? UpdateResult{Status::kDegraded, "the loop runs late"}
+                             : UpdateResult());
   }
 }
 

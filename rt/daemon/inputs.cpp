@@ -226,10 +226,10 @@ void Inputs::drain(Channel<Message>& channel, Stream& stream, std::int64_t now_n
       std::move(stream.fresh.begin() + 1, stream.fresh.end(), stream.fresh.begin());
       stream.fresh.back() = stream.latest;
     }
-    stream.freshness = sensing::Freshness::kNew;
+    stream.freshness = Freshness::kNew;
   }
-  if (stream.freshness == sensing::Freshness::kNoData) return;
-  if (stream.fresh_count == 0) stream.freshness = sensing::Freshness::kOld;
+  if (stream.freshness == Freshness::kNoData) return;
+  if (stream.fresh_count == 0) stream.freshness = Freshness::kOld;
   stream.age = static_cast<double>(now_ns - channel.arrival_ns) * 1e-9;
   channel.age = stream.age;
 }

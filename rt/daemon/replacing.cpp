@@ -35,17 +35,17 @@ void Replacing::build() noexcept {
     request.parameters = bus::get_text(command_.parameters);
     config::Node wanted = pipeline::apply_request(root_.node, request);
     wanted_ = std::make_unique<Root>(Root{wanted, wanted.hash()});
-    auto replacement =
-        std::make_unique<pipeline::Replacement>(root_.node, wanted, pipeline_.slots(), snapshot_);
+    auto replacement = std::make_unique<pipeline::Replacement>(root_.node, wanted,
+                                                               pipeline_.components(), snapshot_);
     if (replacement->changes().object) {
-      const registry::Object& object = *replacement->slots().object;
+      const registry::Object& object = *replacement->components().object;
       mesh_ = std::make_unique<MeshTelemetry>(housekeeping_, object);
       const Eigen::Matrix3Xd nodes = object.body.mesh.nodes;
       next_snapshot_ = std::make_unique<pipeline::ShapeSnapshot>(
           pipeline::ShapeSnapshot{nodes, 0 * nodes, snapshot_.estimate});
     }
     fallbacks_ = std::make_unique<pipeline::Fallbacks>(
-        wanted, replacement->slots(), next_snapshot_ ? *next_snapshot_ : snapshot_);
+        wanted, replacement->components(), next_snapshot_ ? *next_snapshot_ : snapshot_);
     replacement_ = std::move(replacement);
   } catch (const std::exception& error) {
     bus::put_text(reason_, error.what());
@@ -74,12 +74,12 @@ Replacing::Outcome Replacing::service(Refactoring& refactoring, std::int64_t cyc
   }
   if (state_ == State::kRunningAlong) {
     const char* reason = "";
-    switch (pipeline_.run_along(*replacement_, reason)) {
-      case pipeline::Pipeline::Along::kWaits:
+    switch (pipeline_.warm_up(*replacement_, reason)) {
+      case pipeline::Pipeline::WarmupState::kRunning:
         return Outcome::kNothing;
-      case pipeline::Pipeline::Along::kRefused:
+      case pipeline::Pipeline::WarmupState::kRejected:
         return reject(reason);
-      case pipeline::Pipeline::Along::kReady:
+      case pipeline::Pipeline::WarmupState::kReady:
         state_ = State::kWaitingForFactor;
         refactoring.pause(true);
     }

@@ -17,11 +17,11 @@ void put(const math::Vector6d& v, double* out) noexcept { std::copy_n(v.data(), 
 std::int32_t estimate_status(pipeline::LifeCycle state) noexcept {
   switch (state) {
     case pipeline::LifeCycle::kActive:
-      return static_cast<std::int32_t>(sensing::Status::kOk);
+      return static_cast<std::int32_t>(Status::kOk);
     case pipeline::LifeCycle::kDegraded:
-      return static_cast<std::int32_t>(sensing::Status::kDegraded);
+      return static_cast<std::int32_t>(Status::kDegraded);
     default:
-      return static_cast<std::int32_t>(sensing::Status::kFault);
+      return static_cast<std::int32_t>(Status::kFault);
   }
 }
 
@@ -98,7 +98,7 @@ void Telemetry::publish_state(const pipeline::Pipeline& pipeline, std::int64_t u
 
   const estimation::Estimate& estimate = pipeline.estimate();
   estimate_stamp_.put(estimate_message_, utime);
-  estimate_message_.status = estimate_status(pipeline.slots().estimation_condition.state);
+  estimate_message_.status = estimate_status(pipeline.components().estimation_condition.state);
   estimate_message_.grasp_count = static_cast<int>(pipeline.object().body.grasps.size());
   for (int g = 0; g < estimate_message_.grasp_count; ++g) {
     std::copy_n(estimate.X_OG[g].translation().data(), 3, estimate_message_.grasp_position[g]);

@@ -24,16 +24,16 @@ Event event_from(const char* text) noexcept {
   return Event::kUnknown;
 }
 
-void Condition::apply(const sensing::UpdateResult& result) noexcept {
+void Condition::apply(const UpdateResult& result) noexcept {
   if (state != LifeCycle::kActive && state != LifeCycle::kDegraded) return;
   switch (result.status) {
-    case sensing::Status::kOk:
+    case Status::kOk:
       state = LifeCycle::kActive;
       break;
-    case sensing::Status::kDegraded:
+    case Status::kDegraded:
       state = LifeCycle::kDegraded;
       break;
-    case sensing::Status::kFault:
+    case Status::kFault:
       state = LifeCycle::kFaulted;
       break;
   }

@@ -32,7 +32,7 @@ struct Condition {
   const char* component = "";  // name of the instance concerned; "" for the whole pipeline
 
   /// Applies the outcome of an update: kFault latches, kDegraded does not.
-  void apply(const sensing::UpdateResult& result) noexcept;
+  void apply(const UpdateResult& result) noexcept;
 };
 
 /// Writes the reason of a condition, with the component concerned if there is one.

@@ -7,7 +7,8 @@
 
 #include "core/control/joint_gate.hpp"
 #include "core/control/safety_gate.hpp"
-#include "rt/pipeline/fallbacks.hpp"
+#include "core/frames/measurements.hpp"
+#include "rt/pipeline/replacement.hpp"
 
 namespace palpate::pipeline {
 
@@ -28,7 +29,7 @@ class Pipeline {
       int instance, std::unique_ptr<sensing::SensorModel> model);
 
   /// Set-up, before the first tick: access for inserting externally constructed components.
-  Slots& slots_at_setup() noexcept { return *slots_; }
+  ComponentSet& components_at_setup() noexcept { return *components_; }
 
   // Life-cycle events; safe in the loop.
   void start() noexcept;
@@ -36,8 +37,8 @@ class Pipeline {
   void reset() noexcept;                    // rest shape, faults cleared, inactive
   void zero() noexcept;                     // tares every sensor model
   void fault(const char* reason) noexcept;  // fault latched by an external supervisor
-  /// Set by an external supervisor in each tick; nullptr without a timing problem.
-  void set_timing_trouble(const char* reason) noexcept;
+  /// Set by an external supervisor in each tick; degraded while there is a timing problem.
+  void set_timing(const UpdateResult& timing) noexcept;
 
   /// False, with the reason, if kind, points or values do not match the feature in its slot.
   bool set_target(int revision, const char* kind, const double (*rest_points)[3], int point_count,
@@ -45,15 +46,15 @@ class Pipeline {
 
   /// For a Replacement, which is built elsewhere. The snapshot has the present mesh's size and is
   /// filled by the loop's thread.
-  const Slots& slots() const noexcept { return *slots_; }
+  const ComponentSet& components() const noexcept { return *components_; }
   ShapeSnapshot room_for_shape() const;
   void copy_shape(ShapeSnapshot& snapshot) const noexcept;
 
   /// Called once per tick after a replacement has been built, after sense(): runs new sensor models
-  /// in parallel until they are ready. kReady: call take(); kRefused: `reason` contains the reason,
-  /// and nothing has changed.
-  enum class Along { kWaits, kReady, kRefused };
-  Along run_along(Replacement& replacement, const char*& reason) noexcept;
+  /// in parallel until they are ready. kReady: call take(); kRejected: `reason` contains the
+  /// reason, and nothing has changed.
+  enum class WarmupState { kRunning, kReady, kRejected };
+  WarmupState warm_up(Replacement& replacement, const char*& reason) noexcept;
 
   /// Called between two ticks: exchanges all new components together; they continue from the state
   /// of the previous ones, which `replacement` then holds for destruction by another thread. No
@@ -66,7 +67,7 @@ class Pipeline {
   /// replacements, and reason of the last one: "slot: fallback, since ...".
   int fallbacks_taken() const noexcept { return fallbacks_taken_; }
   const char* fallback_reason() const noexcept { return fallback_reason_.data(); }
-  bool on_fallback() const noexcept { return fallbacks_->in_use() || slots_->on_fallback(); }
+  bool on_fallback() const noexcept { return fallbacks_->in_use() || components_->on_fallback(); }
   /// Sets fallbacks that match the components after a replacement.
   void take(std::unique_ptr<Fallbacks>& fallbacks) noexcept { fallbacks_.swap(fallbacks); }
 
@@ -87,29 +88,29 @@ class Pipeline {
   Condition condition() const noexcept;  // worst condition of all slots
   bool is_running() const noexcept;
 
-  const registry::Object& object() const noexcept { return *slots_->object; }
+  const registry::Object& object() const noexcept { return *components_->object; }
   const std::vector<RunningModel>& running_models() const noexcept {
-    return slots_->running_models;
+    return components_->running_models;
   }
-  int sensor_count() const noexcept { return static_cast<int>(slots_->sensing.size()); }
-  SensorReport sensor_report(int index) const noexcept { return slots_->sensor_report(index); }
+  int sensor_count() const noexcept { return static_cast<int>(components_->sensing.size()); }
+  SensorReport sensor_report(int index) const noexcept { return components_->sensor_report(index); }
   /// Warnings of the constructor, a line each: settings that the system rejected for threads of
   /// components, and values of the configuration that hardly mean what was intended.
   const std::vector<std::string>& remarks() const noexcept { return remarks_; }
   int arm_count() const noexcept { return static_cast<int>(arms_.size()); }
   /// Whether an arm is commanded by joint velocities rather than a twist.
-  bool commands_joints(int arm) const noexcept { return arm == 0 && slots_->commands_joints; }
+  bool commands_joints(int arm) const noexcept { return arm == 0 && components_->commands_joints; }
   /// Number of joints of the first arm; 0 without a model of it.
   int joint_count() const noexcept {
     return cell_.arm_model ? cell_.arm_model->chain.joint_count() : 0;
   }
   const registry::Frames& frames(int arm = 0) const noexcept { return arms_[arm].frames; }
-  elasticity::DeformationModel& model() noexcept { return *slots_->model; }
-  const elasticity::DeformationModel& model() const noexcept { return *slots_->model; }
-  const estimation::Estimate& estimate() const noexcept { return slots_->estimate; }
-  const shape::Feature& feature() const noexcept { return *slots_->feature; }
-  const FeatureState& feature_state() const noexcept { return slots_->feature_state; }
-  const Target& target() const noexcept { return slots_->target; }
+  elasticity::DeformationModel& model() noexcept { return *components_->model; }
+  const elasticity::DeformationModel& model() const noexcept { return *components_->model; }
+  const estimation::Estimate& estimate() const noexcept { return components_->estimate; }
+  const shape::Feature& feature() const noexcept { return *components_->feature; }
+  const FeatureState& feature_state() const noexcept { return components_->feature_state; }
+  const Target& target() const noexcept { return components_->target; }
   /// Contacts in O, for display and estimation.
   const sensing::ContactSet& contacts() const noexcept { return contacts_O_; }
 
@@ -131,35 +132,30 @@ class Pipeline {
     bool joints_known = false;  // known and consistent with the reported flange pose
     kinematics::SerialChain::Joints requested_joints;
 
-    math::Pose X_OE() const noexcept { return frames.X_WO.inverse() * signals->robot.latest.X_WE; }
+    frames::ArmMeasurements measurements() const noexcept { return {frames, *signals, known}; }
   };
   void build_arms(const config::Node& root);
-  void put_in(Replacement& replacement) noexcept;
-  void tell_fallback(const char* slot, const char* reason) noexcept;
-  void check_loads(Slots::Contact& instance, contact::ContactLoads& loads) noexcept;
+  void exchange(Replacement& replacement) noexcept;
+  void report_fallback(const char* slot, const char* reason) noexcept;
+  void check_loads(ComponentSet::Contact& instance, contact::ContactLoads& loads) noexcept;
   bool feature_is_sound() noexcept;
-  void look_at_markers() noexcept;
-  const Eigen::Matrix3Xd& seen_positions() const noexcept;
-  bool look_and_learn(double dt, int first) noexcept;
+  void update_markers() noexcept;
+  const Eigen::Matrix3Xd& observed_positions() const noexcept;
+  bool observe(double dt, int first) noexcept;
   bool fall_back(Fallback& fallback, const char* slot, const char* reason) noexcept;
   bool steer(double dt, int first) noexcept;
-  void to_object_frame(const sensing::ContactSet& contacts) noexcept;
-  bool locate_wrist(sensing::Contact& contact) const noexcept;
-  bool locate_finger(sensing::Contact& contact) const noexcept;
-  estimation::GraspInput grasp_input(int grasp) const noexcept;
-  void take_observation(estimation::ObservationInput& input) const noexcept;
   bool is_trusted() const noexcept;
   bool moving_arms_known() const noexcept;
   void request(int arm, const math::Twist& V_O_G) noexcept;
   static void find_joints(Arm& arm) noexcept;
-  control::JointInputs joint_inputs(const Arm& arm) const noexcept;
+  static control::JointInputs joint_inputs(const Arm& arm) noexcept;
   void pass_gate(Arm& arm, const control::GateInputs& inputs, bool as_joints) noexcept;
-  bool other_refused(int arm) const noexcept;
+  bool other_rejected(int arm) const noexcept;
 
   std::vector<std::string> remarks_;
   registry::Context cell_;
   std::vector<Arm> arms_;  // one or two
-  std::unique_ptr<Slots> slots_;
+  std::unique_ptr<ComponentSet> components_;
   Condition whole_;
   std::unique_ptr<Fallbacks> fallbacks_;
   int fallbacks_taken_ = 0;

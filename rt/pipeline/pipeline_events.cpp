@@ -13,9 +13,9 @@ Pipeline::Pipeline(const config::Node& root, double period, bool deterministic) 
   cell_.inference = registry::read_inference(root, deterministic);
   cell_.remarks = &remarks_;
   cell_.plugins = plugin::Plugins::load(root);
-  slots_ = std::make_unique<Slots>(root, cell_, Changes::all(root), nullptr);
-  slots_->warm_up();
-  fallbacks_ = std::make_unique<Fallbacks>(root, *slots_, room_for_shape());
+  components_ = std::make_unique<ComponentSet>(root, cell_, Changes::all(root), nullptr);
+  components_->warm_up();
+  fallbacks_ = std::make_unique<Fallbacks>(root, *components_, room_for_shape());
   remarks_.insert(remarks_.end(), root.warnings().begin(), root.warnings().end());
   whole_ = {LifeCycle::kInactive, "waits for start"};
 }
@@ -40,7 +40,7 @@ void Pipeline::build_arms(const config::Node& root) {
 
 std::unique_ptr<sensing::SensorModel> Pipeline::exchange_sensor_model(
     int instance, std::unique_ptr<sensing::SensorModel> model) {
-  slots_->sensing.at(instance).model.swap(model);
+  components_->sensing.at(instance).model.swap(model);
   return model;
 }
 
@@ -48,7 +48,7 @@ void Pipeline::start() noexcept {
   if (whole_.state != LifeCycle::kInactive) return;
   whole_ = {LifeCycle::kActive, ""};
   for (Arm& arm : arms_) arm.gate.forget_overload();
-  slots_->start();
+  components_->start();
 }
 
 void Pipeline::stop(const char* reason) noexcept {
@@ -58,23 +58,19 @@ void Pipeline::stop(const char* reason) noexcept {
 
 void Pipeline::reset() noexcept {
   for (Fallback* fallback : {&fallbacks_->feature, &fallbacks_->steering, &fallbacks_->mechanics})
-    if (std::exchange(fallback->in_use, false)) put_in(*fallback->components);
-  slots_->reset();
+    if (std::exchange(fallback->in_use, false)) exchange(*fallback->replacement);
+  components_->reset();
   for (Arm& arm : arms_) arm.gate.forget_overload();
   whole_ = {LifeCycle::kInactive, "reset"};
 }
 
 void Pipeline::zero() noexcept {
-  for (Slots::Sensing& instance : slots_->sensing) instance.model->zero();
+  for (ComponentSet::Sensing& instance : components_->sensing) instance.model->zero();
 }
 
 void Pipeline::fault(const char* reason) noexcept { whole_ = {LifeCycle::kFaulted, reason}; }
 
-void Pipeline::set_timing_trouble(const char* reason) noexcept {
-  if (!is_running()) return;
-  whole_ = reason == nullptr ? Condition{LifeCycle::kActive, ""}
-                             : Condition{LifeCycle::kDegraded, reason};
-}
+void Pipeline::set_timing(const UpdateResult& timing) noexcept { whole_.apply(timing); }
 
 bool Pipeline::is_running() const noexcept {
   return whole_.state == LifeCycle::kActive || whole_.state == LifeCycle::kDegraded;
@@ -83,64 +79,65 @@ bool Pipeline::is_running() const noexcept {
 bool Pipeline::set_target(int revision, const char* kind, const double (*rest_points)[3],
                           int point_count, const double* values, int value_count,
                           const char*& reason) noexcept {
-  return slots_->set_target(revision, kind, rest_points, point_count, values, value_count, reason);
+  return components_->set_target(revision, kind, rest_points, point_count, values, value_count,
+                                 reason);
 }
 
 ShapeSnapshot Pipeline::room_for_shape() const {
-  return {slots_->model->positions(), slots_->model->velocities(), slots_->estimate};
+  return {components_->model->positions(), components_->model->velocities(), components_->estimate};
 }
 
 void Pipeline::copy_shape(ShapeSnapshot& snapshot) const noexcept {
-  snapshot.positions = slots_->model->positions();
-  snapshot.velocities = slots_->model->velocities();
-  snapshot.estimate = slots_->estimate;
+  snapshot.positions = components_->model->positions();
+  snapshot.velocities = components_->model->velocities();
+  snapshot.estimate = components_->estimate;
 }
 
-Pipeline::Along Pipeline::run_along(Replacement& replacement, const char*& reason) noexcept {
+Pipeline::WarmupState Pipeline::warm_up(Replacement& replacement, const char*& reason) noexcept {
   // Minimum number of ticks for which a new sensor model runs in parallel.
   constexpr int kTicks = 100;
   constexpr int kPatience = 2000;  // maximum number, if the present one has no output either
-  const bool first = replacement.ticks_along_++ == 0;
+  const bool first = replacement.warmup_ticks_++ == 0;
   bool ready = true, waits_with_present = true;
-  std::vector<Slots::Sensing>& models = replacement.slots_->sensing;
+  std::vector<ComponentSet::Sensing>& models = replacement.components_->sensing;
   for (std::size_t i = 0; i < models.size(); ++i) {
     if (!models[i].model) continue;
     const int at = replacement.successors_[i];
-    const Slots::Sensing* present = at < 0 ? nullptr : &slots_->sensing[at];
+    const ComponentSet::Sensing* present = at < 0 ? nullptr : &components_->sensing[at];
     if (first && present != nullptr && !models[i].model->restore(present->model->save())) {
       reason = "is for another kind of sensor than the one in its place";
-      return Along::kRefused;
+      return WarmupState::kRejected;
     }
     sensing::ContactSet unused;
-    const sensing::UpdateResult result =
-        models[i].model->update(*arms_[models[i].arm].signals, unused);
-    if (result.status == sensing::Status::kFault) {
+    const UpdateResult result = models[i].model->update(*arms_[models[i].arm].signals, unused);
+    if (result.status == Status::kFault) {
       reason = result.reason;
-      return Along::kRefused;
+      return WarmupState::kRejected;
     }
-    if (result.status == sensing::Status::kOk && replacement.ticks_along_ >= kTicks) continue;
+    if (result.status == Status::kOk && replacement.warmup_ticks_ >= kTicks) continue;
     ready = false;
     if (present == nullptr || present->condition.state != LifeCycle::kActive) continue;
     waits_with_present = false;
     reason = result.reason;
   }
-  if (ready || (waits_with_present && replacement.ticks_along_ >= kPatience)) return Along::kReady;
-  return replacement.ticks_along_ < kPatience ? Along::kWaits : Along::kRefused;
+  if (ready || (waits_with_present && replacement.warmup_ticks_ >= kPatience))
+    return WarmupState::kReady;
+  return replacement.warmup_ticks_ < kPatience ? WarmupState::kRunning : WarmupState::kRejected;
 }
 
 bool Pipeline::take(Replacement& replacement) noexcept {
-  const Slots& present = *slots_;
+  const ComponentSet& present = *components_;
   if (replacement.changes_.mechanics &&
       !replacement.give_shape(present.model->positions(), present.model->velocities(),
                               present.estimate))
     return false;
-  put_in(replacement);
+  exchange(replacement);
   return true;
 }
 
-void Pipeline::put_in(Replacement& replacement) noexcept {
-  replacement.slots_->adopt(*slots_, replacement.changes_, replacement.successors_);
-  slots_.swap(replacement.slots_);
+void Pipeline::exchange(Replacement& replacement) noexcept {
+  replacement.components_->adopt(*components_, replacement.changes_, replacement.successors_);
+  components_.swap(replacement.components_);
 }
 
 }  // namespace palpate::pipeline

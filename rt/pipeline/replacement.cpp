@@ -1,7 +1,10 @@
 #include "rt/pipeline/replacement.hpp"
 
 #include <algorithm>
+#include <initializer_list>
 #include <set>
+
+#include "rt/registry/fallbacks.hpp"
 
 namespace palpate::pipeline {
 namespace {
@@ -34,6 +37,23 @@ Place place_of(const config::Node& root, const ReplaceRequest& request) {
   }
   throw config::Error("replace: instance '" + request.instance + "' is not in slot " +
                       request.slot + "; allowed: " + names);
+}
+
+std::unique_ptr<Replacement> make_replacement(const config::Node& root,
+                                              std::initializer_list<const char*> slots,
+                                              const ComponentSet& present,
+                                              const ShapeSnapshot& snapshot) {
+  config::Node wanted = root;
+  bool any = false;
+  for (const char* slot : slots) {
+    const config::Node section = root.child(slot);
+    if (!section.has("fallback")) continue;
+    wanted = wanted.changed(slot, section.child("fallback").dump(), true,
+                            std::string("fallback of ") + slot);
+    any = true;
+  }
+  if (!any) return nullptr;
+  return std::make_unique<Replacement>(root, wanted, present, snapshot);
 }
 
 }  // namespace
@@ -86,22 +106,22 @@ Changes find_changes(const config::Node& present, const config::Node& wanted) {
 }
 
 Replacement::Replacement(const config::Node& present_root, const config::Node& wanted,
-                         const Slots& present, const ShapeSnapshot& snapshot)
+                         const ComponentSet& present, const ShapeSnapshot& snapshot)
     : changes_(find_changes(present_root, wanted)),
-      slots_(std::make_unique<Slots>(wanted, without_remarks(present.context), changes_,
-                                     present.object)) {
+      components_(std::make_unique<ComponentSet>(wanted, without_remarks(present.context), changes_,
+                                                 present.object)) {
   name_successors(present);
   check_keys(present_root, wanted);
   if (!changes_.mechanics) return;
   if (changes_.object) prepare_transfer(*present.object);
-  const auto nodes = slots_->object->body.mesh.nodes.cols();
+  const auto nodes = components_->object->body.mesh.nodes.cols();
   positions_.resize(3, nodes);
   velocities_.resize(3, nodes);
   warm_up(snapshot);
 }
 
-void Replacement::name_successors(const Slots& present) {
-  for (const Slots::Sensing& instance : slots_->sensing) {
+void Replacement::name_successors(const ComponentSet& present) {
+  for (const ComponentSet::Sensing& instance : components_->sensing) {
     const auto same_name = [&](const auto& other) { return other.name == instance.name; };
     const auto at = std::find_if(present.sensing.begin(), present.sensing.end(), same_name);
     const bool known = at != present.sensing.end();
@@ -110,7 +130,7 @@ void Replacement::name_successors(const Slots& present) {
     // its learned models are transferred with it
     for (const RunningModel& running : present.running_models)
       if (running.name == instance.name || running.name.rfind(instance.name + "/", 0) == 0)
-        slots_->running_models.push_back(running);
+        components_->running_models.push_back(running);
   }
 }
 
@@ -129,7 +149,7 @@ void Replacement::prepare_transfer(const registry::Object& from) {
   const Eigen::Matrix3Xd& old_nodes = from.body.mesh.nodes;
   const double size =
       (old_nodes.rowwise().maxCoeff() - old_nodes.rowwise().minCoeff()).norm() * kReach;
-  const Eigen::Matrix3Xd& new_nodes = slots_->object->body.mesh.nodes;
+  const Eigen::Matrix3Xd& new_nodes = components_->object->body.mesh.nodes;
   for (int i = 0; i < new_nodes.cols(); ++i) {
     nodes_.push_back(locator.locate(new_nodes.col(i)));
     if (nodes_.back().outside > size)
@@ -137,12 +157,12 @@ void Replacement::prepare_transfer(const registry::Object& from) {
                           std::to_string(nodes_.back().outside * 1e3) +
                           " mm beyond the present one, whose shape it cannot take over");
   }
-  if (slots_->object->body.grasps.size() != from.body.grasps.size())
+  if (components_->object->body.grasps.size() != from.body.grasps.size())
     throw config::Error("replace: object: the number of grasps must stay");
 }
 
 void Replacement::warm_up(const ShapeSnapshot& snapshot) {
-  elasticity::DeformationModel& model = *slots_->model;
+  elasticity::DeformationModel& model = *components_->model;
   model.prepare();
   for (int round = 0; round < kWarmUpRounds; ++round) {
     if (!give_shape(snapshot.positions, snapshot.velocities, snapshot.estimate))
@@ -151,25 +171,37 @@ void Replacement::warm_up(const ShapeSnapshot& snapshot) {
       job->run();
       model.install(*job);
     }
-    if (model.step(slots_->context.period).status == elasticity::StepStatus::kConverged) break;
+    if (model.step(components_->context.period).status == elasticity::StepStatus::kConverged) break;
   }
-  if (slots_->feature) slots_->feature->evaluate(model.positions(), slots_->feature_state.value);
+  if (components_->feature)
+    components_->feature->evaluate(model.positions(), components_->feature_state.value);
 }
 
 bool Replacement::give_shape(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities,
                              const estimation::Estimate& estimate) noexcept {
   bool taken = false;
   if (nodes_.empty()) {
-    taken = slots_->model->restore(positions, velocities);
+    taken = components_->model->restore(positions, velocities);
   } else {
     for (std::size_t i = 0; i < nodes_.size(); ++i) {
       positions_.col(i) = nodes_[i].interpolate(positions);
       velocities_.col(i) = nodes_[i].interpolate(velocities);
     }
-    taken = slots_->model->restore(positions_, velocities_);
+    taken = components_->model->restore(positions_, velocities_);
   }
-  slots_->estimator->take_over(estimate, *slots_->model);
+  components_->estimator->take_over(estimate, *components_->model);
   return taken;
+}
+
+Fallbacks::Fallbacks(const config::Node& root, const ComponentSet& present,
+                     const ShapeSnapshot& snapshot) {
+  mechanics.replacement = make_replacement(root, {"estimation", "deformation"}, present, snapshot);
+  if (registry::has_fallback(root.child("feature"))) {
+    registry::check_feature(root.child("feature"), present.context);
+    registry::check_differs(root.child("feature"));
+  }
+  feature.replacement = make_replacement(root, {"feature"}, present, snapshot);
+  steering.replacement = make_replacement(root, {"control"}, present, snapshot);
 }
 
 }  // namespace palpate::pipeline

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "core/mesh/point_locator.hpp"
-#include "rt/pipeline/slots.hpp"
+#include "rt/pipeline/component_set.hpp"
 
 namespace palpate::pipeline {
 
@@ -38,16 +38,16 @@ class Replacement {
  public:
   /// Builds and configures the components, initialises new mechanics with the shape of `snapshot`
   /// and factors for it. For any thread but the loop's. Throws config::Error, also for a shape that
-  /// cannot be transferred. Accesses only constant parts of the present slots.
-  Replacement(const config::Node& present_root, const config::Node& wanted, const Slots& present,
-              const ShapeSnapshot& snapshot);
+  /// cannot be transferred. Accesses only constant parts of the present components.
+  Replacement(const config::Node& present_root, const config::Node& wanted,
+              const ComponentSet& present, const ShapeSnapshot& snapshot);
 
   const Changes& changes() const noexcept { return changes_; }
-  const Slots& slots() const noexcept { return *slots_; }
+  const ComponentSet& components() const noexcept { return *components_; }
 
  private:
   friend class Pipeline;
-  void name_successors(const Slots& present);
+  void name_successors(const ComponentSet& present);
   void check_keys(const config::Node& present_root, const config::Node& wanted) const;
   void prepare_transfer(const registry::Object& from);
   void warm_up(const ShapeSnapshot& snapshot);
@@ -55,13 +55,35 @@ class Replacement {
                   const estimation::Estimate& estimate) noexcept;
 
   Changes changes_;
-  std::unique_ptr<Slots> slots_;  // after the exchange: the replaced ones
+  std::unique_ptr<ComponentSet> components_;  // after the exchange: the replaced ones
   /// by new sensor model: index of the one that it replaces, or -1
   std::vector<int> successors_;
   /// Nodes of the new mesh in the present one; empty: the same mesh.
   std::vector<mesh::PointWeights> nodes_;
   Eigen::Matrix3Xd positions_, velocities_;  // workspace of the transfer
-  int ticks_along_ = 0;                      // for which new sensor models have run in parallel
+  int warmup_ticks_ = 0;                     // for which new sensor models have run in parallel
+};
+
+/// Standby components that replace those in the slots after a fault; while they are active the
+/// original ones are stored here.
+struct Fallback {
+  std::unique_ptr<Replacement> replacement;  // nullptr: not configured
+  bool in_use = false;
+};
+
+/// Components named by the key `fallback` of estimation and deformation, which change together, of
+/// feature and of control: a section like that of the slot itself. Built, given the shape and
+/// warmed up in advance. (Those of sensing and contact, which have lists, are in ComponentSet.)
+struct Fallbacks {
+  /// For any thread but the loop's. Throws config::Error, also for unknown keys.
+  Fallbacks(const config::Node& root, const ComponentSet& present, const ShapeSnapshot& snapshot);
+
+  bool in_use() const noexcept { return mechanics.in_use || feature.in_use || steering.in_use; }
+
+  Fallback mechanics;
+  /// With its own controller; this and the controller's fallback are never active together.
+  Fallback feature;
+  Fallback steering;
 };
 
 }  // namespace palpate::pipeline

@@ -34,8 +34,7 @@ struct PluginCell {
 class PluginSensorModel {
  public:
   virtual ~PluginSensorModel() = default;
-  virtual sensing::UpdateResult update(const sensing::Signals& signals,
-                                       sensing::ContactSet& contacts) = 0;
+  virtual UpdateResult update(const sensing::Signals& signals, sensing::ContactSet& contacts) = 0;
   virtual void zero() {}
   virtual void reset() {}
   virtual sensing::SensorState save() const { return {}; }

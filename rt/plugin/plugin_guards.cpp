@@ -15,26 +15,26 @@ class GuardedSensorModel final : public sensing::SensorModel {
   explicit GuardedSensorModel(std::unique_ptr<PluginSensorModel> model)
       : model_(std::move(model)) {}
 
-  sensing::UpdateResult update(const sensing::Signals& signals,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals& signals,
+                      sensing::ContactSet& contacts) noexcept override {
     const int others = contacts.count;
     // A component that threw is not called again before reset(), because its state is undefined.
     if (!threw_) {
       try {
-        const sensing::UpdateResult result = model_->update(signals, contacts);
+        const UpdateResult result = model_->update(signals, contacts);
         const bool sound = contacts.count >= others &&
                            contacts.count <= static_cast<int>(contacts.contacts.size()) &&
                            std::all_of(contacts.contacts.begin() + others,
                                        contacts.contacts.begin() + contacts.count, is_known_source);
         if (sound && result.reason != nullptr) return result;
         contacts.count = others;
-        return {sensing::Status::kFault, "the plug-in gives contacts that cannot be"};
+        return {Status::kFault, "the plug-in gives contacts that cannot be"};
       } catch (...) {
         threw_ = true;
       }
     }
     contacts.count = others;
-    return {sensing::Status::kFault, kThrew};
+    return {Status::kFault, kThrew};
   }
 
   void zero() noexcept override {

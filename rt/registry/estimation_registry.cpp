@@ -187,7 +187,7 @@ OptionTable<PoseWrenchFilter::Options> pose_wrench_filter_options() {
               "Normalised square of the innovation of a hand above which it is rejected", {6, 1e6},
               &Options::gate)
       .part(contact_search_options(), &Options::search)
-      .part(surface_fit_options(), &Options::sight)
+      .part(surface_fit_options(), &Options::observation)
       .number("shape_deviation", "m",
               "Prior standard deviation of the displacement by each virtual load", {1e-6, 1},
               &Options::shape)

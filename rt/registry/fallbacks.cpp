@@ -70,12 +70,12 @@ bool is_plausible(const sensing::Contact& contact) noexcept {
          contact.wrench.torque.allFinite();
 }
 
-sensing::UpdateResult SensorFallback::update(const sensing::Signals& signals,
-                                             sensing::ContactSet& contacts) noexcept {
+UpdateResult SensorFallback::update(const sensing::Signals& signals,
+                                    sensing::ContactSet& contacts) noexcept {
   const int others = contacts.count;
   if (!in_use_) {
-    const sensing::UpdateResult first = first_->update(signals, contacts);
-    in_use_ = first.status == sensing::Status::kFault;
+    const UpdateResult first = first_->update(signals, contacts);
+    in_use_ = first.status == Status::kFault;
     for (int i = others; i < contacts.count; ++i)
       in_use_ = in_use_ || !is_plausible(contacts.contacts[i]);
     if (!in_use_) {
@@ -85,9 +85,9 @@ sensing::UpdateResult SensorFallback::update(const sensing::Signals& signals,
     }
   }
   contacts.count = others;
-  const sensing::UpdateResult second = second_->update(signals, contacts);
-  if (second.status != sensing::Status::kOk || reason_ == nullptr) return second;
-  return {sensing::Status::kDegraded, reason_};
+  const UpdateResult second = second_->update(signals, contacts);
+  if (second.status != Status::kOk || reason_ == nullptr) return second;
+  return {Status::kDegraded, reason_};
 }
 
 void SensorFallback::zero() noexcept {

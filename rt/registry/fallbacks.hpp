@@ -35,8 +35,8 @@ class SensorFallback final : public sensing::SensorModel {
                  std::unique_ptr<sensing::SensorModel> second, const char* reason)
       : first_(std::move(first)), second_(std::move(second)), reason_(reason) {}
 
-  sensing::UpdateResult update(const sensing::Signals& signals,
-                               sensing::ContactSet& contacts) noexcept override;
+  UpdateResult update(const sensing::Signals& signals,
+                      sensing::ContactSet& contacts) noexcept override;
   void zero() noexcept override;
   void reset() noexcept override;
   sensing::SensorState save() const noexcept override { return first_->save(); }

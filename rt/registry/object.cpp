@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/elasticity/pad_compliance.hpp"
-#include "core/estimation/grasp_give.hpp"
+#include "core/estimation/grasp_compliance.hpp"
 #include "core/mesh/report.hpp"
 #include "rt/config/material_file.hpp"
 #include "rt/config/mesh_file.hpp"
@@ -202,7 +202,8 @@ Object read_object(const config::Node& root, const Frames& frames,
   }
   for (std::size_t g = 0; g < body.grasps.size(); ++g) {
     elasticity::GraspRegion& grasp = body.grasps[g];
-    grasp.object_compliance = estimation::grasp_give(body, g, grasp.compliance) - grasp.compliance;
+    grasp.object_compliance =
+        estimation::grasp_compliance(body, g, grasp.compliance) - grasp.compliance;
   }
   return object;
 }

@@ -20,6 +20,7 @@ ALLOWED = {
     "core/sensing": "core/math",
     "core/contact": "core/math core/mesh core/sensing",
     "core/estimation": "core/math core/mesh core/elasticity core/sensing core/contact",
+    "core/frames": "core/math core/sensing core/estimation",
     "core/shape": "core/math core/mesh",
     "core/kinematics": "core/math",
     "core/control": "core/math core/elasticity core/contact core/shape core/kinematics",
@@ -30,10 +31,10 @@ ALLOWED = {
     "rt/config": "core/math core/mesh rt/bus",
     "rt/inference": "core/sensing rt/loop rt/config",
     "rt/plugin": "core/mesh core/sensing core/contact core/control rt/config",
-    "rt/registry": "core/math core/mesh core/elasticity core/sensing core/contact core/estimation core/shape "
-                   "core/kinematics core/control core/published_control core/published_sensing rt/loop rt/config "
+    "rt/registry": "core/math core/mesh core/elasticity core/sensing core/contact core/estimation core/frames "
+                   "core/shape core/kinematics core/control core/published_control core/published_sensing rt/loop rt/config "
                    "rt/inference rt/plugin",
-    "rt/pipeline": "core/mesh core/sensing core/estimation core/control rt/plugin rt/registry",
+    "rt/pipeline": "core/mesh core/sensing core/estimation core/frames core/control rt/plugin rt/registry",
     "rt/daemon": "core/elasticity core/sensing core/shape rt/loop rt/bus rt/config rt/registry rt/pipeline",
     # The plant must not share the estimator's model: no core/elasticity, no core/collision; of
     # sensing only the manufacturer's data of the sensor; of the loop its clock.

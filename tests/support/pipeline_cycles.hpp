@@ -8,14 +8,14 @@ namespace palpate::support {
 inline sensing::Signals at_rest(const pipeline::Pipeline& pipeline, int arm = 0) {
   const registry::Frames& frames = pipeline.frames(arm);
   sensing::Signals signals;
-  signals.robot.freshness = sensing::Freshness::kNew;
+  signals.robot.freshness = Freshness::kNew;
   signals.robot.age = 0;
   signals.robot.latest.X_WE =
       frames.X_WO * pipeline.object().body.grasps[arm].X_OG_rest * frames.X_EG.inverse();
-  signals.hand.freshness = sensing::Freshness::kNew;
+  signals.hand.freshness = Freshness::kNew;
   signals.hand.age = 0;
   signals.hand.latest.grasp = sensing::Grasp::kHolding;
-  signals.force_torque.freshness = sensing::Freshness::kNew;
+  signals.force_torque.freshness = Freshness::kNew;
   signals.force_torque.age = 0;
   signals.force_torque.fresh_count = 1;
   return signals;

@@ -27,7 +27,7 @@ struct Case {
   const char* override;
   const char* event;  // the initial component
   /// Installs a component that fails once `broken` is true.
-  void (*put_in)(pipeline::Slots& slots, const bool& broken);
+  void (*put_in)(pipeline::ComponentSet& components, const bool& broken);
 };
 
 /// Fails on request from outside.
@@ -35,8 +35,8 @@ class SwitchedSensor final : public faults::FaultySensor {
  public:
   SwitchedSensor(std::unique_ptr<sensing::SensorModel> good, const bool& broken)
       : FaultySensor(std::move(good)), broken_(broken) {}
-  sensing::UpdateResult update(const sensing::Signals& signals,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals& signals,
+                      sensing::ContactSet& contacts) noexcept override {
     trouble = broken_ ? Trouble::kError : Trouble::kNone;
     return FaultySensor::update(signals, contacts);
   }
@@ -45,26 +45,26 @@ class SwitchedSensor final : public faults::FaultySensor {
   const bool& broken_;
 };
 
-void put_in_sensor(pipeline::Slots& slots, const bool& broken) {
-  registry::SensorFallback& pair = *slots.sensing[0].fallback;
+void put_in_sensor(pipeline::ComponentSet& components, const bool& broken) {
+  registry::SensorFallback& pair = *components.sensing[0].fallback;
   std::unique_ptr<sensing::SensorModel> first;
   pair.exchange(first);
   first = std::make_unique<SwitchedSensor>(std::move(first), broken);
   pair.exchange(first);
 }
 
-void put_in_transformer(pipeline::Slots& slots, const bool& broken) {
+void put_in_transformer(pipeline::ComponentSet& components, const bool& broken) {
   auto faulty = std::make_unique<support::FaultyTransformer>(broken);
   auto& its_good = faulty->good;
   std::unique_ptr<contact::ForceTransformer> first = std::move(faulty);
-  slots.contact[0].fallback->exchange(first);
+  components.contact[0].fallback->exchange(first);
   its_good = std::move(first);
 }
 
-void put_in_feature(pipeline::Slots& slots, const bool& broken) {
+void put_in_feature(pipeline::ComponentSet& components, const bool& broken) {
   auto faulty = std::make_unique<support::FaultyFeature>(broken);
-  faulty->good = std::move(slots.feature);
-  slots.feature = std::move(faulty);
+  faulty->good = std::move(components.feature);
+  components.feature = std::move(faulty);
 }
 
 const Case kCases[] = {
@@ -89,7 +89,7 @@ int run_daemon(const Case& of, const runs::Urls& urls) {
                         bus::random_session());
   pipeline::Pipeline& pipeline = daemon.pipeline();
   bool broken = false, in_same_cycle = false;
-  of.put_in(pipeline.slots_at_setup(), broken);
+  of.put_in(pipeline.components_at_setup(), broken);
   control->start();
   const auto speed = [&] { return pipeline.gate_output(0).V_W_E.linear.norm(); };
   int moved = 0;

@@ -5,9 +5,9 @@
 
 namespace example {
 
+using palpate::Status;
 using palpate::plugin::integer;
 using palpate::plugin::number;
-using palpate::sensing::Status;
 
 std::vector<palpate::plugin::Parameter> MedianSensor::parameters() {
   const Options o;
@@ -34,8 +34,8 @@ void MedianSensor::reset() {
   tare_.start();
 }
 
-palpate::sensing::UpdateResult MedianSensor::update(const palpate::sensing::Signals& signals,
-                                                    palpate::sensing::ContactSet& contacts) {
+palpate::UpdateResult MedianSensor::update(const palpate::sensing::Signals& signals,
+                                           palpate::sensing::ContactSet& contacts) {
   const auto& stream = signals.force_torque;
   for (int i = 0; i < stream.fresh_count; ++i) {
     const palpate::math::Vector6d reading = stream.fresh[i].F_S.vector();

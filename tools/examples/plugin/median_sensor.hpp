@@ -25,8 +25,8 @@ class MedianSensor : public palpate::plugin::PluginSensorModel {
   /// Throws std::invalid_argument for an even number of samples.
   explicit MedianSensor(const Options& options);
 
-  palpate::sensing::UpdateResult update(const palpate::sensing::Signals& signals,
-                                        palpate::sensing::ContactSet& contacts) override;
+  palpate::UpdateResult update(const palpate::sensing::Signals& signals,
+                               palpate::sensing::ContactSet& contacts) override;
   void zero() override { tare_.start(); }
   void reset() override;
   // Allows the transfer of the wrist's state to and from another model while the loop runs.

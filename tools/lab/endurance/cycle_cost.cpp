@@ -40,36 +40,37 @@ std::int64_t processor_time_ns() {
 /// The hand, the wrist and the feature's target of a loop around some components.
 class Loop {
  public:
-  explicit Loop(pipeline::Pipeline& pipeline) : slots_(pipeline.slots_at_setup()) {
+  explicit Loop(pipeline::Pipeline& pipeline) : components_(pipeline.components_at_setup()) {
     pipeline.start();
     inputs_.dt = kPeriod;
     inputs_.grasp_count = 1;
-    inputs_.contacts = slots_.loads.data();
+    inputs_.contacts = components_.loads.data();
     estimation::GraspInput& hand = inputs_.grasps[0];
-    hand.pose_freshness = sensing::Freshness::kNew;
+    hand.pose_freshness = Freshness::kNew;
     hand.holding = hand.wrench_valid = true;
-    hand.X_OG = slots_.model->body().grasps.at(0).X_OG_rest;
+    hand.X_OG = components_.model->body().grasps.at(0).X_OG_rest;
   }
 
   void cycle(int number, CycleCost* cost) {
     if (number % kToAndFro == 0) set_target(number / kToAndFro % 2 == 0 ? kWay : 0);
-    pipeline::FeatureState& feature = slots_.feature_state;
+    pipeline::FeatureState& feature = components_.feature_state;
     control::LawInputs law = law_inputs();
     {
       const loop::NoAllocationScope scope;
       const std::int64_t start = processor_time_ns();
-      slots_.estimator->update(inputs_, *slots_.model, slots_.estimate);
+      static_cast<void>(
+          components_.estimator->update(inputs_, *components_.model, components_.estimate));
       const std::int64_t estimated = processor_time_ns();
-      slots_.feature->evaluate(slots_.model->positions(), feature.value);
-      slots_.feature->error(feature.value, target_, feature.error);
-      const bool known = slots_.provider->update(*slots_.feature, *slots_.model,
-                                                 inputs_.grasps[0].X_OG, slots_.jacobian);
+      components_.feature->evaluate(components_.model->positions(), feature.value);
+      components_.feature->error(feature.value, target_, feature.error);
+      const bool known = components_.provider->update(*components_.feature, *components_.model,
+                                                      inputs_.grasps[0].X_OG, components_.jacobian);
       const std::int64_t derived = processor_time_ns();
-      law.reaction = slots_.estimate.reaction;
-      law.node_deviation = slots_.estimate.node_deviation;
-      if (known) slots_.law->compute(law, slots_.law_output);
+      law.reaction = components_.estimate.reaction;
+      law.node_deviation = components_.estimate.node_deviation;
+      if (known) components_.law->compute(law, components_.law_output);
       const std::int64_t end = processor_time_ns();
-      if (!known) slots_.law_output.V_O_G = {};
+      if (!known) components_.law_output.V_O_G = {};
       if (cost != nullptr) {
         cost->estimator.record(estimated - start);
         cost->jacobian.record(derived - estimated);
@@ -84,8 +85,9 @@ class Loop {
  private:
   void set_target(double way) {
     if (rest_.size() == 0) {
-      slots_.feature->evaluate(slots_.model->positions(), slots_.feature_state.value);
-      rest_ = slots_.feature_state.value;
+      components_.feature->evaluate(components_.model->positions(),
+                                    components_.feature_state.value);
+      rest_ = components_.feature_state.value;
     }
     target_ = rest_;
     target_[target_.size() - 1] += way;
@@ -94,28 +96,28 @@ class Loop {
   control::LawInputs law_inputs() const {
     control::LawInputs law;
     law.dt = kPeriod;
-    law.value = &slots_.feature_state.value;
+    law.value = &components_.feature_state.value;
     law.target = &target_;
-    law.error = &slots_.feature_state.error;
-    law.jacobian = &slots_.jacobian;
-    law.model = slots_.model.get();
+    law.error = &components_.feature_state.error;
+    law.jacobian = &components_.jacobian;
+    law.model = components_.model.get();
     law.X_OG[0] = inputs_.grasps[0].X_OG;
     return law;
   }
 
   void move_hand() {
     estimation::GraspInput& hand = inputs_.grasps[0];
-    const math::Twist& V = slots_.law_output.V_O_G;
+    const math::Twist& V = components_.law_output.V_O_G;
     hand.X_OG.translation() += kPeriod * V.linear;
     hand.X_OG.linear() = math::exp_rotation(kPeriod * V.angular) * hand.X_OG.linear();
-    hand.F_G_O = slots_.estimate.reaction[0];
+    hand.F_G_O = components_.estimate.reaction[0];
     for (int i = 0; i < 3; ++i) {
       hand.F_G_O.force[i] += kForceNoise * noise_(random_);
       hand.F_G_O.torque[i] += kTorqueNoise * noise_(random_);
     }
   }
 
-  pipeline::Slots& slots_;
+  pipeline::ComponentSet& components_;
   estimation::EstimationInputs inputs_;
   Eigen::VectorXd rest_, target_;
   std::mt19937 random_{1};

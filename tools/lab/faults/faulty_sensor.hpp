@@ -13,11 +13,11 @@ class FaultySensor : public sensing::SensorModel {
 
   explicit FaultySensor(std::unique_ptr<sensing::SensorModel> good) : good_(std::move(good)) {}
 
-  sensing::UpdateResult update(const sensing::Signals& signals,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals& signals,
+                      sensing::ContactSet& contacts) noexcept override {
     const int before = contacts.count;
-    const sensing::UpdateResult result = good_->update(signals, contacts);
-    if (trouble == Trouble::kError) return {sensing::Status::kFault, "has failed"};
+    const UpdateResult result = good_->update(signals, contacts);
+    if (trouble == Trouble::kError) return {Status::kFault, "has failed"};
     for (int i = before; trouble == Trouble::kBadNumbers && i < contacts.count; ++i)
       (number < 3 ? contacts.contacts[i].wrench.force[number]
                   : contacts.contacts[i].wrench.torque[number - 3]) = value;

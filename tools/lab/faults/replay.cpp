@@ -17,7 +17,7 @@ Replay::Replay(const Recording& recording, const std::vector<std::string>& overr
 void look_at(const std::vector<bus::Published>& said, daemon::Daemon& daemon, Monitor& monitor) {
   const auto& robot = daemon.inputs().signals().robot;
   std::optional<Eigen::Vector3d> p_W_E;
-  if (robot.freshness != sensing::Freshness::kNoData) p_W_E = robot.latest.X_WE.translation();
+  if (robot.freshness != Freshness::kNoData) p_W_E = robot.latest.X_WE.translation();
   const control::GateOutput& gate = daemon.pipeline().gate_output(0);
   const bool restrained = gate.rejected || std::strcmp(gate.reason, "inactive") == 0;
   for (const bus::Published& message : said) monitor.look(message, p_W_E, restrained);

@@ -24,7 +24,7 @@ constexpr int kQuaternion = 0, kVelocity = 4, kRate = 7, kAcceleration = 10, kFo
 
 template <class T, int kCapacity>
 void feed(sensing::Stream<T, kCapacity>& stream, const T& sample) {
-  stream.freshness = sensing::Freshness::kNew;
+  stream.freshness = Freshness::kNew;
   stream.age = 0;
   stream.latest = stream.fresh[0] = sample;
   stream.fresh_count = 1;
@@ -74,8 +74,8 @@ void run_fingertip(const config::Node& node, const SensorTrack& track, Visit vis
   const auto take = [&](Eigen::Index row, double time) {
     feed(signals.biotac[0], tactile_sample(table, row, time));
     contacts.count = 0;
-    const sensing::UpdateResult result = component->update(signals, contacts);
-    if (result.status == sensing::Status::kFault)
+    const UpdateResult result = component->update(signals, contacts);
+    if (result.status == Status::kFault)
       throw std::runtime_error("on " + track.recording.name + ": " + result.reason);
   };
   for (Eigen::Index k = 0; k < track.tare_rows; ++k)
@@ -195,7 +195,7 @@ Eigen::MatrixXd stream_wrist(const std::string& model, const std::string& execut
     wrench.F_S = {row.segment<3>(kForce).transpose(), row.segment<3>(kForce + 3).transpose()};
     feed(signals.force_torque, wrench);
     contacts.count = 0;
-    const sensing::UpdateResult result = component->update(signals, contacts);
+    const UpdateResult result = component->update(signals, contacts);
     if (contacts.count != 1)
       throw std::runtime_error(model + ": on " + track.recording.name + ": " + result.reason);
     if (tick % ticks_per_step == 0)

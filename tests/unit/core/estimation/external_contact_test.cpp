@@ -238,12 +238,12 @@ class Scene {
     if (ticks_++ == 0) lagged_ = reaction;
     lagged_ += (1 - std::exp(-0.1)) * (reaction - lagged_);  // with the delay assumed by the filter
     GraspInput& grasp = inputs_.grasps[0];
-    grasp.pose_freshness = sensing::Freshness::kNew;
+    grasp.pose_freshness = Freshness::kNew;
     grasp.holding = grasp.wrench_valid = true;
     grasp.X_OG = hand_;
     grasp.F_G_O = math::Wrench::from(sensor_.read(lagged_));
     unknown_push_refactor(*model_);
-    filter_->update(inputs_, *model_, estimate_);
+    static_cast<void>(filter_->update(inputs_, *model_, estimate_));
   }
 
   double distance() const {
@@ -362,7 +362,7 @@ TEST(UnknownPushAtRest, IsImaginedLessThanOnceAnHour) {
   EstimationInputs inputs;
   inputs.grasp_count = 1;
   GraspInput& grasp = inputs.grasps[0];
-  grasp.pose_freshness = sensing::Freshness::kNew;
+  grasp.pose_freshness = Freshness::kNew;
   grasp.holding = grasp.wrench_valid = true;
   grasp.X_OG = X_OG;
   const Vector6d wrench = still.reaction(0).vector();
@@ -373,7 +373,7 @@ TEST(UnknownPushAtRest, IsImaginedLessThanOnceAnHour) {
     Sensor sensor(seed);
     for (std::int64_t i = 0; i < 3'600'000 && left > 0; ++i, --left) {
       grasp.F_G_O = math::Wrench::from(sensor.read(wrench));
-      filter.update(inputs, still, estimate);
+      static_cast<void>(filter.update(inputs, still, estimate));
       if (!estimate.unknown_contact.found) continue;
       ++alarms;
       filter.activate(still);

@@ -60,7 +60,8 @@ class ModelError {
   }
   /// The hand has gone `way` m and turned by `turn` rad.
   Vector6d of(const Vector6d& wrench, double way, double turn) {
-    const double kept = std::exp(-way / options_.way - turn / options_.turn);
+    const double kept =
+        std::exp(-way / options_.decorrelation_distance - turn / options_.decorrelation_angle);
     for (int k = 0; k < 6; ++k)
       state_[k] = kept * state_[k] + std::sqrt(1 - kept * kept) * normal_(random_);
     const double force = options_.relative * wrench.head<3>().norm();
@@ -90,7 +91,7 @@ Verdict judge(std::uint64_t seed, Given given) {
   double force_noise = 0.025, torque_noise = 0.001;  // N, N m, of a reading
   if (given == Given::kJustThis) {
     options.relative = 0;
-    options.sight.surface = 0;
+    options.observation.surface = 0;
     options.lag_deviation = 1e-9;
     options.filter.memory = 1e9;  // unknown parameters are constant
     // A Kalman filter is exact if the wrench is linear in the unknowns.
@@ -156,9 +157,9 @@ Verdict judge(std::uint64_t seed, Given given) {
     wrench.head<3>() += R * truth.segment<3>(7);
     wrench.tail<3>() += R * truth.tail<3>();
     for (int k = 0; k < 6; ++k) wrench[k] += (k < 3 ? force_noise : torque_noise) * normal(random);
-    inputs.grasps[0] = {sensing::Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
+    inputs.grasps[0] = {Freshness::kNew, true, hand, true, math::Wrench::from(wrench)};
     refactor(model);
-    filter.update(inputs, model, estimate);
+    static_cast<void>(filter.update(inputs, model, estimate));
     if (estimate.innovation_test < 0) continue;  // no wrench yet
     verdict.innovation += estimate.innovation_test;
     ++tests;

@@ -32,7 +32,7 @@ class GivingBar {
     const math::Pose correction =
         math::make_pose(math::exp_rotation(offset.tail<3>()), offset.head<3>());
     GraspInput input;
-    input.pose_freshness = sensing::Freshness::kNew;
+    input.pose_freshness = Freshness::kNew;
     input.holding = true;
     input.X_OG = hand_;
     for (int i = 0; i < 4000; ++i) {
@@ -40,7 +40,7 @@ class GivingBar {
         job->run();
         model_->install(*job);
       }
-      follower_.follow(0, input, 1e-3, *model_, correction);
+      static_cast<void>(follower_.follow(0, input, 1e-3, *model_, correction));
       model_->step(1e-3);
     }
     return *model_;

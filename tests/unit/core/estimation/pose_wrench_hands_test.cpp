@@ -42,8 +42,7 @@ class PoseWrenchHandsWorld {
       Vector6d wrench = lagged_[g];
       for (int i = 0; i < 6; ++i) wrench[i] += (i < 3 ? 0.02 : 0.002) * normal_(random_);
       wrench.head<3>() += hands_[g].linear() * bias_;
-      inputs.grasps[g] = {sensing::Freshness::kNew, true, hands_[g], feels_[g],
-                          math::Wrench::from(wrench)};
+      inputs.grasps[g] = {Freshness::kNew, true, hands_[g], feels_[g], math::Wrench::from(wrench)};
     }
     ++ticks_;
   }
@@ -72,7 +71,7 @@ class PoseWrenchHands : public ::testing::Test {
   void tick(PoseWrenchHandsWorld& world, Estimator& estimator, CorotationalQuasistatic& model) {
     world.tick(inputs_);
     pose_wrench_hands_refactor(model);
-    estimator.update(inputs_, model, estimate_);
+    static_cast<void>(estimator.update(inputs_, model, estimate_));
   }
   EstimationInputs inputs_;
   Estimate estimate_;

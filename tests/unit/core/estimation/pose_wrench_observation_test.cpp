@@ -15,7 +15,6 @@ namespace {
 
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
-using sensing::Freshness;
 
 constexpr int kLate = 60;    // ms, of the observations
 constexpr int kPeriod = 33;  // ms, between two messages
@@ -119,7 +118,7 @@ elasticity::Body other() {
 class PoseWrenchObservationTest : public ::testing::Test {
  protected:
   void start(const elasticity::Body& body, PoseWrenchFilter::Options options = {}) {
-    options.sight.lag = 1e-3 * kLate;
+    options.observation.lag = 1e-3 * kLate;
     model_ = std::make_unique<CorotationalQuasistatic>(body);
     model_->prepare();
     filter_ = std::make_unique<PoseWrenchFilter>(body, mesh::extract_surface(body.mesh), options);
@@ -140,7 +139,7 @@ class PoseWrenchObservationTest : public ::testing::Test {
       }
       world.tick(inputs_);
       refactor(*model_);
-      filter_->update(inputs_, *model_, estimate_);
+      static_cast<void>(filter_->update(inputs_, *model_, estimate_));
       if (each) each();
     }
   }
@@ -276,7 +275,7 @@ TEST_F(PoseWrenchObservationTest, AllocatesNothing) {
     world.tick(inputs_);
     refactor(*model_);
     const loop::NoAllocationScope scope;
-    filter_->update(inputs_, *model_, estimate_);
+    static_cast<void>(filter_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;
   }
   EXPECT_TRUE(filter_->filter().has_loads());
@@ -287,7 +286,7 @@ TEST_F(PoseWrenchObservationTest, AllocatesNothing) {
 double PoseWrenchObservationTest::covered(bool faces_only) {
   constexpr int kSeeds = 20;
   PoseWrenchFilter::Options options;
-  options.sight.surface = 0;  // its own mesh
+  options.observation.surface = 0;  // its own mesh
   options.relative = 0;
   const elasticity::Body body = support::held_bar({5, 1, 1}, mesh::ElementOrder::kQuadratic);
   double covered = 0, asked = 0;

@@ -11,8 +11,6 @@ namespace palpate::estimation {
 namespace {
 
 using Eigen::Vector3d;
-using sensing::Freshness;
-using sensing::Status;
 
 class TwoGrasps : public ::testing::Test {
  protected:
@@ -27,7 +25,7 @@ class TwoGrasps : public ::testing::Test {
     }
   }
 
-  sensing::UpdateResult tick() {
+  UpdateResult tick() {
     if (elasticity::Refactorisation* job = model_.wanted_refactorisation()) {
       job->run();
       model_.install(*job);
@@ -59,7 +57,7 @@ TEST_F(TwoGrasps, ShapeAndBothWrenchesAreThoseOfTheStaticSolver) {
           math::make_pose(math::exp_rotation(share * turn[g]),
                           body_.grasps[g].X_OG_rest.translation() + share * way[g]);
     }
-    const sensing::UpdateResult result = tick();
+    const UpdateResult result = tick();
     if (i > kTicks) {
       EXPECT_EQ(result.status, Status::kOk) << result.reason;
     }
@@ -89,7 +87,7 @@ TEST_F(TwoGrasps, OneStaleHandDegradesAndHoldsWhileTheOtherIsFollowed) {
   for (int i = 0; i < 20; ++i) EXPECT_EQ(tick().status, Status::kOk);
   const math::Pose before = estimate_.X_OG[1];
   inputs_.grasps[1].pose_freshness = Freshness::kOld;
-  sensing::UpdateResult result;
+  UpdateResult result;
   for (int i = 0; i < 60; ++i) {
     inputs_.grasps[0].X_OG.translation().z() += 1e-4;
     result = tick();
@@ -103,9 +101,9 @@ TEST_F(TwoGrasps, OneStaleHandDegradesAndHoldsWhileTheOtherIsFollowed) {
 }
 
 TEST_F(TwoGrasps, TheOtherHandCarriesWhatOneLetsGo) {
-  for (int i = 0; i < 20; ++i) tick();
+  for (int i = 0; i < 20; ++i) static_cast<void>(tick());
   inputs_.grasps[1].holding = false;
-  for (int i = 0; i < 800; ++i) tick();
+  for (int i = 0; i < 800; ++i) static_cast<void>(tick());
   EXPECT_FALSE(model_.is_held(1));
   EXPECT_EQ(estimate_.reaction[1].force.norm(), 0);
   EXPECT_LT(imbalance().norm(), 0.01 * estimate_.reaction[0].force.norm());

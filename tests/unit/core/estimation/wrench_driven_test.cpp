@@ -16,8 +16,6 @@ namespace {
 
 using Eigen::Vector3d;
 using elasticity::CorotationalQuasistatic;
-using sensing::Freshness;
-using sensing::Status;
 
 elasticity::Body bar() { return support::held_bar({8, 1, 1}, mesh::ElementOrder::kQuadratic); }
 
@@ -34,7 +32,7 @@ class WrenchDrivenTest : public ::testing::Test {
       inputs_.grasps[g].holding = inputs_.grasps[g].wrench_valid = true;
     }
   }
-  sensing::UpdateResult tick() {
+  UpdateResult tick() {
     refactor();
     return estimator_->update(inputs_, *model_, estimate_);
   }
@@ -44,8 +42,8 @@ class WrenchDrivenTest : public ::testing::Test {
       model_->install(*job);
     }
   }
-  sensing::UpdateResult run(double seconds) {
-    sensing::UpdateResult result;
+  UpdateResult run(double seconds) {
+    UpdateResult result;
     for (int i = 0; i < std::lround(1e3 * seconds); ++i) result = tick();
     return result;
   }
@@ -73,7 +71,7 @@ class WrenchDrivenTest : public ::testing::Test {
       }
       world.step(1e-3);
       for (int g = 0; g < inputs_.grasp_count; ++g) inputs_.grasps[g].F_G_O = world.reaction(g);
-      tick();
+      static_cast<void>(tick());
     }
     return world.positions();
   }
@@ -134,7 +132,7 @@ TEST_F(WrenchDrivenTest, FindsAlsoWhatOnlyTheHandKeepsFromSnapping) {
     if (i < 1000) X_OG.translation().x() -= 5e-5;
     inputs_.grasps[0].X_OG = X_OG;
     refactor();
-    by_pose.update(inputs_, *model_, estimate_);
+    static_cast<void>(by_pose.update(inputs_, *model_, estimate_));
   }
   const Eigen::Matrix3Xd truth = model_->positions();
   const Eigen::SelfAdjointEigenSolver<math::Matrix6d> modes(
@@ -143,7 +141,7 @@ TEST_F(WrenchDrivenTest, FindsAlsoWhatOnlyTheHandKeepsFromSnapping) {
   inputs_.grasps[0].F_G_O = estimate_.reaction[0];
   estimate_.X_OG[0].translation() += Vector3d(0.002, 0.004, -0.006);
   estimator_->take_over(estimate_, *model_);
-  run(3);
+  static_cast<void>(run(3));
   EXPECT_LT(distance(truth), 5e-4);
 }
 
@@ -154,7 +152,7 @@ TEST_F(WrenchDrivenTest, AStiffObjectHardlyMovesWhateverTheHandFeels) {
   body.material.young_modulus = 1e9;
   start(body);
   inputs_.grasps[0].F_G_O.force = Vector3d(20, -10, 30);
-  run(1);
+  static_cast<void>(run(1));
   EXPECT_LT(distance(body.mesh.nodes), 2e-5);
   EXPECT_GT(distance(body.mesh.nodes), 1e-9);
   EXPECT_LT((estimate_.reaction[0].vector() - inputs_.grasps[0].F_G_O.vector()).norm(), 0.05);
@@ -190,9 +188,9 @@ TEST_F(WrenchDrivenTest, AStaleWrenchDegradesAndTheGraspStays) {
   inputs_.grasps[0].wrench_valid = true;
   feel(body, bent(body));
   inputs_.grasps[0].wrench_valid = false;
-  run(0.051);
+  static_cast<void>(run(0.051));
   const math::Pose held = estimate_.X_OG[0];
-  const sensing::UpdateResult result = run(0.1);
+  const UpdateResult result = run(0.1);
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_THAT(result.reason, ::testing::HasSubstr("stale"));
   EXPECT_EQ(estimate_.X_OG[0].matrix(), held.matrix());
@@ -210,7 +208,7 @@ TEST_F(WrenchDrivenTest, SaysWhereNoPoseHasTheWrench) {
   body.gravity_O.setZero();
   start(body);
   inputs_.grasps[0].F_G_O.torque.x() = 2;  // N m: dozens of turns
-  const sensing::UpdateResult result = run(2);
+  const UpdateResult result = run(2);
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_THAT(result.reason, ::testing::HasSubstr("no pose"));
 }
@@ -220,13 +218,13 @@ TEST_F(WrenchDrivenTest, WhatIsLetGoHangsFreeAndIsTakenUpThere) {
   start(body);
   feel(body, body.grasps[0].X_OG_rest);
   inputs_.grasps[0].holding = false;
-  run(0.5);
+  static_cast<void>(run(0.5));
   EXPECT_FALSE(model_->is_held(0));
   EXPECT_EQ(estimate_.reaction[0].force.norm(), 0);
   const Eigen::Matrix3Xd hanging = model_->positions();
   inputs_.grasps[0].holding = true;
   inputs_.grasps[0].wrench_valid = false;
-  tick();
+  static_cast<void>(tick());
   EXPECT_TRUE(model_->is_held(0));
   EXPECT_LT(distance(hanging), 5e-3);
 }
@@ -255,7 +253,7 @@ TEST_F(WrenchDrivenTest, TakesOverFromThePoseAndGivesBackWithoutAJump) {
   inputs_.grasps[0].X_OG = bent(body);
   for (int i = 0; i < 800; ++i) {
     refactor();
-    by_pose.update(inputs_, *model_, estimate_);
+    static_cast<void>(by_pose.update(inputs_, *model_, estimate_));
   }
   // The sensor's reading differs slightly from the model's reaction.
   inputs_.grasps[0].F_G_O = estimate_.reaction[0];
@@ -266,11 +264,11 @@ TEST_F(WrenchDrivenTest, TakesOverFromThePoseAndGivesBackWithoutAJump) {
     ASSERT_TRUE(model_->restore(before, model_->velocities()));
     next.take_over(estimate_, *model_);
     refactor();
-    next.update(inputs_, *model_, estimate_);
+    static_cast<void>(next.update(inputs_, *model_, estimate_));
     EXPECT_LT(distance(before), 1.2e-3) << "one step of 1 m/s, " << to_wrench;
     for (int i = 0; i < 600; ++i) {
       refactor();
-      next.update(inputs_, *model_, estimate_);
+      static_cast<void>(next.update(inputs_, *model_, estimate_));
     }
     EXPECT_EQ(next.update(inputs_, *model_, estimate_).status, Status::kOk);
   }
@@ -284,7 +282,7 @@ TEST_F(WrenchDrivenTest, ADynamicModelIsAFault) {
   WrenchDriven estimator(body, {});
   estimator.activate(model);
   inputs_.grasp_count = 1;
-  sensing::UpdateResult result;
+  UpdateResult result;
   for (int i = 0; i < 3; ++i) result = estimator.update(inputs_, model, estimate_);
   EXPECT_EQ(result.status, Status::kFault);
 }
@@ -296,7 +294,7 @@ TEST_F(WrenchDrivenTest, AModelWithoutStiffnessDegrades) {
   estimator.activate(model);
   inputs_.grasp_count = 1;
   inputs_.grasps[0].wrench_valid = true;
-  sensing::UpdateResult result;
+  UpdateResult result;
   for (int i = 0; i < 60; ++i) result = estimator.update(inputs_, model, estimate_);
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_THAT(result.reason, ::testing::HasSubstr("stiff"));
@@ -310,7 +308,7 @@ TEST_F(WrenchDrivenTest, AllocatesNothing) {
   for (int i = 0; i < 100; ++i) {
     refactor();
     const loop::NoAllocationScope scope;
-    estimator_->update(inputs_, *model_, estimate_);
+    static_cast<void>(estimator_->update(inputs_, *model_, estimate_));
     ASSERT_EQ(scope.count(), 0) << i;
   }
 }

@@ -78,7 +78,7 @@ TEST(ComplianceMapTest, ATouchMovesTheSurfaceAboutIt) {
   inputs.contacts = &touch;
   for (int i = 0; i < 500; ++i) {
     const loop::NoAllocationScope scope;
-    map.update(inputs, *model, estimate);
+    static_cast<void>(map.update(inputs, *model, estimate));
     EXPECT_EQ(scope.count(), 0);
   }
   EXPECT_EQ(map.process().count(), 1);

@@ -105,13 +105,13 @@ TEST(LearnedShapeTest, RecognisesAShapeThatItWasNotTrainedOn) {
   LearnedShape method(body, model, 0.02);
   support::Watcher watcher(body, 0, support::carrier(body), method);
   EXPECT_EQ(watcher.run(1.5, 0.7, {-0.005, 0.03, -0.04}, Vector3d::Zero()), 0);
-  EXPECT_EQ(watcher.last.status, sensing::Status::kOk);
+  EXPECT_EQ(watcher.last.status, Status::kOk);
   const auto [mean, largest] = watcher.error();
   std::printf("mean %.2f mm, largest %.2f mm\n", mean * 1e3, largest * 1e3);
   EXPECT_LT(mean, 6e-3);
   watcher.inputs.grasps[0].wrench_valid = false;
   EXPECT_EQ(method.update(watcher.inputs, *watcher.model, watcher.estimate).status,
-            sensing::Status::kDegraded);
+            Status::kDegraded);
 
   LearnedShape::Model wrong = model;
   wrong.inputs = LearnedShape::Inputs::kAngle;

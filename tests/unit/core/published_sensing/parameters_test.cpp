@@ -23,7 +23,7 @@ elasticity::Body cantilever(double young_modulus, const std::array<int, 3>& cell
 void look(const elasticity::DeformationModel& truth, math::Random& random,
           estimation::ObservationInput& out) {
   const mesh::PointLocator locator(truth.body().mesh);
-  out.freshness = sensing::Freshness::kNew;
+  out.freshness = Freshness::kNew;
   out.points_O.resize(3, 160);
   for (int i = 0; i < 160; ++i) {
     const double s = random.uniform(0.01, 0.49), t = random.uniform(0.005, 0.055);
@@ -59,8 +59,8 @@ TEST(ParametersTest, SagDeterminesYoungsModulus) {
     estimation::Estimate estimate;
     for (int i = 0; i < 60 * 20; ++i) {
       if (i % 20 == 0) look(truth, random, inputs.observation);
-      method.update(inputs, *model, estimate);
-      inputs.observation.freshness = sensing::Freshness::kOld;
+      static_cast<void>(method.update(inputs, *model, estimate));
+      inputs.observation.freshness = Freshness::kOld;
     }
     std::printf("%.1f kPa: %.1f kPa\n", young * 1e-3, method.young_modulus() * 1e-3);
     EXPECT_NEAR(std::log(method.young_modulus() / young), 0, 0.15);

@@ -45,13 +45,13 @@ class SeenBar {
     inputs.dt = kTick;
     inputs.grasp_count = 1;
     estimation::GraspInput& grasp = inputs.grasps[0];
-    grasp.pose_freshness = sensing::Freshness::kNew;
+    grasp.pose_freshness = Freshness::kNew;
     grasp.holding = true;
     grasp.X_OG = hand;
     grasp.wrench_valid = true;
     grasp.F_G_O = model_.reaction(0);
     const bool looks = sees && ticks_++ % 33 == 0;
-    inputs.observation.freshness = looks ? sensing::Freshness::kNew : sensing::Freshness::kOld;
+    inputs.observation.freshness = looks ? Freshness::kNew : Freshness::kOld;
     if (!looks) return;
     estimation::ObservationInput::Points& points = inputs.observation.points_O;
     points.resize(3, static_cast<Eigen::Index>(seen_.size()));
@@ -129,7 +129,7 @@ struct Watcher {
   estimation::Estimator& estimator;
   estimation::EstimationInputs inputs;
   estimation::Estimate estimate;
-  sensing::UpdateResult last;
+  UpdateResult last;
 };
 
 /// Background for separate models.

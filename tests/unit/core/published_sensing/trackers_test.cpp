@@ -40,13 +40,13 @@ class TrackersTest : public ::testing::Test {
                                    double noise = 3e-4) {
     support::Watcher watcher(truth(), noise, std::move(model), method);
     EXPECT_EQ(watcher.run(3, 1.5, kWay, kTurn), 0);
-    EXPECT_EQ(watcher.last.status, sensing::Status::kOk) << watcher.last.reason;
+    EXPECT_EQ(watcher.last.status, Status::kOk) << watcher.last.reason;
     const auto error = watcher.error();
     std::printf("mean %.2f mm, largest %.2f mm\n", error.first * 1e3, error.second * 1e3);
     // Without observations it reports so, and its state stays finite.
     watcher.world.sees = false;
     watcher.run(0.8, 1e-3, kWay, kTurn);
-    EXPECT_EQ(watcher.last.status, sensing::Status::kDegraded);
+    EXPECT_EQ(watcher.last.status, Status::kDegraded);
     EXPECT_TRUE(watcher.model->positions().allFinite());
     return error;
   }

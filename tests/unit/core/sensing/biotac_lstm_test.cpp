@@ -53,7 +53,7 @@ class BiotacLstmTest : public ::testing::Test {
     return sensor.update(signals_, contacts_ = {});
   }
   void tare(BiotacLstm& sensor) {
-    for (int i = 0; i < 3; ++i) feed(sensor, at_rest());
+    for (int i = 0; i < 3; ++i) static_cast<void>(feed(sensor, at_rest()));
   }
   UpdateResult press(BiotacLstm& sensor, double pdc, double electrode = 40) {
     BioTac sample = at_rest();
@@ -71,12 +71,12 @@ class BiotacLstmTest : public ::testing::Test {
 
 TEST_F(BiotacLstmTest, StepsOnceASampleOnceItIsTared) {
   BiotacLstm sensor = make();
-  feed(sensor, at_rest());
+  static_cast<void>(feed(sensor, at_rest()));
   EXPECT_STREQ(feed(sensor, at_rest()).reason, "taring");
   EXPECT_EQ(force_.steps, 0);
-  feed(sensor, at_rest());
+  static_cast<void>(feed(sensor, at_rest()));
   EXPECT_EQ(force_.steps, 1);
-  press(sensor, 200);
+  static_cast<void>(press(sensor, 200));
   EXPECT_EQ(force_.steps, 2);
   const Contact first = contacts_.contacts[0];
   signals_.biotac[2].fresh_count = 0;  // the loop is faster than the sensor
@@ -90,16 +90,16 @@ TEST_F(BiotacLstmTest, StepsOnceASampleOnceItIsTared) {
 TEST_F(BiotacLstmTest, ReportsForceAndPlaceBetweenItsGates) {
   BiotacLstm sensor = make();
   tare(sensor);
-  press(sensor, 140);
+  static_cast<void>(press(sensor, 140));
   EXPECT_EQ(contacts_.count, 0);
   EXPECT_EQ(press(sensor, 200).status, Status::kOk);
   ASSERT_EQ(contacts_.count, 1);
   EXPECT_EQ(contacts_.contacts[0].source, Source::kFinger2);
   EXPECT_NEAR(contacts_.contacts[0].wrench.force.z(), -0.2, 1e-6);
   EXPECT_LT((contacts_.contacts[0].location - Eigen::Vector3d(-2.8e-3, 0, -7e-3)).norm(), 1e-12);
-  press(sensor, 110);
+  static_cast<void>(press(sensor, 110));
   EXPECT_EQ(contacts_.count, 1);
-  press(sensor, 90);
+  static_cast<void>(press(sensor, 90));
   EXPECT_EQ(contacts_.count, 0);
 }
 
@@ -118,7 +118,7 @@ TEST_F(BiotacLstmTest, WhatCannotBeIsShortenedAndSaid) {
 TEST_F(BiotacLstmTest, AFaultOfTheNetworkIsSaidUntilReset) {
   BiotacLstm sensor = make();
   tare(sensor);
-  press(sensor, 300);
+  static_cast<void>(press(sensor, 300));
   force_.says = Answer::kFault;
   EXPECT_EQ(press(sensor, 300).status, Status::kFault);
   EXPECT_EQ(contacts_.count, 0);
@@ -134,7 +134,7 @@ TEST_F(BiotacLstmTest, NumbersThatAreNotFiniteNeverLeave) {
   tare(sensor);
   BioTac broken = at_rest();
   broken.pdc = NAN;
-  feed(sensor, broken);
+  static_cast<void>(feed(sensor, broken));
   EXPECT_EQ(sensor.skipped(), 1);
   force_.answer = [](const float*, float* y) { y[0] = y[1] = y[2] = NAN; };
   EXPECT_EQ(press(sensor, 300).status, Status::kFault);
@@ -145,7 +145,7 @@ TEST_F(BiotacLstmTest, ASilentFingerDegradesAndRestartsItsSequence) {
   BiotacLstm sensor = make();
   EXPECT_EQ(sensor.update(signals_, contacts_).status, Status::kDegraded);
   tare(sensor);
-  press(sensor, 300);
+  static_cast<void>(press(sensor, 300));
   const int resets = force_.resets;
   signals_.biotac[2].fresh_count = 0;
   signals_.biotac[2].age = 0.2;
@@ -169,7 +169,7 @@ TEST_F(BiotacLstmTest, SamplesAtAnotherRateAreSaid) {
 TEST_F(BiotacLstmTest, ASecondNetworkPlacesTheContactByItsNormal) {
   BiotacLstm sensor = make(true);
   tare(sensor);
-  press(sensor, 300, 40);
+  static_cast<void>(press(sensor, 300, 40));
   ASSERT_EQ(contacts_.count, 1);
   // Its y is -z of T: below the centre of the pad, as high as the active electrode.
   EXPECT_LT((contacts_.contacts[0].location - Eigen::Vector3d(-2.8e-3, 0, -7e-3)).norm(), 1e-9);

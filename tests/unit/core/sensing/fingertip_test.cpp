@@ -225,11 +225,11 @@ TEST(BiotacLinear, DegradesWhenItsFingerIsSilentAndCountsBadSamples) {
   BioTac broken = fingertip_at_rest();
   broken.electrodes[4] = NAN;
   feed(signals, 2, broken);
-  sensor.update(signals, contacts);
+  static_cast<void>(sensor.update(signals, contacts));
   EXPECT_EQ(sensor.skipped(), 1);
   for (int i = 0; i < 3; ++i) {
     feed(signals, 2, fingertip_at_rest());
-    sensor.update(signals, contacts);
+    static_cast<void>(sensor.update(signals, contacts));
   }
   EXPECT_EQ(sensor.update(signals, contacts).status, Status::kOk);
   signals.biotac[2].age = 0.2;
@@ -245,14 +245,14 @@ TEST(Manual, ExpiresUnlessRenewed) {
   signals.manual.freshness = Freshness::kNew;
   signals.manual.age = 0;
   signals.manual.latest = {{0.1, 0.2, 0.3}, {0, 0, -2}};
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   ASSERT_EQ(contacts.count, 1);
   EXPECT_EQ(contacts.contacts[0].source, Source::kManual);
   EXPECT_EQ(contacts.contacts[0].location, Eigen::Vector3d(0.1, 0.2, 0.3));
   EXPECT_EQ(contacts.contacts[0].wrench.force.z(), -2);
   signals.manual.freshness = Freshness::kOld;
   signals.manual.age = 0.11;
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_EQ(contacts.count, 0);
 }
 
@@ -263,7 +263,7 @@ TEST(Manual, ShortensForcesBeyondItsLimit) {
   signals.manual.freshness = Freshness::kNew;
   signals.manual.age = 0;
   signals.manual.latest.force_O = {0, 30, 40};
-  sensor.update(signals, contacts);
+  static_cast<void>(sensor.update(signals, contacts));
   EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(0, 3, 4)).norm(), 1e-12);
 }
 

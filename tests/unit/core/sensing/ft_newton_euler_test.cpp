@@ -89,12 +89,12 @@ TEST(FtNewtonEuler, FindsThePushOfAShakenHand) {
   double worst = 0, worst_gravity_only = 0;
   for (int tick = 0; tick < 1000; ++tick) {
     hand.feed_all(signals, tick * kPeriod, push);
-    with_imu.update(signals, contacts = {});
+    static_cast<void>(with_imu.update(signals, contacts = {}));
     if (tick < 3) continue;  // the gyroscope must be differentiated first
     ASSERT_EQ(contacts.count, 1);
     EXPECT_TRUE(with_imu.used_imu());
     worst = std::max(worst, (contacts.contacts[0].wrench.force - push.force).norm());
-    gravity_only.update(signals, contacts = {});
+    static_cast<void>(gravity_only.update(signals, contacts = {}));
     worst_gravity_only =
         std::max(worst_gravity_only, (contacts.contacts[0].wrench.force - push.force).norm());
   }
@@ -114,11 +114,11 @@ TEST(FtNewtonEuler, AJumpOfTheSendersClockLeavesNothingBehind) {
     double after = 0, then = 0;
     for (int tick = 0; tick < 1000; ++tick) {
       hand.feed_all(signals, tick * kPeriod, {});
-      steady.update(signals, contacts = {});
+      static_cast<void>(steady.update(signals, contacts = {}));
       const Eigen::Vector3d expected =
           contacts.count == 1 ? contacts.contacts[0].wrench.force : Eigen::Vector3d::Zero();
       if (tick >= 500) signals.inertial.fresh[0].time += jump;
-      jumped.update(signals, contacts = {});
+      static_cast<void>(jumped.update(signals, contacts = {}));
       if (tick < 500) continue;
       const double off = (contacts.contacts[0].wrench.force - expected).norm();
       (tick < 510 ? then : after) = std::max(tick < 510 ? then : after, off);
@@ -139,7 +139,7 @@ TEST(FtNewtonEuler, FollowsAnOffsetOfTheAccelerometer) {
   for (int tick = 0; tick < 12000; ++tick) {
     hand.feed_all(signals, tick * kPeriod, {});
     signals.inertial.fresh[0].acceleration_I.x() += 0.3;  // 1.4 N for this hand
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
     if (tick < 6000) continue;
     sum += contacts.contacts[0].wrench.force.squaredNorm();
     ++count;
@@ -161,7 +161,7 @@ TEST(FtNewtonEuler, AHandThatStartsInMotionHasNoOffset) {
       signals.robot.latest.V_W_E.linear[i] += 5e-4 * random.normal();
       signals.robot.latest.V_W_E.angular[i] += 1e-3 * random.normal();
     }
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
     if (tick >= 10) worst = std::max(worst, contacts.contacts[0].wrench.force.norm());
   }
   EXPECT_LT(worst, 0.3);  // the very first mean treats the hand's own 1 m/s^2 as an offset: 5 N
@@ -175,7 +175,7 @@ TEST(FtNewtonEuler, AnOverloadedAccelerometerIsNotTakenForAnOffset) {
   const auto force = [&](int tick, double overload) {
     hand.feed_all(signals, tick * kPeriod, {});
     if (overload != 0) signals.inertial.fresh[0].acceleration_I.x() = overload;
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
     return contacts.count == 1 ? contacts.contacts[0].wrench.force.norm() : -1;
   };
   for (int tick = 0; tick < 300; ++tick) force(tick, 0);
@@ -191,9 +191,9 @@ TEST(FtNewtonEuler, FallsBackOnGravityAndSaysSoWhenTheInertialUnitFallsSilent) {
   Signals signals;
   ContactSet contacts;
   hand.feed_all(signals, 0, {});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   hand.feed_all(signals, kPeriod, {});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_TRUE(sensor.used_imu());
   signals.inertial.freshness = Freshness::kOld;
   signals.inertial.fresh_count = 0;
@@ -221,8 +221,8 @@ TEST(FtNewtonEuler, SmoothsTheAccelerometersNoiseWhileTheHandRests) {
       inertial.time = signals.robot.latest.time = tick * kPeriod;
       for (int i = 0; i < 3; ++i) inertial.acceleration_I[i] += 0.03 * random.normal();
       signals.inertial.latest = inertial;
-      sensor.update(signals, contacts = {});
-      plain.update(signals, noisy = {});
+      static_cast<void>(sensor.update(signals, contacts = {}));
+      static_cast<void>(plain.update(signals, noisy = {}));
       if (tick < kFrom) continue;
       const Eigen::Array2d now(contacts.contacts[0].wrench.force.x(),
                                noisy.contacts[0].wrench.force.x());
@@ -247,7 +247,7 @@ TEST(FtNewtonEuler, AHandThatSetsOffIsNotSmoothed) {
   double worst = 0;
   for (int tick = 0; tick < 1000; ++tick) {
     hand.feed_all(signals, tick * kPeriod, {});
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
     if (tick >= 3) worst = std::max(worst, contacts.contacts[0].wrench.force.norm());
   }
   // Of its 1 m/s^2, 5 N, and rotating; between one and two times 0.15 m/s^2 part of it stays
@@ -284,7 +284,7 @@ TEST(FtNewtonEuler, TareRemovesWhatThePayloadDoesNotExplain) {
     feed(signals.robot, robot);
     const Eigen::Matrix3d R_WS = robot.X_WE.linear() * hand.options.X_ES.linear();
     feed_wrench(signals, load_wrench(payload, motion_at_rest(R_WS, kGravity)));
-    for (int i = 0; i < 10; ++i) sensor.update(signals, contacts = {});
+    for (int i = 0; i < 10; ++i) static_cast<void>(sensor.update(signals, contacts = {}));
     ASSERT_EQ(contacts.count, 1);
     EXPECT_LT(contacts.contacts[0].wrench.vector().norm(), 1e-10) << angle;
   }
@@ -302,7 +302,7 @@ TEST(FtNewtonEuler, PolarityTurnsASensorOfTheOtherConvention) {
   const math::Wrench load =
       load_wrench(hand.options.payload, motion_at_rest(hand.options.X_ES.linear(), kGravity));
   feed_wrench(signals, {-(load.force + Eigen::Vector3d(1, 0, 0)), -load.torque});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(1, 0, 0)).norm(), 1e-12);
 }
 

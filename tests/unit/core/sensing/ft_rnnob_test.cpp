@@ -82,7 +82,7 @@ class FtRnnobTest : public ::testing::Test {
   double largest_error(FtRnnob& sensor) {
     double largest = 0;
     for (int i = 0; i < 2000; ++i) {
-      tick(sensor);
+      static_cast<void>(tick(sensor));
       if (i < 200) continue;
       EXPECT_EQ(contacts_.count, 1);
       const math::Wrench& found = contacts_.contacts[0].wrench;
@@ -140,8 +140,8 @@ TEST_F(FtRnnobTest, FarFromItsTrainingThePayloadAloneIsLeft) {
   for (int i = 0; i < 2000; ++i) {
     const double t = time_;
     ContactSet from_payload;
-    tick(speaking);
-    silent.update(signals_, from_payload);
+    static_cast<void>(tick(speaking));
+    static_cast<void>(silent.update(signals_, from_payload));
     if (contacts_.count == 0) continue;
     const math::Vector6d part =
         from_payload.contacts[0].wrench.vector() - contacts_.contacts[0].wrench.vector();
@@ -171,7 +171,7 @@ TEST_F(FtRnnobTest, TareTakesTheContactOfItsTimeForZero) {
   options_.tare_samples = 20;
   FtRnnob sensor = make();
   EXPECT_STREQ(tick(sensor).reason, "taring");
-  for (int i = 0; i < 400; ++i) tick(sensor);
+  for (int i = 0; i < 400; ++i) static_cast<void>(tick(sensor));
   ASSERT_EQ(contacts_.count, 1);
   EXPECT_LT(contacts_.contacts[0].wrench.force.norm(), 0.1);
 }
@@ -179,7 +179,7 @@ TEST_F(FtRnnobTest, TareTakesTheContactOfItsTimeForZero) {
 TEST_F(FtRnnobTest, AFaultIsSaidOrThePayloadServesAlone) {
   {
     FtRnnob sensor = make();
-    for (int i = 0; i < 100; ++i) tick(sensor);
+    for (int i = 0; i < 100; ++i) static_cast<void>(tick(sensor));
     script_.says = Answer::kFault;
     UpdateResult result;
     for (int i = 0; i < 11; ++i) result = tick(sensor);
@@ -210,13 +210,13 @@ TEST_F(FtRnnobTest, LateAnswersServeUntilTheirOwnCome) {
   for (int i = 0; i < 50; ++i) EXPECT_EQ(tick(sensor).status, Status::kDegraded);
   EXPECT_EQ(contacts_.count, 0);
   script_.says = Answer::kLate;
-  for (int i = 0; i < 50; ++i) tick(sensor);
+  for (int i = 0; i < 50; ++i) static_cast<void>(tick(sensor));
   EXPECT_EQ(contacts_.count, 1);
 }
 
 TEST_F(FtRnnobTest, StaleInputsDegradeAndRestartTheSequence) {
   FtRnnob sensor = make();
-  for (int i = 0; i < 100; ++i) tick(sensor);
+  for (int i = 0; i < 100; ++i) static_cast<void>(tick(sensor));
   const auto check = [&](auto& stream) {
     stream.age = 0.1;
     const int resets = script_.resets;
@@ -234,10 +234,10 @@ TEST_F(FtRnnobTest, StaleInputsDegradeAndRestartTheSequence) {
 
 TEST_F(FtRnnobTest, NumbersThatAreNotFiniteNeverLeave) {
   FtRnnob sensor = make();
-  for (int i = 0; i < 100; ++i) tick(sensor);
+  for (int i = 0; i < 100; ++i) static_cast<void>(tick(sensor));
   signals_.force_torque.fresh[0].F_S.force.x() = NAN;
   signals_.inertial.fresh[0].acceleration_I.y() = INFINITY;
-  for (int i = 0; i < 20; ++i) sensor.update(signals_, contacts_ = {});
+  for (int i = 0; i < 20; ++i) static_cast<void>(sensor.update(signals_, contacts_ = {}));
   EXPECT_EQ(sensor.skipped(), 40);
   ASSERT_EQ(contacts_.count, 1);
   EXPECT_TRUE(contacts_.contacts[0].wrench.vector().allFinite());

@@ -24,7 +24,7 @@ TEST(FtTareOnly, SubtractsTheMeanOfTheTareSamples) {
   for (int i = 0; i < 4; ++i) {
     EXPECT_EQ(contacts.count, 0);
     feed_wrench(signals, {{1.0 + i, 0, 0}, {0, 0, 0.5}});
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
   }
   feed_wrench(signals, {{5, 2, 0}, {0, 0, 0.5}});
   ASSERT_EQ(sensor.update(signals, contacts = {}).status, Status::kOk);
@@ -41,14 +41,14 @@ TEST(FtTareOnly, KeepsItsOldZeroWhileItTaresAgain) {
   Signals signals;
   ContactSet contacts;
   feed_wrench(signals, {{1, 0, 0}, {0, 0, 0}});
-  sensor.update(signals, contacts = {});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
+  static_cast<void>(sensor.update(signals, contacts = {}));
   sensor.zero();
   feed_wrench(signals, {{4, 0, 0}, {0, 0, 0}});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   ASSERT_EQ(contacts.count, 1);
   EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), 3, 1e-14);
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), 0, 1e-14);
 }
 
@@ -62,7 +62,7 @@ TEST(FtTareOnly, AveragesAndDelays) {
   ContactSet contacts;
   for (int i = 0; i <= 10; ++i) {
     feed_wrench(signals, {{double(i), 0, 0}, {0, 0, 0}});
-    sensor.update(signals, contacts = {});
+    static_cast<void>(sensor.update(signals, contacts = {}));
   }
   EXPECT_NEAR(contacts.contacts[0].wrench.force.x(), (8 + 7 + 6) / 3.0, 1e-12);
 }
@@ -96,9 +96,9 @@ TEST(FtTareOnly, PassesOverNumbersThatAreNotFiniteAndCountsThem) {
   Signals signals;
   ContactSet contacts;
   feed_wrench(signals, {{1, 2, 3}, {0, 0, 0}});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   feed_wrench(signals, {{NAN, 0, 0}, {0, 0, 0}});
-  sensor.update(signals, contacts = {});
+  static_cast<void>(sensor.update(signals, contacts = {}));
   EXPECT_EQ(sensor.skipped(), 1);
   EXPECT_LT((contacts.contacts[0].wrench.force - Eigen::Vector3d(1, 2, 3)).norm(), 1e-14);
 }

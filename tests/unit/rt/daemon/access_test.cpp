@@ -168,7 +168,7 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   send("MANUAL_FORCE", force);
   run(200);
   EXPECT_EQ(sent<health_t>("HEALTH").back().commands_refused, 2);
-  EXPECT_EQ(daemon_->inputs().signals().manual.freshness, sensing::Freshness::kNoData);
+  EXPECT_EQ(daemon_->inputs().signals().manual.freshness, Freshness::kNoData);
   EXPECT_TRUE(reasons_of("target").empty());
 
   bus::MessageSigner("SHAPE_TARGET", access_).put(target, 0);
@@ -177,7 +177,7 @@ TEST_F(DaemonAccess, TargetsAndManualForcesNeedACodeAsWell) {
   send("MANUAL_FORCE", force);
   run(3);
   EXPECT_EQ(reasons_of("target").size(), 1u);
-  EXPECT_NE(daemon_->inputs().signals().manual.freshness, sensing::Freshness::kNoData);
+  EXPECT_NE(daemon_->inputs().signals().manual.freshness, Freshness::kNoData);
 }
 
 TEST_F(DaemonAccess, ItsOwnCommandsAreSealedAndCountFromOne) {

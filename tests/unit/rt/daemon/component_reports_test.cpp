@@ -19,8 +19,8 @@ class ComponentReportsTest : public ::testing::Test {
   void cycle(bool has_readings) {
     sensing::Signals signals;
     if (has_readings) {
-      signals.robot.freshness = signals.force_torque.freshness = sensing::Freshness::kNew;
-      signals.inertial.freshness = sensing::Freshness::kNew;
+      signals.robot.freshness = signals.force_torque.freshness = Freshness::kNew;
+      signals.inertial.freshness = Freshness::kNew;
       signals.robot.age = signals.force_torque.age = signals.inertial.age = 0;
       signals.force_torque.fresh_count = signals.inertial.fresh_count = 1;
     }

@@ -59,7 +59,7 @@ TEST_F(InputsTest, ArmsAreKeptApart) {
   inputs.read(3'000'000, 1e-3);
   EXPECT_EQ(inputs.signals(0).robot.latest.X_WE.translation().x(), 0.1);
   EXPECT_EQ(inputs.signals(1).robot.latest.X_WE.translation().x(), 0.2);
-  EXPECT_EQ(inputs.signals(0).force_torque.freshness, sensing::Freshness::kNoData);
+  EXPECT_EQ(inputs.signals(0).force_torque.freshness, Freshness::kNoData);
   EXPECT_EQ(inputs.signals(1).force_torque.latest.F_S.force.z(), 5);
   EXPECT_NEAR(report(inputs, "ROBOT_STATE_1").age, 2e-3, 1e-9);
   EXPECT_LT(report(inputs, "FT_WRENCH").age, 0) << "nothing was ever received";
@@ -102,7 +102,7 @@ TEST_F(InputsTest, ASensorThatRepeatsItselfGrowsOldUntilItMoves) {
   second([](int) { return 7.0; });
   EXPECT_NEAR(static_cast<double>(report(inputs, "FT_WRENCH").frozen), 500, 3);
   EXPECT_NEAR(inputs.signals().force_torque.age, 0.5, 3e-3) << "since it last counted";
-  EXPECT_EQ(inputs.signals().force_torque.freshness, sensing::Freshness::kOld);
+  EXPECT_EQ(inputs.signals().force_torque.freshness, Freshness::kOld);
   second([](int i) { return 7.5 + i % 2; });
   EXPECT_LT(inputs.signals().force_torque.age, 2e-3);
 }
@@ -133,7 +133,7 @@ TEST_F(InputsTest, NumbersBeyondWhatCanBeAreRejectedThoughFinite) {
     send("ROBOT_STATE", robot_at(number), seq);
     inputs.read(1'000'000, 1e-3);
     EXPECT_EQ(inputs.signals().force_torque.latest.F_S.force.y(), 2) << number;
-    EXPECT_EQ(inputs.signals().robot.freshness, sensing::Freshness::kNoData) << number;
+    EXPECT_EQ(inputs.signals().robot.freshness, Freshness::kNoData) << number;
   }
   EXPECT_EQ(report(inputs, "FT_WRENCH").rejected, 5);
   wrench.wrench[1] = 5e-324;  // tiny values are as valid
@@ -173,7 +173,7 @@ TEST_F(InputsTest, AnObservationComesWholeOrNotAtAll) {
   good.points[2][0] = std::nanf("");  // beyond the count, values are ignored
   send("SHAPE_OBSERVATION", good, 1);
   inputs.read(1'000'000, 1e-3);
-  ASSERT_EQ(stream.freshness, sensing::Freshness::kNew);
+  ASSERT_EQ(stream.freshness, Freshness::kNew);
   EXPECT_EQ(stream.latest.count, 2);
   EXPECT_EQ(stream.latest.points_W(2, 1), 0.25F);
   EXPECT_EQ(stream.latest.deviation, 1e-3);
@@ -186,7 +186,7 @@ TEST_F(InputsTest, AnObservationComesWholeOrNotAtAll) {
     spoil(bad);
     send("SHAPE_OBSERVATION", bad, ++seq);
     inputs.read(std::int64_t{seq} * 1'000'000, 1e-3);
-    EXPECT_EQ(stream.freshness, sensing::Freshness::kOld);
+    EXPECT_EQ(stream.freshness, Freshness::kOld);
     EXPECT_EQ(stream.latest.points_W(2, 1), 0.25F);
     EXPECT_EQ(report(inputs, "SHAPE_OBSERVATION").rejected, seq - 1);
   };
@@ -201,7 +201,7 @@ TEST_F(InputsTest, AnObservationComesWholeOrNotAtAll) {
   send("SHAPE_OBSERVATION", nothing, ++seq);
   inputs.read(std::int64_t{seq} * 1'000'000, 1e-3);
   EXPECT_EQ(stream.latest.count, 0) << "a camera that sees nothing";
-  EXPECT_EQ(stream.freshness, sensing::Freshness::kNew);
+  EXPECT_EQ(stream.freshness, Freshness::kNew);
 }
 
 }  // namespace

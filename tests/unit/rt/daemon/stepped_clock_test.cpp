@@ -73,12 +73,12 @@ TEST_F(SteppedClockTest, AgesAreOfSimulatedTimeWhateverTheClockOfArrivalSays) {
     robot_state(arrival_ns);
     tick(1, 10 + arrival_ns);
     clock_.run_pending(daemon_);
-    EXPECT_EQ(robot().freshness, sensing::Freshness::kNew);
+    EXPECT_EQ(robot().freshness, Freshness::kNew);
     EXPECT_EQ(robot().age, 0);
     for (int n = 1; n <= 40; ++n) {
       tick(1 + n, 10 + arrival_ns);
       clock_.run_pending(daemon_);
-      EXPECT_EQ(robot().freshness, sensing::Freshness::kOld);
+      EXPECT_EQ(robot().freshness, Freshness::kOld);
       EXPECT_NEAR(robot().age, 1e-6 * kPeriodUs * n, 1e-12);
     }
   }

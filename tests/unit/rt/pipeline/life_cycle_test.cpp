@@ -16,19 +16,19 @@ TEST(LifeCycle, NamesOfEventsAreReadBack) {
 
 TEST(LifeCycle, DegradedRecoversAndFaultLatches) {
   Condition condition{LifeCycle::kActive, ""};
-  condition.apply({sensing::Status::kDegraded, "old input"});
+  condition.apply({Status::kDegraded, "old input"});
   EXPECT_EQ(condition.state, LifeCycle::kDegraded);
   EXPECT_STREQ(condition.reason, "old input");
-  condition.apply({sensing::Status::kOk, ""});
+  condition.apply({Status::kOk, ""});
   EXPECT_EQ(condition.state, LifeCycle::kActive);
-  condition.apply({sensing::Status::kFault, "broken"});
-  condition.apply({sensing::Status::kOk, ""});
+  condition.apply({Status::kFault, "broken"});
+  condition.apply({Status::kOk, ""});
   EXPECT_EQ(condition.state, LifeCycle::kFaulted);
 }
 
 TEST(LifeCycle, InactiveStaysInactive) {
   Condition condition{LifeCycle::kInactive, ""};
-  condition.apply({sensing::Status::kOk, ""});
+  condition.apply({Status::kOk, ""});
   EXPECT_EQ(condition.state, LifeCycle::kInactive);
 }
 

@@ -45,9 +45,8 @@ class Witness : public estimation::Estimator {
  public:
   explicit Witness(estimation::ObservationInput& seen) : seen_(seen) {}
   void activate(elasticity::DeformationModel&) noexcept override {}
-  sensing::UpdateResult update(const estimation::EstimationInputs& inputs,
-                               elasticity::DeformationModel&,
-                               estimation::Estimate&) noexcept override {
+  UpdateResult update(const estimation::EstimationInputs& inputs, elasticity::DeformationModel&,
+                      estimation::Estimate&) noexcept override {
     seen_ = inputs.observation;
     return {};
   }
@@ -59,21 +58,21 @@ class Witness : public estimation::Estimator {
 TEST(Pipeline, WhatIsSeenReachesTheEstimatorInTheObjectsFrame) {
   Pipeline pipeline(example(), 1e-3);
   estimation::ObservationInput seen;
-  pipeline.slots_at_setup().estimator = std::make_unique<Witness>(seen);
+  pipeline.components_at_setup().estimator = std::make_unique<Witness>(seen);
   sensing::Signals signals = at_rest(pipeline);
   pipeline.start();
   run(pipeline, signals, 2);
-  EXPECT_EQ(seen.freshness, sensing::Freshness::kNoData);
+  EXPECT_EQ(seen.freshness, Freshness::kNoData);
   EXPECT_EQ(pipeline.condition().state, LifeCycle::kActive) << "nothing need be seen";
 
   const Eigen::Vector3d p_O(0.25, 0.03, 0.06);
-  signals.observation.freshness = sensing::Freshness::kNew;
+  signals.observation.freshness = Freshness::kNew;
   signals.observation.latest.count = 2;
   signals.observation.latest.deviation = 3e-4;
   signals.observation.latest.time = 7;
   signals.observation.latest.points_W.col(1) = (pipeline.frames().X_WO * p_O).cast<float>();
   run(pipeline, signals, 1);
-  EXPECT_EQ(seen.freshness, sensing::Freshness::kNew);
+  EXPECT_EQ(seen.freshness, Freshness::kNew);
   ASSERT_EQ(seen.points_O.cols(), 2);
   EXPECT_LT((seen.points_O.col(1) - p_O).norm(), 1e-6);
   EXPECT_EQ(seen.deviation, 3e-4);
@@ -171,8 +170,7 @@ TEST(Pipeline, TargetsThatDoNotFitAreRefusedWithAReason) {
 class WrongContact : public sensing::SensorModel {
  public:
   explicit WrongContact(double number) : number_(number) {}
-  sensing::UpdateResult update(const sensing::Signals&,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) noexcept override {
     sensing::Contact contact;
     contact.source = sensing::Source::kWrist0;
     contact.wrench.torque.y() = number_;

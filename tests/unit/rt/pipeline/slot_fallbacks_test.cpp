@@ -29,14 +29,12 @@ std::string complaint(const std::string& override) {
 /// Outputs one contact and a configurable status.
 struct Scripted final : sensing::SensorModel {
   explicit Scripted(const bool& b) : broken(b) {}
-  sensing::UpdateResult update(const sensing::Signals&,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) noexcept override {
     sensing::Contact contact;
     contact.source = sensing::Source::kWrist0;
     contact.wrench.force.x() = 0.1;
     contacts.push(contact);
-    return broken ? sensing::UpdateResult{sensing::Status::kFault, "broken"}
-                  : sensing::UpdateResult{};
+    return broken ? UpdateResult{Status::kFault, "broken"} : UpdateResult{};
   }
   const bool& broken;
 };
@@ -48,10 +46,10 @@ class SlotFallbacks : public ::testing::Test {
         "object.mesh={box: {size: [0.5, 0.06, 0.06], cells: [6, 1, 1]}}", "object.order=linear"};
     all.insert(all.end(), overrides.begin(), overrides.end());
     pipeline_ = std::make_unique<Pipeline>(fallback_example(all), 1e-3);
-    Slots& slots = pipeline_->slots_at_setup();
+    ComponentSet& components = pipeline_->components_at_setup();
     // A sensor that always reports a contact.
     std::unique_ptr<sensing::SensorModel> sound = std::make_unique<Scripted>(never_);
-    if (slots.sensing[0].fallback == nullptr) slots.sensing[0].model.swap(sound);
+    if (components.sensing[0].fallback == nullptr) components.sensing[0].model.swap(sound);
     signals_ = support::at_rest(*pipeline_);
   }
   void start() {
@@ -116,7 +114,7 @@ class SlotFallbacks : public ::testing::Test {
   void put_in_faulty_transformer() {
     auto faulty = std::make_unique<support::FaultyTransformer>(broken_);
     auto& its_good = faulty->good;
-    Slots::Contact& contact = pipeline_->slots_at_setup().contact[0];
+    ComponentSet::Contact& contact = pipeline_->components_at_setup().contact[0];
     std::unique_ptr<contact::ForceTransformer> present = std::move(faulty);
     contact.fallback != nullptr ? contact.fallback->exchange(present)
                                 : contact.transformer.swap(present);
@@ -124,9 +122,9 @@ class SlotFallbacks : public ::testing::Test {
   }
   void put_in_faulty_feature() {
     auto faulty = std::make_unique<support::FaultyFeature>(broken_);
-    Slots& slots = pipeline_->slots_at_setup();
-    faulty->good = std::move(slots.feature);
-    slots.feature = std::move(faulty);
+    ComponentSet& components = pipeline_->components_at_setup();
+    faulty->good = std::move(components.feature);
+    components.feature = std::move(faulty);
   }
 
   const bool never_ = false;
@@ -137,7 +135,7 @@ class SlotFallbacks : public ::testing::Test {
 
 TEST_F(SlotFallbacks, OfASensorModelCommandsInTheSameCycle) {
   build({"sensing.0.fallback={component: ft_tare_only}"});
-  Slots::Sensing& wrist = pipeline_->slots_at_setup().sensing[0];
+  ComponentSet::Sensing& wrist = pipeline_->components_at_setup().sensing[0];
   std::unique_ptr<sensing::SensorModel> first = std::make_unique<Scripted>(broken_),
                                         second = std::make_unique<Scripted>(never_);
   auto pair =

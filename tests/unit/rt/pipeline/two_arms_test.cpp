@@ -48,7 +48,7 @@ class TwoArms : public ::testing::Test {
   /// The wrist of `arm` reports this, without processing.
   void push(int arm, const Eigen::Vector3d& force) {
     sensing::Stream<sensing::ForceTorque>& stream = signals_[arm].force_torque;
-    stream.freshness = sensing::Freshness::kNew;
+    stream.freshness = Freshness::kNew;
     stream.age = 0;
     stream.fresh_count = 1;
     stream.latest.F_S.force = force;
@@ -95,11 +95,11 @@ TEST_F(TwoArms, ALostArmStopsBothAndDegrades) {
     aim({0, 0, 0.03});
     run(200);
     ASSERT_GT(velocity(0).norm(), 0);
-    signals_[lost].robot.freshness = sensing::Freshness::kOld;
+    signals_[lost].robot.freshness = Freshness::kOld;
     run(400);
     EXPECT_EQ(pipeline_->condition().state, LifeCycle::kDegraded) << lost;
     for (int arm = 0; arm < 2; ++arm) EXPECT_EQ(velocity(arm).norm(), 0) << lost << arm;
-    signals_[lost].robot.freshness = sensing::Freshness::kNew;
+    signals_[lost].robot.freshness = Freshness::kNew;
     run(100);
     EXPECT_EQ(pipeline_->condition().state, LifeCycle::kActive) << lost;
     EXPECT_GT(velocity(lost).norm(), 0) << lost;

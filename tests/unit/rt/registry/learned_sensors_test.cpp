@@ -18,7 +18,7 @@ using ::testing::HasSubstr;
 
 template <class T, int kCapacity>
 void feed(sensing::Stream<T, kCapacity>& stream) {
-  stream.freshness = sensing::Freshness::kNew;
+  stream.freshness = Freshness::kNew;
   stream.age = 0;
   stream.fresh_count = 1;
 }
@@ -104,8 +104,8 @@ TEST_F(LearnedComponents, RunWithoutAllocationInBothExecutors) {
         contacts.count = 0;
         input.biotac[0].fresh[0].time = 0.01 * i;
         input.biotac[0].fresh[0].electrodes[2] = i > 0 ? 100 : 0;
-        observer->update(input, contacts);
-        finger->update(input, contacts);
+        static_cast<void>(observer->update(input, contacts));
+        static_cast<void>(finger->update(input, contacts));
       }
       EXPECT_EQ(scope.count(), 0);
     }
@@ -122,7 +122,7 @@ TEST_F(LearnedComponents, RunWithoutAllocationInBothExecutors) {
 TEST_F(LearnedComponents, APayloadThatIsGivenGoesOverTheCards) {
   const auto observer = make("ft_rnnob", ", payload: {mass: 1}");
   sensing::ContactSet contacts;
-  observer->update(signals(), contacts);
+  static_cast<void>(observer->update(signals(), contacts));
   ASSERT_EQ(contacts.count, 1);
   EXPECT_NEAR(contacts.contacts[0].wrench.force.z(), 9.81, 1e-6);
 }
@@ -132,7 +132,7 @@ TEST_F(LearnedComponents, ACardWithoutPayloadLeavesItToTheNetwork) {
   write();
   const auto observer = make("ft_rnnob");
   sensing::ContactSet contacts;
-  observer->update(signals(), contacts);
+  static_cast<void>(observer->update(signals(), contacts));
   ASSERT_EQ(contacts.count, 1);
   EXPECT_NEAR(contacts.contacts[0].wrench.force.z(), 2 * 9.81, 1e-6);
   EXPECT_THAT(complaint("ft_rnnob", ", fallback: newton_euler"),

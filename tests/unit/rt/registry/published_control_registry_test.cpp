@@ -33,7 +33,7 @@ class PublishedControlRegistry : public ::testing::Test {
         std::make_unique<pipeline::Pipeline>(config::Node::load_file(kExample, overrides), 1e-3);
     const Frames& frames = pipeline_->frames(0);
     signals_ = {};
-    signals_.robot.freshness = sensing::Freshness::kNew;
+    signals_.robot.freshness = Freshness::kNew;
     signals_.robot.age = 0;
     signals_.robot.latest.X_WE =
         frames.X_WO * pipeline_->object().body.grasps[0].X_OG_rest * frames.X_EG.inverse();
@@ -52,7 +52,7 @@ class PublishedControlRegistry : public ::testing::Test {
       pipeline_->control(1e-3);
       pipeline_->gate(1e-3);
       allocations += scope.count();
-      signals_.observation.freshness = sensing::Freshness::kOld;
+      signals_.observation.freshness = Freshness::kOld;
       signals_.observation.age += 1e-3;
     }
     return allocations;
@@ -67,7 +67,7 @@ class PublishedControlRegistry : public ::testing::Test {
   /// A marker at the feature's point, displaced.
   void see(const Eigen::Vector3d& displacement) {
     sensing::ShapeObservation& seen = signals_.observation.latest;
-    signals_.observation.freshness = sensing::Freshness::kNew;
+    signals_.observation.freshness = Freshness::kNew;
     signals_.observation.age = 0;
     seen.count = 1;
     seen.deviation = 1e-6;

@@ -5,13 +5,10 @@
 namespace palpate::registry {
 namespace {
 
-using sensing::Status;
-
 /// Outputs one contact of `force` along x and a configurable status.
 struct Scripted final : sensing::SensorModel {
   explicit Scripted(double f) : force(f) {}
-  sensing::UpdateResult update(const sensing::Signals&,
-                               sensing::ContactSet& contacts) noexcept override {
+  UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) noexcept override {
     ++updates;
     sensing::Contact contact;
     contact.wrench.force.x() = force;
@@ -21,7 +18,7 @@ struct Scripted final : sensing::SensorModel {
   void zero() noexcept override { ++zeros; }
   void reset() noexcept override { answer = {}; }
   double force;
-  sensing::UpdateResult answer;
+  UpdateResult answer;
   int updates = 0, zeros = 0;
 };
 
@@ -34,7 +31,7 @@ class SensorFallbackTest : public ::testing::Test {
     second_ = second.get();
     model_ = std::make_unique<SensorFallback>(std::move(first), std::move(second), "taken over");
   }
-  sensing::UpdateResult update() {
+  UpdateResult update() {
     contacts_.count = 1;  // another sensor's
     return model_->update({}, contacts_);
   }
@@ -62,7 +59,7 @@ TEST_F(SensorFallbackTest, ADegradedFirstIsStillTheFirst) {
 
 TEST_F(SensorFallbackTest, AFaultHandsOverUntilReset) {
   first_->answer = {Status::kFault, "broken"};
-  const sensing::UpdateResult result = update();
+  const UpdateResult result = update();
   EXPECT_EQ(result.status, Status::kDegraded);
   EXPECT_STREQ(result.reason, "taken over");
   EXPECT_EQ(contacts_.count, 2);

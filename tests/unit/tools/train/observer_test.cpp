@@ -17,7 +17,7 @@ const std::string kPreset = PALPATE_SOURCE_DIR "/tools/train/presets/ft_rnnob.ya
 
 template <class T, int kCapacity>
 void feed(sensing::Stream<T, kCapacity>& stream, const T& sample) {
-  stream.freshness = sensing::Freshness::kNew;
+  stream.freshness = Freshness::kNew;
   stream.age = 0;
   stream.latest = stream.fresh[0] = sample;
   stream.fresh_count = 1;
@@ -95,7 +95,7 @@ TEST(Observer, GivesInTheLoopWhatItsTrainingSaw) {
   for (int tick = 0; tick < 10 * steps; ++tick) {
     feed_row(table.rows.row(tick), felt.rows.row(tick), options.gravity_W, signals);
     sensing::ContactSet contacts;
-    observer.update(signals, contacts);
+    static_cast<void>(observer.update(signals, contacts));
     if (tick % 10 != 0) continue;
     const int k = tick / 10;
     for (int i = 0; i < inputs; ++i)

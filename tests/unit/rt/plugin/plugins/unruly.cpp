@@ -53,7 +53,7 @@ class Sensor : public plugin::PluginSensorModel {
   explicit Sensor(const Parameters& parameters) : mischief_(parameters) {
     if (mischief_.is("fail_setup")) throw std::runtime_error("no such hardware");
   }
-  sensing::UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) override {
+  palpate::UpdateResult update(const sensing::Signals&, sensing::ContactSet& contacts) override {
     sensing::Contact contact;
     contact.source = sensing::Source::kWrist0;
     contact.wrench.force.setConstant(mischief_.is("nan") ? kNan : 0.125);

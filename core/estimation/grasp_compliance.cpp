@@ -1,4 +1,4 @@
-#include "core/estimation/grasp_give.hpp"
+#include "core/estimation/grasp_compliance.hpp"
 
 #include <Eigen/Dense>
 #include <Eigen/SparseCholesky>
@@ -188,8 +188,8 @@ bool sprung_response(const elasticity::Body& body, const math::Pose& X_GO, const
 
 }  // namespace
 
-math::Matrix6d grasp_give(const elasticity::Body& body, std::size_t grasp,
-                          const math::Matrix6d& pads) {
+math::Matrix6d grasp_compliance(const elasticity::Body& body, std::size_t grasp,
+                                const math::Matrix6d& pads) {
   const bool worth = body.mesh.order == mesh::ElementOrder::kQuadratic &&
                      body.mesh.node_count() <= kMostNodes && !pads.isZero(0);
   if (!worth) return pads;
@@ -204,8 +204,8 @@ math::Matrix6d grasp_give(const elasticity::Body& body, std::size_t grasp,
   // the nodes of the coarse mesh come first in the fine one
   const Motions off = fine.topRows(S.rows()) - S;
   const math::Matrix6d moved = (S.transpose() * S).ldlt().solve(S.transpose() * off);
-  const math::Matrix6d give = -moved * wrench.inverse();
-  return give.allFinite() ? give : pads;
+  const math::Matrix6d compliance = -moved * wrench.inverse();
+  return compliance.allFinite() ? compliance : pads;
 }
 
 }  // namespace palpate::estimation

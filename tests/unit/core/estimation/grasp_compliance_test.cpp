@@ -1,4 +1,4 @@
-#include "core/estimation/grasp_give.hpp"
+#include "core/estimation/grasp_compliance.hpp"
 
 #include <gtest/gtest.h>
 
@@ -55,7 +55,7 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
   estimator.activate(model);
   EstimationInputs inputs;
   inputs.grasp_count = 1;
-  inputs.grasps[0].pose_freshness = sensing::Freshness::kNew;
+  inputs.grasps[0].pose_freshness = Freshness::kNew;
   inputs.grasps[0].holding = true;
   inputs.grasps[0].X_OG = X_OG;
   Estimate estimate;
@@ -64,7 +64,7 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
       job->run();
       model.install(*job);
     }
-    estimator.update(inputs, model, estimate);
+    static_cast<void>(estimator.update(inputs, model, estimate));
   }
   double sum = 0;
   for (int node = 0; node < coarse.mesh.node_count(); ++node)
@@ -76,7 +76,7 @@ double mean_error(const elasticity::Body& coarse, const math::Pose& X_OG) {
 
 /// A coarse mesh with a compliant grasp is closer to the truth than without, and than a mesh with
 /// edges half as long whose patch is rigid.
-TEST(GraspGiveTest, ACoarseMeshIsWhereAFineOneHasIt) {
+TEST(GraspComplianceTest, ACoarseMeshIsWhereAFineOneHasIt) {
   constexpr double kFirm = 1e7;  // N/m
   elasticity::Body body = gripped_bar({10, 1, 1}, true), half = gripped_bar({20, 2, 2}, true);
   elasticity::GraspRegion& grasp = body.grasps[0];
@@ -88,7 +88,7 @@ TEST(GraspGiveTest, ACoarseMeshIsWhereAFineOneHasIt) {
   for (const math::Pose& X_OG : {bent, twisted}) {
     grasp.object_compliance.setZero();
     const double without = mean_error(body, X_OG), of_half = mean_error(half, X_OG);
-    grasp.object_compliance = grasp_give(body, 0, grasp.compliance) - grasp.compliance;
+    grasp.object_compliance = grasp_compliance(body, 0, grasp.compliance) - grasp.compliance;
     const double with = mean_error(body, X_OG);
     std::printf("mean error %.3f mm, without %.3f mm, edges half as long %.3f mm\n", 1e3 * with,
                 1e3 * without, 1e3 * of_half);
@@ -97,25 +97,25 @@ TEST(GraspGiveTest, ACoarseMeshIsWhereAFineOneHasIt) {
   }
 }
 
-TEST(GraspGiveTest, DoesNotDependOnHowStiffTheObjectIsUnderFirmPads) {
+TEST(GraspComplianceTest, DoesNotDependOnHowStiffTheObjectIsUnderFirmPads) {
   elasticity::Body body = gripped_bar({10, 1, 1}, true);
   const math::Matrix6d pads = pads_of(body, 1e9);
-  const math::Matrix6d soft = grasp_give(body, 0, pads);
+  const math::Matrix6d soft = grasp_compliance(body, 0, pads);
   body.material.young_modulus *= 3;
-  const math::Matrix6d stiff = grasp_give(body, 0, pads);
+  const math::Matrix6d stiff = grasp_compliance(body, 0, pads);
   EXPECT_LT((soft - 3 * stiff).norm(), 1e-3 * soft.norm());
   EXPECT_GT(soft(4, 4), 0.05);  // rad/(N m): it bends into the hand
 }
 
-TEST(GraspGiveTest, IsThatOfThePadsWithoutInformation) {
+TEST(GraspComplianceTest, IsThatOfThePadsWithoutInformation) {
   const elasticity::Body body = gripped_bar({10, 1, 1}, true);
   const math::Matrix6d pads = pads_of(body, 1e5);
-  EXPECT_TRUE(grasp_give(body, 0, math::Matrix6d::Zero()).isZero(0));
+  EXPECT_TRUE(grasp_compliance(body, 0, math::Matrix6d::Zero()).isZero(0));
   elasticity::Body carried = body;
   carried.fixed_nodes.clear();
-  EXPECT_EQ(grasp_give(carried, 0, pads), pads);
+  EXPECT_EQ(grasp_compliance(carried, 0, pads), pads);
   elasticity::Body linear = support::held_bar({10, 1, 1}, mesh::ElementOrder::kLinear);
-  EXPECT_EQ(grasp_give(linear, 0, pads), pads);
+  EXPECT_EQ(grasp_compliance(linear, 0, pads), pads);
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "rt/pipeline/slots.hpp"
+#include "rt/pipeline/component_set.hpp"
 
 #include <algorithm>
 #include <cstring>
@@ -38,8 +38,8 @@ bool Changes::any() const noexcept {
          std::find(sensing.begin(), sensing.end(), true) != sensing.end();
 }
 
-Slots::Slots(const config::Node& root, const registry::Context& cell, const Changes& changes,
-             std::shared_ptr<const registry::Object> present)
+ComponentSet::ComponentSet(const config::Node& root, const registry::Context& cell,
+                           const Changes& changes, std::shared_ptr<const registry::Object> present)
     : object(std::move(present)), context(cell) {
   if (changes.object)
     object = std::make_shared<registry::Object>(
@@ -61,7 +61,7 @@ Slots::Slots(const config::Node& root, const registry::Context& cell, const Chan
   if (changes.steering) build_steering(root);
 }
 
-void Slots::make_model(const config::Node& node, Sensing& instance) {
+void ComponentSet::make_model(const config::Node& node, Sensing& instance) {
   if (!registry::has_fallback(node)) {
     instance.model = registry::make_sensor_model(node, context);
     return;
@@ -75,7 +75,7 @@ void Slots::make_model(const config::Node& node, Sensing& instance) {
   instance.model = std::move(pair);
 }
 
-void Slots::make_transformer(const config::Node& node, Contact& instance) {
+void ComponentSet::make_transformer(const config::Node& node, Contact& instance) {
   if (!registry::has_fallback(node)) {
     instance.transformer = registry::make_force_transformer(node, context);
     return;
@@ -88,7 +88,7 @@ void Slots::make_transformer(const config::Node& node, Contact& instance) {
   instance.transformer = std::move(transformer);
 }
 
-void Slots::build_sensing(const config::Node& root, const Changes& changes) {
+void ComponentSet::build_sensing(const config::Node& root, const Changes& changes) {
   std::size_t index = 0;
   if (root.list({"sensing", "", "sensor models, at most 16"}).size() > kMostSensors)
     root.fail("sensing", "more than " + std::to_string(kMostSensors) + " sensor models");
@@ -107,12 +107,12 @@ void Slots::build_sensing(const config::Node& root, const Changes& changes) {
   }
 }
 
-void Slots::list_running_models(const Sensing& instance) {
+void ComponentSet::list_running_models(const Sensing& instance) {
   for (int i = 0; const sensing::Executor* executor = instance.model->executor(i); ++i)
     running_models.push_back({instance.name + (i == 0 ? "" : "/" + std::to_string(i)), executor});
 }
 
-void Slots::build_contact(const config::Node& root) {
+void ComponentSet::build_contact(const config::Node& root) {
   int max_nodes = 0;
   for (const config::Node& node :
        root.list({"contact", "", "what maps contacts to loads of nodes"})) {
@@ -129,14 +129,14 @@ void Slots::build_contact(const config::Node& root) {
   for (contact::ContactLoads& of_contact : loads) of_contact.loads.reserve(max_nodes);
 }
 
-void Slots::build_steering(const config::Node& root) {
+void ComponentSet::build_steering(const config::Node& root) {
   for (const char* slot : {"feature", "control"}) root.child(slot).leave_to_another("fallback");
   const config::Node control =
       root.child({"control", "", "how it is steered: a Jacobian and a law"});
   feature =
       registry::make_feature(root.child({"feature", "", "what of the shape is steered"}), context);
   provider = registry::make_jacobian_provider(control, context, *feature);
-  sight = registry::make_marker_observer(control, context, *feature);
+  markers = registry::make_marker_observer(control, context, *feature);
   law = registry::make_control_law(control, context, *feature);
   moving = registry::read_moving_arms(control, context);
   commands_joints = registry::read_commands_joints(control, context);
@@ -151,7 +151,7 @@ void Slots::build_steering(const config::Node& root) {
   if (commands_joints) law_output.joint_velocity.setZero(context.arm_model->limits.count());
 }
 
-void Slots::warm_up() {
+void ComponentSet::warm_up() {
   if (!model) return;
   model->prepare();
   estimator->activate(*model);
@@ -163,8 +163,8 @@ void Slots::warm_up() {
   if (feature) feature->evaluate(model->positions(), feature_state.value);
 }
 
-void Slots::adopt(Slots& other, const Changes& changes,
-                  const std::vector<int>& successors) noexcept {
+void ComponentSet::adopt(ComponentSet& other, const Changes& changes,
+                         const std::vector<int>& successors) noexcept {
   for (std::size_t i = 0; i < sensing.size(); ++i) {
     if (successors[i] < 0) continue;
     Sensing& before = other.sensing[successors[i]];
@@ -172,7 +172,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     if (!sensing[i].model) {
       sensing[i].model.swap(before.model);
       std::swap(sensing[i].fallback, before.fallback);
-      sensing[i].told = before.told;
+      sensing[i].fallback_reported = before.fallback_reported;
     } else if (before.condition.state == LifeCycle::kFaulted) {
       sensing[i].condition = {LifeCycle::kActive, ""};  // a valid component has replaced it
     }
@@ -196,7 +196,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
     feature.swap(other.feature);
     provider.swap(other.provider);
     law.swap(other.law);
-    sight.swap(other.sight);
+    markers.swap(other.markers);
     moving = other.moving;
     commands_joints = other.commands_joints;
     target.value.swap(other.target.value);
@@ -220,7 +220,7 @@ void Slots::adopt(Slots& other, const Changes& changes,
              other.target.value.data(), static_cast<int>(other.target.value.size()), reason);
 }
 
-void Slots::start() noexcept {
+void ComponentSet::start() noexcept {
   estimation_condition = feature_condition = control_condition = {LifeCycle::kActive, ""};
   for (Sensing& instance : sensing) instance.condition = {LifeCycle::kActive, ""};
   for (Contact& instance : contact) instance.condition = {LifeCycle::kActive, ""};
@@ -229,14 +229,14 @@ void Slots::start() noexcept {
   provider->reset();
 }
 
-void Slots::reset() noexcept {
+void ComponentSet::reset() noexcept {
   for (Sensing& instance : sensing) {
     instance.model->reset();
-    instance.told = false;
+    instance.fallback_reported = false;
   }
   for (Contact& instance : contact) {
     if (instance.fallback != nullptr) instance.fallback->reset();
-    instance.told = false;
+    instance.fallback_reported = false;
   }
   estimator->reset();
   model->reset();
@@ -244,13 +244,13 @@ void Slots::reset() noexcept {
   estimator->activate(*model);
   law->reset();
   provider->reset();
-  if (sight) sight->reset();
+  if (markers) markers->reset();
   target.revision = -1;
 }
 
-bool Slots::set_target(int revision, const char* kind, const double (*rest_points)[3],
-                       int point_count, const double* values, int value_count,
-                       const char*& reason) noexcept {
+bool ComponentSet::set_target(int revision, const char* kind, const double (*rest_points)[3],
+                              int point_count, const double* values, int value_count,
+                              const char*& reason) noexcept {
   if (std::strcmp(kind, feature->kind()) != 0) {
     reason = "target is for another kind of feature";
     return false;
@@ -276,7 +276,7 @@ bool Slots::set_target(int revision, const char* kind, const double (*rest_point
   return true;
 }
 
-SensorReport Slots::sensor_report(int index) const noexcept {
+SensorReport ComponentSet::sensor_report(int index) const noexcept {
   const Sensing& instance = sensing[index];
   SensorReport report{instance.name.c_str(), instance.component.c_str(), instance.condition,
                       instance.model.get()};
@@ -284,7 +284,7 @@ SensorReport Slots::sensor_report(int index) const noexcept {
   return report;
 }
 
-Condition Slots::worst_of(const Condition& whole) const noexcept {
+Condition ComponentSet::worst_of(const Condition& whole) const noexcept {
   Condition worst = whole;
   const auto consider = [&worst](const Condition& other) {
     if (static_cast<int>(other.state) > static_cast<int>(worst.state)) worst = other;
@@ -302,7 +302,7 @@ Condition Slots::worst_of(const Condition& whole) const noexcept {
   return worst;
 }
 
-bool Slots::on_fallback() const noexcept {
+bool ComponentSet::on_fallback() const noexcept {
   const auto in_use = [](const auto& instance) {
     return instance.fallback != nullptr && instance.fallback->in_use();
   };

@@ -19,7 +19,7 @@ namespace palpate::estimation {
 /// is zero, if elements are linear (whose errors lie elsewhere), if the mesh has more than 2000
 /// nodes, or if only this grasp holds the object. Takes 0.03 s for 189 nodes, 0.25 s for 363.
 /// Throws std::invalid_argument for a body with inverted elements.
-math::Matrix6d grasp_give(const elasticity::Body& body, std::size_t grasp,
-                          const math::Matrix6d& pads);
+math::Matrix6d grasp_compliance(const elasticity::Body& body, std::size_t grasp,
+                                const math::Matrix6d& pads);
 
 }  // namespace palpate::estimation

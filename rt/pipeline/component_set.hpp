@@ -54,7 +54,7 @@ struct Changes {
 
 /// Components in the six slots, the object to which they refer, and their workspace. Sensing and
 /// contact contain lists, the other slots one component each.
-struct Slots {
+struct ComponentSet {
   static constexpr std::size_t kMostSensors = 16;
   struct Sensing {
     std::string name;
@@ -63,7 +63,7 @@ struct Slots {
     std::unique_ptr<sensing::SensorModel> model;
     registry::SensorFallback* fallback = nullptr;  // the model, if it has a fallback
     Condition condition{LifeCycle::kInactive, ""};
-    bool told = false;  // use of the fallback has been reported
+    bool fallback_reported = false;  // use of the fallback has been reported
   };
   struct Contact {
     std::string name;
@@ -71,14 +71,14 @@ struct Slots {
     registry::ContactFallback* fallback = nullptr;  // the transformer, if it has a fallback
     std::array<bool, 8> sources{};                  // by sensing::Source
     Condition condition{LifeCycle::kInactive, ""};
-    bool told = false;  // use of the fallback has been reported
+    bool fallback_reported = false;  // use of the fallback has been reported
   };
 
   /// Builds and configures the components selected by `changes`; others remain empty. `cell`:
   /// frames, period and mode; `present`: the object to keep if it does not change. Throws
   /// config::Error.
-  Slots(const config::Node& root, const registry::Context& cell, const Changes& changes,
-        std::shared_ptr<const registry::Object> present);
+  ComponentSet(const config::Node& root, const registry::Context& cell, const Changes& changes,
+               std::shared_ptr<const registry::Object> present);
 
   /// Sets the grasps held as required by the estimator, factors for them and evaluates every
   /// component once, so that no operation is executed for the first time in the loop. Applies to
@@ -87,7 +87,8 @@ struct Slots {
 
   /// Takes from `other` the components not selected by `changes`, and the state of the selected
   /// ones. `successors`: by sensor model, index of the one in `other` that it replaces, or -1.
-  void adopt(Slots& other, const Changes& changes, const std::vector<int>& successors) noexcept;
+  void adopt(ComponentSet& other, const Changes& changes,
+             const std::vector<int>& successors) noexcept;
 
   void start() noexcept;
   void reset() noexcept;
@@ -109,7 +110,7 @@ struct Slots {
   std::unique_ptr<control::JacobianProvider> provider;
   std::unique_ptr<control::ControlLaw> law;
   /// Null: the feature is evaluated on the model.
-  std::unique_ptr<published_control::MarkerObserver> sight;
+  std::unique_ptr<published_control::MarkerObserver> markers;
   registry::MovingArms moving = registry::MovingArms::kFirst;
   bool commands_joints = false;  // of the first arm, instead of its hand's twist
 
