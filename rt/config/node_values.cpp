@@ -119,6 +119,9 @@ OptionValue Node::value(const Option& option) const {
     case Option::Kind::kChoice:
       return option.required ? choice(key, option.choices)
                              : choice(key, option.choices, std::get<std::string>(option.otherwise));
+    case Option::Kind::kFile:
+      return option.required || has(option.key) ? path(key)
+                                                : std::get<std::string>(option.otherwise);
     case Option::Kind::kNumbers:
       break;
   }

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <utility>
 
+#include "rt/plugin/plugin_guards.hpp"
+
 namespace palpate::pipeline {
 namespace {
 
@@ -161,8 +163,10 @@ void Pipeline::estimate(double dt) noexcept {
   take_observation(inputs.observation);
   const auto is_sound = [this] {
     Slots& now = *slots_;
-    now.estimation_condition.apply(
-        now.estimator->update(estimation_inputs_, *now.model, now.estimate));
+    sensing::UpdateResult result =
+        now.estimator->update(estimation_inputs_, *now.model, now.estimate);
+    if (const char* fault = plugin::fault_of(*now.model)) result = {sensing::Status::kFault, fault};
+    now.estimation_condition.apply(result);
     return now.estimation_condition.state != LifeCycle::kFaulted;
   };
   if (!is_sound() &&

@@ -142,6 +142,7 @@ void Replacement::prepare_transfer(const registry::Object& from) {
 }
 
 void Replacement::warm_up(const ShapeSnapshot& snapshot) {
+  const plugin::SetupScope scope;
   elasticity::DeformationModel& model = *slots_->model;
   model.prepare();
   for (int round = 0; round < kWarmUpRounds; ++round) {
@@ -154,6 +155,7 @@ void Replacement::warm_up(const ShapeSnapshot& snapshot) {
     if (model.step(slots_->context.period).status == elasticity::StepStatus::kConverged) break;
   }
   if (slots_->feature) slots_->feature->evaluate(model.positions(), slots_->feature_state.value);
+  slots_->check_warm_up(scope);
 }
 
 bool Replacement::give_shape(const Eigen::Matrix3Xd& positions, const Eigen::Matrix3Xd& velocities,

@@ -49,10 +49,9 @@ std::unique_ptr<contact::ForceTransformer> make_wrench_patch(const config::Node&
 std::unique_ptr<contact::ForceTransformer> make_force_transformer(const config::Node& node,
                                                                   const Context& context) {
   const auto& plugins = plugins_of(context).force_transformers;
-  const std::string name = node.choice(
-      {"component", "", "how a wrench at a place becomes loads of nodes"},
-      plugin::with_plugins({plugin::kForceTransformers.begin(), plugin::kForceTransformers.end()},
-                           plugins));
+  const std::string name =
+      node.choice({"component", "", "how a wrench at a place becomes loads of nodes"},
+                  plugin::with_plugins(plugin::kForceTransformers, plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
     return make_plugin(*entry, node, context);
   try {

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "core/control/dual_quaternion.hpp"
 #include "core/control/fem_jacobian.hpp"
 #include "core/control/kinematic_jacobian.hpp"
@@ -8,7 +6,6 @@
 #include "core/math/constants.hpp"
 #include "rt/plugin/built_in_names.hpp"
 #include "rt/registry/plugin_registry.hpp"
-#include "rt/registry/published_control_registry.hpp"
 #include "rt/registry/registry.hpp"
 
 namespace palpate::registry {
@@ -180,20 +177,14 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
                                                                   const Context& context,
                                                                   shape::Feature& feature) {
   const MovingArms moving = read_moving_arms(node, context);
-  std::vector<std::string> names = {plugin::kJacobianProviders.begin(),
-                                    plugin::kJacobianProviders.end()};
-  const std::vector<std::string>& published = published_providers();
-  names.insert(names.end(), published.begin(), published.end());
   const auto& plugins = plugins_of(context).jacobian_providers;
   const std::string name = node.choice(
       {"provider", "",
        "of the Jacobian: by the mechanics, as if the feature were rigid with the hand, or that of "
-       "a published method beside which palpate is measured"},
-      plugin::with_plugins(names, plugins));
+       "a plug-in"},
+      plugin::with_plugins(plugin::kJacobianProviders, plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
-    return make_plugin(*entry, node, context);
-  if (std::find(published.begin(), published.end(), name) != published.end())
-    return make_published_provider(name, node, context, feature);
+    return make_plugin(*entry, node, context, feature);
   if (name == "kinematic") {
     if (moving == MovingArms::kBoth)
       node.fail("provider", "kinematic knows one hand, which carries the feature; use fem");
@@ -205,13 +196,28 @@ std::unique_ptr<control::JacobianProvider> make_jacobian_provider(const config::
   return std::make_unique<control::FemJacobian>(options);
 }
 
+std::unique_ptr<control::MarkerObserver> make_marker_observer(const config::Node& node,
+                                                              const Context& context,
+                                                              const shape::Feature& feature) {
+  const std::string kind = node.choice({"sight", "",
+                                        "whether the feature is read off tracked markers, and "
+                                        "whether the model stands in while they are hidden"},
+                                       {"none", "markers", "markers_and_model"}, "none");
+  if (kind == "none") return nullptr;
+  control::MarkerObserver::Options options;
+  if (kind == "markers_and_model") options.kind = control::MarkerObserver::Kind::kOffset;
+  options.patience = node.number({"sight_patience", "s", "that sight may be lost for"},
+                                 {0.001, 100}, options.patience);
+  return std::make_unique<control::MarkerObserver>(context.object->body.mesh, feature.rest_points(),
+                                                   options);
+}
+
 std::unique_ptr<control::ControlLaw> make_control_law(const config::Node& node,
                                                       const Context& context,
                                                       const shape::Feature& feature) {
   const auto& plugins = plugins_of(context).control_laws;
-  const std::string name = node.choice(
-      {"law", "", "what makes a motion of the error"},
-      plugin::with_plugins({plugin::kControlLaws.begin(), plugin::kControlLaws.end()}, plugins));
+  const std::string name = node.choice({"law", "", "what makes a motion of the error"},
+                                       plugin::with_plugins(plugin::kControlLaws, plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name)) {
     std::unique_ptr<control::ControlLaw> own = make_plugin(*entry, node, context);
     try {

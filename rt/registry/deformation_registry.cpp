@@ -1,4 +1,3 @@
-#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"
@@ -6,7 +5,8 @@
 #include "core/elasticity/corotational_model.hpp"
 #include "rt/loop/fixed_rate_loop.hpp"
 #include "rt/loop/spin_team.hpp"
-#include "rt/registry/registry.hpp"
+#include "rt/plugin/built_in_names.hpp"
+#include "rt/registry/plugin_registry.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -104,29 +104,18 @@ Model make_shape_matching(const config::Node& node, const Context& context) {
   return std::make_unique<elasticity::ShapeMatchingModel>(context.object->body, options);
 }
 
-Model make_as_rigid_as_possible(const config::Node& node, const Context& context) {
-  elasticity::AsRigidAsPossibleOptions options;
-  options.iterations =
-      node.integer({"iterations", "", "pairs of a local and a global step, at most"}, {1, 100},
-                   options.iterations);
-  options.accuracy =
-      node.number({"accuracy", "m", "a step ends where an iteration moves no node further"},
-                  {0, 1e-3}, options.accuracy);
-  return std::make_unique<elasticity::AsRigidAsPossible>(context.object->body, options);
-}
-
 }  // namespace
 
 Model make_deformation_model(const config::Node& node, const Context& context) {
-  const std::string name =
-      node.choice({"component", "", "the mechanics"},
-                  {"corotational_quasistatic", "corotational_dynamic", "linear", "mass_spring",
-                   "shape_matching", "as_rigid_as_possible"});
+  const auto& plugins = plugins_of(context).deformation_models;
+  const std::string name = node.choice({"component", "", "the mechanics"},
+                                       plugin::with_plugins(plugin::kDeformationModels, plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   try {
     if (name == "linear") return std::make_unique<elasticity::LinearModel>(context.object->body);
     if (name == "mass_spring") return make_mass_spring(node, context);
     if (name == "shape_matching") return make_shape_matching(node, context);
-    if (name == "as_rigid_as_possible") return make_as_rigid_as_possible(node, context);
     return make_corotational(node, name, context);
   } catch (const std::invalid_argument& error) {
     node.fail("", error.what());

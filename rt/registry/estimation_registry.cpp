@@ -1,11 +1,10 @@
-#include <algorithm>
-
 #include "core/estimation/fingertip_driven.hpp"
 #include "core/estimation/force_driven.hpp"
 #include "core/estimation/pose_driven.hpp"
 #include "core/estimation/pose_wrench_filter.hpp"
 #include "core/estimation/wrench_driven.hpp"
-#include "rt/registry/published_sensing_registry.hpp"
+#include "rt/plugin/built_in_names.hpp"
+#include "rt/registry/plugin_registry.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -202,18 +201,14 @@ std::unique_ptr<estimation::Estimator> make_pose_wrench_filter(const config::Nod
 
 std::unique_ptr<estimation::Estimator> make_estimator(const config::Node& node,
                                                       const Context& context) {
-  const std::vector<std::string>& published = published_sensing_names();
-  std::vector<std::string> names{"pose_driven", "force_driven", "wrench_driven", "fingertip_driven",
-                                 "pose_wrench_filter"};
-  names.insert(names.end(), published.begin(), published.end());
+  const auto& plugins = plugins_of(context).estimators;
   const std::string name = node.choice(
       {"component", "",
-       "what drives the shape: the pose of the hand, the wrench, both, forces or fingertips; or a "
-       "published method beside which palpate is measured"},
-      names);
+       "what drives the shape: the pose of the hand, the wrench, both, forces or fingertips"},
+      plugin::with_plugins(plugin::kEstimators, plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   try {
-    if (std::find(published.begin(), published.end(), name) != published.end())
-      return make_published_sensing(name, node, context);
     if (name == "force_driven") return make_force_driven(node, context);
     if (name == "wrench_driven") return make_wrench_driven(node, context);
     if (name == "pose_wrench_filter") return make_pose_wrench_filter(node, context);

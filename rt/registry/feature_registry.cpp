@@ -5,7 +5,8 @@
 #include "core/shape/point_feature.hpp"
 #include "core/shape/points_feature.hpp"
 #include "core/shape/pose_feature.hpp"
-#include "rt/registry/registry.hpp"
+#include "rt/plugin/built_in_names.hpp"
+#include "rt/registry/plugin_registry.hpp"
 
 namespace palpate::registry {
 namespace {
@@ -54,9 +55,11 @@ std::vector<Eigen::Vector3d> set_of_points(const config::Node& node,
 }  // namespace
 
 std::unique_ptr<shape::Feature> make_feature(const config::Node& node, const Context& context) {
-  const std::string name =
-      node.choice({"component", "", "kind of the feature"},
-                  {"point", "points", "pose", "distance", "angle", "curvature", "fourier_contour"});
+  const auto& plugins = plugins_of(context).features;
+  const std::string name = node.choice({"component", "", "kind of the feature"},
+                                       plugin::with_plugins(plugin::kFeatures, plugins));
+  if (const auto* entry = plugin::find_plugin(plugins, name))
+    return make_plugin(*entry, node, context);
   const mesh::ElementMesh& mesh = context.object->body.mesh;
   try {
     if (name == "point") {

@@ -136,9 +136,8 @@ Listens listens_to(const std::string& name, const Context& context) {
 std::unique_ptr<sensing::SensorModel> make_sensor_model(const config::Node& node,
                                                         const Context& context) {
   const auto& plugins = plugins_of(context).sensor_models;
-  const std::string name = node.choice(
-      {"component", "", "model of the sensor"},
-      plugin::with_plugins({plugin::kSensorModels.begin(), plugin::kSensorModels.end()}, plugins));
+  const std::string name = node.choice({"component", "", "model of the sensor"},
+                                       plugin::with_plugins(plugin::kSensorModels, plugins));
   if (const auto* entry = plugin::find_plugin(plugins, name))
     return make_plugin(*entry, node, context);
   try {

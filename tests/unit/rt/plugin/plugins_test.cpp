@@ -80,7 +80,7 @@ std::string law(const std::string& does, const std::string& more = "") {
 }
 
 TEST(Plugins, WithoutTheKeyThereAreNone) {
-  EXPECT_TRUE(Plugins::load(example({}))->components().control_laws.empty());
+  EXPECT_TRUE(Plugins::load(example({}))->components().control_laws.entries().empty());
 }
 
 TEST(Plugins, ComponentsAreMadeByName) {
@@ -123,7 +123,7 @@ TEST(Plugins, WhatIsNoPluginIsRefusedWithFileAndKey) {
 TEST(Plugins, OneOfAnotherPalpateIsNotEvenAsked) {
   expect_complaint({library("other_abi.so")},
                    {"plugins.0.library", "was built for another palpate", "palpate 9",
-                    "EIGEN_MAX_ALIGN_BYTES 32, here 16", "build it anew"});
+                    "EIGEN_MAX_ALIGN_BYTES 32, here 16", "build it again"});
 }
 
 TEST(Plugins, NamesAreCheckedAtRegistration) {
@@ -143,7 +143,7 @@ TEST(Plugins, NamesAreCheckedAtRegistration) {
 TEST(Plugins, KeysAreThoseThatItDeclared) {
   expect_complaint({kUnruly, law("mischief")}, {"control.does", "'mischief'", "allowed: nothing"});
   expect_complaint({kUnruly, law("nothing", ", after: -1")},
-                   {"control.after", "0", "1000000", "cycles that it is good for"});
+                   {"control.after", "0", "1000000", "cycles before it"});
   expect_complaint({kUnruly, law("nothing", ", gain: 1")},
                    {"control.gain", "unknown key", "after"});
   expect_complaint({kUnruly, "control.law=no_such_law"},
@@ -204,7 +204,7 @@ TEST(Plugins, ALawThatErrsFaultsAndSaysWhy) {
   for (const auto& [does, reason] : {std::pair("throw", "the plug-in threw an exception"),
                                      std::pair("throw_number", "the plug-in threw an exception"),
                                      std::pair("nan", "the command is not finite"),
-                                     std::pair("resize", "the plug-in changed the length")}) {
+                                     std::pair("resize", "the plug-in changed the length of an output")}) {
     Running running({kUnruly, sensor("nothing"), law(does, ", after: 60")});
     running.run(50);
     ASSERT_GT(running.speed, 1e-3) << does;

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "core/elasticity/comparison/as_rigid_as_possible.hpp"
+#include "tools/lab/baselines/deformation/as_rigid_as_possible.hpp"
 #include "core/elasticity/comparison/linear_model.hpp"
 #include "core/elasticity/comparison/mass_spring_model.hpp"
 #include "core/elasticity/comparison/shape_matching_model.hpp"

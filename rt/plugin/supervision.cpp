@@ -1,0 +1,43 @@
+#include "rt/plugin/supervision.hpp"
+
+#include <chrono>
+#include <future>
+
+#include "rt/loop/helper_thread.hpp"
+
+namespace palpate::plugin {
+namespace {
+
+thread_local CallRecord* thread_record = nullptr;
+thread_local SetupScope* thread_scope = nullptr;
+
+}  // namespace
+
+RecordCalls::RecordCalls(CallRecord& record) noexcept { thread_record = &record; }
+RecordCalls::~RecordCalls() { thread_record = nullptr; }
+
+InCall::InCall(const char* component) noexcept : record_(thread_record) {
+  if (record_ != nullptr) record_->component.store(component, std::memory_order_release);
+}
+InCall::~InCall() {
+  if (record_ != nullptr) record_->component.store(nullptr, std::memory_order_release);
+}
+
+void within_deadline(const std::string& component, std::function<void()> call, double deadline) {
+  std::packaged_task<void()> task(std::move(call));
+  std::future<void> done = task.get_future();
+  loop::start_helper_thread("palpate-plugin", std::move(task)).detach();
+  if (done.wait_for(std::chrono::duration<double>(deadline)) != std::future_status::ready)
+    throw Hung(component + " has not returned within " +
+               std::to_string(static_cast<int>(deadline)) + " s");
+  done.get();
+}
+
+SetupScope::SetupScope() noexcept : outer_(thread_scope) { thread_scope = this; }
+SetupScope::~SetupScope() { thread_scope = outer_; }
+bool SetupScope::is_active() noexcept { return thread_scope != nullptr; }
+void SetupScope::note(const std::string& failure) {
+  if (thread_scope != nullptr && thread_scope->failure_.empty()) thread_scope->failure_ = failure;
+}
+
+}  // namespace palpate::plugin
